@@ -9,6 +9,7 @@ import numpy as np
 from scipy.special import betaincinv, ndtr
 
 from harness.arrays import Float
+from harness.eta import Question
 
 EPISODES = 100
 """Of one evaluation: a rate is a whole number of hundredths."""
@@ -27,6 +28,18 @@ def is_kept(what: str, share: float, most: float, experiments: int) -> bool:
     """Whether a share of the experiments is no larger than was promised, but for chance; it is printed."""
     print(f"{what}: {share:.3f}, at most {most}")  # noqa: T201
     return share <= most + error(most, experiments)
+
+
+def values_of(seeds: int, places: int = 1, measures: int = 1, effect: float = 0.0, seed: int = 0) -> Float:
+    """Normal values of a question, (2, seeds, places, measures)."""
+    values = np.random.default_rng(seed).normal(size=(2, seeds, places, measures))
+    values[1] += effect
+    return values
+
+
+def question_of(*args: int, **kwargs: float) -> Question:
+    """A question about such values."""
+    return Question.of(values_of(*args, **kwargs))
 
 
 @dataclass(frozen=True)

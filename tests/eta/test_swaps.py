@@ -5,7 +5,7 @@ from math import comb
 
 import numpy as np
 import pytest
-from hypothesis import given, strategies as st
+from hypothesis import example, given, strategies as st
 from hypothesis.extra.numpy import arrays
 
 from harness.arrays import Float
@@ -92,21 +92,13 @@ def test_comparison_of_some_seeds_is_exact_too(differences):
 
 
 @given(DIFFERENCES)
+@example([1.0, 2.0, 3.0])
+@example([0.1, 0.2, -0.3])
+@example([0.7, 0.1, -0.8, 0.0])
 def test_p_counts_all_ways(differences):
-    """As a loop over all of them does."""
-    assert p_of(outcomes_of(differences)) == slow_p(differences)
-
-
-def test_p_by_hand():
-    """Of 1, 2, 3 the ways 1 + 2 + 3 and -1 - 2 - 3 of eight reach 6."""
-    assert p_of(outcomes_of([1.0, 2.0, 3.0])) == 0.25
-    assert p_of(outcomes_of([-1.0, 2.0, 3.0])) == 0.5
-
-
-@pytest.mark.parametrize("differences", [[0.0] * 6, [0.1, 0.2, -0.3], [0.7, 0.1, -0.8, 0.0]])
-def test_no_difference_has_a_p_of_one(differences):
-    """Also where a sum of floats is 0 but for its last bit."""
-    assert p_of(outcomes_of(differences)) == 1.0
+    """As a loop over all of them does, also where a sum of floats is 0 but for its last bit; alone it is corrected."""
+    outcomes = outcomes_of(differences)
+    assert [p_of(outcomes)] == [slow_p(differences)] == corrected_p([outcomes])
 
 
 # Several claims
@@ -121,20 +113,19 @@ def test_corrected_p_is_westfall_and_youngs(claims):
 
 @given(CLAIMS)
 def test_correction_never_helps_a_claim(claims):
-    """No corrected p-value is below the plain one, none above 1."""
+    """No corrected p-value is below the plain one, none above 1; one without a difference is never shown."""
     outcomes = [outcomes_of(claim) for claim in claims]
     for corrected, claim in zip(corrected_p(outcomes), outcomes, strict=True):
         assert p_of(claim) - 1e-12 <= corrected <= 1.0
+    nothing = np.zeros_like(outcomes[0])
+    assert corrected_p([nothing, *outcomes]) == pytest.approx([1.0, *corrected_p(outcomes)], abs=1e-12)
 
 
-@given(DIFFERENCES)
-def test_single_claim_needs_no_correction(differences):
-    """It is its own family."""
-    assert corrected_p([outcomes_of(differences)]) == [p_of(outcomes_of(differences))]
-
-
-def test_family_without_a_claim():
-    """Nothing is corrected."""
+def test_nothing_is_corrected_without_a_claim():
+    """A difference that is clear by itself is less so among many that are not."""
+    rng = np.random.default_rng(0)
+    clear = outcomes_of(0.7 + 0.9 * rng.normal(size=10))
+    assert corrected_p([clear, *(outcomes_of(rng.normal(size=10)) for _ in range(30))])[0] > p_of(clear)
     assert corrected_p([]) == []
 
 
@@ -156,25 +147,11 @@ def test_order_of_claims_does_not_matter(claims, random):
     assert shuffled == pytest.approx([corrected_p(outcomes)[claim] for claim in order], abs=1e-12)
 
 
-def test_unlike_claims_cost():
-    """A difference that is clear by itself is less so among many that are not."""
-    rng = np.random.default_rng(0)
-    clear = outcomes_of(0.7 + 0.9 * rng.normal(size=10))
-    others = [outcomes_of(rng.normal(size=10)) for _ in range(30)]
-    assert corrected_p([clear, *others])[0] > p_of(clear)
-
-
 def test_claims_of_which_nothing_is_known_are_left_out():
     """They have no p-value, and the others have those that they have without them."""
     one, other = outcomes_of([1.0] * 8), outcomes_of([1.0, -0.5] * 4)
     first, second = corrected_p([one, other])
     assert corrected_where_known([None, one, None, other]) == [None, first, None, second]
-
-
-def test_claim_without_a_difference_is_never_shown():
-    """Its sizes are all 0: p is 1, and no other claim is harder to show for it."""
-    clear, nothing = outcomes_of([1.0] * 8), outcomes_of([0.0] * 8)
-    assert corrected_p([nothing, clear]) == [1.0, p_of(clear)]
 
 
 # Shares of runs

@@ -6,25 +6,21 @@ import math
 import random
 from collections.abc import Callable, Sequence
 from importlib.metadata import entry_points
-from io import StringIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from rich.console import Console
 from scipy import stats
 
 import harness.score.compare
 from harness.errors import UsageError
-from harness.eta.swaps import p_text
 from harness.hookspecs import PROJECT
 from harness.record.cell_log import cell_log
 from harness.record.manifest import Manifest
 from harness.record.trace import COLUMN, SCALARS, TraceWriter
 from harness.registry.choice import Choice
 from harness.registry.registry import load_registry
-from harness.report.tables.eta import eta_table
 from harness.score.compare import ComparedRuns, compare_logs
 from harness.score.open_steps import match_steps
 
@@ -213,15 +209,6 @@ def test_every_figure_equals_plain_python(groups, kind):
     json.dumps(data, allow_nan=False)
 
 
-def test_ruler_times_behaviour_is_eta_on_both_paths(groups):
-    """Nothing of an eta is lost between its parts."""
-    data = compare(groups / "base", groups / "k2").to_json()
-    for split in (data["eta_N"], data["eta_P"]):
-        for part in (split, *split["paths"]):
-            product = part["ruler"]["value"] * part["behaviour"]["value"]
-            assert product == pytest.approx(split["eta"]["value"], rel=1e-12)
-
-
 def test_the_same_runs_paid_three_times_as_much_behave_the_same(tmp_path):
     """All of both etas is ruler, 3; all of the behaviour is 1."""
     for seed in range(5):
@@ -254,63 +241,31 @@ def test_pieces_of_any_size_give_the_same(groups, monkeypatch, held):
             assert pieces[name][part]["value"] == pytest.approx(whole[name][part]["value"], rel=1e-12)
 
 
-# Edges
+NEVER = "I_N of the baseline is 0: its mean accumulated reward is never negative"
+NEITHER = "I_P of the baseline is 0: its mean accumulated reward is never positive"
+EDGES = {
+    "never negative": ([1, 2, 3], [-1, 5, 5], (None, None, 3, 0.0, 10.0, 10.0), (None, NEVER), (1.3, "")),
+    "never back": ([0, -1, -1], [0, -1, 2], (1, None, 3, -3.0, 0.0, -3.0), (1 / 3, ""), (None, NEITHER)),
+    "zeros": ([0, 0], [0, 0], (None, None, 2, 0.0, 0.0, 0.0), (None, NEVER), (None, NEITHER)),
+    "one row": ([-2], [-1], (0, None, 1, -2.0, 0.0, -2.0), (0.5, ""), (None, NEITHER)),
+}
 
 
-def test_a_curve_that_is_never_negative_has_no_eta_n(tmp_path):
-    """The reason stands in the note, and eta_P is there."""
-    data = compare(write_rewards(tmp_path / "b", [1, 2, 3]), write_rewards(tmp_path / "k", [-1, 5, 5])).to_json()
-    assert data["baseline"] == {
-        "first_negative": None,
-        "crossover": None,
-        "steps": 3,
-        "I_N": 0.0,
-        "I_P": 10.0,
-        "total": 10.0,
-    }
-    assert data["eta_N"]["eta"]["value"] is None
-    assert data["eta_N"]["eta"]["note"] == "I_N of the baseline is 0: its mean accumulated reward is never negative"
-    assert data["eta_P"]["eta"]["value"] == pytest.approx((4 + 9) / (1 + 3 + 6))
-
-
-def test_a_curve_that_never_crosses_has_no_crossover(tmp_path):
-    """It is negative to the end: there is no eta_P."""
-    data = compare(write_rewards(tmp_path / "b", [0, -1, -1]), write_rewards(tmp_path / "k", [0, -1, 2])).to_json()
-    assert data["baseline"] == {
-        "first_negative": 1,
-        "crossover": None,
-        "steps": 3,
-        "I_N": -3.0,
-        "I_P": 0.0,
-        "total": -3.0,
-    }
-    assert (data["proposed"]["first_negative"], data["proposed"]["crossover"]) == (1, 2)
-    assert data["eta_P"]["eta"]["value"] is None
-    assert "never positive" in data["eta_P"]["eta"]["note"]
-
-
-def test_zeros_have_neither_eta(tmp_path):
-    """Two notes, and JSON without a number that is not finite."""
-    zeros = write_rewards(tmp_path / "b", [0, 0], [0, 0])
-    data = compare(zeros, zeros).to_json()
-    assert data["baseline"] == {
-        "first_negative": None,
-        "crossover": None,
-        "steps": 2,
-        "I_N": 0.0,
-        "I_P": 0.0,
-        "total": 0.0,
-    }
-    assert data["eta_N"]["eta"]["value"] is data["eta_P"]["eta"]["value"] is None
+@pytest.mark.parametrize("edge", EDGES)
+def test_a_curve_at_an_edge_is_told(tmp_path, edge):
+    """An eta that is none has its reason, one run no interval, and JSON no number that is not finite."""
+    base, proposed, index, *etas = EDGES[edge]
+    data = compare(write_rewards(tmp_path / "b", base), write_rewards(tmp_path / "k", proposed)).to_json()
+    assert tuple(data["baseline"].values()) == index
+    for name, (value, note) in zip(("eta_N", "eta_P"), etas, strict=True):
+        found = data[name]["eta"]
+        assert found["value"] == (None if value is None else pytest.approx(value))
+        assert (found["low"], found["high"]) == (None, None)
+        assert (note or "one seed: no interval below 3 seeds") in found["note"]
     json.dumps(data, allow_nan=False)
 
 
-def test_one_run_has_etas_and_no_interval(tmp_path):
-    """One row is a run, too."""
-    data = compare(write_rewards(tmp_path / "b", [-2]), write_rewards(tmp_path / "k", [-1])).to_json()
-    assert data["eta_N"]["eta"]["value"] == 0.5
-    assert data["eta_N"]["eta"]["low"] is data["eta_N"]["eta"]["high"] is None
-    assert "one seed: no interval below 3 seeds" in data["eta_N"]["eta"]["note"]
+# Edges
 
 
 def test_runs_are_cut_to_the_shortest_of_both_groups(tmp_path):
@@ -530,17 +485,7 @@ def register_rewards(register):
 
 
 def test_both_etas_are_corrected_together(groups):
-    """Two claims of one comparison: no corrected p is below its own, and the table shows the corrected ones."""
-    found = compare_logs(
-        match_steps([str(groups / "base" / "*.csv")]),
-        match_steps([str(groups / "k2" / "*.csv")]),
-        load_registry(),
-    )
-    told = Console(width=200, file=StringIO())
-    told.print(eta_table(found))
-    for split in found.decomposition.splits.values():
-        assert split.p is not None
-        assert split.corrected is not None
-        assert split.corrected >= split.p
-        assert p_text(split.corrected) in told.file.getvalue()
-    assert any(split.corrected != split.p for split in found.decomposition.splits.values())
+    """Two claims of one comparison: no corrected p is below its own."""
+    splits = compare(groups / "base", groups / "k2").decomposition.splits.values()
+    assert all(split.corrected >= split.p for split in splits)
+    assert any(split.corrected != split.p for split in splits)

@@ -64,27 +64,25 @@ def rows_of(path: Path) -> Rows:
     return open_steps(path).rows()
 
 
-@pytest.mark.parametrize("rows", [BASE, K2], ids=["base line", "K2"])
+@pytest.mark.parametrize("rows", [BASE, K2, [*BASE, *K2, *BASE]], ids=["base line", "K2", "joined"])
 def test_both_programs_files_say_the_same(write, rows):
-    """The same steps, written by either program, have the same starts, best distances before the step and Dd."""
-    path = write(HEADER, *rows)
-    read = open_steps(path)
-    np.testing.assert_array_equal(read["start"], START)
-    np.testing.assert_allclose(read["previous_best"], BEFORE, atol=1e-12)
-    np.testing.assert_allclose(read["delta_distance"], DELTA, atol=2e-7)
-    np.testing.assert_array_equal(read["step"], [0, 1, 2, 3, 4, 0, 1])
-    np.testing.assert_array_equal(read["begin_distance"], [1.11, 1.11, 1.11, 1.11, 0.9, 1.11, 1.11])
-    np.testing.assert_allclose(read["distance"], [1.11, 0.5, 0.5, 0.75, 0.8, 1.11, 1.11], atol=2e-7)
+    """The same steps, written by either program, have the same starts, best distances before the step and Dd.
+
+    What is filled in decides row by row, so that no file has to be of one program.
+    """
+    read, times = open_steps(write(HEADER, *rows)), len(rows) // len(BASE)
+    told = {name: read[name] for name in STEPS}
+    for name, values, tolerance in (
+        ("start", START, 0.0),
+        ("previous_best", BEFORE, 1e-12),
+        ("delta_distance", DELTA, 2e-7),
+        ("step", [0, 1, 2, 3, 4, 0, 1], 0.0),
+        ("begin_distance", [1.11, 1.11, 1.11, 1.11, 0.9, 1.11, 1.11], 0.0),
+        ("distance", [1.11, 0.5, 0.5, 0.75, 0.8, 1.11, 1.11], 2e-7),
+    ):
+        np.testing.assert_allclose(told[name], times * values, atol=tolerance, rtol=0.0)
     assert read.facts.first_line == 2
     assert not {*EVENTS} & {*read.columns}
-
-
-def test_files_of_both_programs_joined_are_read(write):
-    """What is filled in decides row by row, so that no file has to be of one program."""
-    rows = rows_of(write(HEADER, *BASE, *K2, *BASE))
-    np.testing.assert_array_equal(rows["start"], 3 * START)
-    np.testing.assert_allclose(rows["previous_best"], 3 * BEFORE, atol=1e-12)
-    np.testing.assert_array_equal(rows["step"], 3 * [0, 1, 2, 3, 4, 0, 1])
 
 
 @pytest.mark.parametrize("rows", [1, 2, 3, 6, 7, 100])
@@ -238,13 +236,9 @@ def trace(tmp_path: Path, make_cell) -> Path:
 
 def test_a_trace_is_read_as_it_is(trace):
     """Its best distance is the one before the step, exactly; so are its event terms."""
-    rows = rows_of(trace)
-    np.testing.assert_array_equal(rows["previous_best"], [1.0, 1.0, 0.6])
-    np.testing.assert_array_equal(rows["delta_distance"], [0.0, -0.4, 0.7 - 0.6])
-    np.testing.assert_array_equal(rows["reward_target"], [0.0, 1.0, 0.0])
-    np.testing.assert_array_equal(rows["reward_step"], [0.0, -0.25, -0.25])
-    np.testing.assert_array_equal(rows["step"], [0, 1, 2])
-    np.testing.assert_array_equal(rows["env"], [0, 0, 0])
+    rows, written = rows_of(trace), _rows()
+    for name in ("previous_best", "delta_distance", "reward_target", "reward_step", "step", "env"):
+        np.testing.assert_array_equal(rows[name], written[:, COLUMN[name]])
     assert open_steps(trace).facts.first_line == 1
 
 
@@ -392,6 +386,13 @@ def test_a_pattern_without_a_file_is_told(write, tmp_path):
         match_steps(str(tmp_path))
 
 
+@pytest.mark.parametrize("pattern", ["~nobody-of-this-name/*.csv", "x" * 5_000, "a\0b", "["])
+def test_a_pattern_that_no_name_can_be_matches_nothing(pattern):
+    """Whatever the system says of it."""
+    with pytest.raises(UsageError, match="No file matches"):
+        match_steps(pattern)
+
+
 def refuse(path: Path) -> str:
     """The line that a file is refused with."""
     with pytest.raises((UsageError, SchemaError)) as refused:
@@ -401,19 +402,15 @@ def refuse(path: Path) -> str:
     return str(refused.value)
 
 
-def test_a_large_file_is_not_opened(tmp_path):
-    """A sparse file of 10 TB is refused at once."""
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes in the file system")
+def test_what_would_take_forever_is_refused(tmp_path):
+    """A sparse file of 10 TB at once, and a pipe."""
     path = tmp_path / "run.csv"
     with path.open("wb") as file:
         file.truncate(10**13)
     assert "it has 10,000,000,000,000 bytes, 8,589,934,592 are allowed" in refuse(path)
-
-
-@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes in the file system")
-def test_a_pipe_is_refused(tmp_path):
-    """To read it would take forever."""
-    os.mkfifo(tmp_path / "run.csv")
-    assert "it is no regular file" in refuse(tmp_path / "run.csv")
+    os.mkfifo(tmp_path / "pipe.csv")
+    assert "it is no regular file" in refuse(tmp_path / "pipe.csv")
 
 
 @pytest.mark.parametrize(
@@ -428,52 +425,27 @@ def test_a_pipe_is_refused(tmp_path):
         (["reward", "1e300"], "'1e300' is no finite number"),
         (["reward", "1\0"], "is no finite number"),
         (["t,beginDistance,prevBest,distance,reward", "1e20,1,1,1,1"], "too large"),
+        (["reward", *"12345"], "has more than the 4 rows that are allowed"),
     ],
-    ids=["columns", "cell", "name", "field", "digits", "endless", "large", "null", "step"],
+    ids=["columns", "cell", "name", "field", "digits", "endless", "large", "null", "step", "rows"],
 )
-def test_what_no_recording_has_is_refused_at_once(write, lines, told):
+def test_what_no_recording_has_is_refused_at_once(write, monkeypatch, lines, told):
     """In a short line."""
+    monkeypatch.setattr("harness.log.log.MOST_ROWS", 4)
     assert told in refuse(write(*lines))
 
 
-def write_parquet(path: Path, columns: dict[str, object], version: bytes = b"1") -> Path:
-    """A file that says that it is a trace."""
-    pq.write_table(pa.table(columns).replace_schema_metadata({b"harness.trace": version}), path)
-    return path
-
-
-def test_a_trace_of_other_types_is_refused(tmp_path_factory, subtests):
-    """Whatever pyarrow or Python says of it."""
-    rows = [
-        ({"reward": ["a"]}, b"1"),
-        ({"reward": [[1.0]]}, b"1"),
-        ({"reward": [None]}, b"1"),
-        ({"reward": [1e300]}, b"1"),
-        ({"reward": [1.0]}, b"x"),
-        ({"reward": [1.0]}, b"\xff"),
-        ({"reward": [1.0]}, b"9" * 5_000),
-    ]
-    for columns, version in rows:
-        with subtests.test(columns=columns, version=version):
-            tmp_path = tmp_path_factory.mktemp("case")
-            refuse(write_parquet(tmp_path / "a.parquet", columns, version))
-
-
-def test_a_trace_of_too_many_rows_is_refused(tmp_path, monkeypatch):
-    """Before one is read."""
+@pytest.mark.parametrize(
+    ("values", "version", "told"),
+    [
+        *(([it], b"1", "") for it in ("a", [1.0], None, 1e300)),
+        *(([1.0], version, "") for version in (b"x", b"\xff", b"9" * 5_000)),
+        ([1.0] * 3, b"2", "has 3 rows, 2 are allowed"),
+    ],
+)
+def test_a_trace_of_other_types_is_refused(tmp_path, monkeypatch, values, version, told):
+    """Whatever pyarrow or Python says of it; one of too many rows before one is read."""
     monkeypatch.setattr("harness.record.trace.MOST_ROWS", 2)
-    path = write_parquet(tmp_path / "a.parquet", {"reward": [1.0] * 3}, b"2")
-    assert "has 3 rows, 2 are allowed" in refuse(path)
-
-
-def test_a_recording_of_too_many_rows_is_refused(write, monkeypatch):
-    """A CSV file does not say how many there are."""
-    monkeypatch.setattr("harness.log.log.MOST_ROWS", 2)
-    assert "has more than the 2 rows that are allowed" in refuse(write("reward", "1", "2", "3"))
-
-
-@pytest.mark.parametrize("pattern", ["~nobody-of-this-name/*.csv", "x" * 5_000, "a\0b", "["])
-def test_a_pattern_that_no_name_can_be_matches_nothing(pattern):
-    """Whatever the system says of it."""
-    with pytest.raises(UsageError, match="No file matches"):
-        match_steps(pattern)
+    path = tmp_path / "a.parquet"
+    pq.write_table(pa.table({"reward": values}).replace_schema_metadata({b"harness.trace": version}), path)
+    assert told in refuse(path)

@@ -10,16 +10,15 @@ from harness.eta.verdict.deals import MOST_DEALS, count_deals, deals_of, smalles
 SECOND, LAST = "00011100111101010001", "01010010100100011111"
 
 
-def test_all_ways_are_tried_where_there_are_few():
-    """Three trainings each: 6 choose 3, every one once."""
-    deals = deals_of(((0, 3, 3),))
-    assert deals.shape == (20, 6)
-    assert len(np.unique(deals, axis=0)) == 20
-
-
-def test_the_first_way_is_as_they_were_trained():
-    """Baselines first, then the proposed reward's, in each stratum."""
-    assert deals_of(((0, 2, 2), (1, 3, 3)))[0].tolist() == [0, 0, 1, 1, 0, 0, 0, 1, 1, 1]
+@pytest.mark.parametrize(
+    ("strata", "ways"),
+    [(((0, 3, 3),), 20), (((0, 2, 3),), 10), (((0, 2, 2), (1, 3, 3)), 120), (((0, 3, 0),), 1), (((0, 0, 2),), 1)],
+)
+def test_all_ways_are_tried_where_there_are_few(strata, ways):
+    """Every one once, the first as they were trained: in each stratum baselines, then the proposed reward's."""
+    deals = deals_of(strata)
+    assert len(deals) == len(np.unique(deals, axis=0)) == count_deals(strata) == ways
+    assert deals[0].tolist() == [label for _, ours, theirs in strata for label in [0] * ours + [1] * theirs]
 
 
 @pytest.mark.parametrize("strata", [((0, 4, 4),), ((0, 2, 2), (1, 3, 1)), ((0, 20, 8),), ((0, 3, 0), (1, 3, 3))])
@@ -32,32 +31,24 @@ def test_a_stratum_keeps_its_labels(strata):
         begin = end
 
 
-def test_unequal_numbers_are_dealt_in_all_ways():
-    """Three of the proposed reward among five: 5 choose 3."""
-    deals = deals_of(((0, 2, 3),))
-    assert deals.shape == (10, 5)
-    assert len(np.unique(deals, axis=0)) == 10
-    assert deals[0].tolist() == [0, 0, 1, 1, 1]
-
-
-@pytest.mark.parametrize(("baselines", "proposed"), [(3, 0), (0, 2)])
-def test_a_stratum_of_one_side_has_one_way(baselines, proposed):
-    """There is nothing to swap."""
-    assert count_deals(((0, baselines, proposed),)) == 1
-    assert deals_of(((0, baselines, proposed),)).tolist() == [[0.0] * baselines + [1.0] * proposed]
-
-
 def test_drawn_ways_of_equal_numbers_are_those_that_reports_have_always_had():
-    """The labels of the second and the last way for ten of each, as they were before unequal numbers came."""
+    """Of 184,756 the labels of the second and the last drawn way for ten of each, as before unequal numbers came."""
     deals = deals_of(((0, 10, 10),))
-    assert "".join(str(int(label)) for label in deals[1]) == SECOND
-    assert "".join(str(int(label)) for label in deals[-1]) == LAST
+    assert (count_deals(((0, 10, 10),)), len(deals)) == (math.comb(20, 10), MOST_DEALS)
+    assert ["".join(str(int(label)) for label in deals[at]) for at in (1, -1)] == [SECOND, LAST]
 
 
-def test_many_ways_are_drawn():
-    """Of 10 seeds there are 184,756."""
-    assert count_deals(((0, 10, 10),)) == math.comb(20, 10)
-    assert len(deals_of(((0, 10, 10),))) == MOST_DEALS
+@pytest.mark.parametrize(
+    ("baselines", "proposed", "p"),
+    [
+        *((3, 3, 0.1), (4, 4, 2 / 70), (5, 5, 2 / 252), (20, 20, 1 / MOST_DEALS)),
+        (1000, 1000, 1 / MOST_DEALS),  # there are more ways than a float can say
+        *((10, 5, 1 / 3003), (3, 6, 1 / 84), (2, 2, 2 / 6)),
+    ],
+)
+def test_the_smallest_p_is_that_of_the_most_extreme_ways(baselines, proposed, p):
+    """Of two where numbers are equal: else all labels swapped are another experiment. Many seeds: the drawn ways."""
+    assert smallest_p(baselines, proposed) == pytest.approx(p)
 
 
 def test_drawn_ways_are_the_same_in_every_report():
@@ -78,23 +69,3 @@ def test_deals_cannot_be_written_to():
     """They are shared."""
     with pytest.raises(ValueError, match="read-only"):
         deals_of(((0, 3, 3),))[0, 0] = 1.0
-
-
-@pytest.mark.parametrize(("seeds", "p"), [(3, 0.1), (4, 2 / 70), (5, 2 / 252)])
-def test_the_smallest_p_is_that_of_the_two_most_extreme_ways(seeds, p):
-    """Four seeds are the fewest that can show anything at 0.05."""
-    assert smallest_p(seeds, seeds) == pytest.approx(p)
-
-
-def test_the_smallest_p_of_many_seeds_is_that_of_the_drawn_ways():
-    """One of 20,000."""
-    assert smallest_p(20, 20) == 1 / MOST_DEALS
-    assert smallest_p(1000, 1000) == 1 / MOST_DEALS  # there are more ways than a float can say
-
-
-@pytest.mark.parametrize(("baselines", "proposed"), [(10, 5), (3, 6), (2, 2)])
-def test_the_smallest_p_of_unequal_numbers_is_that_of_the_single_most_extreme_way(baselines, proposed):
-    """All labels swapped are another experiment there: the proposed reward would have the baseline's trainings."""
-    ways = count_deals(((0, baselines, proposed),))
-    smallest = 2 / ways if baselines == proposed else 1 / ways
-    assert smallest_p(baselines, proposed) == pytest.approx(smallest)

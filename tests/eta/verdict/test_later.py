@@ -31,32 +31,23 @@ def test_rewards_that_are_added_later():
     assert is_kept("any report on the way", ever / EXPERIMENTS, 0.09, EXPERIMENTS)
 
 
-@pytest.mark.slow
-def test_a_new_folder_for_each_reward():
-    """Each keeps its word for itself; together they do not."""
-    rng, ever = np.random.default_rng(2), 0
-    for _ in range(EXPERIMENTS):
-        values = rng.normal(size=(5, 10))
-        ever += any(answers(values[[0, at]]) for at in range(1, 5))
-    assert is_kept("four folders with a reward each", ever / EXPERIMENTS, 0.17, EXPERIMENTS)
-    assert ever / EXPERIMENTS > LEVEL + error(LEVEL, EXPERIMENTS)
+HABITS = {
+    "four folders with a reward each": (0.17, 2, (5, 10), lambda values: [values[[0, at]] for at in range(1, 5)]),
+    "6 seeds, then 10, then 16, until the answer comes": (
+        *(0.11, 3, (2, 16)),
+        lambda values: [values[:, :seeds] for seeds in (6, 10, 16)],
+    ),
+    "three folders of the same study": (1.0 - (1.0 - LEVEL) ** 3, 4, (3, 2, 10), list),
+}
 
 
 @pytest.mark.slow
-def test_seeds_that_are_added_when_the_answer_did_not_come():
-    """6, then 10, then 16: what a page warns of."""
-    rng, ever = np.random.default_rng(3), 0
+@pytest.mark.parametrize("habit", HABITS)
+def test_what_the_pages_warn_of(habit):
+    """Each report keeps its word for itself; together they do not."""
+    bound, seed, shape, reports = HABITS[habit]
+    rng, ever = np.random.default_rng(seed), 0
     for _ in range(EXPERIMENTS):
-        values = rng.normal(size=(2, 16))
-        ever += any(answers(values[:, :seeds]) for seeds in (6, 10, 16))
-    assert is_kept("seeds added twice", ever / EXPERIMENTS, 0.11, EXPERIMENTS)
-
-
-@pytest.mark.slow
-def test_a_new_folder_when_the_answer_did_not_come():
-    """Three times the same study, the best told."""
-    rng, ever = np.random.default_rng(4), 0
-    for _ in range(EXPERIMENTS):
-        ever += any(answers(rng.normal(size=(2, 10))) for _ in range(3))
-    assert is_kept("three folders of the same study", ever / EXPERIMENTS, 1.0 - (1.0 - LEVEL) ** 3, EXPERIMENTS)
+        ever += any(map(answers, reports(rng.normal(size=shape))))
+    assert is_kept(habit, ever / EXPERIMENTS, bound, EXPERIMENTS)
     assert ever / EXPERIMENTS > LEVEL + error(LEVEL, EXPERIMENTS)

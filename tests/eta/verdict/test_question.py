@@ -10,13 +10,7 @@ from hypothesis import given, strategies as st
 from harness.arrays import Float
 from harness.eta import Question
 from harness.eta.verdict.question import LEAST_SPREAD
-
-
-def values_of(seeds: int, places: int = 1, measures: int = 1, effect: float = 0.0, seed: int = 0) -> Float:
-    """Normal values, (2, seeds, places, measures)."""
-    values = np.random.default_rng(seed).normal(size=(2, seeds, places, measures))
-    values[1] += effect
-    return values
+from tests.eta.scenarios import values_of
 
 
 def with_counts(values: Float, baselines: int, proposed: int) -> Float:
@@ -45,11 +39,12 @@ def test_the_statistic_of_several_places_is_that_of_the_mean_over_them(seeds, pl
     assert Question.of(values).statistics()[0, 0] == pytest.approx(theirs.statistic)
 
 
-def test_every_way_to_deal_is_the_statistic_of_the_dealt_values():
-    """Not only the first."""
-    values = values_of(4, places=2)
-    question = Question.of(values)
-    pooled = np.concatenate([values[0], values[1]])[..., 0].mean(axis=1)
+@pytest.mark.parametrize(("baselines", "proposed"), [(4, 4), (5, 3)])
+def test_every_way_to_deal_is_the_statistic_of_the_dealt_values(baselines, proposed):
+    """Not only the first. Seeds that were trained in both places are the unit; either side has its own number."""
+    question = Question.of(with_counts(values_of(5, places=2), baselines, proposed))
+    sides = question.values[0, :baselines], question.values[1, :proposed]
+    pooled = np.concatenate(sides)[..., 0].mean(axis=1)
     for deal, found in zip(question.deals, question.statistics()[:, 0], strict=True):
         theirs = scipy.stats.ttest_ind(pooled[deal == 1.0], pooled[deal == 0.0], equal_var=False)
         assert found == pytest.approx(theirs.statistic)
@@ -116,15 +111,6 @@ def test_rows_are_not_paired(baselines, proposed, places, seed):
     assert one.estimate == pytest.approx(other.estimate)
 
 
-def test_every_way_to_deal_unequal_numbers_is_the_statistic_of_the_dealt_values():
-    """Seeds that were trained in both places are the unit; either side has its own number."""
-    question = Question.of(with_counts(values_of(5, places=2), 5, 3))
-    pooled = np.concatenate([question.values[0], question.values[1, :3]])[..., 0].mean(axis=1)
-    for deal, found in zip(question.deals, question.statistics()[:, 0], strict=True):
-        theirs = scipy.stats.ttest_ind(pooled[deal == 1.0], pooled[deal == 0.0], equal_var=False)
-        assert found == pytest.approx(theirs.statistic)
-
-
 def test_trainings_that_only_one_side_has_keep_their_label_and_count():
     """Two of five baselines were not trained in the second place, where the proposed reward has all."""
     values = values_of(5, places=2)
@@ -139,31 +125,20 @@ def test_trainings_that_only_one_side_has_keep_their_label_and_count():
     assert np.isfinite(question.statistics()).all()
 
 
-def test_subsets_of_places_of_unequal_sides_have_the_statistic_of_their_mean():
-    """As those of equal ones."""
-    values = with_counts(values_of(5, places=3), 3, 5)
-    question = Question.of(values)
-    subsets = np.array([it for it in itertools.product((0.0, 1.0), repeat=3) if any(it)])
-    found = np.concatenate(list(question.subset_statistics(subsets)))
-    for at, subset in enumerate(subsets):
-        assert found[:, at] == pytest.approx(Question.of(values[:, :, subset == 1.0]).statistics())
-
-
 @pytest.mark.parametrize(("seeds", "is_testable"), [(1, False), (2, True)])
 def test_one_seed_has_no_spread(seeds, is_testable):
     """And so no test."""
     assert Question.of(values_of(seeds)).is_testable == is_testable
 
 
-def test_subsets_of_places_have_the_statistic_of_their_mean():
+@pytest.mark.parametrize(("baselines", "proposed"), [(4, 4), (3, 5)])
+def test_subsets_of_places_have_the_statistic_of_their_mean(baselines, proposed):
     """Every subset, in every way, is the question about these places alone."""
-    values = values_of(4, places=3)
-    question = Question.of(values)
+    values = with_counts(values_of(5, places=3), baselines, proposed)
     subsets = np.array([it for it in itertools.product((0.0, 1.0), repeat=3) if any(it)])
-    found = np.concatenate(list(question.subset_statistics(subsets)))
+    found = np.concatenate(list(Question.of(values).subset_statistics(subsets)))
     for at, subset in enumerate(subsets):
-        alone = Question.of(values[:, :, subset == 1.0]).statistics()
-        assert found[:, at] == pytest.approx(alone)
+        assert found[:, at] == pytest.approx(Question.of(values[:, :, subset == 1.0]).statistics())
 
 
 def test_until_a_look_later_seeds_are_unknown():

@@ -7,7 +7,7 @@ import pytest
 
 from harness.arrays import Float
 from harness.eta import RACE, race
-from harness.eta.verdict.race import CLOSE, spent
+from harness.eta.verdict.race import spent
 
 
 def values_of(mean: float, spread: float = 0.05, places: int = 1, seed: int = 0) -> Float:
@@ -27,26 +27,23 @@ def test_nobody_leaves_before_the_first_look():
 
 
 def test_who_is_beaten_leaves_and_the_last_one_is_the_best():
-    """With the look, and by whom."""
-    found = raced({"bad": values_of(0.1), "good": values_of(0.9)})
-    assert found.best == "good"
-    assert found.is_over
-    assert found.beaten["bad"] == (0, "good")
+    """With the look, and by whom; as plain data."""
+    assert raced({"bad": values_of(0.1), "good": values_of(0.9)}).to_json() == {
+        "looks": 1,
+        "living": ["good"],
+        "beaten": {"bad": {"look": 0, "by": "good"}},
+        "best": "good",
+        "is_close": False,
+        "is_over": True,
+    }
 
 
 def test_who_has_left_is_not_asked_for_more_looks():
-    """The others go on."""
+    """The others go on; a look waits for all who live, so that nobody is judged by fewer seeds than the others."""
     values = {"good": values_of(0.9, 0.2), "close": values_of(0.75, 0.2, seed=1), "bad": values_of(-9.0)}
-    complete = {"good": 3, "close": 3, "bad": 1}
-    found = race(values, RACE, complete)
-    assert found.looks == 3
-    assert found.beaten["bad"].look == 0
-
-
-def test_a_look_waits_for_all_who_live():
-    """Nobody is judged by fewer seeds than the others."""
-    values = {"good": values_of(0.9, 0.2), "close": values_of(0.85, 0.2, seed=1)}
-    assert race(values, RACE, {"good": 4, "close": 2}).looks == 2
+    found = race(values, RACE, {"good": 3, "close": 3, "bad": 1})
+    assert (found.looks, found.beaten["bad"].look) == (3, 0)
+    assert race(values, RACE, {"good": 4, "close": 2, "bad": 1}).looks == 2
 
 
 def test_rewards_that_are_as_good_end_the_race():
@@ -67,17 +64,12 @@ def test_the_looks_can_run_out():
 
 
 def test_a_candidate_whose_trainings_fail_leaves():
-    """It has no numbers, and nobody beat it."""
-    values = {"good": values_of(0.9), "fine": values_of(0.88, seed=1), "broken": np.full((1, RACE[-1]), math.nan)}
-    found = raced(values)
+    """It has no numbers, and nobody beat it; of two such nobody is left."""
+    broken = np.full((1, RACE[-1]), math.nan)
+    found = raced({"good": values_of(0.9), "fine": values_of(0.88, seed=1), "broken": broken})
     assert found.beaten["broken"] == (0, "")
     assert "broken" not in found.living
-
-
-def test_a_candidate_without_numbers_does_not_win():
-    """Two of two: nobody is left."""
-    values = {name: np.full((1, RACE[-1]), math.nan) for name in ("one", "other")}
-    found = raced(values)
+    found = raced({"one": broken, "other": broken})
     assert (found.best, found.living, found.is_over) == (None, (), True)
 
 
@@ -103,21 +95,3 @@ def test_who_leaves_makes_the_share_of_the_others_larger():
         for name, others in (("close", close), ("hopeless", hopeless))
     }
     assert looks["hopeless"] <= looks["close"]
-
-
-def test_close_is_five_points():
-    """As for two rewards that make no difference."""
-    assert CLOSE == 0.05
-
-
-def test_a_race_as_plain_data():
-    """Names, looks and who left when."""
-    told = raced({"bad": values_of(0.1), "good": values_of(0.9)}).to_json()
-    assert told == {
-        "looks": 1,
-        "living": ["good"],
-        "beaten": {"bad": {"look": 0, "by": "good"}},
-        "best": "good",
-        "is_close": False,
-        "is_over": True,
-    }

@@ -7,21 +7,9 @@ import numpy as np
 import pytest
 import scipy.stats
 
-from harness.arrays import Float
 from harness.eta import Question, Ruling, rule
 from harness.eta.verdict.ruling import LEVEL, better_in, opposed_in, rule_places
-
-
-def values_of(seeds: int, places: int = 1, measures: int = 1, effect: float = 0.0, seed: int = 0) -> Float:
-    """Normal values, (2, seeds, places, measures)."""
-    values = np.random.default_rng(seed).normal(size=(2, seeds, places, measures))
-    values[1] += effect
-    return values
-
-
-def question_of(seeds: int, places: int = 1, measures: int = 1, effect: float = 0.0, seed: int = 0) -> Question:
-    """A question about such values."""
-    return Question.of(values_of(seeds, places, measures, effect, seed))
+from tests.eta.scenarios import question_of, values_of
 
 
 def ruling_of(question: Question) -> Ruling:
@@ -90,16 +78,6 @@ def test_p_of_looks_in_places_with_seeds_of_their_own_stays(seeds, is_drawn, p):
     assert (found.p, found.of_measures) == (min(p), p)
 
 
-def test_the_trainings_that_one_reward_has_more_of_are_used():
-    """Ten against five tell more than five against five: they find an effect more often."""
-    found = np.zeros(2)
-    for seed in range(60):
-        values = values_of(10, effect=1.5, seed=seed)
-        values[1, 5:] = np.nan
-        found += [ruling_of(Question.of(values)).is_decided, ruling_of(Question.of(values[:, :5])).is_decided]
-    assert found[0] >= found[1] + 6
-
-
 def test_the_larger_of_two_measures_counts():
     """M is their maximum; each measure is held against it."""
     values = values_of(5, measures=2)
@@ -110,18 +88,11 @@ def test_the_larger_of_two_measures_counts():
     assert found.of_measures[0] > found.of_measures[1]
 
 
-def test_four_seeds_can_decide_one_question():
-    """The smallest p is 2 / 70."""
-    (found,) = rule([question_of(4, effect=9.0)])
-    assert found.p == pytest.approx(2 / 70)
-    assert found.is_decided
-
-
-def test_three_seeds_cannot():
-    """The smallest p is 2 / 20."""
-    (found,) = rule([question_of(3, effect=9.0)])
-    assert found.p == pytest.approx(0.1)
-    assert not found.is_decided
+@pytest.mark.parametrize(("seeds", "p", "is_decided"), [(4, 2 / 70, True), (3, 0.1, False)])
+def test_four_seeds_can_decide_one_question(seeds, p, is_decided):
+    """The smallest p is 2 / 70, of three 2 / 20."""
+    found = ruling_of(question_of(seeds, effect=9.0))
+    assert (found.p, found.is_decided) == (pytest.approx(p), is_decided)
 
 
 def test_one_seed_has_no_ruling():
@@ -134,20 +105,14 @@ def test_one_seed_has_no_ruling():
 
 
 def test_questions_that_are_asked_together_are_corrected():
-    """None gets a smaller p than alone, and the order of the p-values stays."""
+    """None gets a smaller p than alone, nor more than by Bonferroni, and the order of the p-values stays."""
     questions = [question_of(6, effect=effect, seed=seed) for seed, effect in enumerate((0.0, 1.0, 2.0, 3.0))]
-    alone = [rule([it])[0].p for it in questions]
+    alone = [ruling_of(it).p for it in questions]
     together = [it.corrected for it in rule(questions)]
     assert all(one <= other for one, other in zip(alone, together, strict=True))
     assert np.argsort(alone).tolist() == np.argsort(together).tolist()
-
-
-def test_the_smallest_p_is_corrected_by_all_the_others():
-    """Not by more than Bonferroni would."""
-    questions = [question_of(6, seed=seed) for seed in range(5)]
-    found = rule(questions)
-    first = min(found, key=lambda it: it.p or 1.0)
-    assert first.p < first.corrected <= 5 * first.p
+    found = min(rule([question_of(6, seed=seed) for seed in range(5)]), key=lambda it: it.p)
+    assert found.p < found.corrected <= 5 * found.p
 
 
 def test_a_question_in_which_nothing_varies_takes_nothing_from_the_others():
@@ -208,12 +173,15 @@ def test_a_place_is_decided_only_where_all_places_together_are():
 
 
 def test_single_places_are_told_where_the_answer_stands():
-    """The place with the effect passes, the other one does not."""
+    """The place with the effect passes, the other one does not; without an answer none is opposed or better."""
     values = values_of(8, places=2)
     values[1, :, 0] += 6.0
-    question = Question.of(values)
-    found = rule_places(question, ruling_of(question))
+    question, undecided = Question.of(values), Ruling(p=0.5, corrected=0.5)
+    whole = ruling_of(question)
+    found = rule_places(question, whole)
     assert [it.is_decided for it in found] == [True, False]
+    assert opposed_in(whole, found) == opposed_in(undecided, rule_places(question, undecided)) == 0
+    assert better_in(question, undecided) == 0
 
 
 def test_a_place_that_goes_the_other_way_is_opposed():
@@ -225,17 +193,6 @@ def test_a_place_that_goes_the_other_way_is_opposed():
     whole = ruling_of(question)
     assert whole.sign == 1
     assert opposed_in(whole, rule_places(question, whole)) == 1
-
-
-def test_without_an_answer_no_place_is_opposed():
-    """And a place that goes with the answer is none."""
-    values = values_of(8, places=2)
-    values[1, :, 0] += 6.0
-    question = Question.of(values)
-    whole = ruling_of(question)
-    assert opposed_in(whole, rule_places(question, whole)) == 0
-    undecided = Ruling(p=0.5, corrected=0.5)
-    assert opposed_in(undecided, rule_places(question, undecided)) == 0
 
 
 @pytest.mark.parametrize(("affected", "least"), [(4, 3), (1, 1)])
@@ -254,12 +211,6 @@ def test_of_many_places_single_ones_count():
     values[1, :, :5] += 6.0
     question = Question.of(values)
     assert better_in(question, ruling_of(question)) == 5
-
-
-def test_better_in_none_without_an_answer():
-    """What is not decided over all places is decided in none."""
-    question = question_of(6, places=3)
-    assert better_in(question, Ruling(p=0.5, corrected=0.5)) == 0
 
 
 def test_places_that_luck_alone_sets_apart_are_not_counted():
