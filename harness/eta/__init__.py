@@ -1,7 +1,8 @@
 """Computes numbers and words from numbers: the note's indices, their ratios, and how far these can be trusted."""
 
-import importlib
 from typing import TYPE_CHECKING, Any
+
+from harness.face import look_up
 
 if TYPE_CHECKING:
     from harness.eta.auc import AGAINST, CANNOT_TELL, RANKS, auc_of
@@ -112,11 +113,7 @@ _HOMES = {
     "verdict.race": "RACE Race race",
     "verdict.ruling": "Ruling rule",
 }
-"""What of this is in which module. It is looked up when first used: one module alone has to load no others."""
 
 
 def __getattr__(name: str) -> Any:
-    for module, names in _HOMES.items():
-        if name in names.split():
-            return getattr(importlib.import_module(f"harness.eta.{module}"), name)
-    raise AttributeError(f"module 'harness.eta' has no attribute '{name}'")
+    return look_up(__name__, _HOMES, name)

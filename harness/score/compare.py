@@ -125,7 +125,8 @@ def _misfit_of(text: str, log: Log, head: Rows, registry: Registry) -> str | Non
     with np.errstate(all="ignore"):  # a reward may divide by anything where it then takes another value
         paid = payer.pay(head).total
     misses = ~(np.abs(paid - recorded) <= _tolerance(paid, recorded, head))  # not finite is a miss, too
-    unsure = misses & _sign_is_lost(head)
+    # In these rows Dd is within what its two distances can be off.
+    unsure = misses & (np.abs(head["delta_distance"]) <= 2.0 * DIGITS * head["distance"])
     if unsure.sum() <= max(1.0, LOST_SIGNS * len(paid)):
         misses &= ~unsure
     if not misses.any():
@@ -141,12 +142,6 @@ def _tolerance(paid: Float, recorded: Float, head: Rows) -> Float:
     far = (change > 0.1 * change.max()) & (change > 0.0)
     steepness = float(np.max(np.abs(recorded[far]) / change[far], initial=1.0))
     return DIGITS * (steepness * (begin + distance) + np.abs(paid))
-
-
-def _sign_is_lost(head: Rows) -> Mask:
-    """Whether Dd is within what its two distances can be off, (rows,)."""
-    lost: Mask = np.abs(head["delta_distance"]) <= 2.0 * DIGITS * head["distance"]
-    return lost
 
 
 @dataclass(frozen=True, eq=False)
@@ -221,7 +216,9 @@ def compare_logs(
     Raises:
         UsageError: A file cannot be read or has no event terms, or a reward that is given did not pay the runs.
     """
-    _require_events([*baseline, *proposed] if with_events else [])
+    bare = next((log for log in (*baseline, *proposed) if any(name not in log for name in EVENTS)), None)
+    if with_events and bare is not None:
+        raise UsageError(f"{bare.facts.path} has no event terms: leave out --with-events")
     groups = [_in_order_of_seeds(baseline), _in_order_of_seeds(proposed)]
     _require_apart(*groups)
     given = (baseline_reward, proposed_reward)
@@ -292,12 +289,6 @@ def _build(guess: Guess, registry: Registry) -> Reward:
 
 
 # Which runs
-
-
-def _require_events(logs: Sequence[Log]) -> None:
-    for log in logs:
-        if not all(name in log for name in EVENTS):
-            raise UsageError(f"{log.facts.path} has no event terms: leave out --with-events")
 
 
 def _require_apart(baseline: Sequence[Log], proposed: Sequence[Log]) -> None:

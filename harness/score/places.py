@@ -69,7 +69,8 @@ class Place:
             UsageError: The vectors have no such part, or too few numbers.
         """
         if self.constant:
-            size = len(_any_part(vectors)) if count is None else count
+            part = next(iter(vectors.values())) if isinstance(vectors, Mapping) else vectors
+            size = len(part) if count is None else count
             return np.broadcast_to(np.asarray(self.constant), (size, len(self.constant)))
         part = self._part(vectors)
         flat = np.asarray(part, np.float64).reshape(len(part), -1)
@@ -268,7 +269,3 @@ def _three(positions: Float, name: str) -> Float:
     if positions.shape[1] != 3:
         raise UsageError(f"{name} has {positions.shape[1]} numbers: a position has three, in metres")
     return positions
-
-
-def _any_part(vectors: Any) -> Any:
-    return next(iter(vectors.values())) if isinstance(vectors, Mapping) else vectors

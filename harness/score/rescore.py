@@ -148,7 +148,14 @@ def _write(into: Path, columns: Mapping[str, Float]) -> None:
     rows = len(next(iter(columns.values())))
     if into.exists() and into.name not in changed_since_made(into.parent):
         with reading(into, "file of scores", UsageError):
-            kept = _earlier(into, rows)
+            require_regular(into, MOST_BYTES)
+            file = pq.ParquetFile(into)
+            if file.metadata.num_rows != rows:
+                told = f"{into} has {file.metadata.num_rows} rows, the recording {rows}: it belongs to another one"
+                raise UsageError(told)
+            require_room(file)
+            table = file.read()
+            kept = dict(zip(table.column_names, table.columns, strict=True))
     try:
         into.parent.mkdir(parents=True, exist_ok=True)
         with whole_file(into) as partial:
@@ -157,13 +164,3 @@ def _write(into: Path, columns: Mapping[str, Float]) -> None:
             note_made(into)  # behind the manifest, which names what the cell itself left
     except OSError as error:
         raise UsageError(f"'{into}' cannot be written: {error.strerror}. Name another folder with --out") from None
-
-
-def _earlier(path: Path, rows: int) -> dict[str, pa.ChunkedArray]:
-    require_regular(path, MOST_BYTES)
-    file = pq.ParquetFile(path)
-    if file.metadata.num_rows != rows:
-        raise UsageError(f"{path} has {file.metadata.num_rows} rows, the recording {rows}: it belongs to another one")
-    require_room(file)
-    table = file.read()
-    return dict(zip(table.column_names, table.columns, strict=True))

@@ -13,7 +13,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from harness.errors import SchemaError
-from harness.files.bounded import kind_at, reading
+from harness.files import kind_at, reading
 
 
 def write_npz(path: Path) -> None:

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import pytest
 
-from harness.files.plain import Plain
+from harness.files import Plain
 
 
 @dataclass(frozen=True)

@@ -6,16 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from harness.files.sums import (
-    FIRST_LINE,
-    SUMS,
-    changed_since_made,
-    forget_made,
-    is_foreign,
-    making,
-    note_made,
-    read_sums,
-)
+from harness.files import changed_since_made, forget_made, making, note_made, read_sums
+from harness.files.sums import FIRST_LINE, SUMS, is_foreign
 
 
 @pytest.fixture

@@ -6,7 +6,8 @@ from pathlib import Path
 import pytest
 
 import harness.files.whole_file
-from harness.files.whole_file import is_partial, whole_file, whole_files, write_whole
+from harness.files import is_partial, whole_files, write_whole
+from harness.files.whole_file import whole_file
 
 
 def test_file_takes_the_place_of_the_old_one(tmp_path):

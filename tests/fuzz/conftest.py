@@ -13,9 +13,8 @@ from typing import Any
 import pytest
 
 from harness.errors import HarnessError
-from harness.record.cell import Cell
-from harness.registry.choice import choose
-from harness.registry.registry import load_registry
+from harness.record import Cell
+from harness.registry import choose, load_registry
 from tests.fuzz.readers import Reader, readers
 
 KINDS = {"simulators": "ideal", "tasks": "fd100-reach", "algorithms": "wander", "rewards": "arp"}

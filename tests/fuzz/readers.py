@@ -14,22 +14,34 @@ import pyarrow.parquet as pq
 import safetensors.numpy
 import trimesh
 
-from harness.experiment.plan import check_experiment, expand, read_experiment
-from harness.files.sealed import seal, unseal
-from harness.motion.limits import JointLimits
-from harness.policy import CARD, WEIGHTS, Greedy, Policy, SquashedGaussian, UniformChoice, load_policy
-from harness.policy.inverse_kinematics import InverseKinematics
+from harness.experiment import check_experiment, expand, read_experiment
+from harness.files import seal, unseal
+from harness.motion import JointLimits
+from harness.policy import (
+    CARD,
+    WEIGHTS,
+    Greedy,
+    InverseKinematics,
+    Policy,
+    SquashedGaussian,
+    UniformChoice,
+    load_policy,
+)
+from harness.record import (
+    SCALARS,
+    Manifest,
+    Store,
+    TraceWriter,
+    TrainingFacts,
+    read_manifest,
+    read_recording,
+    read_trace,
+)
 from harness.record.dataset.labels import SuccessRule, read_labels
 from harness.record.folder import SCENE
-from harness.record.manifest import Manifest, read_manifest
-from harness.record.recording.facts import TrainingFacts
-from harness.record.recording.recorded_training import read_recording
 from harness.record.recording.recording_writer import RecordingWriter
 from harness.record.scene import read_scene, write_scene
-from harness.record.store import Store
-from harness.record.trace import SCALARS, TraceWriter, read_trace
-from harness.registry.choice import choose
-from harness.registry.registry import Registry
+from harness.registry import Registry, choose
 from harness.registry.toml_file import read_toml
 from harness.robot.meshes import read_mesh
 from harness.robot.robot import load_robot, read_robot

@@ -14,13 +14,10 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from harness.experiment.plan import Plan
-from harness.files.bounded import digest_of
-from harness.files.sealed import seal
-from harness.record.cell import Cell
-from harness.record.folder import EVALUATION, MANIFEST, TRACE
-from harness.record.store import Store
-from harness.registry.choice import Choice
+from harness.experiment import Plan
+from harness.files import digest_of, seal
+from harness.record import EVALUATION, MANIFEST, TRACE, Cell, Store
+from harness.registry import Choice
 from tests.oracles.answers import Row, accelerated, etas, indices
 from tests.oracles.trial import Answer, Shown, Trial, call, call_json
 from tests.results.folders import finish

@@ -14,7 +14,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from harness.files.sealed import seal
+from harness.files import seal
 from tests.oracles.answers import etas, indices
 from tests.oracles.trial import Answer, Shown, Trial, call_json
 

@@ -13,9 +13,9 @@ import safetensors.numpy
 from numpy.typing import NDArray
 
 from harness.errors import HarnessError
-from harness.experiment.plan import expand, read_experiment
+from harness.experiment import expand, read_experiment
 from harness.policy import CARD, WEIGHTS, load_policy
-from harness.registry.registry import Registry, load_registry
+from harness.registry import Registry, load_registry
 from tests.oracles.trial import Answer, Refused, Trial
 
 SIMS, ALGOS = ("kinematic", "mujoco"), ("sb3-sac", "td3", "random")

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.eta.curve import GroupCurve
+from harness.eta import GroupCurve
 from harness.payoff.dataset.paid_dataset import Fingerprint
 from harness.policy import kinds
 from harness.policy.network import ACTIVATIONS

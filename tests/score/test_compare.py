@@ -16,13 +16,10 @@ from scipy import stats
 import harness.score.compare
 from harness.errors import UsageError
 from harness.hookspecs import PROJECT
+from harness.record import COLUMN, SCALARS, Manifest, TraceWriter
 from harness.record.cell_log import cell_log
-from harness.record.manifest import Manifest
-from harness.record.trace import COLUMN, SCALARS, TraceWriter
-from harness.registry.choice import Choice
-from harness.registry.registry import load_registry
-from harness.score.compare import ComparedRuns, compare_logs
-from harness.score.open_steps import match_steps
+from harness.registry import Choice, load_registry
+from harness.score import ComparedRuns, compare_logs, match_steps
 
 Pay = Callable[[float, float, float], float]
 Run = list[tuple[float, ...]]

@@ -5,11 +5,9 @@ import pytest
 
 from harness.errors import Unscored
 from harness.log import Log
-from harness.record.trace import trace_of
-from harness.registry.choice import Choice, choose
-from harness.registry.registry import Registry, load_registry
-from harness.score.installed_reward import InstalledReward
-from harness.score.scorer import pay_log
+from harness.record import trace_of
+from harness.registry import Choice, Registry, choose, load_registry
+from harness.score import InstalledReward, pay_log
 
 
 @pytest.fixture(scope="module")

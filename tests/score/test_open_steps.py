@@ -11,13 +11,12 @@ import pytest
 
 from harness.errors import SchemaError, UsageError
 from harness.log import Log, Rows
+from harness.record import COLUMN, SCALARS, Manifest, TraceWriter
 from harness.record.cell_log import cell_of
-from harness.record.manifest import Manifest
-from harness.record.trace import COLUMN, SCALARS, TraceWriter
-from harness.registry.choice import Choice
-from harness.score.csv_steps import EVENTS, PAY, STEPS, StepsCsv
-from harness.score.open_steps import match_steps, open_steps
-from harness.score.scorer import can_be_paid, pay_log
+from harness.registry import Choice
+from harness.score import EVENTS, StepsCsv, can_be_paid, match_steps, pay_log
+from harness.score.csv_steps import PAY, STEPS
+from harness.score.open_steps import open_steps
 from harness_plugins.rewards.relative import Relative
 
 Write = Callable[..., Path]

@@ -7,10 +7,9 @@ import pytest
 from hypothesis import given, strategies as st
 
 from harness.errors import UsageError
-from harness.registry.choice import choose
-from harness.registry.registry import load_registry
+from harness.registry import choose, load_registry
 from harness.reward import Sample
-from harness.score.places import ArmPay, Place, distances, parse_place, parse_places
+from harness.score import ArmPay, Place, distances, parse_place, parse_places
 
 ROWS = np.arange(12.0).reshape(2, 6)
 

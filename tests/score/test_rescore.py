@@ -6,9 +6,8 @@ from harness import load_robot
 from harness.env import ReachVectorEnv
 from harness.errors import UsageError
 from harness.reach import ReachTask
-from harness.record.trace import TraceWriter
-from harness.registry.choice import choose
-from harness.registry.registry import load_registry
+from harness.record import TraceWriter
+from harness.registry import choose, load_registry
 from harness.reward.forms import reward_class
 from harness.score.open_steps import open_steps
 from harness.score.rescore import rescore

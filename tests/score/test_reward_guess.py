@@ -11,12 +11,10 @@ import pytest
 from harness.errors import UsageError
 from harness.hookspecs import PROJECT
 from harness.log import Log
-from harness.record.cell import Cell
-from harness.record.manifest import Manifest
-from harness.record.trace import COLUMN, SCALARS, TraceWriter
-from harness.registry.choice import Choice
-from harness.registry.registry import Registry, load_registry
-from harness.score.compare import guess_reward, misfit
+from harness.record import COLUMN, SCALARS, Cell, Manifest, TraceWriter
+from harness.registry import Choice, Registry, load_registry
+from harness.score import guess_reward
+from harness.score.compare import misfit
 from harness.score.open_steps import open_steps
 
 Pay = Callable[[float, float, float], float]

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from harness.errors import UsageError
-from harness.registry.registry import load_registry
+from harness.registry import load_registry
 from harness.score.open_steps import open_steps
 
 

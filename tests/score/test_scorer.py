@@ -18,15 +18,15 @@ import harness.score.scorer as module
 from harness.env import ReachVectorEnv
 from harness.log import Log
 from harness.reach import ReachTask
+from harness.record import TraceWriter, read_trace
 from harness.record.cell_log import cell_log
-from harness.record.trace import FORMAT, FORMAT_KEY, TraceWriter, read_trace
-from harness.registry.choice import choose
-from harness.registry.registry import load_registry
+from harness.record.trace import FORMAT, FORMAT_KEY
+from harness.registry import choose, load_registry
 from harness.reward import Reward, Sample
 from harness.reward.needs import ROWS
 from harness.reward.row_steps import TOUCHED, Rows, targets_touched
 from harness.robot.inverse_kinematics import reach_position
-from harness.score.scorer import Payer, Scorer, pay_log
+from harness.score import Payer, Scorer, pay_log
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.tasks.unity import Arp2021
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from harness.errors import UsageError
-from harness.record.recording.recorded_training import read_recording
-from harness.score.weighted_recordings import pay_by_weights, recorded_weights, recordings_of
+from harness.record import read_recording
+from harness.score import pay_by_weights, recorded_weights, recordings_of
 from tests.record.recording.told import terms_of
 from tests.results.recordings.test_terms import _record
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from harness.errors import UsageError
-from harness.registry.choice import Choice
-from harness.score.weights import recorded_choice, reweighted, weighted_label
+from harness.registry import Choice
+from harness.score import recorded_choice, reweighted, weighted_label
 
 TERMS = {"reach": np.array([0.0, -1.0, -0.5]), "effort": np.array([0.0, -0.2, 0.3])}
 PLAIN = Choice("gentle", (("reach", 1.0), ("effort", 1.0)), "gentle")

@@ -10,7 +10,8 @@ from harness.record import trace_of
 from harness.registry import choose, load_registry
 from harness.reward import Reward
 from harness.reward.row_steps import Rows
-from harness.score.scorer import BLOCK, DISTANCES, Scorer, pay_log
+from harness.score import Scorer, pay_log
+from harness.score.scorer import BLOCK, DISTANCES
 
 pytestmark = [
     pytest.mark.bench,
