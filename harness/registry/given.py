@@ -319,12 +319,8 @@ def plugin_flags(needs: Any, for_report: bool = False) -> str:
     named = [need for need in needs if isinstance(need, str | dict)] if isinstance(needs, list) else []
     if for_report:
         named = [need for need in named if isinstance(need, str) or need.get("functions") is not True]
-    flags = [("--measure" if _is_of_measures(need) else "--plugin", _what_to_give(need)) for need in named]
-    return "".join(f" {flag} {shlex.quote(what)}" for flag, what in flags if what)
-
-
-def _is_of_measures(need: str | Mapping[str, Any]) -> bool:
-    return not isinstance(need, str) and need.get("measures") is True
+    given = [(_what_to_give(need), not isinstance(need, str) and need.get("measures") is True) for need in named]
+    return "".join(f" {'--measure' if is_measure else '--plugin'} {shlex.quote(it)}" for it, is_measure in given if it)
 
 
 def _what_to_give(need: str | Mapping[str, Any]) -> str:

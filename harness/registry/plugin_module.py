@@ -42,7 +42,7 @@ def import_file(file: PluginFile) -> ModuleType:
     """
     if file.module in sys.modules:
         return sys.modules[file.module]
-    module = _module(file, file.module, file.source, _folder_of(file) / file.name)
+    module = _module(file.module, _copy(file, file.stem, file.source))
     setattr(module, OF_FILE, file)
     setattr(module, BESIDE, [_copy(file, name, text) for name, text in file.beside])
     try:
@@ -64,9 +64,8 @@ def file_behind(defined: Any) -> PluginFile | None:
     return getattr(module, OF_FILE, None)
 
 
-def _module(file: PluginFile, name: str, source: str, copy: Path) -> ModuleType:
+def _module(name: str, copy: Path) -> ModuleType:
     """An empty module. Its file is a copy, which nobody edits or removes while its digest is asked for."""
-    copy.write_text(source, encoding="utf-8", newline="")
     spec = importlib.util.spec_from_file_location(name, copy)
     assert spec is not None
     module = sys.modules[name] = importlib.util.module_from_spec(spec)
@@ -106,7 +105,7 @@ def _importer(file: PluginFile) -> Callable[..., Any]:
             return sys.modules[whole]
         if name not in beside:
             raise ModuleNotFoundError(f"No module named {name!r} beside it", name=name)
-        module = _module(file, whole, beside[name], _copy(file, name, beside[name]))
+        module = _module(whole, _copy(file, name, beside[name]))
         setattr(module, OF_FILE, file)
         try:
             _execute(module, beside[name], _path_beside(file, name), find)
@@ -170,7 +169,7 @@ def _path_beside(file: PluginFile, name: str) -> str:
 
 
 def _copy(file: PluginFile, name: str, text: str) -> Path:
-    """The copy of a file beside it."""
+    """The copy of a file, or of one beside it."""
     copy = _folder_of(file) / f"{name}{ENDING}"
     copy.write_text(text, encoding="utf-8", newline="")
     return copy

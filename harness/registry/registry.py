@@ -112,16 +112,19 @@ class Registry:
             UsageError: Nobody registered the name; names the nearest match, and plugins that did not load.
             PluginError: Several plugins claim the name; names their qualified names.
         """
-        distribution, _, bare = name.rpartition("/")
-        specs = self.specs.get((kind, bare), [])
-        if distribution:
-            specs = [spec for spec in specs if canonical(spec.distribution) == canonical(distribution)]
+        specs = self._claimed(kind, name)
         if not specs:
             raise UsageError(unknown_name(NOUNS[kind], name, self.typed_names(kind)) + self.not_loaded(kind, name))
         found = _meant(specs)
         if found is None:
-            raise PluginError(conflict(bare, specs))
+            raise PluginError(conflict(name.rpartition("/")[2], specs))
         return found
+
+    def _claimed(self, kind: str, name: str) -> list[Spec]:
+        """Who claims a name, or a qualified one."""
+        distribution, _, bare = name.rpartition("/")
+        specs = self.specs.get((kind, bare), [])
+        return [it for it in specs if not distribution or canonical(it.distribution) == canonical(distribution)]
 
     def all_specs(self) -> Iterator[Spec]:
         """Whatever was registered."""
@@ -129,15 +132,7 @@ class Registry:
 
     def kinds_of(self, name: str) -> list[str]:
         """The kinds of which something has this name, or this qualified name."""
-        distribution, _, bare = name.rpartition("/")
-        return [
-            kind
-            for kind in KINDS
-            if any(
-                not distribution or canonical(spec.distribution) == canonical(distribution)
-                for spec in self.specs.get((kind, bare), [])
-            )
-        ]
+        return [kind for kind in KINDS if self._claimed(kind, name)]
 
     def all_names(self) -> set[str]:
         """Every name of every kind that can be typed."""
@@ -259,7 +254,7 @@ def load_registry(
         origin = _origin_of(point.dist) if point.dist else Origin(point.module, "")
         reason = wanted.why_off(point.name, origin.distribution)
         if reason:
-            registry.plugins.append(_plugin(point, origin, "off", reason))
+            registry.plugins.append(Plugin(point.name, *origin, point.module, "off", reason))
             continue
         on_load(point)
         _load_plugin(point, origin, manager, registry)
@@ -283,44 +278,39 @@ def _origin_of(distribution: Distribution) -> Origin:
 
 
 def _load_plugin(point: EntryPoint, origin: Origin, manager: pluggy.PluginManager, registry: Registry) -> None:
+    status, registered = "ok", tuple[str, ...]()
     try:
         module = point.load()
+        reason = "another entry point names the same module" if manager.is_registered(module) else fault_of(module)
+        if reason:
+            status = "incompatible"
+        else:
+            manager.register(module)
+            registered = _add(_collect_specs(point.name, origin, module, manager), registry)
     except (Exception, SystemExit) as error:  # whatever a stranger's module does at import, the others go on
-        registry.plugins.append(_plugin(point, origin, "broken", one_line(error)))
-        return
-    reason = "another entry point names the same module" if manager.is_registered(module) else fault_of(module)
-    if reason:
-        registry.plugins.append(_plugin(point, origin, "incompatible", reason))
-        return
-    manager.register(module)
-    try:
-        specs = _collect_specs(point.name, origin, module, manager)
-    except (Exception, SystemExit) as error:  # the same for its hooks
-        registry.plugins.append(_plugin(point, origin, "broken", one_line(error)))
-        return
-    registry.plugins.append(_plugin(point, origin, "ok", registered=_add(specs, registry)))
+        status, reason = "broken", one_line(error)
+    registry.plugins.append(Plugin(point.name, *origin, point.module, status, reason, registered))
 
 
 def _load_given(given: Given, manager: pluggy.PluginManager, registry: Registry) -> None:
     """One that was given by hand; what is wrong with it is an error, for it was asked for by its name."""
     if isinstance(given, PluginClass):
-        origin, specs = Origin(given.spec.distribution, ""), [given.spec]
-        registry.plugins.append(_given_plugin(given, origin, specs[0].target.split(":")[0], _add(specs, registry)))
+        module = given.spec.distribution
+        registry.plugins.append(Plugin(given.name, module, "", module, "ok", "", _add([given.spec], registry)))
         return
     try:
         _load_file(given, manager, registry)
     except UsageError as error:
         if not given.optional:
             raise
-        plugin = _given_plugin(given, Origin(given.name, given.digest[:8]), given.module, ())
-        registry.plugins.append(replace(plugin, status="broken", reason=str(error)))
+        registry.plugins.append(Plugin(given.name, given.name, given.digest[:8], given.module, "broken", str(error)))
 
 
 def _load_file(file: PluginFile, manager: pluggy.PluginManager, registry: Registry) -> None:
     # here, since it takes what pays and measures steps, which no command needs that is given no file
     from harness.registry.step_functions import functions_of_file, own_functions
 
-    module, origin = import_file(file), Origin(file.name, file.digest[:8])
+    module = import_file(file)
     functions = [] if hooks_of(module) else functions_of_file(file, module)
     for function in functions:
         _require_free_function(function, registry)
@@ -329,13 +319,8 @@ def _load_file(file: PluginFile, manager: pluggy.PluginManager, registry: Regist
         _require_free(spec, file, registry)
     registry.functions += functions
     told = (*_add(specs, registry), *(f"{it.noun} {it.name} of environments" for it in functions if not it.spec))
-    plugin = _given_plugin(file, origin, file.module, told)
     own = own_functions(file, module) if functions else ()
-    registry.plugins.append(replace(plugin, own=own))
-
-
-def _given_plugin(given: Given, origin: Origin, module: str, registered: tuple[str, ...]) -> Plugin:
-    return Plugin(given.name, *origin, module, "ok", "", registered)
+    registry.plugins.append(Plugin(file.name, file.name, file.digest[:8], file.module, "ok", "", told, own))
 
 
 def _specs_of_file(file: PluginFile, module: ModuleType, manager: pluggy.PluginManager) -> list[Spec]:
@@ -417,12 +402,6 @@ def _register_into(specs: list[Spec], kind: str, plugin: str, origin: Origin) ->
         specs.append(Spec(kind, name, target, summary, requires, extra, plugin, *origin, heading, short))
 
     return register
-
-
-def _plugin(
-    point: EntryPoint, origin: Origin, status: str, reason: str = "", registered: tuple[str, ...] = ()
-) -> Plugin:
-    return Plugin(point.name, origin.distribution, origin.version, point.module, status, reason, registered)
 
 
 def installed(group: str) -> tuple[EntryPoint, ...]:
