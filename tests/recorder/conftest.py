@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 from gymnasium.spaces import Box
 
+import harness
+
 
 class Counting(gymnasium.Env[Any, Any]):
     """Observes how many steps its episode has had, pays that number, and terminates after `length` steps."""
@@ -43,3 +45,14 @@ class Counting(gymnasium.Env[Any, Any]):
 def counting():
     """The env; its length can be given."""
     return Counting
+
+
+@pytest.fixture
+def record(counting, tmp_path):
+    """A recorded env, in the folder ``run``; ``own`` trains unless something else is said."""
+
+    def make(env=None, path="run", **given):
+        given = {"trained_with": "own", "rewards": {}, **given}
+        return harness.RecordRewards(env or counting(), tmp_path / path, **given)
+
+    return make

@@ -17,10 +17,20 @@ def still(observation):
     return np.zeros(1, np.float32)
 
 
-def test_whole_episodes_of_a_policy_are_recorded(counting, tmp_path):
+@pytest.fixture
+def evaluated(counting, tmp_path):
+    """The recording of an evaluation: of the counting env and a policy that does nothing, if no others are given."""
+
+    def evaluate(env=None, path="it", policy=still, episodes=1, **given):
+        harness.evaluate_policy(policy, env or counting(), tmp_path / path, episodes=episodes, **{**GIVEN, **given})
+        return read_recording(tmp_path / path)
+
+    return evaluate
+
+
+def test_whole_episodes_of_a_policy_are_recorded(evaluated):
     """As many as asked for, marked as an evaluation of the training's seed."""
-    harness.evaluate_policy(still, counting(), tmp_path, episodes=4, behaviour={"left": "left"}, **GIVEN)
-    found = read_recording(tmp_path)
+    found = evaluated(episodes=4, behaviour={"left": "left"})
     assert (found.facts.evaluation, found.facts.seed, found.facts.closed) == (True, 3, True)
     assert found["terminated"].sum() == 4
     assert found["reward/count"].tolist() == [1.0, 2.0, 3.0] * 4
@@ -41,24 +51,22 @@ def test_every_policy_meets_the_same_episodes(counting, tmp_path):
     assert len(set(seeds)) == 3
 
 
-def test_an_env_may_be_an_id(tmp_path):
+def test_an_env_may_be_an_id(evaluated):
     """It is made, and closed."""
-    given = {**GIVEN, "rewards": {"count": lambda *step: 1.0}}
-    harness.evaluate_policy(lambda seen: 0, "CartPole-v1", tmp_path, episodes=1, **given)
-    assert read_recording(tmp_path).facts.env == "CartPole-v1"
+    found = evaluated("CartPole-v1", policy=lambda seen: 0, rewards={"count": lambda *step: 1.0})
+    assert found.facts.env == "CartPole-v1"
 
 
-def test_an_env_that_was_given_stays_open(counting, tmp_path):
+def test_an_env_that_was_given_stays_open(counting, evaluated):
     """Another policy may use it."""
     env = counting()
     env.close = lambda: pytest.fail("it was closed")
-    harness.evaluate_policy(still, env, tmp_path, episodes=1, **GIVEN)
+    evaluated(env)
 
 
-def test_what_the_env_pays_needs_not_be_what_taught(counting, tmp_path, recwarn):
+def test_what_the_env_pays_needs_not_be_what_taught(evaluated, recwarn):
     """Nothing learns from it: nobody is warned."""
-    given = {**GIVEN, "rewards": {"count": lambda *step: -1.0}}
-    harness.evaluate_policy(still, counting(), tmp_path, episodes=1, **given)
+    evaluated(rewards={"count": lambda *step: -1.0})
     assert not recwarn.list
 
 
@@ -129,26 +137,18 @@ def test_a_reward_that_pays_the_learner_may_not_fail(counting, tmp_path):
         harness.RecordRewards(counting(), tmp_path, pay=True, resume=True, **given)
 
 
-def test_an_episode_that_nothing_ends_is_cut(counting, tmp_path):
-    """It is recorded as truncated, and counted."""
-    harness.evaluate_policy(still, counting(length=10**6), tmp_path, episodes=2, horizon=5, **GIVEN)
-    found = read_recording(tmp_path)
-    assert (found.facts.horizon, found.facts.cut) == (5, 2)
+def test_an_episode_that_nothing_ends_is_cut(counting, evaluated):
+    """It is recorded as truncated, and counted; one that the env ends at the horizon is not."""
+    found = evaluated(counting(length=10**6), episodes=2, horizon=5)
+    assert (found.facts.horizon, found.facts.cut, found["terminated"].sum()) == (5, 2, 0)
     assert found["truncated"].tolist() == [False, False, False, False, True] * 2
-    assert not found["terminated"].any()
+    whole = evaluated(counting(length=5), "whole", episodes=2, horizon=5)
+    assert (whole.facts.cut, whole["terminated"].sum(), whole["truncated"].sum()) == (0, 2, 0)
 
 
-def test_an_episode_that_ends_at_the_horizon_is_not_cut(counting, tmp_path):
-    """The env has ended it."""
-    harness.evaluate_policy(still, counting(length=5), tmp_path, episodes=2, horizon=5, **GIVEN)
-    found = read_recording(tmp_path)
-    assert (found.facts.cut, found["terminated"].sum(), found["truncated"].sum()) == (0, 2, 0)
-
-
-def test_by_default_an_episode_is_cut_after_ten_thousand_steps(counting, tmp_path):
+def test_by_default_an_episode_is_cut_after_ten_thousand_steps(counting, evaluated):
     """So that every evaluation ends."""
-    harness.evaluate_policy(still, counting(length=10**6), tmp_path, episodes=1, **GIVEN)
-    assert len(read_recording(tmp_path)) == 10_000
+    assert len(evaluated(counting(length=10**6))) == 10_000
 
 
 def test_what_is_not_asked_for_is_not_in_the_file(counting, tmp_path):
@@ -177,13 +177,12 @@ def test_a_recording_that_goes_on_keeps_its_horizon(counting, tmp_path):
         harness.RecordRewards(counting(), tmp_path, horizon=3, resume=True, **GIVEN)
 
 
-def test_bounds_of_measures_are_recorded(counting, tmp_path):
+def test_bounds_of_measures_are_recorded(evaluated, tmp_path):
     """Infinite ones too, which JSON has not."""
     bounds = {"left": (0, math.inf), "success": (0.0, 1.0)}
-    behaviour = {"left": "left", "success": lambda *step: 0.5}
-    harness.evaluate_policy(still, counting(), tmp_path, episodes=1, behaviour=behaviour, bounds=bounds, **GIVEN)
-    assert read_recording(tmp_path).facts.bounds == bounds
-    assert json.loads((tmp_path / "recording-0.json").read_text())["bounds"]["left"] == [0.0, None]
+    found = evaluated(behaviour={"left": "left", "success": lambda *step: 0.5}, bounds=bounds)
+    assert found.facts.bounds == bounds
+    assert json.loads((tmp_path / "it" / "recording-0.json").read_text())["bounds"]["left"] == [0.0, None]
 
 
 @pytest.mark.parametrize(
@@ -228,34 +227,27 @@ def test_the_folder_gets_its_name_when_all_episodes_are_there(counting, tmp_path
     assert read_recording(path)["terminated"].sum() == 4
 
 
-def test_what_lies_in_the_folder_stays(counting, tmp_path):
+def test_what_lies_in_the_folder_stays(evaluated, tmp_path):
     """A model beside the recording, for one."""
-    (tmp_path / "model.zip").write_text("weights")
-    harness.evaluate_policy(still, counting(), tmp_path, episodes=1, **GIVEN)
-    assert (tmp_path / "model.zip").read_text() == "weights"
-    assert read_recording(tmp_path).facts.closed
-    assert not list(tmp_path.parent.glob(".*.partial"))
+    (tmp_path / "it").mkdir()
+    (tmp_path / "it" / "model.zip").write_text("weights")
+    assert evaluated().facts.closed
+    assert (tmp_path / "it" / "model.zip").read_text() == "weights"
+    assert [path.name for path in tmp_path.iterdir()] == ["it"]
 
 
-def test_an_evaluation_at_work_is_left_alone(counting, tmp_path):
+def test_an_evaluation_at_work_is_left_alone(evaluated):
     """Another one of the same name is refused, and the first one ends as if it had not been asked for."""
 
     def meanwhile(observation):
         with pytest.raises(UsageError, match="is being recorded by another process"):
-            harness.evaluate_policy(still, counting(), tmp_path / "it", episodes=1, **GIVEN)
+            evaluated()
         return still(observation)
 
-    harness.evaluate_policy(meanwhile, counting(), tmp_path / "it", episodes=1, **GIVEN)
-    assert read_recording(tmp_path / "it").facts.closed
+    assert evaluated(policy=meanwhile).facts.closed
 
 
-def starts_of(env, path, **given):
-    """What the recording of an evaluation says of its starts."""
-    harness.evaluate_policy(still, env, path, **{**GIVEN, "episodes": 3, **given})
-    return read_recording(path).facts.starts
-
-
-def test_the_first_observations_are_summed_up(counting, tmp_path):
+def test_the_first_observations_are_summed_up(counting, evaluated):
     """Two envs that the seed decides sum up to the same; one with a generator of its own to something else."""
 
     class Seeded(counting):
@@ -270,13 +262,16 @@ def test_the_first_observations_are_summed_up(counting, tmp_path):
             super().reset(seed=seed)
             return self.generator.random(1, np.float32), {}
 
-    assert starts_of(Seeded(), tmp_path / "a") == starts_of(Seeded(), tmp_path / "b") != 0
-    assert starts_of(Seeded(), tmp_path / "c", first_seed=7) != starts_of(Seeded(), tmp_path / "d")
-    assert starts_of(Own(), tmp_path / "e") != starts_of(Own(), tmp_path / "f")
+    def starts(env, path, **given):
+        return evaluated(env, path, episodes=3, **given).facts.starts
+
+    assert starts(Seeded(), "a") == starts(Seeded(), "b") != 0
+    assert starts(Seeded(), "c", first_seed=7) != starts(Seeded(), "d")
+    assert starts(Own(), "e") != starts(Own(), "f")
 
 
-def test_normalised_observations_say_nothing_of_starts(counting, tmp_path):
+def test_normalised_observations_say_nothing_of_starts(counting, evaluated):
     """Equal starts look different after other steps."""
     env = gymnasium.wrappers.NormalizeObservation(counting())
     env.update_running_mean = False
-    assert starts_of(env, tmp_path / "it") == 0
+    assert evaluated(env, episodes=3).facts.starts == 0

@@ -10,7 +10,6 @@ import pytest
 import harness
 from harness.errors import UsageError
 from harness.record import read_recording
-from harness.record.recording.scores import scores_name
 from harness.recorder import Later, Retake
 
 
@@ -116,7 +115,7 @@ def test_several_recorders_of_one_training_are_paid(tmp_path):
     for number in (0, 1):
         _record(tmp_path / "run", steps=40, number=number)
     _retake().score(tmp_path / "run")
-    assert {scores_name(0), scores_name(1)} < {path.name for path in (tmp_path / "run").iterdir()}
+    assert {"scores-0.parquet", "scores-1.parquet"} < {path.name for path in (tmp_path / "run").iterdir()}
     assert not np.isnan(read_recording(tmp_path / "run")["reward/low"]).any()
 
 
@@ -171,7 +170,7 @@ def test_env_that_answers_otherwise_pays_nothing(tmp_path, make, told):
     _record(tmp_path / "run")
     with pytest.raises(UsageError, match=told):
         Retake(make, lambda env: Later(REWARDS, {})).score(tmp_path / "run")
-    assert not (tmp_path / "run" / scores_name(0)).exists()
+    assert not (tmp_path / "run" / "scores-0.parquet").exists()
     assert "low" not in read_recording(tmp_path / "run").rewards
 
 

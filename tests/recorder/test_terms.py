@@ -10,8 +10,8 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 import harness
 from harness.errors import SchemaError, UsageError
-from harness.record import TrainingFacts, read_recording
-from harness.record.recording.recorded_training import facts_name, weighed
+from harness.record import read_recording
+from harness.record.recording.recorded_training import weighed
 from harness.recorder import GivenUp, Later, Retake
 from harness.reward.terms import sum_of
 from tests.record.recording.told import terms_of
@@ -83,7 +83,7 @@ def test_training_with_terms_pays_their_sum(tmp_path):
     assert np.array_equal(sum_of(terms_of(found, "gentle")), found["reward/gentle"])
 
 
-def test_before_the_first_step_there_are_zeros_and_the_info_of_the_reset(counting, tmp_path):
+def test_before_the_first_step_there_are_zeros_and_the_info_of_the_reset(counting, record):
     """Afterwards the observation, the action and the info of the step before."""
     seen = []
 
@@ -92,7 +92,7 @@ def test_before_the_first_step_there_are_zeros_and_the_info_of_the_reset(countin
         seen.append((before.observation[0], before.action.tolist(), dict(before.info).get("left"), step.info["left"]))
         return 0.0
 
-    env = harness.RecordRewards(counting(2), tmp_path / "run", trained_with="own", rewards={"look": look})
+    env = record(counting(2), rewards={"look": look})
     for _ in range(2):
         env.reset()
         env.step(np.array([0.5], np.float32)), env.step(np.array([0.25], np.float32))
@@ -166,20 +166,20 @@ def test_what_is_wrong_with_a_reward_is_told_by_name(counting, tmp_path, reward,
     assert found["reward/fine/c"].tolist() == [1.0] * len(found)
 
 
-def test_function_that_writes_into_a_step_is_told_what_it_writes_into(counting, tmp_path):
+def test_function_that_writes_into_a_step_is_told_what_it_writes_into(record):
     """By the name under which it reads it."""
 
     def spoil(step):
         step.action[0] = 3.0
         return 0.0
 
-    env = harness.RecordRewards(counting(), tmp_path / "run", trained_with="own", rewards={"spoil": spoil})
+    env = record(rewards={"spoil": spoil})
     env.reset()
     with pytest.warns(GivenUp, match=r"it writes into its step\.action, which others read too"):
         env.step(np.ones(1, np.float32))
 
 
-def test_terms_may_be_given_by_name(counting, tmp_path):
+def test_terms_may_be_given_by_name(counting, record, tmp_path):
     """Keys of info and functions of both forms; one with a memory is restarted."""
 
     class Count:
@@ -191,7 +191,7 @@ def test_terms_may_be_given_by_name(counting, tmp_path):
             return float(self.count)
 
     terms = {"left": "left", "count": Count(), "went": lambda o, a, n, i: float(n[0] - o[0])}
-    env = harness.RecordRewards(counting(3), tmp_path / "run", trained_with="own", rewards={"it": terms})
+    env = record(counting(3), rewards={"it": terms})
     _act(env, 6)
     env.close()
     found = read_recording(tmp_path / "run")
@@ -235,21 +235,17 @@ def test_key_that_told_terms_has_to_tell_them_in_every_step(is_batch, tmp_path):
     assert np.array_equal(found["reward/it/far"], [2.0, 2.0, np.nan, np.nan, np.nan], equal_nan=True)
 
 
-def test_measure_is_one_number(counting, tmp_path):
+def test_measure_is_one_number(record):
     """Terms are a reward's: a measure that is given by terms is refused, one that returns them is given up."""
     with pytest.raises(UsageError, match="a measure is one number, only rewards have terms"):
-        harness.RecordRewards(
-            counting(), tmp_path / "a", trained_with="own", rewards={}, behaviour={"it": {"left": "left"}}
-        )
-    env = harness.RecordRewards(
-        counting(), tmp_path / "b", trained_with="own", rewards={}, behaviour={"it": lambda step: {"left": 1.0}}
-    )
+        record(path="a", behaviour={"it": {"left": "left"}})
+    env = record(behaviour={"it": lambda step: {"left": 1.0}})
     env.reset()
     with pytest.warns(GivenUp, match="behaviour 'it' failed"):
         env.step(np.ones(1, np.float32))
 
 
-def test_function_of_a_step_that_remembers_is_found(counting, tmp_path):
+def test_function_of_a_step_that_remembers_is_found(record):
     """As one of four arguments is, by asking it again."""
     calls = [0]
 
@@ -257,7 +253,7 @@ def test_function_of_a_step_that_remembers_is_found(counting, tmp_path):
         calls[0] += 1
         return {"calls": float(calls[0])}
 
-    env = harness.RecordRewards(counting(), tmp_path / "run", trained_with="own", rewards={"it": remembers})
+    env = record(rewards={"it": remembers})
     env.reset()
     with pytest.warns(GivenUp, match="when it was asked about the same step at once"):
         env.step(np.ones(1, np.float32))
@@ -266,13 +262,7 @@ def test_function_of_a_step_that_remembers_is_found(counting, tmp_path):
 def test_recording_goes_on_with_its_terms(tmp_path):
     """Other terms are refused as in one recording."""
     first = _recorded(tmp_path / "run", 30, rewards={"gentle": gentle}, seed=1)
-    env = harness.RecordRewards(
-        gymnasium.make("Pendulum-v1"), tmp_path / "run", trained_with="own", rewards={"gentle": gentle}, seed=1,
-        resume=True,
-    )  # fmt: skip
-    _act(env, 30)
-    env.close()
-    found = read_recording(tmp_path / "run")
+    found = _recorded(tmp_path / "run", 30, rewards={"gentle": gentle}, seed=1, resume=True)
     assert (len(found), found.facts.terms) == (60, first.facts.terms)
     assert np.array_equal(sum_of(terms_of(found, "gentle")), found["reward/gentle"])
 
@@ -280,36 +270,22 @@ def test_recording_goes_on_with_its_terms(tmp_path):
 def test_recording_without_terms_is_written_as_before(tmp_path):
     """Its facts say nothing of terms, and its parts have no more columns."""
     found = _recorded(tmp_path / "run", 10, rewards={"it": lambda step: 1.0})
-    assert not found.facts.terms
-    text = (tmp_path / "run" / facts_name(0)).read_text()
-    assert '"terms"' not in text
-    assert TrainingFacts.read(tmp_path / "run" / facts_name(0)).term_columns == {}
+    assert (dict(found.facts.terms), found.facts.term_columns) == ({}, {})
+    assert '"terms"' not in (tmp_path / "run" / "recording-0.json").read_text()
 
 
 def test_term_without_a_value_is_damage(tmp_path, monkeypatch):
     """The mutant: a NaN of which no failure is told."""
-    from harness.recorder import record_rewards
-
-    monkeypatch.setattr(record_rewards.RecordRewards, "_terms_of_step", _lose(record_rewards.RecordRewards))
+    whole = harness.RecordRewards._terms_of_step
+    monkeypatch.setattr(harness.RecordRewards, "_terms_of_step", lambda self: [np.nan for _ in whole(self)])
     with pytest.raises(SchemaError, match="reward/it/a has no value in some steps, and no failure of it is told"):
         _recorded(tmp_path / "run", 3, rewards={"it": lambda step: {"a": 1.0}}).rows()
-
-
-def _lose(recorder):
-    whole = recorder._terms_of_step
-    return lambda self: [float("nan") for _ in whole(self)]
 
 
 def test_recorders_of_one_training_have_the_same_terms(tmp_path):
     """One that has no step yet has not learned them."""
     for number in range(2):
-        env = harness.RecordRewards(
-            gymnasium.make("Pendulum-v1"), tmp_path / "run", trained_with="own", rewards={"gentle": gentle},
-            number=number,
-        )  # fmt: skip
-        _act(env, 20 * (1 - number))
-        env.close()
-    found = read_recording(tmp_path / "run")
+        found = _recorded(tmp_path / "run", 20 * (1 - number), rewards={"gentle": gentle}, number=number)
     assert (len(found), [*found.terms_of("gentle")]) == (20, ["upright", "effort", "jerk"])
 
 
@@ -372,10 +348,8 @@ def test_terms_are_paid_again(tmp_path):
     live = _recorded(tmp_path / "live", 250, rewards={"gentle": gentle})
     _recorded(tmp_path / "plain", 250)
     for later in ({"gentle": lambda step: {"old": 1.0}}, {"gentle": gentle}):
-        failed = Retake(lambda: gymnasium.make("Pendulum-v1"), lambda env, it=later: Later(it, {})).score(
-            tmp_path / "plain"
-        )
-        assert not failed
+        retake = Retake(lambda: gymnasium.make("Pendulum-v1"), lambda env, it=later: Later(it, {}))
+        assert not retake.score(tmp_path / "plain")
     found = read_recording(tmp_path / "plain")
     assert [*found.terms_of("gentle")] == ["upright", "effort", "jerk"]
     for name, values in terms_of(live, "gentle").items():
