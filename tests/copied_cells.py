@@ -33,14 +33,13 @@ from harness.record import (
     read_manifest,
     read_trace,
 )
-from harness.record.folder import CARD, STOCHASTIC
 from harness.record.manifest import digests_in
 from harness.record.plan_file import StoredPlan
 from harness.registry import Choice, Registry, choose, load_registry
 from harness.results.kept import FORMAT, LARGEST
 from harness.score.scorer import pay_log
 
-PAID = (TRACE, EVALUATION, STOCHASTIC, RANDOM)
+PAID = (TRACE, EVALUATION, "stochastic.parquet", RANDOM)
 """Files with a column of what the cell's reward paid."""
 
 
@@ -87,7 +86,7 @@ class Copier:
         folder = self._into / CELLS / manifest.cell.id
         shutil.copytree(paid, folder, copy_function=os.link)
         files = json.loads((folder / MANIFEST).read_text())
-        card = folder / POLICY / CARD
+        card = folder / POLICY / "card.json"
         told = {**json.loads(card.read_text()), "cell": manifest.cell.to_json()}
         for path in (card, folder / MANIFEST):
             path.unlink()  # a link: its content belongs to the others too
@@ -98,8 +97,8 @@ class Copier:
 
 def _write(folder, manifest, files):
     """The manifest; of the files that are linked the digests are known."""
-    card = f"{POLICY}/{CARD}"
-    known = {**files, card: digests_in(folder / POLICY)[CARD]}
+    card = f"{POLICY}/card.json"
+    known = {**files, card: digests_in(folder / POLICY)["card.json"]}
     record = replace(manifest, files=known)
     (folder / MANIFEST).write_bytes(seal({"format": Manifest.FORMAT, **record.to_json()}))
 

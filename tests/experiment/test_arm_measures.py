@@ -15,7 +15,7 @@ from harness.experiment.trials.tried import Tried
 from harness.record import read_trace
 from harness.registry import load_registry, read_given
 from harness.report.document import report_text
-from harness.results.load import load_results
+from harness.results import load_results
 from harness.results.metrics import fields_needed
 
 CALM = "def calm(step):\n    return abs(step.qvel).max(-1)\n"

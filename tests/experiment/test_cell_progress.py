@@ -24,7 +24,7 @@ from harness.record import (
     read_trace,
 )
 from harness.record.episode_facts import episode_facts
-from harness.record.folder import DETERMINISTIC, STOCHASTIC, evaluation_files
+from harness.record.folder import evaluation_files
 from harness.registry import Choice
 from harness.score.scorer import SCORED
 
@@ -63,7 +63,7 @@ def _require_equal_results(one, other):
 def test_one_evaluation_at_the_end_is_the_default(make_cell, done):
     """A training that tells of its policy all the time leaves none before."""
     names = {path.name for path in done(make_cell(**NARRATE)).iterdir()}
-    assert names == {TRACE, POLICY, EVALUATION, STOCHASTIC, RANDOM, "scene.json", MANIFEST}
+    assert names == {TRACE, POLICY, EVALUATION, "stochastic.parquet", RANDOM, "scene.json", MANIFEST}
 
 
 @pytest.mark.parametrize(
@@ -160,15 +160,18 @@ def test_stochastic_evaluation_draws(make_cell, done, drawn):
     spread = [np.ptp(trace["action"][trace["step"] > 0], axis=0).max() for trace in traces]
     assert spread[0] > 0.1
     assert spread[1] == 0.0
-    pairs = [(TRACE, TRACE), (STOCHASTIC, EVALUATION), (EVALUATION, DETERMINISTIC)]
+    pairs = [(TRACE, TRACE), ("stochastic.parquet", EVALUATION), (EVALUATION, "deterministic.parquet")]
     assert all(pq.read_table(likeliest / one).equals(pq.read_table(drawn / other)) for one, other in pairs)
-    assert not (likeliest / DETERMINISTIC).exists()
-    assert not (drawn / STOCHASTIC).exists()
+    assert not (likeliest / "deterministic.parquet").exists()
+    assert not (drawn / "stochastic.parquet").exists()
 
 
 @pytest.mark.parametrize(
     ("deterministic", "episodes"),
-    [(True, {EVALUATION: 1, STOCHASTIC: 3, RANDOM: 3}), (False, {EVALUATION: 3, DETERMINISTIC: 1, RANDOM: 3})],
+    [
+        (True, {EVALUATION: 1, "stochastic.parquet": 3, RANDOM: 3}),
+        (False, {EVALUATION: 3, "deterministic.parquet": 1, RANDOM: 3}),
+    ],
 )
 def test_task_that_does_not_vary_has_one_deterministic_episode(make_cell, done, deterministic, episodes):
     """All of them would be alike; drawn actions differ."""
@@ -183,7 +186,7 @@ def test_task_that_does_not_vary_has_one_deterministic_episode(make_cell, done, 
 
 def test_every_evaluation_tells_the_facts_of_its_episodes(often):
     """Steps of the kinematics and work are there for each env, the former the same in all of them."""
-    paths = (*evaluation_files(often).values(), *(often / name for name in (EVALUATION, STOCHASTIC, RANDOM)))
+    paths = (*evaluation_files(often).values(), *(often / name for name in (EVALUATION, "stochastic.parquet", RANDOM)))
     facts = [episode_facts(read_trace(path)) for path in paths]
     assert {(one.horizon, one.control_period, one.ik_steps) for one in facts} == {(5, 0.1, facts[0].ik_steps)}
     assert {(len(one.ik_steps), len(one.work)) for one in facts} == {(2, 2)}

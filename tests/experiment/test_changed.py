@@ -12,7 +12,6 @@ from harness.experiment import ExperimentRun, RunOptions, changed
 from harness.experiment.changed import Change, changed_cells, refuse_changed
 from harness.experiment.provenance import describe_environment
 from harness.record import Store, partial_folder, read_manifest
-from harness.record.store import LOCK
 from harness.registry import Choice, load_registry
 from harness.robot.robot import load_robot
 
@@ -71,7 +70,7 @@ def _source(store, cell):
 
 
 def _files(folder):
-    return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file() and path.name != LOCK}
+    return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file() and path.name != ".lock"}
 
 
 def test_cells_of_the_installed_plugins_are_not_changed(make_cell, toys):

@@ -17,7 +17,6 @@ from harness.executor import CellOptions
 from harness.experiment import check_experiment, expand
 from harness.experiment.run_cell import run_cell
 from harness.record import partial_folder, read_recording, read_trace
-from harness.record.folder import EVALUATIONS
 from harness.registry import load_registry
 from tests.arithmetic import arithmetic
 
@@ -43,7 +42,7 @@ def _cell(name):
 def _told(folder):
     """Each recording of a cell: its training, and evaluations in the middle and at the end."""
     found = {}
-    for path in sorted((*folder.iterdir(), *folder.glob(f"{EVALUATIONS}/*"))):
+    for path in sorted((*folder.iterdir(), *folder.glob("evaluations/*"))):
         if path.suffix == ".parquet":
             found[path.relative_to(folder).as_posix()] = read_trace(path).load()
         elif list(path.glob("recording-*.json")):

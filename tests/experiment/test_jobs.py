@@ -7,13 +7,12 @@ from harness.experiment import check_experiment, expand
 from harness.experiment.jobs import order_of, run_job, run_jobs
 from harness.experiment.workers.order import read_order
 from harness.record import EVALUATION, POLICY, TRACE
-from harness.record.folder import WEIGHTS
 from harness.registry import load_registry
 
 QUICK = {"sim": "kinematic", "algo": "random,sac-fast", "reward": "arp", "seeds": 1, "steps": 320}
 QUICK |= {"evaluation_episodes": 2}
 ALL = {**QUICK, "sim": "kinematic,mujoco,pybullet,dm_control", "algo": "sb3-sac,sac-fast,ppo,td3", "steps": 400}
-RESULTS = (TRACE, EVALUATION, f"{POLICY}/{WEIGHTS}")
+RESULTS = (TRACE, EVALUATION, f"{POLICY}/weights.safetensors")
 
 
 def _cells(experiment):

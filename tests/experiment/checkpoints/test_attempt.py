@@ -7,7 +7,6 @@ import numpy as np
 from harness.errors import SchemaError
 from harness.experiment.checkpoints.checkpoint import Checkpoint, begin_attempt
 from harness.record import LOG
-from harness.record.folder import CHECKPOINT
 
 ENVIRONMENT = {"versions": {"numpy": "2"}, "commit": "", "sources": {"rewards": "abc"}, "command": "harness run"}
 
@@ -38,7 +37,7 @@ def test_next_attempt_goes_on_from_the_checkpoint(make_cell, tmp_path):
     attempt = _begin(make_cell(), tmp_path)
     assert (attempt.begun_from, attempt.note) == (7, "went on after 7 steps")
     assert "this one went on after 7 steps" in (tmp_path / LOG).read_text()
-    assert (tmp_path / CHECKPOINT).exists()
+    assert (tmp_path / "checkpoint.safetensors").exists()
     time.sleep(0.01)
     assert 1000.01 <= attempt.seconds < 1100.0
 
@@ -63,7 +62,7 @@ def test_checkpoint_of_another_cell_is_of_no_use(make_cell, tmp_path):
     (tmp_path / "policy").mkdir()
     attempt = _begin(make_cell(), tmp_path)
     assert attempt.begun_from == 0
-    assert attempt.note.startswith(f"started over: {CHECKPOINT} is of no use: ")
+    assert attempt.note.startswith("started over: checkpoint.safetensors is of no use: ")
     assert [path.name for path in tmp_path.iterdir()] == [LOG]
 
 

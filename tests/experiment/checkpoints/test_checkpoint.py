@@ -32,7 +32,6 @@ from harness.record import (
     read_trace,
 )
 from harness.record.episode_facts import episode_facts
-from harness.record.folder import CHECKPOINT
 from harness.registry import Choice
 from harness_plugins.executors.processes import Processes
 from harness_plugins.kit.trainings import WatchedEnv
@@ -140,11 +139,11 @@ def test_damaged_checkpoint_starts_over(train_in_a_process, make_cell, tmp_path)
     """The cell is done all the same, from its beginning, and says why."""
     cell = make_cell(**RANDOM)
     train_in_a_process(cell, tmp_path / "cell", 1000, until=2500)
-    path = partial_folder(tmp_path / "cell") / CHECKPOINT
+    path = partial_folder(tmp_path / "cell") / "checkpoint.safetensors"
     path.write_bytes(path.read_bytes()[:-3])
     manifest = run_cell(cell, tmp_path / "cell", lambda steps: None, CellOptions(1000))
     assert (manifest.status, manifest.resumed_from) == ("done", 0)
-    assert manifest.note.startswith(f"started over: {CHECKPOINT} is of no use: ")
+    assert manifest.note.startswith("started over: checkpoint.safetensors is of no use: ")
     run_cell(cell, tmp_path / "whole", lambda steps: None, CellOptions(1000))
     assert _contents(tmp_path / "cell") == _contents(tmp_path / "whole")
 
@@ -157,7 +156,7 @@ def test_checkpoint_comes_back(tmp_path):
     algorithm = {"done": np.array(7), "bytes": np.arange(3, dtype=np.uint8), "turned": np.ones((2, 3), np.float32).T}
     for steps in (6, 7):
         _checkpoint(steps=steps, algorithm=algorithm, seconds=1.5).write(tmp_path)
-    assert [path.name for path in tmp_path.iterdir()] == [CHECKPOINT]
+    assert [path.name for path in tmp_path.iterdir()] == ["checkpoint.safetensors"]
     back = read_checkpoint(tmp_path, ORIGIN)
     assert (back.steps, back.seconds, back.parts, int(back.env["count"])) == (7, 1.5, (), 5)
     for name, array in algorithm.items():
@@ -177,7 +176,9 @@ def test_checkpoint_that_cannot_be_read_is_refused(tmp_path):
     """A missing one, and one of a newer format: what it means is not known."""
     with pytest.raises(SchemaError, match="it cannot be read"):
         read_checkpoint(tmp_path, ORIGIN)
-    safetensors.numpy.save_file({}, tmp_path / CHECKPOINT, {"harness.checkpoint": json.dumps({"format": 99})})
+    safetensors.numpy.save_file(
+        {}, tmp_path / "checkpoint.safetensors", {"harness.checkpoint": json.dumps({"format": 99})}
+    )
     with pytest.raises(SchemaError, match="it has format 99, this version reads 2"):
         read_checkpoint(tmp_path, ORIGIN)
 
@@ -185,11 +186,11 @@ def test_checkpoint_that_cannot_be_read_is_refused(tmp_path):
 def test_every_flipped_byte_is_found(tmp_path):
     """Wherever it is, the checkpoint is refused."""
     _checkpoint(seconds=0.0).write(tmp_path)
-    whole = (tmp_path / CHECKPOINT).read_bytes()
+    whole = (tmp_path / "checkpoint.safetensors").read_bytes()
     for at in range(len(whole)):
         flipped = bytearray(whole)
         flipped[at] ^= 1
-        (tmp_path / CHECKPOINT).write_bytes(flipped)
+        (tmp_path / "checkpoint.safetensors").write_bytes(flipped)
         with pytest.raises(SchemaError):
             read_checkpoint(tmp_path, ORIGIN)
 
@@ -316,7 +317,7 @@ def store(make_cell, make_plan, tmp_path):
     return Store.create(tmp_path, make_plan(make_cell()))
 
 
-def _begun(store, cell, name=CHECKPOINT):
+def _begun(store, cell, name="checkpoint.safetensors"):
     partial = partial_folder(store.cell_folder(cell))
     partial.mkdir()
     (partial / name).write_bytes(b"half")
@@ -336,7 +337,7 @@ def test_cell_whose_process_alone_was_killed_is_reopened(make_cell, store):
     _begun(store, cell)
     store.record(cell, "failed", "its process was ended by SIGKILL")
     partial = store.reopen(cell)
-    assert {path.name for path in partial.iterdir()} == {CHECKPOINT}
+    assert {path.name for path in partial.iterdir()} == {"checkpoint.safetensors"}
     assert not store.cell_folder(cell).exists()
 
 

@@ -8,7 +8,7 @@ from harness.errors import UsageError
 from harness.experiment import expand, read_experiment
 from harness.experiment.experiment import run
 from harness.record import EXPERIMENT, RANDOM, read_recording
-from harness.record.folder import DETERMINISTIC, STOCHASTIC, evaluation_files, recording_of
+from harness.record.folder import evaluation_files, recording_of
 from harness.registry import load_registry, read_given
 from harness.results.measured import LEARNING
 from harness.results.ranking import ranking_of
@@ -52,8 +52,8 @@ def test_policies_are_evaluated_in_both_manners(tmp_path, deterministic):
     """The recordings say how they acted."""
     found = _run(tmp_path / "out", deterministic=deterministic, seeds=1)
     folder = found.store.cell_folder(found.plan.cells[0])
-    other = recording_of(STOCHASTIC if deterministic else DETERMINISTIC)
-    own = recording_of(DETERMINISTIC if deterministic else STOCHASTIC)
+    other = recording_of("stochastic.parquet" if deterministic else "deterministic.parquet")
+    own = recording_of("deterministic.parquet" if deterministic else "stochastic.parquet")
     assert read_recording(folder / "evaluation").facts.acted == own
     assert read_recording(folder / other).facts.acted == other
 

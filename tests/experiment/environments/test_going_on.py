@@ -9,8 +9,8 @@ import pytest
 from harness.executor import CellOptions
 from harness.experiment import check_experiment, expand, telling
 from harness.experiment.run_cell import run_cell
-from harness.record import EVALUATION_RECORDING, LOG, MANIFEST, partial_folder, read_manifest
-from harness.record.folder import CHECKPOINT, TRAINING_RECORDING, evaluation_files
+from harness.record import LOG, MANIFEST, partial_folder, read_manifest
+from harness.record.folder import evaluation_files
 from harness.record.manifest import digests_in
 
 FOLDER = Path(__file__).parent
@@ -101,11 +101,11 @@ def test_a_cell_that_is_killed_in_its_evaluation_goes_on(registry, given, tmp_pa
     cell, whole, killed = _cell(registry, LEARNERS["random, 2 envs"]), tmp_path / "whole", tmp_path / "killed"
 
     def report(word):
-        if (partial_folder(whole) / EVALUATION_RECORDING).exists() and not partial_folder(killed).exists():
+        if (partial_folder(whole) / "evaluation").exists() and not partial_folder(killed).exists():
             shutil.copytree(partial_folder(whole), partial_folder(killed))
 
     run_cell(cell, whole, report, CellOptions(EVERY, plugins=given))
-    assert (partial_folder(killed) / EVALUATION_RECORDING).exists()
+    assert (partial_folder(killed) / "evaluation").exists()
     assert _go_on(cell, killed, given).resumed_from == 150
     assert _files(killed) == _files(whole)
 
@@ -153,13 +153,13 @@ def test_nothing_of_a_checkpoint_is_left(registry, given, tmp_path):
     cell = _cell(registry, LEARNERS["random, 2 envs"])
     _leave(cell, tmp_path / "killed", 198, given)
     left = {path.name for path in partial_folder(tmp_path / "killed").iterdir()}
-    assert {CHECKPOINT, TRAINING_RECORDING} <= left
+    assert {"checkpoint.safetensors", "training"} <= left
     assert sorted(name for name in left if name.startswith("ring.")) == [
         "ring.env%2Factions.0-25.safetensors",
         "ring.env%2Factions.25-50.safetensors",
         "ring.env%2Factions.50-75.safetensors",
     ]
-    assert not {name for name in digests_in(tmp_path / "whole") if name.startswith(("ring", CHECKPOINT))}
+    assert not {name for name in digests_in(tmp_path / "whole") if name.startswith(("ring", "checkpoint.safetensors"))}
 
 
 def test_an_algorithm_that_resets_with_a_seed_leaves_no_checkpoint(registry, given, tmp_path, monkeypatch):
@@ -173,7 +173,7 @@ def test_an_algorithm_that_resets_with_a_seed_leaves_no_checkpoint(registry, giv
 
     monkeypatch.setattr(learner, "train", seeds)
     _leave(_cell(registry, "random"), tmp_path / "killed", 198, given)
-    assert not (partial_folder(tmp_path / "killed") / CHECKPOINT).exists()
+    assert not (partial_folder(tmp_path / "killed") / "checkpoint.safetensors").exists()
 
 
 @pytest.mark.slow

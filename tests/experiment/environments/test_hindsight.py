@@ -8,8 +8,7 @@ import pytest
 from harness.executor import CellOptions
 from harness.experiment import check_experiment, expand
 from harness.experiment.run_cell import run_cell
-from harness.record import EVALUATION_RECORDING, LOG, read_recording
-from harness.record.folder import TRAINING_RECORDING
+from harness.record import LOG, read_recording
 from harness.record.manifest import digests_in
 
 FOLDER = Path(__file__).parent
@@ -26,7 +25,7 @@ def _done(plan, folder, given):
 
 
 def _success(folder):
-    told = read_recording(folder / EVALUATION_RECORDING)
+    told = read_recording(folder / "evaluation")
     return float(told["behaviour/success"][told["truncated"]].mean())
 
 
@@ -36,7 +35,7 @@ def test_hindsight_learns_from_a_sparse_reward(registry, given, tmp_path):
         assert _done(_plan(registry, f"{algo}:{SMALL}"), tmp_path / name, given).status == "done"
     assert _success(tmp_path / "with") > 0.6
     assert _success(tmp_path / "without") < 0.3
-    told = read_recording(tmp_path / "with" / TRAINING_RECORDING)
+    told = read_recording(tmp_path / "with" / "training")
     assert set(np.unique(told["reward/there"])) <= {-1.0, 0.0}
 
 

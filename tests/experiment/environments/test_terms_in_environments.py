@@ -7,8 +7,7 @@ import harness
 from harness.errors import UsageError
 from harness.experiment import check_experiment, expand
 from harness.experiment.trials.tried_plan import try_plan
-from harness.record import EVALUATION_RECORDING, read_recording
-from harness.record.folder import TRAINING_RECORDING
+from harness.record import read_recording
 from harness.record.recording.recorded_training import weighed
 from harness.registry import load_registry, read_given
 from harness.results import load_results
@@ -107,7 +106,7 @@ def test_trainings_and_evaluations_have_terms(trained):
     """Whoever was trained: their sum is the pay, to the last bit."""
     results = load_results(trained)
     for cell in results.done_cells:
-        for name in (TRAINING_RECORDING, EVALUATION_RECORDING):
+        for name in ("training", "evaluation"):
             found = read_recording(results.store.cell_folder(cell) / name)
             assert np.array_equal(sum_of(terms_of(found, "gentle")), found["reward/gentle"])
             assert found.facts.trained_with == cell.reward.label
@@ -118,7 +117,7 @@ def test_columns_pay_what_other_weights_pay(trained):
     results = load_results(trained)
     label = "gentle:effort=5"
     for cell in results.done_cells:
-        found = read_recording(results.store.cell_folder(cell) / TRAINING_RECORDING)
+        found = read_recording(results.store.cell_folder(cell) / "training")
         terms = terms_of(found, "gentle")
         expected = terms["upright"] + 5.0 * terms["effort"] + terms["jerk"]
         recorded = found if cell.reward.label == label else weighed(found, [label])

@@ -8,7 +8,7 @@ from harness.experiment.progress.followed import WRITE_EVERY, Followed
 from harness.experiment.progress.trackers import Trackers, Tracking
 from harness.progress import RETURN, SUCCESS
 from harness.record import Store
-from harness.record.running import RUNNING, read_running
+from harness.record.running import read_running
 
 
 class Times:
@@ -71,4 +71,4 @@ def test_nothing_is_left_when_nothing_runs(followed, tmp_path):
     follow, cell, _, _ = followed
     follow(Event("started", cell))
     follow.stop()
-    assert not (tmp_path / "out" / RUNNING).exists()
+    assert not (tmp_path / "out" / "running.json").exists()
