@@ -120,6 +120,7 @@ def token() -> Iterator[None]:
     """Ray's clusters ask for a token; read when Ray is imported."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("RAY_AUTH_MODE", "token")
+        patch.setenv("RAY_AUTH_TOKEN", secrets.token_hex(32))
         yield
 
 
