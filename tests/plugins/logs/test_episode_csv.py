@@ -168,3 +168,9 @@ def test_a_table_without_a_column_of_returns_is_told_how_to_name_it(tmp_path):
         read.make().read(path)
     [log] = read.make(reward="points").read(path)
     assert log["reward/recorded"].tolist() == [1.0, 2.0]
+
+
+def test_a_probability_of_success_is_refused(tmp_path):
+    """An episode succeeds or not."""
+    with pytest.raises(SchemaError, match=r"line 2: column 'success' is 0 or 1, and holds 0\.7"):
+        read(written(tmp_path, "episode,reward,success\n0,1.0,0.7\n"))

@@ -346,3 +346,9 @@ def test_other_folders_are_not_recognised(tmp_path):
     (tmp_path / "progress.csv").write_text("a\n1\n")
     for name in ("", "progress.csv", "missing"):
         assert not read.is_recognised(tmp_path / name)
+
+
+def test_nan_is_a_point_that_lacks_a_value(tmp_path):
+    """What programs log before the first episode has ended."""
+    write(tmp_path, {REWARD: [(10, float("nan")), (20, 1.0)]})
+    assert read(tmp_path)["time"].tolist() == [20]

@@ -1,3 +1,5 @@
+import base64
+import gzip
 import re
 import subprocess
 import sys
@@ -9,6 +11,7 @@ import pytest
 from harness.errors import UsageError
 from harness.report import SPLIT, describe_split, question, scales_text, typeset, write_html
 from harness.report.page.comparison import describe_comparison
+from harness.report.page.html import pack
 from harness.report.typography import to_html
 from harness.results import load_results
 from tests.report.conftest import MIXTURE
@@ -407,3 +410,18 @@ def test_rewards_that_came_later_are_told_before_the_answers(build, write):
     replace(results.plan, terms=terms).write(results.folder)
     text = write(load_results(results.folder)).main
     assert text.index("arp came later") < text.index("What the robot does")
+
+
+def test_advice_stands_as_a_command(build, write):
+    """Where more seeds would tell."""
+    results = build()
+    (combination,) = results.combinations
+    combination.__dict__["headline"] = replace(combination.headline, seeds_to_decide=(8, 20))
+    assert f"fewest trainings: harness run {results.folder / 'experiment.toml'}" in write(results).text
+
+
+def test_file_inside_a_page_comes_back():
+    """As it was; the same text gives the same page, at any time of day."""
+    packed = base64.b64decode(pack("a.csv", "text/csv", "Ω₁,1\n").content)
+    assert gzip.decompress(packed).decode() == "Ω₁,1\n"
+    assert packed[4:8] == b"\0\0\0\0"

@@ -111,3 +111,8 @@ def test_all_of_the_budget_is_told_in_one_manner(build):
     grid = along_grid(drawn)
     assert grid.title == "Along the budget of training, deterministic"
     assert grid.rows[-1][1] == "75.0%"
+
+
+def test_nothing_along_the_budget_without_evaluations(build):
+    """The end alone is no curve."""
+    assert along_grid(only(build())).rows == []

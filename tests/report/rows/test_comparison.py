@@ -251,3 +251,10 @@ def test_what_is_compared_are_all_trainings(build):
     assert compared_text(only(build())) == "3 seeds (0, 1, 2)"
     odd = build(ended={("arp", 2): ("failed", "it broke")})
     assert compared_text(only(odd)) == "3 trainings with baseline, 2 with arp"
+
+
+def test_a_reward_that_has_not_begun_makes_no_test_of_an_unfinished_plan(build):
+    """One reward is compared, the other one has no training yet."""
+    begun = build(ended={("arp", seed): ("pending", "") for seed in range(3)})
+    assert interim_text(begun).startswith("Interim: 3 trainings")
+    assert what_decides(begun).startswith("The plan is not trained to its end")

@@ -4,6 +4,7 @@ from rich.console import Console
 
 from harness.report import overview_table
 from harness.results import pay_texts
+from tests.report.conftest import MIXTURE
 from tests.report.tables.test_comparison import CASES, squeezed
 
 REWARDS = {"arp": (9, 30), "relative": (9, 20), "scaled:factor=1.5": (9, 30)}
@@ -77,3 +78,8 @@ def test_cells_that_are_not_done_are_told(build):
     assert "6 cells: 4 done, 1 failed, 1 pending" in text
     assert "the arm fell off" in text
     assert text.endswith("All numbers behind this: harness report DIR --details\n")
+
+
+def test_mixture_is_marked(mixed):
+    """A warning does not wait for the details."""
+    assert MIXTURE in squeezed(printed(mixed))
