@@ -1,6 +1,7 @@
 """What tests of the env need: one without an engine, and ways to move in it."""
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -8,7 +9,9 @@ import pytest
 
 import harness
 from harness.env import ReachVectorEnv
+from harness.log import Log
 from harness.reach import ReachTask
+from harness.record import TraceWriter, read_trace
 from harness.robot import reach_position
 from harness.task import Task
 from harness_plugins.kit import IdealSimulator
@@ -18,9 +21,24 @@ ROBOT = harness.load_robot("fd100")
 SHORT = ReachTask(horizon=4)
 
 
-def _make(num_envs: int = 1, task: Task = SHORT, **options: Any) -> ReachVectorEnv:
+class CountsSteps(NegativeDistance):
+    """Pays the number of steps since it last began."""
+
+    def initial_carry(self, begin_distance: Any) -> Any:
+        """None yet."""
+        return (begin_distance * 0.0,)
+
+    def __call__(self, carry: Any, sample: Any) -> Any:
+        """One more."""
+        return (carry[0] + 1.0,), carry[0] + 1.0
+
+
+def _make(num_envs: int = 1, task: Task = SHORT, seed: int | None = None, **options: Any) -> ReachVectorEnv:
     given = {"simulator": IdealSimulator(), "robot": ROBOT, "task": task, "reward": NegativeDistance(), **options}
-    return ReachVectorEnv(num_envs=num_envs, **given)
+    env = ReachVectorEnv(num_envs=num_envs, **given)
+    if seed is not None:
+        env.reset(seed=seed)
+    return env
 
 
 def _stand(env: ReachVectorEnv) -> tuple[Any, ...]:
@@ -55,8 +73,23 @@ def _first_observations(env: ReachVectorEnv, episodes: int, action_seed: int) ->
 
 @pytest.fixture
 def make() -> Callable[..., ReachVectorEnv]:
-    """An env without an engine."""
+    """An env without an engine; reset where a seed is given."""
     return _make
+
+
+@pytest.fixture
+def recorded(tmp_path: Path) -> Callable[..., Log]:
+    """The trace of an env that is reset with a seed, and then does what a function of it does."""
+
+    def record(env: ReachVectorEnv, go: Callable[[ReachVectorEnv], object], seed: int = 0) -> Log:
+        path, episodes = tmp_path / "trace.parquet", env.episodes
+        with TraceWriter(path, env.robot.dof, episodes.action.shape[1], extras=episodes.extras) as env.recorder:
+            env.reset(seed=seed)
+            go(env)
+        env.close()
+        return read_trace(path)
+
+    return record
 
 
 @pytest.fixture

@@ -98,8 +98,7 @@ def test_one_row_per_environment_step(make: Call, tmp_path: Path):
 
 def test_horizon_counts_environment_steps(make: Call, stand: Call):
     """A horizon of 7 is in the second decision, which lasts two steps."""
-    env = make(2, InFives(horizon=7))
-    env.reset(seed=2)
+    env = make(2, InFives(horizon=7), seed=2)
     assert not stand(env)[3].any()
     _, rewards, _, truncated, infos = stand(env)
     assert truncated.all()
@@ -107,15 +106,10 @@ def test_horizon_counts_environment_steps(make: Call, stand: Call):
     assert env.environment_steps == 14
 
 
-def test_environment_steps_are_counted_where_they_are_taken(make: Call, tmp_path: Path):
+def test_environment_steps_are_counted_where_they_are_taken(make: Call, recorded: Call):
     """Each env counts its own: as many as rows were recorded, start rows apart."""
-    path = tmp_path / "trace.parquet"
     env = make(8, InFives(**OFTEN))
-    with TraceWriter(path, 6, 6) as recorder:
-        env.recorder = recorder
-        env.reset(seed=3)
-        play(env, 60)
-    steps = np.count_nonzero(read_trace(path)["step"])
+    steps = np.count_nonzero(recorded(env, lambda env: play(env, 60), seed=3)["step"])
     assert env.environment_steps == steps < 60 * PERIOD * 8
 
 
@@ -218,15 +212,10 @@ def test_disabled_leaves_an_episode_as_it_ended(make: Call):
     assert ended.all()
 
 
-def test_memory_of_an_ended_episode_stands_still(make: Call, tmp_path: Path):
+def test_memory_of_an_ended_episode_stands_still(make: Call, recorded: Call):
     """Stepped on without autoreset it goes on from its end: its rows are scored as they were paid, bit for bit."""
-    path = tmp_path / "trace.parquet"
     env = make(8, InFives(**OFTEN), reward=Remembers(), autoreset_mode=AutoresetMode.DISABLED)
-    with TraceWriter(path, 6, 6) as recorder:
-        env.recorder = recorder
-        env.reset(seed=3)
-        play(env, 12)
-    trace = read_trace(path)
+    trace = recorded(env, lambda env: play(env, 12), seed=3)
     assert len(trace.last_rows) > 20
     np.testing.assert_array_equal(pay_log(Remembers(), trace).total, trace["reward"])
 

@@ -1,7 +1,6 @@
 """Discrete actions: one choice of many."""
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import gymnasium
@@ -10,7 +9,6 @@ import pytest
 
 import harness
 from harness.reach import ReachTask
-from harness.record import TraceWriter, read_trace
 from harness_plugins.tasks.unity import Arp2021
 
 Call = Callable[..., Any]
@@ -40,27 +38,22 @@ def test_choice_is_the_continuous_action_that_it_stands_for(make: Call, choice: 
         np.testing.assert_array_equal(one[1], other[1])
 
 
-def test_meaning_of_the_choice_is_recorded(make: Call, tmp_path: Path):
+def test_meaning_of_the_choice_is_recorded(make: Call, recorded: Call):
     """The trace holds the action that was chosen, as long as that of the continuous mode."""
-    path = tmp_path / "trace.parquet"
-    with TraceWriter(path, 6, 6) as recorder:
-        env = make(2, ReachTask(action="discrete"), recorder=recorder)
-        env.reset(seed=0)
-        env.step(np.array([0, 4]))
-    np.testing.assert_array_equal(read_trace(path)["action"][2:], [[0.0] * 6, [0.0, 1.0, 0.0, 0.0, 0.0, 0.0]])
+    trace = recorded(make(2, ReachTask(action="discrete")), lambda env: env.step(np.array([0, 4])))
+    np.testing.assert_array_equal(trace["action"][2:], [[0.0] * 6, [0.0, 1.0, 0.0, 0.0, 0.0, 0.0]])
 
 
 def test_choice_of_positions_counts_from_where_the_arm_is(make: Call):
     """Of joints that are set one goes on by a tenth of half its range, once a decision; the others stay."""
-    env = make(1, Arp2021(action="discrete:action=set-joints"), robot=ARM)
-    env.reset(seed=0)
+    env = make(1, Arp2021(action="discrete:action=set-joints"), robot=ARM, seed=0)
     for count in range(1, 4):
         env.step(np.array([2]))
         expected = ARM.home + count * 0.1 * ARM.upper * (np.arange(5) == 0)
         np.testing.assert_allclose(env.simulation.read().qpos, [expected], atol=1e-12)
 
 
-def test_single_env_takes_a_whole_number(tmp_path: Path):
+def test_single_env_takes_a_whole_number():
     """Python's own, or numpy's."""
     env = gymnasium.make("harness/Reach-v0", simulator="kinematic", task="arp-2021:action=discrete", reward="baseline")
     assert env.action_space == gymnasium.spaces.Discrete(11)
@@ -73,8 +66,7 @@ def test_single_env_takes_a_whole_number(tmp_path: Path):
 
 def test_choices_are_left_alone(make: Call):
     """The caller's array stays as it is."""
-    env = make(2, ReachTask(action="discrete"))
-    env.reset(seed=0)
+    env = make(2, ReachTask(action="discrete"), seed=0)
     choices = np.array([1, 12])
     env.step(choices)
     np.testing.assert_array_equal(choices, [1, 12])

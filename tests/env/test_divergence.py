@@ -47,8 +47,7 @@ def simulator_of(simulation: type[IdealSimulation]) -> IdealSimulator:
 
 def test_diverging_simulation_is_told_at_once(make: Call, stand: Call):
     """A number that is none raises SimulationDiverged in the step where it comes, with the env and the step."""
-    env = make(3, simulator=simulator_of(LosesTheEndEffector))
-    env.reset(seed=0)
+    env = make(3, simulator=simulator_of(LosesTheEndEffector), seed=0)
     with pytest.raises(SimulationDiverged, match=r"env \[1\] is nowhere at step 1"):
         stand(env)
 
@@ -56,8 +55,7 @@ def test_diverging_simulation_is_told_at_once(make: Call, stand: Call):
 def test_diverging_simulation_never_gets_into_a_trace(tmp_path: Path, make: Call, stand: Call):
     """An infinite number raises SimulationDiverged when the trace is written, at the latest."""
     recorder = TraceWriter(tmp_path / "trace.parquet", dof=6, action_size=6)
-    env = make(3, simulator=simulator_of(LosesItAtInfinity), recorder=recorder)
-    env.reset(seed=0)
+    env = make(3, simulator=simulator_of(LosesItAtInfinity), recorder=recorder, seed=0)
     stand(env)
     with pytest.raises(SimulationDiverged, match="distance is not finite at env 1, episode 0, step 1"):
         recorder.close()

@@ -39,8 +39,7 @@ def test_target_ends_the_episode_and_pays(make: Call, drive_to: Call, target_of:
 
 def test_ground_ends_the_episode_and_costs(make: Call, drive_to: Call):
     """On the ground the episode is terminated and -1 is paid on top (NOTE eq. 18)."""
-    env = make(task=ReachTask())
-    env.reset(seed=2)
+    env = make(task=ReachTask(), seed=2)
     _, rewards, terminated, truncated, infos = drive_to(env, np.array([[0.9, 0.0, -0.1]]))
     assert terminated.tolist() == [True]
     assert truncated.tolist() == [False]
@@ -50,8 +49,7 @@ def test_ground_ends_the_episode_and_costs(make: Call, drive_to: Call):
 
 def test_horizon_truncates(make: Call, stand: Call):
     """At the horizon, and not before, the episode is truncated, which is no event and pays nothing."""
-    env = make()
-    env.reset(seed=2)
+    env = make(seed=2)
     for step in range(1, 5):
         _, rewards, terminated, truncated, infos = stand(env)
         assert not terminated.any()
@@ -66,8 +64,7 @@ def test_target_at_the_horizon_is_no_truncation(make: Call, drive_to: Call, targ
     steps = 0
     while True:
         steps += 1
-        short = make(task=ReachTask(epsilon=0.03, horizon=steps))
-        short.reset(seed=2)
+        short = make(task=ReachTask(epsilon=0.03, horizon=steps), seed=2)
         *_, terminated, truncated, _ = drive_to(short, target_of(observations))
         if terminated.any():
             break
@@ -85,8 +82,7 @@ def test_event_terms_are_the_tasks(make: Call, drive_to: Call, target_of: Call):
 
 def test_same_step_starts_the_next_episode(make: Call, wander: Call, target_of: Call):
     """The step that ends an episode returns the next one's start; the last observation is in the infos."""
-    env = make(2)
-    env.reset(seed=0)
+    env = make(2, seed=0)
     wander(env, 3)
     observations, _, _, truncated, infos = wander(env, 1, seed=9)[0]
     assert truncated.all()
@@ -149,20 +145,6 @@ def test_reset_mask_of_other_envs_is_a_usage_error(make: Call, mask: object):
     with pytest.raises(UsageError, match=r"give bool of \(2,\)"):
         env.reset(seed=1, options={"reset_mask": mask})
     np.testing.assert_array_equal(env.reset()[0], undisturbed.reset()[0])
-
-
-def test_both_autoreset_modes_tell_the_same_story(make: Call):
-    """Resetting what has ended by its mask gives the episodes that autoreset gives."""
-    same, disabled = make(3), make(3, autoreset_mode=AutoresetMode.DISABLED)
-    seen = [[same.reset(seed=5)[0]], [disabled.reset(seed=5)[0]]]
-    rng = np.random.default_rng(1)
-    for _ in range(20):
-        actions = rng.uniform(-1.0, 1.0, (3, 6)).astype(np.float32)
-        seen[0].append(same.step(actions)[0])
-        observations, _, terminated, truncated, _ = disabled.step(actions)
-        ended = terminated | truncated
-        seen[1].append(disabled.reset(options={"reset_mask": ended})[0] if ended.any() else observations)
-    np.testing.assert_array_equal(*seen)
 
 
 def test_ended_episode_that_is_stepped_on_forgets_its_end(make: Call, drive_to: Call, target_of: Call):

@@ -12,7 +12,6 @@ import pytest
 import harness
 from harness.log import Log
 from harness.reach import ReachTask
-from harness.record import TraceWriter, read_trace
 from harness.robot import forward, reach_position
 from harness_plugins.tasks.unity import Arp2021, UnityReach
 
@@ -21,14 +20,17 @@ ARM = harness.load_robot("unity-arm")
 TARGET = np.array([[0.45, -0.45, 0.2]])
 
 
-def jump(make: Call, path: Path, qpos: np.ndarray, **task: Any) -> tuple[Any, Log]:
+@pytest.fixture
+def jump(make: Call, recorded: Call) -> Call:
     """One environment step to `qpos`, and its trace."""
-    env = make(1, Arp2021(decision_period=1, **task), robot=ARM)
-    with TraceWriter(path, 5, 5) as recorder:
-        env.recorder = recorder
-        env.reset(seed=0)
-        taken = env.step((qpos / ARM.upper).reshape(1, 5))
-    return taken, read_trace(path)
+
+    def to(qpos: np.ndarray, **task: Any) -> tuple[Any, Log]:
+        taken: list[Any] = []
+        env = make(1, Arp2021(decision_period=1, **task), robot=ARM)
+        trace = recorded(env, lambda env: taken.extend(env.step((qpos / ARM.upper).reshape(1, 5))))
+        return taken, trace
+
+    return to
 
 
 def poses_at_the_target() -> np.ndarray:
@@ -38,11 +40,11 @@ def poses_at_the_target() -> np.ndarray:
     return goals[reached & (np.abs(goals) <= ARM.upper).all(axis=1)]
 
 
-def test_ground_ends_the_episode_and_costs_one(make: Call, tmp_path: Path):
+def test_ground_ends_the_episode_and_costs_one(jump: Call):
     """-1 exactly, beside the step's price."""
     goal, reached = reach_position(ARM, np.array([[0.3, -0.3, -0.05]]), ARM.home[None])
     assert reached.all()
-    (_, paid, terminated, _, infos), trace = jump(make, tmp_path / "trace.parquet", goal)
+    (_, paid, terminated, _, infos), trace = jump(goal)
     assert terminated.all()
     assert trace["ground"][1]
     assert trace["terminated"][1]
@@ -50,14 +52,14 @@ def test_ground_ends_the_episode_and_costs_one(make: Call, tmp_path: Path):
     assert paid[0] == pytest.approx(infos["reward_shaped"][0] - 1.0001, rel=1e-12)
 
 
-def test_target_pays_half_and_the_upright_cosine(make: Call, tmp_path: Path):
+def test_target_pays_half_and_the_upright_cosine(jump: Call):
     """0.5 + clamp01(up of the end effector . up), at poses that point up, down and aside."""
     poses = poses_at_the_target()
     up = forward(ARM.chain, poses)[:, 2, 2]
     assert (up > 0.3).any()
     assert (up < -0.3).any()
     for pose, cosine in zip(poses, up, strict=True):
-        _, trace = jump(make, tmp_path / "trace.parquet", pose)
+        _, trace = jump(pose)
         if not trace["ground"][1]:
             assert trace["reward_target"][1] == pytest.approx(0.5 + min(max(cosine, 0.0), 1.0), abs=1e-6)
 
@@ -89,24 +91,20 @@ def turned(quaternion_xyzw: list[float], vector: np.ndarray) -> np.ndarray:
     return vector + 2.0 * np.cross(axis, np.cross(axis, vector) + w * vector)
 
 
-def test_rewards_of_events_are_parameters(make: Call, tmp_path: Path):
+def test_rewards_of_events_are_parameters(jump: Call):
     """Each is set by the task."""
     pose = poses_at_the_target()[0]
     up = max(forward(ARM.chain, pose)[2, 2], 0.0)
-    _, trace = jump(make, tmp_path / "trace.parquet", pose, target_reward=2.0, upright_reward=3.0, step_reward=-0.5)
+    _, trace = jump(pose, target_reward=2.0, upright_reward=3.0, step_reward=-0.5)
     assert trace["reward_target"][1] == pytest.approx(2.0 + 3.0 * up, abs=1e-6)
     assert trace["reward_step"][1] == -0.5
 
 
-def test_held_arm_is_recorded(make: Call, tmp_path: Path):
+def test_held_arm_is_recorded(make: Call, recorded: Call):
     """An arm that is sent out of its reach on a line is held there; before that it is not."""
-    path = tmp_path / "trace.parquet"
-    with TraceWriter(path, 6, 3) as recorder:
-        env = make(2, ReachTask(action="movel", horizon=200, epsilon=0.001), recorder=recorder)
-        env.reset(seed=0)
-        for _ in range(120):
-            env.step(np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 0.0]], np.float32))
-    trace = read_trace(path)
+    action = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 0.0]], np.float32)
+    env = make(2, ReachTask(action="movel", horizon=200, epsilon=0.001))
+    trace = recorded(env, lambda env: [env.step(action) for _ in range(120)])
     held = trace["held"][trace["env"] == 0]
     assert held[-20:].all()
     assert not held[:10].any()
@@ -114,11 +112,6 @@ def test_held_arm_is_recorded(make: Call, tmp_path: Path):
     assert not trace["terminated"].any()
 
 
-def test_joint_movements_are_never_held(make: Call, wander: Call, tmp_path: Path):
+def test_joint_movements_are_never_held(make: Call, wander: Call, recorded: Call):
     """MoveJ brakes before a joint's end; nothing that it is asked for cannot be done."""
-    path = tmp_path / "trace.parquet"
-    with TraceWriter(path, 6, 6) as recorder:
-        env = make(2, ReachTask(horizon=50), recorder=recorder)
-        env.reset(seed=0)
-        wander(env, 100)
-    assert not read_trace(path)["held"].any()
+    assert not recorded(make(2, ReachTask(horizon=50)), lambda env: wander(env, 100))["held"].any()

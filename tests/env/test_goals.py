@@ -14,7 +14,6 @@ from harness.arrays import Float
 from harness.errors import UsageError
 from harness.goal import Goal, Situation
 from harness.reach import ReachTask
-from harness.record import TraceWriter, read_trace
 from harness.registry import choose, load_registry
 from harness.robot import Robot
 from harness.score.scorer import pay_log
@@ -54,39 +53,28 @@ class NextPoses(Pose):
     ends_at_target = False
 
 
-def rows_of(make: Call, wander: Call, path: Path, task: ReachTask, steps: int = 60) -> bytes:
-    """The trace file of some episodes at random."""
-    with TraceWriter(path, dof=6, action_size=6) as recorder:
-        env = make(3, task, recorder=recorder)
-        env.reset(seed=0)
-        wander(env, steps)
-    return path.read_bytes()
-
-
-def test_distance_as_a_goal_leaves_the_same_trace(make: Call, wander: Call, tmp_path: Path):
+def test_distance_as_a_goal_leaves_the_same_trace(make: Call, wander: Call, recorded: Call, tmp_path: Path):
     """Bit for bit: a task without a goal is a task whose error is the distance."""
-    files = [
-        rows_of(make, wander, tmp_path / f"{task.__name__}.parquet", task(horizon=15, epsilon=0.2))
-        for task in (ReachTask, SameReach)
-    ]
+    files = []
+    for task in (ReachTask, SameReach):
+        trace = recorded(make(3, task(horizon=15, epsilon=0.2)), lambda env: wander(env, 60))
+        files.append((tmp_path / "trace.parquet").read_bytes())
     assert files[0] == files[1]
-    assert read_trace(tmp_path / "ReachTask.parquet")["reached"].any()
+    assert trace["reached"].any()
 
 
 def test_task_without_a_goal_measures_the_length_of_the_offset(make: Call, wander: Call):
     """To the last bit."""
-    env = make(3)
-    env.reset(seed=0)
+    env = make(3, seed=0)
     for _ in wander(env, 10):
         offset = env.episodes.offset
         np.testing.assert_array_equal(env.episodes.distance, np.sqrt(np.vecdot(offset, offset)))
     assert goal_of(env.task, env.robot) is None
 
 
-def test_target_is_recorded_where_it_is(make: Call, wander: Call, tmp_path: Path):
+def test_target_is_recorded_where_it_is(make: Call, wander: Call, recorded: Call):
     """In each row; and the distance is that to it."""
-    rows_of(make, wander, tmp_path / "trace.parquet", Moving(horizon=12, target_speed=0.2))
-    trace = read_trace(tmp_path / "trace.parquet")
+    trace = recorded(make(3, Moving(horizon=12, target_speed=0.2)), lambda env: wander(env, 60))
     target, tip = (np.stack([trace[f"{name}_{axis}"] for axis in "xyz"], 1) for name in ("target", "end_effector"))
     np.testing.assert_allclose(trace["distance"], np.linalg.norm(target - tip, axis=1), rtol=1e-12)
     for rows in trace.episodes:
@@ -97,15 +85,10 @@ def test_target_is_recorded_where_it_is(make: Call, wander: Call, tmp_path: Path
 
 @pytest.mark.parametrize("task", [Moving(horizon=12), Pose(horizon=12), NextPoses(horizon=30, epsilon=0.3, angle=3.0)])
 @pytest.mark.parametrize("reward", REGISTRY.names("rewards"))
-def test_every_reward_pays_the_record_again(make: Call, wander: Call, tmp_path: Path, task: ReachTask, reward: str):
+def test_every_reward_pays_the_record_again(make: Call, wander: Call, recorded: Call, task: ReachTask, reward: str):
     """Exactly as it was paid, whatever the error is."""
     built = choose(REGISTRY, "rewards", reward).build(REGISTRY, "rewards")
-    path = tmp_path / "trace.parquet"
-    with TraceWriter(path, dof=6, action_size=6) as recorder:
-        env = make(2, task, recorder=recorder, reward=built)
-        env.reset(seed=0)
-        wander(env, 40)
-    trace = read_trace(path)
+    trace = recorded(make(2, task, reward=built), lambda env: wander(env, 40))
     np.testing.assert_array_equal(pay_log(built, trace).total, trace["reward"])
 
 
@@ -165,8 +148,7 @@ def test_tasks_take_another_robot(subtests: pytest.Subtests):
 def test_conditions_and_goals_go_together(make: Call, wander: Call):
     """What is seen with noise has the error of what is seen; the goal's numbers stand before the obstacles'."""
     task = Pose(horizon=12, joint_noise=0.02, obstacle_count=1)
-    env = make(2, task)
-    env.reset(seed=0)
+    env = make(2, task, seed=0)
     seen = wander(env, 3)[-1][0]
     assert seen.shape[1] == len(task.observation(ROBOT).low) > 28 + 9
     assert not np.allclose(seen[:, 27], env.episodes.distance, atol=1e-6)

@@ -9,13 +9,13 @@ import pytest
 
 import harness
 from harness.log import Log
-from harness.record import TraceWriter, read_trace
 from harness.record.cell_log import cell_log
 from harness.reward.row_steps import TOUCHED, targets_touched
 from harness.robot import reach_position
 from harness.task import Targets
 from harness_plugins.kit.trainings import NegativeDistance
 from harness_plugins.tasks.unity import Arp2021, UnityReach
+from tests.env.conftest import CountsSteps
 
 Call = Callable[..., Any]
 ARM = harness.load_robot("unity-arm")
@@ -34,18 +34,6 @@ class Tour(UnityReach):
         return Targets(PLACES[np.arange(count) % len(PLACES)], np.zeros(count, bool))
 
 
-class CountsSteps(NegativeDistance):
-    """Pays the number of steps since it last began."""
-
-    def initial_carry(self, begin_distance: Any) -> Any:
-        """None yet."""
-        return (begin_distance * 0.0,)
-
-    def __call__(self, carry: Any, sample: Any) -> Any:
-        """One more."""
-        return (carry[0] + 1.0,), carry[0] + 1.0
-
-
 def action_at(position: np.ndarray) -> np.ndarray:
     """The action that jumps to a position, (1, 5)."""
     goal, reached = reach_position(ARM, np.atleast_2d(position), ARM.home[None], tolerance=1e-6)
@@ -58,16 +46,14 @@ FIRST, SECOND, THIRD = (action_at(place) for place in PLACES)
 
 
 @pytest.fixture
-def tour(make: Call, tmp_path: Path) -> Call:
+def tour(make: Call, recorded: Call) -> Call:
     """Jump through some actions: what the steps return, and the trace."""
 
     def go(*actions: np.ndarray, task: UnityReach | None = None, **options: Any) -> tuple[list[Any], Log]:
+        taken: list[Any] = []
         env = make(1, task or Tour(decision_period=1), robot=ARM, **options)
-        with TraceWriter(tmp_path / "trace.parquet", 5, 5) as recorder:
-            env.recorder = recorder
-            env.reset(seed=0)
-            taken = [env.step(action) for action in actions]
-        return taken, read_trace(tmp_path / "trace.parquet")
+        trace = recorded(env, lambda env: taken.extend(map(env.step, actions)))
+        return taken, trace
 
     return go
 
@@ -142,8 +128,7 @@ def test_carry_restarts_with_the_next_target(tour: Call):
 
 def test_carry_of_the_other_envs_goes_on(make: Call):
     """One arm's touched target is nothing to another."""
-    env = make(2, Tour(decision_period=1), robot=ARM, reward=CountsSteps())
-    env.reset(seed=0)
+    env = make(2, Tour(decision_period=1), robot=ARM, reward=CountsSteps(), seed=0)
     env.step(np.concatenate([FIRST, HOME]))
     np.testing.assert_array_equal(env.step(np.concatenate([HOME, HOME]))[4]["reward_shaped"], [1.0, 2.0])
 

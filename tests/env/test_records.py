@@ -1,27 +1,23 @@
 """What the env leaves in a trace."""
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 import harness
 from harness.reach import ReachTask
-from harness.record import TraceWriter, read_trace
 
 Call = Callable[..., Any]
 ROBOT = harness.load_robot("fd100")
 
 
-def test_recorded_terms_add_up_to_what_was_paid(tmp_path: Path, make: Call, wander: Call):
+def test_recorded_terms_add_up_to_what_was_paid(recorded: Call, make: Call, wander: Call):
     """Shaped reward and event terms are columns of their own; their sum is what the learner was paid, in order."""
-    path = tmp_path / "trace.parquet"
-    with TraceWriter(path, dof=6, action_size=6) as recorder:
-        env = make(3, ReachTask(horizon=15, epsilon=0.25), recorder=recorder)
-        env.reset(seed=0)
-        rewards = np.array([taken[1] for taken in wander(env, 120)])
-    trace = read_trace(path)
+    taken: list[Any] = []
+    env = make(3, ReachTask(horizon=15, epsilon=0.25))
+    trace = recorded(env, lambda env: taken.extend(wander(env, 120)))
+    rewards = np.array([step[1] for step in taken])
     assert {name for name in ("ground", "reached", "truncated") if trace[name].any()} == {"reached", "truncated"}
     for env_number in range(3):
         steps = (trace["env"] == env_number) & (trace["step"] > 0)
@@ -29,14 +25,9 @@ def test_recorded_terms_add_up_to_what_was_paid(tmp_path: Path, make: Call, wand
         np.testing.assert_allclose(np.sum(terms, axis=0), rewards[:, env_number], rtol=0.0, atol=1e-12)
 
 
-def test_recorded_columns_follow_from_one_another(tmp_path: Path, make: Call, wander: Call):
+def test_recorded_columns_follow_from_one_another(recorded: Call, make: Call, wander: Call):
     """Step, begin distance, best, distance and delta are recorded as the NOTE defines them: Pb is the value before."""
-    path = tmp_path / "trace.parquet"
-    with TraceWriter(path, dof=6, action_size=6) as recorder:
-        env = make(1, ReachTask(horizon=15), recorder=recorder)
-        env.reset(seed=0)
-        wander(env, 100)
-    trace = read_trace(path)
+    trace = recorded(make(1, ReachTask(horizon=15)), lambda env: wander(env, 100))
     target, tip = (np.stack([trace[f"{name}_{axis}"] for axis in "xyz"], 1) for name in ("target", "end_effector"))
     np.testing.assert_allclose(trace["distance"], np.linalg.norm(target - tip, axis=1))
     np.testing.assert_allclose(ROBOT.end_effector(trace["qpos"]), tip, atol=1e-9)
@@ -52,41 +43,31 @@ def test_recorded_columns_follow_from_one_another(tmp_path: Path, make: Call, wa
         np.testing.assert_array_equal(trace["previous_best"][rows], best)
 
 
-def test_start_rows_pay_nothing(tmp_path: Path, make: Call, wander: Call):
+def test_start_rows_pay_nothing(recorded: Call, make: Call, wander: Call):
     """One row opens each episode, with the action and every reward 0."""
-    path = tmp_path / "trace.parquet"
-    with TraceWriter(path, dof=6, action_size=6) as recorder:
-        env = make(2, recorder=recorder)
-        env.reset(seed=0)
-        wander(env, 10)
-    trace = read_trace(path)
+    trace = recorded(make(2), lambda env: wander(env, 10))
     starts = trace["step"] == 0
     assert starts.sum() == 2 * 3
-    for name in ("reward", "reward_ground", "reward_target", "reward_step", "delta_distance", "action"):
-        assert not trace[name][starts].any(), name
-    for name in ("ground", "reached", "truncated"):
+    paid = ("reward", "reward_ground", "reward_target", "reward_step", "delta_distance", "action")
+    for name in (*paid, "ground", "reached", "truncated"):
         assert not trace[name][starts].any(), name
 
 
-def test_actions_are_recorded_as_asked(tmp_path: Path, make: Call):
+def test_actions_are_recorded_as_asked(recorded: Call, make: Call):
     """The trace holds what the policy asked for, not what the limits left of it."""
-    path = tmp_path / "trace.parquet"
-    with TraceWriter(path, dof=6, action_size=6) as recorder:
-        env = make(recorder=recorder)
-        env.reset(seed=0)
-        env.step(np.full((1, 6), 0.75, np.float32))
-    np.testing.assert_array_equal(read_trace(path)["action"], [[0.0] * 6, [0.75] * 6])
+    trace = recorded(make(), lambda env: env.step(np.full((1, 6), 0.75, np.float32)))
+    np.testing.assert_array_equal(trace["action"], [[0.0] * 6, [0.75] * 6])
 
 
-def test_reset_without_a_step_leaves_no_row(tmp_path: Path, make: Call, stand: Call):
+def test_reset_without_a_step_leaves_no_row(recorded: Call, make: Call, stand: Call):
     """An episode that was left before its first step is not in the trace, and takes no number."""
-    path = tmp_path / "trace.parquet"
-    with TraceWriter(path, dof=6, action_size=6) as recorder:
-        env = make(recorder=recorder)
-        for _ in range(3):
-            env.reset(seed=0)
+
+    def leave(env: Any) -> None:
+        env.reset(seed=0)
+        env.reset(seed=0)
         stand(env)
         env.reset()
-    trace = read_trace(path)
+
+    trace = recorded(make(), leave)
     assert trace["episode"].tolist() == [0, 0]
     assert trace["step"].tolist() == [0, 1]

@@ -8,14 +8,14 @@ from gymnasium.vector import AutoresetMode
 
 from harness.reach import ReachTask
 from harness_plugins.kit.trainings import NegativeDistance
+from tests.env.conftest import CountsSteps
 
 Call = Callable[..., Any]
 
 
 def test_infos_of_every_step(make: Call, wander: Call):
     """Every step tells distance, shaped reward and success of every env."""
-    env = make(2)
-    env.reset(seed=0)
+    env = make(2, seed=0)
     observations, _, _, _, infos = wander(env, 1)[0]
     assert set(infos) == {"distance", "reward_shaped", "is_success"}
     np.testing.assert_allclose(infos["distance"], observations[:, -1], atol=1e-6)
@@ -25,8 +25,7 @@ def test_infos_of_every_step(make: Call, wander: Call):
 
 def test_rewards_are_float64(make: Call, stand: Call):
     """What is paid is recorded and summed over whole runs: it is not rounded to float32."""
-    env = make(2)
-    env.reset(seed=0)
+    env = make(2, seed=0)
     assert stand(env)[1].dtype == np.float64
 
 
@@ -51,16 +50,7 @@ def test_reward_sees_one_sample_per_step(make: Call, wander: Call):
 
 def test_carry_starts_anew_with_an_episode(make: Call, stand: Call, wander: Call):
     """What a reward remembers is forgotten for the arms that start, and kept for the others."""
-
-    class CountsSteps(NegativeDistance):
-        def initial_carry(self, begin_distance: Any) -> Any:
-            return (begin_distance * 0.0,)
-
-        def __call__(self, carry: Any, sample: Any) -> Any:
-            return (carry[0] + 1.0,), carry[0] + 1.0
-
-    env = make(2, ReachTask(horizon=9), reward=CountsSteps(), autoreset_mode=AutoresetMode.DISABLED)
-    env.reset(seed=0)
+    env = make(2, ReachTask(horizon=9), reward=CountsSteps(), autoreset_mode=AutoresetMode.DISABLED, seed=0)
     wander(env, 2)
     env.reset(options={"reset_mask": np.array([True, False])})
     np.testing.assert_array_equal(stand(env)[-1]["reward_shaped"], [1.0, 3.0])

@@ -10,18 +10,12 @@ OWN = {"fd100-reach": "fd100", "unity-reach": "unity-arm", "arp-2021": "unity-ar
 
 @pytest.mark.parametrize(("task", "own"), OWN.items())
 def test_task_has_its_own_robot(task: str, own: str):
-    """Without a robot the vector env has the one that the task was made for."""
+    """Without a robot the vector env has the one that the task was made for, and so has the env of one arm."""
     env = harness.make_env("kinematic", task)
-    assert env.robot.name == env.task.robot == own
+    single = gymnasium.make("harness/Reach-v0", simulator="kinematic", task=task)
+    assert env.robot.name == env.task.robot == single.unwrapped.vector_env.robot.name == own
     env.close()
-
-
-@pytest.mark.parametrize(("task", "own"), OWN.items())
-def test_task_has_its_own_robot_in_the_single_env(task: str, own: str):
-    """So has the env of one arm."""
-    env = gymnasium.make("harness/Reach-v0", simulator="kinematic", task=task)
-    assert env.unwrapped.vector_env.robot.name == own
-    env.close()
+    single.close()
 
 
 def test_another_robot_can_be_given():

@@ -58,16 +58,14 @@ def test_observations_are_in_their_space(make: Call, wander: Call):
 
 def test_no_observation_is_constant(make: Call, wander: Call):
     """Every number of the observation changes from step to step, for every arm."""
-    env = make(3, ReachTask(horizon=10))
-    env.reset(seed=0)
+    env = make(3, ReachTask(horizon=10), seed=0)
     seen = np.array([observations for observations, *_ in wander(env, 60)])
     assert (seen.std(axis=0) > 0.0).all()
 
 
 def test_what_a_step_returns_is_the_callers(make: Call, stand: Call, wander: Call):
     """No array that was returned changes with the next step, or shares memory with what it returns."""
-    env = make(3)
-    env.reset(seed=0)
+    env = make(3, seed=0)
     for _ in range(10):
         first = arrays_of(stand(env))
         before = [array.copy() for array in first]
@@ -95,8 +93,7 @@ def test_what_a_reset_returns_is_the_callers(make: Call, wander: Call):
 
 def test_actions_are_left_alone(make: Call):
     """The caller's actions are not changed, also where they are beyond the box."""
-    env = make(2)
-    env.reset(seed=0)
+    env = make(2, seed=0)
     actions = np.full((2, 6), 5.0, np.float32)
     env.step(actions)
     np.testing.assert_array_equal(actions, 5.0)

@@ -137,8 +137,7 @@ def test_what_was_before_a_later_step_is_what_it_left(make: Call):
         seen.append((np.array(step.before.action), np.array(step.before.qvel), np.array(step.qvel)))
         return -step.distance
 
-    env = make(2, reward=reward_class(spy)(), task=ReachTask(horizon=9))
-    env.reset(seed=0)
+    env = make(2, reward=reward_class(spy)(), task=ReachTask(horizon=9), seed=0)
     seen.clear()
     first, second = np.full((2, 6), 0.5, np.float32), np.full((2, 6), -0.25, np.float32)
     for action in (first, second, second):
@@ -159,8 +158,7 @@ def test_nobody_can_write_into_what_was_before(make: Call):
         def __call__(self, carry: Any, steps: Any) -> Any:
             return carry, spoils(steps)
 
-    env = make(1, reward=Spoils())
-    env.reset(seed=0)
+    env = make(1, reward=Spoils(), seed=0)
     with pytest.raises(ValueError, match="read-only"):
         env.step(np.zeros((1, 6), np.float32))
 
@@ -205,8 +203,7 @@ def test_other_terms_than_at_first_end_the_run(make: Call):
         def __call__(self, carry: Any, steps: Any) -> Any:
             return carry, {"a": steps.distance} if steps.step[0] > 1.5 else {"b": steps.distance}
 
-    env = make(1, reward=Fickle())
-    env.reset(seed=0)
+    env = make(1, reward=Fickle(), seed=0)
     with pytest.raises(UsageError, match="the terms a at first, and now b"):
         env.step(np.zeros((1, 6), np.float32))
 

@@ -1,7 +1,6 @@
 """Noise, delays, obstacles and varied arms in a batch of envs."""
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,7 +11,6 @@ from harness.conditions.clearance import Clearance
 from harness.conditions.varied_robot import draw_robot
 from harness.env import ArmObservation, ReachVectorEnv, surroundings
 from harness.reach import ReachTask
-from harness.record import TraceWriter, read_trace
 from harness_plugins.simulators.kinematic import Kinematic
 
 Call = Callable[..., Any]
@@ -46,14 +44,14 @@ def told(env: ReachVectorEnv, steps: int = 25) -> list[np.ndarray]:
     return seen
 
 
-def recorded(path: Path, make: Call, task: ReachTask, num_envs: int = 2, steps: int = 60, **options: Any) -> Any:
+@pytest.fixture
+def wandered(make: Call, recorded: Call) -> Call:
     """The trace of arms that wander."""
-    env = make(num_envs, task, **options)
-    with TraceWriter(path, DOF, DOF, extras=env.episodes.extras) as env.recorder:
-        env.reset(seed=0)
-        for action in actions(num_envs, steps):
-            env.step(action)
-    return read_trace(path)
+
+    def wander(task: ReachTask, num_envs: int = 2, steps: int = 60) -> Any:
+        return recorded(make(num_envs, task), lambda env: [env.step(it) for it in actions(num_envs, steps)])
+
+    return wander
 
 
 def test_an_env_is_the_same_in_any_batch(make: Call):
@@ -92,8 +90,6 @@ def test_conditions_that_change_nothing_are_the_plain_task(make: Call):
 @pytest.mark.parametrize("share", ["mass_variation", "length_variation"])
 def test_an_arm_as_drawn_is_the_plain_arm(make: Call, monkeypatch: pytest.MonkeyPatch, share: str):
     """With every factor 1 a simulation for each arm tells what one simulation of all tells, bit for bit."""
-    from harness.env import surroundings
-
     monkeypatch.setattr(surroundings, "draw_robot", lambda conditions, robot, number: robot)
     plain = told(make(3, ReachTask(horizon=9), simulator=Kinematic()))
     varied = told(make(3, ReachTask(horizon=9, **{share: 0.1}), simulator=Kinematic()))
@@ -105,8 +101,7 @@ def test_an_arm_as_drawn_is_the_plain_arm(make: Call, monkeypatch: pytest.Monkey
 def test_noise_has_its_standard_deviation(make: Call):
     """Of angles, speeds, their changes and the target; the end effector is the one of the angles that are seen."""
     task = ReachTask(horizon=400, joint_noise=0.03, speed_noise=0.2, target_noise=0.04, ground_reward=0.0)
-    env = make(40, task)
-    env.reset(seed=0)
+    env = make(40, task, seed=0)
     differences: dict[str, list[np.ndarray]] = {name: [] for name in ("qpos", "qvel", "qvel_change", "target")}
     for _ in range(100):
         env.step(np.zeros((40, DOF), np.float32))
@@ -121,7 +116,7 @@ def test_noise_has_its_standard_deviation(make: Call):
         assert abs(np.mean(differences[name])) < 0.05 * deviation
 
 
-def test_noise_is_not_recorded(make: Call, tmp_path: Path):
+def test_noise_is_not_recorded(make: Call):
     """The trace tells the truth, and what the policy asked for."""
     noisy = ReachTask(horizon=9, joint_noise=0.1, target_noise=0.1)
     for usual, more in zip(told(make(2, ReachTask(horizon=9)))[2::2], told(make(2, noisy))[2::2], strict=True):
@@ -130,8 +125,7 @@ def test_noise_is_not_recorded(make: Call, tmp_path: Path):
 
 def test_action_noise_has_its_standard_deviation(make: Call):
     """Added to what the policy asks for, which is what is recorded."""
-    env = make(50, ReachTask(horizon=300, action_noise=0.1, ground_reward=0.0))
-    env.reset(seed=0)
+    env = make(50, ReachTask(horizon=300, action_noise=0.1, ground_reward=0.0), seed=0)
     asked, done = np.full((50, DOF), 0.25), []
     for step in range(60):
         env.episodes.step[:] = step
@@ -170,17 +164,16 @@ def test_actions_work_so_many_steps_later(make: Call, delay: int):
 
 def test_resting_under_absolute_actions_is_staying(make: Call):
     """Rest is where the arm stands, not the middle of its range."""
-    env = make(1, ReachTask(horizon=50, action_delay=2, action="movej-absolute"))
-    env.reset(seed=3)
+    env = make(1, ReachTask(horizon=50, action_delay=2, action="movej-absolute"), seed=3)
     start = env.episodes.qpos.copy()
     env.step(np.ones((1, DOF), np.float32))
     np.testing.assert_allclose(env.episodes.qpos, start, atol=1e-9)
 
 
-def test_touching_an_obstacle_ends_the_episode(make: Call, tmp_path: Path):
+def test_touching_an_obstacle_ends_the_episode(wandered: Call):
     """It is paid, recorded apart from the ground, and where it happens follows from the recorded joints."""
     task = ReachTask(horizon=60, obstacles=NEAR_HOME, obstacle_reward=-0.5, step_reward=0.0)
-    trace = recorded(tmp_path / "trace.parquet", make, task, 8, 120)
+    trace = wandered(task, 8, 120)
     hits = trace["obstacle"]
     assert hits.sum() > 2
     assert not trace["ground"][hits].any()
@@ -195,8 +188,7 @@ def test_touching_an_obstacle_ends_the_episode(make: Call, tmp_path: Path):
 
 def test_an_obstacle_on_the_way_is_touched(make: Call):
     """Also where the arm is past it when the period ends."""
-    env = make(1, ReachTask(horizon=60, obstacles="0.75x0x0.2x0.01", start_noise=0.0))
-    env.reset(seed=0)
+    env = make(1, ReachTask(horizon=60, obstacles="0.75x0x0.2x0.01", start_noise=0.0), seed=0)
     episodes, around = env.episodes, env._decisions.around
     tip = ROBOT.end_effector(episodes.qpos)[0]
     episodes.extra("obstacles")[0, :3] = tip
@@ -217,10 +209,10 @@ def test_the_learner_sees_the_obstacles(make: Call):
     assert not seen[:, -7:].any()
 
 
-def test_arms_differ_and_are_told_nothing_of_it(make: Call, tmp_path: Path):
+def test_arms_differ_and_are_told_nothing_of_it(make: Call, wandered: Call):
     """The end effector that is recorded is the arm's own; the one that is seen is the drawing's."""
     task = ReachTask(horizon=9, length_variation=0.1, variants=4)
-    trace = recorded(tmp_path / "trace.parquet", make, task, 4)
+    trace = wandered(task, 4)
     tip = np.stack([trace[f"end_effector_{axis}"] for axis in "xyz"], axis=1)
     assert set(trace["arm"]) == {0, 1, 2, 3}
     for arm in range(4):
@@ -234,9 +226,9 @@ def test_arms_differ_and_are_told_nothing_of_it(make: Call, tmp_path: Path):
     np.testing.assert_allclose(seen[:, drawn.arm_columns[-3:]], ROBOT.end_effector(env.episodes.qpos), atol=1e-6)
 
 
-def test_the_plain_task_leaves_no_more_columns(make: Call, tmp_path: Path):
+def test_the_plain_task_leaves_no_more_columns(wandered: Call):
     """Its traces stay as they were; nothing was touched in them."""
-    trace = recorded(tmp_path / "trace.parquet", make, ReachTask(horizon=9))
+    trace = wandered(ReachTask(horizon=9))
     assert not {"arm", "obstacle", "obstacles"} & set(trace.columns)
     assert not trace["obstacle"].any()
 
