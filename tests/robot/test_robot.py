@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from harness.errors import UsageError
-from harness.robot import read_robot, robot as robot_module
+from harness.robot import Robot, read_robot, robot as robot_module
 from tests.robot.test_meshes import CORNERS, binary_stl, collada
 
 URDF = """
@@ -49,9 +49,14 @@ def _write(folder: Path, toml: str = TOML, urdf: str = URDF) -> Path:
     return folder
 
 
-def test_the_whole_range_of_a_slide_counts_as_a_full_turn(tmp_path: Path):
+@pytest.fixture
+def robot(tmp_path: Path) -> Robot:
+    """The arm as these files say."""
+    return read_robot(_write(tmp_path))
+
+
+def test_the_whole_range_of_a_slide_counts_as_a_full_turn(robot: Robot):
     """Joints that turn count as they are, limited or not."""
-    robot = read_robot(_write(tmp_path))
     np.testing.assert_allclose(robot.per_radian, [1.0, 1.0, 0.3 / (2.0 * np.pi)])
     assert robot.per_radian[0] == 1.0  # exactly, so that products with it change nothing
 
@@ -65,9 +70,8 @@ def test_a_slide_may_do_half_its_range_a_second(tmp_path: Path):
     assert read_robot(_write(tmp_path)).max_speed[2] == 0.25
 
 
-def test_robot_is_what_the_folder_says(tmp_path: Path):
+def test_robot_is_what_the_folder_says(robot: Robot, tmp_path: Path):
     """Names and folder are those of the files; degrees are turned into radians, metres are left."""
-    robot = read_robot(_write(tmp_path))
     assert (robot.name, robot.end_effector_link) == ("arm", "tip")
     assert (robot.joint_names, robot.folder, robot.dof) == (("shoulder", "elbow", "slide"), tmp_path, 3)
     np.testing.assert_allclose(robot.home, [0.0, np.pi / 2, 0.05])
@@ -76,9 +80,8 @@ def test_robot_is_what_the_folder_says(tmp_path: Path):
     assert set(robot.origins.values()) == {"robot.toml"}
 
 
-def test_continuous_joint_ranges_over_one_turn(tmp_path: Path):
+def test_continuous_joint_ranges_over_one_turn(robot: Robot):
     """Every limit is finite: a joint without limits has -pi to pi."""
-    robot = read_robot(_write(tmp_path))
     assert robot.lower.tolist() == [-1.0, -np.pi, -0.2]
     assert robot.upper.tolist() == [2.0, np.pi, 0.1]
 
@@ -97,9 +100,8 @@ def test_robot_cannot_be_changed(tmp_path: Path):
             robot.name = "other"  # type: ignore[misc]
 
 
-def test_end_effector_and_jacobian_by_hand(tmp_path: Path):
+def test_end_effector_and_jacobian_by_hand(robot: Robot):
     """With the elbow at a right angle the tip is at (0.5, 0.25, 5.05); the shoulder moves it along (-0.25, 0.5, 0)."""
-    robot = read_robot(_write(tmp_path))
     np.testing.assert_allclose(robot.end_effector(robot.home), [0.5, 0.25, 5.05], atol=1e-15)
     jacobian = robot.jacobian(robot.home)
     np.testing.assert_allclose(jacobian, [[-0.25, -0.25, 0.0], [0.5, 0.0, 0.0], [0.0, 0.0, 1.0]], atol=1e-15)
@@ -135,9 +137,8 @@ def test_digest_is_by_content_wherever_the_files_lie(tmp_path: Path):
     assert len({here, edited, renamed}) == 3
 
 
-def test_digest_without_meshes_is_that_of_earlier_versions(tmp_path: Path):
+def test_digest_without_meshes_is_that_of_earlier_versions(robot: Robot):
     """The URDF's text counts as it stands: cells of version 0.1 go on."""
-    robot = read_robot(_write(tmp_path))
     numbers = np.stack([robot.lower, robot.upper, robot.max_speed, robot.max_acceleration, robot.home])
     parts = (robot.urdf.encode(), robot.end_effector_link.encode(), numbers.tobytes())
     assert robot.digest == hashlib.sha256(b"\0".join(parts)).hexdigest()
@@ -156,25 +157,22 @@ def test_shapes_are_those_of_the_urdf(tmp_path: Path):
     np.testing.assert_array_equal(robot.joint_shapes[2][0].T_link_shape[:3, 3], [0.25, 0.0, 0.0])
 
 
-def test_reach_is_the_chain_stretched_out(tmp_path: Path):
+def test_reach_is_the_chain_stretched_out(robot: Robot):
     """The reach is 0.5 m + 0.25 m and the 0.2 m of the slide, whatever the height the arm stands at."""
-    robot = read_robot(_write(tmp_path))
     assert robot.reach == pytest.approx(0.95)
     poses = np.random.default_rng(0).uniform(robot.lower, robot.upper, (1000, 3))
     assert np.linalg.norm(robot.end_effector(poses) - [0.0, 0.0, 5.0], axis=1).max() < robot.reach
 
 
-def test_extent_is_the_reach_from_where_the_chain_begins(tmp_path: Path):
+def test_extent_is_the_reach_from_where_the_chain_begins(robot: Robot):
     """The arm stands 5 m above the world's origin."""
-    robot = read_robot(_write(tmp_path))
     assert robot.extent == pytest.approx(5.95)
     poses = np.random.default_rng(0).uniform(robot.lower, robot.upper, (1000, 3))
     assert np.linalg.norm(robot.end_effector(poses), axis=1).max() < robot.extent
 
 
-def test_wrong_shape_is_refused(tmp_path: Path):
+def test_wrong_shape_is_refused(robot: Robot):
     """Joint positions of another robot are answered with both shapes."""
-    robot = read_robot(_write(tmp_path))
     for compute in (robot.end_effector, robot.jacobian):
         with pytest.raises(UsageError, match=r"qpos has shape \(7, 2\), allowed is \(\.\.\., 3\)"):
             compute(np.zeros((7, 2)))
@@ -324,6 +322,12 @@ def test_bad_settings_are_refused_in_one_line(tmp_path_factory: pytest.TempPathF
         ("[90, 180.0]", "{ elbow = '1' }", "robot.toml: max_speed_deg_s of 'elbow' is '1'. Give a finite number."),
         ("[90, 180.0]", "{ elbow = 0 }", "robot.toml: max_speed_deg_s of 'elbow' is 0. Give a positive value."),
         ("[90, 180.0]", "{ shoulder = 1 }", "joint 'elbow': no velocity limit above 0. Write into "),
+        ("[0, 90]", "[0, 1" + "0" * 400 + "]", "Give a list of 2 finite numbers"),
+        ("[0, 90]", "[0, 1e300]", "Give a list of 2 finite numbers"),
+        ("[90, 180.0]", "[90, 1e308]", "Give a list of 2 finite numbers"),
+        ('"arm.urdf"', '"a\\u0000b"', "is no readable robot: ValueError: .*embedded null"),
+        ('"arm.urdf"', '"' + "x" * 5_000 + '"', "cannot be read"),
+        ('"arm.urdf"', '"/dev/zero"', "it is no regular file"),
     ]
     for old, new, message in rows:
         with subtests.test(old=old, new=new, message=message):
@@ -332,13 +336,12 @@ def test_bad_settings_are_refused_in_one_line(tmp_path_factory: pytest.TempPathF
             assert toml != TOML
             with pytest.raises(UsageError, match=message) as caught:
                 read_robot(_write(tmp_path, toml=toml))
-            assert str(tmp_path) in str(caught.value)
+            assert any(file in str(caught.value) for file in (str(tmp_path), "/dev/zero"))
             assert "\n" not in str(caught.value)
 
 
-def test_numbers_may_stand_by_the_joints_names(tmp_path: Path):
+def test_numbers_may_stand_by_the_joints_names(robot: Robot, tmp_path: Path):
     """In any order; what a table leaves out follows the rules."""
-    robot = read_robot(_write(tmp_path))
     by_name = TOML.replace("[90, 180.0]", "{ elbow = 180, shoulder = 90.0 }").replace("[0, 90]", "{ elbow = 90 }")
     named = read_robot(_write(tmp_path, toml=by_name))
     np.testing.assert_array_equal(named.max_speed, robot.max_speed)
@@ -411,24 +414,6 @@ def test_file_in_another_encoding_is_refused(tmp_path: Path):
     (_write(tmp_path) / "robot.toml").write_bytes(b'name = "\xff"')
     with pytest.raises(UsageError, match=r"robot\.toml' cannot be read: 'utf-8' codec .* Give a TOML file in UTF-8"):
         read_robot(tmp_path)
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "message"),
-    [
-        ("[0, 90]", "[0, 1" + "0" * 400 + "]", "Give a list of 2 finite numbers"),
-        ("[0, 90]", "[0, 1e300]", "Give a list of 2 finite numbers"),
-        ("[90, 180.0]", "[90, 1e308]", "Give a list of 2 finite numbers"),
-        ('"arm.urdf"', '"a\\u0000b"', "is no readable robot: ValueError: .*embedded null"),
-        ('"arm.urdf"', '"' + "x" * 5_000 + '"', "cannot be read"),
-        ('"arm.urdf"', '"/dev/zero"', "it is no regular file"),
-    ],
-    ids=["whole", "large", "speed", "null", "long", "device"],
-)
-def test_settings_that_no_arm_has_are_refused_in_one_line(tmp_path: Path, old: str, new: str, message: str):
-    """Numbers beyond all arms, and names of files that no file can have."""
-    with pytest.raises(UsageError, match=message):
-        read_robot(_write(tmp_path, TOML.replace(old, new)))
 
 
 def test_a_large_urdf_is_not_opened(tmp_path: Path):

@@ -216,13 +216,3 @@ def test_a_text_that_is_too_much_is_refused_at_once(text: str, message: str):
 def test_as_many_links_as_are_allowed_are_read():
     """In a long chain, too."""
     assert len(parse_urdf(chain(200)).links) == 200
-
-
-def test_a_loop_beside_the_chain_is_found():
-    """Each link of it hangs on another one of it."""
-    loop = '<link name="a"/><link name="b"/>' + "".join(
-        f'<joint name="{one}{two}" type="fixed"><parent link="{one}"/><child link="{two}"/></joint>'
-        for one, two in ("ab", "ba")
-    )
-    with pytest.raises(UsageError, match="form a loop"):
-        parse_urdf(chain(2).replace("</robot>", loop + "</robot>"))
