@@ -26,40 +26,19 @@ def spans_a_plane(via: np.ndarray, end: np.ndarray) -> bool:
     return np.linalg.norm(np.cross(via, end)) > 0.01 * sides and np.linalg.norm(end - via) > 0.01
 
 
-@given(POINT, POINT)
-def test_begins_at_the_start_and_ends_at_the_end(via, end):
-    """Nothing gone is the origin, the whole length is the end."""
+@given(POINT, POINT, st.floats(0.0, 1.0))
+def test_an_arc_is_the_circle_through_its_points(via, end, share):
+    """It begins at the origin, passes the via point and ends at the end, and a distance is the way that is gone."""
     assume(spans_a_plane(via, end))
     arc = through(via, end)
+    length, center, radius = arc.length[0, 0], arc.radius[0] * arc.inward[0], arc.radius[0, 0]
     np.testing.assert_array_equal(on(arc, 0.0), 0.0)
-    np.testing.assert_allclose(on(arc, arc.length[0, 0]), end, atol=1e-6)
-
-
-@given(POINT, POINT)
-def test_passes_the_via_point(via, end):
-    """Somewhere between start and end it is at the via point."""
-    assume(spans_a_plane(via, end))
-    arc = through(via, end)
+    np.testing.assert_allclose(on(arc, length), end, atol=1e-6)
     points = arc.point(np.linspace(0.0, arc.length[0], 4001))
-    assert np.linalg.norm(points - via, axis=1).min() < arc.length[0, 0] / 4000
-
-
-@given(POINT, POINT, st.floats(0.0, 1.0))
-def test_stays_on_the_circle(via, end, share):
-    """Every point is a radius away from the centre, from which start, via and end are too."""
-    assume(spans_a_plane(via, end))
-    arc = through(via, end)
-    center, radius = arc.radius[0] * arc.inward[0], arc.radius[0, 0]
-    for point in (np.zeros(3), via, end, on(arc, share * arc.length[0, 0])):
+    assert np.linalg.norm(points - via, axis=1).min() < length / 4000
+    place, step = share * length, 1e-4 * radius
+    for point in (np.zeros(3), via, end, on(arc, place)):
         assert np.linalg.norm(point - center) == pytest.approx(radius, rel=1e-6)
-
-
-@given(POINT, POINT, st.floats(0.0, 1.0))
-def test_distance_is_the_way_that_is_gone(via, end, share):
-    """A small way farther is a point that is as far away."""
-    assume(spans_a_plane(via, end))
-    arc = through(via, end)
-    place, step = share * arc.length[0, 0], 1e-4 * arc.radius[0, 0]
     assert np.linalg.norm(on(arc, place + step) - on(arc, place)) == pytest.approx(step, rel=1e-4)
 
 

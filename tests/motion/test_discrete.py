@@ -48,13 +48,6 @@ def test_no_two_choices_are_the_same_move(discrete: Discrete, fd100: Robot):
     assert gaps.min() > 1e-4
 
 
-def test_stay_keeps_the_arm(discrete: Discrete, fd100: Robot):
-    """Choice 0 moves an arm at rest by no more than rounding."""
-    home = fd100.home[None]
-    move = discrete.advance(home, np.zeros_like(home), discrete.decode(np.array([0]), home))
-    np.testing.assert_allclose(move.waypoints[-1], home, rtol=0.0, atol=1e-12)
-
-
 @pytest.mark.parametrize("choice", [-1, 13, 10**12])
 def test_a_choice_that_is_none_is_refused(fd100: Robot, setting_of, choice: int):
     """Neither below 0 nor beyond the last one, and it says which there are."""

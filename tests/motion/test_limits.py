@@ -33,25 +33,20 @@ def follow(limits: JointLimits, start: float, wanted: list[float]) -> tuple[np.n
 
 
 @given(some_limits(), st.floats(0.0, 1.0), WANTED)
-def test_speed_stays_within_its_limit(limits: JointLimits, start: float, wanted: list[float]):
-    """No joint is ever faster than its maximum speed."""
-    _, speeds = follow(limits, start, wanted)
+def test_every_step_keeps_the_limits(limits: JointLimits, start: float, wanted: list[float]):
+    """Of speed, its change, and the range; at the speed that is told, which lies between the bounds told for it.
+
+    So the range's end never cuts a motion short.
+    """
+    positions, speeds = follow(limits, start, wanted)
     assert (np.abs(speeds) <= limits.max_speed * (1.0 + 1e-9)).all()
-
-
-@given(some_limits(), st.floats(0.0, 1.0), WANTED)
-def test_speed_changes_within_its_limit(limits: JointLimits, start: float, wanted: list[float]):
-    """From one period to the next no speed changes by more than the acceleration allows."""
-    _, speeds = follow(limits, start, wanted)
     assert (np.abs(np.diff(speeds, axis=0)) <= limits.max_change * (1.0 + 1e-9)).all()
-
-
-@given(some_limits(), st.floats(0.0, 1.0), WANTED)
-def test_joint_never_leaves_its_range(limits: JointLimits, start: float, wanted: list[float]):
-    """No joint is ever beyond an end of its range."""
-    positions, _ = follow(limits, start, wanted)
     assert (positions >= limits.lower).all()
     assert (positions <= limits.upper).all()
+    np.testing.assert_allclose(np.diff(positions, axis=0), speeds[1:] * limits.period, rtol=0.0, atol=1e-9)
+    low, high = limits.bounds(positions[:-1], speeds[:-1])
+    assert (low <= speeds[1:] + 1e-9).all()
+    assert (high >= speeds[1:] - 1e-9).all()
 
 
 def test_rounding_does_not_take_a_joint_beyond_its_range():
@@ -59,13 +54,6 @@ def test_rounding_does_not_take_a_joint_beyond_its_range():
     limits = JointLimits(*(np.array([number]) for number in (1e-20, 0.5, 2.0, 4.0)), 0.125)
     positions, _ = follow(limits, 0.0, [0.0, -0.4, -0.4, 1.0, -1.0, -1.0, 0.3])
     assert (positions >= limits.lower).all()
-
-
-@given(some_limits(), st.floats(0.0, 1.0), WANTED)
-def test_speed_leads_to_the_target(limits: JointLimits, start: float, wanted: list[float]):
-    """The joint moves through each period at the speed that is told: the range's end never cuts a motion short."""
-    positions, speeds = follow(limits, start, wanted)
-    np.testing.assert_allclose(np.diff(positions, axis=0), speeds[1:] * limits.period, rtol=0.0, atol=1e-9)
 
 
 @given(some_limits(), st.floats(0.0, 1.0), WANTED)
@@ -93,15 +81,6 @@ def test_the_short_way_is_the_long_way(limits: JointLimits, start: float, wanted
     object.__setattr__(careful, "_free", np.full((1, 1), -1.0))
     for quick, long in zip(follow(limits, start, wanted), follow(careful, start, wanted), strict=True):
         np.testing.assert_allclose(quick, long, rtol=0.0, atol=1e-12)
-
-
-@given(some_limits(), st.floats(0.0, 1.0), WANTED)
-def test_bounds_are_what_advance_allows(limits: JointLimits, start: float, wanted: list[float]):
-    """The speeds of a step lie between the bounds that are told for it."""
-    positions, speeds = follow(limits, start, wanted)
-    low, high = limits.bounds(positions[:-1], speeds[:-1])
-    assert (low <= speeds[1:] + 1e-9).all()
-    assert (speeds[1:] <= high + 1e-9).all()
 
 
 @given(st.floats(0.0, 10.0), st.floats(0.1, 5.0), st.floats(0.01, 1.0))

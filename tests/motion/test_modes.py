@@ -1,5 +1,6 @@
 """Action modes by their names, and what is wrong with others."""
 
+import numpy as np
 import pytest
 
 from harness.errors import UsageError
@@ -17,6 +18,45 @@ def test_every_mode_moves_the_fd100(fd100: Robot, setting_of, subtests: pytest.S
     for mode in MODES:
         with subtests.test(mode=mode):
             assert build_motion(mode, setting_of(fd100)).action_size == SIZES[mode]
+
+
+@pytest.mark.parametrize("mode", [mode for mode in MODES if mode != "discrete"])
+def test_a_nan_is_refused(fd100: Robot, setting_of, mode: str):
+    """What is not a number is no action."""
+    motion = build_motion(mode, setting_of(fd100))
+    action = motion.stay(fd100.home[None]) + np.where(np.arange(motion.action_size) == 2, np.nan, 0.0)
+    with pytest.raises(UsageError, match="NaN"):
+        motion.advance(fd100.home[None], np.zeros((1, 6)), action)
+
+
+@pytest.mark.parametrize("mode", [*MODES, *(f"discrete:action={mode}" for mode in MODES if mode != "discrete")])
+def test_stay_moves_no_arm(arm: Robot, setting_of, course_of, poses, mode: str):
+    """Of arms at rest, by more than rounding; none of them is held."""
+    motion, qpos = build_motion(mode, setting_of(arm)), poses(arm, 30)
+    course = course_of(motion, qpos, [motion.stay(qpos)])
+    np.testing.assert_allclose(course.qpos[-1], qpos, rtol=0.0, atol=1e-12)
+    assert not course.held.any()
+
+
+@pytest.mark.parametrize(
+    ("mode", "actions"),
+    [
+        ("movej", [-1e9, -1.0, -0.1, 0.0, 0.5, 1.0]),
+        ("movej-absolute", [-2.0, -1.3, -0.4, 0.1, 0.9, 1.7]),
+        *((f"{name}:frame={frame},tip_speed=2", [-1e9, -1.0, 0.0, 1e-9, 0.1, 1.0])
+          for name in ("movel", "movea") for frame in ("wcs", "tcs")),
+    ],
+)  # fmt: skip
+def test_random_actions_stay_within_the_limits(
+    arm: Robot, setting_of, course_of, require_limits, poses, mode: str, actions: list[float]
+):
+    """From anywhere in the ranges, singular poses and the ends of the ranges included, whatever the actions."""
+    motion, rng, is_straight = build_motion(mode, setting_of(arm)), np.random.default_rng(0), ":" in mode
+    start = poses(arm, 30)
+    start[0], start[1], start[2] = arm.lower, arm.upper, 0.0
+    drawn = rng.choice(actions, (10 if is_straight else 150, 30, motion.action_size))
+    course = course_of(motion, start, np.repeat(drawn, 3 if is_straight else 1, axis=0))
+    require_limits(course, setting_of(arm).limits(4 if is_straight else 1))
 
 
 def test_every_parameter_is_described(subtests: pytest.Subtests):

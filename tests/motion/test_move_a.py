@@ -1,7 +1,6 @@
 """MoveA: the end effector goes along the arc through a via point."""
 
 import numpy as np
-import pytest
 from hypothesis import given, settings, strategies as st
 
 from harness.motion import build_motion
@@ -61,24 +60,6 @@ def test_a_long_arc_is_gone_at_tip_speed(fd100: Robot, setting_of, course_of):
     tips = fd100.end_effector(course_of(motion, fd100.home[None], actions).qpos[:, 0])
     chords = np.linalg.norm(np.diff(tips[-5:], axis=0), axis=1)
     np.testing.assert_allclose(chords, 2.0 * 0.01 * np.sin(0.125), rtol=0.02)
-
-
-@pytest.mark.parametrize("frame", ["wcs", "tcs"])
-def test_random_actions_stay_within_the_limits(arm: Robot, setting_of, course_of, require_limits, poses, frame: str):
-    """From anywhere in the ranges, singular poses and the ends of the ranges included, whatever the actions."""
-    motion, rng = build_motion(f"movea:frame={frame},tip_speed=2", setting_of(arm)), np.random.default_rng(0)
-    start = poses(arm, 30)
-    start[0], start[1], start[2] = arm.lower, arm.upper, 0.0
-    actions = [action for action in rng.choice([-1e9, -1.0, 0.0, 1e-9, 0.1, 1.0], (10, 30, 6)) for _ in range(3)]
-    require_limits(course_of(motion, start, actions), setting_of(arm).limits(4))
-
-
-def test_stay_is_no_way(fd100: Robot, setting_of, course_of):
-    """An arm at rest that is told to stay does not move, and is not held."""
-    motion = build_motion("movea", setting_of(fd100))
-    course = course_of(motion, fd100.home[None], [motion.stay(fd100.home[None])])
-    np.testing.assert_array_equal(course.qpos[-1], fd100.home[None])
-    assert not course.held.any()
 
 
 def test_axes_are_those_of_the_frame(fd100: Robot, setting_of, course_of):

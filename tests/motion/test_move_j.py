@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from harness.errors import UsageError
 from harness.motion import MoveJ
 from harness.robot import Robot
 
@@ -52,12 +51,6 @@ def test_action_beyond_the_box_is_clipped(motion: MoveJ, fd100: Robot, subtests:
                 np.testing.assert_array_equal(moves[0].qvel, moves[1].qvel)
 
 
-def test_a_nan_is_refused(motion: MoveJ, fd100: Robot):
-    """An action that is not a number moves nothing."""
-    with pytest.raises(UsageError, match="NaN"):
-        motion.advance(fd100.home[None], np.zeros((1, 6)), np.array([[0.0, 0.0, np.nan, 0.0, 0.0, 0.0]]))
-
-
 def test_robot_takes_its_shares_of_speed_and_acceleration(motion: MoveJ, fd100: Robot, course_of):
     """A full action gains 60 % of the maximum acceleration per period, up to 80 % of the maximum speed."""
     speeds = course_of(motion, fd100.home[None], [np.ones((1, 6))] * 4).qvel[:, 0]
@@ -70,20 +63,6 @@ def test_action_is_a_fraction_of_the_maximum_speed(motion: MoveJ, fd100: Robot, 
     """In the end a joint has the speed that is asked for."""
     speeds = course_of(motion, fd100.home[None], [np.full((1, 6), action)] * 3).qvel
     np.testing.assert_allclose(speeds[-1, 0], action * motion.limits.max_speed)
-
-
-def test_stay_is_no_speed(motion: MoveJ, fd100: Robot):
-    """An arm at rest that is told to stay does not move."""
-    move = motion.advance(fd100.home[None], np.zeros((1, 6)), motion.stay(fd100.home[None]))
-    np.testing.assert_array_equal(move.waypoints[-1], fd100.home[None])
-
-
-def test_random_actions_stay_within_the_limits(arm: Robot, setting_of, course_of, require_limits, poses):
-    """From anywhere in the ranges, whatever the actions, on every arm."""
-    motion = MoveJ(setting_of(arm).limits())
-    rng = np.random.default_rng(0)
-    actions = [rng.choice([-1e9, -1.0, -0.1, 0.0, 0.5, 1.0], (50, arm.dof)) for _ in range(200)]
-    require_limits(course_of(motion, poses(arm, 50), actions), motion.limits)
 
 
 def test_the_check_on_limits_sees_a_fault(fd100: Robot, setting_of, course_of, require_limits, poses):

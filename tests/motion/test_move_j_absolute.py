@@ -1,9 +1,7 @@
 """MoveJ to explicit positions: there, exactly, and no farther."""
 
 import numpy as np
-import pytest
 
-from harness.errors import UsageError
 from harness.motion import build_motion
 from harness.robot import Robot
 
@@ -30,25 +28,3 @@ def test_goes_as_fast_as_it_may(fd100: Robot, setting_of, course_of):
     motion = build_motion("movej-absolute", setting_of(fd100))
     course = course_of(motion, fd100.lower[None], [np.ones((1, 6))] * 30)
     np.testing.assert_allclose(course.qvel[:, 0].max(axis=0), 0.8 * fd100.max_speed)
-
-
-def test_random_goals_stay_within_the_limits(arm: Robot, setting_of, course_of, require_limits, poses):
-    """Goals that change all the time, and goals outside the ranges, on every arm."""
-    motion = build_motion("movej-absolute", setting_of(arm))
-    rng = np.random.default_rng(0)
-    actions = [rng.uniform(-2.0, 2.0, (30, arm.dof)) for _ in range(100)]
-    require_limits(course_of(motion, poses(arm, 30), actions), setting_of(arm).limits())
-
-
-def test_stay_is_where_it_is(arm: Robot, setting_of, course_of, poses):
-    """An arm at rest that is told to stay moves by no more than rounding."""
-    motion, qpos = build_motion("movej-absolute", setting_of(arm)), poses(arm, 30)
-    course = course_of(motion, qpos, [motion.stay(qpos)])
-    np.testing.assert_allclose(course.qpos[-1], qpos, rtol=0.0, atol=1e-12)
-
-
-def test_a_nan_is_refused(fd100: Robot, setting_of):
-    """A position that is not a number is none."""
-    motion = build_motion("movej-absolute", setting_of(fd100))
-    with pytest.raises(UsageError, match="NaN"):
-        motion.advance(fd100.home[None], np.zeros((1, 6)), np.full((1, 6), np.nan))

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from harness.errors import UsageError
 from harness.motion import Motion, build_motion
 from harness.robot import Robot, forward, load_robot
 
@@ -134,16 +133,6 @@ def test_tool_axis_of_the_action(fd100: Robot, setting_of, course_of):
     np.testing.assert_allclose(way / np.linalg.norm(way), tool, atol=1e-3)
 
 
-@pytest.mark.parametrize("frame", ["wcs", "tcs"])
-def test_random_actions_stay_within_the_limits(arm: Robot, setting_of, course_of, require_limits, poses, frame: str):
-    """From anywhere in the ranges, singular poses and the ends of the ranges included, whatever the actions."""
-    motion, rng = build_motion(f"movel:frame={frame},tip_speed=2", setting_of(arm)), np.random.default_rng(0)
-    start = poses(arm, 40)
-    start[0], start[1], start[2] = arm.lower, arm.upper, 0.0
-    actions = [action for action in rng.choice([-1e9, -1.0, 0.0, 0.1, 1.0], (7, 40, 3)) for _ in range(4)]
-    require_limits(course_of(motion, start, actions), setting_of(arm).limits(4))
-
-
 @pytest.mark.parametrize(
     "arm",
     ["fd100", "gantry", *(pytest.param(name, marks=pytest.mark.slow) for name in ("unity-arm", "scara", "elbow"))],
@@ -184,11 +173,3 @@ def test_an_arm_alone_does_what_it_does_among_others(fd100: Robot, setting_of, c
     for k in range(8):
         alone = course_of(motion, start[k : k + 1], [action[k : k + 1]] * 5).qpos
         np.testing.assert_array_equal(alone[:, 0], together[:, k])
-
-
-@pytest.mark.parametrize("mode", ["movel", "movea"])
-def test_a_nan_is_refused(fd100: Robot, setting_of, mode: str):
-    """A direction that is not a number is none."""
-    motion = build_motion(mode, setting_of(fd100))
-    with pytest.raises(UsageError, match="NaN"):
-        motion.advance(fd100.home[None], np.zeros((1, 6)), np.full((1, motion.action_size), np.nan))

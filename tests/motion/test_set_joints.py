@@ -1,9 +1,7 @@
 """set-joints: the published baseline's jump."""
 
 import numpy as np
-import pytest
 
-from harness.errors import UsageError
 from harness.motion import build_motion
 from harness.robot import Robot
 
@@ -39,11 +37,3 @@ def test_beyond_the_range_is_its_end(fd100: Robot, setting_of):
         fd100.home[None], np.zeros((1, 6)), np.full((1, 6), 1e300)
     )
     np.testing.assert_array_equal(move.waypoints[0][0], fd100.upper)
-
-
-def test_a_nan_is_refused(fd100: Robot, setting_of):
-    """A position that is not a number is none."""
-    with pytest.raises(UsageError, match="NaN"):
-        build_motion("set-joints", setting_of(fd100)).advance(
-            fd100.home[None], np.zeros((1, 6)), np.full((1, 6), np.nan)
-        )
