@@ -15,7 +15,7 @@ import pytest
 import harness
 from harness.errors import UsageError
 from harness.registry import load_registry
-from harness.robot import Robot, read_robot
+from harness.robot import Robot, build_solids, link_frames, read_robot
 from harness_plugins.bullet_arms import Clients, FreeArm, file_of_arm
 from harness_plugins.kit.simulators.checks import SIMULATOR_CHECKS
 from harness_plugins.kit.simulators.states import frames_show_the_target, render_gives_a_frame_or_says_why_not
@@ -165,30 +165,17 @@ def test_simulators_agree_on_ground_contact(robot: Robot):
 
 def _height(robot: Robot, qpos: np.ndarray) -> np.ndarray:
     """Of the lowest point of the moving links, (n,), [m]."""
-    from harness.robot import build_solids, link_frames
-
     return build_solids(robot.joint_shapes).lowest(link_frames(robot.chain, qpos))
 
 
-def _require_contract(simulator: Any, robot: Robot) -> None:
-    """All checks but those of frames pass."""
+@pytest.mark.parametrize("simulator", SIMULATORS, ids=lambda simulator: type(simulator).__name__)
+@pytest.mark.parametrize(
+    "robot", [pytest.param(it, marks=[pytest.mark.slow] * (it not in {"iiwa", "gantry"})) for it in ARMS], indirect=True
+)
+def test_simulators_keep_the_contract(robot: Robot, simulator: Any):
+    """With an arm of meshes, and with one whose joints slide and turn without end: all checks but those of frames."""
     for check in CHECKS:
         check(simulator, robot)
-
-
-@pytest.mark.parametrize("simulator", SIMULATORS, ids=lambda simulator: type(simulator).__name__)
-@pytest.mark.parametrize("robot", ["iiwa", "gantry"], indirect=True)
-def test_simulators_keep_the_contract(robot: Robot, simulator: Any):
-    """With an arm of meshes, and with one whose joints slide and turn without end, on every simulator."""
-    _require_contract(simulator, robot)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("simulator", SIMULATORS, ids=lambda simulator: type(simulator).__name__)
-@pytest.mark.parametrize("robot", [name for name in ARMS if name not in {"iiwa", "gantry"}], indirect=True)
-def test_simulators_keep_the_contract_with_the_other_arms(robot: Robot, simulator: Any):
-    """On every simulator."""
-    _require_contract(simulator, robot)
 
 
 def test_episodes_of_a_published_arm(subtests: pytest.Subtests):
