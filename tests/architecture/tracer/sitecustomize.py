@@ -23,6 +23,16 @@ def _is_ours(frame):
     return frame.f_code.co_filename.startswith(TOPS)
 
 
+def _at_import(frame):
+    """Whether a module is being imported, with what it calls, or a name of a room that looks its names up."""
+    while frame is not None:
+        is_module = frame.f_code.co_name == "<module>" and frame.f_globals["__name__"] != "__main__"
+        if _is_ours(frame) and (is_module or frame.f_code.co_qualname == "__getattr__"):
+            return True
+        frame = frame.f_back
+    return False
+
+
 def _enter(frame, event, argument):
     """See each call, and no line of it."""
     if not _is_ours(frame) or not frame.f_code.co_flags & OPTIMIZED:
@@ -30,15 +40,13 @@ def _enter(frame, event, argument):
     file, caller = frame.f_code.co_filename, frame.f_back
     while caller is not None and not _is_ours(caller):
         caller = caller.f_back
-    if caller is not None:
-        if not caller.f_code.co_flags & OPTIMIZED:
-            return  # a decorator, at import
-        hop = (caller.f_code.co_filename, file)
-        files.setdefault(hop[0])  # a module called it, at import
-        if hop[0] != file and hop not in hops:
-            hops.add(hop)
-            if file in files:
-                back.add(hop)
+    hop = (caller.f_code.co_filename, file) if caller is not None and caller.f_code.co_flags & OPTIMIZED else None
+    if (file in files and (hop is None or hop[0] == file or hop in hops)) or _at_import(frame):
+        return
+    if hop is not None and hop[0] != file:
+        hops.add(hop)
+        if file in files:
+            back.add(hop)
     files.setdefault(file)
 
 
