@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
+from harness.env.vector_env import ReachVectorEnv
 from harness.face import look_up
 
 if TYPE_CHECKING:
@@ -10,7 +11,6 @@ if TYPE_CHECKING:
     from harness.env.ideal import IdealSimulation, IdealSimulator
     from harness.env.make import ReachEnv, World, build_world
     from harness.env.solid_probes import require_solids
-    from harness.env.vector_env import ReachVectorEnv
 
 __all__ = [
     "ArmObservation",
@@ -32,7 +32,6 @@ _HOMES = {
     "ideal": "IdealSimulation IdealSimulator",
     "make": "ReachEnv World build_world",
     "solid_probes": "require_solids",
-    "vector_env": "ReachVectorEnv",
 }
 
 

@@ -3,9 +3,10 @@
 from typing import TYPE_CHECKING, Any
 
 from harness.face import look_up
+from harness.robot.description import Description, DescriptionFormat
+from harness.robot.robot import Robot
 
 if TYPE_CHECKING:
-    from harness.robot.description import Description, DescriptionFormat
     from harness.robot.energy import read_bodies
     from harness.robot.ground_clearance import Solids, build_solids
     from harness.robot.inverse_kinematics import reach_pose, reach_position
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
         rotation_of_axes,
     )
     from harness.robot.meshes import read_mesh
-    from harness.robot.robot import Robot, load_robot, read_robot
+    from harness.robot.robot import load_robot, read_robot
     from harness.robot.servo import Servo
     from harness.robot.shapes import Shape, attach_shapes, read_shapes
     from harness.robot.urdf import parse_urdf, read_chain
@@ -50,13 +51,12 @@ __all__ = [
 ]
 
 _HOMES = {
-    "description": "Description DescriptionFormat",
     "energy": "read_bodies",
     "ground_clearance": "Solids build_solids",
     "inverse_kinematics": "reach_pose reach_position",
     "kinematics": "Chain child_frames end_effector_position forward link_frames rotation_of_axes",
     "meshes": "read_mesh",
-    "robot": "Robot load_robot read_robot",
+    "robot": "load_robot read_robot",
     "servo": "Servo",
     "shapes": "Shape attach_shapes read_shapes",
     "urdf": "parse_urdf read_chain",
