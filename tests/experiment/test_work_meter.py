@@ -7,6 +7,7 @@ from harness.env.make import build_world
 from harness.experiment.arm_evaluation import act_of, evaluate
 from harness.policy import Uniform
 from harness.record import read_trace
+from harness.record.episode_facts import episode_facts
 from harness.registry import choose
 from harness.robot.energy import least_work, read_bodies
 
@@ -31,16 +32,19 @@ def test_work_is_that_of_the_recorded_rows(make_cell, toys, tmp_path):
     bodies = read_bodies(world.robot)
     expected = [least_work(world.robot.chain, bodies, trace["qpos"][rows], 0.1) for rows in trace.episodes]
     assert len({len(rows) for rows in trace.episodes}) > 1
-    np.testing.assert_allclose(trace.facts.work, expected, rtol=1e-12)
+    np.testing.assert_allclose(episode_facts(trace).work, expected, rtol=1e-12)
     assert min(expected) > 0.0
 
 
 def test_arm_that_jumps_does_no_work_that_is_known(make_cell, toys, tmp_path):
     """From pose to pose nothing is known of the way."""
-    assert _left(_world(make_cell, toys, "fd100-reach:action=set-joints,horizon=3"), tmp_path, 2).facts.work is None
+    assert (
+        episode_facts(_left(_world(make_cell, toys, "fd100-reach:action=set-joints,horizon=3"), tmp_path, 2)).work
+        is None
+    )
 
 
 def test_arm_without_mass_does_no_work_that_is_known(make_cell, toys, tmp_path, monkeypatch):
     """None is made up."""
     monkeypatch.setattr("harness.experiment.arm_evaluation.read_bodies", lambda robot: None)
-    assert _left(_world(make_cell, toys, "fd100-reach:horizon=3"), tmp_path, 2).facts.work is None
+    assert episode_facts(_left(_world(make_cell, toys, "fd100-reach:horizon=3"), tmp_path, 2)).work is None
