@@ -1,19 +1,30 @@
-"""The face of a room: names that others ask for, each looked up in its own module when it is first used."""
+"""The face of a room or a module: names that others ask for, each looked up in its own module when it is first used."""
 
+import ast
 import importlib
-from collections.abc import Mapping
+from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 
-def look_up(room: str, homes: Mapping[str, str], name: str) -> Any:
-    """What a room's ``__getattr__`` gives, so that importing the room imports nothing heavy.
+def face_of(module: str, path: str) -> tuple[list[str], Callable[[str], Any]]:
+    """A module's ``__all__`` and ``__getattr__``: the names that it imports as ``X as X``, which makes them public.
+
+    Those that it imports for type checkers alone are looked up when they are first used. So each name is written once,
+    and importing the module imports nothing heavy.
 
     Args:
-        room: The room's module.
-        homes: By module below it, its names, with a space between them.
-        name: The name that is asked for.
+        module: The module's name.
+        path: The module's own file.
     """
-    for module, names in homes.items():
-        if name in names.split():
-            return getattr(importlib.import_module(f"{room}.{module}"), name)
-    raise AttributeError(f"module '{room}' has no attribute '{name}'")
+    imports = [
+        it for it in ast.walk(ast.parse(Path(path).read_text(encoding="utf-8"))) if isinstance(it, ast.ImportFrom)
+    ]
+    homes = {it.name: "." * node.level + (node.module or "") for node in imports for it in node.names if it.asname}
+
+    def look_up(name: str) -> Any:
+        if name not in homes:
+            raise AttributeError(f"module '{module}' has no attribute '{name}'")
+        return getattr(importlib.import_module(homes[name], module), name)
+
+    return sorted(homes), look_up

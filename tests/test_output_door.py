@@ -14,7 +14,6 @@ ALLOWED: Mapping[tuple[str, str], str] = {
     ("harness/text.py", "print"): "the door itself",
     ("harness/text.py", "sys.stderr"): "the door itself",
     ("harness/text.py", "sys.stdout"): "the door itself",
-    ("harness/authoring/face.py", "warnings.warn"): "our own names: an old one and the new one",
     ("harness/experiment/workers/workers.py", "subprocess"): "a worker leads its standard error to the order's log",
     ("harness/cli/output.py", "sys.stderr"): "a warning of a library, made visible, where Python would write it",
     ("harness/cli/__init__.py", "sys.stdout"): "sets how characters are written that the encoding has not",

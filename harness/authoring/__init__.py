@@ -2,69 +2,41 @@
 
 from typing import TYPE_CHECKING
 
-from harness.authoring.face import lazy_names
+from harness.face import face_of
 
 if TYPE_CHECKING:
-    from harness.authoring.act_without_learning import act_for
-    from harness.authoring.folder_parts import Part, add_part, add_parts, parts_of
-    from harness.authoring.generator_state import pack_generator, restore_generator
-    from harness.authoring.ground_contact import GroundContact
-    from harness.authoring.layers import layer_weights
-    from harness.authoring.observed_reward import ObservedReward
-    from harness.authoring.servo_track import ServoTrack
-    from harness.authoring.substeps import Substeps
-    from harness.authoring.wrapped_reward import WrappedReward
-    from harness.experiment.jobs import events_of, order_of, run_job, run_jobs
-    from harness.policy import Categorical, Deterministic, Gaussian, Greedy, SquashedGaussian
-    from harness.robot.inverse_kinematics import reach_position
-    from harness.robot.kinematics import forward, link_frames
-    from harness.simulator import servo_of
-
-__all__ = [
-    "Categorical",
-    "Deterministic",
-    "Gaussian",
-    "Greedy",
-    "GroundContact",
-    "ObservedReward",
-    "Part",
-    "ServoTrack",
-    "SquashedGaussian",
-    "Substeps",
-    "WrappedReward",
-    "act_for",
-    "add_part",
-    "add_parts",
-    "events_of",
-    "forward",
-    "layer_weights",
-    "link_frames",
-    "order_of",
-    "pack_generator",
-    "parts_of",
-    "reach_position",
-    "restore_generator",
-    "run_job",
-    "run_jobs",
-    "servo_of",
-]
-
-_HOMES = {
-    **dict.fromkeys(("Categorical", "Deterministic", "Gaussian", "Greedy", "SquashedGaussian"), "harness.policy"),
-    **dict.fromkeys(("forward", "link_frames"), "harness.robot.kinematics"),
-    **dict.fromkeys(("events_of", "order_of", "run_job", "run_jobs"), "harness.experiment.jobs"),
-    **dict.fromkeys(("Part", "add_part", "add_parts", "parts_of"), "harness.authoring.folder_parts"),
-    **dict.fromkeys(("pack_generator", "restore_generator"), "harness.authoring.generator_state"),
-    "GroundContact": "harness.authoring.ground_contact",
-    "ObservedReward": "harness.authoring.observed_reward",
-    "ServoTrack": "harness.authoring.servo_track",
-    "Substeps": "harness.authoring.substeps",
-    "WrappedReward": "harness.authoring.wrapped_reward",
-    "act_for": "harness.authoring.act_without_learning",
-    "layer_weights": "harness.authoring.layers",
-    "reach_position": "harness.robot.inverse_kinematics",
-    "servo_of": "harness.simulator",
-}
-"""Old names, which still work for one minor version."""
-
-__getattr__ = lazy_names(__name__, _HOMES)
+    from harness.authoring.act_without_learning import act_for as act_for
+    from harness.authoring.folder_parts import (
+        Part as Part,
+        add_part as add_part,
+        add_parts as add_parts,
+        parts_of as parts_of,
+    )
+    from harness.authoring.generator_state import (
+        pack_generator as pack_generator,
+        restore_generator as restore_generator,
+    )
+    from harness.authoring.ground_contact import GroundContact as GroundContact
+    from harness.authoring.layers import layer_weights as layer_weights
+    from harness.authoring.observed_reward import ObservedReward as ObservedReward
+    from harness.authoring.servo_track import ServoTrack as ServoTrack
+    from harness.authoring.substeps import Substeps as Substeps
+    from harness.authoring.wrapped_reward import WrappedReward as WrappedReward
+    from harness.experiment.jobs import (
+        events_of as events_of,
+        order_of as order_of,
+        run_job as run_job,
+        run_jobs as run_jobs,
+    )
+    from harness.policy import (
+        Categorical as Categorical,
+        Deterministic as Deterministic,
+        Gaussian as Gaussian,
+        Greedy as Greedy,
+        SquashedGaussian as SquashedGaussian,
+    )
+    from harness.robot.inverse_kinematics import reach_position as reach_position
+    from harness.robot.kinematics import forward as forward, link_frames as link_frames
+    from harness.simulator import servo_of as servo_of
+else:
+    __all__, __getattr__ = face_of(__name__, __file__)

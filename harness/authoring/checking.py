@@ -7,7 +7,7 @@ Every name is looked up when it is first used, so that importing this module imp
 
 from typing import TYPE_CHECKING
 
-from harness.authoring.face import homes_in, lazy_names
+from harness.face import face_of
 
 if TYPE_CHECKING:
     from harness.authoring.closed_motion import closed_motion as closed_motion
@@ -73,8 +73,5 @@ if TYPE_CHECKING:
     from harness.robot.servo import Servo as Servo
     from harness.robot.settings import FILE as FILE
 
-_HOMES = homes_in(__file__)
-
-__all__ = sorted(_HOMES)  # noqa: PLE0605
-
-__getattr__ = lazy_names(__name__, _HOMES)
+else:
+    __all__, __getattr__ = face_of(__name__, __file__)

@@ -7,7 +7,7 @@ Every name is looked up when it is first used, so that importing this module imp
 
 from typing import TYPE_CHECKING
 
-from harness.authoring.face import homes_in, lazy_names
+from harness.face import face_of
 
 if TYPE_CHECKING:
     from harness.cli.audits import audits_of as audits_of, pays_of as pays_of
@@ -374,6 +374,4 @@ if TYPE_CHECKING:
     from harness.score.places import ArmPlaces as ArmPlaces
 
 else:
-    _HOMES = homes_in(__file__)
-    __all__ = sorted(_HOMES)  # noqa: PLE0605
-    __getattr__ = lazy_names(__name__, _HOMES)
+    __all__, __getattr__ = face_of(__name__, __file__)

@@ -4,7 +4,7 @@
 
 from typing import TYPE_CHECKING
 
-from harness.authoring.face import homes_in, lazy_names
+from harness.face import face_of
 
 if TYPE_CHECKING:
     from harness.report.apart import tell_apart as tell_apart
@@ -117,6 +117,4 @@ if TYPE_CHECKING:
     from harness.report.typography import typeset as typeset
 
 else:
-    _HOMES = homes_in(__file__)
-    __all__ = sorted(_HOMES)  # noqa: PLE0605
-    __getattr__ = lazy_names(__name__, _HOMES)
+    __all__, __getattr__ = face_of(__name__, __file__)

@@ -1,119 +1,46 @@
 """Computes numbers and words from numbers: the note's indices, their ratios, and how far these can be trusted."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from harness.face import look_up
+from harness.face import face_of
 
 if TYPE_CHECKING:
-    from harness.eta.auc import AGAINST, CANNOT_TELL, RANKS, auc_of
-    from harness.eta.behaviour_change import TRAINING, Change, Quantity, change_of
-    from harness.eta.curve import GroupCurve, Kind, curve_of
-    from harness.eta.decomposition import decompose
-    from harness.eta.equal import equal_sentences, equal_trainings
-    from harness.eta.headline import UNMEASURED, Answer, Headline
-    from harness.eta.index import Index, Ratio
-    from harness.eta.interval import SHARE, UNBOUNDED, Bounds
-    from harness.eta.judgement import judge
-    from harness.eta.lead import lead_of
-    from harness.eta.number import number_sentence, return_sentence
-    from harness.eta.ranking import Agreement, agreement_of, order_rewards, transplant
-    from harness.eta.rescaling import Rescaling, line_of, rescaling_of
-    from harness.eta.return_split import split_returns
-    from harness.eta.scored_sums import BB, BK, KB, KK, Pair
-    from harness.eta.seed_mean import SeedMean, mean_over_seeds
-    from harness.eta.splits import Decomposition, Names, Split, no_splits
-    from harness.eta.swaps import Swaps, corrected_p, p_of, swaps_of
-    from harness.eta.verdict.looks import LookRuling, Looks, rule_in_looks
-    from harness.eta.verdict.question import Question
-    from harness.eta.verdict.race import RACE, Race, race
-    from harness.eta.verdict.ruling import Ruling, rule
-
-__all__ = [
-    "AGAINST",
-    "BB",
-    "BK",
-    "CANNOT_TELL",
-    "KB",
-    "KK",
-    "RACE",
-    "RANKS",
-    "SHARE",
-    "TRAINING",
-    "UNBOUNDED",
-    "UNMEASURED",
-    "Agreement",
-    "Answer",
-    "Bounds",
-    "Change",
-    "Decomposition",
-    "GroupCurve",
-    "Headline",
-    "Index",
-    "Kind",
-    "LookRuling",
-    "Looks",
-    "Names",
-    "Pair",
-    "Quantity",
-    "Question",
-    "Race",
-    "Ratio",
-    "Rescaling",
-    "Ruling",
-    "SeedMean",
-    "Split",
-    "Swaps",
-    "agreement_of",
-    "auc_of",
-    "change_of",
-    "corrected_p",
-    "curve_of",
-    "decompose",
-    "equal_sentences",
-    "equal_trainings",
-    "judge",
-    "lead_of",
-    "line_of",
-    "mean_over_seeds",
-    "no_splits",
-    "number_sentence",
-    "order_rewards",
-    "p_of",
-    "race",
-    "rescaling_of",
-    "return_sentence",
-    "rule",
-    "rule_in_looks",
-    "split_returns",
-    "swaps_of",
-    "transplant",
-]
-
-_HOMES = {
-    "auc": "AGAINST CANNOT_TELL RANKS auc_of",
-    "behaviour_change": "TRAINING Change Quantity change_of",
-    "curve": "GroupCurve Kind curve_of",
-    "decomposition": "decompose",
-    "equal": "equal_sentences equal_trainings",
-    "headline": "UNMEASURED Answer Headline",
-    "index": "Index Ratio",
-    "interval": "SHARE UNBOUNDED Bounds",
-    "judgement": "judge",
-    "lead": "lead_of",
-    "number": "number_sentence return_sentence",
-    "ranking": "Agreement agreement_of order_rewards transplant",
-    "rescaling": "Rescaling line_of rescaling_of",
-    "return_split": "split_returns",
-    "scored_sums": "BB BK KB KK Pair",
-    "seed_mean": "SeedMean mean_over_seeds",
-    "splits": "Decomposition Names Split no_splits",
-    "swaps": "Swaps corrected_p p_of swaps_of",
-    "verdict.looks": "LookRuling Looks rule_in_looks",
-    "verdict.question": "Question",
-    "verdict.race": "RACE Race race",
-    "verdict.ruling": "Ruling rule",
-}
-
-
-def __getattr__(name: str) -> Any:
-    return look_up(__name__, _HOMES, name)
+    from harness.eta.auc import AGAINST as AGAINST, CANNOT_TELL as CANNOT_TELL, RANKS as RANKS, auc_of as auc_of
+    from harness.eta.behaviour_change import (
+        TRAINING as TRAINING,
+        Change as Change,
+        Quantity as Quantity,
+        change_of as change_of,
+    )
+    from harness.eta.curve import GroupCurve as GroupCurve, Kind as Kind, curve_of as curve_of
+    from harness.eta.decomposition import decompose as decompose
+    from harness.eta.equal import equal_sentences as equal_sentences, equal_trainings as equal_trainings
+    from harness.eta.headline import UNMEASURED as UNMEASURED, Answer as Answer, Headline as Headline
+    from harness.eta.index import Index as Index, Ratio as Ratio
+    from harness.eta.interval import SHARE as SHARE, UNBOUNDED as UNBOUNDED, Bounds as Bounds
+    from harness.eta.judgement import judge as judge
+    from harness.eta.lead import lead_of as lead_of
+    from harness.eta.number import number_sentence as number_sentence, return_sentence as return_sentence
+    from harness.eta.ranking import (
+        Agreement as Agreement,
+        agreement_of as agreement_of,
+        order_rewards as order_rewards,
+        transplant as transplant,
+    )
+    from harness.eta.rescaling import Rescaling as Rescaling, line_of as line_of, rescaling_of as rescaling_of
+    from harness.eta.return_split import split_returns as split_returns
+    from harness.eta.scored_sums import BB as BB, BK as BK, KB as KB, KK as KK, Pair as Pair
+    from harness.eta.seed_mean import SeedMean as SeedMean, mean_over_seeds as mean_over_seeds
+    from harness.eta.splits import (
+        Decomposition as Decomposition,
+        Names as Names,
+        Split as Split,
+        no_splits as no_splits,
+    )
+    from harness.eta.swaps import Swaps as Swaps, corrected_p as corrected_p, p_of as p_of, swaps_of as swaps_of
+    from harness.eta.verdict.looks import LookRuling as LookRuling, Looks as Looks, rule_in_looks as rule_in_looks
+    from harness.eta.verdict.question import Question as Question
+    from harness.eta.verdict.race import RACE as RACE, Race as Race, race as race
+    from harness.eta.verdict.ruling import Ruling as Ruling, rule as rule
+else:
+    __all__, __getattr__ = face_of(__name__, __file__)

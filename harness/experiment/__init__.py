@@ -1,32 +1,18 @@
 """Runs the cells of an experiment: from what a user asks for to the folder of each cell."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from harness.face import look_up
+from harness.face import face_of
 
 if TYPE_CHECKING:
-    from harness.experiment.experiment import ExperimentRun
-    from harness.experiment.plan import Plan, check_experiment, expand, read_experiment
-    from harness.experiment.run_options import RunOptions
-    from harness.experiment.workers.order import Order
-
-__all__ = [
-    "ExperimentRun",
-    "Order",
-    "Plan",
-    "RunOptions",
-    "check_experiment",
-    "expand",
-    "read_experiment",
-]
-
-_HOMES = {
-    "experiment": "ExperimentRun",
-    "plan": "Plan check_experiment expand read_experiment",
-    "run_options": "RunOptions",
-    "workers.order": "Order",
-}
-
-
-def __getattr__(name: str) -> Any:
-    return look_up(__name__, _HOMES, name)
+    from harness.experiment.experiment import ExperimentRun as ExperimentRun
+    from harness.experiment.plan import (
+        Plan as Plan,
+        check_experiment as check_experiment,
+        expand as expand,
+        read_experiment as read_experiment,
+    )
+    from harness.experiment.run_options import RunOptions as RunOptions
+    from harness.experiment.workers.order import Order as Order
+else:
+    __all__, __getattr__ = face_of(__name__, __file__)

@@ -1,51 +1,19 @@
 """What rewards pay for, and whether they rank behaviour as success does. Trains nothing."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from harness.face import look_up
+from harness.face import face_of
 
 if TYPE_CHECKING:
-    from .audit import audit_table
-    from .dataset.audit_dataset import audit_dataset
-    from .recorded.recordings import audit_logs, audit_recordings
-    from .screen import Cheats
-    from .scripts import audit_reward
-    from .search.certificate import read_certificate, write_certificate
-    from .search.find import find_cheats
-    from .search.out import page_in, replay_file, write_found
-    from .search.page import cheats_page
-    from .transitions.audit_rewards import audit_rewards
-
-__all__ = [
-    "Cheats",
-    "audit_dataset",
-    "audit_logs",
-    "audit_recordings",
-    "audit_reward",
-    "audit_rewards",
-    "audit_table",
-    "cheats_page",
-    "find_cheats",
-    "page_in",
-    "read_certificate",
-    "replay_file",
-    "write_certificate",
-    "write_found",
-]
-
-_HOMES = {
-    "audit": "audit_table",
-    "dataset.audit_dataset": "audit_dataset",
-    "recorded.recordings": "audit_logs audit_recordings",
-    "screen": "Cheats",
-    "scripts": "audit_reward",
-    "search.certificate": "read_certificate write_certificate",
-    "search.find": "find_cheats",
-    "search.out": "page_in replay_file write_found",
-    "search.page": "cheats_page",
-    "transitions.audit_rewards": "audit_rewards",
-}
-
-
-def __getattr__(name: str) -> Any:
-    return look_up(__name__, _HOMES, name)
+    from .audit import audit_table as audit_table
+    from .dataset.audit_dataset import audit_dataset as audit_dataset
+    from .recorded.recordings import audit_logs as audit_logs, audit_recordings as audit_recordings
+    from .screen import Cheats as Cheats
+    from .scripts import audit_reward as audit_reward
+    from .search.certificate import read_certificate as read_certificate, write_certificate as write_certificate
+    from .search.find import find_cheats as find_cheats
+    from .search.out import page_in as page_in, replay_file as replay_file, write_found as write_found
+    from .search.page import cheats_page as cheats_page
+    from .transitions.audit_rewards import audit_rewards as audit_rewards
+else:
+    __all__, __getattr__ = face_of(__name__, __file__)

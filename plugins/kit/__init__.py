@@ -14,7 +14,7 @@ the first check that fails. `IdealSimulator` is a simulator for tests that need 
 
 from typing import TYPE_CHECKING
 
-from harness.authoring.face import lazy_names
+from harness.face import face_of
 
 if TYPE_CHECKING:
     from harness.authoring.checking import IdealSimulator as IdealSimulator
@@ -28,21 +28,5 @@ if TYPE_CHECKING:
     from .robots import ROBOT_CHECKS as ROBOT_CHECKS, check_robot as check_robot
     from .simulators.checks import SIMULATOR_CHECKS as SIMULATOR_CHECKS, check_simulator as check_simulator
     from .tasks import TASK_CHECKS as TASK_CHECKS, check_task as check_task
-
-_NAMES = {
-    "harness_plugins.kit.algorithms": ("ALGORITHM_CHECKS", "check_algorithm"),
-    "harness_plugins.kit.contract": ("Check", "check", "violations"),
-    "harness_plugins.kit.environments": ("ENVIRONMENT_CHECKS", "check_environment"),
-    "harness.authoring.checking": ("IdealSimulator",),
-    "harness_plugins.kit.logs.checks": ("LOG_CHECKS", "check_log_format"),
-    "harness_plugins.kit.metrics": ("METRIC_CHECKS", "check_metric"),
-    "harness_plugins.kit.rewards": ("REWARD_CHECKS", "check_reward"),
-    "harness_plugins.kit.robots": ("ROBOT_CHECKS", "check_robot"),
-    "harness_plugins.kit.simulators.checks": ("SIMULATOR_CHECKS", "check_simulator"),
-    "harness_plugins.kit.tasks": ("TASK_CHECKS", "check_task"),
-}
-"""The public names of each module; looked up when they are first used, so that pytest and a command start quickly."""
-
-__all__ = sorted(name for names in _NAMES.values() for name in names)  # noqa: PLE0605
-
-__getattr__ = lazy_names(__name__, {name: home for home, names in _NAMES.items() for name in names})
+else:
+    __all__, __getattr__ = face_of(__name__, __file__)

@@ -1,31 +1,13 @@
 """How far simulators differ that are told the same."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from harness.face import look_up
+from harness.face import face_of
 
 if TYPE_CHECKING:
-    from .contenders import Missing, choose_contenders
-    from .orders import Setting
-    from .page import parity_table, write_parity
-    from .parity import compare_simulators
-
-__all__ = [
-    "Missing",
-    "Setting",
-    "choose_contenders",
-    "compare_simulators",
-    "parity_table",
-    "write_parity",
-]
-
-_HOMES = {
-    "contenders": "Missing choose_contenders",
-    "orders": "Setting",
-    "page": "parity_table write_parity",
-    "parity": "compare_simulators",
-}
-
-
-def __getattr__(name: str) -> Any:
-    return look_up(__name__, _HOMES, name)
+    from .contenders import Missing as Missing, choose_contenders as choose_contenders
+    from .orders import Setting as Setting
+    from .page import parity_table as parity_table, write_parity as write_parity
+    from .parity import compare_simulators as compare_simulators
+else:
+    __all__, __getattr__ = face_of(__name__, __file__)
