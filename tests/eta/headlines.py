@@ -1,16 +1,13 @@
 """The answers of a comparison of an arm, from its parts."""
 
 import re
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from harness.eta import (
     TRAINING,
-    Change,
-    Decomposition,
-    Headline,
+    Answer,
     Names,
     Quantity,
     Ruling,
@@ -19,29 +16,29 @@ from harness.eta import (
     number_sentence,
     swaps_of,
 )
-from harness.eta.headline import DECIDING
 
 NAMES = Names("base", "mine")
 SUCCESS = Quantity("success_rate", "", "higher", "deterministic", episodes=100)
 TIME = Quantity("time_to_target", "s", "lower", "deterministic")
 SPEED = Quantity("success_rate", "", "higher", TRAINING, episodes=100)
+DECIDED = (Answer.HELPS, Answer.HURTS, Answer.LEARNS_FASTER, Answer.LEARNS_SLOWER, Answer.MIXED)
 CLAIM = re.compile(r"\b([Bb]etter|[Ww]orse|helps|hurts|reaches|succeeds|faster|slower|slowly)\b")
 """What is said only where a test says it."""
 
 
-def change(baseline: Sequence[float], proposed: Sequence[float], measure=SUCCESS, p: float | None = 1.0) -> Change:
+def change(baseline, proposed, measure=SUCCESS, p=1.0):
     """Of seeds 0, 1, 2 ..., with this corrected p-value."""
     swaps = swaps_of(range(min(len(baseline), len(proposed))))
     return replace(change_of(measure, dict(enumerate(baseline)), dict(enumerate(proposed)), swaps), corrected=p)
 
 
-def headline_of(decomposition: Decomposition, changes: Sequence[Change] = (), asked: int = 1) -> Headline:
+def headline_of(decomposition, changes=(), asked=1):
     """As `harness.results.comparison.Comparison` gives them, with the measures of one manner."""
-    deciding = [change for name in DECIDING for change in changes if change.name == name and change.seeds]
+    deciding = [it for name in (SUCCESS.name, TIME.name) for it in changes if it.name == name and it.seeds]
     return judge(NAMES, deciding, number_sentence(NAMES, decomposition.splits), ruling_of(deciding, asked))
 
 
-def ruling_of(deciding: Sequence[Change], asked: int = 1) -> Ruling:
+def ruling_of(deciding, asked=1):
     """A ruling with the corrected p-values that the changes have."""
     p_values = tuple(1.0 if change.corrected is None else change.corrected for change in deciding)
     signs = tuple(

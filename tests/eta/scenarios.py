@@ -9,37 +9,64 @@ import numpy as np
 from scipy.special import betaincinv, ndtr
 
 from harness.arrays import Float
-from harness.eta import Question
+from harness.eta import BB, BK, KB, KK, RACE, Question, race
 
 EPISODES = 100
 """Of one evaluation: a rate is a whole number of hundredths."""
 POINTS = 160
 """Of a curve, evenly spaced over the training; an index is proportional to the mean over them."""
+ONE_PLACE, SEVERAL_PLACES = (6, 8, 12, 16, 24, 32), (2, 3, 4, 6, 8, 12, 16)
+"""The usual looks."""
+LEVEL = 0.05
+"""Of all answers of a report together."""
 CHUNK = 2000
 """Experiments whose curves are in memory at once when a truth is computed."""
 
 
-def error(share: float, experiments: int) -> float:
+def error(share, experiments):
     """Three standard errors of a share of so many experiments."""
     return 3.0 * (share * (1.0 - share) / experiments) ** 0.5
 
 
-def is_kept(what: str, share: float, most: float, experiments: int) -> bool:
+def is_kept(what, share, most, experiments):
     """Whether a share of the experiments is no larger than was promised, but for chance; it is printed."""
     print(f"{what}: {share:.3f}, at most {most}")  # noqa: T201
     return share <= most + error(most, experiments)
 
 
-def values_of(seeds: int, places: int = 1, measures: int = 1, effect: float = 0.0, seed: int = 0) -> Float:
+def values_of(seeds, places=1, measures=1, effect=0.0, seed=0):
     """Normal values of a question, (2, seeds, places, measures)."""
     values = np.random.default_rng(seed).normal(size=(2, seeds, places, measures))
     values[1] += effect
     return values
 
 
-def question_of(*args: int, **kwargs: float) -> Question:
+def question_of(*args, **kwargs):
     """A question about such values."""
     return Question.of(values_of(*args, **kwargs))
+
+
+def question_in_looks(values, looks, ends=None):
+    """About values, (2, places, seeds, measures), of which every place has seeds of its own."""
+    _, places, seeds, measures = values.shape
+    apart, at = np.full((2, places * seeds, places, measures), np.nan), np.zeros((places * seeds, places), np.int64)
+    for place in range(places):
+        rows = slice(place * seeds, (place + 1) * seeds)
+        apart[:, rows, place] = values[:, place]
+        at[rows, place] = np.searchsorted(looks.seeds, np.arange(seeds), side="right")
+    return Question.of(apart, ends, at)
+
+
+def steady(rng, mean, shape, spread=0.02):
+    """Every training about the mean."""
+    return np.clip(mean + spread * rng.normal(size=shape), 0.0, 1.0)
+
+
+def raced(values, ends=None):
+    """How a race of candidates ends, and the share of the trainings that it takes."""
+    found = race(values, RACE, dict.fromkeys(values, len(RACE)), ends)
+    looks = [found.beaten[it].look if it in found.beaten else found.looks - 1 for it in values]
+    return found, np.mean([RACE[look] for look in looks]) / RACE[-1]
 
 
 @dataclass(frozen=True)
@@ -121,19 +148,6 @@ class CurveScenario:
     ruler: Ruler
 
 
-@dataclass(frozen=True)
-class Curves:
-    """Accumulated-reward curves of paired runs, (experiments, seeds, POINTS) each.
-
-    S_r(tau_q) is the field r_q: `proposed_baseline` are the baseline's runs scored by the proposed reward.
-    """
-
-    baseline_baseline: Float
-    proposed_proposed: Float
-    baseline_proposed: Float
-    proposed_baseline: Float
-
-
 FALLS_FIRST = CurveScenario(
     baseline=Training(Level(10560.0, 0.35, 0.5), Level(0.086, 0.38, 0.5), Level(23630.0, 0.17, 0.1), width=0.43),
     proposed=Training(Level(8235.0, 0.34, 0.5), Level(0.09, 0.73, 0.5), Level(30580.0, 0.24, 0.1), width=0.32),
@@ -150,13 +164,13 @@ SHALLOW = CurveScenario(
 """As SAC with 10,000 steps in fd100: half of the training is negative, seeds are alike."""
 
 
-def unchanged(scenario: CurveScenario) -> CurveScenario:
+def unchanged(scenario):
     """The scenario in which the proposed reward is the baseline in all but name: every eta is 1."""
     return CurveScenario(scenario.baseline, scenario.baseline, Ruler(1.0, 1.0, scenario.ruler.spread))
 
 
-def falling_curves(scenario: CurveScenario, rng: np.random.Generator, experiments: int, seeds: int) -> Curves:
-    """Experiments of paired runs."""
+def falling_curves(scenario, rng, experiments, seeds):
+    """Accumulated-reward curves of paired runs, (experiments, seeds, POINTS), by reward and training."""
     shape = (experiments, seeds)
     shared, *own = rng.normal(size=(3, *shape, 3))
     levels = (scenario.baseline.fall, scenario.baseline.turn, scenario.baseline.climb)
@@ -165,25 +179,21 @@ def falling_curves(scenario: CurveScenario, rng: np.random.Generator, experiment
     baseline, proposed = scenario.baseline.curves(first), scenario.proposed.curves(second)
     loss, gain = scenario.ruler.of_runs(rng, shape)
     other_loss, other_gain = scenario.ruler.of_runs(rng, shape)
-    return Curves(
-        baseline,
-        proposed,
-        np.where(proposed < 0.0, proposed / loss, proposed / gain),
-        np.where(baseline < 0.0, baseline * other_loss, baseline * other_gain),
-    )
+    return {
+        BB: baseline,
+        KK: proposed,
+        BK: np.where(proposed < 0.0, proposed / loss, proposed / gain),
+        KB: np.where(baseline < 0.0, baseline * other_loss, baseline * other_gain),
+    }
 
 
-def true_sums(
-    scenario: CurveScenario, rng: np.random.Generator, seeds: int = 100_000
-) -> dict[str, tuple[float, float]]:
-    """I_N and I_P, as means over the points, of the mean curve of so many seeds; by the fields of `Curves`."""
-    names = list(Curves.__dataclass_fields__)
-    means = np.zeros((len(names), POINTS))
+def true_sums(scenario, rng, seeds=100_000):
+    """I_N and I_P, as means over the points, of the mean curve of so many seeds; by reward and training."""
+    means = dict.fromkeys((BB, KK, BK, KB), 0.0)
     for _ in range(seeds // CHUNK):
-        curves = falling_curves(scenario, rng, 1, CHUNK)
-        means += np.stack([getattr(curves, name)[0].mean(axis=0) for name in names]) * CHUNK / seeds
-    sums = np.minimum(means, 0.0).mean(axis=1), np.maximum(means, 0.0).mean(axis=1)
-    return {name: (float(negative), float(positive)) for name, negative, positive in zip(names, *sums, strict=True)}
+        for pair, runs in falling_curves(scenario, rng, 1, CHUNK).items():
+            means[pair] = means[pair] + runs[0].mean(axis=0) * CHUNK / seeds
+    return {pair: (np.minimum(mean, 0.0).mean(), np.maximum(mean, 0.0).mean()) for pair, mean in means.items()}
 
 
 @dataclass(frozen=True)
@@ -218,9 +228,7 @@ RATES = {
 potential. `skewed` is as skewed as any record: two seeds of three hardly ever fail."""
 
 
-def lognormal_steps(
-    rng: np.random.Generator, shape: tuple[int, ...], median: float = 8.0, spread: float = 0.25
-) -> Float:
+def lognormal_steps(rng, shape, median=8.0, spread=0.25):
     """Steps to the target of trained policies; recorded spreads are 0.05 to 0.47."""
     return median * np.exp(spread * rng.normal(size=shape))
 
@@ -253,7 +261,7 @@ SPREADS = np.array([0.0, 0.0, 0.0, 0.25, 0.25, 0.45, *[0.0] * 6, 1.3, 0.35])
 """Of the logarithm of each claim's values; 0 for a metric that is normal or on a lattice."""
 
 
-def family_values(family: Family, rng: np.random.Generator, seeds: int) -> tuple[Float, Float]:
+def family_values(family, rng, seeds):
     """One family's values of the baselines, (groups, 1, seeds, CLAIMS), and of the proposed rewards.
 
     The last ETAS claims are sums, positive: a claim about them is one about the ratio of their means.

@@ -8,7 +8,7 @@ import pytest
 import scipy.stats
 from hypothesis import assume, given, strategies as st
 
-from harness.eta import Change, Quantity, change_of, p_of, swaps_of
+from harness.eta import Quantity, change_of, p_of, swaps_of
 from harness.eta.headline import is_within
 from harness.eta.interval import share_variance
 
@@ -19,13 +19,13 @@ SUCCESS = Quantity("success_rate", "", "higher", "deterministic", 100)
 DISTANCE = Quantity("final_distance", "m", "lower", "deterministic")
 
 
-def change(baseline: Values, proposed: Values, measure: Quantity = DISTANCE, random: Values | None = None) -> Change:
+def change(baseline, proposed, measure=DISTANCE, random=None):
     """Of seeds 0, 1, 2 ..."""
     one, other = dict(enumerate(baseline)), dict(enumerate(proposed))
     return change_of(measure, one, other, swaps_of(range(len(baseline))), random or [])
 
 
-def corrected(found: Change, p: float | None = None) -> Change:
+def corrected(found, p=None):
     """As a family's only claim, or with this p-value."""
     return replace(found, corrected=found.p if p is None else p)
 
@@ -66,7 +66,7 @@ def test_one_reward_may_have_more_trainings():
 
 def test_who_failed_is_counted_of_a_share_of_which_more_is_better():
     """Less than half of the episodes succeed."""
-    values: tuple[Values, Values] = ([0.49, 0.5, 1.0], [0.0, 0.1, 0.9])
+    values = ([0.49, 0.5, 1.0], [0.0, 0.1, 0.9])
     assert change(*values, SUCCESS).failed == (1, 2)
     assert change(*values, SUCCESS._replace(better="lower")).failed is None
     assert change(*values).failed is None

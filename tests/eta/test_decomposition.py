@@ -2,7 +2,6 @@
 
 import itertools
 import json
-from typing import Any
 
 import numpy as np
 import pytest
@@ -15,19 +14,16 @@ from harness.eta import (
     BK,
     KB,
     KK,
-    Decomposition,
     GroupCurve,
-    Kind,
     Pair,
     Ratio,
-    Split,
     curve_of,
     decompose,
     no_splits,
     p_of,
     swaps_of,
 )
-from harness.eta.decomposition import NEAR_ZERO, NEGLIGIBLE, SPLITS, noise_floor, split_halves
+from harness.eta.decomposition import split_halves
 
 Curves = dict[Pair, GroupCurve]
 KINDS = ("accumulated", "per-step")
@@ -37,13 +33,13 @@ FEWER = settings(max_examples=50)
 """Each example is decomposed once or twice, with all ways of swapping its runs."""
 
 
-def groups(most: int = 6) -> st.SearchStrategy[np.ndarray]:
+def groups(most=6):
     """Rewards of a group's runs, (runs, steps)."""
     shapes = st.tuples(st.integers(1, most), st.integers(1, 12))
     return shapes.flatmap(lambda shape: arrays(float, shape, elements=STEP))
 
 
-def four(most: int = 5) -> st.SearchStrategy[list[np.ndarray]]:
+def four(most=5):
     """Two trainings under two rewards: BB, BK, KB, KK, (runs, steps) each, whatever the rewards."""
     shapes = st.tuples(*(st.tuples(st.integers(1, most), st.integers(1, 8)) for _ in "BK"))
     return shapes.flatmap(
@@ -51,45 +47,45 @@ def four(most: int = 5) -> st.SearchStrategy[list[np.ndarray]]:
     )
 
 
-def curves_of(bb: Any, bk: Any, kb: Any, kk: Any, kind: Kind = "accumulated") -> Curves:
+def curves_of(bb, bk, kb, kk, kind="accumulated"):
     """The four scored groups."""
     named = {BB: bb, BK: bk, KB: kb, KK: kk}
     return {pair: curve_of(list(np.asarray(runs, float)), kind) for pair, runs in named.items()}
 
 
-def values_of(split: Split) -> list[float | None]:
+def values_of(split):
     """Eta, both parts, then both paths."""
     parts = [split.eta, split.ruler, split.behaviour, *(part for path in split.paths for part in path)]
     return [part.value for part in parts]
 
 
-def ratios_of(split: Split) -> list[Ratio]:
+def ratios_of(split):
     """All of them."""
     single = [split.eta, split.per_seed, split.ruler, split.behaviour, split.interaction, split.noise]
     return [*single, *(part for path in split.paths for part in path)]
 
 
-def splits_of(found: Decomposition) -> list[Split]:
+def splits_of(found):
     """Of eta_N and of eta_P."""
     return [found.negative, found.positive]
 
 
-def eta_of(baseline: np.ndarray, proposed: np.ndarray, paired: bool = True) -> Decomposition:
+def eta_of(baseline, proposed, paired=True):
     """Both etas, nothing scored again."""
     return decompose({BB: curve_of(list(baseline)), KK: curve_of(list(proposed))}, paired=paired)
 
 
-def ends(ratio: Ratio) -> list[float | None]:
+def ends(ratio):
     """Of the interval."""
     return [ratio.low, ratio.high]
 
 
-def about(value: float | None, rel: float = 1e-9) -> Any:
+def about(value, rel=1e-9):
     """The same but for rounding; None is None."""
     return value if value is None else pytest.approx(value, rel=rel)
 
 
-def dip_and_climb(seeds: int, seed: int = 105, steps: int = 60, noise: float = 1.0) -> np.ndarray:
+def dip_and_climb(seeds, seed=105, steps=60, noise=1.0):
     """Rewards whose sums fall below zero and rise again, each run a little different, (seeds, steps)."""
     rng = np.random.default_rng(seed)
     x = np.linspace(0.0, 1.0, steps)
@@ -314,14 +310,6 @@ def test_zero_of_a_scored_group_leaves_eta_and_the_other_path(pair, owner):
         assert part.note.startswith(f"I_P of {owner} is 0: ") or "not above 0" in part.note
 
 
-@pytest.mark.parametrize(("name", "runs"), [("I_N", [[1.0]]), ("I_P", [[-1.0, -1.0]])])
-def test_reason_fits_the_kind_of_curve(name, runs):
-    """Per step nothing is accumulated, and the reason does not say so."""
-    found = decompose(curves_of(runs, runs, runs, runs, "per-step"))
-    note = {"I_N": found.eta_n, "I_P": found.eta_p}[name].note
-    assert note.startswith(f"{name} of the baseline is 0: its mean reward ")
-
-
 def test_eta_of_something_to_nothing_is_zero():
     """A proposed reward whose curve is never negative has eta_N 0, without a sign, and no interval by logarithms."""
     eta = eta_of(dip_and_climb(5), np.ones((5, 4))).eta_n
@@ -329,6 +317,54 @@ def test_eta_of_something_to_nothing_is_zero():
     assert ends(eta) == [None, None]
     assert eta.notes == ("no interval: the ratio is not above 0",)
     assert eta.near_zero is not None
+
+
+NEVER, ONE = np.ones((5, 60)), np.ones((5, 10))
+NEVER[1:], ONE[0] = dip_and_climb(5)[1:], -9.0
+SIGNED = [[-1.0, 0.0, value] for value in (2.0, 2.0, -1.0)]
+SHORT = eta_of(dip_and_climb(9), dip_and_climb(2, seed=2)), eta_of(dip_and_climb(2, seed=2), dip_and_climb(9))
+TINY = decompose(curves_of([[1e-310]], [[1.0]], [[1.0]], [[1e10]])).positive
+REASONS = {
+    "a ratio too large for a number": (
+        TINY.eta,
+        "I_P of the baseline is as good as 0: the ratio is no number any more",
+    ),
+    "of seeds too": (TINY.per_seed, "the ratio is too large for a number"),
+    "one run of three is next to nothing, and so the ratio without the others is": (
+        eta_of(np.array([[1e-250], [1e-250], [1.0]]), np.ones((3, 1))).eta_p,
+        "no interval: its upper end is too large for a number",
+    ),
+    "one of five runs is never negative": (
+        eta_of(dip_and_climb(5), NEVER).negative.per_seed,
+        "I_N of 1 of the 5 runs of the proposed reward is 0 by itself",
+    ),
+    "per step I_P of seeds may be below zero": (
+        decompose(curves_of(*[SIGNED] * 4, "per-step")).positive.per_seed,
+        "I_P of single runs has either sign",
+    ),
+    "without the one negative run of five there is no I_N": (
+        eta_of(ONE, dip_and_climb(5)).eta_n,
+        "no interval: without one of the seeds I_N of a group is 0 or changes its sign",
+    ),
+    "the smaller group decides": (SHORT[0].eta_p, "2 seeds: no interval below 3 seeds"),
+    "whichever it is": (SHORT[1].eta_p, "2 seeds: no interval below 3 seeds"),
+    "per step nothing is accumulated": (
+        decompose(curves_of(*[[[1.0]]] * 4, "per-step")).eta_n,
+        "I_N of the baseline is 0: its mean reward is never negative",
+    ),
+    "nor does it end above zero": (
+        decompose(curves_of(*[[[-1.0, -1.0]]] * 4, "per-step")).eta_p,
+        "I_P of the baseline is 0: its mean reward has nothing after a cross-over",
+    ),
+}
+
+
+@pytest.mark.parametrize(("ratio", "note"), REASONS.values(), ids=REASONS)
+def test_what_is_missing_has_its_reason(ratio, note):
+    """A value that is there stays without its interval."""
+    assert ratio.notes == (note,)
+    assert ratio.low is ratio.high is None
+    assert (ratio.value is None) == (not note.startswith(("no interval", "2 seeds")))
 
 
 def test_paths_of_unlike_sign_have_no_mean():
@@ -363,9 +399,9 @@ def test_other_units_are_not_near_zero(scale):
 @pytest.mark.parametrize(("factor", "is_noted"), [(1.01, False), (0.99, True)])
 def test_near_zero_begins_at_its_share(factor, is_noted):
     """An index of so much of the other training's is none yet; one of so much of its counterpart decides something."""
-    behaviour = decompose(curves_of([[1.0]], [[factor * NEAR_ZERO]], [[1.0]], [[1.0]])).positive.behaviour
+    behaviour = decompose(curves_of([[1.0]], [[factor * 0.01]], [[1.0]], [[1.0]])).positive.behaviour
     assert (behaviour.near_zero is not None) == is_noted
-    runs = [[-factor * NEGLIGIBLE, 1.0 + factor * NEGLIGIBLE]]
+    runs = [[-factor * 1e-4, 1.0 + factor * 1e-4]]
     near_zero = decompose(curves_of(*[runs] * 4)).negative.eta.near_zero
     assert near_zero == ("I_N of the baseline is near zero beside I_P of the same runs" if is_noted else None)
 
@@ -376,20 +412,6 @@ def test_recorded_indices_are_compared_where_nothing_was_scored_again():
     eta = decompose({pair: scored[pair] for pair in (BB, KK)}).eta_p
     assert eta.value == 1000.0
     assert eta.near_zero == "I_P of the baseline is near zero beside that of the proposed reward"
-
-
-def test_ratio_too_large_for_a_number_is_none():
-    """A denominator next to nothing at all gives a reason, not infinity."""
-    split = decompose(curves_of([[1e-310]], [[1.0]], [[1.0]], [[1e10]])).positive
-    assert split.eta == Ratio(None, notes=("I_P of the baseline is as good as 0: the ratio is no number any more",))
-    assert split.per_seed == Ratio(None, notes=("the ratio is too large for a number",))
-
-
-def test_interval_too_wide_for_a_number_is_none():
-    """One run of three is next to nothing, and so the ratio without the others is."""
-    eta = eta_of(np.array([[1e-250], [1e-250], [1.0]]), np.ones((3, 1))).eta_p
-    assert eta.value == pytest.approx(3.0)
-    assert eta.notes == ("no interval: its upper end is too large for a number",)
 
 
 # Splits that are missing
@@ -413,10 +435,10 @@ def test_without_both_rulers_nothing_is_split(scored):
 # Intervals
 
 
-def slow_ends(baseline: np.ndarray, proposed: np.ndarray, sign: int) -> list[float]:
+def slow_ends(baseline, proposed, sign):
     """The jackknife of the logarithm of one index's ratio, in loops."""
 
-    def logarithm(rows: list[int]) -> float:
+    def logarithm(rows):
         sums = []
         for runs in (proposed, baseline):
             curve = [sum(runs[row][: step + 1].sum() for row in rows) / len(rows) for step in range(runs.shape[1])]
@@ -451,25 +473,10 @@ def test_per_seed_is_the_geometric_mean_with_students_interval():
     assert ends(per_seed) == pytest.approx(list(np.exp([interval.low, interval.high])), rel=1e-6)
 
 
-def test_seed_without_an_index_has_no_eta():
-    """One of five runs is never negative."""
-    runs = dip_and_climb(5)
-    other = runs.copy()
-    other[0] = 1.0
-    assert eta_of(runs, other).negative.per_seed.note == "I_N of 1 of the 5 runs of the proposed reward is 0 by itself"
-
-
 def test_seeds_without_an_index_under_the_other_reward_have_their_etas():
     """Only its own reward scores a training here."""
     runs, never = dip_and_climb(3), np.ones((3, 60))
     assert decompose(curves_of(runs, never, never, runs)).negative.per_seed.value == pytest.approx(1.0)
-
-
-def test_seeds_of_either_sign_have_no_geometric_mean():
-    """Per step I_P may be below zero."""
-    runs = [np.array([-1.0, 0.0, value]) for value in (2.0, 2.0, -1.0)]
-    curve = curve_of(runs, "per-step")
-    assert decompose({BB: curve, KK: curve}).positive.per_seed.note == "I_P of single runs has either sign"
 
 
 def test_pairs_matter():
@@ -512,23 +519,7 @@ def test_one_seed_has_a_value_and_nothing_else():
         assert (split.p, split.corrected, split.outcomes) == (None, None, None)
 
 
-def test_smaller_group_decides_whether_there_is_an_interval():
-    """Whichever it is."""
-    b, k = dip_and_climb(9), dip_and_climb(2, seed=2)
-    for eta in (eta_of(b, k).eta_p, eta_of(k, b).eta_p):
-        assert eta.note == "2 seeds: no interval below 3 seeds"
-
-
-def test_seed_that_alone_makes_an_index_leaves_no_interval():
-    """One negative run of five: without it there is no I_N. The value stands."""
-    baseline = np.ones((5, 10))
-    baseline[0] = -9.0
-    eta = eta_of(baseline, dip_and_climb(5)).eta_n
-    assert eta.value is not None
-    assert eta.notes == ("no interval: without one of the seeds I_N of a group is 0 or changes its sign",)
-
-
-def spread_curves(spread: float, seeds: int) -> Curves:
+def spread_curves(spread, seeds):
     """Runs of one step whose logarithms have exactly this standard deviation; the ruler is 2 and a little."""
     logarithms = scipy.stats.zscore(np.random.default_rng(1).normal(size=seeds), ddof=1)
     runs = np.exp(spread * logarithms)[:, None]
@@ -587,26 +578,14 @@ def test_given_ways_are_tried():
     assert len(decompose(curves, signs=signs).positive.outcomes) == 2
 
 
-def test_noise_is_that_of_the_baseline_and_of_its_control():
-    """Of each index its own."""
-    one, control = curve_of(list(dip_and_climb(5))), curve_of(list(dip_and_climb(5, seed=3)))
-    found = decompose({BB: one, KK: curve_of(list(dip_and_climb(5, seed=1)))}, control=control)
-    assert [split.noise for split in splits_of(found)] == [noise_floor(one, control, which) for which in (0, 1)]
-    assert found.negative.noise != found.positive.noise
-
-
 def test_behaviours_on_either_side_of_one_are_told():
     """Under the baseline reward the runs got better, under the proposed one worse."""
     split = decompose(curves_of([[1.0]], [[2.0]], [[4.0]], [[2.0]])).positive
     told = "the behaviour depends on who judges it: x 2 under the baseline reward, x 0.5 under the proposed one"
     assert split.opposition == told
     assert told in split.flags
-    assert decompose(curves_of([[1.0]], [[2.0]], [[4.0]], [[5.0]])).positive.opposition == ""
-
-
-def test_behaviour_near_zero_opposes_nothing():
-    """Its number says little."""
-    assert decompose(curves_of([[1.0]], [[0.001]], [[1.0]], [[2.0]])).positive.opposition == ""
+    for others in ([[2.0]], [[4.0]], [[5.0]]), ([[0.001]], [[1.0]], [[2.0]]):  # the second says little: it is near zero
+        assert decompose(curves_of([[1.0]], *others)).positive.opposition == ""
 
 
 @pytest.mark.parametrize(("single", "flagged"), [(1.4, False), (1.7, True), (0.9, True)])
@@ -625,17 +604,14 @@ def test_mean_curve_that_says_something_else_than_seeds_is_told(single, flagged)
 NEGATIVE, POSITIVE = 0, 1
 
 
-def group(seeds: int, seed: int = 105, noise: float = 1.0) -> GroupCurve:
-    """The baseline's runs."""
-    return curve_of(list(dip_and_climb(seeds, seed, noise=noise)))
+def noises_of(runs, control=None):
+    """Of I_N and of I_P."""
+    curve = curve_of(list(runs))
+    found = decompose({BB: curve, KK: curve}, control=control if control is None else curve_of(list(control)))
+    return [split.noise for split in splits_of(found)]
 
 
-def log_ends(noise: Ratio) -> np.ndarray:
-    """Of the range."""
-    return np.log(ends(noise))
-
-
-def all_halves(runs: np.ndarray) -> np.ndarray:
+def all_halves(runs):
     """The logarithm of I_P's ratio between halves, for every way to take half of the runs."""
     curves, logarithms = np.cumsum(runs, axis=1), []
     for half in itertools.combinations(range(len(runs)), len(runs) // 2):
@@ -647,56 +623,54 @@ def all_halves(runs: np.ndarray) -> np.ndarray:
 
 def test_noise_floor_is_about_one():
     """Halves of the baseline's own seeds differ by the noise: 1 lies inside, and more noise makes it wider."""
-    quiet, loud = (noise_floor(group(8, noise=noise), None, POSITIVE) for noise in (0.5, 2.0))
+    quiet, loud = (noises_of(dip_and_climb(8, noise=noise))[1] for noise in (0.5, 2.0))
     for noise in (quiet, loud):
-        assert noise.value == 1.0
+        assert (noise.value, noise.note) == (1.0, "halves of 8 runs, scaled to all")
         assert noise.low < 1.0 < noise.high
-        assert noise.note == "halves of 8 runs, scaled to all"
-    assert np.ptp(log_ends(loud)) > 2.0 * np.ptp(log_ends(quiet))
+    assert np.log(loud.high / loud.low) > 2.0 * np.log(quiet.high / quiet.low)
 
 
 def test_halves_are_scaled_to_all():
     """Of 6 runs there are 20 ways to take 3; groups of 6 differ by a root of 2 less; t of 5 degrees of freedom."""
     expected = np.quantile(all_halves(dip_and_climb(6)), [0.025, 0.975]) * 0.5**0.5 * 2.571 / 1.960
-    assert log_ends(noise_floor(group(6), None, POSITIVE)) == pytest.approx(expected, rel=0.05)
+    assert np.log(ends(noises_of(dip_and_climb(6))[1])) == pytest.approx(expected, rel=0.05)
 
 
 def test_control_is_as_large_as_what_is_compared():
     """Halves of the baseline's runs and of those of the control together, in any mixture, as they are."""
     runs, again = dip_and_climb(4), dip_and_climb(4, seed=1)
-    noise = noise_floor(group(4), group(4, seed=1), POSITIVE)
+    noise = noises_of(runs, again)[1]
     expected = np.quantile(all_halves(np.concatenate([runs, again])), [0.025, 0.975]) * 2.365 / 1.960
-    assert log_ends(noise) == pytest.approx(expected, rel=0.15)
+    assert np.log(ends(noise)) == pytest.approx(expected, rel=0.15)
     assert noise.note == "the baseline trained again with other seeds"
 
 
 def test_each_index_has_its_own():
     """The height of the climb varies more than the depth of the dip."""
-    negative, positive = (noise_floor(group(8), None, which) for which in (NEGATIVE, POSITIVE))
-    assert np.ptp(log_ends(positive)) > 1.2 * np.ptp(log_ends(negative))
+    negative, positive = (np.ptp(np.log(ends(noise))) for noise in noises_of(dip_and_climb(8)))
+    assert positive > 1.2 * negative
 
 
 @pytest.mark.parametrize("runs", [1, 2, 3])
 def test_noise_floor_needs_four_runs(runs):
     """Halves of fewer are single runs; those of a control count too."""
     reason = f"{runs} runs of the baseline: halves of them need at least 4"
-    assert noise_floor(group(runs), None, POSITIVE) == Ratio(None, notes=(reason,))
-    assert noise_floor(group(runs), group(4 - runs, seed=1), POSITIVE).value == 1.0
+    assert noises_of(dip_and_climb(runs))[1] == Ratio(None, notes=(reason,))
+    assert noises_of(dip_and_climb(runs), dip_and_climb(4 - runs, seed=1))[1].value == 1.0
 
 
 def test_halves_without_an_index_leave_no_floor():
     """A half that never falls below zero has nothing to divide by."""
     runs = np.ones((4, 5))
     runs[0] = -9.0
-    noise = noise_floor(curve_of(list(runs)), None, NEGATIVE)
-    assert noise == Ratio(None, notes=("a half of the baseline's runs has an index of 0",))
+    assert noises_of(runs)[0] == Ratio(None, notes=("a half of the baseline's runs has an index of 0",))
 
 
 @pytest.mark.parametrize("count", [4, 5, 8])
 def test_halves_are_disjoint_and_equally_large(count):
     """Each run is in one half at most, of an odd number one in none; they are drawn at random, the same each time."""
     first, second = split_halves(count)
-    assert first.shape == second.shape == (SPLITS, count)
+    assert first.shape == second.shape == (200, count)
     assert not (first * second).any()
     for half in (first, second):
         np.testing.assert_array_equal((half > 0.0).sum(axis=1), count // 2)

@@ -15,9 +15,6 @@ from harness.eta import (
     KK,
     UNMEASURED,
     Answer,
-    Change,
-    Decomposition,
-    Headline,
     LookRuling,
     Quantity,
     Ruling,
@@ -27,9 +24,8 @@ from harness.eta import (
     judge,
     swaps_of,
 )
-from harness.eta.judgement import DECIDED
 from harness.eta.power import seeds_to_tell
-from tests.eta.headlines import CLAIM, NAMES, SPEED, SUCCESS, TIME, change, headline_of, ruling_of
+from tests.eta.headlines import CLAIM, DECIDED, NAMES, SPEED, SUCCESS, TIME, change, headline_of, ruling_of
 
 SEEDS = 10
 SAME = (-100.0, 100.0)
@@ -42,27 +38,27 @@ def group(sums, seeds=2):
     return curve_of([np.array([negative, positive - negative])] * seeds)
 
 
-def compared(bb=SAME, bk=SAME, kb=SAME, kk=SAME, seeds=2) -> Decomposition:
+def compared(bb=SAME, bk=SAME, kb=SAME, kk=SAME, seeds=2):
     """The four scored groups by their I_N and I_P; two seeds have no interval."""
     return decompose({pair: group(of, seeds) for pair, of in {BB: bb, BK: bk, KB: kb, KK: kk}.items()})
 
 
-def about(mean: float, seeds: int = SEEDS, width: float = 0.02) -> list[float]:
+def about(mean, seeds=SEEDS, width=0.02):
     """Values around a mean."""
     return list(mean + width * np.linspace(-1.0, 1.0, seeds))
 
 
-def moved(one: float, other: float, measure=SUCCESS, p: float | None = 1.0) -> Change:
+def moved(one, other, measure=SUCCESS, p=1.0):
     """From values around one mean to values around another."""
     return change(about(one), about(other), measure, p)
 
 
-def told(*changes: Change, asked: int = 1) -> Headline:
+def told(*changes, asked=1):
     """Of a comparison without any difference in reward."""
     return headline_of(compared(), changes, asked)
 
 
-def ruled(*changes: Change, where: str = "", is_opposed: bool = False, **fields: object) -> Headline:
+def ruled(*changes, where="", is_opposed=False, **fields):
     """Of changes of any measures, with the p-values that they have; more of the ruling as it is given."""
     return judge(NAMES, changes, "", replace(ruling_of(changes), **fields), where=where, is_opposed=is_opposed)
 

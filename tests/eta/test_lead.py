@@ -14,9 +14,7 @@ from harness.eta import (
     judge,
     lead_of,
 )
-from harness.eta.headline import key_of, name_of
-from harness.eta.judgement import DECIDED
-from tests.eta.headlines import CLAIM, NAMES, SPEED, TIME, change
+from tests.eta.headlines import CLAIM, DECIDED, NAMES, SPEED, TIME, change
 
 HEIGHT = Quantity("tip_height", "m", "higher", "deterministic")
 
@@ -30,7 +28,7 @@ def told(changes, ruling=NOT_TESTED, subject="robot", where="", same_steps=False
     return found.answer, lead_of(found, changes, ruling, subject, where, same_steps=same_steps)
 
 
-def ruled(*signs_and_p: tuple[int, float]) -> Ruling:
+def ruled(*signs_and_p):
     """Each measure has its sign and its corrected p."""
     signs, p_values = zip(*signs_and_p, strict=True)
     return Ruling(min(p_values), min(p_values), of_measures=p_values, signs=signs)
@@ -154,15 +152,6 @@ def test_the_answer_is_said(row):
     found = told(*asked)
     assert found[0] == answer
     assert lead in found[1] if row.startswith(PARTS) else lead == found[1]
-
-
-def test_names_are_those_of_sentences():
-    """Without underscores; success while training is another measure than success, in words and for programs."""
-    measures = [SAME, SOONER, FAST, change([1.0], [1.0], HEIGHT)]
-    assert [name_of(it) for it in measures] == [
-        *("success", "success while training", "time to the target", "tip height")
-    ]
-    assert [key_of(it) for it in measures[:2]] == ["success_rate", "success_rate while training"]
 
 
 @given(

@@ -6,15 +6,13 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from harness.arrays import Float
 from harness.eta import Rescaling, line_of, rescaling_of
-from harness.eta.rescaling import FEW
 
 PAID = np.random.default_rng(0).normal(size=1_000) * 10.0 ** np.random.default_rng(1).uniform(-6, 6, 1_000)
 """What a reward pays: of all sizes and both signs."""
 
 
-def found(one: Float, other: Float, parts: int = 3) -> Rescaling | None:
+def found(one, other, parts=3):
     """Of steps in several recordings."""
     pairs = zip(np.array_split(one, parts), np.array_split(other, parts), strict=True)
     return rescaling_of([line_of(*pair) for pair in pairs])
@@ -165,7 +163,7 @@ def test_a_sentence_says_what_it_is_and_how_that_was_found(factor, offset, told)
 def test_payments_are_counted_over_all_recordings():
     """Up to a hundred."""
     assert found(np.repeat([1.0, 2.0, 3.0], 10), np.repeat([2.0, 4.0, 6.0], 10)).payments == 3
-    many = np.arange(FEW + 1.0)
+    many = np.arange(101.0)
     assert found(many, 2.0 * many).payments is None
 
 

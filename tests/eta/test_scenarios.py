@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from harness.eta import BB, KK
 from tests.eta.scenarios import (
     EPISODES,
     FALLS_FIRST,
@@ -16,7 +17,7 @@ from tests.eta.scenarios import (
 )
 
 
-def rng() -> np.random.Generator:
+def rng():
     """The same numbers for every test."""
     return np.random.default_rng(0)
 
@@ -25,14 +26,14 @@ def rng() -> np.random.Generator:
 def test_etas_are_near_the_recorded_ones(scenario, eta_n, eta_p):
     """SAC with arp against SAC with the baseline: within 15 %."""
     sums = true_sums(scenario, rng(), 10_000)
-    etas = np.divide(sums["proposed_proposed"], sums["baseline_baseline"])
+    etas = np.divide(sums[KK], sums[BB])
     np.testing.assert_allclose(etas, [eta_n, eta_p], rtol=0.15)
 
 
 def test_spread_of_the_depth_is_near_the_recorded_one():
     """Of log I_N over the runs of arp-2021, SAC: 1.3 of the baseline, 1.9 of arp; a rare run is never negative."""
     curves = falling_curves(FALLS_FIRST, rng(), 1, 4000)
-    runs = (curves.baseline_baseline[0], curves.proposed_proposed[0])
+    runs = (curves[BB][0], curves[KK][0])
     depths = np.log([np.quantile(-np.minimum(run, 0.0).sum(axis=1), [0.16, 0.84]) for run in runs])
     np.testing.assert_allclose(np.diff(depths)[:, 0] / 2, [1.3, 1.9], rtol=0.15)
 
@@ -41,7 +42,7 @@ def test_spread_of_the_depth_is_near_the_recorded_one():
 def test_unchanged_reward_has_etas_of_one(scenario):
     """Both rewards' population curves are the same but for the draw."""
     sums = true_sums(unchanged(scenario), rng(), 20_000)
-    np.testing.assert_allclose(sums["proposed_proposed"], sums["baseline_baseline"], rtol=0.05)
+    np.testing.assert_allclose(sums[KK], sums[BB], rtol=0.05)
 
 
 @pytest.mark.parametrize("name", list(RATES))

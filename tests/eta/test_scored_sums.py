@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from harness.eta import BB, BK, KB, KK, GroupCurve, Kind, curve_of
-from harness.eta.scored_sums import Curves, ScoredSums, scored_sums
+from harness.eta import BB, BK, KB, KK, curve_of
+from harness.eta.scored_sums import scored_sums
 
 PAIRS = (BB, BK, KB, KK)
 KINDS = st.sampled_from(["accumulated", "per-step"])
@@ -13,22 +13,22 @@ SIZES = st.tuples(st.integers(2, 5), st.integers(2, 5))
 SEEDS = st.integers(0, 1000)
 
 
-def rewards_of(sizes: tuple[int, int], seed: int) -> dict[tuple[str, str], list[np.ndarray]]:
+def rewards_of(sizes, seed):
     """Of the baseline's runs and of the proposed ones, under both rewards."""
     rng = np.random.default_rng(seed)
     count = {"baseline": sizes[0], "proposed": sizes[1]}
     return {pair: list(rng.normal(size=(count[pair[1]], 12))) for pair in PAIRS}
 
 
-def sums_of(curve: GroupCurve) -> list[float]:
+def sums_of(curve):
     """I_N, I_P and their sum."""
     index = curve.index
     return [index.negative_sum, index.positive_sum, index.negative_sum + index.positive_sum]
 
 
-def found_of(sizes: tuple[int, int], seed: int, kind: Kind, paired: bool = False) -> tuple[ScoredSums, ...]:
+def found_of(sizes, seed, kind, paired=False):
     """Of all three sums."""
-    curves: Curves = {pair: curve_of(runs, kind) for pair, runs in rewards_of(sizes, seed).items()}  # type: ignore[misc]
+    curves = {pair: curve_of(runs, kind) for pair, runs in rewards_of(sizes, seed).items()}  # type: ignore[misc]
     return scored_sums(curves, paired)
 
 

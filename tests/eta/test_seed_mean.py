@@ -6,7 +6,6 @@ import scipy.stats
 from hypothesis import assume, given, strategies as st
 
 from harness.eta import SeedMean, mean_over_seeds
-from harness.eta.interval import UNSEEN
 from harness.eta.seed_mean import mean_lost_share
 
 NUMBERS = st.lists(st.floats(-1e3, 1e3).map(lambda value: round(value, 6)), min_size=3, max_size=12)
@@ -31,7 +30,7 @@ def test_values_that_are_all_the_same_have_no_spread():
 def test_shares_that_are_all_the_same_have_one():
     """Five seeds without a failure do not show that there is none; the width is that of the seed that was not seen."""
     found = mean_over_seeds([1.0] * 5, episodes=10**9)
-    assert found.mean - found.low == pytest.approx(2.776 * UNSEEN / 5, rel=1e-3)
+    assert found.mean - found.low == pytest.approx(2.776 * 0.25 / 5, rel=1e-3)
 
 
 @pytest.mark.parametrize(("values", "told"), [([0.5], "one seed"), ([0.25, 0.75], "2 seeds")])
@@ -75,4 +74,4 @@ def test_lost_shares_may_be_won():
     """The interval holds the mean also below 0, and knows of the episodes of both shares."""
     found = mean_lost_share([(0.0, 1.0)] * 3, None, 100)
     assert found.mean == -1.0
-    assert (found.low, found.high) == (-1.0, pytest.approx(-1.0 + 4.303 * UNSEEN / 3, rel=1e-2))
+    assert (found.low, found.high) == (-1.0, pytest.approx(-1.0 + 4.303 * 0.25 / 3, rel=1e-2))

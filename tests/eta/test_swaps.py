@@ -8,9 +8,8 @@ import pytest
 from hypothesis import example, given, strategies as st
 from hypothesis.extra.numpy import arrays
 
-from harness.arrays import Float
 from harness.eta import corrected_p, p_of, swaps_of
-from harness.eta.swaps import ALL_UP_TO, DRAWN, corrected_where_known, label_shares
+from harness.eta.swaps import corrected_where_known, label_shares
 
 LATTICE = st.integers(-20, 20).map(lambda count: count / 20)
 DIFFERENCES = st.lists(LATTICE | st.floats(-10.0, 10.0).map(lambda value: round(value, 3)), min_size=1, max_size=8)
@@ -18,14 +17,14 @@ CLAIMS = st.tuples(st.integers(1, 6), st.integers(2, 6)).flatmap(lambda shape: a
 NOISE = 1e-9
 
 
-def outcomes_of(differences: Float | list[float]) -> Float:
+def outcomes_of(differences):
     """The mean difference in all ways."""
     values = np.asarray(differences, float)
-    outcomes: Float = swaps_of(range(len(values))).signs @ values / len(values)
+    outcomes = swaps_of(range(len(values))).signs @ values / len(values)
     return outcomes
 
 
-def slow_p(differences: list[float]) -> float:
+def slow_p(differences):
     """All 2^n ways to give each difference a sign."""
     seen = abs(sum(differences))
     ways = list(itertools.product([1.0, -1.0], repeat=len(differences)))
@@ -33,7 +32,7 @@ def slow_p(differences: list[float]) -> float:
     return len(reached) / len(ways)
 
 
-def slow_corrected(outcomes: list[list[float]]) -> list[float]:
+def slow_corrected(outcomes):
     """Westfall and Young (1993), algorithm 2.8, with sizes in units of each claim's root mean square."""
     sizes = []
     for claim in outcomes:
@@ -54,7 +53,7 @@ def slow_corrected(outcomes: list[list[float]]) -> list[float]:
 # Ways
 
 
-@pytest.mark.parametrize("seeds", [0, 1, 2, 6, ALL_UP_TO])
+@pytest.mark.parametrize("seeds", [0, 1, 2, 6, 13])
 def test_all_ways_of_few_seeds(seeds):
     """Each once, but for the sign of all; the first keeps every name."""
     signs = swaps_of(range(seeds)).signs
@@ -66,9 +65,9 @@ def test_all_ways_of_few_seeds(seeds):
 
 
 def test_many_seeds_have_drawn_ways():
-    """As many as DRAWN, the first keeps every name, each seed is swapped in half of them, the same each time."""
+    """As many as 4_096, the first keeps every name, each seed is swapped in half of them, the same each time."""
     signs = swaps_of(range(20)).signs
-    assert signs.shape == (DRAWN, 20)
+    assert signs.shape == (4_096, 20)
     assert (signs[0] == 1.0).all()
     np.testing.assert_allclose(signs.mean(axis=0), 0.0, atol=0.08)
     np.testing.assert_array_equal(signs, swaps_of(range(20)).signs)
@@ -160,9 +159,9 @@ def test_claims_of_which_nothing_is_known_are_left_out():
 def test_labels_are_dealt_out_anew():
     """The first row is as it was; in every other each side has its number of runs, all runs come into each side."""
     shares = label_shares(4, 6)
-    assert shares.shape == (DRAWN, 10)
+    assert shares.shape == (4_096, 10)
     np.testing.assert_allclose(shares[0], [-0.25] * 4 + [1.0 / 6.0] * 6)
-    np.testing.assert_array_equal(np.sort(shares, axis=1), np.sort(np.tile(shares[0], (DRAWN, 1)), axis=1))
+    np.testing.assert_array_equal(np.sort(shares, axis=1), np.sort(np.tile(shares[0], (4_096, 1)), axis=1))
     np.testing.assert_allclose((shares > 0.0).mean(axis=0), 0.6, atol=0.04)
     np.testing.assert_array_equal(shares, label_shares(4, 6))
 
@@ -177,4 +176,4 @@ def test_p_of_dealt_labels_is_that_of_all_ways():
         reached += abs(values[list(side)].mean() - values[rest].mean()) >= abs(seen) - NOISE
     exact = reached / comb(9, 5)
     assert 0.005 < exact < 0.5
-    assert p_of(label_shares(4, 5) @ values) == pytest.approx(exact, abs=5.0 * (exact / DRAWN) ** 0.5)
+    assert p_of(label_shares(4, 5) @ values) == pytest.approx(exact, abs=5.0 * (exact / 4_096) ** 0.5)

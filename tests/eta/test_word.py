@@ -7,7 +7,7 @@ those of the documentation, widened by three standard errors of the simulation.
 import csv
 import itertools
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -24,12 +24,8 @@ from harness.eta import (
     KB,
     KK,
     Change,
-    Decomposition,
     GroupCurve,
-    Pair,
     Quantity,
-    Ratio,
-    SeedMean,
     Split,
     Swaps,
     change_of,
@@ -39,18 +35,15 @@ from harness.eta import (
     p_of,
     swaps_of,
 )
-from harness.eta.decomposition import noise_floor
-from harness.eta.judgement import DECIDED
-from harness.eta.swaps import ALPHA, label_shares
-from tests.eta.headlines import CLAIM, SUCCESS, TIME, headline_of
+from harness.eta.swaps import label_shares
+from tests.eta.headlines import CLAIM, DECIDED, SUCCESS, TIME, headline_of
 from tests.eta.scenarios import (
     CHUNK,
     FALLS_FIRST,
+    LEVEL,
     POINTS,
     RATES,
     SHALLOW,
-    Curves,
-    CurveScenario,
     Family,
     Rate,
     error,
@@ -64,18 +57,12 @@ from tests.eta.scenarios import (
 
 SCENARIOS = {"falls first": FALLS_FIRST, "shallow": SHALLOW}
 SEEDS = (3, 5, 10, 20)
-FIELDS: dict[Pair, str] = {
-    BB: "baseline_baseline",
-    KK: "proposed_proposed",
-    BK: "baseline_proposed",
-    KB: "proposed_baseline",
-}
 RECORDED = Path(__file__).parents[2] / "results" / "reference"
 SLACK = 1e-12
 """Ends that are a bound of the range are reached but for rounding."""
 
 
-def some_swaps(seeds: int, rng: np.random.Generator | None = None, ways: int = 512) -> Swaps:
+def some_swaps(seeds, rng=None, ways=512):
     """All ways of few seeds; of more some, which is exact if they are drawn anew for each experiment.
 
     Without a generator the one seen, where no p-value is asked for.
@@ -92,19 +79,19 @@ def some_swaps(seeds: int, rng: np.random.Generator | None = None, ways: int = 5
 # Intervals of what curves say
 
 
-def grouped(runs: Float) -> GroupCurve:
+def grouped(runs):
     """From accumulated-reward curves, (seeds, POINTS)."""
     curve = GroupCurve(len(runs))
     curve.add(np.diff(runs, axis=1, prepend=0.0))
     return curve
 
 
-def decomposed(curves: Curves, experiment: int, signs: Float) -> Decomposition:
+def decomposed(curves, experiment, signs):
     """One of many experiments."""
-    return decompose({pair: grouped(getattr(curves, name)[experiment]) for pair, name in FIELDS.items()}, signs=signs)
+    return decompose({pair: grouped(runs[experiment]) for pair, runs in curves.items()}, signs=signs)
 
 
-def intervals_of(found: Decomposition) -> Iterator[tuple[str, Ratio | SeedMean]]:
+def intervals_of(found):
     """Everything of a decomposition that has an interval."""
     for name, split in found.splits.items():
         for part in ("eta", "per_seed", "ruler", "behaviour", "interaction"):
@@ -116,13 +103,13 @@ def intervals_of(found: Decomposition) -> Iterator[tuple[str, Ratio | SeedMean]]
         yield f"sum {part}", getattr(found.total, part)
 
 
-def truth_of(scenario: CurveScenario, seeds: int) -> Mapping[str, float]:
+def truth_of(scenario, seeds):
     """The same of so many seeds; the geometric mean over seeds of half of them, of those whose index is not 0."""
     rng = np.random.default_rng(9)
     sums = true_sums(scenario, rng, seeds)
     truth = {}
     for which, name in enumerate(("eta_N", "eta_P")):
-        of = {pair: sums[field][which] for pair, field in FIELDS.items()}
+        of = {pair: sums[pair][which] for pair in sums}
         rulers, behaviours = (of[KK] / of[BK], of[KB] / of[BB]), (of[BK] / of[BB], of[KK] / of[KB])
         truth[f"{name} eta"] = of[KK] / of[BB]
         truth[f"{name} ruler"] = (rulers[0] * rulers[1]) ** 0.5
@@ -132,21 +119,21 @@ def truth_of(scenario: CurveScenario, seeds: int) -> Mapping[str, float]:
             truth[f"{name} ruler {number}"] = rulers[number - 1]
             truth[f"{name} behaviour {number}"] = behaviours[number - 1]
         truth[f"{name} per_seed"] = _per_seed(scenario, rng, -1.0 if which == 0 else 1.0, seeds // 2)
-    total = {pair: POINTS * sum(sums[field]) for pair, field in FIELDS.items()}
+    total = {pair: POINTS * sum(of) for pair, of in sums.items()}
     truth["sum change"] = total[KK] - total[BB]
     truth["sum ruler"] = 0.5 * (total[KK] - total[BK] + total[KB] - total[BB])
     truth["sum behaviour"] = truth["sum change"] - truth["sum ruler"]
     return truth
 
 
-def _per_seed(scenario: CurveScenario, rng: np.random.Generator, sign: float, seeds: int) -> float:
-    logarithms: dict[str, list[Float]] = defaultdict(list)
+def _per_seed(scenario, rng, sign, seeds):
+    logarithms = defaultdict(list)
     for _ in range(seeds // CHUNK):
         curves = falling_curves(scenario, rng, 1, CHUNK)
-        for name in (FIELDS[BB], FIELDS[KK]):
-            sizes = np.maximum(sign * getattr(curves, name)[0], 0.0).sum(axis=1)
+        for name in (BB, KK):
+            sizes = np.maximum(sign * curves[name][0], 0.0).sum(axis=1)
             logarithms[name].append(np.log(sizes[sizes > 0.0]))
-    means = [np.concatenate(logarithms[name]).mean() for name in (FIELDS[KK], FIELDS[BB])]
+    means = [np.concatenate(logarithms[name]).mean() for name in (KK, BB)]
     return float(np.exp(means[0] - means[1]))
 
 
@@ -162,14 +149,14 @@ class Held(NamedTuple):
         return self.held / self.given if self.given else float("nan")
 
 
-def coverage_of(scenario: CurveScenario, seeds: int, experiments: int, truth: Mapping[str, float]) -> dict[str, Held]:
+def coverage_of(scenario, seeds, experiments, truth):
     """Of every interval of so many experiments."""
     rng = np.random.default_rng(seeds)
-    found: dict[str, list[bool]] = defaultdict(list)
+    found = defaultdict(list)
     signs = some_swaps(seeds).signs
     for start in range(0, experiments, 50):
         curves = falling_curves(scenario, rng, min(50, experiments - start), seeds)
-        for experiment in range(len(curves.baseline_baseline)):
+        for experiment in range(len(curves[BB])):
             for name, part in intervals_of(decomposed(curves, experiment, signs)):
                 if part.low is not None and part.high is not None:
                     found[name].append(part.low <= truth[name] <= part.high)
@@ -207,7 +194,7 @@ MANY = 1500
 Draw = Callable[[np.random.Generator, tuple[int, ...]], Float]
 
 
-def metric_coverage(measure: Quantity, draws: tuple[Draw, Draw], means: tuple[float, float], seeds: int, told: str):
+def metric_coverage(measure, draws, means, seeds, told):
     """Of the difference, and of the baseline's mean by itself, in 1,500 experiments."""
     rng, swaps = np.random.default_rng([seeds, 7]), some_swaps(seeds)
     pairs = zip(*(draw(rng, (MANY, seeds)).tolist() for draw in draws), strict=True)
@@ -221,7 +208,7 @@ def metric_coverage(measure: Quantity, draws: tuple[Draw, Draw], means: tuple[fl
     return found
 
 
-def holds(found: Change | SeedMean, truth: float) -> bool:
+def holds(found, truth):
     """Whether the interval does."""
     return found.low - SLACK <= truth <= found.high + SLACK
 
@@ -247,12 +234,12 @@ def test_intervals_of_metrics_hold_the_truth(spread):
         assert 0.90 - error(0.90, MANY) <= found[1] <= 0.97 + error(0.97, MANY)
 
 
-def timed(rate: Rate) -> tuple[Draw, float]:
+def timed(rate):
     """Time to the target in which a failure counts 100 steps, and its mean."""
 
-    def draw(rng: np.random.Generator, shape: tuple[int, ...]) -> Float:
+    def draw(rng, shape):
         shares = rate.draw(rng, shape)
-        times: Float = shares * lognormal_steps(rng, shape, spread=0.1) + (1.0 - shares) * 100.0
+        times = shares * lognormal_steps(rng, shape, spread=0.1) + (1.0 - shares) * 100.0
         return times
 
     return draw, rate.mean * 8.0 * float(np.exp(0.005)) + (1.0 - rate.mean) * 100.0
@@ -282,11 +269,11 @@ def test_p_values_of_etas_err_as_rarely_as_they_say(name):
             swaps = some_swaps(seeds, rng)
             curves = falling_curves(unchanged(SCENARIOS[name]), rng, 50, seeds)
             for experiment in range(50):
-                groups = {BB: grouped(curves.baseline_baseline[experiment])}
-                found = decompose({**groups, KK: grouped(curves.proposed_proposed[experiment])}, signs=swaps.signs)
-                wrong += [split.p is not None and split.p <= ALPHA for split in found.splits.values()]
+                groups = {BB: grouped(curves[BB][experiment])}
+                found = decompose({**groups, KK: grouped(curves[KK][experiment])}, signs=swaps.signs)
+                wrong += [split.p is not None and split.p <= LEVEL for split in found.splits.values()]
         for which, found in zip(("eta_N", "eta_P"), wrong / experiments, strict=True):
-            assert is_kept(f"{name:12} {seeds:3} {which}", found, ALPHA, experiments)
+            assert is_kept(f"{name:12} {seeds:3} {which}", found, LEVEL, experiments)
 
 
 @pytest.mark.slow
@@ -300,8 +287,8 @@ def test_p_values_of_metrics_err_as_rarely_as_they_say(rate):
         for measure, draw in ((SUCCESS, RATES[rate].draw), (TIME, timed(RATES[rate])[0])):
             values = draw(rng, (2, experiments, seeds))
             outcomes = (values[1] - values[0]) @ swaps.signs.T / seeds
-            wrong = np.mean([p_of(each) <= ALPHA for each in outcomes])
-            assert is_kept(f"{rate:12} {seeds:3} {measure.name:15}", wrong, ALPHA, experiments)
+            wrong = np.mean([p_of(each) <= LEVEL for each in outcomes])
+            assert is_kept(f"{rate:12} {seeds:3} {measure.name:15}", wrong, LEVEL, experiments)
 
 
 @pytest.mark.slow
@@ -313,7 +300,7 @@ def test_family_of_twenty_comparisons_errs_as_rarely_as_it_says(seeds):
         signs = some_swaps(seeds, rng).signs
         baseline, proposed = family_values(Family(), rng, seeds)
         differences = np.moveaxis(proposed - baseline, 2, 0).reshape(seeds, -1)
-        wrong += min(corrected_p(list((signs @ differences).T))) <= ALPHA
+        wrong += min(corrected_p(list((signs @ differences).T))) <= LEVEL
     print(f"{seeds:3} family error {wrong / experiments:.3f}")  # noqa: T201
     assert wrong / experiments <= 0.06 + error(0.05, experiments)
 
@@ -325,18 +312,18 @@ def test_ways_that_are_the_same_in_every_report_err_as_rarely(seeds):
     experiments, claims = 1500, 20
     rng, signs = np.random.default_rng(seeds), swaps_of(range(seeds)).signs
     values = rng.normal(size=(experiments, seeds, claims))
-    wrong = np.mean([min(corrected_p(list((signs @ each).T))) <= ALPHA for each in values])
-    assert is_kept(f"{seeds:3} drawn once: family error", wrong, ALPHA, experiments)
+    wrong = np.mean([min(corrected_p(list((signs @ each).T))) <= LEVEL for each in values])
+    assert is_kept(f"{seeds:3} drawn once: family error", wrong, LEVEL, experiments)
 
 
 # The whole verdict
 
 
-def null_experiment(rng: np.random.Generator, curves: Curves, experiment: int, swaps: Swaps) -> list[Change | Split]:
+def null_experiment(rng, curves, experiment, swaps):
     """All claims of a comparison of a reward with itself: both etas, success, time, and eight more metrics."""
     seeds = len(swaps.seeds)
-    groups = {BB: grouped(curves.baseline_baseline[experiment][:, ::4])}
-    groups[KK] = grouped(curves.proposed_proposed[experiment][:, ::4])
+    groups = {BB: grouped(curves[BB][experiment][:, ::4])}
+    groups[KK] = grouped(curves[KK][experiment][:, ::4])
     found = decompose(groups, signs=swaps.signs)
     rates = RATES["skewed"].draw(rng, (2, seeds))
     metrics = [(SUCCESS, rates), (TIME, rates * lognormal_steps(rng, (2, seeds)) + (1.0 - rates) * 100.0)]
@@ -351,14 +338,14 @@ def null_experiment(rng: np.random.Generator, curves: Curves, experiment: int, s
     return [found.negative, found.positive, *changes]
 
 
-def corrected(family: list[list[Change | Split]]) -> list[list[Change | Split]]:
+def corrected(family):
     """All claims of an experiment, as they are corrected together."""
     claims = [claim for comparison in family for claim in comparison]
     p_values = iter(corrected_p([claim.outcomes for claim in claims if claim.outcomes is not None]))
     return [[replace(claim, corrected=next(p_values)) for claim in comparison] for comparison in family]
 
 
-def claims_something(comparison: list[Change | Split], claims: int) -> bool:
+def claims_something(comparison, claims):
     """Whether any word, answer or corrected p-value of a comparison says that there is a difference."""
     splits = [claim for claim in comparison if isinstance(claim, Split)]
     changes = [claim for claim in comparison if isinstance(claim, Change)]
@@ -367,11 +354,11 @@ def claims_something(comparison: list[Change | Split], claims: int) -> bool:
     headline = headline_of(decomposition, changes, claims)
     said = headline.robot.replace("Whether mine helps or hurts", "") + headline.number
     spoken = CLAIM.search(said) or headline.answer in DECIDED
-    shown = any(claim.corrected is not None and claim.corrected <= ALPHA for claim in comparison)
+    shown = any(claim.corrected is not None and claim.corrected <= LEVEL for claim in comparison)
     return bool(spoken) or shown or any(change.direction for change in changes)
 
 
-def wrong_verdicts(seeds: int, experiments: int) -> float:
+def wrong_verdicts(seeds, experiments):
     """Share of experiments of three comparisons, without any difference, in which anything is claimed."""
     rng, wrong, comparisons = np.random.default_rng(seeds), 0, 3
     for _ in range(experiments):
@@ -388,7 +375,7 @@ def test_verdict_without_a_difference_claims_nothing(seeds):
     """In 95 % of experiments at least, whatever their number of claims."""
     experiments = 400 if seeds > 5 else 100
     wrong = wrong_verdicts(seeds, experiments)
-    assert is_kept(f"{seeds:3} any claim", wrong, ALPHA, experiments)
+    assert is_kept(f"{seeds:3} any claim", wrong, LEVEL, experiments)
 
 
 def test_verdict_of_some_experiments_claims_nothing():
@@ -399,7 +386,7 @@ def test_verdict_of_some_experiments_claims_nothing():
 METRICS = ("closest_distance", "final_distance", "ground_hits", "path_ratio", "smoothness", "success_rate")
 
 
-def recorded_baselines() -> Iterator[tuple[str, Float]]:
+def recorded_baselines():
     """The metrics of ten seeds of each recorded baseline, (metrics, seeds)."""
     for name in ("fd100", "arp-2021"):
         groups = defaultdict(list)
@@ -420,10 +407,10 @@ def test_recorded_seeds_against_the_rest_show_nothing():
         for half in splits:
             rest = [seed for seed in range(10) if seed not in half]
             one, other = values[:, list(half)], values[:, rest]
-            assert min(corrected_p(list((other - one) @ ways.T))) > ALPHA
-            wrong += min(corrected_p(list(np.concatenate([one, other], axis=1) @ shares.T))) <= ALPHA
+            assert min(corrected_p(list((other - one) @ ways.T))) > LEVEL
+            wrong += min(corrected_p(list(np.concatenate([one, other], axis=1) @ shares.T))) <= LEVEL
         assert values.shape[1] == 10
-        assert wrong / len(splits) <= ALPHA + 0.03, name  # 512 drawn labels: 0.01 of error, of an exact 0.05
+        assert wrong / len(splits) <= LEVEL + 0.03, name  # 512 drawn labels: 0.01 of error, of an exact 0.05
 
 
 # Power
@@ -443,8 +430,8 @@ def test_power_is_that_of_students_test():
     pairs["metric, 1 sd, half shared"] = [np.sqrt(0.5) * (shared + each) for each in normal]
     pairs["metric, 1 sd, half shared"][1] = pairs["metric, 1 sd, half shared"][1] + 1.0
     for name, (one, other) in pairs.items():
-        exact = np.mean([p_of(each) <= ALPHA for each in (other - one) @ signs.T])
-        students = np.mean(scipy.stats.ttest_rel(other, one, axis=1).pvalue <= ALPHA)
+        exact = np.mean([p_of(each) <= LEVEL for each in (other - one) @ signs.T])
+        students = np.mean(scipy.stats.ttest_rel(other, one, axis=1).pvalue <= LEVEL)
         print(f"{name:26} exact {exact:.3f}, t {students:.3f}")  # noqa: T201
         assert exact >= students - 0.05
 
@@ -461,13 +448,11 @@ def test_noise_floor_holds_etas_of_the_same_reward(name, control):
     rng, held = np.random.default_rng(5), np.zeros(2)
     scenario = unchanged(SCENARIOS[name])
     for _ in range(experiments // 50):
-        runs, again, proposed = (falling_curves(scenario, rng, 50, seeds).baseline_baseline for _ in range(3))
+        runs, again, proposed = (falling_curves(scenario, rng, 50, seeds)[BB] for _ in range(3))
         for experiment in range(50):
             one, more = grouped(runs[experiment]), grouped(again[experiment]) if control else None
-            indices = [one.index, grouped(proposed[experiment]).index]
-            for which, part in enumerate(("negative_sum", "positive_sum")):
-                floor = noise_floor(one, more, which)
-                eta = getattr(indices[1], part) / getattr(indices[0], part)
-                held[which] += floor.low is not None and floor.low <= eta <= floor.high
+            found = decompose({BB: one, KK: grouped(proposed[experiment])}, control=more, signs=some_swaps(seeds).signs)
+            for which, split in enumerate(found.splits.values()):
+                held[which] += split.noise.low is not None and split.noise.low <= split.eta.value <= split.noise.high
     print(f"{name:12} control {control}: eta_N {held[0] / experiments:.3f}, eta_P {held[1] / experiments:.3f}")  # noqa: T201
     assert (np.abs(held / experiments - 0.95) <= 0.03 + error(0.95, experiments)).all()

@@ -5,17 +5,15 @@ tables of the documentation; bounds are those of the documentation, widened by t
 """
 
 import json
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from harness.eta import RACE, LookRuling, Looks, Question, Race, race, rule, rule_in_looks
-from harness.eta.verdict.looks import ONE_PLACE, SEVERAL_PLACES
-from harness.eta.verdict.ruling import LEVEL, opposed_in, rule_places
-from tests.eta.scenarios import Trainings, error, is_kept
+from harness.eta import RACE, Looks, Question, rule, rule_in_looks
+from harness.eta.verdict.ruling import opposed_in, rule_places
+from tests.eta.scenarios import LEVEL, ONE_PLACE, SEVERAL_PLACES, Trainings, error, is_kept, question_in_looks, raced
 
 RECORDS = Path(__file__).parents[3] / "results/reference/engines"
 MEASURES = (
@@ -28,7 +26,7 @@ DENSE_LIKE = Trainings(effect=0.13)
 """As `dense` over the eight simulators of an experiment: 13 points on average."""
 
 
-def decided(values: list[np.ndarray]) -> bool:
+def decided(values):
     """Whether an experiment that trains all seeds at once claims anything about the robot."""
     questions = [Question.of(it) for it in values]
     wholes = rule(questions)
@@ -36,9 +34,7 @@ def decided(values: list[np.ndarray]) -> bool:
     return any(it.is_decided for found in (wholes, *places) for it in found)
 
 
-def unequal(
-    trainings: Trainings, rng: np.random.Generator, baselines: int, proposed: int, rewards: int
-) -> list[np.ndarray]:
+def unequal(trainings, rng, baselines, proposed, rewards):
     """The values of questions in one place whose sides have so many trainings."""
     values = trainings.draw(rng, max(baselines, proposed), 1, rewards)
     for it in values:
@@ -46,7 +42,7 @@ def unequal(
     return values
 
 
-def share_decided(trainings: Trainings, seeds: int, places: int, rewards: int, experiments: int) -> float:
+def share_decided(trainings, seeds, places, rewards, experiments):
     """How many of the experiments claim anything."""
     rng = np.random.default_rng([seeds, places, rewards])
     return sum(decided(trainings.draw(rng, seeds, places, rewards)) for _ in range(experiments)) / experiments
@@ -103,7 +99,7 @@ def test_unequal_spreads_are_called_a_difference_more_often(seeds, spread, bound
 # Several places
 
 
-def pools(rng: np.random.Generator, seeds: int, effects: list[float], places: int = 4) -> list[Question]:
+def pools(rng, seeds, effects, places=4):
     """Rewards with these effects in all places, which share a baseline."""
     baseline = NULL.draw(rng, seeds, places)[0][0]
     proposed = [replace(NULL, effect=effect).draw(rng, seeds, places)[0][1] for effect in effects]
@@ -158,7 +154,7 @@ def test_a_place_is_seldom_called_opposed_where_none_is(effects, low, high):
 # Three measures
 
 
-def recorded(proposed: str) -> list[np.ndarray]:
+def recorded(proposed):
     """Of each place of the engines' records: success, minus the time, success while training, (2, trainings, 3)."""
     found = []
     for path in sorted(RECORDS.glob("*/results.json")):
@@ -204,18 +200,13 @@ def test_three_measures_err_as_rarely_as_they_say(seeds):
 # Looks
 
 
-def in_looks(trainings: list[Trainings], looks: Looks, places: int, rng: np.random.Generator) -> Iterator[LookRuling]:
+def in_looks(trainings, looks, places, rng):
     """How an experiment that trains until decided ends, of each reward; every place has seeds of its own."""
     seeds = looks.most
     baseline = [NULL.draw(rng, seeds)[0][0, :, 0] for _ in range(places)]
     for it in trainings:
-        values, at = np.full((2, seeds * places, places, 2), np.nan), np.zeros((seeds * places, places), np.int64)
-        for place in range(places):
-            rows = slice(place * seeds, (place + 1) * seeds)
-            values[0, rows, place] = baseline[place]
-            values[1, rows, place] = it.draw(rng, seeds)[0][1, :, 0]
-            at[rows, place] = np.searchsorted(looks.seeds, np.arange(seeds), side="right")
-        question = Question.of(values, looks=at)
+        values = np.stack([baseline, [it.draw(rng, seeds)[0][1, :, 0] for _ in range(places)]])
+        question = question_in_looks(values, looks)
         for complete in range(1, len(looks.seeds) + 1):
             ruling = rule_in_looks(question.until(complete - 1), looks, complete)
             if ruling.is_over:
@@ -271,25 +262,23 @@ def test_a_sequential_study_without_effects_claims_nothing(places, rewards, expe
 # The race
 
 
-def raced(means: list[float], rng: np.random.Generator) -> tuple[Race, int]:
-    """How a race of candidates with these mean successes ends, and its trainings; spread as the records have it."""
-    values = {
-        f"candidate {at}": mean + (0.156 if mean > 0.75 else 0.19) * rng.normal(size=(1, RACE[-1]))
-        for at, mean in enumerate(means)
-    }
-    found = race(values, RACE, dict.fromkeys(values, len(RACE)))
-    last = RACE[found.looks - 1]
-    return found, sum(RACE[found.beaten[it].look] if it in found.beaten else last for it in values)
+def race_of(means, rng):
+    """How a race of candidates with these mean successes ends; spread as the records have it."""
+    return raced(
+        {
+            f"candidate {at}": mean + (0.156 if mean > 0.75 else 0.19) * rng.normal(size=(1, RACE[-1]))
+            for at, mean in enumerate(means)
+        }
+    )
 
 
 @pytest.mark.slow
 def test_a_race_of_eight_finds_the_best():
     """Successes of .80, .65 and six times .60: wrong in 1 % at most, with 0.7 of all trainings."""
     experiments, rng = 1000, np.random.default_rng(8)
-    ends = [raced([0.80, 0.65, *[0.60] * 6], rng) for _ in range(experiments)]
-    resolved = float(np.mean([it.best is not None or it.is_close for it, _ in ends]))
-    wrong = float(np.mean(["candidate 0" not in it.living for it, _ in ends]))
-    used = float(np.mean([count for _, count in ends])) / (8 * RACE[-1])
+    ends = [race_of([0.80, 0.65, *[0.60] * 6], rng) for _ in range(experiments)]
+    ends = [(it.best is not None or it.is_close, "candidate 0" not in it.living, share) for it, share in ends]
+    resolved, wrong, used = np.mean(ends, axis=0)
     print(f"resolved {resolved:.3f}, wrong {wrong:.3f}, share of the trainings {used:.2f}")  # noqa: T201
     assert resolved >= 0.9 - error(0.9, experiments)
     assert wrong <= 0.01 + error(0.01, experiments)
@@ -303,5 +292,5 @@ def test_a_race_of_eight_finds_the_best():
 def test_a_race_seldom_throws_out_the_best(means):
     """In 5 % at most, also where others are as good, and where many that are worse have left."""
     experiments, rng = 1000, np.random.default_rng(9)
-    wrong = float(np.mean(["candidate 0" not in raced(means, rng)[0].living for _ in range(experiments)]))
+    wrong = float(np.mean(["candidate 0" not in race_of(means, rng)[0].living for _ in range(experiments)]))
     assert is_kept(str(means), wrong, LEVEL, experiments)

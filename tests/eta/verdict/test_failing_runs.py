@@ -5,37 +5,28 @@ widened by three standard errors of the simulation.
 """
 
 import math
-from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
 import pytest
 import scipy.stats
 
-from harness.arrays import Float
-from harness.eta import RACE, SHARE, UNBOUNDED, Bounds, Looks, Question, Race, race
-from harness.eta.interval import variance_of, welch_freedom
+from harness.eta import RACE, SHARE, UNBOUNDED, Looks, race
 from harness.eta.unseen import difference_bounds, mean_bounds
-from harness.eta.verdict.looks import MARGIN, ONE_PLACE, SEVERAL_PLACES, is_small
-from harness.eta.verdict.race import CLOSE
-from harness.eta.verdict.ruling import LEVEL
-from tests.eta.scenarios import error, is_kept
+from harness.eta.verdict.looks import is_small
+from tests.eta.scenarios import LEVEL, ONE_PLACE, SEVERAL_PLACES, error, is_kept, question_in_looks, raced, steady
 
 RARE = [1 / 5, 1 / 7, 1 / 10]
 SEEDS = [3, 4, 6, 10, 20]
+CLOSE, MARGIN = 0.05, 0.10
 LEARNS = 0.10
 """Who succeeds in fewer episodes has learned nothing."""
 ROUNDING = 1e-9
 
 
-def failing(rng: np.random.Generator, share: float, shape: tuple[int, ...], success: float = 1.0) -> Float:
+def failing(rng, share, shape, success=1.0):
     """Trainings of which a share fails altogether, and all others end alike."""
     return np.where(rng.random(shape) < share, 0.0, success)
-
-
-def spread(rng: np.random.Generator, mean: float, deviation: float, shape: tuple[int, ...]) -> Float:
-    """Trainings with an ordinary spread."""
-    return np.clip(mean + deviation * rng.normal(size=shape), 0.0, 1.0)
 
 
 # The bounds
@@ -46,10 +37,10 @@ def test_without_ends_the_bounds_are_welchs():
     rng = np.random.default_rng(0)
     baseline, proposed = [rng.normal(size=4), rng.normal(size=7)], [rng.normal(size=5), rng.normal(size=6)]
     groups = [*baseline, *proposed]
-    error = math.sqrt(sum(variance_of(group) / len(group) for group in groups)) / 2.0
-    freedom = welch_freedom([variance_of(group) for group in groups], [len(group) for group in groups])
+    parts = [np.var(group, ddof=1) / len(group) for group in groups]
+    freedom = sum(parts) ** 2 / sum(part**2 / (len(group) - 1) for part, group in zip(parts, groups, strict=True))
     middle = np.mean([group.mean() for group in proposed]) - np.mean([group.mean() for group in baseline])
-    reach = scipy.stats.t.ppf(0.95, freedom) * error
+    reach = scipy.stats.t.ppf(0.95, freedom) * math.sqrt(sum(parts)) / 2.0
     found = difference_bounds(baseline, proposed, [UNBOUNDED] * 2)
     assert found == pytest.approx((middle - reach, middle + reach))
 
@@ -107,7 +98,7 @@ def test_bounds_turn_round_with_the_rewards_and_with_the_measure():
 def test_what_was_seen_may_need_more_confidence():
     """Whichever bound is worse holds: at 99 % that of an ordinary spread, at 95 % that of perfect trainings."""
     rng = np.random.default_rng(2)
-    ordinary, perfect = [spread(rng, 0.5, 0.18, (32,))], [np.ones(32)]
+    ordinary, perfect = [steady(rng, 0.5, (32,), 0.18)], [np.ones(32)]
     strict, usual = 0.9999, 0.9
     wider = difference_bounds(ordinary, ordinary, [SHARE], usual, strict)
     assert wider == pytest.approx(difference_bounds(ordinary, ordinary, [UNBOUNDED], strict))
@@ -130,13 +121,13 @@ def test_bounds_hold_a_mean_where_trainings_fail(seeds, share, places):
 # NO DIFFERENCE of a fixed design
 
 
-def says_no_difference(baseline: Float, proposed: Float, margin: float) -> bool:
+def says_no_difference(baseline, proposed, margin):
     """Two one-sided tests at 5 %, (places, seeds) both."""
     low, high = difference_bounds(list(baseline), list(proposed), [SHARE] * len(baseline))
     return -margin < low and high < margin
 
 
-def share_no_difference(shares: tuple[float, float], seeds: int, margin: float, experiments: int) -> float:
+def share_no_difference(shares, seeds, margin, experiments):
     """How often it is said in one place."""
     rng = np.random.default_rng([seeds, *(int(1000 * share) for share in shares)])
     pairs = zip(*(failing(rng, share, (experiments, 1, seeds)) for share in shares), strict=True)
@@ -165,7 +156,7 @@ def test_no_difference_is_seldom_said_falsely(seeds, margin):
 def test_no_difference_is_said_of_small_spreads_in_several_places(deviation, least):
     """Of rewards that are alike in eight places with ten seeds each."""
     experiments, rng = 300, np.random.default_rng(4)
-    drawn = spread(rng, 0.9, deviation, (experiments, 2, 8, 10))
+    drawn = steady(rng, 0.9, (experiments, 2, 8, 10), deviation)
     said = sum(says_no_difference(*pair, CLOSE) for pair in drawn) / experiments
     print(f"spread {deviation}: {said:.3f}")  # noqa: T201
     assert said >= least
@@ -174,7 +165,7 @@ def test_no_difference_is_said_of_small_spreads_in_several_places(deviation, lea
 # NEITHER LEARNS
 
 
-def says_neither_learns(rewards: Sequence[Float]) -> bool:
+def says_neither_learns(rewards):
     """Both means surely below a tenth."""
     return all(mean_bounds([values], [SHARE])[1] < LEARNS for values in rewards)
 
@@ -200,15 +191,9 @@ def test_neither_learns_is_seldom_said_falsely(seeds, learn):
 # A small difference ends `--until decided`
 
 
-def look_that_ends(values: Float, looks: Looks, ends: Sequence[Bounds]) -> int | None:
+def look_that_ends(values, looks, ends):
     """The seeds at the look at which a small difference is told, (2, places, seeds); other answers do not end it."""
-    _, places, most_seeds = values.shape
-    spread_out = np.full((2, places * most_seeds, places, 1), np.nan)
-    for place in range(places):
-        spread_out[:, place * most_seeds : (place + 1) * most_seeds, place, 0] = values[:, place]
-    at = np.searchsorted(looks.seeds, np.arange(most_seeds), side="right")
-    rows = np.tile(at, places)[:, None] * np.ones((1, places), np.int64)
-    question = Question.of(spread_out, np.array(ends)[:, None], rows)
+    question = question_in_looks(values[..., None], looks, np.array(ends)[:, None])
     for look, seeds in enumerate(looks.seeds):
         if looks.is_futile_at(look) and is_small(question.until(look), looks.margin):
             return seeds
@@ -242,7 +227,7 @@ def test_an_ordinary_spread_ends_it_nearly_as_often(places, deviation, lost):
     """As without the training that was not seen."""
     looks, experiments = Looks(ONE_PLACE if places == 1 else SEVERAL_PLACES), 400
     rng = np.random.default_rng(places)
-    drawn = [spread(rng, 0.45, deviation, (2, places, looks.most)) for _ in range(experiments)]
+    drawn = [steady(rng, 0.45, (2, places, looks.most), deviation) for _ in range(experiments)]
     with_it, without = (
         np.mean([look_that_ends(values, looks, [ends] * places) is not None for values in drawn])
         for ends in (SHARE, UNBOUNDED)
@@ -254,22 +239,20 @@ def test_an_ordinary_spread_ends_it_nearly_as_often(places, deviation, lost):
 # The race
 
 
-def raced(rng: np.random.Generator, shares: Sequence[float], successes: Sequence[float], places: int = 1) -> Race:
+def race_of(rng, shares, successes, places=1):
     """How a race of rewards ends whose trainings fail in these shares, and succeed otherwise so well."""
     values = {
         str(at): failing(rng, share, (places, RACE[-1]), success)
         for at, (share, success) in enumerate(zip(shares, successes, strict=True))
     }
-    return race(values, RACE, dict.fromkeys(values, len(RACE)), [SHARE] * places)
+    return raced(values, [SHARE] * places)[0]
 
 
-def false_ends(
-    shares: Sequence[float], successes: Sequence[float], experiments: int, places: int = 1
-) -> tuple[float, float]:
+def false_ends(shares, successes, experiments, places=1):
     """How often a race says falsely that all are within 5 points, and how often the first best one leaves."""
     means = np.array([success * (1.0 - share) for share, success in zip(shares, successes, strict=True)])
     rng, best = np.random.default_rng(len(shares)), int(means.argmax())
-    ends = [raced(rng, shares, successes, places) for _ in range(experiments)]
+    ends = [race_of(rng, shares, successes, places) for _ in range(experiments)]
     far = [means[[int(name) for name in end.living]].min() < means[best] - CLOSE - ROUNDING for end in ends]
     close = sum(end.is_close and wrong for end, wrong in zip(ends, far, strict=True)) / experiments
     return close, sum(str(best) not in end.living for end in ends) / experiments
@@ -289,7 +272,7 @@ def test_perfect_rewards_are_close_after_64_trainings_each():
     """In four places after 16 in each; in one place the looks run out."""
     for places, seeds in ((1, None), (4, 16)):
         values = {name: np.ones((places, RACE[-1])) for name in ("one", "other")}
-        found = race(values, RACE, dict.fromkeys(values, len(RACE)), [SHARE] * places)
+        found, _ = raced(values, [SHARE] * places)
         assert found.is_close == (seeds is not None)
         assert seeds is None or RACE[found.looks - 1] == seeds
 
@@ -331,19 +314,16 @@ def test_the_best_seldom_leaves_where_others_fail_rarely(rewards, share, ahead):
 def test_a_race_of_eight_with_an_ordinary_spread_still_finds_the_best():
     """Successes of .80, .65 and six times .60; without the training that was not seen 0.94 with 0.63 of all."""
     experiments, rng = 200, np.random.default_rng(8)
-    means, found, used, wrong = [0.80, 0.65, *[0.60] * 6], 0, 0.0, 0
+    ends = []
     for _ in range(experiments):
-        deviations = [0.156 if mean > 0.75 else 0.19 for mean in means]
         values = {
-            str(at): spread(rng, mean, deviation, (1, RACE[-1]))
-            for at, (mean, deviation) in enumerate(zip(means, deviations, strict=True))
+            str(at): steady(rng, mean, (1, RACE[-1]), 0.156 if at == 0 else 0.19)
+            for at, mean in enumerate([0.80, 0.65, *[0.60] * 6])
         }
-        end = race(values, RACE, dict.fromkeys(values, len(RACE)), [SHARE])
-        last = RACE[end.looks - 1]
-        found, wrong = found + (end.best is not None), wrong + ("0" not in end.living)
-        used += sum(RACE[end.beaten[it].look] if it in end.beaten else last for it in values)
-    share = used / experiments / 8 / RACE[-1]
-    print(f"found {found / experiments:.2f}, wrong {wrong / experiments:.3f}, share of trainings {share:.2f}")  # noqa: T201
-    assert found / experiments >= 0.70
-    assert wrong / experiments <= 0.01 + 3.0 * 0.007
+        end, used = raced(values, [SHARE])
+        ends.append((end.best is not None, "0" not in end.living, used))
+    found, wrong, share = np.mean(ends, axis=0)
+    print(f"found {found:.2f}, wrong {wrong:.3f}, share of trainings {share:.2f}")  # noqa: T201
+    assert found >= 0.70
+    assert wrong <= 0.01 + 3.0 * 0.007
     assert share <= 0.86

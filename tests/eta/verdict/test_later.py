@@ -7,13 +7,12 @@ import numpy as np
 import pytest
 
 from harness.eta import Question, rule
-from harness.eta.verdict.ruling import LEVEL
-from tests.eta.scenarios import error, is_kept
+from tests.eta.scenarios import LEVEL, error, is_kept
 
 EXPERIMENTS = 1000
 
 
-def answers(values: np.ndarray) -> bool:
+def answers(values):
     """Whether a report of these rewards, (rewards, seeds), the baseline first, says anything."""
     questions = [Question.of(np.stack([values[0], it])[:, :, None, None]) for it in values[1:]]
     return any(it.is_decided for it in rule(questions))

@@ -5,20 +5,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.eta import Looks, Question, rule, rule_in_looks
+from harness.eta import Looks, rule, rule_in_looks
 from harness.eta.verdict.least_p import both_sides, crossed_before
-from harness.eta.verdict.looks import MANY_PLACES, ONE_PLACE, SEVERAL_PLACES, check_looks, looks_for
-from tests.eta.scenarios import values_of
+from harness.eta.verdict.looks import check_looks, looks_for
+from tests.eta.scenarios import ONE_PLACE, SEVERAL_PLACES, question_in_looks, values_of
 
 LOOKS = Looks((4, 6, 8, 12))
 
 
-def question_of(effect: float = 0.0, spread: float = 1.0, seed: int = 0, looks: Looks = LOOKS) -> Question:
+def question_of(effect=0.0, spread=1.0, seed=0, looks=LOOKS):
     """Normal values of all seeds in one place."""
     values = spread * values_of(looks.most, seed=seed)
     values[1] += effect
-    at = np.searchsorted(looks.seeds, np.arange(looks.most), side="right")[:, None]
-    return Question.of(values, looks=at)
+    return question_in_looks(values.swapaxes(1, 2), looks)
 
 
 def test_nothing_is_said_before_the_first_look():
@@ -99,7 +98,7 @@ def test_usual_looks_depend_on_the_places(subtests):
     """Two seeds in each of four places are as many as eight in one."""
     for places in range(1, 10):
         with subtests.test(places=places):
-            assert looks_for(places) == (SEVERAL_PLACES if places >= MANY_PLACES else ONE_PLACE)
+            assert looks_for(places) == (SEVERAL_PLACES if places >= 4 else ONE_PLACE)
 
 
 @pytest.mark.parametrize(
@@ -117,12 +116,11 @@ def test_looks_that_cannot_be_used_say_why(seeds, told):
     assert bool(said) == bool(told)
 
 
-def perfect_beside(steady: float) -> Question:
+def perfect_beside(steady):
     """A proposed reward of which every training succeeds, beside a baseline that is always nearly as good."""
-    most = ONE_PLACE[-1]
-    baseline = steady + 0.01 * np.random.default_rng(0).normal(size=(most, 1, 1))
-    at = np.searchsorted(ONE_PLACE, np.arange(most), side="right")[:, None]
-    return Question.of(np.stack([baseline, np.ones((most, 1, 1))]), np.array([[[0.0, 1.0]]]), at)
+    baseline = steady + 0.01 * np.random.default_rng(0).normal(size=(1, ONE_PLACE[-1], 1))
+    values = np.stack([baseline, np.ones_like(baseline)])
+    return question_in_looks(values, Looks(ONE_PLACE), np.array([[[0.0, 1.0]]]))
 
 
 @pytest.mark.parametrize(("steady", "seeds"), [(0.5, 8), (0.7, 16), (0.8, 24)])

@@ -5,17 +5,16 @@ import math
 import numpy as np
 import pytest
 
-from harness.arrays import Float
 from harness.eta import RACE, race
 from harness.eta.verdict.race import spent
 
 
-def values_of(mean: float, spread: float = 0.05, places: int = 1, seed: int = 0) -> Float:
+def values_of(mean, spread=0.05, places=1, seed=0):
     """Of one candidate, (places, seeds)."""
     return mean + spread * np.random.default_rng([seed, int(1000 * abs(mean))]).normal(size=(places, RACE[-1]))
 
 
-def raced(values: dict[str, Float], looks: int = len(RACE)):
+def raced(values, looks=7):
     """How the race stands after so many looks."""
     return race(values, RACE, dict.fromkeys(values, looks))
 

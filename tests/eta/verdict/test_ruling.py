@@ -8,11 +8,11 @@ import pytest
 import scipy.stats
 
 from harness.eta import Question, Ruling, rule
-from harness.eta.verdict.ruling import LEVEL, better_in, opposed_in, rule_places
-from tests.eta.scenarios import question_of, values_of
+from harness.eta.verdict.ruling import better_in, opposed_in, rule_places
+from tests.eta.scenarios import LEVEL, question_of, values_of
 
 
-def ruling_of(question: Question) -> Ruling:
+def ruling_of(question):
     """What the test says of one question."""
     (found,) = rule([question])
     return found
@@ -80,9 +80,7 @@ def test_p_of_looks_in_places_with_seeds_of_their_own_stays(seeds, is_drawn, p):
 
 def test_the_larger_of_two_measures_counts():
     """M is their maximum; each measure is held against it."""
-    values = values_of(5, measures=2)
-    values[1, :, :, 1] += 3.0
-    (found,) = rule([Question.of(values)])
+    found = ruling_of(question_of(5, measures=2, effect=[0.0, 3.0]))
     assert (found.decider, found.sign) == (1, 1)
     assert found.of_measures[1] == found.corrected
     assert found.of_measures[0] > found.of_measures[1]
@@ -135,17 +133,14 @@ def test_questions_of_unlike_seeds_are_corrected_by_holm():
 def test_swapping_the_rewards_swaps_the_sign():
     """And nothing else."""
     values = values_of(5, effect=2.0)
-    one, other = rule([Question.of(values)])[0], rule([Question.of(values[::-1])])[0]
+    one, other = (ruling_of(Question.of(it)) for it in (values, values[::-1]))
     assert one.p == pytest.approx(other.p)
     assert one.sign == -other.sign
 
 
 def test_measures_that_both_pass_with_opposite_signs_are_contrary():
     """The answer says so."""
-    values = values_of(6, measures=2)
-    values[1, :, :, 0] += 9.0
-    values[1, :, :, 1] -= 9.0
-    (found,) = rule([Question.of(values)])
+    found = ruling_of(question_of(6, measures=2, effect=[9.0, -9.0]))
     assert found.is_decided
     assert found.is_contrary
 
@@ -163,10 +158,7 @@ def test_questions_over_places_are_corrected_as_those_in_one_place():
 
 def test_a_place_is_decided_only_where_all_places_together_are():
     """Whatever its own p is."""
-    values = values_of(5, places=2)
-    values[1, :, 0] += 9.0
-    values[1, :, 1] -= 9.0
-    question = Question.of(values)
+    question = question_of(5, places=2, effect=[[9.0], [-9.0]])
     whole = ruling_of(question)
     assert not whole.is_decided
     assert not any(it.is_decided for it in rule_places(question, whole))
@@ -174,9 +166,7 @@ def test_a_place_is_decided_only_where_all_places_together_are():
 
 def test_single_places_are_told_where_the_answer_stands():
     """The place with the effect passes, the other one does not; without an answer none is opposed or better."""
-    values = values_of(8, places=2)
-    values[1, :, 0] += 6.0
-    question, undecided = Question.of(values), Ruling(p=0.5, corrected=0.5)
+    question, undecided = question_of(8, places=2, effect=[[6.0], [0.0]]), Ruling(p=0.5, corrected=0.5)
     whole = ruling_of(question)
     found = rule_places(question, whole)
     assert [it.is_decided for it in found] == [True, False]
@@ -186,10 +176,7 @@ def test_single_places_are_told_where_the_answer_stands():
 
 def test_a_place_that_goes_the_other_way_is_opposed():
     """Better in three places, worse in the fourth, and the mean says better."""
-    values = values_of(8, places=4, seed=1)
-    values[1, :, :3] += 6.0
-    values[1, :, 3] -= 6.0
-    question = Question.of(values)
+    question = question_of(8, places=4, effect=[*[[6.0]] * 3, [-6.0]], seed=1)
     whole = ruling_of(question)
     assert whole.sign == 1
     assert opposed_in(whole, rule_places(question, whole)) == 1
@@ -198,18 +185,13 @@ def test_a_place_that_goes_the_other_way_is_opposed():
 @pytest.mark.parametrize(("affected", "least"), [(4, 3), (1, 1)])
 def test_better_in_so_many_places_at_least(affected, least):
     """Never more than those in which something happens."""
-    values = values_of(10, places=4, seed=3)
-    values[1, :, :affected] += 5.0
-    question = Question.of(values)
-    found = better_in(question, ruling_of(question))
-    assert least <= found <= affected
+    question = question_of(10, places=4, effect=5.0 * np.eye(4)[:, :affected].sum(axis=1, keepdims=True), seed=3)
+    assert least <= better_in(question, ruling_of(question)) <= affected
 
 
 def test_of_many_places_single_ones_count():
     """Too many for all of their sets."""
-    values = values_of(10, places=12)
-    values[1, :, :5] += 6.0
-    question = Question.of(values)
+    question = question_of(10, places=12, effect=[*[[6.0]] * 5, *[[0.0]] * 7])
     assert better_in(question, ruling_of(question)) == 5
 
 
@@ -233,7 +215,7 @@ def test_places_that_luck_alone_sets_apart_are_not_counted():
 # The least p
 
 
-def all_or_nothing(succeeded: int, failed: int, steady: float = 0.8, seconds: float = 4.0) -> Question:
+def all_or_nothing(succeeded, failed, steady=0.8, seconds=4.0):
     """A baseline near a mean, a proposed reward that succeeds or fails; success, and minus the time, at most 10 s."""
     count, rng = succeeded + failed, np.random.default_rng(0)
     success = np.repeat([1.0, 0.0], [succeeded, failed])

@@ -4,13 +4,12 @@ import numpy as np
 import pytest
 from scipy.special import stdtrit
 
-from harness.arrays import Float
-from harness.eta import Quantity, Question, change_of, swaps_of
+from harness.eta import Question, change_of, swaps_of
 from harness.eta.verdict.together import Together
 from tests.eta.headlines import SUCCESS, TIME
 
 
-def together(values: Float, measure: Quantity = TIME) -> Together:
+def together(values, measure=TIME):
     """Of values, (2, seeds, places)."""
     return Together(measure, Question.of(values[..., None]))
 
