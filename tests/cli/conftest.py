@@ -1,10 +1,12 @@
 """Calls the command line in this process, with the toy package installed."""
 
+import json
+import shlex
 import shutil
 import sys
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import pytest
 
@@ -54,18 +56,41 @@ class Answer(NamedTuple):
     out: str
     err: str
 
+    @property
+    def json(self) -> Any:
+        """What it printed for programs."""
+        return json.loads(self.out)
+
 
 @pytest.fixture
 def harness(toys, tmp_path, monkeypatch, capsys) -> Callable[..., Answer]:
-    """Run `harness` with these arguments, in an empty folder."""
+    """Run `harness` in an empty folder: the line that one types, and arguments that stand behind it."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "100")
 
-    def call(*arguments: object) -> Answer:
+    def call(line: str = "", *arguments: object) -> Answer:
         with pytest.raises(SystemExit) as stopped:
-            main([str(argument) for argument in arguments])
+            main([*shlex.split(line), *map(str, arguments)])
         out, err = capsys.readouterr()
         return Answer(stopped.value.code, out, err)
+
+    return call
+
+
+@pytest.fixture
+def refused(harness, tmp_path) -> Callable[..., str]:
+    """Type a line that cannot be done, as `harness` does: what is said of it, in one line. Nothing is changed."""
+
+    def contents() -> dict[str, bytes]:
+        found = (it for it in tmp_path.rglob("*") if "derived" not in it.parts)  # what a report reads is kept there
+        return {str(it): it.read_bytes() if it.is_file() else b"" for it in found}
+
+    def call(line: str, *arguments: object) -> str:
+        before = contents()
+        answer = harness(line, *arguments)
+        assert (answer.status, answer.out, answer.err[:9], answer.err.count("\n")) == (2, "", "harness: ", 1)
+        assert contents() == before
+        return " ".join(answer.err.split())
 
     return call
 
@@ -79,20 +104,44 @@ def quick() -> tuple[str, ...]:
     return QUICK
 
 
+@pytest.fixture(scope="session")
+def typed() -> dict[str, Answer]:
+    """What the lines of `trained` answered."""
+    return {}
+
+
 @pytest.fixture
-def finished(harness, tmp_path, tmp_path_factory) -> Callable[..., str]:
-    """Get a finished experiment of some seeds per reward as the folder `mine`; it runs once, and is copied."""
+def trained(harness, tmp_path, tmp_path_factory, typed) -> Callable[..., Answer]:
+    """What a line answers that leaves the folder `mine`: it is typed once in a session, and the folder is copied."""
+
+    def copy(line: str, *arguments: object) -> Answer:
+        whole = shlex.join([line, *map(str, arguments)])
+        kept = tmp_path_factory.getbasetemp() / "trained" / str([*typed, whole].index(whole))
+        if whole not in typed:
+            typed[whole] = harness(line, *arguments)
+            kept.parent.mkdir(exist_ok=True)
+            shutil.move(tmp_path / "mine", kept)
+        shutil.copytree(kept, tmp_path / "mine")
+        return typed[whole]
+
+    return copy
+
+
+@pytest.fixture
+def finished(trained) -> Callable[..., str]:
+    """Get a finished experiment of some seeds per reward as the folder `mine`."""
 
     def copy(seeds: int) -> str:
-        kept = tmp_path_factory.getbasetemp() / "finished" / str(seeds)
-        if not kept.exists():
-            kept.parent.mkdir(exist_ok=True)
-            assert harness("run", *QUICK, "--reward", "arp", "--seeds", seeds, "--out", "finished").status == 0
-            shutil.move(tmp_path / "finished", kept)
-        shutil.copytree(kept, tmp_path / "mine")
+        assert trained(f"run --reward arp --seeds {seeds} --out mine", *QUICK).status == 0
         return "mine"
 
     return copy
+
+
+@pytest.fixture
+def experiment(finished) -> str:
+    """A finished experiment of a seed per reward."""
+    return finished(seeds=1)
 
 
 @pytest.fixture

@@ -13,13 +13,8 @@ import pyarrow.parquet as pq
 
 from harness.files.bounded import digest_of
 from harness.files.sealed import seal
-from harness.files.sums import FIRST_LINE, SUMS, note_made
-from harness.record import CELLS, DERIVED, EXPERIMENT, LOG, MANIFEST, PLAN, POLICY, REPORT, RESULTS, TRACE, Cell
-from harness.record.folder import CARD, CHECKPOINT, SCORES
-from harness.record.running import RUNNING
-from harness.record.store import LOCK
-from harness.record.verify import DAMAGED
-from harness_plugins.transfer.record import TRANSFER
+from harness.files.sums import FIRST_LINE, note_made
+from harness.record import Cell
 
 Forge = Callable[[Path], object]
 ESCAPE = "\x1b]0;owned\x07\x1b[2J\u202e"
@@ -37,7 +32,7 @@ def write_canary(place: Path) -> None:
     (place / "cells" / "0123456789abcdef").mkdir(parents=True)
     (place / "victim").write_text("a person's\n")
     (place / "victim.half").write_text("a person's, without an end")
-    (place / "cells" / "0123456789abcdef" / MANIFEST).write_text("{}")
+    (place / "cells" / "0123456789abcdef" / "manifest.json").write_text("{}")
     ran = f"from pathlib import Path\nPath({str(place)!r}, 'ran').write_text('ran')\n"
     (place / EVIL).write_text(ran)
     (place / "program").write_text(f"#!/bin/sh\ntouch '{place}/ran'\n")
@@ -46,7 +41,7 @@ def write_canary(place: Path) -> None:
 
 def first_cell(folder: Path) -> Path:
     """Of all cells."""
-    return sorted((folder / CELLS).iterdir())[0]
+    return sorted((folder / "cells").iterdir())[0]
 
 
 def change(path: Path, by: Callable[[dict[str, Any]], object]) -> None:
@@ -59,12 +54,12 @@ def change(path: Path, by: Callable[[dict[str, Any]], object]) -> None:
 
 def in_plan(by: Callable[[dict[str, Any]], object]) -> Forge:
     """Something in the plan."""
-    return lambda folder: change(folder / PLAN, by)
+    return lambda folder: change(folder / "plan.json", by)
 
 
 def in_manifest(**told: Any) -> Forge:
     """These keys of a cell's manifest."""
-    return lambda folder: change(first_cell(folder) / MANIFEST, lambda content: content.update(told))
+    return lambda folder: change(first_cell(folder) / "manifest.json", lambda content: content.update(told))
 
 
 def table(name: str, by: Callable[[pa.Table], pa.Table]) -> Forge:
@@ -90,7 +85,7 @@ def column(name: str, value: float) -> Callable[[pa.Table], pa.Table]:
 
 
 def _name_digest(cell: Path, name: str) -> None:
-    change(cell / MANIFEST, lambda content: content["files"].update({name: digest_of(cell / name)}))
+    change(cell / "manifest.json", lambda content: content["files"].update({name: digest_of(cell / name)}))
 
 
 def _listed(place: str, *names: str) -> Forge:
@@ -99,14 +94,14 @@ def _listed(place: str, *names: str) -> Forge:
     def forge(folder: Path) -> None:
         target = folder / place.format(cell=first_cell(folder).name)
         lines = [f"{FIRST_LINE}\n", *(f"{'0' * 64}  {name}\n" for name in sorted(names))]
-        (target / SUMS).write_text("".join(lines), errors="surrogateescape")
+        (target / "SHA256SUMS").write_text("".join(lines), errors="surrogateescape")
 
     return forge
 
 
 def _files(*names: str) -> Forge:
     return lambda folder: change(
-        first_cell(folder) / MANIFEST, lambda content: content["files"].update(dict.fromkeys(names, "0" * 64))
+        first_cell(folder) / "manifest.json", lambda content: content["files"].update(dict.fromkeys(names, "0" * 64))
     )
 
 
@@ -123,15 +118,15 @@ def _relabelled(name: str = "", **labels: str) -> Forge:
             cell[kind] |= {"label": label, "name": name or cell[kind]["name"]}
 
     def forge(folder: Path) -> None:
-        shutil.rmtree(folder / DERIVED)
-        for place in sorted((folder / CELLS).iterdir()):
-            change(place / MANIFEST, lambda content: by(content["cell"]))
-            cell = Cell.from_json(json.loads((place / MANIFEST).read_text())["cell"])
-            change(place / MANIFEST, lambda content, cell=cell: content.update(id=cell.id))
+        shutil.rmtree(folder / "derived")
+        for place in sorted((folder / "cells").iterdir()):
+            change(place / "manifest.json", lambda content: by(content["cell"]))
+            cell = Cell.from_json(json.loads((place / "manifest.json").read_text())["cell"])
+            change(place / "manifest.json", lambda content, cell=cell: content.update(id=cell.id))
             place.rename(place.with_name(cell.id))
-        change(folder / PLAN, lambda content: [by(cell) for cell in content["cells"]])
+        change(folder / "plan.json", lambda content: [by(cell) for cell in content["cells"]])
         if "reward" in labels:
-            change(folder / PLAN, lambda content: content.update(baseline=labels["reward"]))
+            change(folder / "plan.json", lambda content: content.update(baseline=labels["reward"]))
 
     return forge
 
@@ -141,15 +136,15 @@ def _experiment(**told: Any) -> Forge:
 
 
 def _running(**told: Any) -> Forge:
-    return lambda folder: (folder / RUNNING).write_text(json.dumps(told))
+    return lambda folder: (folder / "running.json").write_text(json.dumps(told))
 
 
 def _table(**columns: Any) -> Forge:
     """The table of results, with a valid digest."""
 
     def forge(folder: Path) -> None:
-        pq.write_table(pa.table(columns), folder / RESULTS)
-        note_made(folder / RESULTS)
+        pq.write_table(pa.table(columns), folder / "results.parquet")
+        note_made(folder / "results.parquet")
 
     return forge
 
@@ -159,9 +154,9 @@ def _scores(columns: Callable[[int], dict[str, Any]]) -> Forge:
 
     def forge(folder: Path) -> None:
         cell = first_cell(folder)
-        rows = pq.read_metadata(cell / TRACE).num_rows
-        pq.write_table(pa.table(columns(rows)), cell / SCORES)
-        note_made(cell / SCORES)
+        rows = pq.read_metadata(cell / "trace.parquet").num_rows
+        pq.write_table(pa.table(columns(rows)), cell / "scores.parquet")
+        note_made(cell / "scores.parquet")
 
     return forge
 
@@ -211,9 +206,9 @@ def _card(**told: Any) -> Forge:
     """The card of a policy, whose digest the manifest then names."""
 
     def forge(folder: Path) -> None:
-        path = first_cell(folder) / POLICY / CARD
+        path = first_cell(folder) / "policy" / "card.json"
         path.write_text(json.dumps({**json.loads(path.read_text()), **told}))
-        _name_digest(first_cell(folder), f"{POLICY}/{CARD}")
+        _name_digest(first_cell(folder), "policy/card.json")
 
     return forge
 
@@ -226,7 +221,7 @@ def _left(name: str, to: str) -> Forge:
         partial = cell.with_name(f".{cell.name}.partial")
         shutil.copytree(cell, partial)
         shutil.rmtree(cell)
-        (partial / CHECKPOINT).write_bytes(b"\0" * 100)
+        (partial / "checkpoint.safetensors").write_bytes(b"\0" * 100)
         (partial / name).unlink(missing_ok=True)
         os.link(folder.parent / CANARY / to, partial / name)
 
@@ -255,7 +250,7 @@ def _twice(content: dict[str, Any]) -> None:
 
 
 def _swapped(folder: Path) -> None:
-    one, other = sorted((folder / CELLS).iterdir())[:2]
+    one, other = sorted((folder / "cells").iterdir())[:2]
     one.rename(folder / "between")
     other.rename(one)
     (folder / "between").rename(other)
@@ -263,11 +258,11 @@ def _swapped(folder: Path) -> None:
 
 def _transfer(cell: str, name: str) -> Forge:
     def forge(folder: Path) -> None:
-        place = folder / TRANSFER / cell.format(cell=first_cell(folder).name) / name
+        place = folder / "transfer" / cell.format(cell=first_cell(folder).name) / name
         place.mkdir(parents=True)
         told = {"format": 2, "status": "done", "reason": "", "started": "", "seconds": 0.0, "environment": {}}
         simulator = {"name": f"../{ESCAPE}", "label": ESCAPE, "params": {}}
-        (place / MANIFEST).write_bytes(
+        (place / "manifest.json").write_bytes(
             seal({**told, "files": {}, "cell": "../../x", "simulator": simulator, "policy": ""})
         )
 
@@ -281,16 +276,19 @@ NAMED = {"name": f"../../{CANARY}", "label": ESCAPE, "params": {}}
 FORGED: dict[str, Forge] = {
     **{f"list: {name!r:.20}": _listed(".", name) for name in (*OUTSIDE, *ODD)},
     **{f"list of a cell: {name!r:.20}": _listed("cells/{cell}", name) for name in (*OUTSIDE[:5], *ODD[2:5])},
-    **{f"list: {name}": _listed(".", name) for name in (CELLS, DERIVED, PLAN, EXPERIMENT, LOCK, DAMAGED)},
+    **{
+        f"list: {name}": _listed(".", name)
+        for name in ("cells", "derived", "plan.json", "experiment.toml", ".lock", "damaged")
+    },
     **{
         f"list of a cell: {name}": _listed("cells/{cell}", name)
-        for name in (MANIFEST, TRACE, POLICY, f"{POLICY}/{CARD}")
+        for name in ("manifest.json", "trace.parquet", "policy", "policy/card.json")
     },
-    "list of all cells": _listed(CELLS, ".."),
+    "list of all cells": _listed("cells", ".."),
     **{f"manifest: {name!r:.20}": _files(name) for name in (*OUTSIDE, *ODD, "", "a//b")},
     "manifest: twins": _files("Trace.parquet", "TRACE.parquet"),
     "manifest: no trace": lambda folder: change(
-        first_cell(folder) / MANIFEST, lambda content: content["files"].pop(TRACE)
+        first_cell(folder) / "manifest.json", lambda content: content["files"].pop("trace.parquet")
     ),
     **{f"manifest: {key}": in_manifest(**{key: ESCAPE}) for key in ("reason", "note")},
     "manifest: failed": in_manifest(status="failed", reason=f"why {ESCAPE}"),
@@ -319,49 +317,67 @@ FORGED: dict[str, Forge] = {
     "experiment: null": _experiment(sim=None),
     "experiment: half a letter": _experiment(sim="\ud800"),
     "experiment: escapes": _experiment(sim=[ESCAPE], algo=ESCAPE, reward=[{"name": ESCAPE}], measure=[ESCAPE]),
-    "experiment file: escapes": _put(EXPERIMENT, 'sim = ["\\u001b[2J"]\nreward = 3\n'),
-    "experiment file: deep": _put(EXPERIMENT, f"a = {'[' * DEEP}{']' * DEEP}\n"),
-    "experiment file: a pipe": _pipe(EXPERIMENT),
+    "experiment file: escapes": _put("experiment.toml", 'sim = ["\\u001b[2J"]\nreward = 3\n'),
+    "experiment file: deep": _put("experiment.toml", f"a = {'[' * DEEP}{']' * DEEP}\n"),
+    "experiment file: a pipe": _pipe("experiment.toml"),
     **{
         f"running: {name!r:.20}": _running(**{name: {"started": 0.0}})
         for name in (f"../../{CANARY}", "/etc", ESCAPE, "\0")
     },
     "running: numbers": _running(x={"started": 1e308, "steps": 2**70, "success": 2}),
     "running: very many": _running(**{f"{number:016x}": {"started": 1.0} for number in range(20_000)}),
-    "running: a folder": _put(RUNNING, None),
-    "running: a pipe": _pipe(RUNNING),
+    "running: a folder": _put("running.json", None),
+    "running: a pipe": _pipe("running.json"),
     "table: places": _table(id=["..", f"../../{CANARY}", "/etc", ESCAPE], status=["done"] * 4),
     "table: a long text in many rows": _table(
         id=pa.DictionaryArray.from_arrays(pa.array([0] * 50_000, pa.int32()), pa.array(["x" * 1_000_000])),
         status=["done"] * 50_000,
     ),
     "table: others": _table(a=[1]),
-    "table: a pipe": _pipe(RESULTS),
+    "table: a pipe": _pipe("results.parquet"),
     "scores: texts": _scores(lambda rows: {ESCAPE: ["x"] * rows}),
     "scores: gaps": _scores(lambda rows: {"dense": _gaps(rows, 10_000)}),
     "scores: other rows": _scores(lambda rows: {"dense": [0.0]}),
-    "trace: gaps in lists": table(TRACE, _with_gaps),
-    "trace: one column more": table(TRACE, lambda found: found.append_column(ESCAPE, pa.array(["x"] * len(found)))),
-    "trace: of another number of joints": table(TRACE, lambda found: found.drop_columns(["qpos"])),
-    **{f"link: {place}": _linked(place) for place in (CELLS, "cells/{cell}", DERIVED, TRANSFER, DAMAGED, "more")},
+    "trace: gaps in lists": table("trace.parquet", _with_gaps),
+    "trace: one column more": table(
+        "trace.parquet", lambda found: found.append_column(ESCAPE, pa.array(["x"] * len(found)))
+    ),
+    "trace: of another number of joints": table("trace.parquet", lambda found: found.drop_columns(["qpos"])),
+    **{
+        f"link: {place}": _linked(place)
+        for place in ("cells", "cells/{cell}", "derived", "transfer", "damaged", "more")
+    },
     **{
         f"link: {place}": _linked(place, "victim")
-        for place in (PLAN, EXPERIMENT, LOCK, SUMS, REPORT, RESULTS, RUNNING, f"cells/{{cell}}/{TRACE}", DAMAGED)
+        for place in (
+            "plan.json",
+            "experiment.toml",
+            ".lock",
+            "SHA256SUMS",
+            "report.html",
+            "results.parquet",
+            "running.json",
+            "cells/{cell}/trace.parquet",
+            "damaged",
+        )
     },
     **{
         f"hard link: {place}": _linked(place, "victim", hard=True)
         for place in (
-            *(EXPERIMENT, LOCK, SUMS, REPORT, RESULTS, RUNNING, "study.log"),
-            *(f"cells/{{cell}}/{name}" for name in (MANIFEST, TRACE, LOG, SCORES, SUMS)),
-            *(f"{DERIVED}/{{cell}}/values", f"{TRANSFER}/{{cell}}/x-0123456789ab/{MANIFEST}"),
+            *("experiment.toml", ".lock", "SHA256SUMS", "report.html", "results.parquet", "running.json", "study.log"),
+            *(
+                f"cells/{{cell}}/{name}"
+                for name in ("manifest.json", "trace.parquet", "log.txt", "scores.parquet", "SHA256SUMS")
+            ),
+            *("derived/{cell}/values", "transfer/{cell}/x-0123456789ab/manifest.json"),
         )
     },
     **{
         f"link: half a {name}": _linked(f".{name}.{os.getpid()}.partial", "victim")
-        for name in (PLAN, SUMS, REPORT, RESULTS, RUNNING)
+        for name in ("plan.json", "SHA256SUMS", "report.html", "results.parquet", "running.json")
     },
-    f"a begun cell: {LOG}": _left(LOG, "victim.half"),
-    f"a begun cell: {TRACE}": _left(TRACE, "victim"),
+    "a begun cell: log.txt": _left("log.txt", "victim.half"),
+    "a begun cell: trace.parquet": _left("trace.parquet", "victim"),
     "card: algorithm": _card(algorithm=f"../{ESCAPE}"),
     "card: kind": _card(kind=f"../{CANARY}/{EVIL}"),
     "card: cell": _card(cell={"id": "../../x", "robot": f"../{CANARY}"}),
@@ -369,15 +385,18 @@ FORGED: dict[str, Forge] = {
     "cells swapped": _swapped,
     "a cell of no name": _put("cells/notes/a.txt"),
     "a cell that is a file": _put("cells/0123456789abcdee"),
-    "a cell with an escape": _put(f"cells/{ESCAPE}/{MANIFEST}"),
+    "a cell with an escape": _put(f"cells/{ESCAPE}/manifest.json"),
     "a file more": _put("cells/{cell}/" + ESCAPE),
     "a pipe more": _pipe("cells/{cell}/pipe"),
     "a hidden folder": _put("cells/.x.partial/a.txt"),
-    "damage that is a file": _put(DAMAGED),
-    **{f"a folder: {name}": _put(name, None) for name in (REPORT, RESULTS, SUMS, EXPERIMENT)},
-    "derived: garbage": _put(f"{DERIVED}/{{cell}}/values", ESCAPE),
-    "derived: a pipe": _pipe(f"{DERIVED}/{{cell}}/values"),
-    "derived: a file": lambda folder: (shutil.rmtree(folder / DERIVED), (folder / DERIVED).write_text("x")),
+    "damage that is a file": _put("damaged"),
+    **{
+        f"a folder: {name}": _put(name, None)
+        for name in ("report.html", "results.parquet", "SHA256SUMS", "experiment.toml")
+    },
+    "derived: garbage": _put("derived/{cell}/values", ESCAPE),
+    "derived: a pipe": _pipe("derived/{cell}/values"),
+    "derived: a file": lambda folder: (shutil.rmtree(folder / "derived"), (folder / "derived").write_text("x")),
     "transfer: another place": _transfer("{cell}", "ideal-0123456789ab"),
     "transfer: of no cell": _transfer("notes", "ideal-0123456789ab"),
     "transfer: of no simulator": _transfer("{cell}", ESCAPE),

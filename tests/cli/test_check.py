@@ -1,8 +1,7 @@
 """`harness check`: a verdict and a sentence for every check, whatever the plugin does."""
 
 import contextlib
-import inspect
-import json
+import textwrap
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -131,46 +130,72 @@ def rows(out: str) -> dict[str, tuple[str, str]]:
     return found
 
 
-def test_a_sound_reward_passes(harness):
-    """Status 0, a row for each check, and how many there were."""
-    answer = harness("check", "arp")
-    assert answer.status == 0
-    found = rows(answer.out)
-    assert found["target"] == ("ok", "")
-    assert found["reward-no-event"] == ("ok", "")
-    assert found["reward-long-run"] == ("ok", "")
-    assert answer.out.splitlines()[-1].startswith("reward arp: 19 ok, 0 warnings, 0 errors.")
-
-
-def test_a_plain_function_that_uses_numpy_is_warned_of(harness, tmp_path):
-    """Status 0: it trains; the sentence says what JAX needs instead."""
-    made = """
+FILES = {
+    "near.py": """
         import numpy as np
 
         def near(step):
             return {"near": np.exp(-step.distance), "effort": -0.01 * (step.action**2).sum(-1)}
-    """
-    (tmp_path / "near.py").write_text(inspect.cleandoc(made))
-    answer = harness("check", "near", "--plugin", "near.py")
-    assert answer.status == 0, answer.out
-    verdict, sentence = rows(answer.out)["reward-numpy"]
-    assert verdict == "warning"
-    assert "xp = step.distance.__array_namespace__(), and xp.exp stands for np.exp" in sentence
-    assert answer.out.splitlines()[-1].startswith("reward near: 18 ok, 1 warning, 0 errors.")
+    """,
+    "nearer.py": """
+        from dataclasses import dataclass
+
+        @dataclass(frozen=True)
+        class Nearer:
+            def initial_carry(self, begin_distance):
+                return ()
+
+            def __call__(self, carry, sample):
+                return carry, -sample.distance
+    """,
+    "dock.py": "def dock(step):\n    return {'reach': -step.distance, 'dock': step.ground}\n",
+    "bare/robot.toml": 'urdf = "gone.urdf"',
+}
+CHECKED: dict[str, tuple[int, str, str, str]] = {
+    "arp": (0, "reward-long-run", "ok", "reward arp: 19 ok, 0 warnings, 0 errors."),
+    "near --plugin near.py": (
+        *(0, "reward-numpy", "warning"),
+        "xp = step.distance.__array_namespace__(), and xp.exp stands for np.exp",
+    ),
+    "nearer --plugin nearer.py": (0, "reward-long-run", "ok", "reward nearer: 19 ok"),
+    f"black_box --plugin {BLACK_BOX} --kind log": (
+        *(0, "target", "ok", "log format black_box: 22 ok, 0 warnings, 0 errors"),
+    ),
+    "dock --plugin dock.py": (1, "reward-terms-float", "error", "the term 'dock' is bool, not a float"),
+    "mistaken": (1, "target", "error", "open takes 3 arguments beside self"),
+    "spaceless": (1, "target", "error", "has no action_spaces, num_envs"),
+    "wave": (0, "target", "ok", "command wave: "),
+    "wink": (1, "command-options", "error", "its parameters cannot be options"),
+    "twin --kind metric": (1, "target", "ok", "metric twin"),
+    "twin --kind metrics": (1, "target", "ok", "metric twin"),
+    "fd100": (0, "robot-loads", "ok", "robot fd100"),
+    "--robot bare": (1, "robot-loads", "error", "gone.urdf"),
+    "./bare": (1, "robot-loads", "error", "gone.urdf"),
+    "ghost": (1, "robot-loads", "error", "ghost"),
+    "fd100-reach --robot unity-arm": (0, "target", "ok", "task fd100-reach"),
+    "transfer --kind section": (0, "contract", "not run", "there is no contract kit for this kind of plugin"),
+}
+"""By what stands behind ``harness check``: the status, a check with its verdict, and what is told."""
 
 
-def test_a_term_that_is_no_float_is_an_error(harness, tmp_path):
-    """The sentence names the term."""
-    (tmp_path / "dock.py").write_text("def dock(step):\n    return {'reach': -step.distance, 'dock': step.ground}\n")
-    answer = harness("check", "dock", "--plugin", "dock.py")
-    assert answer.status == 1
-    assert rows(answer.out)["reward-terms-float"] == ("error", "the term 'dock' is bool, not a float")
+@pytest.mark.usefixtures("mine")
+@pytest.mark.parametrize("line", CHECKED)
+def test_what_is_checked_is_told_in_rows(harness, tmp_path, line: str):
+    """A row for each check, and how many there were; what is not of its kind is told alone, before it runs."""
+    (tmp_path / "bare").mkdir()
+    for name, text in FILES.items():
+        (tmp_path / name).write_text(textwrap.dedent(text))
+    answer, (status, check, verdict, told) = harness(f"check {line}"), CHECKED[line]
+    found = rows(answer.out)
+    assert (answer.status, found[check][0]) == (status, verdict), answer.out
+    assert told in " ".join(answer.out.split())
+    assert len(found) == 1 or (check, verdict) != ("target", "error")
 
 
 @pytest.mark.usefixtures("mine")
 def test_a_broken_reward_is_told_with_its_numbers(harness):
     """Status 1; a sentence for each check that fails, and nothing that the plugin prints is among them."""
-    answer = harness("check", "gift:amount=2")
+    answer = harness("check gift:amount=2")
     assert answer.status == 1
     verdict, sentence = rows(answer.out)["reward-finite-edges"]
     assert verdict == "error"
@@ -182,7 +207,7 @@ def test_a_broken_reward_is_told_with_its_numbers(harness):
 @pytest.mark.usefixtures("mine")
 def test_what_raises_is_a_sentence(harness):
     """With the file, the line and what the check holds; a plugin that wants to leave is held."""
-    answer = harness("check", "leaver")
+    answer = harness("check leaver")
     assert answer.status == 1
     verdict, sentence = rows(answer.out)["metric-empty"]
     assert verdict == "error"
@@ -194,138 +219,20 @@ def test_what_raises_is_a_sentence(harness):
 @pytest.mark.usefixtures("mine")
 def test_verbose_shows_the_traceback(harness):
     """On standard error."""
-    assert 'sys.exit("no licence")' in harness("check", "leaver", "--verbose").err
-
-
-@pytest.mark.usefixtures("mine")
-@pytest.mark.parametrize(
-    ("name", "words"),
-    [("mistaken", "open takes 3 arguments beside self"), ("spaceless", "has no action_spaces, num_envs")],
-)
-def test_what_is_not_of_its_kind_is_told_before_it_runs(harness, name, words):
-    """One row, which names the package and what is missing."""
-    answer = harness("check", name)
-    assert answer.status == 1
-    verdict, sentence = rows(answer.out)["target"]
-    assert verdict == "error"
-    assert words in sentence
-    assert len(rows(answer.out)) == 1
-
-
-@pytest.mark.usefixtures("mine")
-def test_a_command_is_checked_too(harness):
-    """Its parameters have to be what typer makes options of."""
-    assert harness("check", "wave").status == 0
-    answer = harness("check", "wink")
-    assert answer.status == 1
-    assert "its parameters cannot be options" in rows(answer.out)["command-options"][1]
+    assert 'sys.exit("no licence")' in harness("check leaver --verbose").err
 
 
 @pytest.mark.usefixtures("mine")
 def test_a_name_of_two_kinds_takes_the_kind(harness):
-    """Without it, one line says which there are; plural or singular, as one likes."""
-    answer = harness("check", "twin")
+    """Without it, one line says which there are."""
+    answer = harness("check twin")
     assert (answer.status, answer.out) == (2, "")
     assert "'twin' is a reward and a metric: add --kind reward" in answer.err
-    assert harness("check", "twin", "--kind", "metric").out.splitlines()[-1].startswith("metric twin")
-    assert harness("check", "twin", "--kind", "metrics").out.splitlines()[-1].startswith("metric twin")
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        ([], "nothing to check: type harness check NAME"),
-        (["arpp"], "Did you mean 'arp'?"),
-        (["arp", "--kind", "rewrd"], "Did you mean 'reward'?"),
-        (["arp", "--kind", "metric"], "No metric 'arp'"),
-        (["arp:k9=1"], "has no parameter 'k9'"),
-        (["arp", "--robot", "fd100"], "reward 'arp' is checked without a robot"),
-    ],
-)
-def test_what_cannot_be_checked_is_a_usage_error(harness, arguments, words):
-    """One line, status 2."""
-    answer = harness("check", *arguments)
-    assert (answer.status, answer.out) == (2, "")
-    assert words in answer.err
-    assert answer.err.count("\n") == 1
-
-
-def test_a_single_file_is_checked(harness, tmp_path):
-    """By --plugin, without an installation."""
-    made = """
-        from dataclasses import dataclass
-
-        @dataclass(frozen=True)
-        class Nearer:
-            def initial_carry(self, begin_distance):
-                return ()
-
-            def __call__(self, carry, sample):
-                return carry, -sample.distance
-    """
-    (tmp_path / "nearer.py").write_text(inspect.cleandoc(made))
-    answer = harness("check", "nearer", "--plugin", "nearer.py")
-    assert answer.status == 0, answer.out
-    assert answer.out.splitlines()[-1].startswith("reward nearer: 19 ok")
-
-
-def test_a_log_format_is_checked_by_the_word_of_its_kind(harness):
-    """Its noun has two words, of which one is typed; each check has an empty folder."""
-    answer = harness("check", "black_box", "--plugin", str(BLACK_BOX), "--kind", "log")
-    assert answer.status == 0, answer.out
-    assert answer.out.splitlines()[-1].startswith("log format black_box: 22 ok, 0 warnings, 0 errors")
 
 
 def test_json_has_the_same(harness):
     """Every check with its verdict, sentence and seconds, and nothing else on standard output."""
-    told = json.loads(harness("check", "dense", "--json").out)
+    told = harness("check dense --json").json
     assert (told["kind"], told["name"], told["errors"], told["warnings"]) == ("reward", "dense", 0, 0)
     assert {*told["checks"][1]} == {"check", "verdict", "sentence", "seconds"}
     assert told["ok"] == sum(check["verdict"] == "ok" for check in told["checks"])
-
-
-def test_a_robot_is_checked_by_name_or_by_its_files(harness, tmp_path):
-    """As an argument, or by --robot; what cannot be read is a row of its own."""
-    assert harness("check", "fd100").status == 0
-    (tmp_path / "mine").mkdir()
-    (tmp_path / "mine" / "robot.toml").write_text('urdf = "gone.urdf"')
-    for arguments in (["--robot", "mine"], ["./mine"]):
-        answer = harness("check", *arguments)
-        assert answer.status == 1
-        verdict, sentence = rows(answer.out)["robot-loads"]
-        assert verdict == "error"
-        assert "gone.urdf" in sentence
-
-
-@pytest.mark.usefixtures("mine")
-def test_a_robot_that_is_not_there_is_told(harness):
-    """Its plugin named a folder that does not exist."""
-    answer = harness("check", "ghost")
-    assert answer.status == 1
-    assert "ghost" in rows(answer.out)["robot-loads"][1]
-
-
-def test_a_task_is_checked_with_another_robot(harness):
-    """By its name."""
-    answer = harness("check", "fd100-reach", "--robot", "unity-arm")
-    assert answer.status == 0
-
-
-@pytest.mark.usefixtures("mine")
-def test_plugins_check_finds_what_is_broken(harness):
-    """Status 1, with what is wrong under the plugin's name; without --check nothing is imported."""
-    assert harness("plugins").status == 0
-    answer = harness("plugins", "--check")
-    assert answer.status == 1
-    (line,) = [line for line in answer.out.splitlines() if "Simulator 'mistaken'" in line]
-    assert "Algorithm 'spaceless'" in line
-    assert "Robot 'ghost'" in line
-    assert "Reward 'gift'" not in line
-
-
-def test_kind_without_a_kit_is_told(harness):
-    """In one line, after its members were looked at."""
-    answer = harness("check", "transfer", "--kind", "section")
-    assert answer.status == 0
-    words = "there is no contract kit for this kind of plugin: test what it does in its own package"
-    assert rows(answer.out) == {"target": ("ok", ""), "contract": ("not run", words)}

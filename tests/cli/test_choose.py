@@ -1,7 +1,7 @@
 """``harness choose``: the best of several rewards."""
 
-import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -9,6 +9,9 @@ from tests.registry.test_given import REWARD
 
 RAISES = REWARD.replace("return ", "raise ValueError('no idea')\n        return ", 1)
 RAISES_LATER = RAISES.replace("raise ", "if len(begin_distance) != 2:\n            raise ", 1)
+
+
+LINE = "choose --plugin 'candidates/*.py' --looks 2,4 --out mine"
 
 
 @pytest.fixture
@@ -21,95 +24,92 @@ def candidates(tmp_path: Path) -> Path:
     return folder
 
 
-def choose(harness, quick, *more: object):
-    """Among the files of the folder."""
-    return harness("choose", "--plugin", "candidates/*.py", *quick, "--looks", "2,4", *more)
+@pytest.fixture
+def race(trained, quick, candidates: Path):
+    """What is said of a race between them."""
+    return trained(LINE, *quick)
 
 
-def race_of(folder: Path, harness) -> dict[str, object]:
+@pytest.fixture
+def troubled(trained, quick, candidates: Path):
+    """The same beside a file that is broken, and rewards that raise at once, and later."""
+    for name, source in {"broken": "def (:", "raises": RAISES, "later": RAISES_LATER}.items():
+        (candidates / f"{name}.py").write_text(source)
+    return trained(LINE, *quick, "--jobs", 1)
+
+
+def race_of(harness) -> dict[str, Any]:
     """What the report says of the race."""
-    told: dict[str, object] = json.loads(harness("report", folder, "--json").out)["looks"]["race"]
+    told: dict[str, Any] = harness("report mine --json").json["looks"]["race"]
     return told
 
 
-def test_every_file_is_a_candidate_named_by_its_file(harness, quick, candidates: Path, tmp_path):
+def test_every_file_is_a_candidate_named_by_its_file(harness, race):
     """And the baseline takes part."""
-    answer = choose(harness, quick, "--out", "here")
-    assert answer.status == 0
-    told = race_of(tmp_path / "here", harness)
+    told = race_of(harness)
+    assert race.status == 0
     assert {*told["living"], *told["beaten"]} == {"baseline", "one", "other"}
-    for name in ("baseline", "one", "other"):
-        assert name in answer.out
+    assert all(name in race.out for name in ("baseline", "one", "other"))
 
 
-def test_rewards_that_look_alike_use_all_looks(harness, quick, candidates: Path, tmp_path):
+def test_rewards_that_look_alike_use_all_looks(harness, race, tmp_path):
     """An arm that acts at random fails as often under each. Of four trainings that fail, a fifth one may not."""
-    choose(harness, quick, "--out", "here")
-    told = race_of(tmp_path / "here", harness)
+    told = race_of(harness)
     assert (told["is_close"], told["is_over"], told["looks"]) == (False, True, 2)
-    assert len(list((tmp_path / "here" / "cells").iterdir())) == 12
+    assert len(list((tmp_path / "mine" / "cells").iterdir())) == 12
 
 
-def test_a_broken_file_is_a_row_with_the_reason(harness, quick, candidates: Path):
+def test_a_broken_file_is_a_row_with_the_reason(troubled):
     """And no end."""
-    (candidates / "broken.py").write_text("def (:")
-    answer = choose(harness, quick, "--out", "here")
-    assert answer.status == 0
-    assert "broken" in answer.out
-    assert "invalid syntax" in " ".join(answer.out.split())
+    assert "broken" in troubled.out
+    assert "invalid syntax" in " ".join(troubled.out.split())
 
 
-def test_a_candidate_that_raises_at_once_is_left_out(harness, quick, candidates: Path, tmp_path):
+def test_a_candidate_that_raises_at_once_is_left_out(harness, troubled):
     """Before anything is trained, with the reason; the race of the others goes on."""
-    (candidates / "raises.py").write_text(RAISES)
-    answer = choose(harness, quick, "--out", "here")
-    assert answer.status == 0
-    assert "Left out, tried in an episode of random actions: reward 'raises' fails" in answer.err
-    assert "ValueError: no idea (raises.py, line" in answer.err
-    assert "raises" not in race_of(tmp_path / "here", harness)["living"]
+    assert "Left out, tried in an episode of random actions: reward 'raises' fails" in troubled.err
+    assert "ValueError: no idea (raises.py, line" in troubled.err
+    assert "raises" not in race_of(harness)["living"]
 
 
-def test_a_candidate_that_raises_leaves_the_race(harness, quick, candidates: Path, tmp_path):
+def test_a_candidate_that_raises_leaves_the_race(harness, troubled):
     """If the trial before did not see it, its trainings fail; nobody beat it."""
-    (candidates / "raises.py").write_text(RAISES_LATER)
-    answer = choose(harness, quick, "--out", "here")
-    assert answer.status == 1
-    assert race_of(tmp_path / "here", harness)["beaten"]["raises"]["by"] == ""
+    assert troubled.status == 1
+    assert race_of(harness)["beaten"]["later"]["by"] == ""
 
 
-def test_rewards_can_be_named(harness, quick, tmp_path):
+def test_rewards_can_be_named(harness, quick):
     """Without files."""
-    answer = harness("choose", "--reward", "dense,arp", *quick, "--looks", "2,4", "--out", "here")
-    assert answer.status == 0
-    assert set(race_of(tmp_path / "here", harness)["living"]) == {"baseline", "dense", "arp"}
+    out = harness("choose --reward dense,arp --looks 2,4 --out mine --dry-run", *quick).out
+    assert all(f"{name}: 4 seeds\n" in out for name in ("baseline", "dense", "arp"))
 
 
 def test_the_same_command_goes_on(harness, quick, candidates: Path, tmp_path):
     """After a budget has ended it."""
-    choose(harness, quick, "--out", "here", "--budget", "0.001s")
-    assert len(list((tmp_path / "here" / "cells").iterdir())) == 1
-    assert "No look is complete yet" in choose(harness, quick, "--out", "here", "--budget", "0.001s").out
-    assert choose(harness, quick, "--out", "here").status == 0
-    assert race_of(tmp_path / "here", harness)["is_over"]
+    short = (LINE, *quick, "--budget", "0.001s")
+    harness(*short)
+    assert len(list((tmp_path / "mine" / "cells").iterdir())) == 1
+    assert "No look is complete yet" in harness(*short).out
+    assert harness(LINE, *quick).status == 0
+    assert race_of(harness)["is_over"]
 
 
-def test_as_json_it_is_the_report(harness, quick, candidates: Path):
+def test_as_json_it_is_the_report(harness, quick, race):
     """One document, and nothing else."""
-    told = json.loads(choose(harness, quick, "--out", "here", "--json").out)
-    assert told["looks"]["race"]["is_over"]
+    assert harness(LINE, *quick, "--json").json["looks"]["race"]["is_over"]
 
 
-def test_the_page_shows_the_race(harness, quick, candidates: Path, tmp_path):
+@pytest.mark.usefixtures("race")
+def test_the_page_shows_the_race(tmp_path):
     """Who left when."""
-    choose(harness, quick, "--out", "here")
-    page = (tmp_path / "here" / "report.html").read_text()
+    page = (tmp_path / "mine" / "report.html").read_text()
     assert "a race for the best reward" in page
     assert "cannot tell after 4 seeds which is best" in page.lower()
 
 
 def test_scripted_movements_come_first(harness, quick, candidates: Path):
     """What pays for standing still is named before anything is trained."""
-    answer = choose(harness, quick, "--out", "here", "--screen", "--dry-run")
+    answer = harness(LINE, *quick, "--screen", "--dry-run")
     assert answer.status == 0
     assert "What the rewards pay for, before anything is trained:" in answer.err
     assert "one: " in answer.err
@@ -131,29 +131,11 @@ def test_functions_of_steps_are_screened_by_term(harness, quick, tmp_path):
     assert "The term 'effort' never paid in " in light
 
 
-@pytest.mark.parametrize(
-    ("flags", "told"),
-    [
-        (["--sim", "ideal", "--algo", "wander"], "which rewards?"),
-        (["--plugin", "nothing/*.py", "--sim", "ideal", "--algo", "wander"], "nothing/*.py"),
-        (["--reward", "nothing", "--sim", "ideal", "--algo", "wander"], "nothing"),
-        (["--reward", "dense", "--sim", "ideal", "--algo", "wander", "--looks", "4,2"], "have to increase"),
-    ],
-)
-def test_what_cannot_be_chosen_among_says_why(harness, tmp_path, flags: list[str], told: str):
-    """In one line, with status 2; nothing is written."""
-    answer = harness("choose", *flags, "--out", "here")
-    assert (answer.status, told in " ".join(answer.err.split())) == (2, True)
-    assert not (tmp_path / "here").exists()
-
-
 def test_candidates_of_one_name_are_refused(harness, quick, candidates: Path, tmp_path):
     """Each is a row, so each needs a name of its own."""
     (tmp_path / "more").mkdir()
     (tmp_path / "more" / "one.py").write_text(REWARD)
-    answer = harness(
-        "choose", "--plugin", "candidates/*.py", "--plugin", "more/one.py", *quick, "--looks", "2,4", "--out", "here"
-    )
+    answer = harness("choose --plugin 'candidates/*.py' --plugin more/one.py --looks 2,4 --out here", *quick)
     assert answer.status == 2
     assert "one" in answer.err
     assert not (tmp_path / "here").exists()

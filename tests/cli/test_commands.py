@@ -41,20 +41,20 @@ def test_help_shows_the_summary_and_imports_nothing(harness, add_commands):
     before = _imported()
     add_commands("wave")
     assert "waves an arm" in harness("--all").out
-    assert "waves an arm" in harness("describe", "commands").out
+    assert "waves an arm" in harness("describe commands").out
     assert _imported() == before
 
 
 def test_command_gets_its_arguments(harness, add_commands):
     """Options and arguments reach the function, by their types."""
     add_commands("wave")
-    assert harness("wave", "--times", "3", "you") == (0, "waves 3 times at you\n", "")
+    assert harness("wave --times 3 you") == (0, "waves 3 times at you\n", "")
 
 
 def test_command_explains_itself(harness, add_commands):
     """`--help` behind the name is the function's own."""
     add_commands("wave")
-    out = harness("wave", "--help").out
+    out = harness("wave --help").out
     assert "Usage: harness wave" in out
     assert "--times" in out
 
@@ -62,16 +62,16 @@ def test_command_explains_itself(harness, add_commands):
 @pytest.mark.parametrize(
     ("arguments", "status", "told"),
     [
-        (("--times", "-1"), 2, "harness: no arm waves less than not at all\n"),
-        (("--times", "often"), 2, "Invalid value for '--times'"),
-        (("--loudly",), 2, "No such option: --loudly"),
-        (("--times", "10"), 4, ""),
+        ("--times -1", 2, "harness: no arm waves less than not at all\n"),
+        ("--times often", 2, "Invalid value for '--times'"),
+        ("--loudly", 2, "No such option: --loudly"),
+        ("--times 10", 4, ""),
     ],
 )
 def test_errors_and_status_come_through(harness, add_commands, arguments: tuple, status: int, told: str):
     """As those of our own commands, in one line."""
     add_commands("wave")
-    answer = harness("wave", *arguments)
+    answer = harness(f"wave {arguments}")
     assert answer.status == status
     assert told in answer.err
     assert answer.err.count("\n") == bool(told)
@@ -83,7 +83,7 @@ def test_command_that_cannot_be_imported_names_its_plugin(harness, add_commands)
     answer = harness("wave")
     assert answer.status == 1
     assert "Plugin 'waving' (waving 1.0)" in answer.err
-    assert harness("describe", "commands").status == 0
+    assert harness("describe commands").status == 0
 
 
 def test_command_of_two_plugins_names_both(harness, add_commands):
@@ -104,7 +104,7 @@ def test_our_own_command_is_not_replaced(harness, add_commands, rendering):
     hidden = (
         "Command 'eta' of the plugin 'waving' (waving 1.0) is hidden by a built-in command: type harness waving/eta"
     )
-    assert "recorded" in harness("eta", "--help").out
+    assert "recorded" in harness("eta --help").out
     assert hidden in harness("doctor").out
     assert harness("wave").status == 0
     assert harness("waving/eta").out == "waves 1 times at all\n"
@@ -113,7 +113,7 @@ def test_our_own_command_is_not_replaced(harness, add_commands, rendering):
 def test_command_is_described(harness, add_commands):
     """`harness describe` knows whatever `harness describe` shows."""
     add_commands("wave")
-    assert harness("describe", "wave").out == "command wave: waves an arm (plugin 'waving' of waving 1.0)\n"
+    assert harness("describe wave").out == "command wave: waves an arm (plugin 'waving' of waving 1.0)\n"
 
 
 def test_unknown_command_offers_those_of_plugins(harness, add_commands):
@@ -144,7 +144,7 @@ def test_our_commands_import_no_foreign_plugin(harness, install: Callable[..., s
     hook = "import harness\n@harness.hookimpl\ndef register_commands(register):\n"
     line = "    register('nod', __name__ + '_command:nod', summary='nods to someone')\n"
     foreign = {install("no-licence", raising), install("nodding", hook + line, command=raising)}
-    answer = harness("check", "--help")
+    answer = harness("check --help")
     assert (answer.status, answer.err) == (0, "")
     assert "Usage: harness check" in answer.out
     assert not foreign & set(sys.modules)

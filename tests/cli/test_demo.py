@@ -11,7 +11,7 @@ from harness.results.replay import shows_of
 
 def test_the_number_grows_and_the_arm_moves_the_same(harness, tmp_path):
     """Every recorded step is alike, pay grows 1.5 times, all by the ruler; the experiment stays where it was put."""
-    answer = harness("demo", "--out", "mine")
+    answer = harness("demo --out mine")
     assert (answer.status, answer.err) == (0, "")
     told = " ".join(answer.out.split())
     assert "is paid 1.50 times as much" in told
@@ -30,16 +30,6 @@ def test_the_number_grows_and_the_arm_moves_the_same(harness, tmp_path):
     assert 'id="replay-player"' in (tmp_path / "mine" / "report.html").read_text()
 
 
-def test_a_folder_with_something_in_it_is_left_alone(harness, tmp_path):
-    """Status 2 and one line."""
-    (tmp_path / "mine").mkdir()
-    (tmp_path / "mine" / "thesis.txt").write_text("all of it")
-    answer = harness("demo", "--out", "mine")
-    assert (answer.status, answer.out, answer.err.count("\n")) == (2, "", 1)
-    assert "--out 'mine' is not empty: name a new or empty folder" in answer.err
-    assert [path.name for path in (tmp_path / "mine").iterdir()] == ["thesis.txt"]
-
-
 def test_python_m_harness_is_the_command_line():
     """For who has no scripts on the path."""
     told = subprocess.run([sys.executable, "-m", "harness", "--version"], capture_output=True, text=True, check=True)
@@ -48,6 +38,6 @@ def test_python_m_harness_is_the_command_line():
 
 def test_the_demo_says_no_difference(harness):
     """All steps are the same: that is known, and not for chance to tell."""
-    out = harness("demo", "--out", "mine").out
+    out = harness("demo --out mine").out
     assert "arp  NO DIFFERENCE" in out
     assert "CANNOT TELL " not in out.partition("NO DIFFERENCE stands there")[0]

@@ -1,6 +1,6 @@
 """``--fail-on``: the exit status by what was answered."""
 
-import json
+import shlex
 from itertools import combinations, product
 from pathlib import Path
 
@@ -10,6 +10,7 @@ from harness.cli.fail_on import NAMES, Said, decide, named_answers, status_of
 from harness.errors import UsageError
 from harness.eta import RANKS, Answer
 from harness.screen import CANNOT_TELL, FAILING, LOITERING, NOTHING
+from tests.cli.conftest import QUICK
 from tests.cli.test_logs import write_monitor
 
 
@@ -104,14 +105,6 @@ def test_long_answer_is_cut(capsys):
     assert capsys.readouterr().err.endswith("reward 2: PAYS FOR FAILING; and 2 more: status 1\n")
 
 
-def test_unknown_answer_ends_a_run_before_anything_is_written(harness, quick, tmp_path: Path):
-    """The nearest one is named."""
-    answer = harness("run", *quick, "--reward", "arp", "--fail-on", "hurtz", "--out", "here")
-    assert (answer.status, answer.err.count("\n")) == (2, 1)
-    assert "Did you mean 'hurts'?" in answer.err
-    assert not (tmp_path / "here").exists()
-
-
 @pytest.mark.parametrize(("shares", "status"), [((8, 2), 1), ((2, 8), 0), ((5, 5), 3)])
 def test_report_of_logs_ends_by_its_answer(harness, tmp_path: Path, shares, status):
     """That one hurts, that it helps, and that nothing can be told; standard output is as ever."""
@@ -119,31 +112,37 @@ def test_report_of_logs_ends_by_its_answer(harness, tmp_path: Path, shares, stat
         for seed in range(5):
             success = [(number * 7 + seed) % 10 < share + (seed % 2 - 0.5) for number in range(100)]
             write_monitor(tmp_path / reward / f"{seed}.monitor.csv", [0.0] * 100, [20] * 100, success)
-    plain, answer = (harness("report", ".", "--json", *flags) for flags in ((), ("--fail-on", "hurts")))
+    plain, answer = (harness("report . --json", *flags) for flags in ((), ("--fail-on", "hurts")))
     assert (plain.status, answer.status) == (0, status)
     assert plain.out == answer.out
     assert answer.err.startswith("--fail-on hurts: prop against base in ")
     assert answer.err.endswith(f": status {status}\n")
 
 
-def test_run_ends_by_its_answer(harness, quick):
-    """Rewards that teach the same make no difference, whatever is paid."""
-    flags = (*quick, "--reward", "arp", "--seeds", "2", "--out", "here")
-    answer = harness("run", *flags, "--fail-on", "no-difference")
-    told = (
-        "--fail-on no-difference: arp against baseline in ideal · wander · fd100 · fd100-reach: NO DIFFERENCE: status 1"
-    )
-    assert (answer.status, told in answer.err) == (1, True)
-    assert harness("run", *flags, "--fail-on", "hurts").status == 0
+RUN = shlex.join(("run", *QUICK, "--reward", "arp", "--out", "here"))
+AUDIT = "audit --episodes 2 --starts 1 --fail-on failing --reward"
+ENDED = {
+    f"{RUN} --seeds 2 --fail-on no-difference": (
+        *(1, "no-difference: arp against baseline in ideal · wander · fd100 · fd100-reach: NO DIFFERENCE"),
+    ),
+    f"{RUN} --seeds 2 --fail-on hurts": (0, "NO DIFFERENCE"),
+    f"{RUN} --seeds 3 --limit 5 --fail-on hurts": (3, "1 pending cells: CANNOT TELL"),
+    f"{RUN} --dry-run --fail-on hurts": (3, "no two rewards were compared"),
+    f"{RUN} --seeds 1 --baseline none --fail-on hurts": (3, "no two rewards were compared"),
+    f"{RUN} --seeds 1 --screen --fail-on failing,hurts": (1, "PAYS FOR FAILING"),
+    f"{AUDIT} arp --budget 0": (1, "failing: arp: PAYS FOR FAILING"),
+    f"{AUDIT} dense --budget 0": (0, "failing: dense: NOTHING FOUND"),
+    f"{AUDIT} arp --budget 2000": (3, "failing: arp in fd100-reach, fd100: CANNOT TELL"),
+}
+"""Status, and what the last line says, which ends with it."""
 
 
-def test_run_that_was_cut_off_cannot_tell(harness, quick):
-    """The cells that are to come are named."""
-    answer = harness(
-        "run", *quick, "--reward", "arp", "--seeds", "3", "--limit", "5", "--out", "here", "--fail-on", "hurts"
-    )
-    assert answer.status == 3
-    assert "1 pending cells: CANNOT TELL" in answer.err
+@pytest.mark.parametrize("line", ENDED)
+def test_command_ends_by_its_answer(harness, line: str):
+    """Trainings go on after an alarm; scripts do not answer in place of a search that was too short."""
+    answer, (status, told) = harness(line), ENDED[line]
+    last = answer.err.splitlines()[-1]
+    assert (answer.status, told in last, last.endswith(f": status {status}")) == (status, True, True), last
 
 
 def test_run_whose_cells_failed_ends_with_1(harness, quick, tmp_path: Path):
@@ -155,73 +154,17 @@ def test_run_whose_cells_failed_ends_with_1(harness, quick, tmp_path: Path):
     answer = harness("run", *quick, "--seeds", "2", *flags)
     assert answer.status == 1
     assert "and something failed: status 1" in answer.err
-    assert harness("report", "here", "--plugin", "odd.py", "--fail-on", "hurts").status == 3
-
-
-def test_dry_run_cannot_tell(harness, quick):
-    """Nothing was trained."""
-    answer = harness("run", *quick, "--reward", "arp", "--dry-run", "--fail-on", "hurts")
-    assert answer.status == 3
-    assert "no two rewards were compared" in answer.err
-
-
-def test_reward_alone_cannot_be_told(harness, quick):
-    """There is nothing to compare it with."""
-    answer = harness(
-        "run", *quick, "--reward", "arp", "--baseline", "none", "--seeds", "1", "--out", "here", "--fail-on", "hurts"
-    )
-    assert "no two rewards were compared" in answer.err
-    assert answer.status == 3
+    assert harness("report here --plugin odd.py --fail-on hurts").status == 3
 
 
 def test_screen_decides_before_anything_is_trained(harness, quick, tmp_path: Path):
     """Creeping pays more than finishing under `arp`."""
-    answer = harness("run", *quick, "--reward", "arp", "--screen", "--fail-on", "failing", "--out", "here", "--dry-run")
+    answer = harness("run --reward arp --screen --fail-on failing --out here --dry-run", *quick)
     assert answer.status == 1
     (told,) = (line for line in answer.err.splitlines() if line.startswith("  arp: PAYS FOR FAILING. "))
     assert ". Not finishing pays more than finishing: creep earns " in told
     assert "arp in fd100 · fd100-reach: PAYS FOR FAILING" in answer.err.splitlines()[-1]
     assert not (tmp_path / "here").exists()
-
-
-def test_what_only_a_screen_says_needs_one(harness, quick, tmp_path: Path):
-    """Before anything runs."""
-    answer = harness("run", *quick, "--reward", "arp", "--fail-on", "hurts,failing", "--out", "here")
-    assert (answer.status, answer.err.count("\n")) == (2, 1)
-    assert "--fail-on failing: only --screen looks for that" in answer.err
-    assert not (tmp_path / "here").exists()
-
-
-def test_trainings_go_on_after_an_alarm(harness, quick):
-    """The alarm is told at the end."""
-    answer = harness(
-        "run", *quick, "--reward", "arp", "--seeds", "1", "--out", "here", "--screen", "--fail-on", "failing,hurts"
-    )
-    assert answer.status == 1
-    assert "Results: here" in answer.out
-    assert answer.err.splitlines()[-1].endswith(": status 1")
-
-
-@pytest.mark.parametrize(("reward", "status"), [("arp", 1), ("dense", 0)])
-def test_audit_without_a_search_ends_by_its_scripts(harness, reward: str, status: int):
-    """Creeping pays more than finishing under one, finishing most under the other."""
-    answer = harness("audit", "--reward", reward, "--episodes", "2", "--budget", "0", "--fail-on", "failing")
-    assert answer.status == status
-    assert answer.err == f"--fail-on failing: {reward}: {(NOTHING, FAILING)[status]}: status {status}\n"
-
-
-def test_audit_ends_by_what_its_search_finds(harness):
-    """Too short a search cannot tell, and the scripts beside it do not answer in its place."""
-    search = ("--budget", "2000", "--starts", "1", "--episodes", "2")
-    answer = harness("audit", "--reward", "arp", *search, "--fail-on", "failing", "--json")
-    assert (answer.status, json.loads(answer.out)["cheats"][0]["answer"]) == (3, CANNOT_TELL)
-    assert answer.err.endswith("--fail-on failing: arp in fd100-reach, fd100: CANNOT TELL: status 3\n")
-
-
-def test_replay_has_a_status_of_its_own(harness):
-    """It says whether the pay is the same."""
-    answer = harness("audit", "--replay", "gone.json", "--fail-on", "failing")
-    assert (answer.status, "leave out '--fail-on'" in answer.err) == (2, True)
 
 
 def test_audit_of_recordings_was_not_asked_what_a_reward_pays_for(harness, finished):
@@ -234,13 +177,13 @@ def test_several_folders_have_one_status(harness, quick):
     """As if one run had made them."""
     for name, seeds in (("one", "0,1"), ("two", "2,")):
         harness("run", *quick, "--reward", "arp", "--seeds", seeds, "--out", name)
-    assert harness("report", "one", "two", "--fail-on", "no-difference").status == 1
+    assert harness("report one two --fail-on no-difference").status == 1
 
 
 def test_records_are_refused(harness, quick):
     """They hold no cells."""
-    harness("run", *quick, "--reward", "arp", "--seeds", "1", "--out", "here")
-    harness("report", "here", "--summary", "records")
-    answer = harness("report", "records", "--fail-on", "hurts")
+    harness("run --reward arp --seeds 1 --out here", *quick)
+    harness("report here --summary records")
+    answer = harness("report records --fail-on hurts")
     assert answer.status == 2
     assert "--fail-on needs cells" in answer.err

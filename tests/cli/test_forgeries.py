@@ -10,20 +10,21 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
-from harness.experiment.experiment import run
+import harness as program
 from harness.files.keyed_file import machine_key, with_key
-from harness.record import DERIVED, EVALUATION, MANIFEST, TRACE
 from tests.cli.forging import Forge, change, column, first_cell, in_manifest, in_plan, table
 
-ROWS = 3_000_000
+ROWS = 1_000_000
 """Of a trace of a cell that took 20 steps."""
 
 
 @pytest.fixture(scope="module")
 def genuine(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """An experiment that ran: three seeds of two rewards."""
+    """An experiment that ran: two seeds of two rewards."""
     folder = tmp_path_factory.mktemp("genuine") / "it"
-    run(sim="kinematic", algo="random", reward="dense", seeds=3, steps=20, evaluation_episodes=2, jobs=1, out=folder)
+    program.run(
+        sim="kinematic", algo="random", reward="dense", seeds=2, steps=20, evaluation_episodes=2, jobs=1, out=folder
+    )
     return folder
 
 
@@ -35,13 +36,13 @@ def folder(genuine: Path, tmp_path: Path) -> Path:
 
 def copied(genuine: Path, folder: Path) -> Path:
     """The experiment once more, without what reports keep."""
-    return shutil.copytree(genuine, folder, ignore=shutil.ignore_patterns(DERIVED))
+    return shutil.copytree(genuine, folder, ignore=shutil.ignore_patterns("derived"))
 
 
 def params(of: str, value: Any) -> Forge:
     """The parameters of a plugin of a cell."""
     return lambda folder: change(
-        first_cell(folder) / MANIFEST, lambda content: content["cell"][of].update(params=value)
+        first_cell(folder) / "manifest.json", lambda content: content["cell"][of].update(params=value)
     )
 
 
@@ -66,15 +67,15 @@ ABSURD: dict[str, Forge] = {
     "looks of other types": in_plan(lambda content: content.update(terms={"looks": [1e308, "x"]})),
     **{
         f"{name} {value} in {file}": table(file, column(name, value))
-        for file in (TRACE, EVALUATION)
+        for file in ("trace.parquet", "evaluation.parquet")
         for name in ("reward", "distance")
         for value in (1e308, -1e200)
     },
-    **{f"{name} -5": table(TRACE, column(name, -5)) for name in ("env", "step", "episode")},
-    "no row": table(TRACE, lambda found: found.slice(0, 0)),
-    "no row of an evaluation": table(EVALUATION, lambda found: found.slice(0, 0)),
-    "more rows than steps": table(TRACE, repeated),
-    "more rows than episodes": table(EVALUATION, repeated),
+    **{f"{name} -5": table("trace.parquet", column(name, -5)) for name in ("env", "step", "episode")},
+    "no row": table("trace.parquet", lambda found: found.slice(0, 0)),
+    "no row of an evaluation": table("evaluation.parquet", lambda found: found.slice(0, 0)),
+    "more rows than steps": table("trace.parquet", repeated),
+    "more rows than episodes": table("evaluation.parquet", repeated),
 }
 
 
@@ -82,7 +83,11 @@ def test_absurd_values_are_foreseen(
     harness: Callable[..., Any], genuine: Path, tmp_path: Path, subtests: pytest.Subtests
 ):
     """Damage is one row or one line; no command ends with what nobody foresaw, nor one that reads what another kept."""
-    commands = [("verify",), ("report", "--details"), ("report", "--json", "--summary", tmp_path / "records")]
+    commands = [
+        ("verify",),
+        ("report", "--details"),
+        ("report", "--json", "--summary", tmp_path / "records"),
+    ]
     for name, forge in ABSURD.items():
         folder = copied(genuine, tmp_path / "it")
         forge(folder)
@@ -99,10 +104,10 @@ def test_absurd_values_are_foreseen(
     "name", ["more rows than steps", "no row", "started yesterday", "reward 1e+308 in trace.parquet"]
 )
 def test_the_other_cells_are_reported(harness: Callable[..., Any], folder: Path, name: str):
-    """Five of the six; the damaged one says why."""
+    """Three of the four; the damaged one says why."""
     ABSURD[name](folder)
-    cells = json.loads(harness("report", folder, "--json").out)["cells"]
-    assert sorted(cell["status"] for cell in cells) == ["damaged", *["done"] * 5]
+    cells = harness("report", folder, "--json").json["cells"]
+    assert sorted(cell["status"] for cell in cells) == ["damaged", *["done"] * 3]
     assert next(cell["reason"] for cell in cells if cell["status"] == "damaged")
 
 
@@ -120,22 +125,22 @@ def test_kept_results_of_another_machine_are_not_believed(
     harness: Callable[..., Any], folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     """Every number set to 1: the report is what it was."""
-    expected = json.loads(harness("report", folder, "--json").out)
-    for path in sorted((folder / DERIVED).glob("*/values")):
+    expected = harness("report", folder, "--json").json
+    for path in sorted((folder / "derived").glob("*/values")):
         values = json.loads(path.read_bytes().split(b"\n", 3)[3])
         forged = {name: [key, 1.0] for name, (key, _) in values.items()}
         signed_by_another(path, json.dumps(forged).encode(), monkeypatch, tmp_path / "another")
-    assert json.loads(harness("report", folder, "--json").out) == expected
+    assert harness("report", folder, "--json").json == expected
 
 
 def test_kept_results_of_another_machine_are_not_unpacked(
     harness: Callable[..., Any], folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     """A small file may unpack to gigabytes."""
-    expected = json.loads(harness("report", folder, "--json").out)
+    expected = harness("report", folder, "--json").json
     huge = pa.compress(bytes(2**27), codec="zstd", asbytes=True)
     with monkeypatch.context() as patch:
         patch.setattr(pa, "decompress", lambda *given, **more: pytest.fail("it was unpacked"))
-        for path in sorted((folder / DERIVED).glob("*/*.array")):
+        for path in sorted((folder / "derived").glob("*/*.array")):
             signed_by_another(path, (2**24).to_bytes(8, "little") + huge, monkeypatch, tmp_path / "another")
-        assert json.loads(harness("report", folder, "--json").out) == expected
+        assert harness("report", folder, "--json").json == expected

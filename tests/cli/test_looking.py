@@ -9,8 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.experiment.experiment import run
-from harness.record import DERIVED
+import harness
 
 LISTEN = """
 import json, os, sys
@@ -40,7 +39,9 @@ print(json.dumps({"status": status, "heard": heard}), file=sys.stderr)
 def ran(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """An experiment of two cells."""
     folder = tmp_path_factory.mktemp("ran") / "it"
-    run(sim="kinematic", algo="random", reward="dense", seeds=1, steps=20, evaluation_episodes=1, jobs=1, out=folder)
+    harness.run(
+        sim="kinematic", algo="random", reward="dense", seeds=1, steps=20, evaluation_episodes=1, jobs=1, out=folder
+    )
     return folder
 
 
@@ -65,10 +66,10 @@ def test_looking_writes_nothing(ran: Path, words: tuple[str, ...]):
 
 def test_a_report_writes_what_it_keeps_alone(ran: Path, tmp_path: Path):
     """Below the folder for that."""
-    shutil.copytree(ran, tmp_path / "it", ignore=shutil.ignore_patterns(DERIVED))
+    shutil.copytree(ran, tmp_path / "it", ignore=shutil.ignore_patterns("derived"))
     heard = changes(tmp_path / "it", "report", str(tmp_path / "it"))
     assert heard
-    assert not [line for line in heard if not line.split(maxsplit=1)[1].startswith(DERIVED)]
+    assert not [line for line in heard if not line.split(maxsplit=1)[1].startswith("derived")]
 
 
 def test_a_lock_that_is_a_link_is_not_followed(ran: Path, tmp_path: Path):

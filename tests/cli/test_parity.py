@@ -1,6 +1,5 @@
 """`harness parity`: what one types and sees."""
 
-import json
 import subprocess
 import sys
 
@@ -58,7 +57,7 @@ def wrong_arms(tmp_path_factory, monkeypatch):
 
 def test_the_table_is_relative_to_the_reference(harness):
     """The verdict, each other simulator against it, and every one's own errors and cost."""
-    answer = harness("parity", "--sim", "exact,high", *FEW)
+    answer = harness("parity --sim exact,high", *FEW)
     assert (answer.status, answer.err) == (0, "")
     assert "Largest distance of the tip from exact's: 1 mm (high)" in answer.out
     for text in ("against exact", "placed tip", "seed 0", "dives to the ground"):
@@ -67,7 +66,7 @@ def test_the_table_is_relative_to_the_reference(harness):
 
 def test_json_is_one_object(harness):
     """Everything on standard output is the object."""
-    data = json.loads(harness("parity", "--sim", "exact,high,high:by=0.002", "--json", *FEW).out)
+    data = harness("parity --sim exact,high,high:by=0.002 --json", *FEW).json
     assert (data["format"], data["reference"], data["robot"], data["steps"]) == (1, "exact", "fd100", 20)
     found = {(pair["a"], pair["b"]): pair["max_tip_error_m"] for pair in data["pairs"]}
     assert found == {
@@ -83,7 +82,7 @@ def test_json_is_one_object(harness):
 
 def test_the_reference_can_be_another(harness):
     """--reference comes first; it need not be named twice."""
-    data = json.loads(harness("parity", "--sim", "exact", "--reference", "high", "--json", *FEW).out)
+    data = harness("parity --sim exact --reference high --json", *FEW).json
     assert data["reference"] == "high"
     assert [(pair["a"], pair["b"]) for pair in data["pairs"]] == [("high", "exact")]
 
@@ -91,7 +90,7 @@ def test_the_reference_can_be_another(harness):
 def test_other_motions_can_be_asked_for(harness):
     """Robot, steps, episodes, seed and period are in the JSON as they were given."""
     flags = ("--robot", "unity-arm", "--steps", 7, "--episodes", 3, "--seed", 5, "--period", 0.05)
-    data = json.loads(harness("parity", "--sim", "exact,high", "--json", *flags).out)
+    data = harness("parity --sim exact,high --json", *flags).json
     keys = ("robot", "steps", "episodes", "seed", "control_period_s")
     assert [data[key] for key in keys] == ["unity-arm", 7, 3, 5, 0.05]
     assert len(data["pairs"][0]["curves"]["mean_tip_error_m"]) == 8
@@ -99,19 +98,19 @@ def test_other_motions_can_be_asked_for(harness):
 
 def test_one_that_fails_is_told_and_the_others_go_on(harness):
     """Status 1, the reason, and the comparison of the rest."""
-    answer = harness("parity", "--sim", "exact,shaky,high", *FEW)
+    answer = harness("parity --sim exact,shaky,high", *FEW)
     assert answer.status == 1
     assert "failed: shaky: RuntimeError: a screw is loose" in answer.out
     assert "1 mm (high)" in answer.out
-    failed = harness("parity", "--sim", "exact,shaky,high", "--json", *FEW)
+    failed = harness("parity --sim exact,shaky,high --json", *FEW)
     assert failed.status == 1
-    assert json.loads(failed.out)["failed"] == [{"name": "shaky", "reason": "RuntimeError: a screw is loose"}]
+    assert failed.json["failed"] == [{"name": "shaky", "reason": "RuntimeError: a screw is loose"}]
 
 
 def test_by_default_all_that_are_installed_are_compared(harness, monkeypatch):
     """Those that are not are listed with the extra that brings them; one that fails on the way is told."""
     monkeypatch.setenv("HARNESS_PLUGINS", "-simulators")  # no engine, which takes its time
-    data = json.loads(harness("parity", "--json", *FEW).out)
+    data = harness("parity --json", *FEW).json
     assert {simulator["name"] for simulator in data["simulators"]} == {"exact", "high"}
     assert {missing["name"]: missing["extra"] for missing in data["missing"]} == {"far": "far"}
     assert "shaky" in {failed["name"] for failed in data["failed"]}
@@ -121,7 +120,7 @@ def test_by_default_all_that_are_installed_are_compared(harness, monkeypatch):
 def test_html_writes_a_page_beside_the_table(harness, tmp_path):
     """Told on standard error."""
     pytest.importorskip("jinja2")
-    answer = harness("parity", "--sim", "exact,high", "--html", "p.html", *FEW)
+    answer = harness("parity --sim exact,high --html p.html", *FEW)
     assert (answer.status, answer.err) == (0, "Page: p.html\n")
     assert "1 mm (high)" in answer.out
     assert "high against exact" in (tmp_path / "p.html").read_text(encoding="utf-8")

@@ -6,7 +6,6 @@ import shutil
 import pytest
 
 from tests.registry.test_given import REWARD
-from tests.results.recordings.conftest import record
 
 
 @pytest.fixture
@@ -16,11 +15,13 @@ def file(tmp_path):
     return "my_reward.py"
 
 
+LINE = "run --plugin my_reward.py --reward my_reward:scale=2 --seeds 1 --out mine"
+
+
 @pytest.fixture
-def ran(harness, quick, file, tmp_path):
+def ran(trained, quick, file):
     """An experiment that it taught."""
-    answer = harness("run", "--plugin", file, "--reward", "my_reward:scale=2", *quick, "--seeds", "1", "--out", "mine")
-    assert answer.status == 0
+    assert trained(LINE, *quick).status == 0
     return "mine"
 
 
@@ -33,9 +34,9 @@ def test_reward_of_a_file_teaches_and_is_recorded(harness, ran, tmp_path, file):
     from hashlib import sha256
 
     digest = sha256((tmp_path / file).read_bytes()).hexdigest()
-    (taught,) = [it for it in _manifests(tmp_path / ran) if it["cell"]["reward"]["label"] == "my_reward:scale=2"]
+    (taught,) = [it for it in _manifests(tmp_path / "mine") if it["cell"]["reward"]["label"] == "my_reward:scale=2"]
     assert taught["environment"]["sources"]["rewards"] == digest
-    assert f'sha256 = "{digest}"' in (tmp_path / ran / "experiment.toml").read_text()
+    assert f'sha256 = "{digest}"' in (tmp_path / "mine" / "experiment.toml").read_text()
 
 
 def test_the_experiment_elsewhere_says_what_is_missing(harness, ran, file):
@@ -51,32 +52,33 @@ def test_the_experiment_elsewhere_says_what_is_missing(harness, ran, file):
 def test_edited_file_is_another_plugin(harness, ran, file, tmp_path):
     """Its done cells are not mixed with new ones in silence."""
     (tmp_path / file).write_text(REWARD.replace("self.scale *", "2 * self.scale *"))
-    answer = harness("run", f"{ran}/experiment.toml", "--executor", "here", "--out", ran, "--plugin", file)
+    answer = harness("run mine/experiment.toml --executor here --out mine --plugin my_reward.py")
     assert answer.status == 2
     assert "made by another my_reward" in answer.err
 
 
 def test_report_stands_without_the_file(harness, ran, file):
     """As with any plugin that is not installed; with it, everything is split again."""
-    without = json.loads(harness("report", ran, "--json").out)["combinations"][0]
+    without = harness("report mine --json").json["combinations"][0]
     assert "No reward 'my_reward'" in json.dumps(without)
-    there = json.loads(harness("report", ran, "--json", "--plugin", file).out)["combinations"][0]
+    there = harness("report mine --json --plugin my_reward.py").json["combinations"][0]
     assert "No reward" not in json.dumps(there)
 
 
-def test_commands_that_a_report_suggests_give_the_file(harness, ran, file, tmp_path):
+def test_commands_that_a_report_suggests_give_the_file(harness, quick, file, tmp_path):
     """The command that shows all numbers runs as it is printed."""
-    told = harness("report", ran, "--plugin", file).out.split()
+    harness(LINE, *quick)
+    told = harness("report mine --plugin my_reward.py").out.split()
     assert told[-3:] == ["--details", "--plugin", str(tmp_path / file)]
 
 
 def test_other_commands_take_the_file_too(harness, ran, file, transferred_here):
     """List, describe, score, audit, transfer."""
-    assert "my_reward         Pays the way" in harness("describe", "rewards", "--plugin", file).out
-    assert "of my_reward.py" in harness("describe", "my_reward", "--plugin", file).out
-    assert harness("score", ran, "--reward", "my_reward", "--plugin", file).status == 0
-    assert harness("audit", "--reward", "my_reward", "--plugin", file, "--episodes", "2", "--budget", "0").status == 0
-    assert harness("transfer", ran, "--to", "stuck", "--plugin", file).status == 0
+    assert "my_reward         Pays the way" in harness("describe rewards --plugin my_reward.py").out
+    assert "of my_reward.py" in harness("describe my_reward --plugin my_reward.py").out
+    assert harness("score mine --reward my_reward --plugin my_reward.py").status == 0
+    assert harness("audit --reward my_reward --plugin my_reward.py --episodes 2 --budget 0").status == 0
+    assert harness("transfer mine --to stuck --plugin my_reward.py").status == 0
 
 
 def test_qualified_names_are_names(harness, tmp_path):
@@ -87,7 +89,7 @@ def test_qualified_names_are_names(harness, tmp_path):
     cells = [it["cell"] for it in _manifests(tmp_path / "mine")]
     assert {cell["algorithm"]["name"] for cell in cells} == {"toy-arm/wander"}
     assert {cell["reward"]["name"] for cell in cells} == {"baseline", "arp"}
-    assert harness("report", "mine").status == 0
+    assert harness("report mine").status == 0
 
 
 SIMULATOR = """
@@ -105,10 +107,10 @@ def test_parity_takes_the_file(harness, tmp_path):
     """A simulator of a file differs from the one that it is made of in nothing."""
     (tmp_path / "my_sim.py").write_text(SIMULATOR)
     few = ("--steps", 3, "--episodes", 1, "--json")
-    answer = harness("parity", "--plugin", "my_sim.py", "--sim", "my_sim", "--reference", "kinematic", *few)
+    answer = harness("parity --plugin my_sim.py --sim my_sim --reference kinematic", *few)
     assert answer.status == 0
     assert "my_sim" in answer.out
-    assert "No simulator 'my_sim'" in harness("parity", "--sim", "my_sim", "--reference", "kinematic", *few).err
+    assert "No simulator 'my_sim'" in harness("parity --sim my_sim --reference kinematic", *few).err
 
 
 def test_eta_takes_the_file(harness, ran, file, tmp_path):
@@ -116,7 +118,7 @@ def test_eta_takes_the_file(harness, ran, file, tmp_path):
     for label in ("baseline", "my_reward:scale=2"):
         (trained,) = [
             path.parent
-            for path in (tmp_path / ran).glob("cells/*/manifest.json")
+            for path in (tmp_path / "mine").glob("cells/*/manifest.json")
             if json.loads(path.read_text())["cell"]["reward"]["label"] == label
         ]
         shutil.copytree(trained, tmp_path / label.partition(":")[0])
@@ -124,11 +126,4 @@ def test_eta_takes_the_file(harness, ran, file, tmp_path):
     named = ("--proposed-reward", "my_reward:scale=2")
     assert "No reward 'my_reward'" in harness("eta", *groups, *named).err
     told = harness("eta", *groups, *named, "--plugin", file)
-    assert json.loads(told.out)["rewards"]["proposed"] == "my_reward:scale=2"
-
-
-def test_folder_of_recordings_takes_no_file(harness, file, tmp_path):
-    """Its rewards are what was recorded."""
-    record(tmp_path / "runs/0", "plain", 0, [0.1, 0.2])
-    answer = harness("eta", "runs", "--plugin", file)
-    assert (answer.status, answer.err.count("--plugin does not go with a folder of recorded trainings")) == (2, 1)
+    assert told.json["rewards"]["proposed"] == "my_reward:scale=2"

@@ -1,6 +1,8 @@
 import io
 import itertools
 import re
+import time
+from dataclasses import replace
 
 import pytest
 from rich.console import Console
@@ -13,10 +15,9 @@ from harness.record.cell import BROUGHT
 from harness.registry import Choice
 
 
-@pytest.fixture
-def terminal():
-    """A terminal that keeps what it shows."""
-    return Console(file=io.StringIO(), force_terminal=True, width=120)
+def terminal(width, **given):
+    """A terminal of so many columns that keeps what it shows."""
+    return Console(file=io.StringIO(), force_terminal=True, width=width, **given)
 
 
 @pytest.fixture
@@ -25,51 +26,51 @@ def pipe():
     return Console(file=io.StringIO(), width=120)
 
 
-def play(progress, cell, reason=""):
-    """A cell from its start to its end."""
-    progress(Event("started", cell))
-    progress(Event("progress", cell, steps=6))
-    progress(Event("ended", cell, reason=reason))
+def shown(console, cells, *words, done=(), reason=None, clock=time.monotonic, **given):
+    """What is shown of cells of which the last one tells these words, of steps and numbers; and that it ends, or not.
+
+    With a clock each word is a second later than the one before.
+    """
+    with LiveProgress(cells, done, console, now=clock, **given) as progress:
+        progress(Event("started", cells[-1]))
+        for steps, scalars in words:
+            if isinstance(clock, Seconds):
+                clock.now += 1.0
+            progress(Event("progress", cells[-1], steps=steps, scalars=scalars))
+        if reason is not None:
+            progress(Event("ended", cells[-1], reason=reason))
+    return console.file.getvalue()
 
 
-def test_a_running_cell_has_a_line_and_so_have_all_cells(make_cell, terminal):
+STEPS = (6, {})
+
+
+def test_a_running_cell_has_a_line_and_so_have_all_cells(make_cell):
     """On a terminal each running cell shows its steps, and one line stands for all."""
-    cell = make_cell()
-    with LiveProgress([cell], [], terminal) as progress:
-        progress(Event("started", cell))
-        progress(Event("progress", cell, steps=6))
-    shown = terminal.file.getvalue()
-    assert "ideal wander baseline 0" in shown
-    assert "all cells" in shown
-    assert "6/12" in shown
+    told = shown(terminal(120), [make_cell()], STEPS)
+    assert all(text in told for text in ("ideal wander baseline 0", "all cells", "6/12"))
 
 
 def test_without_a_terminal_lines_are_printed(make_cell, pipe):
     """In a log a cell has a line when it starts and one when it ends, and nothing moves."""
     cell = make_cell()
-    with LiveProgress([cell], [], pipe) as progress:
-        play(progress, cell)
-    lines = pipe.file.getvalue().splitlines()
-    assert lines[0] == f"{cell.title}: started"
-    assert lines[1].startswith(f"[1/1] {cell.title}: ")
-    assert len(lines) == 2
+    started, ended = shown(pipe, [cell], STEPS, reason="").splitlines()
+    assert started == f"{cell.title}: started"
+    assert ended.startswith(f"[1/1] {cell.title}: ")
 
 
 def test_a_failed_cell_says_why(make_cell, pipe):
     """The reason stands in the line that ends the cell."""
-    cell = make_cell()
-    with LiveProgress([cell], [], pipe) as progress:
-        play(progress, cell, reason="RuntimeError: the [arm] fell off")
-    assert "FAILED: RuntimeError: the [arm] fell off" in pipe.file.getvalue()
+    reason = "RuntimeError: the [arm] fell off"
+    assert f"FAILED: {reason}" in shown(pipe, [make_cell()], STEPS, reason=reason)
 
 
 def test_cells_that_were_done_are_counted(make_cell, pipe):
     """What is not run again is told, and the count goes on from there."""
-    done, cell = make_cell(seed=0), make_cell(seed=1)
-    with LiveProgress([done, cell], [done], pipe) as progress:
-        play(progress, cell)
-    assert "1 of 2 cells were done before" in pipe.file.getvalue()
-    assert "[2/2]" in pipe.file.getvalue()
+    cells = [make_cell(seed=0), make_cell(seed=1)]
+    told = shown(pipe, cells, STEPS, done=cells[:1], reason="")
+    assert "1 of 2 cells were done before" in told
+    assert "[2/2]" in told
 
 
 def test_many_cells_begin_quickly(make_cell, pipe, monkeypatch):
@@ -90,7 +91,7 @@ def test_many_cells_begin_quickly(make_cell, pipe, monkeypatch):
 
 def lines_at(width, cells, scalars):
     """What stands on a terminal of so many columns while cells run, the line of all cells last."""
-    console = Console(file=io.StringIO(), force_terminal=True, width=width, color_system=None)
+    console = terminal(width, color_system=None)
     with LiveProgress(cells, [], console) as progress:
         for cell in cells:
             progress(Event("started", cell))
@@ -158,22 +159,14 @@ def test_before_an_episode_has_ended_nothing_is_claimed(make_cell):
 
 def test_the_line_of_an_ended_cell_tells_what_it_learned(make_cell, pipe):
     """In a log, where nothing moves, it is the only place."""
-    cell = make_cell()
-    with LiveProgress([cell], [], pipe) as progress:
-        progress(Event("started", cell))
-        progress(Event("progress", cell, steps=12, scalars=LEARNED))
-        progress(Event("ended", cell))
-    assert "steps/s, success 64 %, return 31.2" in pipe.file.getvalue()
+    assert "steps/s, success 64 %, return 31.2" in shown(pipe, [make_cell()], (12, LEARNED), reason="")
 
 
 def test_the_lines_of_ended_cells_compare_no_pay(long_cells, pipe):
     """Where several rewards are trained, success alone is told."""
-    with LiveProgress(long_cells, [], pipe) as progress:
-        progress(Event("started", long_cells[0]))
-        progress(Event("progress", long_cells[0], steps=12, scalars=LEARNED))
-        progress(Event("ended", long_cells[0]))
-    assert "success 64 %" in pipe.file.getvalue()
-    assert "return" not in pipe.file.getvalue()
+    told = shown(pipe, long_cells, (12, LEARNED), reason="")
+    assert "success 64 %" in told
+    assert "return" not in told
 
 
 class Seconds:
@@ -237,27 +230,18 @@ def test_an_ended_cell_says_how_long_the_others_take(six, pipe):
     assert ended[5].endswith("steps/s")
 
 
-def test_a_long_silence_is_broken(make_cell, pipe):
-    """A minute after the last line, while a cell tells that it goes on."""
-    clock, cell = Seconds(), make_cell(steps=10**6)
-    with LiveProgress([cell], [], pipe, now=clock) as progress:
-        progress(Event("started", cell))
-        for second in range(1, 200):
-            clock.now = float(second)
-            progress(Event("progress", cell, steps=1000 * second))
-    lines = pipe.file.getvalue().splitlines()
-    assert lines[1:] == [f"about {minutes} min left: 1 training, 1 at once" for minutes in (17, 16, 15, 14)]
-
-
-def test_nothing_is_estimated_before_a_step_was_measured(make_cell, pipe):
-    """That is said after a minute."""
-    clock, cell = Seconds(), make_cell(steps=1000)
-    with LiveProgress([cell], [], pipe, now=clock) as progress:
-        progress(Event("started", cell))
-        for second in range(1, 70):
-            clock.now = float(second)
-            progress(Event("progress", cell, steps=0))
-    assert pipe.file.getvalue().splitlines()[1:] == ["no step was measured yet: 1 training, 1 at once"]
+@pytest.mark.parametrize(
+    ("per_second", "seconds", "lines"),
+    [
+        (1000, 200, [f"about {minutes} min left: 1 training, 1 at once" for minutes in (17, 16, 15, 14)]),
+        (0, 70, ["no step was measured yet: 1 training, 1 at once"]),
+    ],
+    ids=["a minute after the last line", "nothing is estimated before a step was measured"],
+)
+def test_a_long_silence_is_broken(make_cell, pipe, per_second, seconds, lines):
+    """While a cell tells that it goes on."""
+    words = [(per_second * second, {}) for second in range(1, seconds)]
+    assert shown(pipe, [make_cell(steps=10**6)], *words, clock=Seconds()).splitlines()[1:] == lines
 
 
 def test_a_run_that_may_end_sooner_says_at_most(six, pipe):
@@ -272,9 +256,9 @@ def test_a_run_that_may_end_sooner_says_at_most(six, pipe):
 def test_all_cells_show_the_time_left_on_a_terminal(six):
     """In words where there is room, as a clock where there is not."""
     clock = Seconds()
-    for width, shown in ((80, "about 80 s left"), (60, "1:2")):
+    for width, told in ((80, "about 80 s left"), (60, "1:2")):
         clock.now = 0.0
-        console = Console(file=io.StringIO(), force_terminal=True, width=width, color_system=None)
+        console = terminal(width, color_system=None)
         with LiveProgress(six, [], console, now=clock) as progress:
             for cell in six[:2]:
                 progress(Event("started", cell))
@@ -283,30 +267,25 @@ def test_all_cells_show_the_time_left_on_a_terminal(six):
                 for cell in six[:2]:
                     progress(Event("progress", cell, steps=1000 * second))
             progress._progress.refresh()
-        assert shown in console.file.getvalue()
+        assert told in console.file.getvalue()
 
 
-def train_on(cell, pipe, *words):
-    """What is shown of a cell that tells these words, of steps and numbers."""
-    with LiveProgress([cell], [], pipe) as progress:
-        progress(Event("started", cell))
-        for steps, scalars in words:
-            progress(Event("progress", cell, steps=steps, scalars=scalars))
-    return pipe.file.getvalue()
+@pytest.fixture
+def of_others(make_cell):
+    """A cell of an environment of others."""
+    return make_cell(simulator=BROUGHT.simulator, robot=BROUGHT.robot, steps=10**6)
 
 
-def test_a_training_in_which_no_episode_ends_is_told(make_cell, pipe):
+def test_a_training_in_which_no_episode_ends_is_told(of_others, pipe):
     """Once, after 10,000 steps."""
-    cell = make_cell(simulator=BROUGHT.simulator, robot=BROUGHT.robot, steps=10**6)
-    shown = train_on(cell, pipe, *((steps, {SPEED: 1.0}) for steps in (9_999, 10_000, 20_000)))
-    assert shown.count("no episode has ended") == 1
-    assert f"harness: {cell.title}: no episode has ended in 10,000 steps of training\n" in shown
+    told = shown(pipe, [of_others], *((steps, {SPEED: 1.0}) for steps in (9_999, 10_000, 20_000)))
+    assert told.count("no episode has ended") == 1
+    assert f"harness: {of_others.title}: no episode has ended in 10,000 steps of training\n" in told
 
 
-def test_a_shorter_training_is_told_at_its_end(make_cell, pipe):
+def test_a_shorter_training_is_told_at_its_end(of_others, pipe):
     """If nothing has ended until then."""
-    cell = make_cell(simulator=BROUGHT.simulator, robot=BROUGHT.robot, steps=50)
-    assert "no episode has ended in 50 steps" in train_on(cell, pipe, (50, {SPEED: 1.0}))
+    assert "no episode has ended in 50 steps" in shown(pipe, [replace(of_others, steps=50)], (50, {SPEED: 1.0}))
 
 
 @pytest.mark.parametrize(
@@ -314,12 +293,11 @@ def test_a_shorter_training_is_told_at_its_end(make_cell, pipe):
     [[(10_000, {})], [(100, {SPEED: 1.0, RETURN: 0.0}), (10_000, {SPEED: 1.0})], [(9_999, {SPEED: 1.0})]],
     ids=["nothing was told", "one ended", "not odd yet"],
 )
-def test_nothing_is_told_before_it_is_known(make_cell, pipe, words):
+def test_nothing_is_told_before_it_is_known(of_others, pipe, words):
     """A return comes with the speed, and stays known."""
-    cell = make_cell(simulator=BROUGHT.simulator, robot=BROUGHT.robot, steps=10**6)
-    assert "no episode" not in train_on(cell, pipe, *words)
+    assert "no episode" not in shown(pipe, [of_others], *words)
 
 
 def test_a_task_of_an_arm_ends_its_episodes(make_cell, pipe):
     """Where a training goes on from a checkpoint, those before it are not known."""
-    assert "no episode" not in train_on(make_cell(steps=10_000), pipe, (10_000, {SPEED: 1.0}))
+    assert "no episode" not in shown(pipe, [make_cell(steps=10_000)], (10_000, {SPEED: 1.0}))

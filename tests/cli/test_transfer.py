@@ -1,7 +1,6 @@
 import json
 import os
 import select
-import shutil
 import signal
 import subprocess
 import sys
@@ -9,17 +8,11 @@ import sys
 import pytest
 
 
-@pytest.fixture
-def experiment(finished):
-    """A finished experiment of the ideal arm, one seed per reward."""
-    return finished(seeds=1)
-
-
 @pytest.mark.usefixtures("transferred_here")
 def test_json_is_all_that_goes_to_standard_output(harness, experiment):
     """`--json` prints one JSON document: a matrix per algorithm and reward, and what failed."""
-    answer = harness("transfer", experiment, "--to", "stuck", "--json")
-    data = json.loads(answer.out)
+    answer = harness("transfer mine --to stuck --json")
+    data = answer.json
     assert answer.status == 0
     assert set(data) == {"format", "combinations", "failed"}
     assert [(item["algorithm"], item["reward"]) for item in data["combinations"]] == [
@@ -34,7 +27,7 @@ def test_json_is_all_that_goes_to_standard_output(harness, experiment):
 
 def test_engine_that_talks_does_not_disturb_the_json(harness, quick, tmp_path):
     """What an engine prints when it is imported does not come before the document."""
-    assert harness("run", *quick, "--reward", "arp", "--seeds", "1", "--out", "mine").status == 0
+    assert harness("run --reward arp --seeds 1 --out mine", *quick).status == 0
     command = [sys.executable, "-c", "from harness.cli import main; main()"]
     command += ["transfer", "mine", "--to", "pybullet", "--json"]
     told = subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
@@ -44,7 +37,7 @@ def test_engine_that_talks_does_not_disturb_the_json(harness, quick, tmp_path):
 @pytest.mark.usefixtures("transferred_here")
 def test_table_has_the_matrix(harness, experiment):
     """Without a flag: a row per simulator trained in, a column per simulator evaluated in, the home marked."""
-    out = harness("transfer", experiment, "--to", "stuck").out
+    out = harness("transfer mine --to stuck").out
     assert "ideal: success" in out
     assert "trained in \\ evaluated in" in out
     assert "% *" in out
@@ -53,8 +46,8 @@ def test_table_has_the_matrix(harness, experiment):
 
 def test_second_call_evaluates_nothing(harness, experiment):
     """It says what was done before, and prints the same."""
-    first = harness("transfer", experiment, "--to", "stuck", "--jobs", "1")
-    second = harness("transfer", experiment, "--to", "stuck")
+    first = harness("transfer mine --to stuck --jobs 1")
+    second = harness("transfer mine --to stuck")
     assert first.err.splitlines()[-1].startswith("[2/2] ideal · wander · arp · seed 0 in stuck: ")
     assert second.err == "2 of 2 evaluations were done before and are not run again\n"
     assert second.out == first.out
@@ -63,11 +56,11 @@ def test_second_call_evaluates_nothing(harness, experiment):
 @pytest.mark.usefixtures("transferred_here")
 def test_failed_evaluation_ends_with_1(harness, experiment):
     """Its reason is on both streams; the rest is there."""
-    answer = harness("transfer", experiment, "--to", "stuck,stuck:then=raise")
+    answer = harness("transfer mine --to stuck,stuck:then=raise")
     assert answer.status == 1
     assert answer.err.count("FAILED: RuntimeError: the arm fell off") == 2
     assert "failed: ideal · wander · baseline · seed 0 in stuck:then=raise" in " ".join(answer.out.split())
-    data = json.loads(harness("transfer", experiment, "--to", "stuck", "--json").out)
+    data = harness("transfer mine --to stuck --json").json
     assert data["failed"][0] == {
         "cell": data["failed"][0]["cell"],
         "algorithm": "wander",
@@ -81,7 +74,7 @@ def test_failed_evaluation_ends_with_1(harness, experiment):
 
 def test_only_the_home_is_nothing_to_do(harness, experiment):
     """Where the policies were trained they were evaluated: there is no matrix, and the command says so."""
-    answer = harness("transfer", experiment, "--to", "ideal")
+    answer = harness("transfer mine --to ideal")
     assert (answer.status, answer.err) == (0, "")
     assert answer.out.startswith("Nothing to evaluate")
 
@@ -89,55 +82,20 @@ def test_only_the_home_is_nothing_to_do(harness, experiment):
 @pytest.mark.usefixtures("transferred_here")
 def test_report_shows_what_is_recorded(harness, experiment, tmp_path):
     """The report has a section on transfer once there is one, in table, JSON and page; before, it has none."""
-    assert "Transfer" not in harness("report", experiment).out
-    harness("transfer", experiment, "--to", "stuck")
-    assert "Transfer between simulators" in harness("report", experiment).out
-    data = json.loads(harness("report", experiment, "--json").out)
-    assert set(data) == {
-        "format",
-        "baseline",
-        "curve",
-        "combinations",
-        "over_places",
-        "terms",
-        "looks",
-        "cells",
-        "not_measured",
-        "equal_trainings",
-        "evaluation_returns",
-        "notes",
-        "ranking",
-        "transfer",
-    }
-    assert data["transfer"] == json.loads(harness("transfer", experiment, "--to", "stuck", "--json").out)
-    harness("report", experiment, "--html", "page.html")
+    assert "Transfer" not in harness("report mine").out
+    before = {*harness("report mine --json").json}
+    harness("transfer mine --to stuck")
+    assert "Transfer between simulators" in harness("report mine").out
+    data = harness("report mine --json").json
+    assert {*data} - before == {"transfer"}
+    assert data["transfer"] == harness("transfer mine --to stuck --json").json
+    harness("report mine --html page.html")
     assert "Transfer between simulators" in (tmp_path / "page.html").read_text()
-
-
-@pytest.mark.parametrize(
-    ("arguments", "told"),
-    [
-        (["mine", "--to", "stock"], "Did you mean 'stuck'?"),
-        (["mine", "--to", "stuck:dt=1"], "has no parameter 'dt'"),
-        (["mine", "--jobs", "0"], "jobs=0: must be at least 1"),
-        (["nowhere"], "No folder 'nowhere'"),
-        (["unfinished"], "has no finished cell"),
-    ],
-)
-def test_bad_input_is_told_in_one_line_and_writes_nothing(harness, experiment, tmp_path, arguments, told):
-    """What cannot be used ends with status 2 and one line."""
-    shutil.copytree(tmp_path / experiment, tmp_path / "unfinished")
-    shutil.rmtree(tmp_path / "unfinished" / "cells")
-    (tmp_path / "unfinished" / "cells").mkdir()
-    answer = harness("transfer", *arguments)
-    assert (answer.status, answer.out, answer.err.count("\n")) == (2, "", 1)
-    assert told in answer.err
-    assert not list(tmp_path.glob("*/transfer"))
 
 
 def test_missing_library_names_its_extra(harness, experiment, distant):
     """A simulator that was asked for and is not installed ends with the line that installs it."""
-    answer = harness("transfer", experiment, "--to", "distant")
+    answer = harness("transfer mine --to distant")
     assert (answer.status, answer.err.count("\n")) == (2, 1)
     assert "pip install 'far-away[engine]'" in answer.err
 

@@ -1,96 +1,70 @@
 """``harness verify``, with and without ``--repair``."""
 
-import json
 import re
 import shutil
-
-import pytest
-
-
-@pytest.fixture
-def experiment(finished):
-    """A finished experiment."""
-    return finished(seeds=1)
 
 
 def test_sound_folder_ends_with_0(harness, experiment):
     """One line says so, and that there is nothing to repair."""
-    assert harness("verify", experiment)[:2] == (0, "No file of 'mine' is damaged\n")
+    assert harness("verify mine")[:2] == (0, "No file of 'mine' is damaged\n")
     told = "No file of 'mine' is damaged: there is nothing to repair\n"
-    assert harness("verify", experiment, "--repair")[:2] == (0, told)
+    assert harness("verify mine --repair")[:2] == (0, told)
 
 
 def test_damage_is_named_set_aside_and_done_again(harness, experiment, quick, tmp_path):
     """Verify, repair, run, verify."""
-    trace = next((tmp_path / experiment / "cells").glob("*/trace.parquet"))
+    trace = next((tmp_path / "mine" / "cells").glob("*/trace.parquet"))
     before = trace.read_bytes()
     trace.write_bytes(before[:100])
-    answer = harness("verify", experiment)
+    answer = harness("verify mine")
     assert answer.status == 1
     assert (
         "trace.parquet is not what was written: its SHA-256 differs. What to do: run again to replace it." in answer.out
     )
-    assert "moved to damaged/" in harness("verify", experiment, "--repair").out
-    harness("run", *quick, "--reward", "arp", "--seeds", "1", "--out", "mine")
+    assert "moved to damaged/" in harness("verify mine --repair").out
+    harness("run --reward arp --seeds 1 --out mine", *quick)
     assert trace.read_bytes() == before
-    assert harness("verify", experiment).status == 0
+    assert harness("verify mine").status == 0
 
 
 def test_page_that_is_made_again_is_what_was_made(harness, experiment, tmp_path):
     """By another version it may have other bytes."""
-    page = tmp_path / experiment / "report.html"
+    page = tmp_path / "mine" / "report.html"
     page.write_text("<html>of an earlier version</html>")
-    assert harness("verify", experiment).status == 1
-    harness("report", experiment, "--html", page)
-    assert harness("verify", experiment).status == 0
+    assert harness("verify mine").status == 1
+    harness("report mine --html", page)
+    assert harness("verify mine").status == 0
 
 
 def test_problems_as_json(harness, experiment, tmp_path):
     """Other programs read them."""
-    (tmp_path / experiment / "plan.json").write_text("{")
-    [problem] = json.loads(harness("verify", experiment, "--json").out)["problems"]
+    (tmp_path / "mine" / "plan.json").write_text("{")
+    [problem] = harness("verify mine --json").json["problems"]
     assert problem["path"] == "plan.json"
     assert set(problem) == {"path", "problem", "remedy"}
-
-
-@pytest.mark.parametrize("flags", [(), ("--repair",)])
-def test_other_folder_is_a_usage_error(harness, flags, tmp_path):
-    """One line, exit status 2."""
-    answer = harness("verify", str(tmp_path), *flags)
-    assert (answer.status, answer.err.count("\n")) == (2, 1)
-    assert "is no experiment" in answer.err
 
 
 def test_second_run_may_refuse_to_wait(harness, experiment, quick, tmp_path):
     """`--no-wait`: one line, exit status 2, nothing written."""
     from harness.record.store import Store
 
-    before = (tmp_path / experiment / "plan.json").read_bytes()
-    with Store(tmp_path / experiment).locked():
-        answer = harness("run", *quick, "--reward", "arp", "--seeds", "3", "--no-wait", "--out", "mine")
+    before = (tmp_path / "mine" / "plan.json").read_bytes()
+    with Store(tmp_path / "mine").locked():
+        answer = harness("run --reward arp --seeds 3 --no-wait --out mine", *quick)
     assert answer.status == 2
     assert "Another run is using 'mine'" in answer.err
-    assert (tmp_path / experiment / "plan.json").read_bytes() == before
+    assert (tmp_path / "mine" / "plan.json").read_bytes() == before
 
 
 def test_cells_that_are_not_there_are_counted(harness, experiment, tmp_path):
     """They may be pending: the status says that nothing is damaged."""
-    folder = tmp_path / experiment
+    folder = tmp_path / "mine"
     shutil.rmtree(next((folder / "cells").glob("[!.]*")))
     (folder / "results.parquet").unlink()
     (folder / "SHA256SUMS").unlink()
-    answer = harness("verify", experiment)
+    answer = harness("verify mine")
     assert answer.status == 0
     assert re.search(
         r"^Cells of the plan that are not here: 1 of \d+, not run yet or taken away$", answer.out, re.MULTILINE
     )
-    assert json.loads(harness("verify", experiment, "--json").out)["missing"] == 1
-
-
-def test_repair_prints_no_json(harness, experiment, tmp_path):
-    """It is refused before anything is set aside."""
-    (tmp_path / experiment / "plan.json").write_text("{")
-    answer = harness("verify", experiment, "--repair", "--json")
-    assert (answer.status, answer.out) == (2, "")
-    assert "--repair and --json" in answer.err
-    assert (tmp_path / experiment / "plan.json").read_text() == "{"
+    assert harness("verify mine --json").json["missing"] == 1

@@ -8,10 +8,8 @@ import pytest
 
 from harness.errors import UsageError
 from harness.record import Store, read_trace
-from harness.record.blocks import BLOCKS
 from harness.record.returns import mean_return
-from harness.record.running import Running, write_running
-from harness_plugins.audit import write_certificate
+from harness_plugins.audit.search.certificate import write_certificate
 from harness_plugins.watch.recorded import blocks_of_trace
 from harness_plugins.watch.trainings import source_of
 from harness_plugins.watch.watch import HOST, Pages, open_server, pages_of
@@ -111,12 +109,6 @@ def test_a_taken_port_is_refused(experiment):
         open_server(pages, server.server_port)
 
 
-def test_a_folder_that_is_no_experiment_is_refused(harness, tmp_path):
-    """Before anything is served."""
-    answer = harness("watch", tmp_path, "--no-browser")
-    assert (answer.status, answer.err.count("\n")) == (2, 1)
-
-
 def test_a_folder_in_another_alphabet_is_named(experiment, tmp_path):
     """Where it cannot be read any more: the page says so, though no status line can."""
     experiment.rename(tmp_path / "опыт")
@@ -201,7 +193,7 @@ def test_a_run_serves_its_page(harness, quick, monkeypatch, tmp_path):
         connection.close()
 
     monkeypatch.setattr("webbrowser.open", look)
-    answer = harness("run", *quick, "--reward", "arp", "--seeds", 1, "--out", "watched", "--watch")
+    answer = harness("run --reward arp --seeds 1 --out watched --watch", *quick)
     assert answer.status == 0
     assert seen[0]["news"].startswith(f"0 of {ALL} trainings done, {ALL} waiting.")
     assert "Live page: http://127.0.0.1:" in answer.err
@@ -216,7 +208,7 @@ def test_a_done_training_is_told_by_its_trace(experiment):
         blocks = blocks_of_trace(cell / "evaluation.parquet")  # the training is shorter than an episode
         pay = np.average(blocks.means[:, 0], weights=blocks.episodes)
         assert pay == pytest.approx(mean_return(read_trace(cell / "evaluation.parquet")))
-        assert not (cell / BLOCKS).exists()
+        assert not (cell / "blocks.json").exists()
 
 
 def test_a_running_training_is_told_by_its_blocks(experiment):
@@ -226,7 +218,7 @@ def test_a_running_training_is_told_by_its_blocks(experiment):
     cell.rename(partial)
     (partial / "manifest.json").unlink()
     blocks_of_trace(partial / "trace.parquet").write(partial)
-    write_running(experiment, {cell.name: Running(started=0.0, steps=7)})
+    (experiment / "running.json").write_text(json.dumps({cell.name: {"started": 0.0, "steps": 7}}))
     source = source_of(experiment)
     assert "1 stopped. No run is using the folder" in source.look().news
     with Store(experiment).locked():

@@ -10,11 +10,10 @@ from tests.results.gentle import SOURCE
 
 
 @pytest.fixture
-def runs(harness, quick, tmp_path):
+def runs(trained, quick, tmp_path):
     """A finished experiment of a reward with terms, whose file is gone."""
     (tmp_path / "gentle.py").write_text(SOURCE)
-    given = ("--reward", "gentle:effort=5", "--plugin", "gentle.py", "--seeds", "1", "--out", "mine")
-    assert harness("run", *quick, *given).status == 0
+    assert trained("run --reward gentle:effort=5 --plugin gentle.py --seeds 1 --out mine", *quick).status == 0
     return "mine"
 
 
@@ -27,11 +26,11 @@ def _cell(folder, reward):
 
 def test_runs_are_paid_from_the_columns(harness, runs, tmp_path):
     """Relative to the function's own terms, to 1e-12 as a run's own columns with these weights."""
-    harness("score", runs, "--reward", "gentle:effort=0.05")
+    harness("score mine --reward gentle:effort=0.05")
     place = _cell(tmp_path, "gentle:effort=5")
     without = pq.read_table(place / "scores.parquet").to_pydict()
     (place / "scores.parquet").unlink()
-    assert harness("score", runs, "--reward", "gentle:effort=0.05", "--plugin", "gentle.py").status == 0
+    assert harness("score mine --reward gentle:effort=0.05 --plugin gentle.py").status == 0
     called = pq.read_table(place / "scores.parquet").to_pydict()
     assert list(without) == list(called)
     for name, values in called.items():
@@ -40,7 +39,7 @@ def test_runs_are_paid_from_the_columns(harness, runs, tmp_path):
 
 def test_a_run_of_another_reward_has_one_clear_reason(harness, runs):
     """It says what to give; the others are paid, and the status says that not all are."""
-    answer = harness("score", runs, "--reward", "gentle:effort=0.05")
+    answer = harness("score mine --reward gentle:effort=0.05")
     assert answer.status == 1
     (line,) = answer.err.splitlines()
     assert "a run trained with baseline has no columns of the terms of 'gentle': give its file, --plugin FILE" in line
@@ -49,10 +48,10 @@ def test_a_run_of_another_reward_has_one_clear_reason(harness, runs):
 
 def test_columns_of_an_earlier_score_pay_the_others(harness, runs):
     """Once the file was there."""
-    assert harness("score", runs, "--reward", "gentle", "--plugin", "gentle.py").status == 0
-    answer = harness("score", runs, "--reward", "gentle:effort=0.05,reach=2", "--json")
+    assert harness("score mine --reward gentle --plugin gentle.py").status == 0
+    answer = harness("score mine --reward gentle:effort=0.05,reach=2 --json")
     assert answer.status == 0
-    (matrix,) = json.loads(answer.out)["matrices"]
+    (matrix,) = answer.json["matrices"]
     assert set(matrix["indices"]["gentle:reach=2,effort=0.05"]) == {"baseline", "gentle:effort=5"}
 
 
@@ -69,7 +68,7 @@ def test_columns_of_an_earlier_score_pay_the_others(harness, runs):
 )
 def test_bad_input_is_told_in_one_line(harness, runs, reward, told):
     """What cannot be used ends with status 2 and one line."""
-    answer = harness("score", runs, "--reward", reward)
+    answer = harness("score mine --reward", reward)
     assert (answer.status, answer.err.count("\n")) == (2, 1)
     assert told in answer.err
 
@@ -83,7 +82,7 @@ def test_files_are_paid_too(harness, runs, tmp_path):
 
 def test_the_report_says_what_the_terms_paid(harness, runs):
     """Without the file of its own trainings, and why not of others."""
-    answer = harness("report", runs, "--details")
+    answer = harness("report mine --details")
     assert "What each term paid: gentle:effort=5" in answer.out
     assert "`dock` never paid in 12 steps." in answer.out
     assert "With baseline n/a: No reward 'gentle' is installed" in " ".join(answer.out.split())
