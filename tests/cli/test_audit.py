@@ -67,10 +67,11 @@ def test_measures_come_from_a_file_of_any_name(harness, hover):
     ("flags", "told"),
     [
         ("", {"against": "baseline", "task": "fd100-reach", "robot": "fd100", "episodes": 6}),
-        ("--sim ideal", {"simulator": "ideal"}),
-        ("--sim mujoco", {}),
-        ("--task fd100-reach:horizon=30", {"task": "fd100-reach:horizon=30"}),
-        ("--gamma 0.9", {"gamma": 0.9}),
+        ("--sim mujoco", {"simulator": "mujoco"}),
+        (
+            "--sim ideal --gamma 0.9 --task fd100-reach:horizon=30",
+            {"simulator": "ideal", "gamma": 0.9, "task": "fd100-reach:horizon=30"},
+        ),
     ],
 )
 def test_json_is_one_object(harness, flags, told):

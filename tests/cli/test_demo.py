@@ -5,8 +5,7 @@ import sys
 
 import numpy as np
 
-from harness.results import load_results
-from harness.results.replay import shows_of
+from harness.results import load_results, shows_of
 
 
 def test_the_number_grows_and_the_arm_moves_the_same(harness, tmp_path):

@@ -32,3 +32,8 @@ def test_commands_hold_a_folder_with_a_blank(harness, tmp_path):
     out = harness("new-plugin metric zz-metric --into 'my plugins'").out
     assert "\n  pytest 'my plugins/zz-metric'\n" in out
     assert "\n  pip install -e 'my plugins/zz-metric[test]'\n" in out
+
+
+def test_name_of_another_kind_is_free(harness):
+    """A metric may be called as a reward is: nobody mixes them up."""
+    assert harness("new-plugin metric arp").status == 0

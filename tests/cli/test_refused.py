@@ -116,6 +116,7 @@ REFUSED: dict[str, dict[str, str]] = {
         "exporter zz": "No kind of plugin 'exporter'",
         "reward Arp": "must be words of lower-case letters",
         "reward arp": "taken: there is a reward of 'rewards'",
+        "reward rewards": "The name 'rewards' is taken: there is a plugin",
         "command status": "taken: it is a command of the harness",
         "command export": "taken: there is a command of 'commands'",
         "metric zz-metric --into mine": "'mine' is no folder: make it first",
