@@ -8,7 +8,6 @@ import pytest
 from hypothesis import given, strategies as st
 
 from harness.record import Cell
-from harness.record.cell import BROUGHT
 from harness.registry import Choice
 
 CHANGED = {
@@ -111,6 +110,8 @@ def test_people_are_told_the_discount_in_an_environment(make_cell, params, label
     """Beside the algorithm, as one would type it, where the algorithm has a discount that its label leaves out."""
     algorithm = Choice("ppo", tuple(params.items()), label)
     assert make_cell(algorithm=algorithm).learner == label
-    cell = make_cell(algorithm=algorithm, simulator=BROUGHT.simulator, task=Choice("walk", (), "walk"))
+    cell = make_cell(
+        algorithm=algorithm, simulator=Choice("(environment)", (), "environment"), task=Choice("walk", (), "walk")
+    )
     assert (cell.learner, cell.title) == (told, f"walk · {told} · baseline · seed 0")
     assert cell.to_json()["algorithm"]["label"] == label

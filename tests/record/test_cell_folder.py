@@ -6,29 +6,35 @@ from pathlib import Path
 import pytest
 
 from harness.errors import NewerFormat
-from harness.record import LOG, MANIFEST, TRACE, Manifest, read_manifest
-from harness.record.cell_folder import examine
+from harness.record import LOG, MANIFEST, TRACE, Manifest, Store, read_manifest
+
+
+@pytest.fixture
+def examined(make_cell, tmp_path):
+    """What is said of a cell."""
+    return lambda: Store(tmp_path).examine(make_cell())
 
 
 @pytest.fixture
 def folder(make_cell, tmp_path):
     """Of a done cell."""
-    (tmp_path / "cell").mkdir()
-    (tmp_path / "cell" / TRACE).write_bytes(b"rows")
-    (tmp_path / "cell" / LOG).write_text("said\n")
-    Manifest(make_cell(), status="done").write(tmp_path / "cell")
-    return tmp_path / "cell"
+    folder = Store(tmp_path).cell_folder(make_cell())
+    folder.mkdir(parents=True)
+    (folder / TRACE).write_bytes(b"rows")
+    (folder / LOG).write_text("said\n")
+    Manifest(make_cell(), status="done").write(folder)
+    return folder
 
 
-def test_sound_cell_is_what_its_manifest_says(make_cell, folder):
+def test_sound_cell_is_what_its_manifest_says(examined, folder):
     """Its digests included."""
-    assert examine(folder, make_cell()) == read_manifest(folder)
+    assert examined() == read_manifest(folder)
     assert read_manifest(folder).files.keys() == {TRACE, LOG}
 
 
-def test_cell_without_a_folder_is_pending(make_cell, tmp_path):
+def test_cell_without_a_folder_is_pending(examined):
     """It was never run."""
-    assert examine(tmp_path / "none", make_cell()).status == "pending"
+    assert examined().status == "pending"
 
 
 def _link(path):
@@ -54,18 +60,18 @@ DAMAGES = {
 
 
 @pytest.mark.parametrize(("name", "damage", "message"), DAMAGES.values(), ids=DAMAGES)
-def test_damage_is_told(make_cell, folder, name, damage, message):
+def test_damage_is_told(make_cell, examined, folder, name, damage, message):
     """Which file, what is wrong, what to do."""
     damage(folder / name)
-    found = examine(folder, make_cell())
+    found = examined()
     assert (found.status, found.cell) == ("damaged", make_cell())
     assert f"{folder / name}" in found.reason
     assert message in found.reason
     assert found.reason.endswith("; run again to replace it")
 
 
-def test_cell_of_a_newer_version_is_no_damage(make_cell, folder):
+def test_cell_of_a_newer_version_is_no_damage(examined, folder):
     """Nothing may replace it."""
     (folder / MANIFEST).write_text('{"format": 3}')
     with pytest.raises(NewerFormat, match="has format 3"):
-        examine(folder, make_cell())
+        examined()

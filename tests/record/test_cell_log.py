@@ -5,7 +5,7 @@ import pytest
 
 from harness.errors import SchemaError
 from harness.experiment.checkpoints.trace_parts import TraceParts
-from harness.log.open_log import find_logs, open_logs
+from harness.log.open_log import open_logs
 from harness.record import RANDOM, SCALARS, TRACE, Cell, EpisodeFacts, Manifest, TraceWriter, read_trace
 from harness.record.cell_log import CellLog
 from harness.record.episode_facts import episode_facts
@@ -45,14 +45,14 @@ def test_manifest_says_what_was_trained(tmp_path):
     with TraceWriter(tmp_path / TRACE, 2, 2, facts=FACTS, extras={"reward/near": 1, "reward/calm": 1}) as writer:
         writer.append(np.full((3, len(SCALARS) + 6), 1.0))
     Manifest(cell=CELL, status="done").write(tmp_path)
-    logs = {log.facts.path.name: log for log in find_logs(tmp_path, load_registry(), "cell").logs}
-    facts = logs[TRACE].facts
+    (trained,), (at_random,) = (open_logs(tmp_path / name, load_registry()) for name in (TRACE, RANDOM))
+    facts = trained.facts
     assert (facts.trained_with, facts.env, facts.algorithm, facts.seed) == ("arp:k2=1.5", "unity-reach", "ppo", 7)
-    assert (facts.asked, facts.evaluation, episode_facts(logs[TRACE])) == (500, False, FACTS)
-    assert (logs[TRACE].rewards, logs[TRACE].terms_of("arp:k2=1.5")) == (("arp:k2=1.5",), ("near", "calm"))
-    assert "reward" not in logs[TRACE]
-    at_random = logs[RANDOM].facts
-    assert (at_random.evaluation, at_random.trained_with, at_random.algorithm) == (True, "", "random actions")
+    assert (facts.asked, facts.evaluation, episode_facts(trained)) == (500, False, FACTS)
+    assert (trained.rewards, trained.terms_of("arp:k2=1.5")) == (("arp:k2=1.5",), ("near", "calm"))
+    assert "reward" not in trained
+    facts = at_random.facts
+    assert (facts.evaluation, facts.trained_with, facts.algorithm) == (True, "", "random actions")
 
 
 def test_other_parquet_files_are_not_recognised(tmp_path):

@@ -1,7 +1,7 @@
 """The folder of a cell: hidden while it grows, named when it is complete."""
 
 from harness.record import partial_folder
-from harness.record.folder import evaluation_files, publish
+from harness.record.folder import evaluation_files
 
 
 def test_partial_folder_is_hidden_beside(tmp_path):
@@ -20,13 +20,3 @@ def test_evaluations_come_in_order_of_their_steps(tmp_path):
 def test_folder_without_evaluations_has_none(tmp_path):
     """They are made when the first one is."""
     assert evaluation_files(tmp_path) == {}
-
-
-def test_publish_replaces(tmp_path):
-    """The complete folder takes the place of the earlier one, nothing of which stays."""
-    for name, file in (("cell", "old"), (".cell.partial", "new")):
-        (tmp_path / name).mkdir()
-        (tmp_path / name / file).touch()
-    publish(partial_folder(tmp_path / "cell"), tmp_path / "cell")
-    assert [path.name for path in tmp_path.iterdir()] == ["cell"]
-    assert [path.name for path in (tmp_path / "cell").iterdir()] == ["new"]

@@ -24,18 +24,22 @@ with folder_lock(Path(sys.argv[1]), "busy"):
 GUARDED = "    try:\n        import fcntl\n    except ImportError:\n"
 
 
-def test_second_process_is_refused_until_the_first_one_ends(tmp_path):
+@pytest.fixture
+def holder(tmp_path):
+    """Another process that holds the folder."""
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+    with subprocess.Popen([sys.executable, "-c", HOLD, str(tmp_path / ".lock")], text=True, **pipes) as holder:
+        assert holder.stdout.readline() == "held\n"
+        yield holder
+
+
+def test_second_process_is_refused_until_the_first_one_ends(holder, tmp_path):
     """By one line that says what to do; a process that is killed lets go."""
     path = tmp_path / ".lock"
-    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
-    with subprocess.Popen([sys.executable, "-c", HOLD, str(path)], text=True, **pipes) as holder:
-        assert holder.stdout.readline() == "held\n"
-        with (
-            pytest.raises(UsageError, match=r"^In use: wait for it, or name another --out$"),
-            folder_lock(path, "In use"),
-        ):
-            pass
-        holder.kill()
+    with pytest.raises(UsageError, match=r"^In use: wait for it, or name another --out$"), folder_lock(path, "In use"):
+        pass
+    holder.kill()
+    holder.wait()
     with folder_lock(path, "In use"):
         assert path.exists()
 
@@ -73,19 +77,16 @@ def test_folder_below_a_file_cannot_be_made(tmp_path):
         make_folder(tmp_path / "file" / "inner")
 
 
-def test_second_process_waits_if_it_is_told_to(tmp_path):
+def test_second_process_waits_if_it_is_told_to(holder, tmp_path):
     """It says so once, and has the folder when the first one lets go."""
-    path, told = tmp_path / ".lock", []
-    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
-    with subprocess.Popen([sys.executable, "-c", HOLD, str(path)], text=True, **pipes) as holder:
-        assert holder.stdout.readline() == "held\n"
+    told = []
 
-        def let_go():
-            told.append("waiting")
-            holder.stdin.close()
+    def let_go():
+        told.append("waiting")
+        holder.stdin.close()
 
-        with folder_lock(path, "In use", let_go):
-            assert told == ["waiting"]
+    with folder_lock(tmp_path / ".lock", "In use", let_go):
+        assert told == ["waiting"]
 
 
 @pytest.mark.parametrize("inner", ["plan.json", ".lock", "cells", "cells/x", "cells/x/trace.parquet"])

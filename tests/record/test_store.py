@@ -204,6 +204,7 @@ def test_recording_a_failure_keeps_the_log(create, cell):
     assert not partial_folder(folder).exists()
     store.record(cell, "failed", "second")
     assert [manifest.reason for manifest in store.manifests()] == ["second"]
+    assert [path.name for path in folder.iterdir()] == [MANIFEST]
 
 
 def test_manifests_come_by_start(create, make_cell):

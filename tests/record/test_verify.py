@@ -10,13 +10,14 @@ import pyarrow.parquet as pq
 import pytest
 
 from harness.errors import UsageError
-from harness.files.sums import FIRST_LINE, note_made
+from harness.files import note_made
 from harness.record import EXPERIMENT, MANIFEST, PLAN, REPORT, RESULTS, TRACE, Store
 from harness.record.verify import missing_cells, repair, verify
 from harness.registry import load_registry
 from harness.results import Results
 
 SUMS = "SHA256SUMS"
+FIRST_LINE = "# harness made these files from others"
 
 
 def _files(folder):

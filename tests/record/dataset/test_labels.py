@@ -4,19 +4,19 @@ import numpy as np
 import pytest
 
 from harness.errors import UsageError
-from harness.record.dataset.labels import SuccessRule, parse_success, read_labels
+from harness.record.dataset.labels import parse_success, read_labels
 
 
 @pytest.mark.parametrize("kind", [bool, np.uint8, np.int8, np.float16, np.float64])
 @pytest.mark.parametrize("shape", [(2,), (2, 1)])
 def test_labels_have_any_type(kind, shape):
     """Labels have any type."""
-    assert SuccessRule("k").of_steps(np.array([0, 1], kind).reshape(shape), "k").tolist() == [0, 1]
+    assert parse_success("k").of_steps(np.array([0, 1], kind).reshape(shape), "k").tolist() == [0, 1]
 
 
 def test_nan_and_minus_one_are_not_known():
     """NaN and -1 are not known."""
-    assert SuccessRule("k").of_steps(np.array([np.nan, -1.0]), "k").tolist() == [-1, -1]
+    assert parse_success("k").of_steps(np.array([np.nan, -1.0]), "k").tolist() == [-1, -1]
 
 
 @pytest.mark.parametrize(
@@ -29,7 +29,7 @@ def test_nan_and_minus_one_are_not_known():
 def test_another_number_is_refused(values, told):
     """With what to type; several a step are no label."""
     with pytest.raises(UsageError, match=told):
-        SuccessRule("k").of_steps(np.asarray(values), "k")
+        parse_success("k").of_steps(np.asarray(values), "k")
 
 
 @pytest.mark.parametrize(
@@ -57,14 +57,14 @@ def test_a_rule_that_is_none_is_refused(text):
 )
 def test_an_episode_s_label_may_be_text(value, told):
     """An episode's label may be text."""
-    assert SuccessRule("k").of_episode(value, "k") == told
+    assert parse_success("k").of_episode(value, "k") == told
 
 
 @pytest.mark.parametrize("value", ["won", 0.5, [1, 0], "0.5"])
 def test_another_value_of_an_episode_is_refused(value):
     """Another value of an episode is refused."""
     with pytest.raises(UsageError, match="label"):
-        SuccessRule("k").of_episode(value, "k")
+        parse_success("k").of_episode(value, "k")
 
 
 def test_a_file_of_labels_may_have_a_threshold(tmp_path):
@@ -94,7 +94,7 @@ def test_a_file_of_labels_that_is_none_is_one_line(tmp_path, text, told):
     if text is not None:
         (tmp_path / "l.csv").write_text(text)
     with pytest.raises(UsageError, match=told):
-        read_labels(tmp_path / "l.csv", SuccessRule())
+        read_labels(tmp_path / "l.csv", parse_success(""))
 
 
 @pytest.mark.parametrize("header", ["Episode,Success", "episode_index,success", ' episode , "success" '])
@@ -102,4 +102,4 @@ def test_a_file_of_labels_that_is_none_is_one_line(tmp_path, text, told):
 def test_a_file_of_labels_may_be_spelled_otherwise(tmp_path, header, number):
     """Capitals, LeRobot's own name, quotes, and what pandas makes of a whole number."""
     (tmp_path / "l.csv").write_bytes(f"{header}\r\n0,False\r\n{number}, True \r\n".encode())
-    assert read_labels(tmp_path / "l.csv", SuccessRule()) == {0: 0, 1: 1}
+    assert read_labels(tmp_path / "l.csv", parse_success("")) == {0: 0, 1: 1}

@@ -5,17 +5,15 @@ import shutil
 from dataclasses import replace
 
 import numpy as np
-import pyarrow as pa
-import pyarrow.parquet as pq
 import pytest
 
 from harness.errors import NewerFormat, SchemaError, UsageError
-from harness.files.sealed import seal, unseal
+from harness.files import seal, unseal
 from harness.log import in_memory
 from harness.record import TrainingFacts, read_recording
 from harness.record.recording.facts import Failure, Source
-from harness.record.recording.recorded_training import is_recording
 from harness.record.recording.recording_writer import RecordingWriter, write_recording
+from tests.record.recording.told import change_first
 
 FACTS = TrainingFacts(
     rewards=("v1", "v2"),
@@ -49,13 +47,6 @@ def _training(calls, facts=FACTS):
     return in_memory(facts, columns)
 
 
-@pytest.fixture
-def small_parts(monkeypatch):
-    """Parts of seven steps."""
-    for module in ("recorded_training", "recording_writer"):
-        monkeypatch.setattr(f"harness.record.recording.{module}.PART_ROWS", 7)
-
-
 def _require_same(found, expected):
     assert found.names == ("time", *expected.names)
     assert found["time"].tolist() == [*range(1, len(expected) + 1)]
@@ -85,8 +76,6 @@ def folder(tmp_path, small_parts):
 
 def test_recording_is_told_from_other_folders(folder):
     """By its file of facts."""
-    assert is_recording(folder)
-    assert not is_recording(folder.parent)
     with pytest.raises(SchemaError, match=r"is no recording of a training: it has no recording-0\.json"):
         read_recording(folder.parent)
 
@@ -163,37 +152,29 @@ def _change_facts(folder, **change):
     path.write_bytes(seal({**unseal(path.read_bytes()), **change}))
 
 
-def _write_part(folder, name, value):
-    path = folder / "steps-0-00001.parquet"
-    table = pq.read_table(path)
-    values = table.column(name).to_numpy().copy()
-    values[0] = value
-    table = table.set_column(table.schema.get_field_index(name), table.schema.field(name), pa.array(values))
-    pq.write_table(table, path)
-
-
 def _flip(path):
     content = bytearray(path.read_bytes())
     content[len(content) // 3] ^= 0xFF
     path.write_bytes(content)
 
 
+PART = "steps-0-00001.parquet"
 DAMAGES = {
     "facts flipped": (lambda folder: _flip(folder / "recording-0.json"), "recording-0.json"),
     "facts of another form": (lambda folder: _change_facts(folder, num_envs="two"), "num_envs: Input should be"),
     "trained with none of them": (lambda folder: _change_facts(folder, trained_with="v3"), "'v3', which is none of"),
     "a name twice": (lambda folder: _change_facts(folder, rewards=["v2", "v2"]), "a name stands twice"),
     "other columns": (lambda folder: _change_facts(folder, behaviour=["x"]), "has other columns than recording-0.json"),
-    "part flipped": (lambda folder: _flip(folder / "steps-0-00001.parquet"), "steps-0-00001.parquet"),
-    "part missing": (lambda folder: (folder / "steps-0-00001.parquet").unlink(), "steps-0-00001.parquet"),
+    "part flipped": (lambda folder: _flip(folder / PART), PART),
+    "part missing": (lambda folder: (folder / PART).unlink(), PART),
     "part short": (
-        lambda folder: shutil.copy(folder / "steps-0-00002.parquet", folder / "steps-0-00001.parquet"),
-        "steps-0-00001.parquet has 6 steps, not 7",
+        lambda folder: shutil.copy(folder / "steps-0-00002.parquet", folder / PART),
+        f"{PART} has 6 steps, not 7",
     ),
-    "time back": (lambda folder: _write_part(folder, "time", 0), "do not stand in the order of time"),
-    "env beyond": (lambda folder: _write_part(folder, "env", 2), "steps of an env beyond its 2"),
-    "step below 0": (lambda folder: _write_part(folder, "step", -1), "a step or an episode below 0"),
-    "infinite": (lambda folder: _write_part(folder, "reward_v1", np.inf), "reward_v1 is infinite"),
+    "time back": (lambda folder: change_first(folder / PART, "time", 0), "do not stand in the order of time"),
+    "env beyond": (lambda folder: change_first(folder / PART, "env", 2), "steps of an env beyond its 2"),
+    "step below 0": (lambda folder: change_first(folder / PART, "step", -1), "a step or an episode below 0"),
+    "infinite": (lambda folder: change_first(folder / PART, "reward_v1", np.inf), "reward_v1 is infinite"),
 }
 
 

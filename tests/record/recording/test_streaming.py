@@ -3,8 +3,6 @@
 from dataclasses import replace
 
 import numpy as np
-import pyarrow as pa
-import pyarrow.parquet as pq
 import pytest
 
 from harness.errors import SchemaError
@@ -12,16 +10,12 @@ from harness.record import TrainingFacts, read_recording
 from harness.record.recording.facts import ActionFacts, Source
 from harness.record.recording.recording_writer import RecordingWriter
 from harness.record.recording.scores import Scores, write_scores
+from tests.record.recording.told import change_first
 
 FACTS = TrainingFacts(rewards=("v1",), trained_with="v1", num_envs=2)
 ROWS = 7
 """Of a part."""
-
-
-@pytest.fixture(autouse=True)
-def _small_parts(monkeypatch):
-    for module in ("recorded_training", "recording_writer"):
-        monkeypatch.setattr(f"harness.record.recording.{module}.PART_ROWS", ROWS)
+pytestmark = pytest.mark.usefixtures("small_parts")
 
 
 def _write(folder, number, ticks):
@@ -83,13 +77,7 @@ def test_parts_are_read_one_at_a_time(tmp_path):
 def test_step_that_does_not_follow_the_part_before_is_refused(tmp_path, column, value):
     """In the first row of an env in a later part."""
     _write(tmp_path, 0, [*range(20)])
-    path = tmp_path / "steps-0-00002.parquet"
-    table = pq.read_table(path)
-    values = table.column(column).to_numpy().copy()
-    values[0] = value
-    pq.write_table(
-        table.set_column(table.schema.get_field_index(column), table.schema.field(column), pa.array(values)), path
-    )
+    change_first(tmp_path / "steps-0-00002.parquet", column, value)
     with pytest.raises(SchemaError, match=r"does not follow|order of time"):
         read_recording(tmp_path).rows(["reward/v1"])
 
