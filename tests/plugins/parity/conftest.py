@@ -1,14 +1,16 @@
 """Simulators that are wrong in one known way, on top of the ideal one."""
 
+import io
 from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 from harness import load_robot
 from harness.env import IdealSimulation
 from harness_plugins.kit import IdealSimulator
-from harness_plugins.parity import Setting, compare_simulators
+from harness_plugins.parity import Setting, compare_simulators, parity_table
 from harness_plugins.parity.contenders import Contenders
 
 
@@ -74,6 +76,20 @@ class Shy(IdealSimulation):
         return state._replace(ground_contact=state.ground_contact | (state.end_effector[:, 2] < self.height))
 
 
+class Reusing(IdealSimulation):
+    """Writes over the arrays that it returned before."""
+
+    held = None
+
+    def state(self):
+        """In the same arrays as ever."""
+        state = super().state()
+        self.held = self.held or state._replace(**{name: it.copy() for name, it in state._asdict().items()})
+        for kept, new in zip(self.held, state, strict=True):
+            kept[...] = new
+        return self.held
+
+
 class Misplaced(IdealSimulation):
     """Joints are put 0.01 rad off; the tip is where these joints have it."""
 
@@ -92,7 +108,7 @@ class Raising(IdealSimulation):
 
     def fail(self, *arguments):
         """Raise."""
-        raise RuntimeError("the belt\nslipped")
+        raise RuntimeError("the belt\n  slipped")
 
 
 class Exploding(IdealSimulation):
@@ -110,9 +126,11 @@ class Exploding(IdealSimulation):
 class Closed:
     """Cannot be opened."""
 
+    error: type = MemoryError
+
     def open(self, robot, num_envs, control_period):
         """Raise."""
-        raise MemoryError
+        raise self.error
 
 
 @pytest.fixture(scope="session")
@@ -120,8 +138,8 @@ def toolbox():
     """Makers of wrong simulators, each of the ideal one but for one fault."""
 
     class Toolbox:
-        ideal, closed = IdealSimulator(), Closed()
-        late, numb, misplaced, exploding = Wrong(Late), Wrong(Numb), Wrong(Misplaced), Wrong(Exploding)
+        ideal, closed, interrupted = IdealSimulator(), Closed(), Closed(KeyboardInterrupt)
+        late, reusing, numb, misplaced, exploding = map(Wrong, (Late, Reusing, Numb, Misplaced, Exploding))
 
         @staticmethod
         def shifted_tip(by):
@@ -136,6 +154,18 @@ def toolbox():
             return Wrong(Raising, (call, envs))
 
     return Toolbox
+
+
+@pytest.fixture(scope="session")
+def printed():
+    """What goes to a terminal, of a width where no line is broken unless another is given."""
+
+    def show(parity, width=4_000):
+        console = Console(width=width, file=io.StringIO())
+        console.print(parity_table(parity))
+        return console.file.getvalue()
+
+    return show
 
 
 @pytest.fixture(scope="session")

@@ -11,10 +11,11 @@ from harness.registry import load_registry
 from harness.robot import build_solids, link_frames, read_robot
 from harness_plugins.parity import Setting, choose_contenders, compare_simulators
 from harness_plugins.parity.motions import GroundClearance
-from harness_plugins.parity.orders import SHALLOW, draw_orders
-from harness_plugins.parity.page import classes_text
+from harness_plugins.parity.orders import draw_orders
 
 SETTING = {"steps": 30, "episodes": 2}
+SHALLOW = 0.01
+"""A dive goes at least so deep where an arm gets there, [m]."""
 ALL = {"slow", "smooth", "fast", "singular", "contact"}
 
 
@@ -100,7 +101,7 @@ def named(request, tmp_path):
     return request.param, arm_of(tmp_path, **ARMS[request.param])
 
 
-def test_no_arm_is_refused(named):
+def test_no_arm_is_refused(named, printed):
     """All classes are measured in all engines, but what an arm cannot do at all, which is told; the arms do move."""
     name, robot = named
     contenders = choose_contenders(load_registry(), ["kinematic", "mujoco", "pybullet"], None)
@@ -108,7 +109,7 @@ def test_no_arm_is_refused(named):
     assert not found.failed
     assert set(found.told) == ALL - LEFT_OUT.get(name, set())
     assert set(found.left_out) == LEFT_OUT.get(name, set())
-    assert all(reason in classes_text(found) for reason in found.left_out.values())
+    assert all(reason in printed(found) for reason in found.left_out.values())
     for simulator in found.simulators:
         assert simulator.placement.error_m < 1e-6
         assert not simulator.missing
@@ -119,7 +120,7 @@ def test_no_arm_is_refused(named):
 
 
 @pytest.mark.parametrize("named", ["always low"], indirect=True)
-def test_an_arm_that_lies_low_is_moved_by_its_solids(named):
+def test_an_arm_that_lies_low_is_moved_by_its_solids(named, printed):
     """No motion keeps a tenth of the reach; what stands above the ground at home stays above it, and it is told."""
     _, robot = named
     orders = draw_orders(Setting(robot, **SETTING))
@@ -127,8 +128,10 @@ def test_an_arm_that_lies_low_is_moved_by_its_solids(named):
     slow = orders.classes["slow"].reshape(-1, robot.dof)
     assert GroundClearance(robot, "solids").is_clear(slow).all()
     assert not GroundClearance(robot).is_clear(slow).all()
-    found = compare_simulators(choose_contenders(load_registry(), ["kinematic"], None), Setting(robot, **SETTING))
-    assert "Near the ground: " in classes_text(found)
+    found = compare_simulators(
+        choose_contenders(load_registry(), ["kinematic", "mujoco"], None), Setting(robot, **SETTING)
+    )
+    assert "Near the ground: " in printed(found)
     assert found.to_json()["near_ground"]["slow"] == "solids"
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from harness_plugins.parity.difference import compare_contacts, first_contacts
+from harness_plugins.parity.difference import compare_contacts
 
 ROWS, GRACE = 20, 5
 
@@ -14,32 +14,34 @@ def touching(*firsts):
     return rows >= np.array([ROWS if first is None else first for first in firsts])
 
 
-def test_first_contacts_by_hand():
-    """The first row, or the number of rows."""
-    assert first_contacts(touching(0, 7, None)).tolist() == [0, 7, ROWS]
+CONTACTS = {
+    "the same contacts do not disagree": ((4, 9), (4, 9), 0.0, (0.0, 0.0), {"both": 2}, ""),
+    "two periods late in one of two dives: 2 of the samples up to `GRACE` after the first contacts": (
+        *((4, 9), (6, 9), 2 / ((4 + 1 + GRACE) + (9 + 1 + GRACE)), (0.1, 0.2), {"both": 2}, ""),
+    ),
+    "an early contact: the same share, the opposite delay": ((6,), (4,), 0.2, (-0.2, 0.2), {"both": 1}, ""),
+    "a late contact": ((4,), (6,), 0.2, (0.2, 0.2), {"both": 1}, ""),
+    "one that never touches disagrees, and has no delay": (
+        *((4,), (None,), (1 + GRACE) / (4 + 1 + GRACE), (None, None), {"only_a": 1}),
+        "of 1 dives, 1 in the first alone touch the ground",
+    ),
+    "a dive that touches nothing is no disagreement, but no evidence either": (
+        *((None, 3), (None, 3), 0.0, (0.0, 0.0), {"both": 1, "neither": 1}, "1 in neither"),
+    ),
+}
 
 
-def test_the_same_contacts_do_not_disagree():
-    """No share, no delay, no note."""
-    contact = compare_contacts(touching(4, 9), touching(4, 9), 0.1)
-    assert (contact.disagreement, contact.mean_delay_s, contact.max_delay_s) == (0.0, 0.0, 0.0)
-    assert (contact.both, contact.note) == (2, "")
-
-
-def test_a_late_contact_by_hand():
-    """Two periods late in one of two dives: 2 of the samples up to `GRACE` after the first contacts."""
-    contact = compare_contacts(touching(4, 9), touching(6, 9), 0.1)
-    assert contact.disagreement == pytest.approx(2 / ((4 + 1 + GRACE) + (9 + 1 + GRACE)))
-    assert contact.mean_delay_s == pytest.approx(0.1)
-    assert contact.max_delay_s == pytest.approx(0.2)
-
-
-def test_an_early_contact_has_a_negative_delay():
-    """The other way round: same share, opposite delay."""
-    late, early = (compare_contacts(*pair, 0.1) for pair in ([touching(4), touching(6)], [touching(6), touching(4)]))
-    assert early.disagreement == late.disagreement
-    assert early.mean_delay_s == pytest.approx(-0.2)
-    assert early.max_delay_s == pytest.approx(0.2)
+@pytest.mark.parametrize(("one", "other", "share", "delays", "counts", "note"), CONTACTS.values(), ids=CONTACTS)
+def test_contacts_by_hand(one, other, share, delays, counts, note):
+    """The share in which they disagree, the mean and the largest delay, how many dives touch in which."""
+    contact = compare_contacts(touching(*one), touching(*other), 0.1)
+    assert contact.disagreement == pytest.approx(share)
+    found = (contact.mean_delay_s, contact.max_delay_s)
+    assert found == delays if None in delays else found == pytest.approx(delays)
+    dives = ("both", "only_a", "only_b", "neither")
+    assert {name: count for name in dives if (count := getattr(contact, name))} == counts
+    assert note in contact.note
+    assert bool(note) == bool(contact.note)
 
 
 def test_what_comes_after_does_not_count():
@@ -47,18 +49,3 @@ def test_what_comes_after_does_not_count():
     bouncing = touching(2)
     bouncing[2 + GRACE + 1 :] = False
     assert compare_contacts(touching(2), bouncing, 0.1).disagreement == 0.0
-
-
-def test_one_that_never_touches_is_told():
-    """Its dive counts as disagreement, and not for the delay."""
-    contact = compare_contacts(touching(4), touching(None), 0.1)
-    assert contact.disagreement == pytest.approx((1 + GRACE) / (4 + 1 + GRACE))
-    assert (contact.only_a, contact.mean_delay_s, contact.max_delay_s) == (1, None, None)
-    assert contact.note == "of 1 dives, 1 in the first alone touch the ground"
-
-
-def test_a_dive_that_touches_nothing_is_told():
-    """In neither of the two: no disagreement, but no evidence either."""
-    contact = compare_contacts(touching(None, 3), touching(None, 3), 0.1)
-    assert (contact.disagreement, contact.neither, contact.both) == (0.0, 1, 1)
-    assert "1 in neither" in contact.note

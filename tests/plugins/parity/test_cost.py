@@ -7,7 +7,7 @@ import pytest
 
 from harness_plugins.parity import performance
 from harness_plugins.parity.motions import smooth_motions
-from harness_plugins.parity.performance import Failure, Stopwatch, time_in_turns
+from harness_plugins.parity.performance import Stopwatch, time_in_turns
 
 TURNS, LONGEST_TURN = 8, 50
 
@@ -40,14 +40,6 @@ def test_simulators_take_turns(robot, toolbox, motion, monkeypatch):
     seconds = time_in_turns({"one": toolbox.ideal, "two": toolbox.late}, robot, motion, 0.1)
     assert turns == turns[:2] * TURNS
     assert all(0.0 < second < 1.0 for second in seconds.values())
-
-
-@pytest.mark.parametrize("call", ["reset", "drive", "close"])
-def test_a_failure_costs_its_simulator_alone(robot, toolbox, motion, call):
-    """Wherever it comes."""
-    seconds = time_in_turns({"bad": toolbox.raising(call), "good": toolbox.ideal}, robot, motion, 0.1)
-    assert seconds["bad"] == Failure("RuntimeError: the belt slipped")
-    assert isinstance(seconds["good"], float)
 
 
 def test_every_turn_is_the_same(robot, toolbox, motion):

@@ -31,10 +31,3 @@ def test_curves_by_hand(tracks):
     np.testing.assert_allclose(curves["max_tip_error_m"], [0.0, 5.0, 2.0])
     np.testing.assert_allclose(curves["mean_tip_error_m"], [0.0, 2.5, 1.5])
     np.testing.assert_allclose(curves["max_joint_error_rad"], [0.0, 0.0, 0.3])
-
-
-def test_there_and_back_is_the_same(tracks):
-    """A distance has no direction."""
-    there, back = drift_between(*tracks), drift_between(*tracks[::-1])
-    np.testing.assert_array_equal(there.tip, back.tip)
-    np.testing.assert_array_equal(there.joint, back.joint)

@@ -1,26 +1,18 @@
 """A parity in words and numbers."""
 
-import io
 import re
 from dataclasses import replace
 
 import pytest
-from rich.console import Console
 
-from harness_plugins.parity import Missing, parity_table
+from harness_plugins.parity import Missing
 from harness_plugins.parity.page import class_grid, pair_grids, response_grid, simulator_grid
 
 
-def printed(parity, width=4_000):
-    """What goes to a terminal of that width."""
-    console = Console(width=width, file=io.StringIO())
-    console.print(parity_table(parity))
-    return console.file.getvalue()
-
-
-def lines_of(parity):
-    """Its lines without blanks around them."""
-    return [line.strip() for line in printed(parity).splitlines()]
+@pytest.fixture(scope="module")
+def lines_of(printed):
+    """The lines that are printed, without blanks around them."""
+    return lambda parity: [line.strip() for line in printed(parity).splitlines()]
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +27,7 @@ def late(compare, toolbox):
     return compare(right=toolbox.ideal, off=toolbox.shifted_tip(1e-3), late=toolbox.late)
 
 
-def test_the_first_lines_say_what_was_compared(found):
+def test_the_first_lines_say_what_was_compared(found, lines_of):
     """All names, how much was driven, and the largest distances to the reference, in millimetres."""
     assert lines_of(found)[:4] == [
         "right / off / numb · fd100",
@@ -53,7 +45,7 @@ def test_the_first_lines_say_what_was_compared(found):
         ((None, None, None), "Independent engines: none. No engine: right, off, numb."),
     ],
 )
-def test_simulators_of_one_engine_are_one_vote(found, families, told):
+def test_simulators_of_one_engine_are_one_vote(found, families, told, lines_of):
     """Each engine with its simulators; those without an engine apart."""
     pairs = zip(found.simulators, families, strict=True)
     assert told in lines_of(replace(found, simulators=[replace(one, family=family) for one, family in pairs]))
@@ -79,14 +71,14 @@ def test_each_simulator_has_a_row(found):
     assert 0.0 < float(grid.rows[0][5]) < 100.0
 
 
-def test_one_simulator_is_nothing_to_compare(compare, toolbox):
+def test_one_simulator_is_nothing_to_compare(compare, toolbox, lines_of):
     """Its own errors are shown all the same."""
     alone = compare(one=toolbox.ideal)
     assert any(line.startswith("Nothing to compare") for line in lines_of(alone))
     assert (pair_grids(alone), len(simulator_grid(alone).rows)) == ([], 1)
 
 
-def test_failed_and_missing_are_told(compare, toolbox):
+def test_failed_and_missing_are_told(compare, toolbox, lines_of):
     """Why, and what to type; a reference that failed is said to have."""
     missing = [Missing("far", "away", "pip install far")]
     broken = compare(missing, bad=toolbox.closed, one=toolbox.ideal, two=toolbox.late)
@@ -96,7 +88,7 @@ def test_failed_and_missing_are_told(compare, toolbox):
     assert [grid.headings[0] for grid in pair_grids(broken)] == ["the others"]
 
 
-def test_without_dives_none_are_told(compare, toolbox, robot):
+def test_without_dives_none_are_told(compare, toolbox, robot, lines_of):
     """The reason is in a note, the share is n/a."""
     stiff = replace(robot, lower=robot.home - 0.05, upper=robot.home + 0.05)
     found = compare(arm=stiff, one=toolbox.ideal, two=toolbox.ideal)
@@ -106,7 +98,7 @@ def test_without_dives_none_are_told(compare, toolbox, robot):
     assert grid.notes[0] == "two: no part of the arm was found to get into the ground."
 
 
-def test_the_terminal_shows_it_all(found):
+def test_the_terminal_shows_it_all(found, printed):
     """In 80 columns, no value cut off."""
     text = printed(found, 80)
     for row in [row for grid in (*pair_grids(found), simulator_grid(found)) for row in grid.rows]:
@@ -114,7 +106,7 @@ def test_the_terminal_shows_it_all(found):
     assert "…" not in text
 
 
-def test_a_simulator_that_lacks_solids_is_named_with_them(found, compare, toolbox):
+def test_a_simulator_that_lacks_solids_is_named_with_them(found, compare, toolbox, lines_of, printed):
     """With the dives that each feels, and no explanation of where its joints are in them; else nothing is said."""
     told = "Dives that touch the ground: "
     (line,) = (line for line in lines_of(found) if line.startswith(told))
@@ -126,7 +118,7 @@ def test_a_simulator_that_lacks_solids_is_named_with_them(found, compare, toolbo
     assert told not in printed(compare(one=toolbox.ideal, two=toolbox.ideal))
 
 
-def test_every_class_is_a_row(late):
+def test_every_class_is_a_row(late, lines_of):
     """Of each pair with the reference; the others have both names. Each class is told in words."""
     rows = class_grid(late, list(late.pairs[:2])).rows
     classes = ("slow", "smooth", "fast", "singular", "contact")
