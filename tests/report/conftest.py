@@ -1,26 +1,24 @@
 """Small experiment folders, written without training anything: every reward in them is what its reward really pays."""
 
 import functools
+import re
 import shutil
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
-from io import BytesIO
-from pathlib import Path
-from typing import Any, TypeAlias
+from html import unescape
+from io import BytesIO, StringIO
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 from harness.errors import UsageError
 from harness.experiment import Plan
-from harness.log import Log
 from harness.record import COLUMN, EVALUATION, RANDOM, SCALARS, TRACE, Cell, Manifest, Store, TraceWriter, trace_of
 from harness.record.trace import FLAGS, INTEGERS
-from harness.registry import Choice, Registry, choose, load_registry
-from harness.results import Results, load_results
-from harness.score.compare import compare_logs
-from harness.score.open_steps import match_steps
-from harness.score.scorer import pay_log
+from harness.registry import Choice, choose, load_registry
+from harness.results import load_results
+from harness.score import compare_logs, match_steps, pay_log
 
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 WEBGL = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
@@ -38,16 +36,13 @@ ENVIRONMENT = {
 REACHED = (8, 9, 10)
 """Steps of the episodes of an evaluation that reach the target."""
 
-Build: TypeAlias = Callable[..., Results]
-Run: TypeAlias = tuple[int, int] | tuple[int, int, float]
-"""(dip, climb, scale): the baseline pays a run 0, then `dip` times -scale, then `climb` times (1 + 0.1 seed) scale."""
-Evaluation: TypeAlias = Callable[[int], Sequence[int]]
-
 
 STEPS = 40
 """Of a training, if no run is longer."""
-DIP_AND_CLIMB: Run = (9, 30)
-"""The mean accumulated baseline reward over seeds 0 to 2 is negative from step 1 to step 17, then positive."""
+DIP_AND_CLIMB = (9, 30)
+"""A run is (dip, climb, scale): its baseline rewards are 0, then `dip` times -scale, then `climb` (1 + 0.1 seed) scale.
+
+The mean accumulated baseline reward over seeds 0 to 2 is negative from step 1 to step 17, then positive."""
 
 
 @pytest.fixture(scope="session")
@@ -56,7 +51,7 @@ def build(tmp_path_factory):
 
     What was asked for before is copied, together with what the first report kept: each test has a folder of its own.
     """
-    written: dict[str, Path] = {}
+    written = {}
 
     def build_anew_or_copy(**given):
         folder = tmp_path_factory.mktemp("experiment")
@@ -86,21 +81,44 @@ def mixed(build):
     return load_results(results.folder)
 
 
+def printed(shown, width=80, **console):
+    """What goes to a terminal of that width: as into a pipe, unless `console` says otherwise."""
+    output = StringIO()
+    Console(file=output, width=width, **console).print(shown)
+    return output.getvalue()
+
+
+def squeezed(text):
+    """The text with its line breaks undone."""
+    return " ".join(text.split())
+
+
+def words_of(page):
+    """The visible words of a page's text."""
+    return squeezed(unescape(re.sub(r"(?s)<(style|script).*?</\1>|<[^>]*>", " ", page)))
+
+
+@pytest.fixture
+def one(build):
+    """The only comparison of an experiment as it is without further wishes."""
+    return build().combinations[0]
+
+
 def build_results(
-    folder: Path,
+    folder,
     *,
-    baseline: Run = DIP_AND_CLIMB,
-    proposed: Mapping[str, Run] = {"arp": DIP_AND_CLIMB},
-    seeds: int = 3,
-    simulators: tuple[str, ...] = ("mujoco",),
-    ended: Mapping[tuple[str, int], tuple[str, str]] = {},
-    environment: dict[str, Any] = ENVIRONMENT,
-    reached: Mapping[str | tuple[str, str], Evaluation] = {},
-    engines: Mapping[str, str | None] = {},
-    a_a: bool = False,
-    deterministic: bool = True,
-    learned: Mapping[int, int] = {},
-) -> Results:
+    baseline=DIP_AND_CLIMB,
+    proposed: Mapping = {"arp": DIP_AND_CLIMB},
+    seeds=3,
+    simulators=("mujoco",),
+    ended: Mapping = {},
+    environment=ENVIRONMENT,
+    reached: Mapping = {},
+    engines: Mapping = {},
+    a_a=False,
+    deterministic=True,
+    learned: Mapping = {},
+):
     """An experiment of `seeds` runs per reward.
 
     Args:
@@ -141,18 +159,18 @@ def build_results(
     return load_results(folder)
 
 
-def _cell(simulator: str, reward: str, seed: int, **manner: Any) -> Cell:
+def _cell(simulator, reward, seed, **manner):
     sim, task, algorithm = (Choice(name, (), name) for name in (simulator, "fd100-reach", "sac"))
     return Cell(sim, "fd100", task, algorithm, _reward(reward), seed, evaluation_episodes=4, **manner)
 
 
 @functools.cache
-def _plugins() -> Registry:
+def _plugins():
     """Loaded once: it takes as long as all the rest of a test."""
     return load_registry()
 
 
-def _reward(label: str) -> Choice:
+def _reward(label):
     """The reward of that label; if there is none, a choice that no registry knows."""
     try:
         return choose(_plugins(), "rewards", label)
@@ -160,9 +178,7 @@ def _reward(label: str) -> Choice:
         return Choice(label, (), label)
 
 
-def _write_done(
-    store: Store, cell: Cell, distances: np.ndarray, reached: Sequence[int], environment: dict[str, Any]
-) -> None:
+def _write_done(store, cell, distances, reached, environment):
     folder = store.cell_folder(cell)
     folder.mkdir(parents=True, exist_ok=True)
     _write_trace(folder / TRACE, [_episode(distances, "truncated")], cell.reward)
@@ -175,31 +191,31 @@ def _write_done(
     Manifest(cell, status="done", started=started, seconds=12.5, environment=environment).write(folder)
 
 
-def _write_learned(store: Store, cell: Cell, steps: int, reached: int) -> None:
+def _write_learned(store, cell, steps, reached):
     """An evaluation during training."""
     folder = store.cell_folder(cell) / "evaluations"
     folder.mkdir(parents=True, exist_ok=True)
     _write_trace(folder / f"{steps}.parquet", _evaluation([9] * reached), cell.reward)
 
 
-def _evaluation(reached: Sequence[int]) -> list[np.ndarray]:
+def _evaluation(reached):
     """Four episodes, of which some reach the target after these steps."""
     missed = [_episode(_approach(20), "truncated") for _ in range(4 - len(reached))]
     return [*(_episode(_approach(steps), "reached") for steps in reached), *missed]
 
 
-def _distances(run: Run, seed: int) -> np.ndarray:
+def _distances(run, seed):
     """The arm goes away from its target, then comes nearer than it began and stays there, (1 + dip + climb,)."""
     dip, climb, *scale = run
     return (scale[0] if scale else 1.0) * np.array([2.0] + dip * [3.0] + climb * [1.0 - 0.1 * seed])
 
 
-def _approach(steps: int) -> np.ndarray:
+def _approach(steps):
     """Straight to the target, (steps + 1,)."""
     return np.linspace(1.0, 0.04, steps + 1)
 
 
-def _episode(distances: np.ndarray, end: str) -> np.ndarray:
+def _episode(distances, end):
     """Rows of an episode, the columns that follow from its distances filled in."""
     rows = np.zeros((len(distances), len(SCALARS) + 2))
     best = np.minimum.accumulate(distances)
@@ -218,7 +234,7 @@ def _episode(distances: np.ndarray, end: str) -> np.ndarray:
     return rows
 
 
-def _write_trace(path: Path, episodes: Sequence[np.ndarray], paid: Choice | None = None) -> None:
+def _write_trace(path, episodes, paid=None):
     """A trace of these episodes, its rewards as `paid` pays them; one that nobody knows pays as the baseline."""
     for number, rows in enumerate(episodes):
         rows[:, COLUMN["episode"]] = number
@@ -231,7 +247,7 @@ def _write_trace(path: Path, episodes: Sequence[np.ndarray], paid: Choice | None
 
 
 @functools.lru_cache(maxsize=512)
-def _parquet(rows: bytes, shape: tuple[int, int]) -> bytes:
+def _parquet(rows, shape):
     """The content of a trace's file, written once: most experiments here have the same runs."""
     with BytesIO() as file:
         with TraceWriter(file, dof=1, action_size=1) as writer:  # Arrow writes into a file as it does to a path
@@ -239,7 +255,7 @@ def _parquet(rows: bytes, shape: tuple[int, int]) -> bytes:
         return file.getvalue()
 
 
-def _trace(rows: np.ndarray) -> Log:
+def _trace(rows):
     """The rows as a trace in memory, whole numbers and flags among them as such."""
     types = {**dict.fromkeys(SCALARS, float), **dict.fromkeys(INTEGERS, int), **dict.fromkeys(FLAGS, bool)}
     return trace_of({name: rows[:, COLUMN[name]].astype(types[name]) for name in SCALARS})
@@ -286,7 +302,7 @@ def driver():
 @pytest.fixture(scope="module")
 def launch(driver):
     """Starts the browser with some flags, once for the same flags."""
-    started: dict[tuple[str, ...], Any] = {}
+    started = {}
 
     def start(*flags):
         if flags not in started:

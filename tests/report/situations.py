@@ -6,12 +6,12 @@ changed there: none may be false, and none may have to be reconciled with the nu
 
 import math
 import textwrap
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from harness.eta import TRAINING, Change, Quantity, change_of, swaps_of
+from harness.eta import TRAINING, Quantity, change_of, swaps_of
 from harness.record import Terms
 from harness.registry import Choice
 from harness.report.page.answer import card_of, pool_card
@@ -54,20 +54,18 @@ class Situation:
     fields: Mapping[str, object] = field(default_factory=dict)
 
 
-def around(mean: float, width: float, count: int, order: int = 0) -> Trainings:
+def around(mean, width, count, order=0):
     """Values about a mean, as many above it as below, in one of many orders."""
     values = np.random.default_rng([order, count]).permutation(np.linspace(-1.0, 1.0, count))
     return (mean + width * values).round(4).tolist()
 
 
-def timed(success: Trainings, quick: float) -> Trainings:
+def timed(success, quick):
     """The time to the target where a success takes so long, and a failure counts the horizon."""
     return [round(share * quick + (1.0 - share) * HORIZON, 4) for share in success]
 
 
-def arm(
-    baseline: Trainings, proposed: Trainings, quick: Sides | tuple[float, float], speed: Sides
-) -> Mapping[Quantity, Sides]:
+def arm(baseline, proposed, speed, quick=(1.0, 1.0)):
     """What is measured of an arm: success, the time to the target, success while training."""
     times = tuple(
         timed(side, of) if isinstance(of, float) else of for side, of in zip((baseline, proposed), quick, strict=True)
@@ -75,15 +73,20 @@ def arm(
     return {SUCCESS: (baseline, proposed), TIME: times, SPEED: speed}
 
 
-def alike(count: int, other: int | None = None) -> Sides:
+def alone(*measured):
+    """The same in one place."""
+    return {"mujoco": arm(*measured)}
+
+
+def alike(count, other=None):
     """Success while training that shows nothing."""
     return around(0.52, 0.08, count, 1), around(0.514, 0.07, other or count, 2)
 
 
-def in_looks(complete: int, ends: Sequence[int]) -> Callable:
+def in_looks(complete, ends):
     """So many looks are complete, each with so many seeds."""
 
-    def looks(comparison: Comparison) -> tuple[Mapping[int, int], int]:
+    def looks(comparison):
         return {seed: sum(seed >= end for end in ends) for seed in comparison.seeds}, complete
 
     return looks
@@ -97,16 +100,14 @@ THREE_FAILED = (0.98, 0.21, 0.97, 0.99, 0.05, 0.96, 0.98, 1.0, 0.33, 0.97)
 MIDDLE = (0.71, 0.62, 0.80, 0.55, 0.74, 0.68, 0.59, 0.77, 0.65, 0.70)
 
 SITUATIONS = (
-    Situation(
-        "a clear help", {"mujoco": arm(MIDDLE, STEADY, (1.2, 1.0), (around(0.45, 0.06, 10), around(0.55, 0.06, 10)))}
-    ),
+    Situation("a clear help", alone(MIDDLE, STEADY, (around(0.45, 0.06, 10), around(0.55, 0.06, 10)), (1.2, 1.0))),
     Situation(
         "a help by little: the time falls from 2.01 to 1.90 s",
-        {"mujoco": arm(GOOD, GOOD, (around(2.01, 0.03, 10), around(1.90, 0.03, 10)), alike(10))},
+        alone(GOOD, GOOD, alike(10), (around(2.01, 0.03, 10), around(1.90, 0.03, 10))),
     ),
     Situation(
         "a hurt: more than half of the trainings fail",
-        {"mujoco": arm(GOOD, around(0.36, 0.3, 10), (1.0, 1.0), alike(10))},
+        alone(GOOD, around(0.36, 0.3, 10), alike(10)),
     ),
     Situation(
         "decided, with an interval that holds 0: every training a little worse",
@@ -114,73 +115,57 @@ SITUATIONS = (
     ),
     Situation(
         "learns faster only",
-        {"mujoco": arm(GOOD, GOOD[::-1], (1.0, 1.0), (around(0.42, 0.06, 10), around(0.61, 0.06, 10)))},
+        alone(GOOD, GOOD[::-1], (around(0.42, 0.06, 10), around(0.61, 0.06, 10))),
     ),
     Situation(
         "learns faster, but ends worse",
-        {"mujoco": arm(STEADY, MIDDLE, (1.0, 1.0), (around(0.42, 0.06, 10), around(0.61, 0.06, 10)))},
+        alone(STEADY, MIDDLE, (around(0.42, 0.06, 10), around(0.61, 0.06, 10))),
     ),
     Situation(
         "two places, 30 points up and 30 points down",
         {
-            "mujoco": arm(around(0.6, 0.06, 10), around(0.9, 0.06, 10), (1.0, 0.8), alike(10)),
-            "pybullet": arm(around(0.9, 0.06, 10), around(0.6, 0.06, 10), (2.0, 1.0), alike(10)),
+            "mujoco": arm(around(0.6, 0.06, 10), around(0.9, 0.06, 10), alike(10), (1.0, 0.8)),
+            "pybullet": arm(around(0.9, 0.06, 10), around(0.6, 0.06, 10), alike(10), (2.0, 1.0)),
         },
     ),
     Situation(
         "eight places, better in three of them",
         {
-            f"place {at}": arm(
-                around(0.7, 0.08, 8), around(0.95 if at < 3 else 0.7, 0.05, 8)[::-1], (1.0, 1.0), alike(8)
-            )
+            f"place {at}": arm(around(0.7, 0.08, 8), around(0.95 if at < 3 else 0.7, 0.05, 8)[::-1], alike(8))
             for at in range(8)
         },
     ),
     Situation(
         "no difference, with a spread",
-        {
-            "mujoco": arm(
-                around(0.93, 0.05, 80),
-                around(0.934, 0.05, 80, 3),
-                (1.0, 1.0),
-                (around(0.5, 0.05, 80), around(0.503, 0.05, 80, 5)),
-            )
-        },
+        alone(around(0.93, 0.05, 80), around(0.934, 0.05, 80, 3), (around(0.5, 0.05, 80), around(0.503, 0.05, 80, 5))),
     ),
-    Situation("perfect trainings of both, 6 seeds", {"mujoco": arm(PERFECT, PERFECT, (1.0, 1.0), alike(6))}),
+    Situation("perfect trainings of both, 6 seeds", alone(PERFECT, PERFECT, alike(6))),
     Situation(
         "perfect trainings of both, 60 seeds",
-        {"mujoco": arm(PERFECT * 10, PERFECT * 10, (1.0, 1.0), (around(0.5, 0.05, 60),) * 2)},
+        alone(PERFECT * 10, PERFECT * 10, (around(0.5, 0.05, 60),) * 2),
     ),
     Situation(
         "neither learns, 60 seeds",
-        {
-            "mujoco": arm(
-                (0.0, 0.02, 0.0) * 20,
-                (0.01, 0.0, 0.02) * 20,
-                (1.0, 1.0),
-                ((0.0, 0.01, 0.0) * 20, (0.01, 0.0, 0.0) * 20),
-            )
-        },
+        alone((0.0, 0.02, 0.0) * 20, (0.01, 0.0, 0.02) * 20, ((0.0, 0.01, 0.0) * 20, (0.01, 0.0, 0.0) * 20)),
     ),
     Situation(
         "success from 1 to 5%",
-        {"mujoco": arm((0.0, 0.01, 0.02, 0.01), (0.05, 0.04, 0.06, 0.05), (1.0, 1.0), ((0.0, 0.01, 0.0, 0.0),) * 2)},
+        alone((0.0, 0.01, 0.02, 0.01), (0.05, 0.04, 0.06, 0.05), ((0.0, 0.01, 0.0, 0.0),) * 2),
     ),
-    Situation("0 of 10 trainings learned", {"mujoco": arm((0.0,) * 10, (0.0,) * 10, (1.0, 1.0), ((0.0,) * 10,) * 2)}),
-    Situation("1 of 10 trainings learned", {"mujoco": arm((0.0,) * 10, LEARNED_ONE, (1.0, 1.0), ((0.0,) * 10,) * 2)}),
-    Situation("10 trainings against 5", {"mujoco": arm(MIDDLE, STEADY[:5], (1.2, 1.0), alike(10, 5))}),
-    Situation("an unfinished plan", {"mujoco": arm(MIDDLE[:7], STEADY[:7], (1.2, 1.0), alike(7))}, to_come=12),
-    Situation("3 of 10 trainings failed against 0 of 10", {"mujoco": arm(THREE_FAILED, GOOD, (1.0, 1.0), alike(10))}),
+    Situation("0 of 10 trainings learned", alone((0.0,) * 10, (0.0,) * 10, ((0.0,) * 10,) * 2)),
+    Situation("1 of 10 trainings learned", alone((0.0,) * 10, LEARNED_ONE, ((0.0,) * 10,) * 2)),
+    Situation("10 trainings against 5", alone(MIDDLE, STEADY[:5], alike(10, 5), (1.2, 1.0))),
+    Situation("an unfinished plan", alone(MIDDLE[:7], STEADY[:7], alike(7), (1.2, 1.0)), to_come=12),
+    Situation("3 of 10 trainings failed against 0 of 10", alone(THREE_FAILED, GOOD, alike(10))),
     Situation(
         "a p that was raised: one reward is steady, the other succeeds always or never",
-        {"mujoco": arm(around(0.84, 0.04, 6), PERFECT, (1.0, 1.0), alike(6))},
+        alone(around(0.84, 0.04, 6), PERFECT, alike(6)),
     ),
-    Situation("2 seeds", {"mujoco": arm((0.4, 0.5), (0.9, 0.95), (1.0, 1.0), alike(2))}),
-    Situation("3 seeds", {"mujoco": arm((0.4, 0.5, 0.45), (0.9, 0.95, 1.0), (1.0, 1.0), alike(3))}),
+    Situation("2 seeds", alone((0.4, 0.5), (0.9, 0.95), alike(2))),
+    Situation("3 seeds", alone((0.4, 0.5, 0.45), (0.9, 0.95, 1.0), alike(3))),
     Situation(
         "nothing differs, and nobody knows",
-        {"mujoco": arm(MIDDLE, (0.66, 0.75, 0.58, 0.72, 0.61, 0.81, 0.69, 0.57, 0.79, 0.73), (1.0, 1.0), alike(10))},
+        alone(MIDDLE, (0.66, 0.75, 0.58, 0.72, 0.61, 0.81, 0.69, 0.57, 0.79, 0.73), alike(10)),
     ),
     Situation(
         "a measure of an environment that is no share: lower is better, and below 0",
@@ -189,31 +174,31 @@ SITUATIONS = (
     ),
     Situation(
         "the same steps, bit for bit",
-        {"mujoco": arm(GOOD[:3], GOOD[:3], (1.0, 1.0), (around(0.5, 0.05, 3),) * 2)},
+        alone(GOOD[:3], GOOD[:3], (around(0.5, 0.05, 3),) * 2),
         fields={"same_steps": True},
     ),
     Situation(
         "until decided: the difference is small",
-        {"mujoco": arm(around(0.9, 0.05, 32), around(0.907, 0.05, 32, 4), (1.0, 1.0), alike(32))},
+        alone(around(0.9, 0.05, 32), around(0.907, 0.05, 32, 4), alike(32)),
         terms=Terms((6, 8, 12, 16, 24, 32), margin=0.1),
         look_of=in_looks(6, (6, 8, 12, 16, 24, 32)),
     ),
     Situation(
         "a race for the best reward",
-        {"mujoco": arm(MIDDLE, GOOD, (1.2, 1.0), alike(10))},
+        alone(MIDDLE, GOOD, alike(10), (1.2, 1.0)),
         terms=Terms((4, 6, 8), race=True),
         look_of=in_looks(2, (4, 6, 8)),
     ),
 )
 
 
-def judged(situation: Situation) -> tuple[Comparison, ...]:
+def judged(situation):
     """The comparisons of a situation, with their answers."""
     found = [_comparison(place, measures, situation) for place, measures in situation.places.items()]
     return with_verdicts(found, situation.terms, situation.look_of, situation.to_come)
 
 
-def _comparison(place: str, measures: Mapping[Quantity, Sides], situation: Situation) -> Comparison:
+def _comparison(place, measures, situation):
     changes = tuple(_change(measure, sides) for measure, sides in measures.items())
     trained = tuple(tuple(range(count)) for count in changes[0].counts)
     simulator = Choice(place, (), place) if place else None
@@ -224,15 +209,15 @@ def _comparison(place: str, measures: Mapping[Quantity, Sides], situation: Situa
     return Comparison(group, "baseline", "dense", shared, trained, measured)
 
 
-def _change(measure: Quantity, sides: Sides) -> Change:
+def _change(measure, sides):
     one, other = (dict(enumerate(side)) for side in sides)
     return change_of(measure, one, other, swaps_of(range(min(len(one), len(other)))))
 
 
-def told(situation: Situation) -> str:
+def told(situation):
     """All sentences of a situation."""
     comparisons = judged(situation)
-    pool, blocks = comparisons[0].answer.pool, list[str]()
+    pool, blocks = comparisons[0].answer.pool, []
     if pool is not None:
         blocks.append(_block("over all places", pool.headline.answer.value, "", pool.headline.robot, pool_card(pool)))
     shown = comparisons if len(comparisons) < 3 else (comparisons[0], comparisons[-1])
@@ -244,7 +229,7 @@ def told(situation: Situation) -> str:
     return "\n".join([f"## {situation.title}", *blocks])
 
 
-def _block(title: str, answer: str, decider: str, sentence: str, card) -> str:
+def _block(title, answer, decider, sentence, card):
     rows = "; ".join(f"{row.name}{row.note and f' [{row.note}]'} {row.value}" for row in card.rows)
     lines = [
         *([f"[{title}]"] if title else []),
@@ -260,16 +245,16 @@ def _block(title: str, answer: str, decider: str, sentence: str, card) -> str:
     return "\n".join([*lines, ""])
 
 
-def _wrapped(name: str, text: str) -> list[str]:
+def _wrapped(name, text):
     return textwrap.wrap(text, WIDTH, initial_indent=f"{name:>8}: ", subsequent_indent=" " * 10) if text else []
 
 
-def whole_text() -> str:
+def whole_text():
     """All situations, one below the other."""
     return "\n".join(_lines())
 
 
-def _lines() -> Iterator[str]:
+def _lines():
     yield "Constructed situations and every sentence of them; python -m tests.report.situations writes this file.\n"
     yield from map(told, SITUATIONS)
 

@@ -195,7 +195,7 @@ def test_files_can_be_saved(show, matrix, tmp_path, name):
     with page.expect_download() as download:
         page.get_by_role("button", name=name).click()
     download.value.save_as(tmp_path / name)
-    text = (tmp_path / name).read_text(encoding="utf-8")
+    text = (tmp_path / name).read_text()
     found = list(csv.DictReader(text.splitlines())) if name.endswith("csv") else json.loads(text)["combinations"]
     assert len(found) == 24
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import harness
-from harness_plugins.watch.watch import Pages, address_of, open_server
+from harness_plugins.watch.watch import Pages, open_server
 from tests.recorder.conftest import Counting
 
 pytestmark = pytest.mark.slow
@@ -33,7 +33,7 @@ def address(env, tmp_path):
     with open_server(Pages(tmp_path / "runs"), 0) as server:
         thread = threading.Thread(target=server.serve_forever)
         thread.start()
-        yield address_of(server)
+        yield f"http://127.0.0.1:{server.server_port}/"
         server.shutdown()
         thread.join()
 

@@ -5,11 +5,9 @@ The toy pays for large actions. Its policies have not learned, and act near 0.
 
 import json
 from dataclasses import replace
-from io import StringIO
 from pathlib import Path
 
 import pytest
-from rich.console import Console
 
 from harness.eta import Ruling
 from harness.executor import CellOptions
@@ -18,8 +16,9 @@ from harness.experiment.run_cell import run_cell
 from harness.record import Store, read_recording
 from harness.registry import load_registry, read_given
 from harness.report import comparison_table, overview_table, race_told, report_text, write_html
-from harness.results import Results, load_results
+from harness.results import load_results
 from harness_plugins.committed import write_summary
+from tests.report.conftest import printed, squeezed
 
 SWING = Path(__file__).parents[1] / "experiment" / "environments" / "swing.py"
 TOLD = "large was not maximised: it pays random actions more than the policies of all 5 trainings"
@@ -30,7 +29,7 @@ def _results(tmp_path_factory):
     return _done(tmp_path_factory.mktemp("swing"), seeds=5)
 
 
-def _done(folder: Path, **keys: object) -> Results:
+def _done(folder, **keys):
     """Trainings that are over before the first update."""
     given = read_given([SWING])
     algo = "sac-fast:net_arch=4,learning_starts=16,batch_size=4"
@@ -40,10 +39,6 @@ def _done(folder: Path, **keys: object) -> Results:
     for cell in plan.cells:
         assert run_cell(cell, store.cell_folder(cell), lambda word: None, CellOptions(plugins=given)).status == "done"
     return load_results(store.folder, plugins=[SWING])
-
-
-def _words(text: str) -> str:
-    return " ".join(text.split())
 
 
 def test_what_is_paid_is_what_was_recorded(results):
@@ -66,15 +61,13 @@ def test_json_says_it(results):
 @pytest.mark.parametrize("table", [lambda results: overview_table(results, "more"), comparison_table])
 def test_the_terminal_says_it(results, table):
     """At a glance, and with all details."""
-    output = StringIO()
-    Console(file=output, width=80).print(table(results))
-    assert _words(output.getvalue()).count(TOLD) == 1
+    assert squeezed(printed(table(results))).count(TOLD) == 1
 
 
 def test_page_and_summary_say_it(results, tmp_path):
     """Beside the answer."""
     write_html(results, tmp_path / "report.html")
-    assert TOLD in _words((tmp_path / "report.html").read_text())
+    assert TOLD in squeezed((tmp_path / "report.html").read_text())
     write_summary(results, tmp_path / "summary")
     assert TOLD in (tmp_path / "summary" / "summary.md").read_text()
 

@@ -12,7 +12,7 @@ CLAIM = re.compile(r"\b(better|worse|helps|hurts|faster|slower|slowly)\b")
 
 def test_the_sentences_are_those_that_were_read():
     """After a change: python -m tests.report.situations > tests/report/situations.txt, and read what changed."""
-    assert whole_text() + "\n" == REVIEWED.read_text(encoding="utf-8")
+    assert whole_text() + "\n" == REVIEWED.read_text()
 
 
 def test_every_answer_has_a_situation():

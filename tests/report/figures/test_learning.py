@@ -22,8 +22,10 @@ def _bands(chart):
 
 
 def test_curves_pass_through_the_means(learning):
-    """In the report's colours."""
-    curves = _named(draw_learning(learning, "success_rate"))
+    """In the report's colours; shares as percentages."""
+    chart = draw_learning(learning, "success_rate")
+    assert [text for _, text in chart.y.ticks] == ["0%", "25%", "50%", "75%", "100%"]
+    curves = _named(chart)
     assert (curves["baseline"].x, curves["baseline"].y) == ([10, 20, 40], [0.25, 0.5, 0.75])
     assert (curves["arp"].x, curves["arp"].y) == ([10, 20, 40], [0.5, 0.75, 0.75])
     assert [curves[name].colour for name in ("baseline", "arp")] == ["baseline", "proposed"]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from harness.eta import Kind, curve_of
+from harness.eta import curve_of
 from harness.report.figures.accumulated import regions_of
 from harness.report.figures.panel import panel_of
 
@@ -12,14 +12,14 @@ OMEGA_1, OMEGA_2 = "Ω₁", "Ω₂"
 VALUES = st.lists(st.integers(-9, 9).map(float), min_size=2, max_size=40)
 
 
-def panel(curve: list[float], kind: Kind = "accumulated"):
+def panel(curve, kind="accumulated"):
     """One run whose curve this is."""
     rewards = np.array(curve) if kind == "per-step" else np.diff(curve, prepend=0.0)
     whole = curve_of([rewards], kind)
     return panel_of("Baseline", "baseline", whole, whole.index, (0,))
 
 
-def regions(curve: list[float], kind: Kind = "accumulated"):
+def regions(curve, kind="accumulated"):
     """The regions by name."""
     return {region.name: region for region in regions_of(panel(curve, kind))}
 

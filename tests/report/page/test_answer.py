@@ -63,10 +63,9 @@ def test_the_differences_stand_before_the_answer(helped):
     assert card.seen.endswith(" 0 of 6 trainings failed with either reward.")
 
 
-def test_a_card_without_an_answer_says_why_and_what_would_tell(build):
+def test_a_card_without_an_answer_says_why_and_what_would_tell(one):
     """And no measure decides."""
-    (combination,) = build().combinations
-    card = card_of(combination, "arp")
+    card = card_of(one, "arp")
     assert card.sure.startswith("Fewer than 4 of each reward cannot show anything. If the difference is 5 points of ")
     assert card.sure.endswith(" of each reward would tell.")
     assert {row.note for row in card.rows if not row.kind} == {""}
@@ -88,11 +87,10 @@ def test_a_bar_that_misses_the_line_without_an_answer_has_its_reason(helped):
     assert "but 2 questions were asked together, " in card_of(asked, "arp").sure
 
 
-def test_only_what_a_test_decided_is_coloured(build, helped):
+def test_only_what_a_test_decided_is_coloured(helped, one):
     """Green or red is a claim."""
     assert 'class="dot better"' in card_of(helped, "arp").rows[0].figure
-    (open_one,) = build().combinations
-    assert not re.search("better|worse", "".join(row.figure for row in card_of(open_one, "arp").rows))
+    assert not re.search("better|worse", "".join(row.figure for row in card_of(one, "arp").rows))
 
 
 def test_parts_of_the_pay_have_their_colours(build):

@@ -14,7 +14,7 @@ def read_page(comparison, path):
     """The page, written and read."""
     pytest.importorskip("jinja2")
     write_eta_page(comparison, path)
-    return path.read_text(encoding="utf-8")
+    return path.read_text()
 
 
 def test_every_run_and_both_means_are_drawn(compare):

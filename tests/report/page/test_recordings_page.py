@@ -1,19 +1,18 @@
 import re
-from html import unescape
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from harness.report import write_html
 from harness.results import load_results
+from tests.report.conftest import words_of
 from tests.results.recordings.conftest import PAYS, record
 
 pytest.importorskip("jinja2")
 ROBOT_WORDS = ("robot", "simulator", "FD100", "end effector", "ground", "shaped", "Fig.")
 
 
-def pages(folder: Path, rewards: int, **facts) -> tuple[str, str]:
+def pages(folder, rewards, **facts):
     """A page on so many rewards, and its visible words."""
     pays = {**PAYS, "loss": lambda arm: arm - 2.0, "tiny": lambda arm: arm / 1e3}
     for reward in list(pays)[:rewards]:
@@ -21,9 +20,8 @@ def pages(folder: Path, rewards: int, **facts) -> tuple[str, str]:
             arms = np.linspace(0.0, 1.0, 10) + 0.01 * seed
             record(folder / f"{reward}-{seed}", reward, seed, arms, pays=pays, **facts)
     write_html(load_results(folder), folder / "page.html")
-    page = (folder / "page.html").read_text(encoding="utf-8")
-    words = re.sub(r"(?s)<(style|script).*?</\1>|<[^>]*>", " ", page)
-    return page, " ".join(unescape(words).split())
+    page = (folder / "page.html").read_text()
+    return page, words_of(page)
 
 
 @pytest.fixture(scope="module")
@@ -99,14 +97,14 @@ def test_names_are_text(tmp_path):
     for reward in pays:
         record(tmp_path / str(len(reward)), reward, 0, [0.1, 0.2], pays=pays)
     write_html(load_results(tmp_path), tmp_path / "page.html")
-    assert odd not in (tmp_path / "page.html").read_text(encoding="utf-8").replace("&lt;b&gt;&amp;amp;[red]", "")
+    assert odd not in (tmp_path / "page.html").read_text().replace("&lt;b&gt;&amp;amp;[red]", "")
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("width", "scheme"), [(1440, "light"), (390, "dark")])
 def test_the_page_fits_and_keeps_nobody_out(of_four, show, barriers, tmp_path, width, scheme):
     """In a browser: it complains of nothing, nothing is wider than the window, axe finds nothing serious."""
-    (tmp_path / "page.html").write_text(of_four[0], encoding="utf-8")
+    (tmp_path / "page.html").write_text(of_four[0])
     page = show((tmp_path / "page.html").as_uri(), width, scheme)
     page.evaluate("for (const part of document.querySelectorAll('details')) part.open = true")
     assert page.complaints == []

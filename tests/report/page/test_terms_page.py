@@ -1,25 +1,23 @@
 """Terms, and a reward that stands alone, on the page."""
 
 import re
-from html import unescape
-from pathlib import Path
 
 import pytest
 
 from harness.report import write_html
 from harness.results import load_results
+from tests.report.conftest import words_of
 from tests.results.gentle import GENTLE, run_gentle
 
 pytest.importorskip("jinja2")
 
 
-def _page(folder: Path, **given) -> tuple[str, str]:
+def _page(folder, **given):
     """The page, and its visible words."""
     run = run_gentle(folder, reward=["gentle"], **given)
     write_html(load_results(run, plugins=[folder / GENTLE]), folder / "page.html")
-    page = (folder / "page.html").read_text(encoding="utf-8")
-    words = re.sub(r"(?s)<(style|script).*?</\1>|<[^>]*>", " ", page)
-    return page, " ".join(unescape(words).split())
+    page = (folder / "page.html").read_text()
+    return page, words_of(page)
 
 
 @pytest.fixture(scope="module")
@@ -93,7 +91,7 @@ def test_no_link_leads_nowhere(alone, compared):
 def test_the_pages_fit_and_keep_nobody_out(alone, compared, show, barriers, tmp_path, width, scheme):
     """In a browser: they complain of nothing, nothing is wider than the window, axe finds nothing serious."""
     for name, (text, _) in (("alone", alone), ("compared", compared)):
-        (tmp_path / f"{name}.html").write_text(text, encoding="utf-8")
+        (tmp_path / f"{name}.html").write_text(text)
         page = show((tmp_path / f"{name}.html").as_uri(), width, scheme)
         page.evaluate("for (const part of document.querySelectorAll('details')) part.open = true")
         assert page.complaints == []

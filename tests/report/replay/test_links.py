@@ -42,7 +42,7 @@ def links(show):
     return EpisodeLinks(2, show)
 
 
-def change(name: str, unit: str, baseline: float | None, proposed: float | None) -> Change:
+def change(name, unit, baseline, proposed):
     """A measure and its means."""
     return Change(Quantity(name, unit, "lower", "deterministic"), baseline, proposed, None, 1)
 

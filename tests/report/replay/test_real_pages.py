@@ -2,8 +2,6 @@
 
 import json
 import re
-from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -19,7 +17,7 @@ SCREEN = 900
 """Height of the window, [px]."""
 
 
-def page_of(out: Path, **settings: Any) -> Path:
+def page_of(out, **settings):
     """Train, and write the page."""
     harness.run(**settings, evaluation_episodes=10, evaluate_every=100, out=out)
     write_html(load_results(out), out / "page.html")
@@ -32,10 +30,10 @@ def matrix(tmp_path_factory):
     return page_of(tmp_path_factory.mktemp("matrix"), **MATRIX)
 
 
-def shows_in(page: Path) -> list[dict[str, Any]]:
+def shows_in(page):
     """What the replay of a page shows."""
-    (data,) = re.findall(r'<script type="application/json">(.*?)</script>', page.read_text(encoding="utf-8"), re.DOTALL)
-    shows: list[dict[str, Any]] = json.loads(data)["shows"]
+    (data,) = re.findall(r'<script type="application/json">(.*?)</script>', page.read_text(), re.DOTALL)
+    shows = json.loads(data)["shows"]
     return shows
 
 
@@ -56,7 +54,7 @@ def test_page_of_6_cells_is_small(tmp_path):
 
 def test_page_of_24_comparisons_is_short_and_soon_seen(show, matrix):
     """8 screens before anything is unfolded; painted within a second, one time of twelve on a busy machine."""
-    painted, times = "performance.getEntriesByName('first-contentful-paint')", list[float]()
+    painted, times = "performance.getEntriesByName('first-contentful-paint')", []
     while len(times) < 12 and min(times, default=1_000.0) >= 1_000.0:
         page = show(matrix.as_uri())
         assert page.evaluate("document.documentElement.scrollHeight") <= 8 * SCREEN

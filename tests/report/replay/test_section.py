@@ -93,7 +93,7 @@ def test_there_is_no_replay_of_nothing():
 def test_the_report_holds_the_replay(recorded, tmp_path):
     """Its section, its data and its script."""
     write_html(recorded, tmp_path / "page.html")
-    page = (tmp_path / "page.html").read_text(encoding="utf-8")
+    page = (tmp_path / "page.html").read_text()
     assert 'id="replay-player"' in page
     assert "Plays recorded joint positions" in page
 

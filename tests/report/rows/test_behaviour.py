@@ -3,7 +3,6 @@
 from dataclasses import replace
 
 from harness.report import along_grid, behaviour_grids
-from harness.report.rows.behaviour import behaviour_row
 
 
 def only(results):
@@ -22,9 +21,9 @@ def rows_of(combination):
     return behaviour_grids(combination)[0].rows
 
 
-def test_behaviour_of_random_actions_stands_beside(build):
+def test_behaviour_of_random_actions_stands_beside(one):
     """Shares are percentages, lengths have three digits, and random actions are the floor; success comes first."""
-    rows = rows_of(only(build()))
+    rows = rows_of(one)
     assert rows[0][:3] == ("success rate", "75.0%", "75.0%")
     assert rows[0][4:] == ("0.0%", "higher", "1.000", "")
     assert ("final distance [m]", "0.0400", "0.0400", "[0.00, 0.00]", "0.900", "lower", "1.000", "") in rows
@@ -41,9 +40,9 @@ def test_result_needs_a_test_that_says_so(build):
     assert rows["steps to target"] == ("0.062", "")
 
 
-def test_interval_of_a_share_is_in_percentage_points(build):
+def test_interval_of_a_share_is_in_percentage_points(one):
     """It allows for failures that were not seen: no point where all seeds are alike."""
-    row = rows_of(only(build()))[0]
+    row = rows_of(one)[0]
     low, high = (float(end) for end in row[3].removesuffix(" pp").strip("[]").split(", "))
     assert low == -high < -10.0
 
@@ -54,12 +53,14 @@ def test_one_seed_has_no_interval_and_no_p(build):
         assert (row[3], *row[6:]) == ("n/a", "n/a", "")
 
 
-def test_number_without_unit_above_one_is_no_percentage(build):
+def test_number_without_unit_above_one_is_no_percentage(one):
     """A metric without a unit is shown as a percentage only while it is a share."""
-    change = only(build()).measured.changes[0]
+    combination = one
+    change = combination.measured.changes[0]
     measure = change.measure._replace(name="jerks", unit="", better="lower")
     count = replace(change, measure=measure, baseline=0.5, proposed=2.0, random=None, low=1.0, high=2.0, corrected=None)
-    assert behaviour_row(count) == ("jerks", "0.500", "2.00", "[1.00, 2.00]", "n/a", "lower", "n/a", "")
+    told = ("jerks", "0.500", "2.00", "[1.00, 2.00]", "n/a", "lower", "n/a", "")
+    assert rows_of(measured(combination, changes=(count,))) == [told]
 
 
 def test_manner_that_decides_comes_first(build):
@@ -113,6 +114,6 @@ def test_all_of_the_budget_is_told_in_one_manner(build):
     assert grid.rows[-1][1] == "75.0%"
 
 
-def test_nothing_along_the_budget_without_evaluations(build):
+def test_nothing_along_the_budget_without_evaluations(one):
     """The end alone is no curve."""
-    assert along_grid(only(build())).rows == []
+    assert along_grid(one).rows == []

@@ -15,10 +15,9 @@ def audits(**by_reward):
     return {("fd100", "fd100-reach", label): payoffs for label, payoffs in by_reward.items()}
 
 
-def test_verdict_is_connected_to_what_the_robot_did(build):
+def test_verdict_is_connected_to_what_the_robot_did(one):
     """Every failure here is a time-out."""
-    (combination,) = build().combinations
-    story = payoff_story(combination, audits(baseline=TEMPTED, arp=SOUND))
+    story = payoff_story(one, audits(baseline=TEMPTED, arp=SOUND))
     assert story.sentences[0].startswith(
         "baseline: Not finishing pays more than finishing. The robot that learned from it"
     )
@@ -32,24 +31,22 @@ def test_policies_are_ordered_by_what_the_proposed_reward_pays(build):
     assert story.grid.rows == [("finish", "100%", "1.00", "2.00"), ("creep", "0%", "9.00", "1.00")]
 
 
-def test_reason_stands_where_a_reward_could_not_be_asked(build):
+def test_reason_stands_where_a_reward_could_not_be_asked(one):
     """And no row."""
-    (combination,) = build().combinations
-    story = payoff_story(combination, audits(baseline=UNKNOWN, arp=UNKNOWN))
+    story = payoff_story(one, audits(baseline=UNKNOWN, arp=UNKNOWN))
     assert story.sentences == tuple(f"{name}: Not known: there is no robot 'x'" for name in ("baseline", "arp"))
     assert story.grid.rows == []
 
 
-def test_nobody_asked_no_story(build):
+def test_nobody_asked_no_story(one):
     """The page says nothing of it."""
-    (combination,) = build().combinations
-    assert payoff_story(combination, {}) is None
+    assert payoff_story(one, {}) is None
 
 
 def test_page_tells_the_story(build, tmp_path):
     """Under its heading."""
     write_html(build(), tmp_path / "report.html", audits(baseline=TEMPTED, arp=SOUND))
-    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    page = (tmp_path / "report.html").read_text()
     assert "What the rewards pay for" in page
     assert (
         page.index('id="number"')

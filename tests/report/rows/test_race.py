@@ -1,18 +1,16 @@
 """A race for the best reward, as the terminal and the page show it."""
 
+import re
 from dataclasses import replace
-from io import StringIO
 
 import pytest
-from rich.console import Console, Group
 
 from harness.record import Terms
 from harness.registry import load_registry
-from harness.report import question, race_told
-from harness.report.figures.race import draw_race
-from harness.report.tables.overview import race_lines
+from harness.report import overview_table, question, race_told
 from harness.results import pay_texts
 from harness_plugins.committed import write_summary
+from tests.report import conftest
 from tests.results.in_looks import RACE, folder_in_looks
 
 
@@ -38,10 +36,15 @@ def told_of(folder):
     return told
 
 
+def printed(results, *console, **given):
+    """What goes to a terminal."""
+    return conftest.printed(overview_table(results, "more"), *console, **given)
+
+
 def test_before_the_first_look_there_is_nothing_to_tell(folder):
     """Nor to print."""
     assert race_told(folder.results) is None
-    assert race_lines(folder.results) == []
+    assert "BEST" not in printed(folder.results)
 
 
 def test_the_best_is_named_with_what_the_test_promises(over):
@@ -104,29 +107,19 @@ def test_where_no_training_left_a_number_nothing_is_best(folder):
 @pytest.mark.parametrize("width", [60, 80, 120])
 def test_the_table_fits(over, width):
     """Into a terminal of this width."""
-    output = StringIO()
-    Console(file=output, width=width).print(Group(*race_lines(over.results)))
-    assert max(map(len, output.getvalue().splitlines())) <= width
-    assert "BEST: dense" in output.getvalue()
-
-
-def test_the_figure_has_a_line_for_each_that_ends_where_it_left(over):
-    """With its name, and after how many seeds that was."""
-    chart = draw_race(told_of(over))
-    assert {mark.text for mark in chart.marks if type(mark).__name__ == "Note"} == {
-        "dense",
-        "arp, left at 4",
-        "baseline, left at 4",
-    }
+    text = printed(over.results, width)
+    assert max(map(len, text.splitlines())) <= width
+    assert "BEST: dense" in text
 
 
 def test_a_summary_tells_of_the_race(over, tmp_path):
-    """With its table and its figure."""
+    """With its table and its figure: the name of each reward, and after how many seeds it left."""
     write_summary(over.results, tmp_path / "told")
     page = (tmp_path / "told" / "summary.md").read_text()
     assert "## The race for the best reward\n\n**BEST: dense" in page
     assert "| dense | BEST | 90.0% | 4 |" in page
-    assert "left at 4" in (tmp_path / "told" / "figures" / "race.svg").read_text()
+    figure = (tmp_path / "told" / "figures" / "race.svg").read_text()
+    assert {*re.findall(r">(dense|\w+, left at \d+)<", figure)} == {"dense", "arp, left at 4", "baseline, left at 4"}
 
 
 def test_the_question_is_which_is_best(over):

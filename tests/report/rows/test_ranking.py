@@ -1,15 +1,14 @@
 """Rankings as text, in the terminal and on the page."""
 
 from dataclasses import replace
-from io import StringIO
 
 import pytest
-from rich.console import Console
 
 from harness.eta import order_rewards
 from harness.report import ranking_table, write_html
-from harness.report.rows.ranking import Rank, lines_of, task_rows
+from harness.report.rows.ranking import task_rows
 from harness.results.ranking import EtaOrder, Place, compare_places
+from tests.report.conftest import printed
 
 REWARDS = {"arp": (9, 30), "relative": (9, 20)}
 HERE = {"baseline": [0.0] * 12, "arp": [1.0] * 12, "relative": [0.5] * 12}
@@ -27,16 +26,9 @@ def task():
     return compare_places(places, "fd100", "fd100-reach", 1_000)
 
 
-def printed(table, width=160):
-    """As it goes to a pipe."""
-    output = StringIO()
-    Console(file=output, width=width).print(table)
-    return output.getvalue()
-
-
 def test_lines_say_what_it_comes_to(task):
     """Choices first, then orders, with their interval and the engines that vote."""
-    assert lines_of(task) == [
+    assert task_rows(task).lines == [
         "another reward chosen in another place? yes 4, no 2, not decided 0; 6 choices in all. In 4 of them the choice "
         "costs success for certain.",
         "order of the rewards across 2 engines (MuJoCo, Bullet): tau 0.33 [0.33, 0.33].",
@@ -48,7 +40,8 @@ def test_ranks_stand_in_a_table(task):
     table = task_rows(task).ranks[0]
     assert table.places == ["mujoco", "dm_control", "pybullet"]
     rows = dict(table.rows)
-    assert rows["arp"][0] == Rank(1, "100%", is_best=True)
+    best = rows["arp"][0]
+    assert (best.place, best.value, best.is_best) == (1, "100%", True)
     assert [rank.place for rank in rows["arp"][::3]] == [1, 1, 2]
     assert rows["baseline"][1].value == "1"
     assert len(rows["baseline"]) == len(table.taus) == 9
@@ -73,7 +66,7 @@ def test_places_of_one_engine_are_told(task):
 def test_terminal_has_lines_and_on_request_tables(build):
     """Without several places it has nothing."""
     results = build(simulators=("mujoco", "pybullet"), reached={"arp": lambda seed: [8] * 4})
-    short, long = printed(ranking_table(results, False)), printed(ranking_table(results, True))
+    short, long = printed(ranking_table(results, False), 160), printed(ranking_table(results, True), 160)
     assert "another reward chosen in another place? yes 0" in short
     assert "the seeds leave every order open" in short
     assert "chosen in -> used in" not in short
@@ -86,7 +79,7 @@ def test_page_has_a_section_where_there_is_something_to_compare(build, tmp_path)
     pages = []
     for given in ({"simulators": ("mujoco", "pybullet")}, {}, {"proposed": {"arp": (9, 30)}}):
         write_html(build(**{"proposed": REWARDS, "seeds": 1, **given}), tmp_path / "page.html")
-        pages.append((tmp_path / "page.html").read_text(encoding="utf-8"))
+        pages.append((tmp_path / "page.html").read_text())
     assert 'id="ranking"' in pages[0]
     assert '<table class="ranks">' in pages[0]
     assert "each of their simulators counts as an engine of its own" in pages[0]
@@ -96,7 +89,7 @@ def test_page_has_a_section_where_there_is_something_to_compare(build, tmp_path)
 
 def test_rewards_that_were_left_out_are_named(task):
     """They are not in every place."""
-    assert lines_of(replace(task, left_out=("dense",)))[-1] == "not in every place, and left out: dense."
+    assert task_rows(replace(task, left_out=("dense",))).lines[-1] == "not in every place, and left out: dense."
 
 
 def test_places_have_what_tells_them_apart(task):

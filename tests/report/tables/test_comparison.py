@@ -1,15 +1,13 @@
 import re
 from dataclasses import replace
 from functools import cache
-from io import StringIO
 
 import pytest
-from rich.console import Console
 
 from harness.report import SPLIT, along_grid, behaviour_grids, comparison_table, what_decides
 from harness.report.rows.ratios import index_grid, ratio_grid, split_grid, sum_grid
-from harness.report.rows.returns import EXPLANATION
-from tests.report.conftest import MIXTURE
+from tests.report import conftest
+from tests.report.conftest import MIXTURE, squeezed
 
 CASES = {
     "plain": {},
@@ -26,11 +24,9 @@ CASES = {
 }
 
 
-def printed(results, width=80, **console):
-    """The table as it goes to a pipe, unless `console` says otherwise."""
-    output = StringIO()
-    Console(file=output, width=width, **console).print(comparison_table(results))
-    return output.getvalue()
+def printed(results, *console, **given):
+    """What goes to a terminal."""
+    return conftest.printed(comparison_table(results), *console, **given)
 
 
 def grids_of(combination):
@@ -38,11 +34,6 @@ def grids_of(combination):
     decomposition, splits = combination.number.decomposition, combination.number.splits
     numbers = [ratio_grid(splits), split_grid(splits), sum_grid(decomposition.total), index_grid(decomposition)]
     return [behaviour_grids(combination)[0], along_grid(combination), *numbers]
-
-
-def squeezed(text):
-    """The text with its line breaks undone."""
-    return " ".join(text.split())
 
 
 @pytest.fixture(scope="module")
@@ -178,13 +169,7 @@ def test_returns_under_every_reward_are_shown(build):
     text = squeezed(printed(build()))
     assert "evaluation return, scored by baseline arp" in text
     assert "events, paid on top" in text
-    assert squeezed(EXPLANATION) in text
-
-
-@pytest.mark.parametrize("manner", ["deterministic", "stochastic"])
-def test_manner_of_evaluation_is_shown(build, manner):
-    """Whether policies drew their actions."""
-    assert f"trained policies, {manner}, 4 episodes" in printed(build(deterministic=manner == "deterministic"))
+    assert "Compare within a row: down a column the scale changes, not the behaviour." in text
 
 
 def test_mixture_is_marked(mixed):

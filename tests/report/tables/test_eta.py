@@ -1,21 +1,17 @@
 """Recorded runs compared, as a terminal shows it."""
 
 from dataclasses import replace
-from io import StringIO
 
 import pytest
-from rich.console import Console
 
 from harness.report import eta_table, scales_text
 from harness.report.rows.ratios import index_grid, ratio_grid, split_grid
-from harness.report.tables.eta import UNKNOWN, comparison_title, runs_text
+from tests.report import conftest
 
 
-def printed(comparison, width=80):
-    """What goes to a terminal of that width."""
-    output = StringIO()
-    Console(file=output, width=width).print(eta_table(comparison))
-    return output.getvalue()
+def printed(comparison, *console, **given):
+    """What goes to a terminal."""
+    return conftest.printed(eta_table(comparison), *console, **given)
 
 
 @pytest.mark.parametrize("width", [60, 80])
@@ -34,8 +30,9 @@ def test_every_number_stands_whole(compare, width):
 
 def test_title_names_both_rewards(compare):
     """As they were found out; without distances nobody knows."""
-    assert comparison_title(compare()) == "proposed arp:k1=1,k2=1.5 against baseline"
-    assert comparison_title(compare(columns=1)).count(UNKNOWN) == 2
+    assert printed(compare()).startswith("proposed arp:k1=1,k2=1.5 against baseline\n")
+    unknown = "proposed an unknown reward against an unknown reward\n"
+    assert printed(compare(columns=1)).startswith(unknown)
 
 
 def test_runs_without_distances_are_not_split(compare):
@@ -49,10 +46,10 @@ def test_runs_without_distances_are_not_split(compare):
 def test_runs_are_counted(compare):
     """With the rows that are not compared, and whether the event terms are."""
     comparison = compare()
-    assert runs_text(comparison) == "baseline 2 runs, proposed 2 runs"
+    assert "\nbaseline 2 runs, proposed 2 runs\n" in printed(comparison)
     cut = replace(comparison, runs={"baseline": 1, "proposed": 2_000}, rows_left_out={"baseline": 0, "proposed": 1})
-    assert runs_text(cut).startswith("baseline 1 run, proposed 2,000 runs (1 row ")
-    assert "event terms" in runs_text(replace(comparison, with_events=True))
+    assert "\nbaseline 1 run, proposed 2,000 runs (1 row behind the shortest run left out)\n" in printed(cut, 100)
+    assert "event terms included\n" in printed(replace(comparison, with_events=True))
 
 
 def test_heading_says_which_curve(compare):

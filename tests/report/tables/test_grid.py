@@ -1,11 +1,10 @@
 """A grid in windows of every width."""
 
-from io import StringIO
-
-from rich.console import Console
+from rich.console import Group
 
 from harness.report import Grid
-from harness.report.tables.grid import divide_columns, show_grid
+from harness.report.tables.grid import show_grid
+from tests.report import conftest
 
 GRID = Grid(
     ("measure of behaviour", "baseline", "proposed", "difference", "random"),
@@ -14,24 +13,23 @@ GRID = Grid(
 )
 
 
-def printed(grid: Grid, width: int) -> str:
-    """What goes to a terminal of that width."""
-    output = StringIO()
-    Console(file=output, width=width).print(*show_grid(grid), sep="\n")
-    return output.getvalue()
+def printed(grid, *console, **given):
+    """What goes to a terminal."""
+    return conftest.printed(Group(*show_grid(grid)), *console, **given)
 
 
 def test_columns_stand_in_as_few_tables_as_fit(subtests):
     """Names take 14 characters at least, and a value 11 and a gap of 2."""
     for width, tables in [(100, 1), (66, 1), (65, 2), (40, 2), (39, 4), (20, 4)]:
         with subtests.test(width=width, tables=tables):
-            assert len(divide_columns(GRID, width)) == tables
+            assert printed(GRID, width).count("closest") == tables
 
 
 def test_tables_are_of_about_the_same_size():
     """Every column stands in one of them, in order."""
     five = Grid(("name", *"abcde"), [("x", *["0123456789"] * 5)], [])
-    assert divide_columns(five, 45) == [range(1, 3), range(3, 6)]
+    headings = [line.split()[1:] for line in printed(five, 45).splitlines() if line.startswith("name")]
+    assert headings == [["a", "b"], ["c", "d", "e"]]
 
 
 def test_every_value_and_every_word_is_whole(subtests):
@@ -40,7 +38,7 @@ def test_every_value_and_every_word_is_whole(subtests):
         with subtests.test(width=width):
             text = printed(GRID, width)
             assert text.count("0.123456789") == text.count("[-0.5, 0.5]") == 4
-            tables = len(divide_columns(GRID, width))
+            tables = text.count("closest")
             for word in ("behaviour", "closest", "distance", "95%", "interval"):
                 assert text.count(word) == tables
             assert max(map(len, text.splitlines())) <= width

@@ -1,20 +1,15 @@
-from io import StringIO
-
-from rich.console import Console
-
 from harness.report import overview_table
 from harness.results import pay_texts
-from tests.report.conftest import MIXTURE
-from tests.report.tables.test_comparison import CASES, squeezed
+from tests.report import conftest
+from tests.report.conftest import MIXTURE, squeezed
+from tests.report.tables.test_comparison import CASES
 
 REWARDS = {"arp": (9, 30), "relative": (9, 20), "scaled:factor=1.5": (9, 30)}
 
 
-def printed(results, width=80, **console):
-    """The overview as it goes to a pipe, unless `console` says otherwise."""
-    output = StringIO()
-    Console(file=output, width=width, **console).print(overview_table(results, "harness report DIR --details"))
-    return output.getvalue()
+def printed(results, *console, **given):
+    """What goes to a terminal."""
+    return conftest.printed(overview_table(results, "harness report DIR --details"), *console, **given)
 
 
 def test_nothing_is_cut(build, subtests):
