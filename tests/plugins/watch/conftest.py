@@ -1,7 +1,5 @@
 """Recordings of an env whose every number is known."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -21,7 +19,7 @@ def written_at_once(monkeypatch):
 @pytest.fixture
 def record(tmp_path):
     """Get an env that records into a folder. Its episodes have three steps, pay 6, half by each term, and succeed."""
-    made: list[Any] = []
+    made = []
 
     def make(name="runs/one", reward="counted", **told):
         rewards = {reward: {"left": "left", "again": "left"}}

@@ -8,7 +8,7 @@ import pytest
 
 from harness.record.blocks import Block
 from harness_plugins.watch import cards
-from harness_plugins.watch.cards import card_of, curves_of, rows_of
+from harness_plugins.watch.cards import curves_of, rows_of
 from harness_plugins.watch.trainings import Training
 from harness_plugins.watch.watch import drawn
 
@@ -85,11 +85,11 @@ def test_a_hint_is_shown(training, monkeypatch):
     asked = []
     hint = type("Found", (), {"text": "Pay rose while success fell."})
     monkeypatch.setattr(cards, "hint_of", lambda *given: asked.append(given) or hint)
-    card_of.cache_clear()
+    cards.card_of.cache_clear()
     assert rows_of([training])[0].cards[0].hint == "Pay rose while success fell."
     assert asked == [(training.blocks, False, "success")]
     assert rows_of([replace(training, measure="")])[0].cards[0].hint == ""
-    card_of.cache_clear()
+    cards.card_of.cache_clear()
 
 
 @pytest.mark.parametrize("state", ["running", "stopped"])

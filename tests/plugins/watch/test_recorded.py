@@ -8,21 +8,6 @@ from harness_plugins.watch import recorded
 from harness_plugins.watch.recorded import OpenEpisodes, Recording
 
 
-def test_episodes_are_seen_as_they_end(record, step):
-    """Pay, success and terms of each; an episode that is under way is none."""
-    env = record()
-    step(env, 8)
-    recording = Recording(env._recorder._writer.folder)
-    recording.look()
-    assert recording.steps == 8
-    assert recording.blocks.terms == ("left", "again")
-    assert recording.blocks.steps.tolist() == [3, 6]
-    np.testing.assert_array_equal(recording.blocks.means, [[6.0, 1.0, 3.0, 3.0]] * 2)
-    step(env, 1)
-    recording.look()
-    assert recording.blocks.steps.tolist() == [3, 6, 9]
-
-
 def test_it_says_what_the_whole_recording_says(record, step):
     """Whatever lay between two looks, parts that became full too."""
     env = record()
@@ -62,18 +47,6 @@ def test_several_recorders_are_one_training(record, step):
     recording.look()
     assert recording.steps == 12
     assert recording.blocks.steps.tolist() == [6, 6, 12, 12]
-
-
-def test_who_records_is_seen(record, step):
-    """As long as the env is open."""
-    env = record()
-    step(env, 3)
-    recording = Recording(env._recorder._writer.folder)
-    assert recording.is_open
-    env.close()
-    recording.look()
-    assert not recording.is_open
-    assert recording.facts.closed
 
 
 def test_sums_do_not_depend_on_pieces():

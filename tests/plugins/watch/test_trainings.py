@@ -6,7 +6,7 @@ import pytest
 
 from harness.errors import UsageError
 from harness.record import TrainingFacts
-from harness_plugins.watch.trainings import RecordingsSource, newest, source_of
+from harness_plugins.watch.trainings import newest, source_of
 
 
 def test_a_training_is_seen_while_it_is_recorded(record, step, tmp_path):
@@ -53,7 +53,8 @@ def test_time_left_is_that_of_the_slowest(record, step, tmp_path):
     now = [0.0]
     env = record("runs/one", steps_asked=300)
     step(env, 30)
-    source = RecordingsSource(tmp_path / "runs", lambda: now[0])
+    source = source_of(tmp_path / "runs")
+    source._now = lambda: now[0]
     assert source.look().left == ""
     step(env, 30)
     now[0] = 2.0

@@ -15,14 +15,14 @@ from harness import RecordRewards
 from harness.record import read_recording
 from harness.record.recording.recorded_training import is_recording
 from tests.plugins.watch.cases.plain import LEARNERS
-from tests.plugins.watch.cases.table import CASES, WORLDS, Case
+from tests.plugins.watch.cases.table import CASES, WORLDS
 
 HERE = Path(__file__).parent
 KEPT = HERE / "episodes.parquet"
 SEEDS = (0, 1, 2)
 
 
-def train(case: Case, folder: Path) -> None:
+def train(case, folder):
     """Train a case with the seeds that are not there."""
     make, measure, behaviour = WORLDS[case.world]
     for seed in [it for it in SEEDS if not _is_closed(folder / str(it))]:
@@ -33,11 +33,11 @@ def train(case: Case, folder: Path) -> None:
             LEARNERS[case.learner](env, case.steps, seed)
 
 
-def _is_closed(folder: Path) -> bool:
+def _is_closed(folder):
     return is_recording(folder) and read_recording(folder).facts.closed
 
 
-def episodes(path: Path, case: Case) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def episodes(path, case):
     """Of a training: steps when each ended, pay, behaviour."""
     names = f"reward/{case.reward}", f"behaviour/{case.measure}"
     rows = read_recording(path).rows(("terminated", "truncated", *names))
@@ -46,7 +46,7 @@ def episodes(path: Path, case: Case) -> tuple[np.ndarray, np.ndarray, np.ndarray
     return ends + 1, np.diff(np.cumsum(pay)[ends], prepend=0.0), behaviour[ends].astype(float)
 
 
-def main(folder: Path) -> None:
+def main(folder):
     """Train what is not there, and write the table."""
     tables = []
     for case in CASES:

@@ -4,7 +4,6 @@
 """
 
 import sys
-from collections.abc import Callable, Mapping
 
 import numpy as np
 from scipy import stats
@@ -17,20 +16,20 @@ EPISODES = 500
 Pair = tuple[np.ndarray, np.ndarray]
 
 
-def _noise(rng: np.random.Generator, stays: float = 0.0) -> np.ndarray:
+def _noise(rng, stays=0.0):
     """Of variance 1; so much of it stays to the next episode, (EPISODES,)."""
     drawn = rng.normal(size=EPISODES) * np.sqrt(1.0 - stays**2)
     drawn[0] /= np.sqrt(1.0 - stays**2)
     return lfilter([1.0], [1.0, -stays], drawn)
 
 
-def _shares(rng: np.random.Generator, chance: np.ndarray | float, stays: float = 0.0) -> np.ndarray:
+def _shares(rng, chance, stays=0.0):
     """Zeros and ones."""
     return (stats.norm.cdf(_noise(rng, stays)) < chance).astype(float)
 
 
 RISE = np.linspace(0.0, 1.0, EPISODES)
-NULLS: Mapping[str, Callable[[np.random.Generator], Pair]] = {
+NULLS = {
     "nothing happens": lambda rng: (_noise(rng), _noise(rng)),
     "nothing happens, success": lambda rng: (_noise(rng), _shares(rng, 0.5)),
     "pay rises": lambda rng: (5.0 * RISE + _noise(rng), _noise(rng)),
@@ -49,7 +48,7 @@ NULLS: Mapping[str, Callable[[np.random.Generator], Pair]] = {
 """Pay and behaviour of episodes, by what they are."""
 
 
-def has_hint(pay: np.ndarray, behaviour: np.ndarray) -> bool:
+def has_hint(pay, behaviour):
     """Whether a look after any block shows a hint."""
     blocks = Blocks.none()
     numbers, steps = np.column_stack([pay, behaviour]), 100 * np.arange(1, len(pay) + 1)
@@ -60,13 +59,13 @@ def has_hint(pay: np.ndarray, behaviour: np.ndarray) -> bool:
     return False
 
 
-def count_hints(kind: str, trainings: int, seed: int = 0) -> int:
+def count_hints(kind, trainings, seed=0):
     """Of so many trainings of a kind, those that ever have a hint."""
     rng = np.random.default_rng([seed, list(NULLS).index(kind)])
     return sum(has_hint(*NULLS[kind](rng)) for _ in range(trainings))
 
 
-def main(trainings: int) -> None:
+def main(trainings):
     """Print the share of each kind, with a 95 % interval."""
     for kind in NULLS:
         hints = count_hints(kind, trainings)

@@ -4,7 +4,6 @@ Each case trains with three seeds. The bounds of `harness_plugins.watch.hint` we
 ``tune``; those of the half ``held`` were looked at afterwards.
 """
 
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -22,7 +21,7 @@ from tests.plugins.watch.cases import worlds
 from tests.plugins.watch.cases.cartpole.behaviour import stood
 
 SHIP = Docking().rewards(None)
-WORLDS: Mapping[str, tuple[Callable[[], Any], str, Any]] = {
+WORLDS = {
     **{f"coins {it}": (Coins(it).make, "success", "arrived") for it in ("again", "locked", "sometimes", "once")},
     "taxi": (partial(gymnasium.make, "Taxi-v4"), "success", arrived),
     "cliff": (partial(gymnasium.make, "CliffWalking-v1", max_episode_steps=200), "success", at_goal),
@@ -60,17 +59,17 @@ class Case:
     given: Any = "own"
 
     @property
-    def name(self) -> str:
+    def name(self):
         """Short, for tables."""
         return f"{self.world} {self.reward} {self.learner}"
 
     @property
-    def measure(self) -> str:
+    def measure(self):
         """Name of the behaviour."""
         return WORLDS[self.world][1]
 
     @property
-    def lower_is_better(self) -> bool:
+    def lower_is_better(self):
         """Whether less of it is better."""
         return self.measure in LOWER_IS_BETTER
 
