@@ -14,8 +14,6 @@ from harness.eta import (
     BK,
     KB,
     KK,
-    GroupCurve,
-    Pair,
     Ratio,
     curve_of,
     decompose,
@@ -25,7 +23,6 @@ from harness.eta import (
 )
 from harness.eta.decomposition import split_halves
 
-Curves = dict[Pair, GroupCurve]
 KINDS = ("accumulated", "per-step")
 STEP = st.one_of(st.sampled_from([0.0, 0.1, -0.1, 1.0, -1.0]), st.floats(-10.0, 10.0).map(lambda v: round(v, 6)))
 POWERS = st.integers(-30, 30).map(lambda exponent: 2.0**exponent)
@@ -462,11 +459,15 @@ def test_interval_agrees_with_a_slow_jackknife():
     assert ends(found.eta_p) == pytest.approx(slow_ends(baseline, proposed, 1), rel=1e-9)
 
 
+def logarithms_of(runs):
+    """Of every run's own I_P."""
+    return np.log(np.maximum(np.cumsum(runs, axis=1), 0.0).sum(axis=1))
+
+
 def test_per_seed_is_the_geometric_mean_with_students_interval():
     """Each seed's own eta, its logarithm, and scipy's interval of their mean."""
     baseline, proposed = dip_and_climb(6), 1.5 * dip_and_climb(6, seed=7)
-    sums = [np.maximum(np.cumsum(runs, axis=1), 0.0).sum(axis=1) for runs in (proposed, baseline)]
-    logarithms = np.log(sums[0] / sums[1])
+    logarithms = logarithms_of(proposed) - logarithms_of(baseline)
     interval = scipy.stats.ttest_1samp(logarithms, 0.0).confidence_interval()
     per_seed = eta_of(baseline, proposed).positive.per_seed
     assert per_seed.value == pytest.approx(np.exp(logarithms.mean()))
@@ -490,8 +491,7 @@ def test_pairs_matter():
 def test_unpaired_groups_have_welchs_interval():
     """Per-seed etas are differences of mean logarithms: scipy knows the interval for groups without pairs."""
     one, other = dip_and_climb(5), 2.0 * dip_and_climb(8, seed=2, noise=2.0)
-    logarithms = [np.log(np.maximum(np.cumsum(runs, axis=1), 0.0).sum(axis=1)) for runs in (other, one)]
-    interval = scipy.stats.ttest_ind(*logarithms, equal_var=False).confidence_interval()
+    interval = scipy.stats.ttest_ind(logarithms_of(other), logarithms_of(one), equal_var=False).confidence_interval()
     per_seed = eta_of(one, other, paired=False).positive.per_seed
     assert ends(per_seed) == pytest.approx(list(np.exp([interval.low, interval.high])), rel=1e-6)
 
@@ -599,9 +599,6 @@ def test_mean_curve_that_says_something_else_than_seeds_is_told(single, flagged)
     told = f"1.1 of the mean curve is not what seeds show one by one: their geometric mean is {single:.3g}"
     assert split.averaging == (told if flagged else "")
     assert split.flags == ((told,) if flagged else ())
-
-
-NEGATIVE, POSITIVE = 0, 1
 
 
 def noises_of(runs, control=None):

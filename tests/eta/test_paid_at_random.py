@@ -1,14 +1,10 @@
 """Whether a reward pays random actions more than the policies that it trained, and how often that is said wrongly."""
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 
-from harness.arrays import Float
 from harness.eta.paid_at_random import paid_at_random
 
-Draw = Callable[[np.random.Generator, int], Float]
 DRAWS = 2_000
 SPARE = 0.016
 """Three standard errors of a share of 0.05 in so many draws, and a little."""

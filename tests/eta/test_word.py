@@ -7,7 +7,6 @@ those of the documentation, widened by three standard errors of the simulation.
 import csv
 import itertools
 from collections import defaultdict
-from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -17,7 +16,6 @@ import numpy as np
 import pytest
 import scipy.stats
 
-from harness.arrays import Float
 from harness.eta import (
     BB,
     BK,
@@ -191,7 +189,6 @@ def test_intervals_of_some_curves_hold_the_truth(name):
 # Intervals of what metrics say
 
 MANY = 1500
-Draw = Callable[[np.random.Generator, tuple[int, ...]], Float]
 
 
 def metric_coverage(measure, draws, means, seeds, told):

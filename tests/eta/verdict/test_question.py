@@ -18,23 +18,15 @@ def with_counts(values, baselines, proposed):
     return kept
 
 
-@given(st.integers(3, 12), st.integers(0, 1000))
-def test_the_statistic_of_one_place_is_welchs_t(seeds, seed):
-    """As scipy computes it."""
-    values = values_of(seeds, effect=0.5, seed=seed)
-    theirs = scipy.stats.ttest_ind(values[1, :, 0, 0], values[0, :, 0, 0], equal_var=False)
-    question = Question.of(values)
-    assert question.statistics()[0, 0] == pytest.approx(theirs.statistic)
-    assert question.estimate.freedom == pytest.approx(theirs.df)
-
-
-@given(st.integers(3, 8), st.integers(2, 4), st.integers(0, 1000))
-def test_the_statistic_of_several_places_is_that_of_the_mean_over_them(seeds, places, seed):
-    """Seeds that were trained in all places are the unit."""
+@given(st.integers(3, 12), st.integers(1, 4), st.integers(0, 1000))
+def test_the_statistic_is_welchs_t_of_the_mean_over_places(seeds, places, seed):
+    """As scipy computes it. Seeds that were trained in all places are the unit."""
     values = values_of(seeds, places, effect=0.5, seed=seed)
     means = values[..., 0].mean(axis=2)
     theirs = scipy.stats.ttest_ind(means[1], means[0], equal_var=False)
-    assert Question.of(values).statistics()[0, 0] == pytest.approx(theirs.statistic)
+    question = Question.of(values)
+    assert question.statistics()[0, 0] == pytest.approx(theirs.statistic)
+    assert question.estimate.freedom == pytest.approx(theirs.df)
 
 
 @pytest.mark.parametrize(("baselines", "proposed"), [(4, 4), (5, 3)])

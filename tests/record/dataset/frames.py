@@ -2,14 +2,12 @@
 
 import json
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-Frames = Mapping[str, Any]
-"""By column, its values in an episode, (frames, ...)."""
+# Frames of an episode: by column, its values, (frames, ...).
 
 
 def write_frames(

@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Mapping
-from typing import Any
 
 import h5py
 import numpy as np
@@ -12,8 +11,7 @@ import pyarrow.parquet as pq
 from harness.record.dataset.open_dataset import open_dataset
 from harness.registry import load_registry
 
-Episode = Mapping[str, Any]
-"""``observations`` (steps + 1, n), ``actions``, ``rewards``, ``infos``; ``attrs`` of the episode."""
+# An episode: ``observations`` (steps + 1, n), ``actions``, ``rewards``, ``infos``; ``attrs`` of the episode.
 
 
 def episode(steps, seed=0, success=False, **attrs):
