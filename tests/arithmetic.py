@@ -13,7 +13,7 @@ ROWS, WIDTHS, FUNCTIONS = (1, 2, 8, 16), (1, 3, 4, 6, 8, 20), (np.tanh, np.exp, 
 
 
 @cache
-def arithmetic() -> str:
+def arithmetic():
     """Versions, and a digest of what small networks, their way back and an arm's frames are computed with.
 
     No code of ours takes part: a change of ours must not look like another machine.

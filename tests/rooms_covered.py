@@ -6,10 +6,9 @@ given, and ends with status 1 where less than `LEAST` percent of a room's branch
 
 import json
 import sys
-from collections.abc import Iterable, Mapping, Sequence
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 LEAST = 90.0
 """Percent of a room's branches."""
@@ -35,30 +34,30 @@ class Room(NamedTuple):
     lines_run: int
 
     @property
-    def share(self) -> float:
+    def share(self):
         """Of its branches, in percent; all of none is 100."""
         return 100.0 * self.branches_run / self.branches if self.branches else 100.0
 
-    def __str__(self) -> str:
+    def __str__(self):
         """A row of the table."""
         lines = 100.0 * self.lines_run / self.lines if self.lines else 100.0
         return f"{self.name:<36} {self.branches:>8} {self.share:>7.1f} % {self.lines:>8} {lines:>7.1f} %"
 
 
-def room_of(file: str) -> str:
+def room_of(file):
     """The room that a file stands in: `harness/eta` or `plugins/rewards`; `harness` of a flat module."""
     top, *inner = Path(file).parts
     return f"{top}/{inner[0]}" if len(inner) > 1 else top
 
 
-def rooms_of(files: Mapping[str, Mapping[str, Any]], installed: Iterable[str]) -> list[Room]:
+def rooms_of(files, installed):
     """By name.
 
     Args:
         files: What coverage.py tells of each file, by its path from the root.
         installed: Of the libraries in `LIBRARIES`, those that are there.
     """
-    sums: dict[str, list[int]] = {}
+    sums = {}
     for file, told in files.items():
         if file.startswith(CLUSTERS) or LIBRARIES.get(file, "") not in {"", *installed}:
             continue
@@ -69,13 +68,13 @@ def rooms_of(files: Mapping[str, Mapping[str, Any]], installed: Iterable[str]) -
     return [Room(name, *counts) for name, counts in sorted(sums.items())]
 
 
-def wanted(room: str, tests: Sequence[str]) -> bool:
+def wanted(room, tests):
     """Whether a room is that of some of the tests, which stand at the same place below `tests/`; of all if none."""
     places = {path.rstrip("/").removeprefix("tests/") for path in tests}
     return not tests or bool(places & {room, room.removeprefix("harness/")})
 
 
-def main(report: str, *tests: str) -> int:
+def main(report, *tests):
     """Print the table; returns the exit status."""
     installed = [library for library in LIBRARIES.values() if find_spec(library)]
     rooms = rooms_of(json.loads(Path(report).read_text(encoding="utf-8"))["files"], installed)

@@ -1,7 +1,6 @@
 """A docstring is a sentence that somebody understands who has not read the code: it has a subject."""
 
 import ast
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -11,7 +10,7 @@ NO_SUBJECT = ("Of", "That", "Whose", "Whom", "As")
 """First words after which a noun is missing, as in "Of all envs together" for "The space of all envs together"."""
 
 
-def docstrings(source: str) -> Iterator[tuple[int, str]]:
+def docstrings(source):
     """Every docstring of a module, those below constants and fields too: its line and its text."""
     for node in ast.walk(ast.parse(source)):
         body = getattr(node, "body", None)
@@ -20,7 +19,7 @@ def docstrings(source: str) -> Iterator[tuple[int, str]]:
                 yield it.lineno, it.value.value
 
 
-def without_subject(source: str) -> list[int]:
+def without_subject(source):
     """The lines of docstrings that begin without a subject."""
     return [line for line, text in docstrings(source) if text.split(maxsplit=1)[0].rstrip(",:;.") in NO_SUBJECT]
 
@@ -33,7 +32,7 @@ def test_every_docstring_has_a_subject(folder):
     assert not found
 
 
-def methods(source: str) -> Iterator[tuple[int, str, bool]]:
+def methods(source):
     """Every public method of a public class: its line, its name, whether it has a docstring."""
     for node in ast.walk(ast.parse(source)):
         body = node.body if isinstance(node, ast.ClassDef) and not node.name.startswith("_") else []

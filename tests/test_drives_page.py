@@ -3,7 +3,6 @@
 import csv
 import json
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -13,12 +12,12 @@ ROOT = Path(__file__).parents[1]
 FOLDER = REFERENCE / "drives" / "until-decided"
 PAGE = (ROOT / "docs" / "studies" / "drives.md").read_text(encoding="utf-8")
 PROSE = " ".join(PAGE.split())
-RECORD: dict[str, Any] = json.loads((FOLDER / "results.json").read_text(encoding="utf-8"))
-POOLS: list[dict[str, Any]] = RECORD["over_places"]
-LOOKS: list[int] = RECORD["terms"]["looks"]
+RECORD = json.loads((FOLDER / "results.json").read_text(encoding="utf-8"))
+POOLS = RECORD["over_places"]
+LOOKS = RECORD["terms"]["looks"]
 
 
-def seeds_of(reward: str) -> int:
+def seeds_of(reward):
     """How many seeds of a reward were trained in a place."""
     (seeds,) = {len(it["seeds"]) for it in RECORD["combinations"] if it["proposed"] == reward}
     return seeds

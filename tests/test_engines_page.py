@@ -3,7 +3,6 @@
 import json
 from collections import Counter
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -12,50 +11,48 @@ from tests.test_reference import three
 ROOT = Path(__file__).parents[1]
 FOLDER = ROOT / "results" / "reference" / "engines"
 PAGE = (ROOT / "docs" / "studies" / "engines.md").read_text(encoding="utf-8")
-RECORDS: dict[str, dict[str, Any]] = {
-    path.parent.name: json.loads(path.read_text()) for path in sorted(FOLDER.glob("*/results.json"))
-}
-PARITY: dict[str, Any] = json.loads((FOLDER / "parity.json").read_text())
+RECORDS = {path.parent.name: json.loads(path.read_text()) for path in sorted(FOLDER.glob("*/results.json"))}
+PARITY = json.loads((FOLDER / "parity.json").read_text())
 SERVO = ":drive=servo"
 ENGINES = {"mujoco": "MuJoCo", "pybullet": "Bullet", "drake": "Drake", "physx": "PhysX"}
 DRIVES = {"": "", SERVO: ", servo"}
-TRANSFER: dict[str, Any] = json.loads((FOLDER / "transfer.json").read_text())
+TRANSFER = json.loads((FOLDER / "transfer.json").read_text())
 PROSE = " ".join(PAGE.split())
 REWARDS = ("arp", "dense")
 EACH = pytest.mark.parametrize("name", RECORDS)
 EACH_REWARD = pytest.mark.parametrize("reward", REWARDS)
 
 
-def ranking(name: str) -> dict[str, Any]:
+def ranking(name):
     """What a record says of orders."""
     (task,) = RECORDS[name]["ranking"]["tasks"]
-    found: dict[str, Any] = task
+    found = task
     return found
 
 
-def combinations(name: str, reward: str) -> list[dict[str, Any]]:
+def combinations(name, reward):
     """Of a reward, one for each simulator."""
     return [it for it in RECORDS[name]["combinations"] if it["proposed"] == reward]
 
 
-def share(value: float) -> str:
+def share(value):
     """As the page writes it."""
     return f"{100 * value:.1f}%"
 
 
-def answers(name: str) -> Counter[str]:
+def answers(name):
     """To the questions whether a reward that was chosen in one simulator costs success in another."""
     ways = ("chosen_in_one_used_in_other", "chosen_in_other_used_in_one")
     return Counter(pair[way]["answer"] for pair in ranking(name)["pairs"] for way in ways)
 
 
-def p_told(test: dict[str, Any]) -> str:
+def p_told(test):
     """The p of a question, corrected for all that were asked with it, as the page writes it."""
-    p: float = test["p_corrected"]
+    p = test["p_corrected"]
     return "p < 0.001" if p < 0.001 else f"p {p:.3f}"
 
 
-def kinds(name: str, reward: str) -> str:
+def kinds(name, reward):
     """How often each answer about the robot stands in single simulators, the most frequent one first."""
     told = [it["headline"]["answer"] for it in combinations(name, reward)]
     decided = [it["test"] for it in combinations(name, reward) if it["test"]["is_decided"]]
@@ -66,25 +63,25 @@ def kinds(name: str, reward: str) -> str:
     )
 
 
-def over_places(name: str, reward: str) -> dict[str, Any]:
+def over_places(name, reward):
     """The answer over all simulators."""
     (found,) = [it for it in RECORDS[name]["over_places"] if it["proposed"] == reward]
-    pool: dict[str, Any] = found
+    pool = found
     return pool
 
 
-def millimetres(metres: float) -> str:
+def millimetres(metres):
     """As the page writes it."""
     return f"{1e3 * metres:.3f}" if metres < 1e-3 else f"{1e3 * metres:.1f}"
 
 
-def apart(one: str, other: str) -> list[float]:
+def apart(one, other):
     """The largest distance of two simulators' tips in each class of motions, in metres."""
     pair = next(it for it in PARITY["pairs"] if (it["a"], it["b"]) == (one, other))
     return [it["max_tip_error_m"] for it in pair["classes"].values()]
 
 
-def pairs_of_engines() -> list[tuple[str, str]]:
+def pairs_of_engines():
     """Each two with ideal drives."""
     return [(it["a"], it["b"]) for it in PARITY["pairs"] if SERVO not in it["a"] + it["b"]]
 
@@ -228,7 +225,7 @@ def test_eta_n_puts_dense_last_everywhere(name):
     assert {round(it["eta_N"]["eta"]["value"]) for it in combinations(name, "dense")} == {2}
 
 
-def where_moved(matrix: dict[str, Any]) -> list[tuple[int, int]]:
+def where_moved(matrix):
     """Row and column of each simulator that policies were moved to."""
     simulators = list(enumerate(matrix["trained_in"]))
     return [
@@ -239,7 +236,7 @@ def where_moved(matrix: dict[str, Any]) -> list[tuple[int, int]]:
     ]
 
 
-def drops() -> list[dict[str, Any]]:
+def drops():
     """What the success of policies loses in other simulators."""
     return [it["drop"][row][column] for it in TRANSFER["combinations"] for row, column in where_moved(it)]
 

@@ -1,7 +1,6 @@
 """What imports what inside `harness`: no module needs itself, neither when it is imported nor when it is called."""
 
 import ast
-from collections.abc import Iterator, Mapping
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -12,7 +11,7 @@ import harness
 ROOT = Path(harness.__file__).parent
 
 
-def _name_of(path: Path) -> str:
+def _name_of(path):
     return ".".join(["harness", *path.relative_to(ROOT).with_suffix("").parts]).removesuffix(".__init__")
 
 
@@ -21,7 +20,7 @@ FACE = "harness"
 """The package itself: for type checkers it imports what it looks up by name when somebody asks."""
 
 
-def _imports(tree: ast.AST) -> Iterator[tuple[str, list[str]]]:
+def _imports(tree):
     """Module and names of every import, at whatever depth, those for type checkers too."""
     for node in ast.iter_child_nodes(tree):
         if isinstance(node, ast.expr):
@@ -35,9 +34,9 @@ def _imports(tree: ast.AST) -> Iterator[tuple[str, list[str]]]:
             yield from _imports(node)
 
 
-def import_graph(sources: Mapping[str, str]) -> dict[str, set[str]]:
+def import_graph(sources):
     """By module: the modules of `sources` that it imports anywhere. What the package itself looks up is left out."""
-    graph: dict[str, set[str]] = {module: set() for module in sources}
+    graph = {module: set() for module in sources}
     for module, source in sources.items():
         if module == FACE:
             continue
@@ -49,7 +48,7 @@ def import_graph(sources: Mapping[str, str]) -> dict[str, set[str]]:
     return graph
 
 
-def circle(graph: Mapping[str, set[str]]) -> list[str]:
+def circle(graph):
     """Modules that import one another, one after the next, the first once more at the end; empty if there are none."""
     try:
         tuple(TopologicalSorter(graph).static_order())
@@ -59,7 +58,7 @@ def circle(graph: Mapping[str, set[str]]) -> list[str]:
 
 
 @pytest.fixture(scope="module")
-def graph() -> dict[str, set[str]]:
+def graph():
     """What each module of `harness` imports."""
     return import_graph(SOURCES)
 

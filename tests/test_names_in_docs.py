@@ -8,10 +8,9 @@ import io
 import re
 import tokenize
 import typing
-from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 ROOT = Path(__file__).parent.parent
 HOMES = {"harness": ROOT / "harness", "harness_plugins": ROOT / "plugins", "harness_robots": ROOT / "robots"}
@@ -48,7 +47,7 @@ class Name(NamedTuple):
     text: str
 
 
-def wrong_names(text: str) -> list[Name]:
+def wrong_names(text):
     """The names in a text that lead nowhere.
 
     These are: dotted names that begin with one of our packages, members of our classes such as `Policy.save` in
@@ -65,15 +64,15 @@ def wrong_names(text: str) -> list[Name]:
     return sorted(set(found))
 
 
-def _is_file_name(name: str) -> bool:
+def _is_file_name(name):
     return name.rpartition(".")[2] in FILE_ENDINGS
 
 
-def _names_in_examples(text: str) -> Iterator[Name]:
+def _names_in_examples(text):
     """What each Python example of a page imports of ours, and the attributes that it takes of that."""
     for example in PYTHON.finditer(text):
         before, tree = text[: example.start(1)].count("\n"), ast.parse(example[1])
-        imported: dict[str, str] = {}
+        imported = {}
         for node in ast.walk(tree):
             if isinstance(node, ast.ImportFrom) and node.module and node.module.partition(".")[0] in HOMES:
                 imported |= {alias.asname or alias.name: f"{node.module}.{alias.name}" for alias in node.names}
@@ -83,7 +82,7 @@ def _names_in_examples(text: str) -> Iterator[Name]:
                 yield Name(before + node.lineno, f"{imported[node.value.id]}.{node.attr}")
 
 
-def _leads_somewhere(name: str) -> bool:
+def _leads_somewhere(name):
     """Whether a dotted name goes from a package of ours to something that exists."""
     parts = name.split(".")
     if name in ENTRY_POINTS:
@@ -96,14 +95,14 @@ def _leads_somewhere(name: str) -> bool:
 
 
 @cache
-def _is_module(name: str) -> bool:
+def _is_module(name):
     try:
         return importlib.util.find_spec(name) is not None
     except ModuleNotFoundError:  # what stands before its last dot is no package
         return False
 
 
-def _has(thing: Any, attributes: list[str]) -> bool:
+def _has(thing, attributes):
     """Whether the first of `attributes` is one of `thing`, the second one of that, and so on."""
     if not attributes:
         return True
@@ -118,16 +117,16 @@ def _has(thing: Any, attributes: list[str]) -> bool:
     return not others and re.search(rf"\bself\.{first}\b[^=\n]*=[^=]", inspect.getsource(thing)) is not None
 
 
-def _is_member(name: str) -> bool:
+def _is_member(name):
     """Whether a class of ours has it; of a class that is not ours nothing is known."""
     homes = _homes_of_classes().get(name.partition(".")[0], [])
     return not homes or any(_leads_somewhere(f"{home}.{name}") for home in homes)
 
 
 @cache
-def _homes_of_classes() -> dict[str, list[str]]:
+def _homes_of_classes():
     """By name of a class: the modules that define one."""
-    homes: dict[str, list[str]] = {}
+    homes = {}
     for package, folder in HOMES.items():
         for path in folder.rglob("*.py"):
             module = ".".join([package, *path.relative_to(folder).with_suffix("").parts]).removesuffix(".__init__")
@@ -136,7 +135,7 @@ def _homes_of_classes() -> dict[str, list[str]]:
     return homes
 
 
-def prose_of(source: str) -> str:
+def prose_of(source):
     """The docstrings and comments of a module, each on its own lines, and nothing on the others."""
     code = source.splitlines()
     prose = [""] * len(code)

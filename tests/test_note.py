@@ -5,7 +5,6 @@ import importlib.util
 import re
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 import pytest
 import typer.main
@@ -13,7 +12,7 @@ import typer.main
 from harness.cli.app import build_app
 from harness.errors import UsageError
 from harness.record import SCALARS
-from harness.registry import Registry, choose, load_registry
+from harness.registry import choose, load_registry
 
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs" / "note.md"
@@ -33,7 +32,7 @@ LINK = re.compile(r"\]\(([^)]+)\)")
 HEADING = re.compile(r"^## (.+)\n", re.MULTILINE)
 
 
-def missing_items(page: str) -> list[str]:
+def missing_items(page):
     """What the note numbers and the page has no line for, or more than one, or another order."""
     _, *parts = HEADING.split(page)
     sections = dict(zip(parts[::2], parts[1::2], strict=True))
@@ -46,7 +45,7 @@ def missing_items(page: str) -> list[str]:
     return wrong
 
 
-def wrong_names(page: str) -> list[str]:
+def wrong_names(page):
     """Everything in backticks, and every link, that leads nowhere."""
     registered = sorted(set(REGISTERED.findall(page)))
     wrong = [f"{kind} {label}" for kind, label in registered if not _is_registered(f"{kind}s", label)]
@@ -55,11 +54,11 @@ def wrong_names(page: str) -> list[str]:
 
 
 @cache
-def _registry() -> Registry:
+def _registry():
     return load_registry()
 
 
-def _is_registered(kind: str, label: str) -> bool:
+def _is_registered(kind, label):
     try:
         choose(_registry(), kind, label)
     except UsageError:
@@ -67,7 +66,7 @@ def _is_registered(kind: str, label: str) -> bool:
     return True
 
 
-def _leads_somewhere(name: str) -> bool:
+def _leads_somewhere(name):
     """Whether it is a column of a trace, a command with its options, a path, or a dotted name of ours."""
     if name.startswith("harness "):
         return _is_command(name)
@@ -76,7 +75,7 @@ def _leads_somewhere(name: str) -> bool:
     return name in COLUMNS or _is_ours(name)
 
 
-def _is_command(line: str) -> bool:
+def _is_command(line):
     _, name, *words = line.split()
     command = _commands().get(name)
     flags = {flag for it in (command.params if command else ()) for flag in (*it.opts, *it.secondary_opts)}
@@ -84,12 +83,12 @@ def _is_command(line: str) -> bool:
 
 
 @cache
-def _commands() -> dict[str, Any]:
-    found: dict[str, Any] = typer.main.get_command(build_app()).commands
+def _commands():
+    found = typer.main.get_command(build_app()).commands
     return found
 
 
-def _is_ours(name: str) -> bool:
+def _is_ours(name):
     """Whether ``package.module.Class.member`` or ``package.module:Class`` can be imported."""
     parts = name.replace(":", ".").split(".")
     if parts[0] not in {"harness", "harness_plugins"}:
@@ -103,7 +102,7 @@ def _is_ours(name: str) -> bool:
     return False
 
 
-def _is_module(name: str) -> bool:
+def _is_module(name):
     try:
         return importlib.util.find_spec(name) is not None
     except ModuleNotFoundError:  # what stands before its last dot is no package

@@ -3,15 +3,14 @@
 import ast
 import json
 from pathlib import Path
-from typing import Any
 
 NOTEBOOK = Path(__file__).parent.parent / "examples" / "first-steps.ipynb"
 CODE = [it for it in json.loads(NOTEBOOK.read_text(encoding="utf-8"))["cells"] if it["cell_type"] == "code"]
 
 
-def run_cells(cells: list[dict[str, Any]]) -> tuple[dict[str, Any], list[tuple[str, str]]]:
+def run_cells(cells):
     """What the cells leave, and each one's last expression: its text, and its HTML if it has some."""
-    seen: dict[str, Any] = {}
+    seen = {}
     shown = []
     for cell in cells:
         *before, last = ast.parse("".join(cell["source"])).body
@@ -23,7 +22,7 @@ def run_cells(cells: list[dict[str, Any]]) -> tuple[dict[str, Any], list[tuple[s
     return seen, shown
 
 
-def kept(cells: list[dict[str, Any]]) -> list[tuple[str, str]]:
+def kept(cells):
     """The committed text and HTML of each cell; a notebook breaks a long dict into lines."""
     told = [it["outputs"][0]["data"] for it in cells]
     return [("".join(it["text/plain"]).replace("\n", ""), "".join(it.get("text/html", ""))) for it in told]

@@ -1,7 +1,6 @@
 """One door for output: nothing but `harness.text` and the tables writes to a terminal, so that all text is visible."""
 
 import ast
-from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 
 import pytest
@@ -10,7 +9,7 @@ import harness
 from harness.text import print_visible
 
 ROOT = Path(harness.__file__).parents[1]
-ALLOWED: Mapping[tuple[str, str], str] = {
+ALLOWED = {
     ("harness/text.py", "print"): "the door itself",
     ("harness/text.py", "sys.stderr"): "the door itself",
     ("harness/text.py", "sys.stdout"): "the door itself",
@@ -49,7 +48,7 @@ CHILDREN = {f"subprocess.{name}" for name in ("run", "Popen", "call", "check_cal
 TERMINALS = {"/dev/tty", "/dev/stdout", "/dev/stderr", "CONOUT$"}
 
 
-def ways_to_write(source: str) -> Iterator[str]:
+def ways_to_write(source):
     """Each place in a module that may write to a terminal by itself, by what it calls or names."""
     tree = ast.parse(source)
     imports = [node for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)]
@@ -65,19 +64,19 @@ def ways_to_write(source: str) -> Iterator[str]:
             yield from _called(node, rich & RICH)
 
 
-def _name_of(node: ast.expr) -> str:
+def _name_of(node):
     """``a.b`` of an attribute of a name, or the name."""
     if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
         return f"{node.value.id}.{node.attr}"
     return node.id if isinstance(node, ast.Name) else ""
 
 
-def _imported(node: ast.ImportFrom) -> Iterator[str]:
+def _imported(node):
     names = {f"{node.module}.{alias.name}" for alias in node.names}
     yield from names & (STREAMS | CALLS | CHILDREN)
 
 
-def _called(node: ast.Call, rich: Collection[str]) -> Iterator[str]:
+def _called(node, rich):
     """Whether a call writes; `rich` are the names of classes of rich that do."""
     name, given = _name_of(node.func), {word.arg for word in node.keywords}
     last = name.rpartition(".")[2]
@@ -97,12 +96,12 @@ def _called(node: ast.Call, rich: Collection[str]) -> Iterator[str]:
         yield "warnings.warn"
 
 
-def _goes_to_stream(node: ast.Call) -> bool:
+def _goes_to_stream(node):
     files = [word.value for word in node.keywords if word.arg == "file"]
     return any(_name_of(part) in STREAMS for file in files for part in ast.walk(file) if isinstance(part, ast.expr))
 
 
-def _is_logged(called: ast.expr) -> bool:
+def _is_logged(called):
     """``logging.getLogger(...).warning(...)``, ``logger.error(...)``, ``log.info(...)``, ``logging.info(...)``."""
     if not isinstance(called, ast.Attribute) or called.attr not in LOGGED:
         return False
@@ -112,14 +111,14 @@ def _is_logged(called: ast.expr) -> bool:
     return _name_of(owner).lower() in {"logging", "logger", "log", "_log", "_logger", "self.log", "self.logger"}
 
 
-def _is_visible(node: ast.Call) -> bool:
+def _is_visible(node):
     """Whether a warning is a text of ours, or was made visible."""
     text = node.args[0]
     is_door = isinstance(text, ast.Call) and _name_of(text.func) in {"visible", "one_line_of", "_moved"}
     return is_door or isinstance(text, ast.Constant)
 
 
-def found_in(root: Path) -> set[tuple[str, str]]:
+def found_in(root):
     """All ways of the packages below a folder: file, way."""
     paths = [path for package in ("harness", "plugins") for path in sorted((root / package).rglob("*.py"))]
     return {

@@ -1,21 +1,18 @@
 """The queries that docs/folders.md shows."""
 
 import re
-from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pyarrow.parquet as pq
 import pytest
 
-from harness.experiment import Plan
-from harness.record import EVALUATION, RESULTS, TRACE, Cell
-from harness.results import Results
+from harness.record import EVALUATION, RESULTS, TRACE
 
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs" / "folders.md"
 
 
-def _queries() -> Iterator[str]:
+def _queries():
     yield from re.findall(r'duckdb -c "([^"]*)"', PAGE.read_text(encoding="utf-8"))
 
 
@@ -23,9 +20,7 @@ QUERIES = list(_queries())
 
 
 @pytest.fixture
-def folder(
-    make_cell: Callable[..., Cell], make_plan: Callable[..., Plan], run_here: Callable[..., Results], tmp_path: Path
-) -> Path:
+def folder(make_cell, make_plan, run_here, tmp_path):
     """Two seeds of one reward."""
     results = run_here(make_plan(make_cell(seed=0), make_cell(seed=1)), tmp_path / "mine")
     results.write_table()
@@ -45,7 +40,7 @@ def test_columns_of_the_queries_are_there(folder):
             assert {"reward", "distance", "terminated", "truncated"} <= _columns(path)
 
 
-def _columns(path: Path) -> set[str]:
+def _columns(path):
     return set(pq.read_schema(path).names)
 
 

@@ -5,12 +5,10 @@ import hashlib
 import json
 import tomllib
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
-from harness.arrays import Float
 from harness.eta import race
 from harness.report.rows.ratios import format_number
 from tests.test_reference import RACES, REFERENCE
@@ -22,27 +20,27 @@ DECIDING = {"pendulum": "behaviour_success", "arm": "success_rate"}
 EACH = pytest.mark.parametrize("name", DECIDING)
 
 
-def record_of(name: str) -> dict[str, Any]:
+def record_of(name):
     """Everything that the report says."""
-    record: dict[str, Any] = json.loads((REFERENCE / "race" / name / "results.json").read_text(encoding="utf-8"))
+    record = json.loads((REFERENCE / "race" / name / "results.json").read_text(encoding="utf-8"))
     return record
 
 
-def cells_of(name: str) -> list[dict[str, str]]:
+def cells_of(name):
     """A row for each, in the order of the plan."""
     with (REFERENCE / "race" / name / "cells.csv").open(newline="", encoding="utf-8") as file:
         return list(csv.DictReader(file))
 
 
-def successes(name: str) -> dict[str, Float]:
+def successes(name):
     """Of each reward, by seed; NaN where a seed was not needed."""
-    found: dict[str, list[float]] = {}
+    found = {}
     for cell in cells_of(name):
         found.setdefault(cell["reward"], []).append(float(cell[DECIDING[name]] or "nan"))
     return {reward: np.array([values]) for reward, values in found.items()}
 
 
-def means(name: str, reward: str, column: str) -> float:
+def means(name, reward, column):
     """Over the seeds of a reward that were trained."""
     rows = [cell for cell in cells_of(name) if (cell["reward"], cell["status"]) == (reward, "done")]
     return float(np.mean([float(cell[column]) for cell in rows]))
@@ -75,7 +73,7 @@ def test_no_training_was_needed_beyond_the_race(name):
     assert f"{len(ended)}." in PROSE
 
 
-def ends(name: str, reward: str) -> str:
+def ends(name, reward):
     """How it ended for a reward, as the page says."""
     told = record_of(name)["looks"]["race"]
     if reward in told["beaten"]:
@@ -105,7 +103,7 @@ def test_the_page_has_each_reward_of_the_arm(subtests):
             assert f"{told} | {ends('arm', reward)} |".replace("|  |", "| |").replace("|  |", "| |") in PAGE
 
 
-def _times(ratio: dict[str, Any]) -> str:
+def _times(ratio):
     known = ratio["value"] is not None and "near zero" not in ratio["note"]
     return f"x {format_number(ratio['value'])}" if known else "n/a"
 

@@ -12,18 +12,18 @@ from scipy.spatial.transform import Rotation
 import harness
 from harness.errors import UsageError
 from harness.reach import FD100_CENTER, FD100_HALF_EXTENT, FD100_MOUNT, ReachTask, place_box, way_to_mount
-from harness.robot import Robot, reach_position, read_robot
+from harness.robot import reach_position, read_robot
 from tests.robot.brought_arms import TABLE_MOUNT, changed, read_arm
 
 ROBOT = harness.load_robot("fd100")
 
 
-def rng() -> np.random.Generator:
+def rng():
     """The same numbers every time."""
     return np.random.default_rng(5)
 
 
-def positions(task: ReachTask, count: int) -> np.ndarray:
+def positions(task, count):
     """Targets of the FD100, (count, 3)."""
     return task.draw_targets(ROBOT, rng(), count).position
 
@@ -91,14 +91,14 @@ def test_box_follows_a_mount_beside_the_origin(tmp_path):
     ReachTask().check(aside)
 
 
-def on_mount(arm: Robot, mount: np.ndarray) -> Robot:
+def on_mount(arm, mount):
     """The arm, mounted otherwise."""
     joints = arm.chain.T_previous_joint.copy()
     joints[0] = mount @ joints[0]
     return replace(arm, chain=replace(arm.chain, T_previous_joint=joints, T_world_mount=mount.round(12)))
 
 
-def pose(rotation: Rotation, *xyz: float) -> np.ndarray:
+def pose(rotation, *xyz):
     """T_world_mount."""
     mount = np.eye(4)
     mount[:3, :3], mount[:3, 3] = rotation.as_matrix(), xyz

@@ -6,9 +6,7 @@ import math
 import re
 import tomllib
 from collections import Counter
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import pyarrow.parquet as pq
 import pytest
@@ -30,7 +28,7 @@ NO_CLAIM = re.compile(r"(called|made|counts as) (better|worse)|better or worse|h
 QUOTED_P = re.compile(r"corrected p (< )?(\d\.\d+)")
 
 
-def page_of(folder: Path) -> str:
+def page_of(folder):
     """The page that tells of a record; those in one folder share one, as do those of what the sources leave open."""
     if folder.parent != REFERENCE:
         return (ROOT / "docs" / "studies" / f"{folder.parent.name}.md").read_text()
@@ -38,43 +36,43 @@ def page_of(folder: Path) -> str:
     return (ROOT / "docs" / f"{name}.md").read_text()
 
 
-def records_of(folder: Path) -> list[Path]:
+def records_of(folder):
     """All records that the same page tells of."""
     return [other for other in FOLDERS if page_of(other) == page_of(folder)]
 
 
-def comparisons_of(record: dict[str, Any]) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
+def comparisons_of(record):
     """Every comparison of a record in environments, with its study."""
     for place in record["studies"]:
         for comparison in place["study"]["comparisons"]:
             yield place["study"], comparison
 
 
-def over_places(folder: Path) -> list[dict[str, Any]]:
+def over_places(folder):
     """What a record says of each reward over all places; nothing where there is one place."""
-    found: list[dict[str, Any]] = json.loads((folder / "results.json").read_text()).get("over_places", [])
+    found = json.loads((folder / "results.json").read_text()).get("over_places", [])
     return found
 
 
-def combinations(folder: Path) -> list[dict[str, Any]]:
+def combinations(folder):
     """What a record says of each pair of rewards."""
-    found: list[dict[str, Any]] = json.loads((folder / "results.json").read_text())["combinations"]
+    found = json.loads((folder / "results.json").read_text())["combinations"]
     return found
 
 
-def text(ratio: dict[str, Any]) -> str:
+def text(ratio):
     """As pages write it: three digits, or why there are none."""
     if ratio["value"] is None:
         return "n/a"
     return "near zero" if "near zero" in ratio["note"] else three(ratio["value"])
 
 
-def three(value: float) -> str:
+def three(value):
     """Three significant digits, trailing zeros kept."""
     return f"{value:#.3g}".rstrip(".")
 
 
-def with_interval(ratio: dict[str, Any]) -> str:
+def with_interval(ratio):
     """A ratio and its interval, if it has one that says something."""
     known = ratio["low"] is not None and "near zero" not in ratio["note"]
     return f"{text(ratio)} [{three(ratio['low'])}, {three(ratio['high'])}]" if known else text(ratio)
@@ -135,7 +133,7 @@ def test_page_gives_the_answer_of_the_record(subtests):
             assert missing == []
 
 
-def corrected(folder: Path) -> set[float]:
+def corrected(folder):
     """Every corrected p of a record that carries a claim."""
     told = combinations(folder)
     values = [it[name]["p_corrected"] for it in told for name in INDICES]
@@ -145,13 +143,13 @@ def corrected(folder: Path) -> set[float]:
     return {p for p in values if p is not None and p <= 0.05}
 
 
-def unfounded(page: str, known: set[float]) -> list[str]:
+def unfounded(page, known):
     """Passages that say better or worse without a corrected p of the record."""
     passages = [" ".join(it.split()) for it in re.split(r"\n\s*\n|\n(?=[*|#])", page)]
     return [passage for passage in passages if CLAIM.search(NO_CLAIM.sub("", passage)) and not _founded(passage, known)]
 
 
-def _founded(passage: str, known: set[float]) -> bool:
+def _founded(passage, known):
     quoted = QUOTED_P.findall(passage)
     return bool(quoted) and all(
         any(p < float(number) if less else f"{p:.{len(number) - 2}f}" == number for p in known)
@@ -183,7 +181,7 @@ def test_a_claim_without_its_p_is_found(passage, is_founded):
     assert (unfounded(passage, {0.03125}) == []) == is_founded
 
 
-def beyond(data: Any, least: float, greatest: float) -> list[Any]:
+def beyond(data, least, greatest):
     """Whatever has an interval that leaves this range."""
     if isinstance(data, list):
         return [it for part in data for it in beyond(part, least, greatest)]
@@ -230,7 +228,7 @@ def test_indices_follow_from_the_curves(subtests):
     """I_N and I_P of both rewards, summed over the thinned mean curves, to a hundredth of the larger one."""
     for folder in FOLDERS:
         with subtests.test(folder=folder):
-            curves: dict[tuple[str, ...], list[tuple[float, int]]] = {}
+            curves = {}
             for row in pq.read_table(folder / "curves.parquet").to_pylist():
                 key = (row["simulator"], row["algorithm"], row["seeds"], row["trained_with"], row["scored_by"])
                 curves.setdefault(key, []).append((row["value"], row["every"]))
@@ -285,7 +283,7 @@ def test_page_quotes_the_published_table():
         assert f"| cross-over step, {title} | {published[side]['crossover']:,} |" in page
 
 
-def seed_by_seed(cells: list[dict[str, str]], reward: str, index: str) -> Any:
+def seed_by_seed(cells, reward, index):
     """Geometric mean of single seeds' etas, and its interval by Student's t."""
     values = {(cell["reward"], int(cell["seed"])): float(cell[index]) for cell in cells}
     seeds = sorted(seed for label, seed in values if label == reward)

@@ -8,7 +8,7 @@ import harness
 from harness.registry.hooks import API_VERSION
 
 ROOT = Path(__file__).parents[1]
-VERSION: str = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"]
+VERSION = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"]
 
 
 def test_citation_names_the_version_that_is_built():

@@ -54,13 +54,13 @@ class LeavesOut(Alarms):
 
 
 @pytest.fixture
-def ask(monkeypatch: pytest.MonkeyPatch):
+def ask(monkeypatch):
     """What screens of these classes say of two rewards, of two seeds each, by reward and word."""
     monkeypatch.setitem(sys.modules, __name__, sys.modules[__name__])
     settings = {"sim": "kinematic", "algo": "random", "reward": "dense", "seeds": 2, "steps": 32}
     cells = expand(check_experiment(settings), load_registry()).cells
 
-    def said(*names: str, requires: tuple[str, ...] = ()):
+    def said(*names, requires=()):
         registry = Registry()
         for name in names:
             spec = Spec("screens", name.lower(), f"{__name__}:{name}", "", requires, None, "mine", "screens", "0.1")

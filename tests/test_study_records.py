@@ -5,9 +5,7 @@ import csv
 import json
 import re
 import tomllib
-from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -25,28 +23,28 @@ SHARES = re.compile(r"\[([-+\d.]+), ([-+\d.]+)\] pp")
 OUTSIDE = re.compile(r"\]\(<?https?:")
 
 
-def name_of(folder: Path) -> str:
+def name_of(folder):
     """As `meta-world/reach`."""
     return folder.relative_to(REFERENCE).as_posix()
 
 
-def page_of(folder: Path) -> str:
+def page_of(folder):
     """The page of all records of a folder."""
     return (PAGES / f"{folder.relative_to(REFERENCE).parts[0]}.md").read_text(encoding="utf-8")
 
 
-def beside(folder: Path) -> list[Path]:
+def beside(folder):
     """All records that the same page tells of."""
     return [other for other in STUDIES if other.parent == folder.parent]
 
 
-def record_of(folder: Path) -> dict[str, Any]:
+def record_of(folder):
     """Everything that the report says."""
-    record: dict[str, Any] = json.loads((folder / "results.json").read_text(encoding="utf-8"))
+    record = json.loads((folder / "results.json").read_text(encoding="utf-8"))
     return record
 
 
-def needles(record: dict[str, Any], summary: str, label: str) -> list[str]:
+def needles(record, summary, label):
     """What a page has to say of a record: the answers, every eta and its parts, and the measure that decides."""
     found = []
     for _, told in comparisons_of(record):
@@ -58,7 +56,7 @@ def needles(record: dict[str, Any], summary: str, label: str) -> list[str]:
     return found
 
 
-def _parts(split: dict[str, Any]) -> list[str]:
+def _parts(split):
     """Eta and ruler x behaviour with their intervals; where returns below 0 leave no ratio, those of the difference."""
     ratio, difference = split["ratio"], split["difference"]
     if ratio["eta"]["value"] is not None:
@@ -68,7 +66,7 @@ def _parts(split: dict[str, Any]) -> list[str]:
     return [f"| {' | '.join(told)} |"]
 
 
-def _deciding(told: dict[str, Any], summary: str) -> str:
+def _deciding(told, summary):
     """Name, both values and the interval of the difference of the measure that decides, as the summary has them."""
     pair = summary.index(f"\n### {told['proposed']} against {told['baseline']}\n")
     table = summary[summary.index(f"\nBehaviour {told['decided_in']},", pair) :]
@@ -77,7 +75,7 @@ def _deciding(told: dict[str, Any], summary: str) -> str:
     return " | ".join(row.split(" | ")[:4])
 
 
-def strange_numbers(page: str, records: list[dict[str, Any]], more: list[float]) -> list[str]:
+def strange_numbers(page, records, more):
     """Numbers of a page that no record holds, whose paragraph leads to no other source either."""
     known = _written([*(number for record in records for number in _numbers(record)), *more])
     prose = re.sub(r"```.*?```|`[^`\n]*`|(?<=\])\([^)]*\)", "", _without_sources(page), flags=re.DOTALL)
@@ -88,12 +86,12 @@ def strange_numbers(page: str, records: list[dict[str, Any]], more: list[float])
     ]
 
 
-def _without_sources(page: str) -> str:
+def _without_sources(page):
     """The paragraphs that do not say where their numbers come from."""
     return "\n\n".join(text for text in re.split(r"\n\s*\n", page) if not OUTSIDE.search(text))
 
 
-def _numbers(data: Any) -> Iterator[float]:
+def _numbers(data):
     if isinstance(data, bool):
         return
     if isinstance(data, int | float):
@@ -105,7 +103,7 @@ def _numbers(data: Any) -> Iterator[float]:
             yield len(data)
 
 
-def _written(values: list[float]) -> dict[str, set[str]]:
+def _written(values):
     """As pages may round them."""
     finite = [abs(value) for value in values]
     return {
@@ -114,16 +112,16 @@ def _written(values: list[float]) -> dict[str, set[str]]:
     }
 
 
-def _texts(value: float) -> set[str]:
+def _texts(value):
     return {three(value), *(f"{value:.{digits}f}" for digits in range(5))}
 
 
-def contradictions(record: dict[str, Any]) -> list[str]:
+def contradictions(record):
     """What does not follow from the single trainings that the record holds."""
     return [line for study, told in comparisons_of(record) for line in _contradictions(study, told)]
 
 
-def _contradictions(study: dict[str, Any], told: dict[str, Any]) -> Iterator[str]:
+def _contradictions(study, told):
     trained = {(run["trained_by"], run["seed"]): run["parts"] for run in study["trainings"]}
     swaps = swaps_of(sorted({seed for _, seed in trained}))
     for manner, split in told["returns"].items():
@@ -144,12 +142,12 @@ def _contradictions(study: dict[str, Any], told: dict[str, Any]) -> Iterator[str
             yield f"{change['manner']}: {change['name']}"
 
 
-def _in_order(split: dict[str, Any]) -> dict[str, Any]:
+def _in_order(split):
     """With its returns by who pays and who was taught."""
     return {**split, "returns": sorted(split["returns"], key=lambda it: (it["paid_by"], it["trained_by"]))}
 
 
-def _alike(one: Any, other: Any) -> bool:
+def _alike(one, other):
     """Whether the numbers are the same, but for the last digits; a p-value may have been corrected since."""
     if isinstance(one, dict):
         return all(_alike(one[key], other[key]) for key in one if key != "p_corrected")
@@ -160,7 +158,7 @@ def _alike(one: Any, other: Any) -> bool:
     return bool(one == other)
 
 
-def parts_do_not_fit(record: dict[str, Any]) -> list[str]:
+def parts_do_not_fit(record):
     """Where ruler and behaviour do not come to the whole."""
     found = []
     for _, told in comparisons_of(record):
@@ -177,7 +175,7 @@ def parts_do_not_fit(record: dict[str, Any]) -> list[str]:
     return found
 
 
-def corrected(record: dict[str, Any]) -> set[float]:
+def corrected(record):
     """Every corrected p that carries a claim."""
     told = [comparison for _, comparison in comparisons_of(record)]
     values = [split["ratio"]["p_corrected"] for it in told for split in it["returns"].values()]
@@ -186,12 +184,12 @@ def corrected(record: dict[str, Any]) -> set[float]:
     return {p for p in values if p is not None and p <= 0.05}
 
 
-def label_of(folder: Path) -> str:
+def label_of(folder):
     """What tells records of one page apart; empty where there is one."""
     return f"{folder.name}: " if len(beside(folder)) > 1 else ""
 
 
-def cells_of(folder: Path) -> list[dict[str, str]]:
+def cells_of(folder):
     """A row for each."""
     with (folder / "cells.csv").open(newline="") as file:
         return list(csv.DictReader(file))
@@ -235,7 +233,7 @@ def test_page_shows_what_the_robot_does(folder):
     assert f"make reference EXPERIMENT={experiment_of(folder)}" in page
 
 
-def experiment_of(folder: Path) -> str:
+def experiment_of(folder):
     """What make is told."""
     names = [path.relative_to(ROOT / "experiments").with_suffix("") for path in (ROOT / "experiments").rglob("*.toml")]
     (name,) = (it for it in names if it.as_posix().replace("_", "-") == name_of(folder))
@@ -279,7 +277,7 @@ def test_cells_hold_what_the_record_says(folder):
 
 
 @pytest.fixture(scope="module")
-def small() -> dict[str, Any]:
+def small():
     """A record of two rewards and ten seeds: `thrice` pays three times as much, and teaches to earn a tenth more."""
     seeds = list(range(10))
     trained = {("plain", seed): 10.0 + seed for seed in seeds} | {("thrice", seed): 11.0 + 1.1 * seed for seed in seeds}
@@ -375,11 +373,11 @@ def test_a_number_from_nowhere_is_found(small, subtests):
             assert strange_numbers(passage, [small], []) == strange
 
 
-def _set(*path: Any) -> Callable[[dict[str, Any]], None]:
+def _set(*path):
     """Change what stands at a path, by a hundredth."""
 
-    def change(record: dict[str, Any]) -> None:
-        at: Any = record["studies"][0]["study"]
+    def change(record):
+        at = record["studies"][0]["study"]
         for part in path[:-1]:
             at = at[part]
         at[path[-1]] *= 1.01

@@ -2,7 +2,6 @@
 
 import re
 from pathlib import Path
-from typing import Any
 
 import pytest
 import yaml
@@ -14,24 +13,24 @@ DIGESTS = "sha256sum dist/* build/sbom/*.json"
 EACH = pytest.mark.parametrize("path", WORKFLOWS, ids=lambda path: path.stem)
 
 
-def _read(path: Path) -> dict[str, Any]:
+def _read(path):
     """A workflow; YAML calls its key `on` true."""
-    read: dict[str, Any] = yaml.safe_load(path.read_text(encoding="utf-8"))
+    read = yaml.safe_load(path.read_text(encoding="utf-8"))
     return read
 
 
 @pytest.fixture
-def release() -> dict[str, Any]:
+def release():
     """The jobs of a release."""
-    jobs: dict[str, Any] = _read(ROOT / ".github/workflows/release.yml")["jobs"]
+    jobs = _read(ROOT / ".github/workflows/release.yml")["jobs"]
     return jobs
 
 
-def _runs(job: dict[str, Any]) -> list[str]:
+def _runs(job):
     return [step["run"] for step in job["steps"] if "run" in step]
 
 
-def _actions(job: dict[str, Any]) -> list[str]:
+def _actions(job):
     return [step["uses"].partition("@")[0] for step in job["steps"] if "uses" in step]
 
 

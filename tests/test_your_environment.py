@@ -20,7 +20,7 @@ STEPS = 64
 VERDICT = "from harness import RecordRewards, evaluate_policy"
 
 
-def _run(folder: Path, monkeypatch: pytest.MonkeyPatch, needle: str, **told: str) -> dict[str, Any]:
+def _run(folder, monkeypatch, needle, **told):
     """Run the one example that holds `needle`, in `folder`; rollouts of PPO are as short as its training.
 
     `told` is what a reader is told to write in place of a word.
@@ -35,7 +35,7 @@ def _run(folder: Path, monkeypatch: pytest.MonkeyPatch, needle: str, **told: str
     return runpy.run_path("example.py")
 
 
-def _recorded(folder: Path, path: str) -> Any:
+def _recorded(folder, path):
     training = read_recording(folder / path)
     assert (training.facts.failures, training.facts.paid_otherwise, training.facts.closed) == ((), "", True)
     return training

@@ -7,7 +7,6 @@ running: which files commands enter. `--lower` writes today's figures as the bou
 import sys
 import tempfile
 import tomllib
-from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from tests.architecture.entered import measured_by_running
@@ -16,12 +15,12 @@ from tests.architecture.source import measured
 BOUNDS = Path(__file__).with_name("bounds.toml")
 
 
-def read_bounds() -> dict[str, float]:
+def read_bounds():
     """The bound of each figure, in the order of the file."""
     return tomllib.loads(BOUNDS.read_text(encoding="utf-8"))
 
 
-def above(figures: Mapping[str, float], bounds: Mapping[str, float]) -> list[str]:
+def above(figures, bounds):
     """A line for each figure that is above its bound, or has none."""
     return [
         f"{name}: {figure:g}, and the bound is {bounds.get(name, 'missing')}"
@@ -30,14 +29,14 @@ def above(figures: Mapping[str, float], bounds: Mapping[str, float]) -> list[str
     ]
 
 
-def lowered(figures: Mapping[str, float], bounds: Mapping[str, float]) -> str:
+def lowered(figures, bounds):
     """The file of bounds, each no larger than its figure."""
     known = bounds | {name: min(figure, bounds.get(name, figure)) for name, figure in figures.items()}
     head = "# No figure of python -m tests.architecture may be larger. They only fall: --lower writes today's.\n"
     return head + "".join(f'"{name}" = {bound}\n' for name, bound in known.items())
 
 
-def main(arguments: Sequence[str]) -> int:
+def main(arguments):
     """Print the table; returns the exit status."""
     figures = measured()
     if "--run" in arguments:

@@ -11,7 +11,6 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -47,9 +46,7 @@ class Entered:
     back: frozenset[tuple[str, str]]
 
 
-def enter(
-    arguments: Sequence[str], folder: Path, tops: Sequence[Path] = (ROOT / "harness", ROOT / "plugins")
-) -> Entered:
+def enter(arguments, folder, tops=(ROOT / "harness", ROOT / "plugins")):
     """Run Python with these arguments in a folder, and see what it enters of the folders in `tops`.
 
     Raises:
@@ -68,9 +65,9 @@ def enter(
     ended = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
     if ended.returncode:
         raise RuntimeError(ended.stdout + ended.stderr)
-    files: set[str] = set()
-    hops: set[tuple[str, str]] = set()
-    back: set[tuple[str, str]] = set()
+    files = set()
+    hops = set()
+    back = set()
     root = tops[0].parent
     for process in sorted(into.iterdir()):
         seen = json.loads(process.read_text(encoding="utf-8"))
@@ -81,7 +78,7 @@ def enter(
     return Entered(frozenset(files), frozenset(hops), frozenset(back))
 
 
-def enter_harness(command: str, folder: Path) -> Entered:
+def enter_harness(command, folder):
     """Run one of `COMMANDS` in a new folder."""
     (folder / "logs").mkdir()
     for number in range(3):
@@ -100,9 +97,9 @@ def enter_harness(command: str, folder: Path) -> Entered:
     return enter(["-m", "harness", *COMMANDS[command], *out], folder)
 
 
-def measured_by_running(folder: Path, commands: Iterable[str] = COMMANDS) -> dict[str, int]:
+def measured_by_running(folder, commands=COMMANDS):
     """Every figure, by its name in `bounds.toml`; what the commands write goes into folders in this one."""
-    figures: dict[str, int] = {}
+    figures = {}
     for number, command in enumerate(commands):
         (inner := folder / str(number)).mkdir()
         entered = enter_harness(command, inner)

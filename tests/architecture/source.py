@@ -2,7 +2,6 @@
 
 import ast
 import re
-from collections.abc import Iterator, Mapping
 from functools import cache
 from graphlib import TopologicalSorter
 from pathlib import Path
@@ -22,24 +21,24 @@ WORLDS = re.compile(
 is no fork."""
 
 
-def files_of(*tops: str) -> list[Path]:
+def files_of(*tops):
     """The Python files of our folders, in order."""
     return sorted(path for top in tops for path in (ROOT / top).rglob("*.py"))
 
 
 @cache
-def text_of(path: Path) -> str:
+def text_of(path):
     """A file's content."""
     return path.read_text(encoding="utf-8")
 
 
-def module_of(path: Path) -> str:
+def module_of(path):
     """What a file is called when it is imported."""
     top, *inner = path.relative_to(ROOT).with_suffix("").parts
     return ".".join([TOPS[top], *inner]).removesuffix(".__init__")
 
 
-def _imports(tree: ast.AST) -> Iterator[ast.Import | ast.ImportFrom]:
+def _imports(tree):
     """Imports at a module's top, without those in functions and those for type checkers."""
     for node in ast.iter_child_nodes(tree):
         if isinstance(node, ast.Import | ast.ImportFrom):
@@ -53,21 +52,21 @@ def _imports(tree: ast.AST) -> Iterator[ast.Import | ast.ImportFrom]:
             yield from _imports(node)
 
 
-def _absolute(node: ast.ImportFrom, module: str, is_package: bool) -> str:
+def _absolute(node, module, is_package):
     parts = module.split(".")
     base = parts[: len(parts) - node.level + is_package] if node.level else []
     return ".".join([*base, *filter(None, [node.module])])
 
 
-def import_graph(sources: Mapping[str, tuple[str, bool]]) -> dict[str, set[str]]:
+def import_graph(sources):
     """By module: the others of `sources` that it imports.
 
     Args:
         sources: By module, its text and whether it is a package.
     """
-    graph: dict[str, set[str]] = {}
+    graph = {}
     for module, (text, is_package) in sources.items():
-        imported: set[str] = set()
+        imported = set()
         for node in _imports(ast.parse(text)):
             if isinstance(node, ast.Import):
                 imported |= {alias.name for alias in node.names}
@@ -79,15 +78,15 @@ def import_graph(sources: Mapping[str, tuple[str, bool]]) -> dict[str, set[str]]
     return graph
 
 
-def floors(graph: Mapping[str, set[str]]) -> int:
+def floors(graph):
     """How many modules the longest chain of imports has, the first and the last included."""
-    depth: dict[str, int] = {}
+    depth = {}
     for module in TopologicalSorter(graph).static_order():
         depth[module] = 1 + max((depth[imported] for imported in graph[module]), default=0)
     return max(depth.values(), default=0)
 
 
-def forks() -> list[tuple[str, int]]:
+def forks():
     """File and line, wherever code outside the two worlds asks whether it has an arm or another environment."""
     return [
         (name, number)
@@ -99,7 +98,7 @@ def forks() -> list[tuple[str, int]]:
 
 
 @cache
-def measured() -> dict[str, float]:
+def measured():
     """Every figure, by its name in `bounds.toml`."""
     core, asked = files_of("harness"), forks()
     return {

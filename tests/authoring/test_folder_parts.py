@@ -1,13 +1,11 @@
 """A folder in parts."""
 
-from pathlib import Path
-
 from harness.authoring import add_parts, parts_of
 
 PART_BYTES = 4 * 2**20
 
 
-def test_a_folder_comes_together_again(tmp_path: Path):
+def test_a_folder_comes_together_again(tmp_path):
     """Large, empty and nested files; a link is left out."""
     files = {"trace": bytes(range(256)) * (PART_BYTES // 100), "empty": b"", "policy/weights": b"w" * PART_BYTES}
     for name, content in files.items():
@@ -23,6 +21,6 @@ def test_a_folder_comes_together_again(tmp_path: Path):
     assert found == files
 
 
-def test_a_folder_that_is_not_there_has_no_parts(tmp_path: Path):
+def test_a_folder_that_is_not_there_has_no_parts(tmp_path):
     """As before a cell has begun."""
     assert list(parts_of(tmp_path / "nothing")) == []

@@ -11,12 +11,12 @@ ROBOTS = ("fd100", "unity-arm")
 RNG = np.random.default_rng(3)
 
 
-def _poses(robot, count: int = 200) -> np.ndarray:
+def _poses(robot, count=200):
     return RNG.uniform(robot.lower, robot.upper, (count, robot.dof))
 
 
 @pytest.mark.parametrize("name", ROBOTS)
-def test_contact_is_a_clearance_below_zero(name: str):
+def test_contact_is_a_clearance_below_zero(name):
     """In every pose; both happen."""
     robot = harness.load_robot(name)
     contact, qpos = GroundContact(robot), _poses(robot)
@@ -26,7 +26,7 @@ def test_contact_is_a_clearance_below_zero(name: str):
 
 
 @pytest.mark.parametrize("name", ROBOTS)
-def test_it_says_what_the_kinematic_simulator_says(name: str):
+def test_it_says_what_the_kinematic_simulator_says(name):
     """Of the same poses, one simulator beside the other."""
     env = harness.make_env("kinematic", robot=name, num_envs=50)
     qpos = _poses(env.robot, 50)

@@ -11,7 +11,7 @@ from harness.errors import UsageError
 RNG = np.random.default_rng(0)
 
 
-def _layer(inputs: int, outputs: int):
+def _layer(inputs, outputs):
     return RNG.normal(size=(outputs, inputs)), RNG.normal(size=outputs)
 
 
@@ -44,7 +44,7 @@ def test_arrays_are_copies_in_single_precision():
         ([(np.zeros(4), np.zeros(4))], _layer(4, 2), "layer hidden.0: weight (4,)"),
     ],
 )
-def test_layers_that_do_not_fit_are_named(hidden, head, told: str):
+def test_layers_that_do_not_fit_are_named(hidden, head, told):
     """With both shapes, and with what to do: libraries differ in how they keep a weight."""
     with pytest.raises(UsageError, match=re.escape(told)) as error:
         layer_weights(hidden, mean=head)

@@ -30,13 +30,13 @@ class Distance:
         return carry, sample.begin_distance - sample.distance
 
 
-def seen(x: float, target: float = 0.0) -> np.ndarray:
+def seen(x, target=0.0):
     """An end effector and a target on one axis."""
     return np.array([x, 0, 0, target, 0, 0], np.float64)
 
 
 @pytest.mark.parametrize("name", ["baseline", "arp", "aarp", "relative", "dense"])
-def test_it_pays_what_the_task_pays(name: str):
+def test_it_pays_what_the_task_pays(name):
     """The same arm in the same task, whose distance is all that it is told."""
     registry = load_registry()
     reward = choose(registry, "rewards", name).build(registry, "rewards")
@@ -80,12 +80,12 @@ def test_a_distance_alone_counts_a_touched_target_as_reached_wholly():
 
 
 @given(st.lists(st.floats(0.0, 10.0), min_size=2, max_size=8))
-def test_an_episode_is_forgotten(distances: list[float]):
+def test_an_episode_is_forgotten(distances):
     """After a reset the same steps pay the same."""
     registry = load_registry()
     pays = ObservedReward(choose(registry, "rewards", "aarp").build(registry, "rewards"), parse_places("distance=0:1"))
 
-    def play() -> list[float]:
+    def play():
         pays.reset()
         rows = [np.array([distance]) for distance in distances]
         return [pays(one, None, other, {}) for one, other in itertools.pairwise(rows)]

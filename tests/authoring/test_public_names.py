@@ -16,9 +16,9 @@ TEXT = PAGE.read_text(encoding="utf-8")
 MODULES = ("harness.authoring", "harness_plugins.sb3")
 
 
-def _documented() -> dict[str, dict[str, str]]:
+def _documented():
     """By module, the signature of each name that the page lists."""
-    found: dict[str, dict[str, str]] = {module: {} for module in MODULES}
+    found = {module: {} for module in MODULES}
     module = ""
     for line in TEXT.splitlines():
         heading = re.fullmatch(r"## .*: `([\w.]+)`", line)
@@ -36,13 +36,13 @@ DOCUMENTED = _documented()
 
 
 @pytest.mark.parametrize("module", MODULES)
-def test_the_page_and_the_module_name_the_same(module: str):
+def test_the_page_and_the_module_name_the_same(module):
     """A name that is added, or taken away, has to be so on both."""
     assert sorted(DOCUMENTED[module]) == importlib.import_module(module).__all__
 
 
 @pytest.mark.parametrize(("module", "name"), [(m, n) for m, names in DOCUMENTED.items() for n in names])
-def test_the_page_says_the_signature(module: str, name: str):
+def test_the_page_says_the_signature(module, name):
     """Every argument in order, with its default; what is a function by default is written as dots."""
     found = inspect.signature(getattr(importlib.import_module(module), name))
     told = []
@@ -53,12 +53,12 @@ def test_the_page_says_the_signature(module: str, name: str):
     assert DOCUMENTED[module][name] == f"({', '.join(told)})"
 
 
-def _shown(default: object) -> str:
+def _shown(default):
     plain = default if isinstance(default, int | float | str | None) else getattr(default, "default", ...)
     return repr(plain) if isinstance(plain, int | float | str | None) else "..."
 
 
-def test_every_snippet_of_the_page_runs(tmp_path: Path):
+def test_every_snippet_of_the_page_runs(tmp_path):
     """One after the other, as somebody who reads from the top would type them; the last one is for pytest."""
     *snippets, _ = re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL)
     assert len(snippets) >= 15
@@ -78,7 +78,7 @@ def test_importing_them_imports_nothing_heavy():
 
 
 @pytest.mark.parametrize("module", MODULES)
-def test_no_submodule_hides_a_name(module: str):
+def test_no_submodule_hides_a_name(module):
     """Once it is imported, a submodule stands under its own name in the package."""
     face = importlib.import_module(module)
     assert not {path.stem for path in Path(face.__file__ or "").parent.glob("*.py")} & set(face.__all__)

@@ -10,14 +10,14 @@ from harness.robot.servo import Servo
 STEP = 0.005
 
 
-def _track(latency: float = 0.0, num_envs: int = 1) -> ServoTrack:
+def _track(latency=0.0, num_envs=1):
     servo = Servo(*[np.ones(2)] * 6, latency, True)
     track = ServoTrack(servo, num_envs, STEP)
     track.reset(np.zeros((num_envs, 2)), np.ones(num_envs, bool))
     return track
 
 
-def _pose(*qpos: float) -> np.ndarray:
+def _pose(*qpos):
     return np.repeat(np.array(qpos)[:, None], 2, axis=1)
 
 
@@ -40,7 +40,7 @@ def test_the_next_way_begins_at_the_last_target():
 
 
 @given(st.lists(st.tuples(st.floats(-3, 3), st.integers(1, 7)), min_size=1, max_size=6), st.integers(0, 12))
-def test_latency_shifts_all_by_whole_steps(ways: list[tuple[float, int]], delay: int):
+def test_latency_shifts_all_by_whole_steps(ways, delay):
     """What comes out late is what comes out at once, after so many steps at rest."""
     prompt, late = (_played(ways, latency) for latency in (0.0, delay * STEP))
     assert (late[:delay, 1] == 0.0).all()
@@ -48,7 +48,7 @@ def test_latency_shifts_all_by_whole_steps(ways: list[tuple[float, int]], delay:
     np.testing.assert_array_equal(late[delay:], prompt[: max(len(prompt) - delay, 0)])
 
 
-def _played(ways: list[tuple[float, int]], latency: float) -> np.ndarray:
+def _played(ways, latency):
     """Positions and speeds of the first joint, (steps, 2)."""
     track = _track(latency)
     parts = [track.advance(_pose(target), steps * STEP, steps) for target, steps in ways]
@@ -56,7 +56,7 @@ def _played(ways: list[tuple[float, int]], latency: float) -> np.ndarray:
 
 
 @pytest.mark.parametrize("latency", [0.0, 3 * STEP])
-def test_reset_forgets_in_its_envs_alone(latency: float):
+def test_reset_forgets_in_its_envs_alone(latency):
     """The env of the mask rests at its pose; the other one goes on, delayed commands included."""
     track, undisturbed = _track(latency, 2), _track(latency, 2)
     for each in (track, undisturbed):

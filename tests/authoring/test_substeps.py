@@ -16,13 +16,13 @@ PERIOD = 0.1
 
 
 @pytest.mark.parametrize(("count", "parts", "steps"), [(20, 1, 20), (20, 4, 5), (20, 20, 1), (7, 7, 1), (33, 3, 11)])
-def test_a_part_has_its_share_of_the_steps(count: int, parts: int, steps: int):
+def test_a_part_has_its_share_of_the_steps(count, parts, steps):
     """As many as the control period's, divided by the parts."""
     assert Substeps(count, PERIOD).within(PERIOD / parts) == steps
 
 
 @pytest.mark.parametrize(("count", "parts"), [(20, 3), (20, 40), (7, 2), (1, 4)])
-def test_parts_that_do_not_divide_are_a_usage_error(count: int, parts: int):
+def test_parts_that_do_not_divide_are_a_usage_error(count, parts):
     """It says the substeps and the parts."""
     with pytest.raises(UsageError, match=rf"substeps={count} .* {parts} parts"):
         Substeps(count, PERIOD).within(PERIOD / parts)
@@ -30,7 +30,7 @@ def test_parts_that_do_not_divide_are_a_usage_error(count: int, parts: int):
 
 @pytest.mark.usefixtures("installed")
 @pytest.mark.parametrize("simulator", SIMULATORS[1:])
-def test_every_engine_says_that_it_cannot_divide(simulator: str):
+def test_every_engine_says_that_it_cannot_divide(simulator):
     """Through the env: the first step that would need a part of a physics step is refused."""
     env = harness.make_env(f"{simulator}:substeps=20", "fd100-reach:action=movel:parts=3")
     env.reset(seed=0)
@@ -44,7 +44,7 @@ def test_every_engine_says_that_it_cannot_divide(simulator: str):
 @pytest.mark.usefixtures("installed")
 @pytest.mark.parametrize("frame", ["wcs", "tcs"])
 @pytest.mark.parametrize("simulator", SIMULATORS)
-def test_every_engine_follows_the_line(simulator: str, frame: str):
+def test_every_engine_follows_the_line(simulator, frame):
     """At the end of every part the driven end effector is within 4 mm of the line that movel commands."""
     robot = harness.load_robot("fd100")
     motion = build_motion(f"movel:frame={frame}", Setting(robot, PERIOD, 0.8, 0.6))

@@ -1,8 +1,6 @@
 """Rewards inside rewards: what it costs to name them."""
 
 import importlib
-from collections.abc import Callable
-from types import ModuleType
 
 import pytest
 
@@ -62,17 +60,17 @@ class E(A):
 
 
 @pytest.fixture
-def nest(install: Callable[..., str]) -> ModuleType:
+def nest(install):
     """An installed package of rewards that take one another in, and count how often they are loaded and built."""
     return importlib.import_module(install("nest", NEST))
 
 
-def _nested(depth: int) -> str:
+def _nested(depth):
     """``egg``, ``a:reward=(egg)``, ``b:reward=(a:reward=(egg))``."""
     return "egg" if depth == 0 else f"{'abcde'[depth - 1]}:reward=({_nested(depth - 1)})"
 
 
-def test_naming_a_reward_inside_a_reward_loads_no_plugin_again(nest: ModuleType):
+def test_naming_a_reward_inside_a_reward_loads_no_plugin_again(nest):
     """Neither to resolve two levels nor to build them: the registry at hand is handed inwards."""
     registry = load_registry()
     nest.loads.clear()
@@ -82,7 +80,7 @@ def test_naming_a_reward_inside_a_reward_loads_no_plugin_again(nest: ModuleType)
     assert (choice.label, type(built.named.named).__name__) == ("b:reward=a:reward=egg", "Egg")
 
 
-def test_reward_built_by_hand_loads_the_plugins(nest: ModuleType):
+def test_reward_built_by_hand_loads_the_plugins(nest):
     """Once, however deep: whoever writes Python has no registry to hand in. It shows that the count counts."""
     built = nest.B(_nested(1))
     assert nest.loads == ["rewards"]
@@ -90,7 +88,7 @@ def test_reward_built_by_hand_loads_the_plugins(nest: ModuleType):
 
 
 @pytest.mark.parametrize("depth", range(6))
-def test_every_level_is_built_once(nest: ModuleType, depth: int):
+def test_every_level_is_built_once(nest, depth):
     """To resolve a name and to build it: what it costs grows with the depth, and no faster."""
     registry = load_registry()
     levels = sorted(["egg", *"abcde"[:depth]])
@@ -101,7 +99,7 @@ def test_every_level_is_built_once(nest: ModuleType, depth: int):
     assert sorted(nest.builds) == levels
 
 
-def test_deep_name_has_the_label_that_gives_it_again(nest: ModuleType):
+def test_deep_name_has_the_label_that_gives_it_again(nest):
     """With parameters of its own on the way."""
     registry = load_registry()
     choice = choose(registry, "rewards", "scaled:factor=4,reward=b:reward=(a:reward=(arp:k1=2,k2=3))")

@@ -7,7 +7,7 @@ writes ``results/reference/bench/DATE.json`` with version, commit and machine, a
 
 import json
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from importlib.metadata import version
@@ -52,12 +52,12 @@ class Record:
     ratios: Mapping[str, Mapping[str, float]]
 
     @property
-    def title(self) -> str:
+    def title(self):
         """Date, commit and machine."""
         return f"{self.date}, {self.commit or self.version}, {self.machine}"
 
 
-def record_of(ratios: Mapping[str, Mapping[str, float]], root: Path) -> Record:
+def record_of(ratios, root):
     """What was measured now, on this machine, with the checkout in `root`."""
     machine = describe_machine()
     return Record(
@@ -66,12 +66,12 @@ def record_of(ratios: Mapping[str, Mapping[str, float]], root: Path) -> Record:
     )  # fmt: skip
 
 
-def read_records(folder: Path) -> list[Record]:
+def read_records(folder):
     """The records in a folder, the oldest first."""
     return [Record(**json.loads(path.read_text())) for path in sorted(folder.glob("*.json"))]
 
 
-def draw_records(records: Sequence[Record]) -> bytes:
+def draw_records(records):
     """A row for each timing of the last record: its ratio by its bound, of that record and those before."""
     shown = records[-SHOWN:]
     names = list(shown[-1].ratios)
@@ -86,13 +86,13 @@ def draw_records(records: Sequence[Record]) -> bytes:
     return draw_svg(TITLE, [TITLE, "At the right: the last ratio itself."], [TitledChart("", chart)])
 
 
-def _dots(record: Record, rows: Mapping[str, float], colour: str) -> Dots:
+def _dots(record, rows, colour):
     found = {name: it["ratio"] / it["at_least"] for name, it in record.ratios.items() if name in rows}
     told = tuple(f"{name}: {record.ratios[name]['ratio']:.3g} ({record.title})" for name in found)
     return Dots(list(found.values()), [rows[name] for name in found], colour, told, legend=record.title)
 
 
-def main(measured: Path, folder: Path) -> None:
+def main(measured, folder):
     """Write a record of what was measured, and draw all."""
     record = record_of(json.loads(measured.read_text()), Path(__file__).parents[2])
     folder.mkdir(parents=True, exist_ok=True)

@@ -8,7 +8,7 @@ import pytest
 import harness
 from harness.conditions.clearance import Clearance
 from harness.conditions.obstacles import NUMBERS, distance_from
-from harness.robot import Robot, Shape, link_frames
+from harness.robot import Shape, link_frames
 
 ARM = harness.load_robot("fd100")
 SHAPES = {
@@ -22,7 +22,7 @@ SPHERE = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.06]
 BOX = [0.0, 0.0, 0.0, 0.05, 0.12, 0.08, 0.0]
 
 
-def arm_with(kind: str) -> Robot:
+def arm_with(kind):
     """The FD100 with one shape at its last link."""
     points = np.empty((0, 3))
     if kind == "mesh":
@@ -31,7 +31,7 @@ def arm_with(kind: str) -> Robot:
     return replace(ARM, joint_shapes=((),) * 5 + ((shape,),))
 
 
-def points_in(kind: str, rng: np.random.Generator, count: int = 4000) -> np.ndarray:
+def points_in(kind, rng, count=4000):
     """Points of the shape in its own frame, most of them on its surface."""
     size = np.array(SHAPES.get(kind, SHAPES["box"]))
     if kind in ("box", "mesh"):
@@ -50,7 +50,7 @@ def points_in(kind: str, rng: np.random.Generator, count: int = 4000) -> np.ndar
 
 @pytest.mark.parametrize("obstacle", [SPHERE, BOX], ids=["sphere", "box"])
 @pytest.mark.parametrize("kind", [*SHAPES, "mesh"])
-def test_distance_is_that_of_the_nearest_points(kind: str, obstacle: list[float]):
+def test_distance_is_that_of_the_nearest_points(kind, obstacle):
     """For every kind of shape and obstacle: no point is nearer, and some point is about as near."""
     rng, arm = np.random.default_rng(0), arm_with(kind)
     qpos = rng.uniform(arm.lower, arm.upper, (12, arm.dof))

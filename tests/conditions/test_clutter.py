@@ -1,7 +1,6 @@
 """Obstacles that an episode draws."""
 
 import numpy as np
-import pytest
 
 import harness
 from harness.conditions import Conditions
@@ -15,14 +14,14 @@ CLEARANCE = Clearance(ARM)
 CROWDED = Conditions(obstacle_count=3)
 
 
-def drawn(seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def drawn(seed):
     """Start, target and obstacles of an episode."""
     rng, task = np.random.default_rng(seed), ReachTask()
     start, target = task.draw_start(ARM, rng), task.draw_targets(ARM, rng, 1).position[0]
     return start, target, draw_clutter(CROWDED, ARM, CLEARANCE, start, target, task.epsilon, rng)
 
 
-def test_start_and_target_stay_free(subtests: pytest.Subtests):
+def test_start_and_target_stay_free(subtests):
     """By the margin; and so does a pose in which the arm reaches the target."""
     for seed in range(6):
         with subtests.test(seed=seed):

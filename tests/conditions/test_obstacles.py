@@ -13,7 +13,7 @@ def test_text_becomes_spheres_and_boxes():
     assert parse_obstacles("").shape == (0, 7)
 
 
-def test_other_text_is_refused(subtests: pytest.Subtests):
+def test_other_text_is_refused(subtests):
     """The message shows the obstacle that is none."""
     for text in ["1x2x3", "1x2x3x0", "axbxcx1", "1x2x3x1x1x-1", "1x2x3xnan", "1x2x3x1+"[:-1] + "x1"]:
         with subtests.test(text=text), pytest.raises(ValueError, match="neither a sphere"):

@@ -2,7 +2,6 @@
 
 import re
 import shlex
-from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
@@ -33,7 +32,7 @@ class Block(NamedTuple):
     text: str
 
     @property
-    def place(self) -> str:
+    def place(self):
         """Where it begins, as `docs/eta.md:4`."""
         return f"{self.page}:{self.line}"
 
@@ -45,23 +44,23 @@ class Command(NamedTuple):
     text: str
 
     @property
-    def is_pattern(self) -> bool:
+    def is_pattern(self):
         """Whether it is no command to type: it has brackets around what may be left out, or dots for what is."""
         return bool(re.search(r"\[--|\[:| \.\.\. |\.\.\.$|NAME|,\.\.\.", QUOTED.sub("", self.text)))
 
     @property
-    def words(self) -> list[str]:
+    def words(self):
         """Its words after `harness`."""
         return shlex.split(self.text)[1:]
 
 
-def blocks() -> Iterator[Block]:
+def blocks():
     """All fenced blocks of all pages, in order."""
     for path in PAGES:
         yield from blocks_of(path.relative_to(ROOT).as_posix(), path.read_text(encoding="utf-8"))
 
 
-def blocks_of(page: str, text: str) -> Iterator[Block]:
+def blocks_of(page, text):
     """The fenced blocks of a page."""
     for found in FENCE.finditer(text):
         indent, _, language, inside = found.groups()
@@ -69,7 +68,7 @@ def blocks_of(page: str, text: str) -> Iterator[Block]:
         yield Block(page, text.count("\n", 0, found.start()) + 2, language, "".join(lines))
 
 
-def commands_of(block: Block) -> Iterator[Command]:
+def commands_of(block):
     """The commands of `harness` in a block that is for a shell."""
     if block.language not in SHELL:
         return
@@ -81,7 +80,7 @@ def commands_of(block: Block) -> Iterator[Command]:
                 yield Command(f"{block.page}:{block.line + number}", _without_remark(text))
 
 
-def _without_remark(text: str) -> str:
+def _without_remark(text):
     """The command alone; what stands in quotes is left as it is."""
     hidden = QUOTED.sub(lambda found: "x" * len(found[0]), text)
     return text[: len(REMARK.sub("", hidden))].rstrip()

@@ -8,7 +8,7 @@ PAGE = (ROOT / "docs/design.md").read_text(encoding="utf-8")
 NAMED = re.compile(r"`(\w+)`\s+\(`([\w/]+\.py)`\)")
 
 
-def misplaced(text: str) -> list[str]:
+def misplaced(text):
     """Names, as in ``Log`` (``log/log.py``), that the file beside them does not define."""
     places = [(name, path) for name, path in NAMED.findall(text)]
     sources = {

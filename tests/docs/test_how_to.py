@@ -5,7 +5,6 @@ import runpy
 import shlex
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -20,18 +19,18 @@ STEP = "benchmark(env.step, env.action_space.sample())"
 TWICE = "benchmark(lambda action: (env.step(action), env.step(action)), env.action_space.sample())"
 
 
-def _blocks(page: str, language: str) -> list[str]:
+def _blocks(page, language):
     text = (ROOT / "docs" / page).read_text(encoding="utf-8")
     return [it.text for it in blocks_of(page, text) if it.language == language]
 
 
-def test_a_package_that_became_slower_is_noticed(pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch):
+def test_a_package_that_became_slower_is_noticed(pytester, monkeypatch):
     """By the commands of the page: twice the work fails. The same work passes, on a busy machine not at once."""
     monkeypatch.delenv("PYTEST_XDIST_WORKER", raising=False)  # beside other workers pytest-benchmark measures nothing
     [program] = _blocks("how-to/timings.md", "python")
     keep, compare = (shlex.split(it)[1:] for it in _blocks("how-to/timings.md", ""))
 
-    def became_slower(arguments: list[str], step: str = STEP) -> bool:
+    def became_slower(arguments, step=STEP):
         (pytester.path / "test_speed.py").write_text(program.replace(STEP, step), encoding="utf-8")
         ran = pytester.runpytest_inprocess(*arguments, "--benchmark-max-time=0.5")
         is_slower = "test_step" in ran.stdout.str() and "PerformanceRegression" in ran.stderr.str()
@@ -44,7 +43,7 @@ def test_a_package_that_became_slower_is_noticed(pytester: pytest.Pytester, monk
 
 
 @pytest.fixture
-def search(toys: object, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[int], dict[str, Any]]:
+def search(toys, tmp_path, monkeypatch):
     """Do so many trials by the program of the page, with few steps; what its names hold in the end."""
     pytest.importorskip("optuna")
     monkeypatch.chdir(tmp_path)
@@ -54,14 +53,14 @@ def search(toys: object, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Cal
         program = program.replace(long, short)
     program = program.replace('out="tuned"', 'seeds=1, steps=60, evaluation_episodes=2, out="tuned"')
 
-    def do(trials: int) -> dict[str, Any]:
+    def do(trials):
         Path("page.py").write_text(program.replace("EPISODES = 20,", f"EPISODES = {trials},"), encoding="utf-8")
         return runpy.run_path("page.py")
 
     return do
 
 
-def test_a_search_goes_on_with_other_draws_for_both_rewards(search: Callable[[int], dict[str, Any]]):
+def test_a_search_goes_on_with_other_draws_for_both_rewards(search):
     """Each reward gets as many trials, and no setting twice; both choices are compared under both."""
     search(2)
     told = search(3)
@@ -72,13 +71,11 @@ def test_a_search_goes_on_with_other_draws_for_both_rewards(search: Callable[[in
     assert {it.reward.name for it in told["results"].done_cells} == {"baseline", "arp"}
 
 
-def test_settings_are_chosen_by_episodes_that_nothing_else_uses(
-    search: Callable[[int], dict[str, Any]], monkeypatch: pytest.MonkeyPatch
-):
+def test_settings_are_chosen_by_episodes_that_nothing_else_uses(search, monkeypatch):
     """What a report judges by is not among them."""
     reset, seeds = ReachVectorEnv.reset, list[Any]()
 
-    def noted(env: ReachVectorEnv, *, seed: Any = None, **given: Any) -> Any:
+    def noted(env, *, seed=None, **given):
         seeds.append(seed)
         return reset(env, seed=seed, **given)
 

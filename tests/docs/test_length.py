@@ -1,7 +1,6 @@
 """How long the pages are, and their sentences: what is long is not read."""
 
 import re
-from collections.abc import Iterator
 
 import pytest
 
@@ -13,12 +12,12 @@ LONGEST_MEAN = 12.0
 END = re.compile(r"(?<=[.!?])[*\")]*\s+(?=[A-Z\"*`\[(0-9])")
 
 
-def words(text: str) -> int:
+def words(text):
     """What has a letter or a digit between blanks, code and tables included."""
     return len(re.findall(r"\S*[A-Za-z0-9]\S*", text))
 
 
-def sentences(page: str) -> Iterator[str]:
+def sentences(page):
     """The sentences of a page without code, tables, headings and pictures; each item of a list begins one."""
     prose = re.sub(r"^ *\|.*$|^#.*$|^ {4,}\S.*$|^!\[.*$", "", FENCE.sub("", page), flags=re.MULTILINE)
     prose = re.sub(r"\]\([^)]*\)", "]", prose)
@@ -28,7 +27,7 @@ def sentences(page: str) -> Iterator[str]:
         yield from (it for it in END.split(text) if words(it))
 
 
-def mean_length(texts: list[str]) -> float:
+def mean_length(texts):
     """Words of a sentence on average."""
     found = [words(it) for text in texts for it in sentences(text)]
     return sum(found) / len(found)

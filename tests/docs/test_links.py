@@ -2,8 +2,6 @@
 
 import re
 import sys
-from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 
@@ -18,17 +16,17 @@ HEADING = re.compile(r"^#{1,6} +(.+?) *#*$", re.MULTILINE)
 TARGET = re.compile(r"^\(([\w-]+)\)=$", re.MULTILINE)
 
 
-def dead_links(page: Path, text: str) -> list[str]:
+def dead_links(page, text):
     """The relative links of a page that lead nowhere."""
     return [link for link in _links(text) if not _leads_somewhere(page, text, link)]
 
 
-def _links(text: str) -> Iterator[str]:
+def _links(text):
     prose = re.sub(r"`[^`\n]*`", "", FENCE.sub("", text))
     yield from (link for link in LINK.findall(prose) if not re.match(r"[a-z]+:", link))
 
 
-def _leads_somewhere(page: Path, text: str, link: str) -> bool:
+def _leads_somewhere(page, text, link):
     path, _, anchor = link.partition("#")
     there = (page.parent / path).resolve() if path else page
     if path and (not there.exists() or ROOT not in there.parents):
@@ -38,7 +36,7 @@ def _leads_somewhere(page: Path, text: str, link: str) -> bool:
     return anchor in anchors_of(there.read_text(encoding="utf-8") if path else text)
 
 
-def anchors_of(text: str) -> set[str]:
+def anchors_of(text):
     """What the headings of a page are called in links, as GitHub and the site make it of their words."""
     prose, found = FENCE.sub("", text), set[str]()
     for heading in HEADING.findall(prose):
@@ -92,7 +90,7 @@ def test_link_that_leads_somewhere_is_left_alone(subtests):
             assert dead_links(PAGE, text) == []
 
 
-def test_figures_of_records_are_shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_figures_of_records_are_shown(tmp_path, monkeypatch):
     """Those that no page shows are not committed; their lines are taken out of the record's page."""
     assert shown.unshown(ROOT / "results/reference") == []
     monkeypatch.setattr(shown, "ROOT", tmp_path)

@@ -13,7 +13,7 @@ FIRST_SCREEN = 32
 """Lines of the source that a forge shows on a screen of 900 pixels, with the picture."""
 
 
-def is_short(text: str) -> bool:
+def is_short(text):
     """Whether it has 90 lines at most."""
     return len(text.splitlines()) <= 90
 

@@ -3,8 +3,6 @@
 import importlib
 import re
 import sys
-from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 
@@ -21,7 +19,7 @@ MOST = 50
 """Pages that a sidebar may have."""
 
 
-def links_of(page: Path) -> Iterator[Path]:
+def links_of(page):
     """The pages of ``docs`` that a page leads to."""
     prose = FENCE.sub("", page.read_text(encoding="utf-8"))
     for link in re.findall(r"\]\(<?([^)\s>#]+\.md)", prose):
@@ -30,7 +28,7 @@ def links_of(page: Path) -> Iterator[Path]:
             yield there
 
 
-def reached_from(page: Path) -> set[Path]:
+def reached_from(page):
     """Every page to which links lead from a page, itself included."""
     found, waiting = {page}, [page]
     while waiting:

@@ -9,7 +9,6 @@ import re
 import runpy
 import shutil
 import tomllib
-from collections.abc import Mapping
 from dataclasses import fields
 from pathlib import Path
 
@@ -22,9 +21,8 @@ from harness.cli.app import build_app
 from harness.experiment import check_experiment, expand
 from harness.experiment.plan import Experiment
 from harness.registry import load_registry
-from harness.results import Results
 from harness_plugins.kit.new_plugin import PluginName, package_files
-from tests.docs.pages import ROOT, Block, Command, blocks, blocks_of, commands_of
+from tests.docs.pages import ROOT, Command, blocks, blocks_of, commands_of
 from tests.docs.ways import HELD, NEEDS, NOT_RUN, SKIPPED
 
 BLOCKS = list(blocks())
@@ -46,11 +44,11 @@ KEYS = {field.name for field in fields(Experiment)}
 SHORTER = (("steps=5_000", "steps=64"), ("steps=500", "steps=64"), ("20_000", "64"))
 
 
-def _ids(given: list[Block] | list[Command]) -> list[str]:
+def _ids(given):
     return [it.place for it in given]
 
 
-def reason_not_to_run(command: Command) -> str:
+def reason_not_to_run(command):
     """Why a command is only parsed; nothing where it is executed."""
     if command.words[0] in NOT_RUN:
         return NOT_RUN[command.words[0]]
@@ -64,7 +62,7 @@ PARSED = [it for it in TYPED if reason_not_to_run(it) and it.words[0] != "my-com
 
 
 @pytest.fixture(scope="module")
-def known() -> Mapping[str, typer.core.TyperCommand]:
+def known():
     """Every command by its name."""
     app, registry = build_app(), load_registry()
     for name in registry.names("commands"):  # with their own flags, which the command line reads when they are called
@@ -73,7 +71,7 @@ def known() -> Mapping[str, typer.core.TyperCommand]:
 
 
 @pytest.fixture
-def folder(recorded: Results, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(recorded, tmp_path, monkeypatch):
     """Where a reader types: a finished experiment, an experiment file, a robot, a reward in a file."""
     shutil.copy(ROOT / "experiments" / "first.toml", tmp_path / "experiment.toml")
     (tmp_path / "experiments").symlink_to(ROOT / "experiments")
@@ -101,13 +99,13 @@ def folder(recorded: Results, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     return tmp_path
 
 
-def _names_what_is_there(command: Command, known: Mapping[str, typer.core.TyperCommand]) -> None:
+def _names_what_is_there(command, known):
     name, flags = re.findall(r"[\w-]+", command.text)[1], re.findall(r"--[a-z][\w-]*", command.text)
     there = {flag for it in known[name].params for flag in (*it.opts, *it.secondary_opts)}
     assert set(flags) <= there | {"--help"}
 
 
-def _type(command: Command, known: Mapping[str, typer.core.TyperCommand]) -> None:
+def _type(command, known):
     name, *arguments = command.words
     known[name].make_context(name, arguments)
 
@@ -144,7 +142,7 @@ def test_command_is_executed(command, folder, recorded, capsys):
     assert stopped.value.code == 0, f"{command.text}\n{out}{err}"
 
 
-def _record_csv_files(folder: Path) -> None:
+def _record_csv_files(folder):
     """Into `base` and `k2` here: the trainings of an experiment under its two rewards."""
     with pytest.raises(SystemExit):
         main(["export", str(folder), "--csv", "--out", "exported"])

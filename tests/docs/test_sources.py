@@ -10,7 +10,7 @@ import pytest
 from tests.docs.pages import FENCE, PAGES, ROOT
 
 PICTURES = ROOT / "docs" / "pictures"
-SOURCES: dict[str, str] = tomllib.loads((PICTURES / "sources.toml").read_text(encoding="utf-8"))
+SOURCES = tomllib.loads((PICTURES / "sources.toml").read_text(encoding="utf-8"))
 FIGURE = re.compile(r"!\[[^]]*\]\(([^)\s]+)\)")
 COMMAND = re.compile(r"\bharness [a-z]+|\bmake [a-z]+|\bpython docs/|^drawn by hand: ")
 NAMED = re.compile(
@@ -32,13 +32,13 @@ class Table(NamedTuple):
     text: str
 
 
-def is_value(cell: str) -> bool:
+def is_value(cell):
     """Whether a cell is a number, several of them, or an interval."""
     left = re.sub(r"[\s\[\](),/;x°]|against|and|to|near zero|n/a|of|pp|p <", "", VALUE.sub("", cell))
     return bool(VALUE.search(cell)) and len(left) <= 2
 
 
-def is_measured(table: str) -> bool:
+def is_measured(table):
     """Whether a table is one of measurements, and not one of words, settings or defaults."""
     head, _, *rows = table.strip().splitlines()
     if re.search(r"\| (default|key|setting|parameter|published) +\|", head):
@@ -47,7 +47,7 @@ def is_measured(table: str) -> bool:
     return bool(cells) and sum(map(is_value, cells)) / len(cells) >= MEASURED
 
 
-def tables_of(page: str, text: str) -> list[Table]:
+def tables_of(page, text):
     """The tables of measurements of a page."""
     hidden = FENCE.sub(lambda found: found[0].replace("|", "¦"), text)
     beginning, *sections = re.split(r"^(?=## )", hidden, flags=re.MULTILINE)
@@ -59,12 +59,12 @@ def tables_of(page: str, text: str) -> list[Table]:
     ]
 
 
-def without_source(tables: list[Table]) -> list[str]:
+def without_source(tables):
     """Where no record and no command is named."""
     return [f"{it.place}: {it.head}" for it in tables if not NAMED.search(it.text)]
 
 
-def strange_figures(page: Path, text: str) -> list[str]:
+def strange_figures(page, text):
     """The figures of a page that are neither a record's nor one whose source is told."""
     links = FIGURE.findall(FENCE.sub("", text))
     paths = [(page.parent / link).resolve().relative_to(ROOT) for link in links]

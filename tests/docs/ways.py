@@ -1,9 +1,8 @@
 """What is not executed of the snippets of the pages, and why not."""
 
-from collections.abc import Mapping
 from types import MappingProxyType
 
-NOT_RUN: Mapping[str, str] = MappingProxyType(
+NOT_RUN = MappingProxyType(
     {
         "transfer": "starts a process for each policy; tests/plugins/transfer does it in one",
         "parity": "drives several simulators for seconds; tests/plugins/parity has short drives",
@@ -16,7 +15,7 @@ NOT_RUN: Mapping[str, str] = MappingProxyType(
 )
 """Commands that are parsed alone: name, flags, and the types of their values."""
 
-NEEDS: Mapping[str, str] = MappingProxyType(
+NEEDS = MappingProxyType(
     {
         r"(?<!new-plugin )\bmy-(?!results|first)": "the package is not there; `make plugins` tries such ones",
         "cautious|steady|mesh-arm|pinocchio|sbx-sac": "the package is not installed: `make examples` does it",
@@ -35,7 +34,7 @@ NEEDS: Mapping[str, str] = MappingProxyType(
 )
 """Patterns of commands that are only parsed."""
 
-HELD: Mapping[str, str] = MappingProxyType(
+HELD = MappingProxyType(
     {
         "docs/your-environment.md": "tests/test_your_environment.py",
         "docs/authoring.md": "tests/authoring/test_public_names.py",
@@ -47,7 +46,7 @@ HELD: Mapping[str, str] = MappingProxyType(
 )
 """Pages whose Python other tests hold."""
 
-SKIPPED: Mapping[str, str] = MappingProxyType(
+SKIPPED = MappingProxyType(
     {
         'pyarrow.parquet.read_table("curves.parquet")': "an excerpt: reads what `harness report --summary` wrote",
         'policy = load_policy(Path("results/runs/mine': "an excerpt: the folder is the reader's; tests/policy",

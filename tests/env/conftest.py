@@ -1,19 +1,13 @@
 """What tests of the env need: one without an engine, and ways to move in it."""
 
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
-
 import numpy as np
 import pytest
 
 import harness
 from harness.env import ReachVectorEnv
-from harness.log import Log
 from harness.reach import ReachTask
 from harness.record import TraceWriter, read_trace
 from harness.robot import reach_position
-from harness.task import Task
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.kit.trainings import NegativeDistance
 
@@ -24,16 +18,16 @@ SHORT = ReachTask(horizon=4)
 class CountsSteps(NegativeDistance):
     """Pays the number of steps since it last began."""
 
-    def initial_carry(self, begin_distance: Any) -> Any:
+    def initial_carry(self, begin_distance):
         """None yet."""
         return (begin_distance * 0.0,)
 
-    def __call__(self, carry: Any, sample: Any) -> Any:
+    def __call__(self, carry, sample):
         """One more."""
         return (carry[0] + 1.0,), carry[0] + 1.0
 
 
-def _make(num_envs: int = 1, task: Task = SHORT, seed: int | None = None, **options: Any) -> ReachVectorEnv:
+def _make(num_envs=1, task=SHORT, seed=None, **options):
     given = {"simulator": IdealSimulator(), "robot": ROBOT, "task": task, "reward": NegativeDistance(), **options}
     env = ReachVectorEnv(num_envs=num_envs, **given)
     if seed is not None:
@@ -41,17 +35,17 @@ def _make(num_envs: int = 1, task: Task = SHORT, seed: int | None = None, **opti
     return env
 
 
-def _stand(env: ReachVectorEnv) -> tuple[Any, ...]:
+def _stand(env):
     return env.step(np.zeros((env.num_envs, 6), np.float32))
 
 
-def _wander(env: ReachVectorEnv, steps: int, seed: int = 0) -> list[tuple[Any, ...]]:
+def _wander(env, steps, seed=0):
     rng = np.random.default_rng(seed)
     shape = env.action_space.shape
     return [env.step(rng.uniform(-1.0, 1.0, shape).astype(np.float32)) for _ in range(steps)]
 
 
-def _drive_to(env: ReachVectorEnv, position: np.ndarray) -> tuple[Any, ...]:
+def _drive_to(env, position):
     goal, reached = reach_position(ROBOT, position, env.simulation.read().qpos)
     assert reached.all()
     for _ in range(100):
@@ -62,7 +56,7 @@ def _drive_to(env: ReachVectorEnv, position: np.ndarray) -> tuple[Any, ...]:
     raise AssertionError("no episode ended")
 
 
-def _first_observations(env: ReachVectorEnv, episodes: int, action_seed: int) -> np.ndarray:
+def _first_observations(env, episodes, action_seed):
     seen = [env.reset(seed=11)[0]]
     for _ in range(episodes - 1):
         observations, _, terminated, truncated, _ = _wander(env, env.task.horizon, action_seed)[-1]
@@ -72,16 +66,16 @@ def _first_observations(env: ReachVectorEnv, episodes: int, action_seed: int) ->
 
 
 @pytest.fixture
-def make() -> Callable[..., ReachVectorEnv]:
+def make():
     """An env without an engine; reset where a seed is given."""
     return _make
 
 
 @pytest.fixture
-def recorded(tmp_path: Path) -> Callable[..., Log]:
+def recorded(tmp_path):
     """The trace of an env that is reset with a seed, and then does what a function of it does."""
 
-    def record(env: ReachVectorEnv, go: Callable[[ReachVectorEnv], object], seed: int = 0) -> Log:
+    def record(env, go, seed=0):
         path, episodes = tmp_path / "trace.parquet", env.episodes
         with TraceWriter(path, env.robot.dof, episodes.action.shape[1], extras=episodes.extras) as env.recorder:
             env.reset(seed=seed)
@@ -93,30 +87,30 @@ def recorded(tmp_path: Path) -> Callable[..., Log]:
 
 
 @pytest.fixture
-def stand() -> Callable[..., tuple[Any, ...]]:
+def stand():
     """One step without motion."""
     return _stand
 
 
 @pytest.fixture
-def wander() -> Callable[..., list[tuple[Any, ...]]]:
+def wander():
     """Steps with random actions."""
     return _wander
 
 
 @pytest.fixture
-def drive_to() -> Callable[..., tuple[Any, ...]]:
+def drive_to():
     """Drive the end effectors of all envs to a position until an episode ends; the last step."""
     return _drive_to
 
 
 @pytest.fixture
-def first_observations() -> Callable[..., np.ndarray]:
+def first_observations():
     """The first observations of several episodes, (episodes, num_envs, size), under random actions between."""
     return _first_observations
 
 
 @pytest.fixture
-def target_of() -> Callable[[np.ndarray], np.ndarray]:
+def target_of():
     """The target as it is observed."""
     return lambda observations: observations[:, 18:21]

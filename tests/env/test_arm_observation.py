@@ -16,14 +16,14 @@ TARGET, END_EFFECTOR, OFFSET, DISTANCE = slice(18, 21), slice(21, 24), slice(24,
 
 
 @pytest.fixture
-def env() -> ReachVectorEnv:
+def env():
     """Two arms that go exactly where they are told."""
     env = ReachVectorEnv(IdealSimulator(), ROBOT, ReachTask(control_period=PERIOD), NegativeDistance(), num_envs=2)
     env.reset(seed=3)
     return env
 
 
-def step(env: ReachVectorEnv, action: float) -> np.ndarray:
+def step(env, action):
     """The observations after one action for all joints."""
     return env.step(np.full((2, 6), action, np.float32))[0]
 
@@ -43,33 +43,33 @@ def test_bounds_fit_the_table():
     assert observation.low.dtype == observation.high.dtype == np.float32
 
 
-def test_angles_are_positions_in_the_range(env: ReachVectorEnv):
+def test_angles_are_positions_in_the_range(env):
     """-1 is the lower end of a joint's range, 1 the upper."""
     seen = step(env, 0.5)
     expected = 2.0 * (env.simulation.read().qpos - ROBOT.lower) / (ROBOT.upper - ROBOT.lower) - 1.0
     np.testing.assert_allclose(seen[:, ANGLES], expected, atol=1e-6)
 
 
-def test_speeds_are_fractions_of_the_maximum(env: ReachVectorEnv):
+def test_speeds_are_fractions_of_the_maximum(env):
     """After three periods every joint has the speed that was asked for: 80 % of 0.25 of its maximum."""
     for _ in range(3):
         seen = step(env, 0.25)
     np.testing.assert_allclose(seen[:, SPEEDS], 0.2, atol=1e-6)
 
 
-def test_accelerations_are_fractions_of_the_maximum(env: ReachVectorEnv):
+def test_accelerations_are_fractions_of_the_maximum(env):
     """In the first period of a full action every joint accelerates with the 60 % that it may."""
     np.testing.assert_allclose(step(env, 1.0)[:, ACCELERATIONS], 0.6, atol=1e-6)
 
 
-def test_acceleration_is_over_in_steady_motion(env: ReachVectorEnv):
+def test_acceleration_is_over_in_steady_motion(env):
     """A joint that keeps its speed does not accelerate."""
     for _ in range(4):
         seen = step(env, 0.25)
     np.testing.assert_allclose(seen[:, ACCELERATIONS], 0.0, atol=1e-6)
 
 
-def test_arm_rests_at_the_start(env: ReachVectorEnv):
+def test_arm_rests_at_the_start(env):
     """An episode starts without speed and acceleration, also after another one."""
     step(env, 1.0)
     seen, _ = env.reset()
@@ -77,21 +77,21 @@ def test_arm_rests_at_the_start(env: ReachVectorEnv):
     np.testing.assert_array_equal(seen[:, ACCELERATIONS], 0.0)
 
 
-def test_end_effector_is_in_the_world_frame(env: ReachVectorEnv):
+def test_end_effector_is_in_the_world_frame(env):
     """The end effector is where the robot's kinematics put it, [m]."""
     seen = step(env, -0.7)
     expected = ROBOT.end_effector(env.simulation.read().qpos)
     np.testing.assert_allclose(seen[:, END_EFFECTOR], expected, atol=1e-6)
 
 
-def test_offset_leads_to_the_target(env: ReachVectorEnv):
+def test_offset_leads_to_the_target(env):
     """Target = end effector + offset, and the distance is the offset's length."""
     seen = step(env, -0.7)
     np.testing.assert_allclose(seen[:, TARGET], seen[:, END_EFFECTOR] + seen[:, OFFSET], atol=1e-6)
     np.testing.assert_allclose(seen[:, DISTANCE], np.linalg.norm(seen[:, OFFSET], axis=1), atol=1e-6)
 
 
-def test_target_stands_still_in_an_episode(env: ReachVectorEnv):
+def test_target_stands_still_in_an_episode(env):
     """The target that is seen is the same at every step, and another in the next episode."""
     first = step(env, 0.1)[:, TARGET]
     np.testing.assert_array_equal(step(env, 0.1)[:, TARGET], first)

@@ -1,6 +1,5 @@
 """Gymnasium's and stable-baselines3's checkers on every task with every action mode; warnings are errors."""
 
-from collections.abc import Iterator
 from contextlib import contextmanager
 
 import gymnasium
@@ -8,7 +7,6 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 from stable_baselines3.common import env_checker
 
-from harness.env import ReachEnv
 from harness.motion import MODES
 from harness.registry import load_registry
 
@@ -20,7 +18,7 @@ every_task = pytest.mark.parametrize("task", load_registry().names("tasks"))
 
 
 @contextmanager
-def opened(task: str, action: str) -> Iterator[ReachEnv]:
+def opened(task, action):
     """One arm, the task's own, on the kinematic simulator."""
     given = {"name": task, "action": action}
     made = gymnasium.make("harness/Reach-v0", simulator="kinematic", task=given, reward="arp:k2=2")
@@ -29,7 +27,7 @@ def opened(task: str, action: str) -> Iterator[ReachEnv]:
 
 
 @every_task
-def test_gymnasium_finds_no_fault(task: str, subtests: pytest.Subtests):
+def test_gymnasium_finds_no_fault(task, subtests):
     """Gymnasium's checker passes without a warning."""
     for action in ACTIONS:
         with subtests.test(action), opened(task, action) as env:
@@ -37,7 +35,7 @@ def test_gymnasium_finds_no_fault(task: str, subtests: pytest.Subtests):
 
 
 @every_task
-def test_stable_baselines3_finds_no_fault(task: str, subtests: pytest.Subtests):
+def test_stable_baselines3_finds_no_fault(task, subtests):
     """stable-baselines3's checker passes without a warning."""
     for action in ACTIONS:
         with subtests.test(action), opened(task, action) as env:
@@ -45,7 +43,7 @@ def test_stable_baselines3_finds_no_fault(task: str, subtests: pytest.Subtests):
 
 
 @pytest.mark.parametrize("simulator", ["mujoco", "pybullet", "dm_control"])
-def test_every_simulator_passes(simulator: str):
+def test_every_simulator_passes(simulator):
     """Whatever moves the arm."""
     made = gymnasium.make("harness/Reach-v0", simulator=simulator, task="fd100-reach:horizon=20", reward="baseline")
     check_env(made.unwrapped, skip_render_check=True)

@@ -1,20 +1,17 @@
 """Decisions of several environment steps under one action."""
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode
 
-from harness.env import IdealSimulation, ReachVectorEnv
-from harness.log import Log
+from harness.env import IdealSimulation
 from harness.reach import ReachTask
 from harness.record import TraceWriter, read_trace
 from harness.robot import reach_position
 from harness.score.scorer import pay_log
-from harness.simulator import State
 
 Call = Callable[..., Any]
 PERIOD = 5
@@ -35,11 +32,11 @@ class GoingOn(InFives):
 class Remembers:
     """A reward that pays what it paid before, half of it, and the distance."""
 
-    def initial_carry(self, begin_distance: Any) -> Any:
+    def initial_carry(self, begin_distance):
         """What the episode began with."""
         return (begin_distance,)
 
-    def __call__(self, carry: Any, sample: Any) -> Any:
+    def __call__(self, carry, sample):
         """Of a step."""
         value = 0.5 * carry[0] + sample.distance
         return (value,), value
@@ -49,14 +46,14 @@ OFTEN = {"epsilon": 0.35, "horizon": 23}
 """Episodes end at the target, and at the horizon within a decision."""
 
 
-def play(env: ReachVectorEnv, decisions: int, columns: Any = slice(None)) -> list[tuple[Any, ...]]:
+def play(env, decisions, columns=slice(None)):
     """Decisions at random; `columns`, of eight envs, are those of the env."""
     rng = np.random.default_rng(0)
     actions = rng.uniform(-1.0, 1.0, (decisions, 8, 6)).astype(np.float32)
     return [env.step(action[columns]) for action in actions]
 
 
-def record(make: Call, path: Path, columns: list[int], task: ReachTask, decisions: int = 60) -> tuple[Any, Log]:
+def record(make, path, columns, task, decisions=60):
     """What envs of these numbers return and record, as one batch."""
     env = make(len(columns), task, reward=Remembers())
     with TraceWriter(path, 6, 6) as recorder:
@@ -68,7 +65,7 @@ def record(make: Call, path: Path, columns: list[int], task: ReachTask, decision
     return (start, taken), read_trace(path)
 
 
-def test_decision_is_its_environment_steps(make: Call):
+def test_decision_is_its_environment_steps(make):
     """It returns what five steps under its action return in the end, and the sum of their rewards, bit for bit."""
     fives, ones = make(8, InFives(epsilon=0.001)), make(8, ReachTask(epsilon=0.001))
     for env in (fives, ones):
@@ -85,7 +82,7 @@ def test_decision_is_its_environment_steps(make: Call):
         np.testing.assert_array_equal(infos["reward_shaped"], sum(step[4]["reward_shaped"] for step in steps))
 
 
-def test_one_row_per_environment_step(make: Call, tmp_path: Path):
+def test_one_row_per_environment_step(make, tmp_path):
     """Five rows a decision with its action; their terms add up to what it paid."""
     (_, taken), trace = record(make, tmp_path / "trace.parquet", [0], InFives(horizon=100), decisions=3)
     np.testing.assert_array_equal(trace["step"], range(4 * PERIOD + 1))
@@ -96,7 +93,7 @@ def test_one_row_per_environment_step(make: Call, tmp_path: Path):
     np.testing.assert_allclose(paid[1:], [step[1][0] for step in taken], rtol=1e-12)
 
 
-def test_horizon_counts_environment_steps(make: Call, stand: Call):
+def test_horizon_counts_environment_steps(make, stand):
     """A horizon of 7 is in the second decision, which lasts two steps."""
     env = make(2, InFives(horizon=7), seed=2)
     assert not stand(env)[3].any()
@@ -106,14 +103,14 @@ def test_horizon_counts_environment_steps(make: Call, stand: Call):
     assert env.environment_steps == 14
 
 
-def test_environment_steps_are_counted_where_they_are_taken(make: Call, recorded: Call):
+def test_environment_steps_are_counted_where_they_are_taken(make, recorded):
     """Each env counts its own: as many as rows were recorded, start rows apart."""
     env = make(8, InFives(**OFTEN))
     steps = np.count_nonzero(recorded(env, lambda env: play(env, 60), seed=3)["step"])
     assert env.environment_steps == steps < 60 * PERIOD * 8
 
 
-def test_episode_that_ends_in_a_decision_stops_there(make: Call, tmp_path: Path):
+def test_episode_that_ends_in_a_decision_stops_there(make, tmp_path):
     """What is told of it is told of its end: the last row that was recorded of it."""
     path = tmp_path / "trace.parquet"
     (_, taken), trace = record(make, path, list(range(8)), InFives(**OFTEN))
@@ -134,7 +131,7 @@ def test_episode_that_ends_in_a_decision_stops_there(make: Call, tmp_path: Path)
 
 
 @pytest.mark.parametrize("task", [InFives(**OFTEN), GoingOn(epsilon=0.35, horizon=8)], ids=["ends", "goes on"])
-def test_env_of_a_batch_is_as_one_alone(make: Call, tmp_path: Path, task: ReachTask):
+def test_env_of_a_batch_is_as_one_alone(make, tmp_path, task):
     """Though the others' episodes end at other times within a decision: what it returns and records, bit for bit."""
     (start, together), trace = record(make, tmp_path / "batch.parquet", list(range(8)), task)
     for k in range(8):
@@ -156,7 +153,7 @@ class Bumps(IdealSimulation):
 
     period, driven = 0, 0
 
-    def drive(self, qpos: np.ndarray, duration: float) -> State:
+    def drive(self, qpos, duration):
         """As any drive, but for the touch."""
         state = super().drive(qpos, duration)
         self.driven += 1
@@ -164,7 +161,7 @@ class Bumps(IdealSimulation):
         return state
 
 
-def test_target_that_is_reached_after_the_end_is_not_taken(make: Call):
+def test_target_that_is_reached_after_the_end_is_not_taken(make):
     """What an arm touches while the others finish their decision draws nothing from its stream."""
     action, ahead = straight_to_the_target(make)
     starts = []
@@ -181,7 +178,7 @@ def test_target_that_is_reached_after_the_end_is_not_taken(make: Call):
     np.testing.assert_array_equal(*starts)
 
 
-def straight_to_the_target(make: Call) -> tuple[np.ndarray, int]:
+def straight_to_the_target(make):
     """An action of env 0 that leads to its target, and the steps before, such that a decision is under way then."""
     env = make(1, ReachTask(epsilon=0.1))
     for share in np.linspace(0.05, 0.6, 60):
@@ -195,7 +192,7 @@ def straight_to_the_target(make: Call) -> tuple[np.ndarray, int]:
     raise AssertionError("no such action")
 
 
-def test_disabled_leaves_an_episode_as_it_ended(make: Call):
+def test_disabled_leaves_an_episode_as_it_ended(make):
     """Without autoreset the observation is that of the end, and the other env's decision is done to its end."""
     modes = (AutoresetMode.SAME_STEP, AutoresetMode.DISABLED)
     same, disabled = (make(8, InFives(**OFTEN), autoreset_mode=mode) for mode in modes)
@@ -212,7 +209,7 @@ def test_disabled_leaves_an_episode_as_it_ended(make: Call):
     assert ended.all()
 
 
-def test_memory_of_an_ended_episode_stands_still(make: Call, recorded: Call):
+def test_memory_of_an_ended_episode_stands_still(make, recorded):
     """Stepped on without autoreset it goes on from its end: its rows are scored as they were paid, bit for bit."""
     env = make(8, InFives(**OFTEN), reward=Remembers(), autoreset_mode=AutoresetMode.DISABLED)
     trace = recorded(env, lambda env: play(env, 12), seed=3)
@@ -220,7 +217,7 @@ def test_memory_of_an_ended_episode_stands_still(make: Call, recorded: Call):
     np.testing.assert_array_equal(pay_log(Remembers(), trace).total, trace["reward"])
 
 
-def test_both_autoreset_modes_tell_the_same_story(make: Call):
+def test_both_autoreset_modes_tell_the_same_story(make):
     """Resetting what has ended by its mask gives the episodes that autoreset gives."""
     same = make(8, InFives(**OFTEN), reward=Remembers())
     disabled = make(8, InFives(**OFTEN), reward=Remembers(), autoreset_mode=AutoresetMode.DISABLED)

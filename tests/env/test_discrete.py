@@ -15,7 +15,7 @@ Call = Callable[..., Any]
 ARM = harness.load_robot("unity-arm")
 
 
-def test_spaces_are_discrete(make: Call):
+def test_spaces_are_discrete(make):
     """The FD100's joints give 13 choices: stay, and each of them backwards or forwards."""
     env = make(3, ReachTask(action="discrete"))
     assert env.single_action_space == gymnasium.spaces.Discrete(13)
@@ -24,7 +24,7 @@ def test_spaces_are_discrete(make: Call):
 
 
 @pytest.mark.parametrize("choice", range(13))
-def test_choice_is_the_continuous_action_that_it_stands_for(make: Call, choice: int):
+def test_choice_is_the_continuous_action_that_it_stands_for(make, choice):
     """2 i + 1 and 2 i + 2 are minus and plus one of action i, bit for bit; 0 stays."""
     discrete, continuous = make(1, ReachTask(action="discrete")), make(1, ReachTask())
     action = np.zeros((1, 6), np.float32)
@@ -38,13 +38,13 @@ def test_choice_is_the_continuous_action_that_it_stands_for(make: Call, choice: 
         np.testing.assert_array_equal(one[1], other[1])
 
 
-def test_meaning_of_the_choice_is_recorded(make: Call, recorded: Call):
+def test_meaning_of_the_choice_is_recorded(make, recorded):
     """The trace holds the action that was chosen, as long as that of the continuous mode."""
     trace = recorded(make(2, ReachTask(action="discrete")), lambda env: env.step(np.array([0, 4])))
     np.testing.assert_array_equal(trace["action"][2:], [[0.0] * 6, [0.0, 1.0, 0.0, 0.0, 0.0, 0.0]])
 
 
-def test_choice_of_positions_counts_from_where_the_arm_is(make: Call):
+def test_choice_of_positions_counts_from_where_the_arm_is(make):
     """Of joints that are set one goes on by a tenth of half its range, once a decision; the others stay."""
     env = make(1, Arp2021(action="discrete:action=set-joints"), robot=ARM, seed=0)
     for count in range(1, 4):
@@ -64,7 +64,7 @@ def test_single_env_takes_a_whole_number():
     env.close()
 
 
-def test_choices_are_left_alone(make: Call):
+def test_choices_are_left_alone(make):
     """The caller's array stays as it is."""
     env = make(2, ReachTask(action="discrete"), seed=0)
     choices = np.array([1, 12])

@@ -1,7 +1,6 @@
 """A simulation that leaves the finite numbers."""
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,8 +9,6 @@ import pytest
 from harness.env import IdealSimulation
 from harness.errors import SimulationDiverged
 from harness.record import TraceWriter
-from harness.robot import Robot
-from harness.simulator import State
 from harness_plugins.kit import IdealSimulator
 
 Call = Callable[..., Any]
@@ -22,7 +19,7 @@ class LosesTheEndEffector(IdealSimulation):
 
     number = np.nan
 
-    def drive(self, qpos: np.ndarray, duration: float) -> State:
+    def drive(self, qpos, duration):
         """As any drive, but for env 1."""
         state = super().drive(qpos, duration)
         state.end_effector[1] = self.number
@@ -35,24 +32,24 @@ class LosesItAtInfinity(LosesTheEndEffector):
     number = np.inf
 
 
-def simulator_of(simulation: type[IdealSimulation]) -> IdealSimulator:
+def simulator_of(simulation):
     """The simulator that opens a simulation."""
 
     class Simulator(IdealSimulator):
-        def open(self, robot: Robot, num_envs: int, control_period: float) -> IdealSimulation:
+        def open(self, robot, num_envs, control_period):
             return simulation(robot, num_envs)
 
     return Simulator()
 
 
-def test_diverging_simulation_is_told_at_once(make: Call, stand: Call):
+def test_diverging_simulation_is_told_at_once(make, stand):
     """A number that is none raises SimulationDiverged in the step where it comes, with the env and the step."""
     env = make(3, simulator=simulator_of(LosesTheEndEffector), seed=0)
     with pytest.raises(SimulationDiverged, match=r"env \[1\] is nowhere at step 1"):
         stand(env)
 
 
-def test_diverging_simulation_never_gets_into_a_trace(tmp_path: Path, make: Call, stand: Call):
+def test_diverging_simulation_never_gets_into_a_trace(tmp_path, make, stand):
     """An infinite number raises SimulationDiverged when the trace is written, at the latest."""
     recorder = TraceWriter(tmp_path / "trace.parquet", dof=6, action_size=6)
     env = make(3, simulator=simulator_of(LosesItAtInfinity), recorder=recorder, seed=0)

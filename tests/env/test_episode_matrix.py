@@ -12,21 +12,21 @@ DOF, ACTIONS = 2, 3
 ALL = np.ones(2, bool)
 
 
-def state(tip: float, qpos: float = 0.0, qvel: float = 0.0) -> State:
+def state(tip, qpos=0.0, qvel=0.0):
     """Two arms whose end effectors are at x = `tip`."""
     ends = np.array([[tip, 0.0, 0.0]] * 2)
     return State(np.full((2, DOF), qpos), np.full((2, DOF), qvel), ends, np.zeros(2, bool))
 
 
 @pytest.fixture
-def episodes() -> Episodes:
+def episodes():
     """Two, that began 3 m and 4 m from their targets."""
     begun = Episodes(2, DOF, ACTIONS)
     begun.start(ALL, state(0.0), np.array([[3.0, 0.0, 0.0], [0.0, 4.0, 0.0]]))
     return begun
 
 
-def test_row_is_the_traces(episodes: Episodes):
+def test_row_is_the_traces(episodes):
     """The recorded part is as wide as a row of a trace, and every array is a view into it."""
     assert episodes.record.shape == (2, len(SCALARS) + DOF + ACTIONS)
     episodes.action[...] = 7.0
@@ -35,14 +35,14 @@ def test_row_is_the_traces(episodes: Episodes):
     np.testing.assert_array_equal(episodes.record[:, COLUMN["target_y"]], [0.0, 4.0])
 
 
-def test_start_is_the_begin_distance(episodes: Episodes):
+def test_start_is_the_begin_distance(episodes):
     """Bd, Pb and d are the same, at step 0."""
     for column in (episodes.begin_distance, episodes.previous_best, episodes.distance):
         np.testing.assert_array_equal(column, [3.0, 4.0])
     np.testing.assert_array_equal(episodes.step, 0.0)
 
 
-def test_measure_follows_the_state(episodes: Episodes):
+def test_measure_follows_the_state(episodes):
     """Distance, offset, difference to the best, and the distance before."""
     distance = episodes.measure(state(1.0, 0.5, 0.25))
     np.testing.assert_allclose(distance, [2.0, np.sqrt(17.0)])
@@ -54,7 +54,7 @@ def test_measure_follows_the_state(episodes: Episodes):
 
 
 @pytest.fixture
-def examples() -> Episodes:
+def examples():
     """The NOTE's examples: an end effector comes from (1, -1.5, 2) to (0.5, -1, 2), its target is at (1, 1, 2)."""
     begun = Episodes(1, DOF, ACTIONS)
     rest, nowhere = np.zeros((1, DOF)), np.zeros(1, bool)
@@ -64,20 +64,20 @@ def examples() -> Episodes:
     return begun
 
 
-def test_example_1_of_the_note(examples: Episodes):
+def test_example_1_of_the_note(examples):
     """The distance of (1, 1, 2) and (0.5, -1, 2); of the difference, printed with a wrong sign, as it is."""
     np.testing.assert_array_equal(examples.offset, [[0.5, 2.0, 0.0]])
     assert examples.distance[0] == np.sqrt(4.25)
 
 
-def test_example_2_of_the_note(examples: Episodes):
+def test_example_2_of_the_note(examples):
     """From sqrt(6.25) to sqrt(4.25): the difference is what the note calls the reward."""
     sample = examples.steps
     assert sample.previous_distance[0] == np.sqrt(6.25)
     assert sample.previous_distance[0] - sample.distance[0] == np.sqrt(6.25) - np.sqrt(4.25)
 
 
-def test_new_target_restarts_the_distances_of_its_env(episodes: Episodes):
+def test_new_target_restarts_the_distances_of_its_env(episodes):
     """The other's stay; the step is counted on."""
     episodes.measure(state(1.0))
     kept = episodes.matrix[1].copy()
@@ -89,7 +89,7 @@ def test_new_target_restarts_the_distances_of_its_env(episodes: Episodes):
     np.testing.assert_array_equal(episodes.matrix[1], kept)
 
 
-def test_columns_of_several_arrays(episodes: Episodes):
+def test_columns_of_several_arrays(episodes):
     """Where they stand in the matrix, one after the other."""
     columns = episodes.columns("qpos", "distance", "offset")
     np.testing.assert_array_equal(
@@ -98,7 +98,7 @@ def test_columns_of_several_arrays(episodes: Episodes):
     )
 
 
-def test_end_effector_nowhere_is_told(episodes: Episodes):
+def test_end_effector_nowhere_is_told(episodes):
     """With the env and the step."""
     with pytest.raises(SimulationDiverged, match=r"env \[1\] is nowhere at step 0"):
         episodes.require_finite(np.array([1.0, np.nan]))

@@ -1,7 +1,6 @@
 """How episodes begin and end."""
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,7 +15,7 @@ from harness.record import TraceWriter, read_trace
 Call = Callable[..., Any]
 
 
-def test_episode_begins_outside_of_epsilon(make: Call):
+def test_episode_begins_outside_of_epsilon(make):
     """No episode begins on its target, however large epsilon is."""
     env = make(task=ReachTask(epsilon=0.4, horizon=1))
     _, infos = env.reset(seed=0)
@@ -25,7 +24,7 @@ def test_episode_begins_outside_of_epsilon(make: Call):
         _, infos = env.reset()
 
 
-def test_target_ends_the_episode_and_pays(make: Call, drive_to: Call, target_of: Call):
+def test_target_ends_the_episode_and_pays(make, drive_to, target_of):
     """Within epsilon of the target the episode is terminated and +1 is paid on top (NOTE eq. 19)."""
     env = make(task=ReachTask(epsilon=0.03))
     observations, _ = env.reset(seed=2)
@@ -37,7 +36,7 @@ def test_target_ends_the_episode_and_pays(make: Call, drive_to: Call, target_of:
     np.testing.assert_allclose(rewards, infos["reward_shaped"] + 1.0 - 0.0001)
 
 
-def test_ground_ends_the_episode_and_costs(make: Call, drive_to: Call):
+def test_ground_ends_the_episode_and_costs(make, drive_to):
     """On the ground the episode is terminated and -1 is paid on top (NOTE eq. 18)."""
     env = make(task=ReachTask(), seed=2)
     _, rewards, terminated, truncated, infos = drive_to(env, np.array([[0.9, 0.0, -0.1]]))
@@ -47,7 +46,7 @@ def test_ground_ends_the_episode_and_costs(make: Call, drive_to: Call):
     np.testing.assert_allclose(rewards, infos["reward_shaped"] - 1.0 - 0.0001)
 
 
-def test_horizon_truncates(make: Call, stand: Call):
+def test_horizon_truncates(make, stand):
     """At the horizon, and not before, the episode is truncated, which is no event and pays nothing."""
     env = make(seed=2)
     for step in range(1, 5):
@@ -57,7 +56,7 @@ def test_horizon_truncates(make: Call, stand: Call):
         np.testing.assert_allclose(rewards, infos["reward_shaped"] - 0.0001)
 
 
-def test_target_at_the_horizon_is_no_truncation(make: Call, drive_to: Call, target_of: Call):
+def test_target_at_the_horizon_is_no_truncation(make, drive_to, target_of):
     """An episode that reaches its target in the last step is terminated, not truncated."""
     env = make(task=ReachTask(epsilon=0.03))
     observations, _ = env.reset(seed=2)
@@ -72,7 +71,7 @@ def test_target_at_the_horizon_is_no_truncation(make: Call, drive_to: Call, targ
     assert not truncated.any()
 
 
-def test_event_terms_are_the_tasks(make: Call, drive_to: Call, target_of: Call):
+def test_event_terms_are_the_tasks(make, drive_to, target_of):
     """What the events pay is set by the task."""
     env = make(task=ReachTask(epsilon=0.03, target_reward=5.0, step_reward=-0.5))
     observations, _ = env.reset(seed=2)
@@ -80,7 +79,7 @@ def test_event_terms_are_the_tasks(make: Call, drive_to: Call, target_of: Call):
     np.testing.assert_allclose(rewards, infos["reward_shaped"] + 4.5)
 
 
-def test_same_step_starts_the_next_episode(make: Call, wander: Call, target_of: Call):
+def test_same_step_starts_the_next_episode(make, wander, target_of):
     """The step that ends an episode returns the next one's start; the last observation is in the infos."""
     env = make(2, seed=0)
     wander(env, 3)
@@ -92,7 +91,7 @@ def test_same_step_starts_the_next_episode(make: Call, wander: Call, target_of: 
     assert (target_of(observations) != target_of(infos["final_obs"])).any(axis=1).all()
 
 
-def test_same_step_leaves_the_other_envs_alone(make: Call, wander: Call):
+def test_same_step_leaves_the_other_envs_alone(make, wander):
     """When one arm starts anew the others go on as if it had not."""
     task = ReachTask(horizon=6)
     env, undisturbed = make(2, task, autoreset_mode=AutoresetMode.DISABLED), make(2, task)
@@ -106,7 +105,7 @@ def test_same_step_leaves_the_other_envs_alone(make: Call, wander: Call):
         assert one[1][1] == other[1][1]
 
 
-def test_disabled_waits_for_the_reset_mask(make: Call, wander: Call, target_of: Call):
+def test_disabled_waits_for_the_reset_mask(make, wander, target_of):
     """Without autoreset an ended episode stays ended; a reset with a mask starts those of the mask alone."""
     env = make(2, autoreset_mode=AutoresetMode.DISABLED)
     start, _ = env.reset(seed=0)
@@ -120,7 +119,7 @@ def test_disabled_waits_for_the_reset_mask(make: Call, wander: Call, target_of: 
     assert infos["distance"].shape == (2,)
 
 
-def test_unknown_options_are_ignored(make: Call):
+def test_unknown_options_are_ignored(make):
     """Without ``reset_mask`` all envs are reset, whatever else stands in the options, as in Gymnasium's own envs."""
     plain, told = make(3), make(3)
     for env in (plain, told):
@@ -129,7 +128,7 @@ def test_unknown_options_are_ignored(make: Call):
     np.testing.assert_array_equal(told.episodes.episode, plain.episodes.episode)
 
 
-def test_options_stay_the_callers(make: Call):
+def test_options_stay_the_callers(make):
     """A reset takes nothing out of the options."""
     options = {"reset_mask": np.array([True, False]), "x": 1}
     make(2).reset(seed=0, options=options)
@@ -137,7 +136,7 @@ def test_options_stay_the_callers(make: Call):
 
 
 @pytest.mark.parametrize("mask", [np.ones(3, bool), np.array([1, 0]), True, "all"], ids=str)
-def test_reset_mask_of_other_envs_is_a_usage_error(make: Call, mask: object):
+def test_reset_mask_of_other_envs_is_a_usage_error(make, mask):
     """A mask that is not one truth value per env is refused in one line, and nothing is reset or seeded."""
     env, undisturbed = make(2), make(2)
     for either in (env, undisturbed):
@@ -147,7 +146,7 @@ def test_reset_mask_of_other_envs_is_a_usage_error(make: Call, mask: object):
     np.testing.assert_array_equal(env.reset()[0], undisturbed.reset()[0])
 
 
-def test_ended_episode_that_is_stepped_on_forgets_its_end(make: Call, drive_to: Call, target_of: Call):
+def test_ended_episode_that_is_stepped_on_forgets_its_end(make, drive_to, target_of):
     """Without autoreset, steps after the target was reached are neither terminated nor paid for it again."""
     env = make(autoreset_mode=AutoresetMode.DISABLED, task=ReachTask(epsilon=0.03))
     observations, _ = env.reset(seed=2)
@@ -158,7 +157,7 @@ def test_ended_episode_that_is_stepped_on_forgets_its_end(make: Call, drive_to: 
     np.testing.assert_allclose(rewards, infos["reward_shaped"] - 0.0001)
 
 
-def test_an_end_is_not_told_twice_without_autoreset(tmp_path: Path):
+def test_an_end_is_not_told_twice_without_autoreset(tmp_path):
     """A finished env that is stepped on beside a restarted one is recorded as it is then, not as it ended."""
     away = np.zeros((2, 6), np.float32)
     away[1] = [0, -1, -1, 0, 0, 0]  # env 1 rises out of the reach of its target

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 import harness
-from harness.log import Log
 from harness.reach import ReachTask
 from harness.robot import forward, reach_position
 from harness_plugins.tasks.unity import Arp2021, UnityReach
@@ -21,11 +20,11 @@ TARGET = np.array([[0.45, -0.45, 0.2]])
 
 
 @pytest.fixture
-def jump(make: Call, recorded: Call) -> Call:
+def jump(make, recorded):
     """One environment step to `qpos`, and its trace."""
 
-    def to(qpos: np.ndarray, **task: Any) -> tuple[Any, Log]:
-        taken: list[Any] = []
+    def to(qpos, **task):
+        taken = []
         env = make(1, Arp2021(decision_period=1, **task), robot=ARM)
         trace = recorded(env, lambda env: taken.extend(env.step((qpos / ARM.upper).reshape(1, 5))))
         return taken, trace
@@ -33,14 +32,14 @@ def jump(make: Call, recorded: Call) -> Call:
     return to
 
 
-def poses_at_the_target() -> np.ndarray:
+def poses_at_the_target():
     """Several ways to touch the target, (n, 5)."""
     starts = np.random.default_rng(4).uniform(-0.9, 0.9, (60, 5)) * ARM.upper
     goals, reached = reach_position(ARM, np.repeat(TARGET, 60, axis=0), starts, tolerance=1e-3)
     return goals[reached & (np.abs(goals) <= ARM.upper).all(axis=1)]
 
 
-def test_ground_ends_the_episode_and_costs_one(jump: Call):
+def test_ground_ends_the_episode_and_costs_one(jump):
     """-1 exactly, beside the step's price."""
     goal, reached = reach_position(ARM, np.array([[0.3, -0.3, -0.05]]), ARM.home[None])
     assert reached.all()
@@ -52,7 +51,7 @@ def test_ground_ends_the_episode_and_costs_one(jump: Call):
     assert paid[0] == pytest.approx(infos["reward_shaped"][0] - 1.0001, rel=1e-12)
 
 
-def test_target_pays_half_and_the_upright_cosine(jump: Call):
+def test_target_pays_half_and_the_upright_cosine(jump):
     """0.5 + clamp01(up of the end effector . up), at poses that point up, down and aside."""
     poses = poses_at_the_target()
     up = forward(ARM.chain, poses)[:, 2, 2]
@@ -73,7 +72,7 @@ def test_upright_cosine_is_that_of_the_original():
     assert len(np.unique(expected)) > 20
 
 
-def up_of_the_tip(chain: list[dict[str, Any]], qpos: np.ndarray) -> np.ndarray:
+def up_of_the_tip(chain, qpos):
     """The end effector's y axis in Unity's world, (3,): turned outwards from its node to the root."""
     up = np.array([0.0, 1.0, 0.0])
     for node in reversed(chain):
@@ -84,14 +83,14 @@ def up_of_the_tip(chain: list[dict[str, Any]], qpos: np.ndarray) -> np.ndarray:
     return up
 
 
-def turned(quaternion_xyzw: list[float], vector: np.ndarray) -> np.ndarray:
+def turned(quaternion_xyzw, vector):
     """The vector turned by the quaternion, whose length need not be 1."""
     x, y, z, w = np.array(quaternion_xyzw) / np.linalg.norm(quaternion_xyzw)
     axis = np.array([x, y, z])
     return vector + 2.0 * np.cross(axis, np.cross(axis, vector) + w * vector)
 
 
-def test_rewards_of_events_are_parameters(jump: Call):
+def test_rewards_of_events_are_parameters(jump):
     """Each is set by the task."""
     pose = poses_at_the_target()[0]
     up = max(forward(ARM.chain, pose)[2, 2], 0.0)
@@ -100,7 +99,7 @@ def test_rewards_of_events_are_parameters(jump: Call):
     assert trace["reward_step"][1] == -0.5
 
 
-def test_held_arm_is_recorded(make: Call, recorded: Call):
+def test_held_arm_is_recorded(make, recorded):
     """An arm that is sent out of its reach on a line is held there; before that it is not."""
     action = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 0.0]], np.float32)
     env = make(2, ReachTask(action="movel", horizon=200, epsilon=0.001))
@@ -112,6 +111,6 @@ def test_held_arm_is_recorded(make: Call, recorded: Call):
     assert not trace["terminated"].any()
 
 
-def test_joint_movements_are_never_held(make: Call, wander: Call, recorded: Call):
+def test_joint_movements_are_never_held(make, wander, recorded):
     """MoveJ brakes before a joint's end; nothing that it is asked for cannot be done."""
     assert not recorded(make(2, ReachTask(horizon=50)), lambda env: wander(env, 100))["held"].any()

@@ -1,7 +1,5 @@
 """The env with its goal apart: recorded steps are paid again for another goal."""
 
-from typing import Any
-
 import gymnasium
 import numpy as np
 import pytest
@@ -19,10 +17,10 @@ from harness.task import Targets
 
 PAYABLE = ["sparse", "potential", "adaptive", "scaled:reward=dense"]
 WITH_MEMORY = ["baseline", "baseline-eq21", "arp", "aarp", "scaled:reward=arp", "shifted"]
-GIVEN: dict[str, Any] = {"simulator": "kinematic", "task": "fd100-reach:horizon=12,epsilon=0.03"}
+GIVEN = {"simulator": "kinematic", "task": "fd100-reach:horizon=12,epsilon=0.03"}
 
 
-def _steps(env: gymnasium.Env[Any, Any], count: int, seed: int = 0) -> list[tuple[Any, ...]]:
+def _steps(env, count, seed=0):
     rng = np.random.default_rng(seed)
     env.reset(seed=seed)
     taken = []
@@ -34,20 +32,20 @@ def _steps(env: gymnasium.Env[Any, Any], count: int, seed: int = 0) -> list[tupl
 
 
 @pytest.fixture(params=PAYABLE)
-def env(request: pytest.FixtureRequest) -> Any:
+def env(request):
     """One arm without an engine, for every reward that can be paid again."""
     env = ReachGoalEnv(**GIVEN, reward=request.param)
     yield env
     env.close()
 
 
-def test_checkers_find_no_fault(env: ReachGoalEnv):
+def test_checkers_find_no_fault(env):
     """Gymnasium's and stable-baselines3's, without a warning; the latter pays steps again, one and several."""
     check_env(env, skip_render_check=True)
     env_checker.check_env(env, warn=True, skip_render_check=True)
 
 
-def test_it_pays_what_reach_pays(env: ReachGoalEnv):
+def test_it_pays_what_reach_pays(env):
     """With the same seed and actions: rewards, ends, and what is known of each step."""
     one, other = _steps(env, 30), _steps(ReachEnv(**GIVEN, reward=_label(env)), 30)
     np.testing.assert_allclose([step[1] for step in one], [step[1] for step in other], rtol=0, atol=1e-12)
@@ -57,12 +55,12 @@ def test_it_pays_what_reach_pays(env: ReachGoalEnv):
         assert goal_step[4].keys() - step[4].keys() == set(NEEDED)
 
 
-def _label(env: ReachGoalEnv) -> str:
+def _label(env):
     registry, reward = load_registry(), env.vector_env.reward
     return next(name for name in PAYABLE if build_named(registry, "rewards", name, "")[1] == reward)
 
 
-def test_it_pays_what_would_have_been_paid(env: ReachGoalEnv, monkeypatch: pytest.MonkeyPatch):
+def test_it_pays_what_would_have_been_paid(env, monkeypatch):
     """Steps paid again for another goal, all at once, have the rewards of the same motion with that goal set."""
     taken = _steps(env, 12)
     goal = taken[7][0]["achieved_goal"] + [0.02, 0.0, 0.0]
@@ -91,7 +89,7 @@ def test_goals_are_end_effector_and_target():
     np.testing.assert_array_equal(other._observe()["observation"], observation["observation"])
 
 
-def test_rewards_with_memory_are_refused(subtests: pytest.Subtests):
+def test_rewards_with_memory_are_refused(subtests):
     """By name, with what is allowed."""
     for reward in WITH_MEMORY:
         with (
@@ -104,7 +102,7 @@ def test_rewards_with_memory_are_refused(subtests: pytest.Subtests):
 
 
 @pytest.mark.parametrize("task", ["unity-reach", "arp-2021", "fd100-pose", "fd100-moving"])
-def test_tasks_with_several_goals_are_refused(task: str):
+def test_tasks_with_several_goals_are_refused(task):
     """Their steps say nothing of which goal they were made for, or a place is not all of it."""
     with pytest.raises(UsageError, match=rf"'{task}' sets several goals .*Allowed: .*fd100-reach, fd100-small-target"):
         ReachGoalEnv(simulator="kinematic", task=task)
@@ -114,10 +112,10 @@ def test_a_reward_that_counts_is_refused():
     """Memory in arrays counts as memory, whatever it is used for."""
 
     class Counting:
-        def initial_carry(self, begin_distance: Any) -> Any:
+        def initial_carry(self, begin_distance):
             return np.zeros(len(begin_distance))
 
-        def __call__(self, carry: Any, sample: Any) -> Any:
+        def __call__(self, carry, sample):
             return carry + 1, -sample.distance
 
     assert not forgets_the_way(Counting())
@@ -131,7 +129,7 @@ def test_info_that_lacks_something_is_told():
         env.compute_reward(np.zeros((2, 3)), np.zeros((2, 3)), [{}, {}])
 
 
-def _learner(task: str, **given: Any) -> "SAC":
+def _learner(task, **given):
     env = gymnasium.make("harness/ReachGoal-v0", simulator="kinematic", task=task, reward="sparse")
     return SAC(
         "MultiInputPolicy",
@@ -166,7 +164,7 @@ def test_her_learns():
     assert _success(model, 30) > before + 0.3
 
 
-def _success(model: "SAC", episodes: int) -> float:
+def _success(model, episodes):
     env, reached = model.get_env().envs[0], 0
     for seed in range(episodes):
         observation, _ = env.reset(seed=10_000 + seed)

@@ -1,7 +1,6 @@
 """A task that asks for more than a point that stays, in the env and in its record."""
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,12 +9,10 @@ from pydantic.dataclasses import dataclass
 
 import harness
 from harness import make_env
-from harness.arrays import Float
 from harness.errors import UsageError
-from harness.goal import Goal, Situation
+from harness.goal import Goal
 from harness.reach import ReachTask
 from harness.registry import choose, load_registry
-from harness.robot import Robot
 from harness.score.scorer import pay_log
 from harness.task import goal_of
 from harness_plugins.tasks.moving import Moving
@@ -31,7 +28,7 @@ class Distance(Goal):
 
     error = "distance"
 
-    def errors(self, now: Situation) -> Float:
+    def errors(self, now):
         """From end effector to target, as the env measures it without a goal, [m]."""
         offset = now.target - now.end_effector
         return np.asarray(np.sqrt(np.vecdot(offset, offset)))
@@ -41,7 +38,7 @@ class Distance(Goal):
 class SameReach(ReachTask):
     """`fd100-reach`, told as a goal."""
 
-    def goal(self, robot: Robot) -> Distance:
+    def goal(self, robot):
         """See `harness.task.Task`."""
         return Distance()
 
@@ -53,7 +50,7 @@ class NextPoses(Pose):
     ends_at_target = False
 
 
-def test_distance_as_a_goal_leaves_the_same_trace(make: Call, wander: Call, recorded: Call, tmp_path: Path):
+def test_distance_as_a_goal_leaves_the_same_trace(make, wander, recorded, tmp_path):
     """Bit for bit: a task without a goal is a task whose error is the distance."""
     files = []
     for task in (ReachTask, SameReach):
@@ -63,7 +60,7 @@ def test_distance_as_a_goal_leaves_the_same_trace(make: Call, wander: Call, reco
     assert trace["reached"].any()
 
 
-def test_task_without_a_goal_measures_the_length_of_the_offset(make: Call, wander: Call):
+def test_task_without_a_goal_measures_the_length_of_the_offset(make, wander):
     """To the last bit."""
     env = make(3, seed=0)
     for _ in wander(env, 10):
@@ -72,7 +69,7 @@ def test_task_without_a_goal_measures_the_length_of_the_offset(make: Call, wande
     assert goal_of(env.task, env.robot) is None
 
 
-def test_target_is_recorded_where_it_is(make: Call, wander: Call, recorded: Call):
+def test_target_is_recorded_where_it_is(make, wander, recorded):
     """In each row; and the distance is that to it."""
     trace = recorded(make(3, Moving(horizon=12, target_speed=0.2)), lambda env: wander(env, 60))
     target, tip = (np.stack([trace[f"{name}_{axis}"] for axis in "xyz"], 1) for name in ("target", "end_effector"))
@@ -85,7 +82,7 @@ def test_target_is_recorded_where_it_is(make: Call, wander: Call, recorded: Call
 
 @pytest.mark.parametrize("task", [Moving(horizon=12), Pose(horizon=12), NextPoses(horizon=30, epsilon=0.3, angle=3.0)])
 @pytest.mark.parametrize("reward", REGISTRY.names("rewards"))
-def test_every_reward_pays_the_record_again(make: Call, wander: Call, recorded: Call, task: ReachTask, reward: str):
+def test_every_reward_pays_the_record_again(make, wander, recorded, task, reward):
     """Exactly as it was paid, whatever the error is."""
     built = choose(REGISTRY, "rewards", reward).build(REGISTRY, "rewards")
     trace = recorded(make(2, task, reward=built), lambda env: wander(env, 40))
@@ -93,7 +90,7 @@ def test_every_reward_pays_the_record_again(make: Call, wander: Call, recorded: 
 
 
 @pytest.mark.parametrize("task", [Moving(horizon=12), Pose(horizon=12)])
-def test_episodes_are_those_of_the_seed(make: Call, wander: Call, task: ReachTask):
+def test_episodes_are_those_of_the_seed(make, wander, task):
     """Env k meets the same goals whatever the number of envs and the actions."""
     one, other = make(1, task), make(3, task)
     for env in (one, other):
@@ -105,7 +102,7 @@ def test_episodes_are_those_of_the_seed(make: Call, wander: Call, task: ReachTas
 
 
 @pytest.mark.parametrize("task", ["fd100-moving:horizon=12", "fd100-pose:horizon=12"])
-def test_restored_env_goes_on_as_the_other(make: Call, wander: Call, task: str):
+def test_restored_env_goes_on_as_the_other(make, wander, task):
     """In the middle of an episode: where the target is on its way, and what comes after."""
     built = choose(REGISTRY, "tasks", task).build(REGISTRY, "tasks")
     env, again = (make(2, built, resumable=True) for _ in range(2))
@@ -117,7 +114,7 @@ def test_restored_env_goes_on_as_the_other(make: Call, wander: Call, task: str):
         np.testing.assert_array_equal(ours[1], theirs[1])
 
 
-def test_learner_sees_the_error_and_the_goal(make: Call):
+def test_learner_sees_the_error_and_the_goal(make):
     """After the numbers of `fd100-reach`, with the error in place of the distance."""
     env = make(2, Pose())
     seen, infos = env.reset(seed=0)
@@ -132,7 +129,7 @@ def test_epsilon_that_covers_all_errors_is_refused():
         SameReach(epsilon=9.0).check(ROBOT)
 
 
-def test_tasks_take_another_robot(subtests: pytest.Subtests):
+def test_tasks_take_another_robot(subtests):
     """Scaled by its reach."""
     for task in ["fd100-pose", "fd100-moving", "fd100-small-target", "fd100-low"]:
         for robot in ["fd100", "unity-arm"]:
@@ -145,7 +142,7 @@ def test_tasks_take_another_robot(subtests: pytest.Subtests):
                 assert (infos["distance"] > 0.0).all()
 
 
-def test_conditions_and_goals_go_together(make: Call, wander: Call):
+def test_conditions_and_goals_go_together(make, wander):
     """What is seen with noise has the error of what is seen; the goal's numbers stand before the obstacles'."""
     task = Pose(horizon=12, joint_noise=0.02, obstacle_count=1)
     env = make(2, task, seed=0)

@@ -1,7 +1,5 @@
 """The random streams of a batch."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -18,7 +16,7 @@ TIP = np.array([0.5, 0.0, 0.5])
 class Ladder(ReachTask):
     """Targets one after the other, every second one counted from the end effector."""
 
-    def draw_targets(self, robot: Any, rng: Any, count: int) -> Targets:
+    def draw_targets(self, robot, rng, count):
         """0, 1, 2, ... [m] on the x axis."""
         position = np.arange(count)[:, None] * [1.0, 0.0, 0.0]
         return Targets(position, np.arange(count) % 2 == 1)
@@ -84,7 +82,7 @@ def test_equal_seeds_are_drawn_once():
     drawn = []
 
     class Counted(ReachTask):
-        def draw_targets(self, robot: Any, rng: Any, count: int) -> Targets:
+        def draw_targets(self, robot, rng, count):
             drawn.append(count)
             return super().draw_targets(robot, rng, count)
 

@@ -12,9 +12,9 @@ Call = Callable[..., Any]
 ROBOT = harness.load_robot("fd100")
 
 
-def test_recorded_terms_add_up_to_what_was_paid(recorded: Call, make: Call, wander: Call):
+def test_recorded_terms_add_up_to_what_was_paid(recorded, make, wander):
     """Shaped reward and event terms are columns of their own; their sum is what the learner was paid, in order."""
-    taken: list[Any] = []
+    taken = []
     env = make(3, ReachTask(horizon=15, epsilon=0.25))
     trace = recorded(env, lambda env: taken.extend(wander(env, 120)))
     rewards = np.array([step[1] for step in taken])
@@ -25,7 +25,7 @@ def test_recorded_terms_add_up_to_what_was_paid(recorded: Call, make: Call, wand
         np.testing.assert_allclose(np.sum(terms, axis=0), rewards[:, env_number], rtol=0.0, atol=1e-12)
 
 
-def test_recorded_columns_follow_from_one_another(recorded: Call, make: Call, wander: Call):
+def test_recorded_columns_follow_from_one_another(recorded, make, wander):
     """Step, begin distance, best, distance and delta are recorded as the NOTE defines them: Pb is the value before."""
     trace = recorded(make(1, ReachTask(horizon=15)), lambda env: wander(env, 100))
     target, tip = (np.stack([trace[f"{name}_{axis}"] for axis in "xyz"], 1) for name in ("target", "end_effector"))
@@ -43,7 +43,7 @@ def test_recorded_columns_follow_from_one_another(recorded: Call, make: Call, wa
         np.testing.assert_array_equal(trace["previous_best"][rows], best)
 
 
-def test_start_rows_pay_nothing(recorded: Call, make: Call, wander: Call):
+def test_start_rows_pay_nothing(recorded, make, wander):
     """One row opens each episode, with the action and every reward 0."""
     trace = recorded(make(2), lambda env: wander(env, 10))
     starts = trace["step"] == 0
@@ -53,16 +53,16 @@ def test_start_rows_pay_nothing(recorded: Call, make: Call, wander: Call):
         assert not trace[name][starts].any(), name
 
 
-def test_actions_are_recorded_as_asked(recorded: Call, make: Call):
+def test_actions_are_recorded_as_asked(recorded, make):
     """The trace holds what the policy asked for, not what the limits left of it."""
     trace = recorded(make(), lambda env: env.step(np.full((1, 6), 0.75, np.float32)))
     np.testing.assert_array_equal(trace["action"], [[0.0] * 6, [0.75] * 6])
 
 
-def test_reset_without_a_step_leaves_no_row(recorded: Call, make: Call, stand: Call):
+def test_reset_without_a_step_leaves_no_row(recorded, make, stand):
     """An episode that was left before its first step is not in the trace, and takes no number."""
 
-    def leave(env: Any) -> None:
+    def leave(env):
         env.reset(seed=0)
         env.reset(seed=0)
         stand(env)

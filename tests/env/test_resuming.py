@@ -10,15 +10,14 @@ from harness.env import IdealSimulation, ReachVectorEnv, World
 from harness.errors import SchemaError, UsageError
 from harness.reach import ReachTask
 from harness.registry import choose, load_registry
-from harness.simulator import State
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.kit.trainings import NegativeDistance
 
 REGISTRY = load_registry()
 ROBOT = harness.load_robot("fd100", REGISTRY)
-SHORT: dict[str, Any] = {"name": "fd100-reach", "horizon": 23}
-UNITY: dict[str, Any] = {"name": "unity-reach", "horizon": 60, "decision_period": 5}
-TASKS: dict[str, dict[str, Any]] = {
+SHORT = {"name": "fd100-reach", "horizon": 23}
+UNITY = {"name": "unity-reach", "horizon": 60, "decision_period": 5}
+TASKS = {
     "joints": SHORT,
     "poses": {**SHORT, "action": "set-joints"},
     "arcs": {**SHORT, "action": "movea"},
@@ -40,13 +39,13 @@ TASKS: dict[str, dict[str, Any]] = {
 }
 
 
-def _moments(episode: int) -> tuple[int, ...]:
+def _moments(episode):
     """Decisions after which the env's state is taken: early and late in episodes, and where one has just begun."""
     return 1, episode - 1, episode, 8 * episode // 3
 
 
-def _open(simulator: str, task: dict[str, Any], num_envs: int, reward: str = "baseline") -> ReachVectorEnv:
-    def build(kind: str, given: Any) -> Any:
+def _open(simulator, task, num_envs, reward="baseline"):
+    def build(kind, given):
         return choose(REGISTRY, kind, given).build(REGISTRY, kind)
 
     goal = build("tasks", task)
@@ -55,7 +54,7 @@ def _open(simulator: str, task: dict[str, Any], num_envs: int, reward: str = "ba
     return world.open(num_envs, resumable=True)
 
 
-def _actions(env: ReachVectorEnv, count: int) -> list[Any]:
+def _actions(env, count):
     """Mostly down: the arms come near the ground, and touch it."""
     env.action_space.seed(3)
     actions = [env.action_space.sample() for _ in range(count)]
@@ -65,16 +64,16 @@ def _actions(env: ReachVectorEnv, count: int) -> list[Any]:
     return [np.clip(way[: action.shape[1]] + 0.4 * action, -1.0, 1.0) for action in actions]
 
 
-def _told(env: ReachVectorEnv, actions: list[Any]) -> list[list[Any]]:
+def _told(env, actions):
     """Everything that an env tells, and where its episodes stand, action by action."""
-    told: list[list[Any]] = []
+    told = []
     for action in actions:
         *arrays, infos = env.step(action)
         told.append([*arrays, *(infos[name] for name in sorted(infos)), env.episodes.matrix.copy()])
     return told
 
 
-def _is_same(first: list[list[Any]], second: list[list[Any]]) -> bool:
+def _is_same(first, second):
     return all(
         np.array_equal(one, other)
         for ones, others in zip(first, second, strict=True)
@@ -90,7 +89,7 @@ def _is_same(first: list[list[Any]], second: list[list[Any]]) -> bool:
      ("mujoco", "next targets", 3), ("mujoco", "arcs", 1),
      ("mujoco", "worse", 1), ("pybullet", "long decisions", 3), ("pybullet", "poses", 1)],
 )  # fmt: skip
-def test_restored_env_goes_on_as_the_other(simulator: str, task: str, num_envs: int):
+def test_restored_env_goes_on_as_the_other(simulator, task, num_envs):
     """Observations, rewards, ends, infos and the whole record, in the middle of episodes and where they end."""
     env = _open(simulator, TASKS[task], num_envs)
     env.reset(seed=5)
@@ -120,7 +119,7 @@ def test_restored_env_goes_on_as_the_other(simulator: str, task: str, num_envs: 
 
 @pytest.mark.usefixtures("installed")
 @pytest.mark.parametrize("simulator", REGISTRY.names("simulators"))
-def test_the_ground_was_touched_in_these_episodes(simulator: str):
+def test_the_ground_was_touched_in_these_episodes(simulator):
     """The test above says something about contact too."""
     env = _open(simulator, SHORT, 3)
     env.reset(seed=5)
@@ -129,7 +128,7 @@ def test_the_ground_was_touched_in_these_episodes(simulator: str):
 
 
 @pytest.mark.parametrize("reward", ["arp", "aarp", "scaled", "potential", "sparse"])
-def test_what_a_reward_remembers_is_kept(reward: str):
+def test_what_a_reward_remembers_is_kept(reward):
     """Whatever the form of its carry."""
     env, again = (_open("kinematic", SHORT, 3, reward) for _ in range(2))
     env.reset(seed=5)
@@ -166,7 +165,7 @@ class Drifting(IdealSimulation):
         type(self).made += 1
         self.error = 1e-9 * self.made
 
-    def drive(self, qpos: np.ndarray, duration: float) -> State:
+    def drive(self, qpos, duration):
         """Not quite there."""
         return super().drive(qpos + self.error, duration)
 
@@ -174,7 +173,7 @@ class Drifting(IdealSimulation):
 class DriftingSimulator(IdealSimulator):
     """See `Drifting`."""
 
-    def open(self, robot: Any, num_envs: int, control_period: float) -> Drifting:
+    def open(self, robot, num_envs, control_period):
         return Drifting(robot, num_envs)
 
 

@@ -13,7 +13,7 @@ from tests.env.conftest import CountsSteps
 Call = Callable[..., Any]
 
 
-def test_infos_of_every_step(make: Call, wander: Call):
+def test_infos_of_every_step(make, wander):
     """Every step tells distance, shaped reward and success of every env."""
     env = make(2, seed=0)
     observations, _, _, _, infos = wander(env, 1)[0]
@@ -23,18 +23,18 @@ def test_infos_of_every_step(make: Call, wander: Call):
     assert infos["is_success"].dtype == bool
 
 
-def test_rewards_are_float64(make: Call, stand: Call):
+def test_rewards_are_float64(make, stand):
     """What is paid is recorded and summed over whole runs: it is not rounded to float32."""
     env = make(2, seed=0)
     assert stand(env)[1].dtype == np.float64
 
 
-def test_reward_sees_one_sample_per_step(make: Call, wander: Call):
+def test_reward_sees_one_sample_per_step(make, wander):
     """The sample is begin distance, best before the step, last distance, distance, their difference, and t."""
     samples = []
 
     class Spy(NegativeDistance):
-        def __call__(self, carry: Any, sample: Any) -> Any:
+        def __call__(self, carry, sample):
             samples.append([float(part[0]) for part in sample])
             return carry, -sample.distance
 
@@ -48,7 +48,7 @@ def test_reward_sees_one_sample_per_step(make: Call, wander: Call):
         np.testing.assert_allclose(samples[t - 1], expected, rtol=1e-12)
 
 
-def test_carry_starts_anew_with_an_episode(make: Call, stand: Call, wander: Call):
+def test_carry_starts_anew_with_an_episode(make, stand, wander):
     """What a reward remembers is forgotten for the arms that start, and kept for the others."""
     env = make(2, ReachTask(horizon=9), reward=CountsSteps(), autoreset_mode=AutoresetMode.DISABLED, seed=0)
     wander(env, 2)

@@ -9,7 +9,7 @@ OWN = {"fd100-reach": "fd100", "unity-reach": "unity-arm", "arp-2021": "unity-ar
 
 
 @pytest.mark.parametrize(("task", "own"), OWN.items())
-def test_task_has_its_own_robot(task: str, own: str):
+def test_task_has_its_own_robot(task, own):
     """Without a robot the vector env has the one that the task was made for, and so has the env of one arm."""
     env = harness.make_env("kinematic", task)
     single = gymnasium.make("harness/Reach-v0", simulator="kinematic", task=task)

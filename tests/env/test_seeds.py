@@ -11,7 +11,7 @@ from harness.reach import ReachTask
 Call = Callable[..., Any]
 
 
-def test_same_seed_same_starts_under_other_rewards(first_observations: Call):
+def test_same_seed_same_starts_under_other_rewards(first_observations):
     """Starts and targets of all episodes depend on the seed: neither on the reward nor on the actions."""
     starts = []
     for action_seed, reward in enumerate(("baseline", "arp:k1=2,k2=3")):
@@ -21,28 +21,28 @@ def test_same_seed_same_starts_under_other_rewards(first_observations: Call):
     np.testing.assert_array_equal(*starts)
 
 
-def test_env_of_a_batch_meets_what_it_meets_alone(make: Call, first_observations: Call):
+def test_env_of_a_batch_meets_what_it_meets_alone(make, first_observations):
     """What env k meets depends on the seed and k, not on how many envs there are."""
     task = ReachTask(horizon=3, epsilon=0.001)
     small, large = (first_observations(make(num_envs, task), 5, 0) for num_envs in (2, 5))
     np.testing.assert_array_equal(small, large[:, :2])
 
 
-def test_envs_of_a_batch_meet_different_things(make: Call, target_of: Call):
+def test_envs_of_a_batch_meet_different_things(make, target_of):
     """No two arms of a batch start alike, nor have they the same target."""
     observations, _ = make(4).reset(seed=0)
     assert len(np.unique(observations[:, 0])) == 4
     assert len(np.unique(target_of(observations)[:, 0])) == 4
 
 
-def test_other_seed_other_starts(make: Call):
+def test_other_seed_other_starts(make):
     """Two seeds give two starts."""
     env = make()
     first, second = env.reset(seed=1)[0], env.reset(seed=2)[0]
     assert (first != second).any()
 
 
-def test_reset_without_a_seed_goes_on(make: Call):
+def test_reset_without_a_seed_goes_on(make):
     """Episodes after the first one go on with the stream: all different, and the same when all is done again."""
     env = make()
     runs = [[env.reset(seed=1)[0], env.reset()[0], env.reset()[0]] for _ in range(2)]
@@ -50,14 +50,14 @@ def test_reset_without_a_seed_goes_on(make: Call):
     assert len({observations.tobytes() for observations in runs[0]}) == 3
 
 
-def test_seeds_may_be_given_one_by_one(make: Call):
+def test_seeds_may_be_given_one_by_one(make):
     """A list gives each env a seed of its own, whatever its place."""
     env = make(2)
     first, second = env.reset(seed=[7, 8])[0], env.reset(seed=[8, 7])[0]
     np.testing.assert_array_equal(first, second[::-1])
 
 
-def test_episodes_without_a_seed_differ_between_envs(make: Call):
+def test_episodes_without_a_seed_differ_between_envs(make):
     """Two envs that were never seeded start differently."""
     assert (make().reset()[0] != make().reset()[0]).any()
 

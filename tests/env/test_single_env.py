@@ -1,8 +1,5 @@
 """One arm as a Gymnasium env: the vector env without its leading axis."""
 
-from collections.abc import Callable
-from typing import Any
-
 import gymnasium
 import numpy as np
 import pytest
@@ -15,7 +12,7 @@ TASK = "fd100-reach:horizon=5"
 
 
 @pytest.fixture
-def env() -> Any:
+def env():
     """One arm in MuJoCo."""
     env = ReachEnv(task=TASK)
     yield env
@@ -37,7 +34,7 @@ def test_unknown_name_is_a_usage_error():
         gymnasium.make("harness/Reach-v0", simulator="mujco")
 
 
-def test_it_is_the_vector_env_of_one(env: ReachEnv):
+def test_it_is_the_vector_env_of_one(env):
     """Seeded alike and told alike, it returns what the vector env returns for its first arm."""
     vector_env = harness.make_env(task=TASK)
     rng = np.random.default_rng(0)
@@ -51,7 +48,7 @@ def test_it_is_the_vector_env_of_one(env: ReachEnv):
     vector_env.close()
 
 
-def test_plain_python_comes_back(env: ReachEnv):
+def test_plain_python_comes_back(env):
     """Reward, ends and infos are Python's own numbers and truth values."""
     env.reset(seed=0)
     _, reward, terminated, truncated, infos = env.step(np.zeros(6, np.float32))
@@ -63,7 +60,7 @@ def test_plain_python_comes_back(env: ReachEnv):
     }
 
 
-def test_episode_ends_once_and_waits(env: ReachEnv):
+def test_episode_ends_once_and_waits(env):
     """At the horizon the episode is truncated and the env waits to be reset."""
     start, _ = env.reset(seed=0)
     ends = [env.step(np.zeros(6, np.float32)) for _ in range(5)]
@@ -72,7 +69,7 @@ def test_episode_ends_once_and_waits(env: ReachEnv):
     assert (env.reset()[0][18:21] != start[18:21]).any()
 
 
-def test_options_reach_the_vector_env(env: ReachEnv):
+def test_options_reach_the_vector_env(env):
     """The options of a reset are those of the vector env: unknown ones are ignored, a mask counts."""
     start, _ = env.reset(seed=9, options={"x": 1})
     np.testing.assert_array_equal(start, env.reset(seed=9)[0])
@@ -81,20 +78,20 @@ def test_options_reach_the_vector_env(env: ReachEnv):
         env.reset(options={"reset_mask": [True, False]})
 
 
-def test_nothing_is_rendered_without_a_mode(env: ReachEnv):
+def test_nothing_is_rendered_without_a_mode(env):
     """Without a render mode there is no frame."""
     env.reset(seed=0)
     assert env.render() is None
 
 
-def test_a_window_is_gymnasiums(env: ReachEnv):
+def test_a_window_is_gymnasiums(env):
     """The env itself opens none: it says how to get one, and what to install."""
     with pytest.raises(UsageError, match=r"gymnasium\[classic-control\]"):
         ReachEnv(render_mode="human")
 
 
 @pytest.mark.usefixtures("egl")
-def test_gymnasium_finds_no_fault_with_its_frames(run_without_display: Callable[..., Any]):
+def test_gymnasium_finds_no_fault_with_its_frames(run_without_display):
     """Gymnasium's checker passes without a warning in the render mode rgb_array, without a display."""
     code = (
         "import gymnasium, harness\n"

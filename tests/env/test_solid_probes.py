@@ -23,7 +23,7 @@ class TouchesWith(IdealSimulation):
         shapes = [group if joint < first else () for joint, group in enumerate(robot.joint_shapes)]
         self.solids = build_solids(shapes)
 
-    def state(self) -> harness.simulator.State:
+    def state(self):
         """With the contact of these."""
         contact = self.solids.touch_ground(link_frames(self.robot.chain, self.qpos))
         return super().state()._replace(ground_contact=contact)
@@ -35,7 +35,7 @@ class Without:
 
     first: int
 
-    def open(self, robot: Robot, num_envs: int, control_period: float) -> TouchesWith:
+    def open(self, robot, num_envs, control_period):
         """Start."""
         return TouchesWith(robot, num_envs, self.first)
 
@@ -80,7 +80,7 @@ def test_an_arm_of_one_solid_that_is_dropped_is_told():
 
     @dataclass(frozen=True)
     class DropsMeshes:
-        def open(self, robot: Robot, num_envs: int, control_period: float) -> TouchesWith:
+        def open(self, robot, num_envs, control_period):
             return TouchesWith(robot, num_envs, robot.dof if robot.name == ROBOT.name else 0)
 
     shapes = (*[()] * (ROBOT.dof - 1), ROBOT.joint_shapes[-1])

@@ -26,7 +26,7 @@ def test_make_vec_makes_a_batch():
     envs.close()
 
 
-def test_spaces_of_a_batch(make: Call):
+def test_spaces_of_a_batch(make):
     """Observation and action spaces are the single ones with a leading num_envs axis; actions fill [-1, 1]."""
     env = make(3)
     assert env.observation_space.shape == (3, *env.single_observation_space.shape)
@@ -35,7 +35,7 @@ def test_spaces_of_a_batch(make: Call):
     np.testing.assert_array_equal(env.single_action_space.high, 1.0)
 
 
-def test_next_step_autoreset_is_refused(make: Call):
+def test_next_step_autoreset_is_refused(make):
     """The autoreset mode that is not offered is a usage error that names the two that are."""
     with pytest.raises(UsageError, match="SAME_STEP or DISABLED"):
         make(autoreset_mode=AutoresetMode.NEXT_STEP)
@@ -47,7 +47,7 @@ def test_no_envs_are_refused():
         harness.make_env(num_envs=0)
 
 
-def test_observations_are_in_their_space(make: Call, wander: Call):
+def test_observations_are_in_their_space(make, wander):
     """Whatever the actions, every observation of every episode is within the bounds, in float32."""
     env = make(4, ReachTask(horizon=30))
     assert env.reset(seed=0)[0] in env.observation_space
@@ -56,14 +56,14 @@ def test_observations_are_in_their_space(make: Call, wander: Call):
         assert infos.get("final_obs", observations) in env.observation_space
 
 
-def test_no_observation_is_constant(make: Call, wander: Call):
+def test_no_observation_is_constant(make, wander):
     """Every number of the observation changes from step to step, for every arm."""
     env = make(3, ReachTask(horizon=10), seed=0)
     seen = np.array([observations for observations, *_ in wander(env, 60)])
     assert (seen.std(axis=0) > 0.0).all()
 
 
-def test_what_a_step_returns_is_the_callers(make: Call, stand: Call, wander: Call):
+def test_what_a_step_returns_is_the_callers(make, stand, wander):
     """No array that was returned changes with the next step, or shares memory with what it returns."""
     env = make(3, seed=0)
     for _ in range(10):
@@ -75,13 +75,13 @@ def test_what_a_step_returns_is_the_callers(make: Call, stand: Call, wander: Cal
         assert not any(np.shares_memory(one, other) for one in first for other in second)
 
 
-def arrays_of(taken: tuple[Any, ...]) -> list[np.ndarray]:
+def arrays_of(taken):
     """All arrays that a step returns."""
     *arrays, infos = taken
     return [*arrays, *infos.values()]
 
 
-def test_what_a_reset_returns_is_the_callers(make: Call, wander: Call):
+def test_what_a_reset_returns_is_the_callers(make, wander):
     """The first observations and infos stay as they are when the episode goes on."""
     env = make(2)
     observations, infos = env.reset(seed=0)
@@ -91,7 +91,7 @@ def test_what_a_reset_returns_is_the_callers(make: Call, wander: Call):
     np.testing.assert_array_equal(infos["distance"], before[1])
 
 
-def test_actions_are_left_alone(make: Call):
+def test_actions_are_left_alone(make):
     """The caller's actions are not changed, also where they are beyond the box."""
     env = make(2, seed=0)
     actions = np.full((2, 6), 5.0, np.float32)

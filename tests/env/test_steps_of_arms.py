@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from functools import reduce
 from operator import add
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,20 +11,19 @@ import pytest
 import harness
 from harness.env import ReachVectorEnv
 from harness.errors import UsageError
-from harness.log import Log
 from harness.reach import ReachTask
 from harness.record import TraceWriter, read_trace, trace_of
 from harness.record.trace import TERM, terms_of
 from harness.registry import choose, load_registry
-from harness.reward import Carry, MissingField, Steps
+from harness.reward import MissingField
 from harness.reward.forms import reward_class
 from harness.score.scorer import pay_log
 from harness_plugins.kit.trainings import NegativeDistance
 
 Call = Callable[..., Any]
 REGISTRY = load_registry()
-SHORT: dict[str, Any] = {"name": "fd100-reach", "horizon": 12}
-TASKS: dict[str, dict[str, Any]] = {
+SHORT = {"name": "fd100-reach", "horizon": 12}
+TASKS = {
     "joints": SHORT,
     "choices": {**SHORT, "action": "discrete"},
     "long decisions": {"name": "unity-reach", "horizon": 60, "decision_period": 5, "action": "movej"},
@@ -54,22 +52,22 @@ def everything(step):
 class Remembers(NegativeDistance):
     """Pays the sum of all earlier efforts of an episode, and what the last step said of the ground."""
 
-    def initial_carry(self, begin_distance: Any) -> Carry:
+    def initial_carry(self, begin_distance):
         """Nothing was done."""
         return (0.0 * begin_distance,)
 
-    def __call__(self, carry: Carry, steps: Steps) -> tuple[Carry, Any]:
+    def __call__(self, carry, steps):
         """One term more than one may need."""
         done = carry[0] + abs(steps.action).sum(-1)
         return (done,), {"done": -done, "before": 1.0 * steps.before.ground + steps.before.qvel[:, 0]}
 
 
-def build(kind: str, given: Any) -> Any:
+def build(kind, given):
     """By its registered name."""
     return choose(REGISTRY, kind, given).build(REGISTRY, kind)
 
 
-def record(path: Path, simulator: str, task: dict[str, Any], reward: Any, steps: int = 40, **options: Any) -> Log:
+def record(path, simulator, task, reward, steps=40, **options):
     """Three arms that go mostly down, by a reward that reads qvel."""
     goal = build("tasks", task)
     robot = harness.load_robot(goal.robot, REGISTRY)
@@ -84,7 +82,7 @@ def record(path: Path, simulator: str, task: dict[str, Any], reward: Any, steps:
     return read_trace(path)
 
 
-def test_a_trace_is_paid_again_to_the_last_bit(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
+def test_a_trace_is_paid_again_to_the_last_bit(tmp_path_factory, subtests):
     """The pay and each term of it, in every step; and the pay is the sum of the recorded terms."""
     for task, settings in TASKS.items():
         for simulator in ["kinematic", "mujoco", "pybullet", "dm_control"]:
@@ -103,14 +101,14 @@ def test_a_trace_is_paid_again_to_the_last_bit(tmp_path_factory: pytest.TempPath
                 assert len(trace.last_rows) > 0
 
 
-def test_a_reward_that_remembers_is_paid_again_to_the_last_bit(tmp_path: Path):
+def test_a_reward_that_remembers_is_paid_again_to_the_last_bit(tmp_path):
     """Step by step, with what was before each."""
     trace = record(tmp_path / "trace.parquet", "kinematic", TASKS["next targets"], Remembers())
     np.testing.assert_array_equal(pay_log(Remembers(), trace).total, trace["reward"])
     assert trace["reached"].sum() > 0
 
 
-def test_what_was_before_a_first_step_is_the_start(make: Call):
+def test_what_was_before_a_first_step_is_the_start(make):
     """No action, no ground, the arm at rest where it starts."""
     seen = []
 
@@ -129,7 +127,7 @@ def test_what_was_before_a_first_step_is_the_start(make: Call):
     np.testing.assert_array_equal(seen[0]["distance"], begun)
 
 
-def test_what_was_before_a_later_step_is_what_it_left(make: Call):
+def test_what_was_before_a_later_step_is_what_it_left(make):
     """Its action above all."""
     seen = []
 
@@ -147,7 +145,7 @@ def test_what_was_before_a_later_step_is_what_it_left(make: Call):
     np.testing.assert_array_equal(seen[2][1], seen[1][2])
 
 
-def test_nobody_can_write_into_what_was_before(make: Call):
+def test_nobody_can_write_into_what_was_before(make):
     """It is the env's, as the step is."""
 
     def spoils(step):
@@ -155,7 +153,7 @@ def test_nobody_can_write_into_what_was_before(make: Call):
         return -step.distance
 
     class Spoils(NegativeDistance):
-        def __call__(self, carry: Any, steps: Any) -> Any:
+        def __call__(self, carry, steps):
             return carry, spoils(steps)
 
     env = make(1, reward=Spoils(), seed=0)
@@ -163,7 +161,7 @@ def test_nobody_can_write_into_what_was_before(make: Call):
         env.step(np.zeros((1, 6), np.float32))
 
 
-def test_a_trace_has_qvel_where_it_is_asked_for(make: Call):
+def test_a_trace_has_qvel_where_it_is_asked_for(make):
     """Traces of rewards that need no more stay as they were."""
     assert "qvel" not in make().episodes.extras
     assert make(records=("qvel",)).episodes.extras == {"qvel": 6}
@@ -172,7 +170,7 @@ def test_a_trace_has_qvel_where_it_is_asked_for(make: Call):
     }
 
 
-def test_a_trace_without_qvel_pays_what_does_not_need_it(tmp_path: Path):
+def test_a_trace_without_qvel_pays_what_does_not_need_it(tmp_path):
     """And refuses the rest by name."""
     trace = record(tmp_path / "trace.parquet", "kinematic", SHORT, build("rewards", "baseline"))
     old = trace_of(trace.rows(name for name in trace.names if name != "qvel").columns)
@@ -185,22 +183,22 @@ def test_a_trace_without_qvel_pays_what_does_not_need_it(tmp_path: Path):
         pay_log(reward_class(everything)(), old)
 
 
-def test_a_field_that_is_read_late_is_found_in_the_trace(tmp_path: Path):
+def test_a_field_that_is_read_late_is_found_in_the_trace(tmp_path):
     """Made-up steps do not show it: it is read in the fifth step of an episode."""
 
     class Late(NegativeDistance):
-        def __call__(self, carry: Any, steps: Any) -> Any:
+        def __call__(self, carry, steps):
             return carry, -abs(steps.qvel).sum(-1) if (steps.step > 4.5).any() else -steps.distance
 
     trace = record(tmp_path / "trace.parquet", "kinematic", SHORT, build("rewards", "baseline"))
     np.testing.assert_array_equal(pay_log(Late(), trace).total[trace["step"] > 0][-1], -abs(trace["qvel"][-1]).sum(-1))
 
 
-def test_other_terms_than_at_first_end_the_run(make: Call):
+def test_other_terms_than_at_first_end_the_run(make):
     """Their columns are those of the first step."""
 
     class Fickle(NegativeDistance):
-        def __call__(self, carry: Any, steps: Any) -> Any:
+        def __call__(self, carry, steps):
             return carry, {"a": steps.distance} if steps.step[0] > 1.5 else {"b": steps.distance}
 
     env = make(1, reward=Fickle(), seed=0)
@@ -208,7 +206,7 @@ def test_other_terms_than_at_first_end_the_run(make: Call):
         env.step(np.zeros((1, 6), np.float32))
 
 
-def test_what_was_before_is_kept_with_the_state(make: Call):
+def test_what_was_before_is_kept_with_the_state(make):
     """An env that goes on from another's state pays as that one does."""
     reward = reward_class(everything)()
     env, again = (make(2, reward=reward, task=ReachTask(horizon=9), resumable=True) for _ in range(2))
@@ -222,7 +220,7 @@ def test_what_was_before_is_kept_with_the_state(make: Call):
         np.testing.assert_array_equal(env.step(action)[1], again.step(action)[1])
 
 
-def test_a_state_of_an_earlier_version_goes_on(make: Call):
+def test_a_state_of_an_earlier_version_goes_on(make):
     """It does not tell what was before: rewards of its time did not read that."""
     env, again = (make(2, task=ReachTask(horizon=9), resumable=True) for _ in range(2))
     env.reset(seed=0)

@@ -9,7 +9,7 @@ import pytest
 import harness
 from harness.conditions.clearance import Clearance
 from harness.conditions.varied_robot import draw_robot
-from harness.env import ArmObservation, ReachVectorEnv, surroundings
+from harness.env import ArmObservation, surroundings
 from harness.reach import ReachTask
 from harness_plugins.simulators.kinematic import Kinematic
 
@@ -31,12 +31,12 @@ WORSE = ReachTask(
 NEAR_HOME = "0.75x0x0.55x0.05+0.9x0.4x0.6x0.1x0.1x0.3"
 
 
-def actions(num_envs: int, steps: int) -> np.ndarray:
+def actions(num_envs, steps):
     """The same for an env in any batch."""
     return np.random.default_rng(0).uniform(-1.0, 1.0, (steps, 8, DOF)).astype(np.float32)[:, :num_envs]
 
 
-def told(env: ReachVectorEnv, steps: int = 25) -> list[np.ndarray]:
+def told(env, steps=25):
     """Observations, and the record, of each step."""
     seen = [env.reset(seed=3)[0]]
     for action in actions(env.num_envs, steps):
@@ -45,29 +45,29 @@ def told(env: ReachVectorEnv, steps: int = 25) -> list[np.ndarray]:
 
 
 @pytest.fixture
-def wandered(make: Call, recorded: Call) -> Call:
+def wandered(make, recorded):
     """The trace of arms that wander."""
 
-    def wander(task: ReachTask, num_envs: int = 2, steps: int = 60) -> Any:
+    def wander(task, num_envs=2, steps=60):
         return recorded(make(num_envs, task), lambda env: [env.step(it) for it in actions(num_envs, steps)])
 
     return wander
 
 
-def test_an_env_is_the_same_in_any_batch(make: Call):
+def test_an_env_is_the_same_in_any_batch(make):
     """What env 0 sees and records alone is what it sees and records among others, bit for bit."""
     alone, among = told(make(1, WORSE)), told(make(4, WORSE))
     for one, all_ in zip(alone, among, strict=True):
         np.testing.assert_array_equal(one[0], all_[0])
 
 
-def test_another_seed_is_another_world(make: Call):
+def test_another_seed_is_another_world(make):
     """The first observation already."""
     env = make(2, WORSE)
     assert not np.array_equal(env.reset(seed=0)[0], env.reset(seed=1)[0])
 
 
-def test_an_episode_is_the_same_however_the_one_before_went(make: Call):
+def test_an_episode_is_the_same_however_the_one_before_went(make):
     """Its arm, its obstacles, its first noise: episode n depends on the seed alone."""
     one, other = make(1, WORSE), make(1, WORSE)
     firsts = []
@@ -79,7 +79,7 @@ def test_an_episode_is_the_same_however_the_one_before_went(make: Call):
     np.testing.assert_array_equal(*firsts)
 
 
-def test_conditions_that_change_nothing_are_the_plain_task(make: Call):
+def test_conditions_that_change_nothing_are_the_plain_task(make):
     """A variation of arms that is next to nothing, and obstacles far away: the same record, bit for bit."""
     plain = told(make(2, ReachTask(horizon=9)))
     around = told(make(2, ReachTask(horizon=9, obstacles="9x9x9x0.1", observation_delay=0)))
@@ -88,7 +88,7 @@ def test_conditions_that_change_nothing_are_the_plain_task(make: Call):
 
 
 @pytest.mark.parametrize("share", ["mass_variation", "length_variation"])
-def test_an_arm_as_drawn_is_the_plain_arm(make: Call, monkeypatch: pytest.MonkeyPatch, share: str):
+def test_an_arm_as_drawn_is_the_plain_arm(make, monkeypatch, share):
     """With every factor 1 a simulation for each arm tells what one simulation of all tells, bit for bit."""
     monkeypatch.setattr(surroundings, "draw_robot", lambda conditions, robot, number: robot)
     plain = told(make(3, ReachTask(horizon=9), simulator=Kinematic()))
@@ -98,11 +98,11 @@ def test_an_arm_as_drawn_is_the_plain_arm(make: Call, monkeypatch: pytest.Monkey
         np.testing.assert_array_equal(usual, more[:, : usual.shape[1]])
 
 
-def test_noise_has_its_standard_deviation(make: Call):
+def test_noise_has_its_standard_deviation(make):
     """Of angles, speeds, their changes and the target; the end effector is the one of the angles that are seen."""
     task = ReachTask(horizon=400, joint_noise=0.03, speed_noise=0.2, target_noise=0.04, ground_reward=0.0)
     env = make(40, task, seed=0)
-    differences: dict[str, list[np.ndarray]] = {name: [] for name in ("qpos", "qvel", "qvel_change", "target")}
+    differences = {name: [] for name in ("qpos", "qvel", "qvel_change", "target")}
     for _ in range(100):
         env.step(np.zeros((40, DOF), np.float32))
         seen = env._decisions.around.senses.look()
@@ -116,14 +116,14 @@ def test_noise_has_its_standard_deviation(make: Call):
         assert abs(np.mean(differences[name])) < 0.05 * deviation
 
 
-def test_noise_is_not_recorded(make: Call):
+def test_noise_is_not_recorded(make):
     """The trace tells the truth, and what the policy asked for."""
     noisy = ReachTask(horizon=9, joint_noise=0.1, target_noise=0.1)
     for usual, more in zip(told(make(2, ReachTask(horizon=9)))[2::2], told(make(2, noisy))[2::2], strict=True):
         np.testing.assert_array_equal(usual, more)
 
 
-def test_action_noise_has_its_standard_deviation(make: Call):
+def test_action_noise_has_its_standard_deviation(make):
     """Added to what the policy asks for, which is what is recorded."""
     env = make(50, ReachTask(horizon=300, action_noise=0.1, ground_reward=0.0), seed=0)
     asked, done = np.full((50, DOF), 0.25), []
@@ -137,7 +137,7 @@ def test_action_noise_has_its_standard_deviation(make: Call):
 
 
 @pytest.mark.parametrize("delay", [1, 3])
-def test_observations_come_so_many_steps_later(make: Call, delay: int):
+def test_observations_come_so_many_steps_later(make, delay):
     """What is seen is what the plain env showed before; the first observation is repeated."""
     plain = told(make(2, ReachTask(horizon=50)))[1::2]
     first = make(2, ReachTask(horizon=50)).reset(seed=3)[0]
@@ -147,7 +147,7 @@ def test_observations_come_so_many_steps_later(make: Call, delay: int):
 
 
 @pytest.mark.parametrize("delay", [1, 4])
-def test_actions_work_so_many_steps_later(make: Call, delay: int):
+def test_actions_work_so_many_steps_later(make, delay):
     """Until then the arm rests; then it does what it was told to."""
     plain, late = make(2, ReachTask(horizon=50)), make(2, ReachTask(horizon=50, action_delay=delay))
     ways = []
@@ -162,7 +162,7 @@ def test_actions_work_so_many_steps_later(make: Call, delay: int):
         np.testing.assert_array_equal(ways[1][step], ways[0][max(0, step - delay)])
 
 
-def test_resting_under_absolute_actions_is_staying(make: Call):
+def test_resting_under_absolute_actions_is_staying(make):
     """Rest is where the arm stands, not the middle of its range."""
     env = make(1, ReachTask(horizon=50, action_delay=2, action="movej-absolute"), seed=3)
     start = env.episodes.qpos.copy()
@@ -170,7 +170,7 @@ def test_resting_under_absolute_actions_is_staying(make: Call):
     np.testing.assert_allclose(env.episodes.qpos, start, atol=1e-9)
 
 
-def test_touching_an_obstacle_ends_the_episode(wandered: Call):
+def test_touching_an_obstacle_ends_the_episode(wandered):
     """It is paid, recorded apart from the ground, and where it happens follows from the recorded joints."""
     task = ReachTask(horizon=60, obstacles=NEAR_HOME, obstacle_reward=-0.5, step_reward=0.0)
     trace = wandered(task, 8, 120)
@@ -186,7 +186,7 @@ def test_touching_an_obstacle_ends_the_episode(wandered: Call):
     assert near[hits].mean() > 0.7  # the others touched it on their way
 
 
-def test_an_obstacle_on_the_way_is_touched(make: Call):
+def test_an_obstacle_on_the_way_is_touched(make):
     """Also where the arm is past it when the period ends."""
     env = make(1, ReachTask(horizon=60, obstacles="0.75x0x0.2x0.01", start_noise=0.0), seed=0)
     episodes, around = env.episodes, env._decisions.around
@@ -198,7 +198,7 @@ def test_an_obstacle_on_the_way_is_touched(make: Call):
     assert not around.struck()[0]
 
 
-def test_the_learner_sees_the_obstacles(make: Call):
+def test_the_learner_sees_the_obstacles(make):
     """Behind what it sees anyway, the nearest first, from the end effector."""
     env = make(2, ReachTask(obstacles=NEAR_HOME, obstacles_seen=3))
     seen, _ = env.reset(seed=0)
@@ -209,7 +209,7 @@ def test_the_learner_sees_the_obstacles(make: Call):
     assert not seen[:, -7:].any()
 
 
-def test_arms_differ_and_are_told_nothing_of_it(make: Call, wandered: Call):
+def test_arms_differ_and_are_told_nothing_of_it(make, wandered):
     """The end effector that is recorded is the arm's own; the one that is seen is the drawing's."""
     task = ReachTask(horizon=9, length_variation=0.1, variants=4)
     trace = wandered(task, 4)
@@ -226,14 +226,14 @@ def test_arms_differ_and_are_told_nothing_of_it(make: Call, wandered: Call):
     np.testing.assert_allclose(seen[:, drawn.arm_columns[-3:]], ROBOT.end_effector(env.episodes.qpos), atol=1e-6)
 
 
-def test_the_plain_task_leaves_no_more_columns(wandered: Call):
+def test_the_plain_task_leaves_no_more_columns(wandered):
     """Its traces stay as they were; nothing was touched in them."""
     trace = wandered(ReachTask(horizon=9))
     assert not {"arm", "obstacle", "obstacles"} & set(trace.columns)
     assert not trace["obstacle"].any()
 
 
-def test_equal_episodes_have_their_obstacles_placed_once(make: Call, monkeypatch: pytest.MonkeyPatch):
+def test_equal_episodes_have_their_obstacles_placed_once(make, monkeypatch):
     """Where each has them alone: to find a place takes 20 ms."""
     alone = make(1, WORSE)
     alone.reset(seed=[6])

@@ -7,7 +7,6 @@ import numpy as np
 import harness
 from harness.env import IdealSimulation
 from harness.env.surroundings import MOST_IDLE, VariedSimulation
-from harness.robot import Robot
 from harness_plugins.kit import IdealSimulator
 
 ROBOT = harness.load_robot("fd100")
@@ -19,7 +18,7 @@ class Counting:
 
     opened: list["Counted"]
 
-    def open(self, robot: Robot, num_envs: int, control_period: float) -> "Counted":
+    def open(self, robot, num_envs, control_period):
         self.opened.append(Counted(robot, num_envs))
         return self.opened[-1]
 
@@ -29,13 +28,13 @@ class Counted(IdealSimulation):
 
     is_closed = False
 
-    def close(self) -> None:
+    def close(self):
         self.is_closed = True
 
 
 def test_arms_are_opened_when_first_met_and_kept():
     """An env that comes back to an arm finds the same simulation."""
-    opened: list[Counted] = []
+    opened = []
     varied = VariedSimulation(Counting(opened), lambda number: ROBOT, ROBOT.dof, 1, 0.1)
     for arm in (0, 1, 0, 1, 2):
         varied.arms[:] = arm
@@ -45,7 +44,7 @@ def test_arms_are_opened_when_first_met_and_kept():
 
 def test_no_more_than_a_few_wait():
     """Those that were left first are closed, and in the end all are."""
-    opened: list[Counted] = []
+    opened = []
     varied = VariedSimulation(Counting(opened), lambda number: ROBOT, ROBOT.dof, 1, 0.1)
     for arm in range(MOST_IDLE + 3):
         varied.arms[:] = arm

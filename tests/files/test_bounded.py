@@ -80,7 +80,7 @@ def test_digest_is_sha256(tmp_path):
     assert digest_of(tmp_path / "a") == "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"
 
 
-def test_a_file_that_is_what_it_should_be_is_told_what_is_wrong(tmp_path) -> None:
+def test_a_file_that_is_what_it_should_be_is_told_what_is_wrong(tmp_path):
     """Not that it is what the reader expected."""
     path = tmp_path / "demos"
     with h5py.File(path, "w") as file:

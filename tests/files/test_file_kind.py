@@ -3,8 +3,6 @@
 import io
 import pickle
 import zipfile
-from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
@@ -16,22 +14,22 @@ from harness.errors import SchemaError
 from harness.files import kind_at, reading
 
 
-def write_npz(path: Path) -> None:
+def write_npz(path):
     """As stable-baselines3's EvalCallback leaves evaluations.npz."""
     with path.open("wb") as file:
         np.savez(file, timesteps=np.arange(3), results=np.zeros((3, 5)), ep_lengths=np.ones((3, 5)))
 
 
-def write_event_file(path: Path) -> None:
+def write_event_file(path):
     """The first record of TensorBoard's: length, checksum, an Event with wall_time and file_version, checksum."""
     event = b"\x09" + b"\0" * 8 + b"\x1a\x0dbrain.Event:2"
     path.write_bytes(len(event).to_bytes(8, "little") + b"abcd" + event + b"efgh")
 
 
-def write_hdf5(*names: str) -> Callable[[Path], None]:
+def write_hdf5(*names):
     """A file with data sets of these names, as h5py writes them."""
 
-    def write(path: Path) -> None:
+    def write(path):
         h5py = pytest.importorskip("h5py")
         with h5py.File(path, "w") as file:
             for name in names:
@@ -40,10 +38,10 @@ def write_hdf5(*names: str) -> Callable[[Path], None]:
     return write
 
 
-def write_zip(*names: str) -> Callable[[Path], None]:
+def write_zip(*names):
     """An archive with these members."""
 
-    def write(path: Path) -> None:
+    def write(path):
         with zipfile.ZipFile(path, "w") as file:
             for name in names:
                 file.writestr(name, "x")
@@ -52,7 +50,7 @@ def write_zip(*names: str) -> Callable[[Path], None]:
 
 
 D4RL = ("actions", "infos/qpos", "infos/qvel", "metadata/algorithm", "next_observations", "observations", "rewards")
-KINDS: dict[str, Callable[[Path], object]] = {
+KINDS = {
     "a Git LFS pointer": lambda path: path.write_text(
         f"version https://git-lfs.github.com/spec/v1\noid sha256:{'0' * 64}\nsize 12345\n"
     ),
@@ -77,7 +75,7 @@ KINDS: dict[str, Callable[[Path], object]] = {
 }
 
 
-def _npy() -> bytes:
+def _npy():
     file = io.BytesIO()
     np.save(file, np.zeros(3))
     return file.getvalue()

@@ -2,8 +2,6 @@
 
 import os
 import stat
-from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 
@@ -13,7 +11,7 @@ CONTENT = bytes(range(256)) * 4
 
 
 @pytest.fixture(name="file")
-def _file(tmp_path: Path) -> Path:
+def _file(tmp_path):
     write_keyed(tmp_path / "it", "mine", CONTENT)
     return tmp_path / "it"
 
@@ -59,7 +57,7 @@ def test_missing_file_gives_nothing(tmp_path):
 def test_writing_waits_for_no_disk(tmp_path, monkeypatch):
     """What a stopped machine leaves of it is found damaged, and made again."""
 
-    def wait(number: int) -> None:
+    def wait(number):
         raise AssertionError("it was synced")
 
     monkeypatch.setattr(os, "fsync", wait)
@@ -81,7 +79,7 @@ def test_what_another_machine_wrote_gives_nothing(file, tmp_path, monkeypatch):
 
 
 @pytest.fixture(autouse=True)
-def state(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+def state(tmp_path, monkeypatch):
     """A new home for the state of programs."""
     machine_key.cache_clear()
     with monkeypatch.context() as patch:
@@ -90,7 +88,7 @@ def state(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     machine_key.cache_clear()
 
 
-def _again() -> bytes:
+def _again():
     machine_key.cache_clear()
     return machine_key()
 

@@ -1,7 +1,5 @@
 """What a Parquet file takes in memory."""
 
-from pathlib import Path
-
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
@@ -11,7 +9,7 @@ from harness.files.parquet import require_room
 ROWS = 1_000
 
 
-def _file(folder: Path, table: pa.Table, texts: list[str] | None = None) -> pq.ParquetFile:
+def _file(folder, table, texts=None):
     pq.write_table(table, folder / "it")
     return pq.ParquetFile(folder / "it", read_dictionary=texts)
 

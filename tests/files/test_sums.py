@@ -2,7 +2,6 @@
 
 import shutil
 import subprocess
-from pathlib import Path
 
 import pytest
 
@@ -11,7 +10,7 @@ from harness.files.sums import FIRST_LINE, SUMS, is_foreign
 
 
 @pytest.fixture
-def folder(tmp_path: Path) -> Path:
+def folder(tmp_path):
     """Two files that were made."""
     for name in ("report.html", "results.parquet"):
         (tmp_path / name).write_text(name)

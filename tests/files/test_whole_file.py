@@ -24,7 +24,7 @@ def test_interrupted_write_leaves_the_old_file(tmp_path):
     path = tmp_path / "plan.json"
     path.write_text("old")
 
-    def write() -> None:
+    def write():
         with whole_file(path) as partial:
             partial.write_text("ne")
             raise KeyboardInterrupt
@@ -45,7 +45,7 @@ def test_half_written_file_is_known_by_its_name(tmp_path):
 
 def test_bytes_are_on_the_disk_before_the_name_and_the_name_before_it_ends(tmp_path, monkeypatch):
     """A machine that stops leaves the old file or the new one."""
-    done: list[object] = []
+    done = []
     replace = os.replace
     monkeypatch.setattr(os, "fsync", lambda number: done.append(os.fstat(number).st_ino))
     monkeypatch.setattr(os, "replace", lambda old, new: (done.append("renamed"), replace(old, new)))
@@ -55,14 +55,14 @@ def test_bytes_are_on_the_disk_before_the_name_and_the_name_before_it_ends(tmp_p
 
 
 @pytest.fixture
-def synced(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+def synced(monkeypatch):
     """Names of the files and folders that the disk was asked for, in order."""
-    names: list[str] = []
+    names = []
     monkeypatch.setattr(harness.files.whole_file, "sync", lambda path: names.append(path.name))
     return names
 
 
-def write_both(folder: Path, is_lasting: bool = True) -> None:
+def write_both(folder, is_lasting=True):
     """Two files at once."""
     with whole_files(folder, ["a", "b"], is_lasting) as partials:
         for partial in partials:
@@ -82,7 +82,7 @@ def test_no_file_takes_its_place_before_all_are_written(tmp_path):
     """An exception leaves the old ones, and nothing beside them."""
     (tmp_path / "a").write_text("old")
 
-    def write() -> None:
+    def write():
         with whole_files(tmp_path, ["a", "b"]) as (first, _):
             first.write_text("new")
             raise OSError

@@ -4,18 +4,15 @@ import os
 import sys
 import time
 import tracemalloc
-from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from pathlib import Path
 from random import Random
-from typing import Any
 
 import pytest
 
 from harness.errors import HarnessError
 from harness.record import Cell
 from harness.registry import choose, load_registry
-from tests.fuzz.readers import Reader, readers
+from tests.fuzz.readers import readers
 
 KINDS = {"simulators": "ideal", "tasks": "fd100-reach", "algorithms": "wander", "rewards": "arp"}
 SECONDS, BYTES = 1.0, 500_000_000
@@ -33,7 +30,7 @@ class Watch:
         self.is_on = False
         self.touched: list[str] = []
 
-    def __call__(self, event: str, args: tuple[Any, ...]) -> None:
+    def __call__(self, event, args):
         """As an audit hook is called."""
         if not self.is_on:
             return
@@ -47,12 +44,12 @@ WATCH = Watch()
 
 
 @pytest.fixture(scope="session")
-def fuzz(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Reader, int], bool]:
+def fuzz(tmp_path_factory):
     """Let a reader read what a seed makes of its files; tells whether it was refused."""
     sys.addaudithook(WATCH)
     folder = tmp_path_factory.mktemp("fuzz")
 
-    def read(reader: Reader, seed: int) -> bool:
+    def read(reader, seed):
         rng = Random(seed)
         for name, content in reader.files.items():
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
@@ -70,7 +67,7 @@ def fuzz(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Reader, int], bo
 
 
 @pytest.fixture(scope="session")
-def all_readers(toy_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Reader]]:
+def all_readers(toy_folder, tmp_path_factory):
     """Every reader by name, with the plugins and the toys."""
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(toy_folder)
@@ -83,7 +80,7 @@ def all_readers(toy_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> I
 
 
 @contextmanager
-def _bounded(is_measured: bool) -> Iterator[None]:
+def _bounded(is_measured):
     """Raises AssertionError if the block takes too long, too much, or touches a file."""
     WATCH.touched.clear()
     if is_measured:

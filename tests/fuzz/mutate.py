@@ -4,8 +4,6 @@ import copy
 import json
 import math
 import tomllib
-from random import Random
-from typing import Any
 from xml.etree import ElementTree
 
 import tomli_w
@@ -19,7 +17,7 @@ TOKENS = (
 )  # fmt: skip
 """What breaks readers."""
 
-VALUES: tuple[Any, ...] = (
+VALUES = (
     None, True, False, 0, -1, 1, 2**31, 2**63, 10**30, -(10**30), 10**400, 0.5, -0.0, 1e300, 1e-320, 1e18, math.inf,
     -math.inf, math.nan, "", "x", "\0", "\u202e\x1b[2J", "a\nb", "../../x", "/dev/zero", "x" * 5_000, "nan", "1e400",
     "9" * 5_000, [], {}, [[]], [None], [1e300], [0] * 3_000, {"name": 7},
@@ -28,7 +26,7 @@ VALUES: tuple[Any, ...] = (
 """What stands where something else belongs."""
 
 
-def mutate_bytes(content: bytes, rng: Random) -> bytes:
+def mutate_bytes(content, rng):
     """A few changes of bytes anywhere; sometimes nothing is left of what was."""
     if rng.random() < 0.03:
         return rng.randbytes(rng.randrange(2_000))
@@ -55,12 +53,12 @@ def mutate_bytes(content: bytes, rng: Random) -> bytes:
     return bytes(data)
 
 
-def odd_value(rng: Random) -> Any:
+def odd_value(rng):
     """One of `VALUES`, whose own stay what they are."""
     return copy.deepcopy(rng.choice(VALUES))
 
 
-def mutate_tree(tree: Any, rng: Random) -> Any:
+def mutate_tree(tree, rng):
     """Other values, other keys, parts that are missing or there twice."""
     changed = copy.deepcopy(tree)
     for _ in range(rng.choice((1, 1, 2, 4))):
@@ -88,21 +86,21 @@ def mutate_tree(tree: Any, rng: Random) -> Any:
     return changed
 
 
-def _walk(tree: Any) -> list[Any]:
+def _walk(tree):
     """All lists and tables."""
     if isinstance(tree, dict):
         return [tree, *(part for value in tree.values() for part in _walk(value))]
     return [tree, *(part for value in tree for part in _walk(value))] if isinstance(tree, list) else []
 
 
-def mutate_json(content: bytes, rng: Random) -> bytes:
+def mutate_json(content, rng):
     """A JSON file with other values, or other bytes."""
     if rng.random() < 0.3:
         return mutate_bytes(content, rng)
     return json.dumps(mutate_tree(json.loads(content), rng)).encode()
 
 
-def mutate_toml(content: bytes, rng: Random) -> bytes:
+def mutate_toml(content, rng):
     """A TOML file with other values, or other bytes."""
     if rng.random() < 0.3:
         return mutate_bytes(content, rng)
@@ -112,7 +110,7 @@ def mutate_toml(content: bytes, rng: Random) -> bytes:
         return mutate_bytes(content, rng)
 
 
-def mutate_xml(content: bytes, rng: Random) -> bytes:
+def mutate_xml(content, rng):
     """An XML file with other attributes, elements that are missing, there twice or elsewhere; or other bytes."""
     if rng.random() < 0.3:
         return mutate_bytes(content, rng)
@@ -136,7 +134,7 @@ def mutate_xml(content: bytes, rng: Random) -> bytes:
     return ElementTree.tostring(root, encoding="unicode").encode(errors="surrogatepass")
 
 
-def _attribute(elements: list[ElementTree.Element], rng: Random) -> str:
+def _attribute(elements, rng):
     """Odd text, or that of another attribute."""
     if rng.random() < 0.4:
         return rng.choice([value for element in elements for value in element.attrib.values()] or ["x"])
@@ -144,7 +142,7 @@ def _attribute(elements: list[ElementTree.Element], rng: Random) -> str:
     return " ".join([value] * rng.choice((1, 1, 3, 6)))
 
 
-def mutate_csv(content: bytes, rng: Random) -> bytes:
+def mutate_csv(content, rng):
     """A table with other cells, or other bytes."""
     if rng.random() < 0.4:
         return mutate_bytes(content, rng)
@@ -155,7 +153,7 @@ def mutate_csv(content: bytes, rng: Random) -> bytes:
     return b"\n".join(b",".join(row) for row in rows)
 
 
-def mutate_text(content: bytes, rng: Random) -> bytes:
+def mutate_text(content, rng):
     """The text of a name with parameters: other characters, and values that no parameter has."""
     text = content.decode()
     if rng.random() < 0.6 and "=" in text:

@@ -22,7 +22,6 @@ from harness.policy import (
     WEIGHTS,
     Greedy,
     InverseKinematics,
-    Policy,
     SquashedGaussian,
     UniformChoice,
     load_policy,
@@ -41,7 +40,7 @@ from harness.record.dataset.labels import SuccessRule, read_labels
 from harness.record.folder import SCENE
 from harness.record.recording.recording_writer import RecordingWriter
 from harness.record.scene import read_scene, write_scene
-from harness.registry import Registry, choose
+from harness.registry import choose
 from harness.registry.toml_file import read_toml
 from harness.robot.meshes import read_mesh
 from harness.robot.robot import load_robot, read_robot
@@ -145,7 +144,7 @@ TEXTS = {
 }
 
 
-def readers(registry: Registry, cell: Any, folder: Path) -> dict[str, Reader]:
+def readers(registry, cell, folder):
     """All of them, by name.
 
     Args:
@@ -195,7 +194,7 @@ def readers(registry: Registry, cell: Any, folder: Path) -> dict[str, Reader]:
     }
 
 
-def _sealed(name: str, path: str, content: bytes, read: Callable[[Path], Any]) -> dict[str, Reader]:
+def _sealed(name, path, content, read):
     """A file that carries its own digest, and the same as version 0.1 wrote it: what is changed there is read."""
     plain = json.dumps({**unseal(content), "format": 1}).encode()
     return {
@@ -204,12 +203,12 @@ def _sealed(name: str, path: str, content: bytes, read: Callable[[Path], Any]) -
     }
 
 
-def _datasets(folder: Path) -> dict[str, Reader]:
+def _datasets(folder):
     """A data set of each format; what its numbers lie in, and what it tells of itself, are made wrong."""
     minari = write_minari(folder / "minari", [episode(6, success=True, operator="a"), episode(4, 1)])
     lerobot = write_lerobot(folder / "lerobot", [episode(6, success=True), episode(4, 1)])
 
-    def reader(kind: str, place: Path, name: str, mutate: Mutate) -> Reader:
+    def reader(kind, place, name, mutate):
         files = {
             f"{kind}/{path.relative_to(place).as_posix()}": path.read_bytes()
             for path in place.rglob("*")
@@ -237,13 +236,13 @@ def _datasets(folder: Path) -> dict[str, Reader]:
     }
 
 
-def _exhaust_dataset(name: str) -> None:
+def _exhaust_dataset(name):
     log = opened(name)
     for _ in log.tables(log.names):
         pass
 
 
-def _recorded_training(folder: Path, name: str, mutate: Mutate) -> Reader:
+def _recorded_training(folder, name, mutate):
     """Of two recorders with one part each; one file of the first is made wrong."""
     place, facts = folder / "recorded", TrainingFacts(rewards=("v1", "v2"), trained_with="v2", behaviour=("success",))
     shutil.rmtree(place, ignore_errors=True)
@@ -255,7 +254,7 @@ def _recorded_training(folder: Path, name: str, mutate: Mutate) -> Reader:
     return Reader(files, {name: mutate}, lambda place: read_recording(place).rows())
 
 
-def _mutate_sealed(content: bytes, rng: Random) -> bytes:
+def _mutate_sealed(content, rng):
     """Bytes that differ, or another content that is sealed as if it were right."""
     if rng.random() < 0.3:
         return mutate_bytes(content, rng)
@@ -265,28 +264,28 @@ def _mutate_sealed(content: bytes, rng: Random) -> bytes:
         return mutate_bytes(content, rng)
 
 
-def _certificate() -> Reader:
+def _certificate():
     """A certificate that holds all that one may hold, and its page."""
     content = seal(whole_certificate().to_json())
     return Reader({"c.json": content}, {"c.json": _mutate_sealed}, lambda at: page_in(at / "c.json"))
 
 
-def _exhaust(path: Path) -> None:
+def _exhaust(path):
     for _ in (log := open_steps(path)).pieces(log.columns):
         pass
 
 
-def _text(registry: Registry, kind: str, text: bytes) -> Reader:
-    def read(folder: Path) -> None:
+def _text(registry, kind, text):
+    def read(folder):
         choose(registry, kind, (folder / "text").read_text(encoding="utf-8", errors="surrogateescape"))
 
     return Reader({"text": text}, {"text": mutate_text}, read)
 
 
-def _policies() -> list[Policy]:
+def _policies():
     rng = np.random.default_rng(0)
 
-    def layers(*sizes: tuple[str, int, int]) -> dict[str, Any]:
+    def layers(*sizes):
         weights = {f"{name}.weight": rng.normal(size=(out, into)) for name, into, out in sizes}
         weights |= {f"{name}.bias": rng.normal(size=out) for name, _, out in sizes}
         return {name: array.astype(np.float32) for name, array in weights.items()}
@@ -304,7 +303,7 @@ def _policies() -> list[Policy]:
     ]
 
 
-def _policy(policy: Policy, folder: Path) -> Reader:
+def _policy(policy, folder):
     place = folder / "policy" / policy.kind
     policy.save(place)
     files = {f"{policy.kind}/{name}": (place / name).read_bytes() for name in (CARD, WEIGHTS)}
@@ -312,7 +311,7 @@ def _policy(policy: Policy, folder: Path) -> Reader:
     return Reader(files, mutate, lambda at: load_policy(at / policy.kind))
 
 
-def _mutate_weights(content: bytes, rng: Random) -> bytes:
+def _mutate_weights(content, rng):
     """Other bytes; or arrays of other types, shapes and numbers."""
     if rng.random() < 0.5:
         return mutate_bytes(content, rng)
@@ -332,14 +331,14 @@ def _mutate_weights(content: bytes, rng: Random) -> bytes:
         return safetensors.numpy.save({name: array.astype(kind) for name, array in arrays.items()})
 
 
-def _trace(folder: Path) -> bytes:
+def _trace(folder):
     path = folder / "trace.parquet"
     with TraceWriter(path, 3, 2) as writer:
         writer.append(np.tile(np.arange(len(SCALARS) + 5.0), (6, 1)))
     return path.read_bytes()
 
 
-def _mutate_parquet(content: bytes, rng: Random) -> bytes:
+def _mutate_parquet(content, rng):
     """Other bytes; or columns of other types and numbers, missing or there twice, and another format."""
     if rng.random() < 0.6:
         return mutate_bytes(content, rng)
@@ -366,7 +365,7 @@ def _mutate_parquet(content: bytes, rng: Random) -> bytes:
     return bytes(sink.getvalue())
 
 
-def _odd_column(rows: int, rng: Random) -> pa.Array:
+def _odd_column(rows, rng):
     value = rng.choice(
         (None, True, 7, -(2**62), 1e308, float("nan"), float("inf"), "x", b"x", [1.0], [], [[1]], {"a": 1})
     )
@@ -375,12 +374,12 @@ def _odd_column(rows: int, rng: Random) -> pa.Array:
     return pa.array([value] * rows)
 
 
-def _scene(folder: Path) -> bytes:
+def _scene(folder):
     write_scene(scene_of(load_robot("fd100")), folder)
     return (folder / SCENE).read_bytes()
 
 
-def _manifest(cell: Any, folder: Path) -> bytes:
+def _manifest(cell, folder):
     place = folder / "manifest"
     place.mkdir()
     environment = {"versions": {"numpy": "2"}, "machine": {"cpu": "x", "cores": 2}, "commit": "abc", "command": "a"}
@@ -391,7 +390,7 @@ def _manifest(cell: Any, folder: Path) -> bytes:
     return (place / "manifest.json").read_bytes()
 
 
-def _plan(registry: Registry, folder: Path) -> bytes:
+def _plan(registry, folder):
     experiment = check_experiment({"sim": "ideal", "algo": "wander", "steps": 12, "seeds": 2})
     Store.create(folder / "plan", expand(experiment, registry))
     return (folder / "plan" / "plan.json").read_bytes()

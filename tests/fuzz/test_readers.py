@@ -31,7 +31,7 @@ MINUTES = "FUZZ_MINUTES"
 """The environment variable with the minutes of the long run, for all readers together."""
 
 
-def play(reader: Reader, fuzz: Fuzz, count: int) -> None:
+def play(reader, fuzz, count):
     """Let the reader read so many inputs, some of which have to be refused."""
     refused, tried = 0, 0
 
@@ -43,7 +43,7 @@ def play(reader: Reader, fuzz: Fuzz, count: int) -> None:
         suppress_health_check=list(HealthCheck),
     )
     @given(SEEDS)
-    def read(seed: int) -> None:
+    def read(seed):
         nonlocal refused, tried
         tried += 1
         refused += fuzz(reader, seed)
@@ -53,7 +53,7 @@ def play(reader: Reader, fuzz: Fuzz, count: int) -> None:
     assert refused > count / 20
 
 
-def play_for(reader: Reader, fuzz: Fuzz, seconds: float) -> None:
+def play_for(reader, fuzz, seconds):
     """Let the reader read new inputs for so long, some of which have to be refused."""
     refused, tried, until = 0, 0, time.monotonic() + seconds
     while not tried or time.monotonic() < until:
@@ -82,7 +82,7 @@ def test_valid_content_is_read(all_readers, name, tmp_path):
 
 def test_a_run_of_minutes_has_other_inputs_each_time(all_readers):
     """And ends when they are over."""
-    runs: list[list[int]] = [[], []]
+    runs = [[], []]
     for seeds in runs:
         play_for(all_readers["csv"], lambda reader, seed, seeds=seeds: not seeds.append(seed), 0.01)
     assert runs[0]
@@ -92,7 +92,7 @@ def test_a_run_of_minutes_has_other_inputs_each_time(all_readers):
 def test_a_run_of_minutes_names_the_seed_that_fails(all_readers):
     """So that it can be tried again."""
 
-    def fail(reader: Reader, seed: int) -> bool:
+    def fail(reader, seed):
         raise ZeroDivisionError
 
     with pytest.raises(AssertionError, match=r"^seed \d+: ZeroDivisionError"):

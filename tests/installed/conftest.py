@@ -4,7 +4,6 @@ import os
 import subprocess
 import sys
 import sysconfig
-from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
@@ -31,7 +30,7 @@ class Environment(NamedTuple):
 
     python: Path
 
-    def run(self, *command: str | Path, cwd: Path, **variables: str) -> Answer:
+    def run(self, *command, cwd, **variables):
         """A command of this environment's Python, in a folder; what the checkout has is out of its sight."""
         surroundings = {
             name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "HARNESS_"))
@@ -47,11 +46,11 @@ class Environment(NamedTuple):
         )
         return Answer(done.returncode, done.stdout, done.stderr)
 
-    def harness(self, *arguments: str | Path, cwd: Path, **variables: str) -> Answer:
+    def harness(self, *arguments, cwd, **variables):
         """A command of the harness."""
         return self.run("-P", "-m", "harness", *arguments, cwd=cwd, **variables)
 
-    def install(self, *arguments: str | Path, cwd: Path) -> None:
+    def install(self, *arguments, cwd):
         """As `pip install` in this environment."""
         command = [sys.executable, "-m", "pip", "--python", self.python, "install", *PIP, *arguments]
         done = subprocess.run([*map(str, command)], cwd=cwd, capture_output=True, text=True, check=False)
@@ -59,7 +58,7 @@ class Environment(NamedTuple):
 
 
 @pytest.fixture(scope="session")
-def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def wheel(tmp_path_factory):
     """The wheel, built from the source archive, as users get it."""
     if os.environ.get(WHEEL):
         return (ROOT / os.environ[WHEEL]).resolve()
@@ -71,7 +70,7 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return built
 
 
-def make_environment(folder: Path, behind: Environment | None = None) -> Environment:
+def make_environment(folder, behind=None):
     """A new environment.
 
     Args:
@@ -87,7 +86,7 @@ def make_environment(folder: Path, behind: Environment | None = None) -> Environ
 
 
 @pytest.fixture(scope="session")
-def core(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Environment:
+def core(wheel, tmp_path_factory):
     """The wheel without any extra."""
     folder = tmp_path_factory.mktemp("core")
     made = make_environment(folder / "env")
@@ -96,13 +95,11 @@ def core(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Environment:
 
 
 @pytest.fixture(scope="session")
-def with_extras(
-    core: Environment, tmp_path_factory: pytest.TempPathFactory
-) -> Callable[[tuple[str, ...]], Environment]:
+def with_extras(core, tmp_path_factory):
     """Environments with extras: what an installed harness says to type, `pip install 'fd100-harness[sb3]'`."""
-    made: dict[tuple[str, ...], Environment] = {}
+    made = {}
 
-    def make(extras: tuple[str, ...]) -> Environment:
+    def make(extras):
         if not extras:
             return core
         if extras not in made:

@@ -5,11 +5,8 @@ import re
 import signal
 import subprocess
 import urllib.request
-from pathlib import Path
 
 import pytest
-
-from tests.installed.conftest import Answer, Environment
 
 pytestmark = pytest.mark.slow
 
@@ -17,7 +14,7 @@ SHORT = ("--steps", "300", "--evaluation-episodes", "2", "--jobs", "2")
 RUN = (*SHORT, "--seeds", "2")
 LOOKS = ("--sim", "kinematic", "--algo", "ik", "--looks", "2,4", *SHORT)
 REWARD = "def slow(observation, action, next_observation, info):\n    return -abs(float(next_observation[1]))\n"
-COMMANDS: dict[str, tuple[str, ...]] = {
+COMMANDS = {
     "demo": ("demo", "--out", "demo"),
     "run": ("run", "--sim", "kinematic", "--algo", "ik", "--reward", "dense", *RUN, "--out", "first"),
     "run, learning": ("run", "--sim", "kinematic", "--algo", "sac-fast", "--reward", "dense", *RUN, "--out", "learned"),
@@ -72,7 +69,7 @@ PAGES = {
 
 
 @pytest.fixture(scope="module")
-def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def place(tmp_path_factory):
     """Where a user types."""
     folder = tmp_path_factory.mktemp("user")
     (folder / "rewards").mkdir()
@@ -82,7 +79,7 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def answers(core: Environment, place: Path) -> dict[str, Answer]:
+def answers(core, place):
     """What every command answered, in this order."""
     return {name: core.harness(*arguments, cwd=place) for name, arguments in COMMANDS.items()}
 

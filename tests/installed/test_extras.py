@@ -2,14 +2,13 @@
 
 import tomllib
 from collections.abc import Mapping
-from pathlib import Path
 from types import MappingProxyType
 from typing import NamedTuple
 
 import pytest
 
 from harness_plugins.descriptions.xacro_file import EXAMPLE
-from tests.installed.conftest import ROOT, Environment
+from tests.installed.conftest import ROOT
 from tests.robot.brought_arms import changed
 from tests.robot.test_meshes import CORNERS, collada
 
@@ -38,7 +37,7 @@ class Use(NamedTuple):
     """The content of files that are there before, by name."""
 
 
-USES: dict[str, Use] = {
+USES = {
     "mujoco": Use(((*ARM, "mujoco"),)),
     "pybullet": Use(((*ARM, "pybullet"),)),
     "dm-control": Use(((*ARM, "dm_control"),)),
@@ -81,7 +80,7 @@ def test_every_extra_is_tried():
     assert {*USES, *ELSEWHERE} == set(project["optional-dependencies"])
 
 
-def _use(env: Environment, use: Use, folder: Path) -> None:
+def _use(env, use, folder):
     for name, content in use.needs.items():
         (folder / name).write_text(content, encoding="utf-8")
     for arguments in use.commands:
@@ -92,7 +91,7 @@ def _use(env: Environment, use: Use, folder: Path) -> None:
     assert (folder / use.makes).exists(), use
 
 
-def _cell_in(folder: Path) -> str:
+def _cell_in(folder):
     """The folder of the one cell that trained with another reward than the baseline."""
     return next(str(path) for path in sorted((folder / "out/cells").iterdir()))
 

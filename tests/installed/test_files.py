@@ -16,7 +16,7 @@ PACKAGES = {"harness": "harness", "plugins": "harness_plugins", "robots": "harne
 NOT_PACKAGED = ("__pycache__",)
 
 
-def _files_in_tree() -> set[str]:
+def _files_in_tree():
     """Of the packages, as paths in the wheel."""
     found = set()
     for folder, package in PACKAGES.items():
@@ -27,7 +27,7 @@ def _files_in_tree() -> set[str]:
 
 
 @pytest.fixture
-def in_root(monkeypatch: pytest.MonkeyPatch) -> None:
+def in_root(monkeypatch):
     """Where setuptools looks for what it packs."""
     monkeypatch.chdir(ROOT)
 
@@ -48,7 +48,7 @@ def test_wheel_will_hold_every_file_of_the_packages():
     assert sorted(_files_in_tree() - packed) == []
 
 
-def _files_in_git() -> set[str]:
+def _files_in_git():
     listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=False)
     if listed.returncode:
         pytest.skip("this is no checkout: git lists no files")

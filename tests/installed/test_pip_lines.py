@@ -3,20 +3,18 @@
 import re
 import shlex
 import subprocess
-from collections.abc import Mapping
-from pathlib import Path
 from types import MappingProxyType
 
 import pytest
 
-from tests.installed.conftest import ROOT, Environment, make_environment
+from tests.installed.conftest import ROOT, make_environment
 
 PAGES = (ROOT / "README.md", *sorted(ROOT.glob("docs/**/*.md")), *sorted(ROOT.glob("examples/*/README.md")))
 IN_A_FENCE = re.compile(r"^```.*?\n(.*?)^```", re.MULTILINE | re.DOTALL)
 IN_A_SENTENCE = re.compile(r"`([^`]*)`")
 PIP_LINE = re.compile(r"pip install [^\n]*")
 
-NOT_TYPED: Mapping[str, str] = MappingProxyType(
+NOT_TYPED = MappingProxyType(
     {
         "--index-url": "asks another package index for torch; `make dev TORCH_INDEX=` of the workflow does it",
         "my-reward": "the name of a package that its author has published",
@@ -28,7 +26,7 @@ WRITTEN_FIRST = {"my-reward": "reward", "my-method": "algorithm", "my-task": "ta
 """Packages of which the page has `harness new-plugin` write the folder, and their kind."""
 
 
-def pip_lines(text: str) -> list[str]:
+def pip_lines(text):
     """The lines of a page, from its blocks of code and from within sentences."""
     blocks = IN_A_FENCE.findall(text)
     spans = [" ".join(span.split()) for span in IN_A_SENTENCE.findall(IN_A_FENCE.sub("", text))]
@@ -39,7 +37,7 @@ LINES = {line: page for page in reversed(PAGES) for line in pip_lines(page.read_
 """Each distinct line, and the first page that has it."""
 
 
-def reason_not_to(line: str) -> str:
+def reason_not_to(line):
     """Why a line is not typed here; empty if it is."""
     if any(part in line for part in ("-e ", "--editable ")):
         return ""  # a folder, of whatever name
@@ -69,7 +67,7 @@ def test_no_page_takes_the_harness_from_an_index(line):
 
 
 @pytest.fixture(scope="module")
-def checkout(core: Environment, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def checkout(core, tmp_path_factory):
     """What git clones, with the packages that the pages have written first."""
     folder = tmp_path_factory.mktemp("clone") / "fd100-harness"
     subprocess.run(["git", "clone", "--quiet", "--depth", "1", ROOT.as_uri(), str(folder)], check=True)

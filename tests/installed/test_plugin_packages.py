@@ -22,13 +22,13 @@ NO_TESTS = 5
 """Exit status of pytest where all tests are skipped before they are collected."""
 
 
-def run(*command: str | Path, cwd: Path) -> "subprocess.CompletedProcess[str]":
+def run(*command, cwd):
     """A command in a folder, and what it printed."""
     return subprocess.run([str(part) for part in command], cwd=cwd, capture_output=True, text=True, check=False)
 
 
 @pytest.fixture(scope="module")
-def python(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def python(tmp_path_factory):
     """Python of a new environment, which sees the libraries of this one: what is installed there stays there."""
     folder = tmp_path_factory.mktemp("fresh")
     made = run(sys.executable, "-m", "venv", "--without-pip", folder, cwd=folder)
@@ -38,7 +38,7 @@ def python(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return Path(sysconfig.get_path("scripts", vars={"base": str(folder)})) / Path(sys.executable).name
 
 
-def install(python: Path, folder: str | Path, *options: str, cwd: Path) -> None:
+def install(python, folder, *options, cwd):
     """As `pip install -e`, from nowhere but here."""
     offline = ("--no-index", "--no-build-isolation", "--disable-pip-version-check", "--quiet", *options)
     done = run(sys.executable, "-m", "pip", "--python", python, "install", *offline, "-e", folder, cwd=cwd)

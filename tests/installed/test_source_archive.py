@@ -5,7 +5,6 @@ import subprocess
 import sys
 import tarfile
 import zipfile
-from pathlib import Path
 
 import pytest
 
@@ -17,7 +16,7 @@ MADE = ("PKG-INFO", "setup.cfg", "fd100_harness.egg-info/")
 pytestmark = pytest.mark.slow
 
 
-def _build(kind: str, source: Path, out: Path) -> Path:
+def _build(kind, source, out):
     command = [sys.executable, "-m", "build", "--no-isolation", "--quiet", f"--{kind}", "--outdir", out, source]
     done = subprocess.run(list(map(str, command)), capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
@@ -26,7 +25,7 @@ def _build(kind: str, source: Path, out: Path) -> Path:
 
 
 @pytest.fixture(scope="module")
-def repository(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def repository(tmp_path_factory):
     """The files that git knows, or would add, in a folder of their own: what is left from other builds stays behind."""
     command = ["git", "ls-files", "--cached", "--others", "--exclude-standard"]
     listed = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
@@ -41,13 +40,13 @@ def repository(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def files(repository: Path) -> set[str]:
+def files(repository):
     """The names of the repository's files, before anything is built there."""
     return {path.relative_to(repository).as_posix() for path in repository.rglob("*") if path.is_file()}
 
 
 @pytest.fixture(scope="module")
-def unpacked(repository: Path, files: set[str], tmp_path_factory: pytest.TempPathFactory) -> Path:
+def unpacked(repository, files, tmp_path_factory):
     """The archive's folder."""
     place = tmp_path_factory.mktemp("unpacked")
     with tarfile.open(_build("sdist", repository, tmp_path_factory.mktemp("sdist"))) as archive:
@@ -72,7 +71,7 @@ def test_the_archive_holds_nothing_else(unpacked, files):
 def test_a_wheel_is_built_from_the_archive(unpacked, repository, tmp_path_factory):
     """The same as from the repository, byte for byte in every file."""
 
-    def contents(source: Path) -> dict[str, int]:
+    def contents(source):
         with zipfile.ZipFile(_build("wheel", source, tmp_path_factory.mktemp("wheel"))) as archive:
             return {entry.filename: entry.CRC for entry in archive.infolist()}
 

@@ -18,7 +18,7 @@ class Source:
     def __init__(self, rows: int = 10) -> None:
         self.rows, self.asked = rows, list[tuple[str, ...]]()
 
-    def __call__(self, names: tuple[str, ...]):
+    def __call__(self, names):
         """Column ``a`` counts rows, ``b`` tens of them."""
         self.asked.append(names)
         whole = {"a": np.arange(self.rows), "b": 10 * np.arange(self.rows)}

@@ -9,10 +9,10 @@ from harness.errors import UsageError
 from harness.log import Failed, Log, LogFacts
 
 
-def _log(passes: list[tuple[str, ...]]) -> Log:
+def _log(passes):
     """Four rows in two tables; every pass over them is noted."""
 
-    def read(names: tuple[str, ...]):
+    def read(names):
         passes.append(names)
         for begin in (0, 2):
             yield {name: np.arange(begin, begin + 2) + len(name) for name in names}
@@ -38,7 +38,7 @@ def test_two_columns_of_one_name_are_refused():
 
 def test_loaded_log_is_read_once():
     """Whatever is asked of it then."""
-    passes: list[tuple[str, ...]] = []
+    passes = []
     log = _log(passes).load()
     assert len(log) == 4
     assert log["reward/a"].tolist() == log.rows(["reward/a"])["reward/a"].tolist() == [8, 9, 10, 11]

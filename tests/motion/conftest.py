@@ -1,13 +1,12 @@
 """Arms to move, and how a motion's moves are followed."""
 
-from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 import pytest
 
-from harness.motion import JointLimits, Motion, Setting
+from harness.motion import Setting
 from harness.robot import Robot, load_robot
 from harness.robot.kinematics import build_chain
 from harness.robot.urdf import Joint
@@ -28,7 +27,7 @@ class Course(NamedTuple):
     """Speeds that the motion tells, (count, n, dof)."""
 
 
-def follow(motion: Motion, qpos: np.ndarray, actions: Iterable[np.ndarray]) -> Course:
+def follow(motion, qpos, actions):
     """The course of `actions`, each (n, action_size), from rest at `qpos`, (n, dof)."""
     positions, held, speeds, qvel = [qpos], [], [], np.zeros_like(qpos)
     for action in actions:
@@ -40,7 +39,7 @@ def follow(motion: Motion, qpos: np.ndarray, actions: Iterable[np.ndarray]) -> C
     return Course(np.array(positions), np.array(held), np.array(speeds))
 
 
-def assert_within_limits(course: Course, limits: JointLimits) -> None:
+def assert_within_limits(course, limits):
     """Numbers only, in the ranges, at allowed speeds that change as they may; `limits` of one part."""
     assert np.isfinite(course.qpos).all()
     assert (course.qpos >= limits.lower).all()
@@ -50,7 +49,7 @@ def assert_within_limits(course: Course, limits: JointLimits) -> None:
     assert (np.abs(np.diff(speeds, axis=0)) <= limits.max_change + 1e-9).all()
 
 
-def build_arm(name: str, joints: list[tuple[str, tuple[float, ...], tuple[float, ...]]]) -> Robot:
+def build_arm(name, joints):
     """An arm of joints (kind, axis, xyz), the last one 0.3 m before the end effector, home in the middle."""
     chain = [Joint(f"j{k}", kind, f"l{k}", f"l{k + 1}", xyz, (0, 0, 0), axis, -1, 1, None) for k, (kind, axis, xyz) in
              enumerate(joints)]  # fmt: skip
@@ -77,23 +76,23 @@ def build_arm(name: str, joints: list[tuple[str, tuple[float, ...], tuple[float,
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 
 
-def gantry() -> Robot:
+def gantry():
     """Three slides, one along each axis."""
     return build_arm("gantry", [("prismatic", axis, (0.0, 0.0, 0.2)) for axis in (X, Y, Z)])
 
 
-def scara() -> Robot:
+def scara():
     """Two turns about z and a slide along it."""
     turn = ("revolute", Z, (0.4, 0.0, 0.0))
     return build_arm("scara", [turn, turn, ("prismatic", Z, (0.4, 0.0, 0.5))])
 
 
-def elbow() -> Robot:
+def elbow():
     """A turn about z and two about y: the fewest joints that move in space."""
     return build_arm("elbow", [("revolute", Z, (0.0, 0.0, 0.3)), *[("revolute", Y, (0.4, 0.0, 0.0))] * 2])
 
 
-MAKERS: dict[str, Callable[[], Robot]] = {
+MAKERS = {
     "fd100": lambda: load_robot("fd100"),
     "unity-arm": lambda: load_robot("unity-arm"),
     "gantry": gantry,
@@ -103,46 +102,46 @@ MAKERS: dict[str, Callable[[], Robot]] = {
 
 
 @pytest.fixture(scope="session", params=MAKERS)
-def arm(request: pytest.FixtureRequest) -> Robot:
+def arm(request):
     """Each of the arms."""
     return MAKERS[request.param]()
 
 
 @pytest.fixture(scope="session")
-def arm_of() -> Callable[..., Robot]:
+def arm_of():
     """See `build_arm`."""
     return build_arm
 
 
 @pytest.fixture(scope="session")
-def fd100() -> Robot:
+def fd100():
     """The arm that this project is about."""
     return load_robot("fd100")
 
 
 @pytest.fixture(scope="session")
-def setting_of() -> Callable[[Robot], Setting]:
+def setting_of():
     """The NOTE's setting for an arm."""
     return lambda robot: Setting(robot, PERIOD, SPEED, ACCELERATION)
 
 
 @pytest.fixture(scope="session")
-def course_of() -> Callable[..., Course]:
+def course_of():
     """See `follow`."""
     return follow
 
 
 @pytest.fixture(scope="session")
-def require_limits() -> Callable[[Course, JointLimits], None]:
+def require_limits():
     """See `assert_within_limits`."""
     return assert_within_limits
 
 
 @pytest.fixture(scope="session")
-def poses() -> Callable[..., np.ndarray]:
+def poses():
     """Random poses, (count, dof), in the share `spread` of the ranges around their middle."""
 
-    def draw(robot: Robot, count: int, spread: float = 1.0, seed: int = 0) -> np.ndarray:
+    def draw(robot, count, spread=1.0, seed=0):
         share = np.random.default_rng(seed).uniform(-spread, spread, (count, robot.dof))
         return (robot.upper + robot.lower) / 2.0 + share * (robot.upper - robot.lower) / 2.0
 
@@ -150,10 +149,10 @@ def poses() -> Callable[..., np.ndarray]:
 
 
 @pytest.fixture(scope="session")
-def directions() -> Callable[..., np.ndarray]:
+def directions():
     """Random unit vectors, (count, 3)."""
 
-    def draw(count: int, seed: int = 0) -> np.ndarray:
+    def draw(count, seed=0):
         vectors = np.random.default_rng(seed).normal(size=(count, 3))
         return vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
 

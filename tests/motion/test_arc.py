@@ -4,23 +4,23 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, strategies as st
 
-from harness.motion.tip import Arc, arc_through
+from harness.motion.tip import arc_through
 
 COORDINATE = st.floats(-1.0, 1.0).map(lambda number: round(number, 3))
 POINT = st.tuples(COORDINATE, COORDINATE, COORDINATE).map(np.array)
 
 
-def through(via: np.ndarray, end: np.ndarray) -> Arc:
+def through(via, end):
     """The arc of one arm."""
     return arc_through(np.atleast_2d(via), np.atleast_2d(end))
 
 
-def on(arc: Arc, distance: float) -> np.ndarray:
+def on(arc, distance):
     """The point after a distance."""
     return arc.point(np.full((1, 1), distance))[0]
 
 
-def spans_a_plane(via: np.ndarray, end: np.ndarray) -> bool:
+def spans_a_plane(via, end):
     """Whether the three points are clearly no line."""
     sides = np.linalg.norm(via) * np.linalg.norm(end)
     return np.linalg.norm(np.cross(via, end)) > 0.01 * sides and np.linalg.norm(end - via) > 0.01

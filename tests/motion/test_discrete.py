@@ -5,26 +5,25 @@ import pytest
 
 from harness.errors import UsageError
 from harness.motion import Discrete, build_motion
-from harness.robot import Robot
 
 INNER = ("movej", "movej-absolute", "movel", "movea", "set-joints")
 
 
 @pytest.fixture(params=INNER)
-def discrete(request: pytest.FixtureRequest, fd100: Robot, setting_of) -> Discrete:
+def discrete(request, fd100, setting_of):
     """Of each mode."""
     motion = build_motion(f"discrete:action={request.param}", setting_of(fd100))
     assert isinstance(motion, Discrete)
     return motion
 
 
-def test_choices_are_two_per_increment_and_stay(discrete: Discrete):
+def test_choices_are_two_per_increment_and_stay(discrete):
     """One joint or axis has two."""
     assert discrete.choices == 2 * len(discrete.increments()) + 1
     assert len(discrete.increments()) in {3, 6}
 
 
-def test_the_table(discrete: Discrete, fd100: Robot):
+def test_the_table(discrete, fd100):
     """0 stays, 2 i + 1 is minus and 2 i + 2 plus increment i."""
     qpos = np.tile(fd100.home, (discrete.choices, 1))
     actions = discrete.decode(np.arange(discrete.choices), qpos) - discrete.stay(qpos)
@@ -33,13 +32,13 @@ def test_the_table(discrete: Discrete, fd100: Robot):
     np.testing.assert_allclose(actions[2::2], discrete.increments(), atol=1e-12)
 
 
-def test_actions_are_within_the_box_of_the_mode(discrete: Discrete, fd100: Robot):
+def test_actions_are_within_the_box_of_the_mode(discrete, fd100):
     """At home no choice asks for more than the inner mode takes."""
     actions = discrete.decode(np.arange(discrete.choices), np.tile(fd100.home, (discrete.choices, 1)))
     assert (np.abs(actions) <= 1.0).all()
 
 
-def test_no_two_choices_are_the_same_move(discrete: Discrete, fd100: Robot):
+def test_no_two_choices_are_the_same_move(discrete, fd100):
     """Every choice brings the arm to a place of its own."""
     qpos = np.tile(fd100.home, (discrete.choices, 1))
     actions = discrete.decode(np.arange(discrete.choices), qpos)
@@ -49,7 +48,7 @@ def test_no_two_choices_are_the_same_move(discrete: Discrete, fd100: Robot):
 
 
 @pytest.mark.parametrize("choice", [-1, 13, 10**12])
-def test_a_choice_that_is_none_is_refused(fd100: Robot, setting_of, choice: int):
+def test_a_choice_that_is_none_is_refused(fd100, setting_of, choice):
     """Neither below 0 nor beyond the last one, and it says which there are."""
     motion = build_motion("discrete", setting_of(fd100))
     with pytest.raises(UsageError, match="from 0 to 12"):

@@ -7,16 +7,15 @@ from hypothesis import given, settings, strategies as st
 import harness
 from harness.motion import build_motion
 from harness.motion.tip import Follower
-from harness.robot import Robot
 
 
 @pytest.fixture(scope="module")
-def follower(fd100: Robot, setting_of) -> Follower:
+def follower(fd100, setting_of):
     """The FD100's, of quarters of a control period."""
     return Follower(fd100, setting_of(fd100).limits(4), 0.5)
 
 
-def test_a_point_out_of_reach_is_held_at_once(follower: Follower, fd100: Robot):
+def test_a_point_out_of_reach_is_held_at_once(follower, fd100):
     """Stretched out, the arm is told to go on: it is held and does not move."""
     stretched = np.radians([[0.0, 90.0, -78.0, 0.0, 0.0, 0.0]])
     straight = _most_stretched(fd100, stretched)
@@ -33,9 +32,7 @@ JOINTS = st.lists(st.tuples(st.sampled_from(["revolute", "prismatic"]), AXIS, LI
 
 @settings(max_examples=40)
 @given(joints=JOINTS, mode=st.sampled_from(["movel", "movel:frame=tcs,parts=1", "movea"]), seed=st.integers(0, 999))
-def test_any_chain_stays_within_its_limits(
-    arm_of, setting_of, course_of, require_limits, poses, joints, mode: str, seed: int
-):
+def test_any_chain_stays_within_its_limits(arm_of, setting_of, course_of, require_limits, poses, joints, mode, seed):
     """Turns and slides in any order, also where the end effector can hardly move: finite, in range, no jerk."""
     robot = arm_of("any", joints)
     motion, rng = build_motion(mode, setting_of(robot)), np.random.default_rng(seed)
@@ -44,7 +41,7 @@ def test_any_chain_stays_within_its_limits(
     require_limits(course_of(motion, start, actions), motion.follower.limits)
 
 
-def test_a_joint_at_its_end_leaves_the_way_to_the_others(fd100: Robot, setting_of, course_of):
+def test_a_joint_at_its_end_leaves_the_way_to_the_others(fd100, setting_of, course_of):
     """With the wrist at an end of its range the other joints do the movement: nothing is held."""
     start = fd100.home.copy()
     start[4] = fd100.upper[4]
@@ -65,7 +62,7 @@ def test_a_range_that_blocks_is_held(setting_of, course_of):
     np.testing.assert_allclose(course.qpos[-1], course.qpos[-80], atol=1e-9)
 
 
-def test_leaves_the_edge_again(fd100: Robot, setting_of, course_of, directions):
+def test_leaves_the_edge_again(fd100, setting_of, course_of, directions):
     """From where it was held at the edge of its reach the arm comes back when it is told to."""
     motion, outward = build_motion("movel", setting_of(fd100)), directions(20)
     start = np.tile(fd100.home, (20, 1))
@@ -78,7 +75,7 @@ def test_leaves_the_edge_again(fd100: Robot, setting_of, course_of, directions):
     assert not back.held[:10].all(axis=1).any()
 
 
-def test_turning_speed_takes_half_the_acceleration(follower: Follower, fd100: Robot):
+def test_turning_speed_takes_half_the_acceleration(follower, fd100):
     """At that speed on that circle some joint needs half of what it has, and none needs more."""
     radius, home = np.array([[0.02]]), fd100.home[None]
     u, v = np.eye(3)[[0]], np.eye(3)[[1]]
@@ -90,7 +87,7 @@ def test_turning_speed_takes_half_the_acceleration(follower: Follower, fd100: Ro
     assert share.max() == pytest.approx(0.5, rel=0.01)
 
 
-def test_a_way_of_no_length_brakes(follower: Follower, fd100: Robot):
+def test_a_way_of_no_length_brakes(follower, fd100):
     """Nothing asked for is nothing held: the joints slow down in their ratio."""
     qvel = np.array([[0.5, -0.4, 0.3, 0.0, 0.1, 0.0]])
     move = follower.pass_along(fd100.home[None], qvel, lambda gone: np.zeros((1, 3)), 1)
@@ -99,7 +96,7 @@ def test_a_way_of_no_length_brakes(follower: Follower, fd100: Robot):
     assert not move.held.any()
 
 
-def _most_stretched(robot: Robot, qpos: np.ndarray) -> np.ndarray:
+def _most_stretched(robot, qpos):
     """Joints 3 and 5 at their farthest out, from a pose with the arm level."""
     third, fifth = np.meshgrid(np.linspace(-1.39, 1.39, 281), np.linspace(-0.5, 0.5, 101), indexing="ij")
     poses = np.tile(qpos, (third.size, 1))

@@ -12,7 +12,7 @@ WANTED = st.lists(st.sampled_from([-1.0, -0.4, 0.0, 0.3, 1.0]), min_size=1, max_
 
 
 @st.composite
-def some_limits(draw: st.DrawFn) -> JointLimits:
+def some_limits(draw):
     """Of one joint with any range, also where it needs many periods to brake."""
     lower = draw(st.floats(-3.0, 3.0))
     width = draw(st.floats(0.01, 5.0))
@@ -22,7 +22,7 @@ def some_limits(draw: st.DrawFn) -> JointLimits:
     return JointLimits(*(np.array([number]) for number in (lower, lower + width, max_speed, max_change)), period)
 
 
-def follow(limits: JointLimits, start: float, wanted: list[float]) -> tuple[np.ndarray, np.ndarray]:
+def follow(limits, start, wanted):
     """Positions and speeds, (periods + 1, dof), of shares of the maximum speed, from rest at a place in the range."""
     qpos = limits.position(np.full((1, len(limits.lower)), 2.0 * start - 1.0))
     path = [(qpos, np.zeros_like(qpos))]
@@ -33,7 +33,7 @@ def follow(limits: JointLimits, start: float, wanted: list[float]) -> tuple[np.n
 
 
 @given(some_limits(), st.floats(0.0, 1.0), WANTED)
-def test_every_step_keeps_the_limits(limits: JointLimits, start: float, wanted: list[float]):
+def test_every_step_keeps_the_limits(limits, start, wanted):
     """Of speed, its change, and the range; at the speed that is told, which lies between the bounds told for it.
 
     So the range's end never cuts a motion short.
@@ -57,7 +57,7 @@ def test_rounding_does_not_take_a_joint_beyond_its_range():
 
 
 @given(some_limits(), st.floats(0.0, 1.0), WANTED)
-def test_joint_can_always_stop(limits: JointLimits, start: float, wanted: list[float]):
+def test_joint_can_always_stop(limits, start, wanted):
     """Told to stop, a joint stands still after as many periods as its speed takes, wherever it is."""
     periods = int(np.ceil(limits.max_speed[0] / limits.max_change[0])) + 1
     _, speeds = follow(limits, start, wanted + [0.0] * periods)
@@ -65,7 +65,7 @@ def test_joint_can_always_stop(limits: JointLimits, start: float, wanted: list[f
 
 
 @given(some_limits(), st.sampled_from([-1.0, 1.0]))
-def test_both_ends_can_be_reached(limits: JointLimits, direction: float):
+def test_both_ends_can_be_reached(limits, direction):
     """Driven on in one direction, a joint comes to rest at the end of its range: the brake is not too careful."""
     periods = int(np.ceil((limits.upper - limits.lower)[0] / (limits.max_speed[0] * limits.period)))
     braking = int(np.ceil(limits.max_speed[0] / limits.max_change[0]))
@@ -75,7 +75,7 @@ def test_both_ends_can_be_reached(limits: JointLimits, direction: float):
 
 
 @given(some_limits(), st.floats(0.0, 1.0), WANTED)
-def test_the_short_way_is_the_long_way(limits: JointLimits, start: float, wanted: list[float]):
+def test_the_short_way_is_the_long_way(limits, start, wanted):
     """A step that is seen to need no braking is the one that the search for braking would have given."""
     careful = JointLimits(limits.lower, limits.upper, limits.max_speed, limits.max_change, limits.period)
     object.__setattr__(careful, "_free", np.full((1, 1), -1.0))
@@ -84,7 +84,7 @@ def test_the_short_way_is_the_long_way(limits: JointLimits, start: float, wanted
 
 
 @given(st.floats(0.0, 10.0), st.floats(0.1, 5.0), st.floats(0.01, 1.0))
-def test_stopping_speed_stops_at_the_end_of_the_room(room: float, change: float, period: float):
+def test_stopping_speed_stops_at_the_end_of_the_room(room, change, period):
     """Braking by the largest change every period, a speed covers exactly the room that it is told for."""
     speed = float(stopping_speed(np.array(room), np.array(change), period))
     covered = sum(max(0.0, speed - k * change) * period for k in range(int(speed / change) + 2))

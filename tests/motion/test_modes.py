@@ -8,12 +8,11 @@ from harness.motion import MODES, Discrete, build_motion
 from harness.reach import ReachTask
 from harness.registry import choose, load_registry
 from harness.registry.parameters import parameters_of
-from harness.robot import Robot
 
 SIZES = {"movej": 6, "movej-absolute": 6, "movel": 3, "movea": 6, "set-joints": 6, "discrete": 6}
 
 
-def test_every_mode_moves_the_fd100(fd100: Robot, setting_of, subtests: pytest.Subtests):
+def test_every_mode_moves_the_fd100(fd100, setting_of, subtests):
     """By its name alone, with as many numbers in an action as it says."""
     for mode in MODES:
         with subtests.test(mode=mode):
@@ -21,7 +20,7 @@ def test_every_mode_moves_the_fd100(fd100: Robot, setting_of, subtests: pytest.S
 
 
 @pytest.mark.parametrize("mode", [mode for mode in MODES if mode != "discrete"])
-def test_a_nan_is_refused(fd100: Robot, setting_of, mode: str):
+def test_a_nan_is_refused(fd100, setting_of, mode):
     """What is not a number is no action."""
     motion = build_motion(mode, setting_of(fd100))
     action = motion.stay(fd100.home[None]) + np.where(np.arange(motion.action_size) == 2, np.nan, 0.0)
@@ -30,7 +29,7 @@ def test_a_nan_is_refused(fd100: Robot, setting_of, mode: str):
 
 
 @pytest.mark.parametrize("mode", [*MODES, *(f"discrete:action={mode}" for mode in MODES if mode != "discrete")])
-def test_stay_moves_no_arm(arm: Robot, setting_of, course_of, poses, mode: str):
+def test_stay_moves_no_arm(arm, setting_of, course_of, poses, mode):
     """Of arms at rest, by more than rounding; none of them is held."""
     motion, qpos = build_motion(mode, setting_of(arm)), poses(arm, 30)
     course = course_of(motion, qpos, [motion.stay(qpos)])
@@ -47,9 +46,7 @@ def test_stay_moves_no_arm(arm: Robot, setting_of, course_of, poses, mode: str):
           for name in ("movel", "movea") for frame in ("wcs", "tcs")),
     ],
 )  # fmt: skip
-def test_random_actions_stay_within_the_limits(
-    arm: Robot, setting_of, course_of, require_limits, poses, mode: str, actions: list[float]
-):
+def test_random_actions_stay_within_the_limits(arm, setting_of, course_of, require_limits, poses, mode, actions):
     """From anywhere in the ranges, singular poses and the ends of the ranges included, whatever the actions."""
     motion, rng, is_straight = build_motion(mode, setting_of(arm)), np.random.default_rng(0), ":" in mode
     start = poses(arm, 30)
@@ -59,14 +56,14 @@ def test_random_actions_stay_within_the_limits(
     require_limits(course, setting_of(arm).limits(4 if is_straight else 1))
 
 
-def test_every_parameter_is_described(subtests: pytest.Subtests):
+def test_every_parameter_is_described(subtests):
     """A user sees what each is for."""
     for mode in MODES:
         with subtests.test(mode=mode):
             assert all(parameter.description for parameter in parameters_of(MODES[mode]))
 
 
-def test_every_mode_is_a_tasks(fd100: Robot, subtests: pytest.Subtests):
+def test_every_mode_is_a_tasks(fd100, subtests):
     """The reach task can be done in it."""
     for mode in MODES:
         with subtests.test(mode=mode):
@@ -82,7 +79,7 @@ def test_every_mode_is_a_tasks(fd100: Robot, subtests: pytest.Subtests):
         ("discrete:action=movel", 4),
     ],
 )
-def test_the_mode_within_discrete_has_its_parameters(fd100: Robot, setting_of, text: str, parts: int):
+def test_the_mode_within_discrete_has_its_parameters(fd100, setting_of, text, parts):
     """With and without parentheses."""
     motion = build_motion(text, setting_of(fd100))
     assert isinstance(motion, Discrete)
@@ -99,14 +96,14 @@ def test_the_mode_within_discrete_has_its_parameters(fd100: Robot, setting_of, t
         ("fd100-reach:action=(movel:frame=tcs,parts=2),epsilon=0.1", "movel:frame=tcs,parts=2", 0.1),
     ],
 )
-def test_the_mode_within_a_task_has_its_parameters(text: str, action: str, epsilon: float):
+def test_the_mode_within_a_task_has_its_parameters(text, action, epsilon):
     """What the task does not know belongs to its mode."""
     registry = load_registry()
     task = choose(registry, "tasks", text).build(registry, "tasks")
     assert (task.action, task.epsilon) == (action, epsilon)
 
 
-def test_what_is_wrong_is_said_in_one_line(fd100: Robot, setting_of, subtests: pytest.Subtests):
+def test_what_is_wrong_is_said_in_one_line(fd100, setting_of, subtests):
     """Each is one UsageError."""
     rows = [
         ("moveL", "No action mode 'moveL'.*Did you mean 'movel'"),

@@ -5,14 +5,13 @@ from hypothesis import given, settings, strategies as st
 
 from harness.motion import build_motion
 from harness.motion.tip import arc_through
-from harness.robot import Robot
 
 COORDINATE = st.floats(-1.0, 1.0).map(lambda number: round(number, 2))
 WAY = 0.05
 """Of a full action, [m]."""
 
 
-def beside_the_arc(points: np.ndarray, via: np.ndarray, end: np.ndarray) -> np.ndarray:
+def beside_the_arc(points, via, end):
     """How far each point is from the arc's circle, in its plane and out of it, [m]; start is the origin."""
     arc = arc_through(via[None], end[None])
     center, normal = arc.radius[0] * arc.inward[0], np.cross(arc.forward[0], arc.inward[0])
@@ -22,7 +21,7 @@ def beside_the_arc(points: np.ndarray, via: np.ndarray, end: np.ndarray) -> np.n
 
 @settings(max_examples=30)
 @given(action=st.tuples(*[COORDINATE] * 6).map(np.array))
-def test_the_end_effector_stays_on_the_circle(fd100: Robot, setting_of, course_of, action: np.ndarray):
+def test_the_end_effector_stays_on_the_circle(fd100, setting_of, course_of, action):
     """From rest it is on the circle through start, via and end at each waypoint, however tight that is."""
     via, end = WAY * action[:3], WAY * action[3:]
     if np.linalg.norm(np.cross(via, end)) <= 1e-2 * np.linalg.norm(via) * np.linalg.norm(end) or not end.any():
@@ -33,7 +32,7 @@ def test_the_end_effector_stays_on_the_circle(fd100: Robot, setting_of, course_o
     assert not course.held.any()
 
 
-def test_it_goes_over_the_via_point(fd100: Robot, setting_of, course_of):
+def test_it_goes_over_the_via_point(fd100, setting_of, course_of):
     """It sets out towards the via point's side, with the tangent of the circle."""
     action = np.array([[0.5, 0.5, 0.0, 1.0, 0.0, 0.0]])
     tips = fd100.end_effector(course_of(build_motion("movea", setting_of(fd100)), fd100.home[None], [action]).qpos)
@@ -41,7 +40,7 @@ def test_it_goes_over_the_via_point(fd100: Robot, setting_of, course_of):
     np.testing.assert_allclose(first / np.linalg.norm(first), [0.0, 1.0, 0.0], atol=0.15)
 
 
-def test_three_points_on_a_line_are_movel(fd100: Robot, setting_of, course_of):
+def test_three_points_on_a_line_are_movel(fd100, setting_of, course_of):
     """With the via point on the way, or nowhere, it is the straight movement to the end."""
     setting, end = setting_of(fd100), np.array([0.6, -0.2, 0.1])
     straight = course_of(build_motion("movel", setting), fd100.home[None], [end[None]] * 3)
@@ -50,7 +49,7 @@ def test_three_points_on_a_line_are_movel(fd100: Robot, setting_of, course_of):
         np.testing.assert_allclose(arc.qpos, straight.qpos, rtol=0.0, atol=1e-9)
 
 
-def test_a_long_arc_is_gone_at_tip_speed(fd100: Robot, setting_of, course_of):
+def test_a_long_arc_is_gone_at_tip_speed(fd100, setting_of, course_of):
     """Of an arc that is longer than the way at tip_speed, that way is gone; the next action goes on from there."""
     motion, actions = build_motion("movea:tip_speed=0.1", setting_of(fd100)), []
     points = np.array([[np.sin(angle), 0.0, 1.0 - np.cos(angle)] for angle in (0.55, 1.1)])
@@ -62,7 +61,7 @@ def test_a_long_arc_is_gone_at_tip_speed(fd100: Robot, setting_of, course_of):
     np.testing.assert_allclose(chords, 2.0 * 0.01 * np.sin(0.125), rtol=0.02)
 
 
-def test_axes_are_those_of_the_frame(fd100: Robot, setting_of, course_of):
+def test_axes_are_those_of_the_frame(fd100, setting_of, course_of):
     """In a UCS whose axes are the world's, turned, the turned action does the same."""
     setting, action = setting_of(fd100), np.array([0.5, 0.3, 0.1, 1.0, 0.0, 0.2])
     turned = np.roll(action.reshape(2, 3), -1, axis=1).reshape(6)  # the user's x is the world's y

@@ -7,17 +7,16 @@ import pytest
 from hypothesis import given, strategies as st
 
 from harness.motion import MoveJ
-from harness.robot import Robot
 
 
 @pytest.fixture(scope="module")
-def motion(fd100: Robot) -> MoveJ:
+def motion(fd100):
     """The FD100's."""
     return MoveJ.within_limits(fd100, speed=0.8, acceleration=0.6, period=0.1)
 
 
 @given(seed=st.integers(0, 2**32 - 1))
-def test_batch_is_its_envs_one_by_one(motion: MoveJ, seed: int):
+def test_batch_is_its_envs_one_by_one(motion, seed):
     """Each arm of a batch gets, bit for bit, what it gets alone, also where only its neighbours have to brake."""
     rng, limits = np.random.default_rng(seed), motion.limits
     share = rng.choice([0.0, 0.001, 0.5, 0.999, 1.0], (4, 1)) * np.ones(limits.lower.shape)
@@ -31,7 +30,7 @@ def test_batch_is_its_envs_one_by_one(motion: MoveJ, seed: int):
         np.testing.assert_array_equal(alone.qvel[0], move.qvel[env])
 
 
-def test_arguments_are_left_alone(motion: MoveJ, fd100: Robot):
+def test_arguments_are_left_alone(motion, fd100):
     """Positions, speeds and actions of the caller are not changed."""
     given_arrays = np.array(fd100.home)[None], np.zeros((1, 6)), np.full((1, 6), 3.0)
     before = [array.copy() for array in given_arrays]
@@ -40,7 +39,7 @@ def test_arguments_are_left_alone(motion: MoveJ, fd100: Robot):
         np.testing.assert_array_equal(array, old)
 
 
-def test_action_beyond_the_box_is_clipped(motion: MoveJ, fd100: Robot, subtests: pytest.Subtests):
+def test_action_beyond_the_box_is_clipped(motion, fd100, subtests):
     """However large an action, it is one of 1."""
     for beyond in [7.0, 1e300, np.inf]:
         for sign in [1.0, -1.0]:
@@ -51,7 +50,7 @@ def test_action_beyond_the_box_is_clipped(motion: MoveJ, fd100: Robot, subtests:
                 np.testing.assert_array_equal(moves[0].qvel, moves[1].qvel)
 
 
-def test_robot_takes_its_shares_of_speed_and_acceleration(motion: MoveJ, fd100: Robot, course_of):
+def test_robot_takes_its_shares_of_speed_and_acceleration(motion, fd100, course_of):
     """A full action gains 60 % of the maximum acceleration per period, up to 80 % of the maximum speed."""
     speeds = course_of(motion, fd100.home[None], [np.ones((1, 6))] * 4).qvel[:, 0]
     np.testing.assert_allclose(speeds[0], np.minimum(0.6 * fd100.max_acceleration * 0.1, motion.limits.max_speed))
@@ -59,13 +58,13 @@ def test_robot_takes_its_shares_of_speed_and_acceleration(motion: MoveJ, fd100: 
 
 
 @pytest.mark.parametrize("action", [0.25, -0.5])
-def test_action_is_a_fraction_of_the_maximum_speed(motion: MoveJ, fd100: Robot, course_of, action: float):
+def test_action_is_a_fraction_of_the_maximum_speed(motion, fd100, course_of, action):
     """In the end a joint has the speed that is asked for."""
     speeds = course_of(motion, fd100.home[None], [np.full((1, 6), action)] * 3).qvel
     np.testing.assert_allclose(speeds[-1, 0], action * motion.limits.max_speed)
 
 
-def test_the_check_on_limits_sees_a_fault(fd100: Robot, setting_of, course_of, require_limits, poses):
+def test_the_check_on_limits_sees_a_fault(fd100, setting_of, course_of, require_limits, poses):
     """A motion that brakes less than it has to fails the check above."""
     motion = MoveJ(setting_of(fd100).limits())
     stricter = replace(motion.limits, max_change=0.5 * motion.limits.max_change)

@@ -3,10 +3,9 @@
 import numpy as np
 
 from harness.motion import build_motion
-from harness.robot import Robot
 
 
-def test_lands_where_it_is_told(arm: Robot, setting_of, course_of, poses):
+def test_lands_where_it_is_told(arm, setting_of, course_of, poses):
     """After long enough each joint is at the position of the action, and at rest."""
     motion = build_motion("movej-absolute", setting_of(arm))
     goal = poses(arm, 30, seed=1)
@@ -15,7 +14,7 @@ def test_lands_where_it_is_told(arm: Robot, setting_of, course_of, poses):
     np.testing.assert_allclose(course.qvel[-1], 0.0, atol=1e-9)
 
 
-def test_never_overshoots(arm: Robot, setting_of, course_of, poses):
+def test_never_overshoots(arm, setting_of, course_of, poses):
     """On its way from rest no joint ever turns back."""
     motion = build_motion("movej-absolute", setting_of(arm))
     start, goal = poses(arm, 30), poses(arm, 30, seed=1)
@@ -23,7 +22,7 @@ def test_never_overshoots(arm: Robot, setting_of, course_of, poses):
     assert (moves * np.sign(goal - start) >= -1e-12).all()
 
 
-def test_goes_as_fast_as_it_may(fd100: Robot, setting_of, course_of):
+def test_goes_as_fast_as_it_may(fd100, setting_of, course_of):
     """On a long way every joint reaches its largest speed."""
     motion = build_motion("movej-absolute", setting_of(fd100))
     course = course_of(motion, fd100.lower[None], [np.ones((1, 6))] * 30)

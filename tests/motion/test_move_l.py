@@ -3,21 +3,21 @@
 import numpy as np
 import pytest
 
-from harness.motion import Motion, build_motion
-from harness.robot import Robot, forward, load_robot
+from harness.motion import build_motion
+from harness.robot import forward, load_robot
 
 COUNT = 30
 UCS = "ucs_origin=0.1x0x0,ucs_x=0.1x2x0,ucs_xy=0.1x1x1"
 """x is the world's y, y the world's z, z the world's x."""
 
 
-def near_home(robot: Robot) -> np.ndarray:
+def near_home(robot):
     """Poses, (COUNT, dof), around the home pose."""
     noise = np.random.default_rng(0).uniform(-0.15, 0.15, (COUNT, robot.dof))
     return np.clip(robot.home + noise * (robot.upper - robot.lower) / 2.0, robot.lower, robot.upper)
 
 
-def drive_along(motion: Motion, robot: Robot, world: np.ndarray, periods: int) -> tuple[np.ndarray, np.ndarray]:
+def drive_along(motion, robot, world, periods):
     """Where the end effector is at each waypoint, (count, n, 3), and whether it was held before, (count, n).
 
     `world` is the wanted direction, (n, 3); in the motion's axes it is found anew in every period.
@@ -35,12 +35,12 @@ def drive_along(motion: Motion, robot: Robot, world: np.ndarray, periods: int) -
 
 
 @pytest.fixture(scope="module")
-def driven(arm: Robot, setting_of, directions) -> tuple[np.ndarray, np.ndarray]:
+def driven(arm, setting_of, directions):
     """What `drive_along` gives for an arm that is told directions in the axes of the world."""
     return drive_along(build_motion("movel", setting_of(arm)), arm, directions(COUNT), 30)
 
 
-def require_line(tips: np.ndarray, held: np.ndarray, world: np.ndarray) -> None:
+def require_line(tips, held, world):
     """Within 1 mm while not held, and of some length."""
     way = tips - tips[0]
     beside = np.linalg.norm(way - np.vecdot(way, world)[..., None] * world, axis=-1)
@@ -55,13 +55,13 @@ def test_the_end_effector_stays_on_the_line(driven, directions):
 
 @pytest.mark.parametrize("frame", [f"ucs,{UCS}", "tcs"])
 @pytest.mark.parametrize("arm", ["unity-arm", "elbow"], indirect=True)
-def test_the_line_is_kept_in_any_frame(arm: Robot, setting_of, directions, frame: str):
+def test_the_line_is_kept_in_any_frame(arm, setting_of, directions, frame):
     """Axes that the user gives, and the tool's, which turn as the arm moves."""
     motion, world = build_motion(f"movel:frame={frame}", setting_of(arm)), directions(COUNT)
     require_line(*drive_along(motion, arm, world, 30), world)
 
 
-def test_the_check_on_the_line_sees_a_fault(fd100: Robot, setting_of, directions, monkeypatch):
+def test_the_check_on_the_line_sees_a_fault(fd100, setting_of, directions, monkeypatch):
     """Joint movements that are not solved to the end, only once, leave the line by more than a millimetre."""
     monkeypatch.setattr("harness.motion.tip.ITERATIONS", 0)
     world = directions(COUNT)
@@ -78,7 +78,7 @@ def test_it_goes_the_way_it_is_told(driven, directions):
     assert np.where(held[1:], 0.0, forward_steps).min() > -2e-4
 
 
-def test_tip_speed_is_a_share_of_the_reach(fd100: Robot, setting_of):
+def test_tip_speed_is_a_share_of_the_reach(fd100, setting_of):
     """0.5 m/s for the FD100, the number itself; for another arm as many of its lengths a second."""
     small = load_robot("unity-arm")
     for mode in ("movel", "movea"):
@@ -88,7 +88,7 @@ def test_tip_speed_is_a_share_of_the_reach(fd100: Robot, setting_of):
 
 
 @pytest.mark.parametrize("parts", [1, 2, 4, 10])
-def test_the_speed_becomes_tip_speed(fd100: Robot, setting_of, course_of, parts: int):
+def test_the_speed_becomes_tip_speed(fd100, setting_of, course_of, parts):
     """With a constant action the end effector gets to tip_speed, and no farther, into however many parts it is cut."""
     motion = build_motion(f"movel:tip_speed=0.3,parts={parts}", setting_of(fd100))
     course = course_of(motion, fd100.home[None], [np.array([[-0.6, 0.0, 0.8]])] * 6)
@@ -97,14 +97,14 @@ def test_the_speed_becomes_tip_speed(fd100: Robot, setting_of, course_of, parts:
     assert speeds.max() < 0.3 * 1.001
 
 
-def test_half_an_action_is_half_the_speed(fd100: Robot, setting_of, course_of):
+def test_half_an_action_is_half_the_speed(fd100, setting_of, course_of):
     """The action is a fraction of tip_speed."""
     course = course_of(build_motion("movel", setting_of(fd100)), fd100.home[None], [np.array([[0.0, 0.5, 0.0]])] * 5)
     tips = fd100.end_effector(course.qpos[:, 0])
     np.testing.assert_allclose(tips[-1] - tips[-5], [0.0, 0.025, 0.0], atol=1e-5)
 
 
-def test_a_long_action_is_one_of_length_1(fd100: Robot, setting_of, course_of):
+def test_a_long_action_is_one_of_length_1(fd100, setting_of, course_of):
     """No direction is quicker than another: the corners of the action's box are not."""
     motion = build_motion("movel:tip_speed=0.2", setting_of(fd100))
     for action in ([1.0, 1.0, 1.0], [1e300, 1e300, np.inf]):
@@ -117,7 +117,7 @@ def test_a_long_action_is_one_of_length_1(fd100: Robot, setting_of, course_of):
     ("frame", "axis", "world"),
     [("wcs", 0, (1, 0, 0)), (f"ucs,{UCS}", 0, (0, 1, 0)), (f"ucs,{UCS}", 1, (0, 0, 1)), (f"ucs,{UCS}", 2, (1, 0, 0))],
 )
-def test_axes_of_the_action(fd100: Robot, setting_of, course_of, frame: str, axis: int, world):
+def test_axes_of_the_action(fd100, setting_of, course_of, frame, axis, world):
     """A full action along an axis of the frame moves along that axis."""
     motion = build_motion(f"movel:frame={frame}", setting_of(fd100))
     course = course_of(motion, fd100.home[None], [np.eye(3)[axis][None]] * 2)
@@ -125,7 +125,7 @@ def test_axes_of_the_action(fd100: Robot, setting_of, course_of, frame: str, axi
     np.testing.assert_allclose(way / np.linalg.norm(way), world, atol=1e-3)
 
 
-def test_tool_axis_of_the_action(fd100: Robot, setting_of, course_of):
+def test_tool_axis_of_the_action(fd100, setting_of, course_of):
     """In the TCS the action's z leads along the tool's, as it points at the start of the period."""
     course = course_of(build_motion("movel:frame=tcs", setting_of(fd100)), fd100.home[None], [np.array([[0, 0, 1.0]])])
     way = np.diff(fd100.end_effector(course.qpos[[0, -1], 0]), axis=0)[0]
@@ -138,7 +138,7 @@ def test_tool_axis_of_the_action(fd100: Robot, setting_of, course_of):
     ["fd100", "gantry", *(pytest.param(name, marks=pytest.mark.slow) for name in ("unity-arm", "scara", "elbow"))],
     indirect=True,
 )
-def test_out_of_reach_it_is_held_and_stands(arm: Robot, setting_of, course_of, directions):
+def test_out_of_reach_it_is_held_and_stands(arm, setting_of, course_of, directions):
     """Driven on in one direction every arm ends held, at rest, and it stays so."""
     motion = build_motion("movel", setting_of(arm))
     course = course_of(motion, near_home(arm)[:12], [directions(12)] * 150)
@@ -147,14 +147,14 @@ def test_out_of_reach_it_is_held_and_stands(arm: Robot, setting_of, course_of, d
     assert course.held[-10:, standing].all()
 
 
-def test_acceleration_is_no_hold(fd100: Robot, setting_of, course_of, directions):
+def test_acceleration_is_no_hold(fd100, setting_of, course_of, directions):
     """An arm that gathers speed in the middle of its reach is not held, though it does less than it is told."""
     motion = build_motion("movel", setting_of(fd100))
     course = course_of(motion, np.tile(fd100.home, (COUNT, 1)), [directions(COUNT)] * 3)
     assert not course.held.any()
 
 
-def test_brakes_on_the_line(fd100: Robot, setting_of, course_of, directions):
+def test_brakes_on_the_line(fd100, setting_of, course_of, directions):
     """Told to stay, the end effector goes on along its line until it stands."""
     motion, world = build_motion("movel", setting_of(fd100)), directions(COUNT)
     actions = [world] * 4 + [np.zeros_like(world)] * 4
@@ -166,7 +166,7 @@ def test_brakes_on_the_line(fd100: Robot, setting_of, course_of, directions):
     assert not course.held.any()
 
 
-def test_an_arm_alone_does_what_it_does_among_others(fd100: Robot, setting_of, course_of, poses, directions):
+def test_an_arm_alone_does_what_it_does_among_others(fd100, setting_of, course_of, poses, directions):
     """Bit for bit, also where the others need more steps to be solved."""
     motion, start, action = build_motion("movel", setting_of(fd100)), poses(fd100, 8), directions(8)
     together = course_of(motion, start, [action] * 5).qpos

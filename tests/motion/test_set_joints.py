@@ -3,10 +3,9 @@
 import numpy as np
 
 from harness.motion import build_motion
-from harness.robot import Robot
 
 
-def test_the_arm_is_there_at_once(arm: Robot, setting_of, poses):
+def test_the_arm_is_there_at_once(arm, setting_of, poses):
     """The one waypoint is the position of the action, and no speed is left."""
     motion, goal = build_motion("set-joints", setting_of(arm)), poses(arm, 30)
     move = motion.advance(np.tile(arm.home, (30, 1)), np.ones_like(goal), motion.stay(goal))
@@ -14,7 +13,7 @@ def test_the_arm_is_there_at_once(arm: Robot, setting_of, poses):
     np.testing.assert_array_equal(move.qvel, 0.0)
 
 
-def test_it_jumps(fd100: Robot, setting_of):
+def test_it_jumps(fd100, setting_of):
     """The arm is put there without dynamics; that of the other modes is driven."""
     modes = ("set-joints", "movej", "movej-absolute", "movel", "movea", "discrete:action=set-joints")
     jumps = [build_motion(mode, setting_of(fd100)).jumps for mode in modes]
@@ -31,7 +30,7 @@ def test_the_unity_arm_turns_as_published(setting_of):
     np.testing.assert_allclose(np.degrees(move.waypoints[0]), action * [180.0, 90.0, 180.0, 90.0, 90.0])
 
 
-def test_beyond_the_range_is_its_end(fd100: Robot, setting_of):
+def test_beyond_the_range_is_its_end(fd100, setting_of):
     """A huge action is the end of the range."""
     move = build_motion("set-joints", setting_of(fd100)).advance(
         fd100.home[None], np.zeros((1, 6)), np.full((1, 6), 1e300)

@@ -1,6 +1,5 @@
 """What is right, computed in the plainest way there is, and not as the program does."""
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -25,7 +24,7 @@ class Told(NamedTuple):
     body: bytes
 
 
-def auc_within_tasks(episodes: Sequence[Told]) -> float | None:
+def auc_within_tasks(episodes):
     """The share of pairs of a success and a failure of one task in which the success is paid more; ties count half."""
     distinct = {(episode.body, episode.task): episode for episode in episodes}.values()
     won = [
@@ -37,7 +36,7 @@ def auc_within_tasks(episodes: Sequence[Told]) -> float | None:
     return sum(won) / len(won) if won else None
 
 
-def indices(rewards: Sequence[Sequence[float]]) -> tuple[float, float]:
+def indices(rewards):
     """I_N and I_P of runs: running sums, cut to the shortest run, their mean, its negative and its positive values."""
     steps = min(map(len, rewards))
     total = np.zeros(steps)
@@ -50,14 +49,14 @@ def indices(rewards: Sequence[Sequence[float]]) -> tuple[float, float]:
     return float(sum(value for value in mean if value < 0)), float(sum(value for value in mean if value > 0))
 
 
-def etas(baseline: Sequence[Sequence[float]], proposed: Sequence[Sequence[float]]) -> tuple[float | None, float | None]:
+def etas(baseline, proposed):
     """eta_N and eta_P; None where the baseline's index is 0."""
     ours, theirs = indices(proposed), indices(baseline)
     eta_n, eta_p = (our / their if their else None for our, their in zip(ours, theirs, strict=True))
     return eta_n, eta_p
 
 
-def first_negative_and_crossover(rewards: Sequence[Sequence[float]]) -> tuple[int | None, int | None]:
+def first_negative_and_crossover(rewards):
     """The first step of the mean curve below 0, and the first one after it that is not; counted from 0."""
     steps = min(map(len, rewards))
     mean = sum(np.cumsum(np.asarray(run[:steps], np.float64)) for run in rewards) / len(rewards)
@@ -81,7 +80,7 @@ class Row(NamedTuple):
     is_start: bool
 
 
-def accelerated(rows: Sequence[Row], k1: float, k2: float) -> list[float]:
+def accelerated(rows, k1, k2):
     """ARP of each row: Dd = d - Pb; Dd > 0: -K1 Dd; else K2 (Bd - d), then Pb <- d. An episode's start is paid 0."""
     paid, best, begin = [], 0.0, -1.0
     for row in rows:

@@ -1,17 +1,14 @@
 """URDFs of arms that are drawn, and where their end effector is, by matrices that are written out here."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from pathlib import Path
-from random import Random
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.robot.robot import load_robot
-from tests.oracles.trial import Answer, Trial, call
+from tests.oracles.trial import Trial, call
 
 Matrix = NDArray[np.float64]
 POSES = 3
@@ -30,12 +27,12 @@ class Joint:
     upper: float
 
     @property
-    def is_driven(self) -> bool:
+    def is_driven(self):
         """Whether it moves."""
         return self.kind != "fixed"
 
 
-def draw_arm(rng: Random) -> list[Joint]:
+def draw_arm(rng):
     """A chain of three to seven joints that move, with fixed ones between them."""
     driven = rng.randrange(3, 8)
     kinds = [rng.choice(("revolute", "revolute", "revolute", "continuous", "prismatic")) for _ in range(driven)]
@@ -47,7 +44,7 @@ def draw_arm(rng: Random) -> list[Joint]:
     return [high, *others]
 
 
-def _draw_joint(rng: Random, name: str, kind: str) -> Joint:
+def _draw_joint(rng, name, kind):
     axis = np.array([rng.gauss(0, 1) for _ in range(3)])
     axis = axis / np.linalg.norm(axis) if rng.random() < 0.3 else np.eye(3)[rng.randrange(3)] * rng.choice((-1, 1))
     upper = 0.1 if kind == "prismatic" else 2.0
@@ -62,7 +59,7 @@ def _draw_joint(rng: Random, name: str, kind: str) -> Joint:
     )
 
 
-def tip_of(arm: Sequence[Joint], values: Sequence[float]) -> list[float]:
+def tip_of(arm, values):
     """Where the last link's origin is, [m], with these values of the joints that move, in their order."""
     place, left = np.eye(4), list(values)
     for joint in arm:
@@ -72,7 +69,7 @@ def tip_of(arm: Sequence[Joint], values: Sequence[float]) -> list[float]:
     return [float(number) for number in place[:3, 3]]
 
 
-def _origin(joint: Joint) -> Matrix:
+def _origin(joint):
     """Roll, then pitch, then yaw about fixed axes: Rz(y) Ry(p) Rx(r)."""
     (cr, cp, cy), (sr, sp, sy) = ([one(angle) for angle in joint.rpy] for one in (math.cos, math.sin))
     made = np.eye(4)
@@ -85,7 +82,7 @@ def _origin(joint: Joint) -> Matrix:
     return made
 
 
-def _motion(joint: Joint, value: float) -> Matrix:
+def _motion(joint, value):
     """Along the axis, or about it by Rodrigues' formula."""
     made, axis = np.eye(4), np.array(joint.axis)
     if joint.kind == "prismatic":
@@ -126,7 +123,7 @@ STYLES = (
 )
 
 
-def text_of(arm: Sequence[Joint], style: Style, rng: Random) -> str:
+def text_of(arm, style, rng):
     """The file."""
     parts = [f'<link name="link_{place}">{style.in_link}</link>' for place in range(len(arm) + 1)]
     parts += [_element(place, joint, style) for place, joint in enumerate(arm)]
@@ -136,8 +133,8 @@ def text_of(arm: Sequence[Joint], style: Style, rng: Random) -> str:
     return f'{style.head}<robot{style.spaces} name="arm">{style.newline}{inside}{style.newline}</robot>{style.newline}'
 
 
-def _element(place: int, joint: Joint, style: Style) -> str:
-    def vector(values: Sequence[float]) -> str:
+def _element(place, joint, style):
+    def vector(values):
         return " ".join(map(style.spell, values))
 
     attributes = [f'name="{joint.name}"', f'type="{joint.kind}"']
@@ -156,14 +153,14 @@ def _element(place: int, joint: Joint, style: Style) -> str:
     return f"<joint {' '.join(attributes)}>{''.join(inside)}</joint>"
 
 
-def poses_of(arm: Sequence[Joint]) -> list[list[float]]:
+def poses_of(arm):
     """Values of the joints that move, within their limits."""
     driven = [joint for joint in arm if joint.is_driven]
     draw = np.random.default_rng(len(arm))
     return [[float(draw.uniform(joint.lower, joint.upper)) for joint in driven] for _ in range(POSES)]
 
 
-def answer_of(arm: Sequence[Joint]) -> Answer:
+def answer_of(arm):
     """What has to be read."""
     driven = [joint for joint in arm if joint.is_driven]
     turns = [joint.kind == "continuous" for joint in driven]
@@ -175,7 +172,7 @@ def answer_of(arm: Sequence[Joint]) -> Answer:
     }
 
 
-def ask(path: Path, poses: Sequence[Sequence[float]]) -> tuple[Answer, str]:
+def ask(path, poses):
     """What is read of it; `harness describe` refuses what it does not read."""
     said = call("describe", path)
     robot = load_robot(path)
@@ -188,19 +185,19 @@ def ask(path: Path, poses: Sequence[Sequence[float]]) -> tuple[Answer, str]:
     }, "\n".join(said)
 
 
-def _trial(change: str, arm: Sequence[Joint], text: str, folder: Path, **right: Any) -> Trial:
+def _trial(change, arm, text, folder, **right):
     path = folder / "arm.urdf"
     path.write_text(text, newline="")
     return Trial(change, lambda: ask(path, poses_of(arm)), **{"right": [answer_of(arm)], **right})
 
 
-def no_matter(rng: Random, folder: Path) -> Trial:
+def no_matter(rng, folder):
     """The same arm, written otherwise."""
     arm, style = draw_arm(rng), rng.choice(STYLES)
     return _trial(f"written as {style}", arm, text_of(arm, style, rng), folder)
 
 
-def split_origin(rng: Random, folder: Path) -> Trial:
+def split_origin(rng, folder):
     """An origin in two parts, with a link between them that does not move: the same arm."""
     arm = draw_arm(rng)
     place = rng.randrange(len(arm))
@@ -213,7 +210,7 @@ def split_origin(rng: Random, folder: Path) -> Trial:
     return Trial("an origin in two parts", lambda: ask(path, poses_of(arm)), [answer_of(arm)])
 
 
-def matters(rng: Random, folder: Path) -> Trial:
+def matters(rng, folder):
     """Another arm."""
     arm = draw_arm(rng)
     place = rng.randrange(len(arm))
@@ -231,7 +228,7 @@ def matters(rng: Random, folder: Path) -> Trial:
     return _trial(f"other {change}", arm, text_of(arm, rng.choice(STYLES), rng), folder)
 
 
-def in_folder(rng: Random, folder: Path) -> Trial:
+def in_folder(rng, folder):
     """A robot.toml names the end effector, which stands in the middle of the chain."""
     arm = draw_arm(rng)
     last = [place for place, joint in enumerate(arm) if joint.is_driven][2]
@@ -245,7 +242,7 @@ def in_folder(rng: Random, folder: Path) -> Trial:
     return Trial("the end effector is named", lambda: ask(folder, poses_of(shorter)), right)
 
 
-def damaged(rng: Random, folder: Path) -> Trial:
+def damaged(rng, folder):
     """No arm follows from it."""
     arm = draw_arm(rng)
     text = text_of(arm, STYLES[0], rng)
@@ -253,25 +250,25 @@ def damaged(rng: Random, folder: Path) -> Trial:
     return _trial(change, arm, DAMAGES[change](text, rng), folder, right=[])
 
 
-def _swap(old: str, new: str) -> Callable[[str, Random], str]:
-    def change(text: str, rng: Random) -> str:
+def _swap(old, new):
+    def change(text, rng):
         assert old in text
         return text.replace(old, new, 1)
 
     return change
 
 
-def _in_first(name: str, value: str) -> Callable[[str, Random], str]:
+def _in_first(name, value):
     """An attribute of the first joint has another value."""
 
-    def change(text: str, rng: Random) -> str:
+    def change(text, rng):
         begin = text.index(f'{name}="', text.index("<joint")) + len(name) + 2
         return text[:begin] + value + text[text.index('"', begin) :]
 
     return change
 
 
-DAMAGES: dict[str, Callable[[str, Random], str]] = {
+DAMAGES = {
     "two links of one name": _swap('<link name="link_1">', '<link name="link_0">'),
     "a link that is missing": _swap('<link name="link_1"></link>', ""),
     "two joints of one name": _swap('name="joint_1"', 'name="joint_0"'),

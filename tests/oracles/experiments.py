@@ -5,11 +5,7 @@ Traces are those of one unfinished episode, so that the curve of a run is the su
 
 import json
 import shutil
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from random import Random
-from typing import Any
 
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -19,7 +15,7 @@ from harness.files import digest_of, seal
 from harness.record import EVALUATION, MANIFEST, TRACE, Cell, Store
 from harness.registry import Choice
 from tests.oracles.answers import Row, accelerated, etas, indices
-from tests.oracles.trial import Answer, Shown, Trial, call, call_json
+from tests.oracles.trial import Shown, Trial, call, call_json
 from tests.results.folders import finish
 
 BASELINE, ARP = Choice("baseline", (), "baseline"), Choice("arp", (("k1", 1.0), ("k2", 1.5)), "arp")
@@ -37,13 +33,13 @@ class Done:
     reached: list[bool]
 
 
-def draw(rng: Random, seeds: int | None = None) -> list[Done]:
+def draw(rng, seeds=None):
     """Some seeds of both rewards."""
     count, steps = rng.randrange(1, 5) if seeds is None else seeds, rng.randrange(4, 30)
     return [_draw_cell(rng, reward, seed, steps) for seed in range(count) for reward in (BASELINE, ARP)]
 
 
-def _draw_cell(rng: Random, reward: Choice, seed: int, steps: int) -> Done:
+def _draw_cell(rng, reward, seed, steps):
     distances = [UNIT * rng.randrange(20, 40)]
     while len(distances) < steps:
         distances.append(max(UNIT, distances[-1] + UNIT * rng.randrange(-6, 6)))
@@ -54,7 +50,7 @@ def _draw_cell(rng: Random, reward: Choice, seed: int, steps: int) -> Done:
     return Done(cell, distances, accelerated(rows, 1.0, K2[reward.label]), reached)
 
 
-def write(cells: Sequence[Done], folder: Path, plan: Sequence[Done] | None = None) -> Path:
+def write(cells, folder, plan=None):
     """The folder of an experiment; of a plan that may have more cells."""
     planned = tuple(done.cell for done in plan or cells)
     told = {"sim": ["kinematic"], "algo": ["random"]}
@@ -65,7 +61,7 @@ def write(cells: Sequence[Done], folder: Path, plan: Sequence[Done] | None = Non
     return folder
 
 
-def answer_of(cells: Sequence[Done], behaving: Sequence[Done] = ()) -> Answer:
+def answer_of(cells, behaving=()):
     """What a report has to say.
 
     Args:
@@ -76,7 +72,7 @@ def answer_of(cells: Sequence[Done], behaving: Sequence[Done] = ()) -> Answer:
     groups = {name: [done for done in cells if done.cell.reward.label == name] for name in K2}
     runs = {name: [done.rewards for done in group] for name, group in groups.items()}
     eta_n, eta_p = etas(*runs.values())
-    told: dict[str, Any] = {"eta_N": eta_n, "eta_P": eta_p}
+    told = {"eta_N": eta_n, "eta_P": eta_p}
     for name in groups:
         below, above = indices(runs[name])
         reached = [sum(done.reached) / EPISODES for done in acting[name]]
@@ -84,7 +80,7 @@ def answer_of(cells: Sequence[Done], behaving: Sequence[Done] = ()) -> Answer:
     return told
 
 
-def reduced(told: Any) -> Answer:
+def reduced(told):
     """What is compared of ``report --json``."""
     (one,) = told["combinations"]
     (success,) = (
@@ -101,18 +97,18 @@ def reduced(told: Any) -> Answer:
     }
 
 
-def ask(folder: Path) -> tuple[Answer, str]:
+def ask(folder):
     """What `harness report` says."""
     told, said = call_json("report", folder)
     return reduced(told), said
 
 
-def cells_in(folder: Path) -> list[Path]:
+def cells_in(folder):
     """The folders of its cells."""
     return sorted((folder / "cells").iterdir())
 
 
-def sealed_again(path: Path, by: Callable[[dict[str, Any]], object]) -> None:
+def sealed_again(path, by):
     """Another content of a sealed file, and the digest after it."""
     content = json.loads(path.read_text())
     del content["digest"]
@@ -120,14 +116,14 @@ def sealed_again(path: Path, by: Callable[[dict[str, Any]], object]) -> None:
     path.write_bytes(seal(content))
 
 
-def rewrite(cell: Path, name: str, by: Callable[[pa.Table], pa.Table], is_sealed: bool = True, **how: Any) -> None:
+def rewrite(cell, name, by, is_sealed=True, **how):
     """Another table in a cell, and its digest in the manifest."""
     pq.write_table(by(pq.read_table(cell / name)), cell / name, **how)
     if is_sealed:
         sealed_again(cell / MANIFEST, lambda content: content["files"].update({name: digest_of(cell / name)}))
 
 
-def no_matter(rng: Random, folder: Path) -> Trial:
+def no_matter(rng, folder):
     """The same numbers, written otherwise, or with lies beside them that nothing should believe."""
     cells = draw(rng)
     experiment = write(cells, folder / "it")
@@ -136,17 +132,17 @@ def no_matter(rng: Random, folder: Path) -> Trial:
     return Trial(change.__name__, lambda: ask(experiment), [answer_of(cells)])
 
 
-def packed_otherwise(folder: Path, rng: Random) -> None:
+def packed_otherwise(folder, rng):
     """Traces are compressed in another way, in other pieces."""
     for cell in cells_in(folder):
         how = {"compression": rng.choice(("none", "gzip", "snappy")), "row_group_size": rng.choice((1, 5, 1_000))}
         rewrite(cell, rng.choice((TRACE, EVALUATION)), lambda table: table, **how)
 
 
-def keys_in_another_order(folder: Path, rng: Random) -> None:
+def keys_in_another_order(folder, rng):
     """The keys of manifests and of the plan."""
 
-    def shuffle(content: dict[str, Any]) -> None:
+    def shuffle(content):
         items = list(content.items())
         rng.shuffle(items)
         content.clear()
@@ -156,7 +152,7 @@ def keys_in_another_order(folder: Path, rng: Random) -> None:
         sealed_again(path, shuffle)
 
 
-def lies_in_derived(folder: Path, rng: Random) -> None:
+def lies_in_derived(folder, rng):
     """What an earlier report kept is changed: it follows from the cells, and not the other way around."""
     call("report", folder, "--json")
     kept = [path for path in folder.rglob("*") if path.is_file() and "derived" in path.parts]
@@ -166,7 +162,7 @@ def lies_in_derived(folder: Path, rng: Random) -> None:
         path.write_bytes(text[:place] + bytes([text[place] ^ 1]) + text[place + 1 :])
 
 
-def derived_of_another(folder: Path, rng: Random) -> None:
+def derived_of_another(folder, rng):
     """What a report of another experiment kept lies in this one."""
     other = write(draw(rng), folder.parent / "other")
     call("report", folder, "--json")
@@ -176,7 +172,7 @@ def derived_of_another(folder: Path, rng: Random) -> None:
         shutil.copytree(other / "derived", folder / "derived")
 
 
-def lies_in_results(folder: Path, rng: Random) -> None:
+def lies_in_results(folder, rng):
     """A table of all results, with its digest in the list, says other numbers."""
     call("report", folder, "--json")
     path = folder / "results.parquet"
@@ -184,7 +180,7 @@ def lies_in_results(folder: Path, rng: Random) -> None:
     (folder / "SHA256SUMS").write_text(f"# harness made these files from others\n{digest_of(path)}  {path.name}\n")
 
 
-def odd_files(folder: Path, rng: Random) -> None:
+def odd_files(folder, rng):
     """Files and folders that nobody made."""
     (folder / "notes.txt").write_text("mine")
     (folder / "cells" / ".DS_Store").write_bytes(b"\0")
@@ -194,7 +190,7 @@ def odd_files(folder: Path, rng: Random) -> None:
 BESIDE = (packed_otherwise, keys_in_another_order, lies_in_derived, derived_of_another, lies_in_results, odd_files)
 
 
-def matters(rng: Random, folder: Path) -> Trial:
+def matters(rng, folder):
     """Other numbers, sealed again, after a report has kept the earlier ones: the answer follows."""
     cells = draw(rng)
     experiment = write(cells, folder / "it")
@@ -215,21 +211,21 @@ def matters(rng: Random, folder: Path) -> Trial:
     return Trial(f"another {change}", lambda: ask(experiment), [answer_of(cells)], True)
 
 
-def _with(table: pa.Table, name: str, row: int, value: Any) -> pa.Table:
+def _with(table, name, row, value):
     values = table.column(name).to_pylist()
     values[row] = value
     place = table.schema.get_field_index(name)
     return table.set_column(place, table.schema.field(name), pa.array(values, table.schema.field(name).type))
 
 
-def _turned(table: pa.Table, row: int, value: bool) -> pa.Table:
+def _turned(table, row, value):
     for name, told in (("reached", value), ("terminated", value), ("truncated", not value)):
         kind = table.schema.field(name).type
         table = _with(table, name, row, told if pa.types.is_boolean(kind) else float(told))
     return table
 
 
-def damaged(rng: Random, folder: Path) -> Trial:
+def damaged(rng, folder):
     """A cell is not what was written: it is left out and told, and `verify` names it."""
     cells = draw(rng, rng.randrange(2, 5))
     experiment = write(cells, folder / "it")
@@ -241,7 +237,7 @@ def damaged(rng: Random, folder: Path) -> Trial:
     alone = [other for other in cells if other is not done]
     paired = [other for other in cells if other.cell.seed != done.cell.seed]
 
-    def look() -> tuple[Answer, str]:
+    def look():
         found, _ = call_json("verify", experiment)
         # a lie with a valid digest is none that a digest shows
         assert "sealed" in change or place.name in json.dumps(found), f"verify does not name {place.name}: {found}"
@@ -250,33 +246,33 @@ def damaged(rng: Random, folder: Path) -> Trial:
     return Trial(change, look, [answer_of(paired, alone)], True, r"(?i)damaged")
 
 
-def _other_manifest(cell: Path, rng: Random) -> None:
+def _other_manifest(cell, rng):
     """The manifest is that of another cell."""
     other = rng.choice([path for path in cell.parent.iterdir() if path != cell])
     shutil.copy(other / MANIFEST, cell / MANIFEST)
 
 
-def _all_of_another(cell: Path, rng: Random) -> None:
+def _all_of_another(cell, rng):
     """All files are those of another cell, sealed."""
     other = rng.choice([path for path in cell.parent.iterdir() if path != cell])
     shutil.rmtree(cell)
     shutil.copytree(other, cell)
 
 
-def _other_trace(cell: Path, rng: Random) -> None:
+def _other_trace(cell, rng):
     """The trace is that of another cell."""
     other = rng.choice([path for path in cell.parent.iterdir() if path != cell])
     shutil.copy(other / TRACE, cell / TRACE)
 
 
-def _flip(cell: Path, rng: Random) -> None:
+def _flip(cell, rng):
     """One bit of the trace."""
     text = bytearray((cell / TRACE).read_bytes())
     text[rng.randrange(len(text))] ^= 1
     (cell / TRACE).write_bytes(bytes(text))
 
 
-DAMAGES: dict[str, Callable[[Path, Random], None]] = {
+DAMAGES = {
     "another reward, its digest kept": lambda cell, rng: rewrite(
         cell, TRACE, lambda table: _with(table, "reward", 1, 9.0), is_sealed=False
     ),
@@ -297,7 +293,7 @@ DAMAGES: dict[str, Callable[[Path, Random], None]] = {
 }
 
 
-def merged(rng: Random, folder: Path) -> Trial:
+def merged(rng, folder):
     """The cells of one experiment in two folders, some in both, put together again."""
     cells = draw(rng, rng.randrange(2, 5))
     cut = rng.randrange(1, len(cells))
@@ -306,7 +302,7 @@ def merged(rng: Random, folder: Path) -> Trial:
     write(cells[cut - again :], folder / "other", plan=cells)
     names = rng.sample(["one", "other"], 2)
 
-    def look() -> tuple[Answer, str]:
+    def look():
         call("merge", *(folder / name for name in names), "--out", folder / "all")
         return ask(folder / "all")
 

@@ -1,20 +1,16 @@
 """What may be wrong in a data set of LeRobot: what has to be refused, and what can be left out if that is told."""
 
 from collections.abc import Sequence
-from pathlib import Path
-from random import Random
-from typing import Any
 
 import numpy as np
 import pyarrow as pa
-from numpy.typing import NDArray
 
-from tests.oracles.lerobot_sets import LEFT_OUT, Parts, ask, draw_layout, parts_of, write
+from tests.oracles.lerobot_sets import LEFT_OUT, ask, draw_layout, parts_of, write
 from tests.oracles.recorded_runs import Run, answer_of, draw_runs
 from tests.oracles.trial import Trial
 
 
-def damaged(rng: Random, folder: Path) -> Trial:
+def damaged(rng, folder):
     """Something is wrong, and no number can be right."""
     runs = draw_runs(rng)
     damage = rng.choice(DAMAGES)
@@ -24,7 +20,7 @@ def damaged(rng: Random, folder: Path) -> Trial:
     return Trial(f"{damage.__name__}, {parts.layout.version}", lambda: ask(folder))
 
 
-def partly(rng: Random, folder: Path) -> Trial:
+def partly(rng, folder):
     """Something is wrong that can be left out, or read around, if it is told."""
     runs = draw_runs(rng)
     change = rng.choice(PARTLY)
@@ -38,7 +34,7 @@ def partly(rng: Random, folder: Path) -> Trial:
 # Damage
 
 
-def _long(parts: Parts, rng: Random, least: int = 2) -> NDArray[np.int64]:
+def _long(parts, rng, least=2):
     """The rows of an episode of so many rows at least; one is made longer if there is none."""
     number = parts.columns["episode_index"]
     counts = np.bincount(number)
@@ -46,19 +42,19 @@ def _long(parts: Parts, rng: Random, least: int = 2) -> NDArray[np.int64]:
     return np.flatnonzero(number == rng.choice(fitting))
 
 
-def drop_row(parts: Parts, rng: Random) -> None:
+def drop_row(parts, rng):
     """A row of an episode is gone; its metadata still tell of it."""
     gone = rng.choice(_long(parts, rng).tolist())
     parts.keep(np.arange(len(parts.place)) != gone)
 
 
-def double_row(parts: Parts, rng: Random) -> None:
+def double_row(parts, rng):
     """A row stands there twice."""
     row = rng.randrange(len(parts.place))
     parts.keep(np.sort(np.append(np.arange(len(parts.place)), row)))
 
 
-def swap_rows(parts: Parts, rng: Random) -> None:
+def swap_rows(parts, rng):
     """Two rows of an episode have changed places, with their numbers."""
     rows, order = _long(parts, rng), np.arange(len(parts.place))
     one, other = rng.sample(rows.tolist(), 2)
@@ -66,12 +62,12 @@ def swap_rows(parts: Parts, rng: Random) -> None:
     parts.keep(order)
 
 
-def drop_episode(parts: Parts, rng: Random) -> None:
+def drop_episode(parts, rng):
     """The rows of an episode are gone; the metadata still list it."""
     parts.keep(parts.columns["episode_index"] != rng.randrange(len(parts.episodes)))
 
 
-def lie_on_length(parts: Parts, rng: Random) -> None:
+def lie_on_length(parts, rng):
     """The metadata tell another length of an episode."""
     episode = rng.choice(parts.episodes)
     episode["length"] += rng.choice((1, 5))
@@ -79,7 +75,7 @@ def lie_on_length(parts: Parts, rng: Random) -> None:
         episode["dataset_to_index"] = episode["dataset_from_index"] + episode["length"]
 
 
-def ragged(parts: Parts, rng: Random) -> None:
+def ragged(parts, rng):
     """A number of a state is missing in one row, and one too many stands in another."""
     rows = [row.tolist() for row in parts.columns["observation.state"]]
     rows[0] = rows[0][:-1]
@@ -94,12 +90,12 @@ class _Ragged:
     def __init__(self, rows: Sequence[Sequence[float]]) -> None:
         self.rows = list(rows)
 
-    def __getitem__(self, rows: NDArray[Any]) -> pa.Array:
+    def __getitem__(self, rows):
         picked = np.arange(len(self.rows))[rows]
         return pa.array([self.rows[row] for row in picked.tolist()], pa.list_(pa.float32()))
 
 
-def probabilities(parts: Parts, rng: Random) -> None:
+def probabilities(parts, rng):
     """Labels are neither 0 nor 1."""
     label = parts.layout.label
     values = parts.columns[label].astype(np.float32)
@@ -108,26 +104,26 @@ def probabilities(parts: Parts, rng: Random) -> None:
     parts.info["features"][label]["dtype"] = "float32"
 
 
-def lie_on_total(parts: Parts, rng: Random) -> None:
+def lie_on_total(parts, rng):
     """Info tells of more episodes, or of more rows, than there are."""
     key = rng.choice(("total_episodes", "total_frames"))
     parts.info[key] += rng.choice((1, 10))
 
 
-def missing_column(parts: Parts, rng: Random) -> None:
+def missing_column(parts, rng):
     """Info tells of a column that is not there."""
     name = rng.choice(("action", "observation.state", "frame_index", "next.reward"))
     del parts.columns[name]
 
 
-def text_for_numbers(parts: Parts, rng: Random) -> None:
+def text_for_numbers(parts, rng):
     """Rewards, or labels, are texts."""
     name = rng.choice(("next.reward", parts.layout.label))
     parts.columns[name] = np.array([f"{value}" for value in parts.columns[name].tolist()])
     parts.layout.scalars_in_lists = False
 
 
-def backwards(parts: Parts, rng: Random) -> None:
+def backwards(parts, rng):
     """Frames count down."""
     number, frame = parts.columns["episode_index"], parts.columns["frame_index"].copy()
     counts = np.bincount(number)
@@ -136,7 +132,7 @@ def backwards(parts: Parts, rng: Random) -> None:
         parts.columns["frame_index"] = frame + 1
 
 
-def begins_late(parts: Parts, rng: Random) -> None:
+def begins_late(parts, rng):
     """The frames of an episode begin at 1."""
     rows = _long(parts, rng, 1)
     frame = parts.columns["frame_index"].copy()
@@ -155,7 +151,7 @@ DAMAGES = (
 Partly = tuple[Sequence[Sequence[Run]], bool, str]
 
 
-def left_over(parts: Parts, runs: Sequence[Run], rng: Random) -> Partly:
+def left_over(parts, runs, rng):
     """Episodes lie there that the metadata no longer list."""
     count = rng.randrange(1, max(2, len(runs) // 3))
     parts.episodes = parts.episodes[:-count]
@@ -165,7 +161,7 @@ def left_over(parts: Parts, runs: Sequence[Run], rng: Random) -> Partly:
     return [runs[:-count]], True, LEFT_OUT
 
 
-def nan_pay(parts: Parts, runs: Sequence[Run], rng: Random) -> Partly:
+def nan_pay(parts, runs, rng):
     """A reward is not finite."""
     row = rng.randrange(len(parts.place))
     number = int(parts.columns["episode_index"][row])
@@ -173,7 +169,7 @@ def nan_pay(parts: Parts, runs: Sequence[Run], rng: Random) -> Partly:
     return [[run for place, run in enumerate(runs) if place != number]], False, LEFT_OUT
 
 
-def nan_state(parts: Parts, runs: Sequence[Run], rng: Random) -> Partly:
+def nan_state(parts, runs, rng):
     """A state is not finite; what was paid is."""
     row = rng.randrange(len(parts.place))
     number = int(parts.columns["episode_index"][row])
@@ -181,13 +177,13 @@ def nan_state(parts: Parts, runs: Sequence[Run], rng: Random) -> Partly:
     return [runs, [run for place, run in enumerate(runs) if place != number]], False, ""
 
 
-def fewer_told(parts: Parts, runs: Sequence[Run], rng: Random) -> Partly:
+def fewer_told(parts, runs, rng):
     """Info tells of fewer episodes than metadata and rows have."""
     parts.info[rng.choice(("total_episodes", "total_frames"))] -= 1
     return [runs], True, r"(?i)total"
 
 
-def renamed_reward(parts: Parts, runs: Sequence[Run], rng: Random) -> Partly:
+def renamed_reward(parts, runs, rng):
     """A stranger's list of own rewards calls another column `recorded`."""
     parts.columns["annotation"] = -np.abs(np.sin(np.arange(len(parts.place)))).astype(np.float32)
     parts.info["features"]["annotation"] = {"dtype": "float32", "shape": [1], "names": None}
@@ -195,7 +191,7 @@ def renamed_reward(parts: Parts, runs: Sequence[Run], rng: Random) -> Partly:
     return [runs], True, ""
 
 
-def swapped_files(parts: Parts, runs: Sequence[Run], rng: Random) -> Partly:
+def swapped_files(parts, runs, rng):
     """Two files, or two episodes of one, have changed places; rows carry the number of their own episode."""
     one, other = rng.sample(range(len(runs)), 2)
     number, place = parts.columns["episode_index"], parts.place.copy()

@@ -5,10 +5,8 @@ By https://huggingface.co/docs/lerobot/lerobot-dataset-v3 and the page of versio
 """
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from pathlib import Path
-from random import Random
 from typing import Any
 
 import numpy as np
@@ -16,8 +14,8 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from tests.oracles.recorded_runs import MATTERS, NO_MATTER, Run, answer_of, draw_runs, other_task
-from tests.oracles.trial import Answer, Trial, call_json
+from tests.oracles.recorded_runs import MATTERS, NO_MATTER, answer_of, draw_runs, other_task
+from tests.oracles.trial import Trial, call_json
 
 VERSIONS = ("v2.0", "v2.1", "v3.0")
 LEFT_OUT = r"(?i)left out|left over|no label|unlabel|nothing says|not listed|lists|belong"
@@ -61,13 +59,13 @@ class Parts:
     place: NDArray[np.int64]
     layout: Layout
 
-    def keep(self, rows: NDArray[Any]) -> None:
+    def keep(self, rows):
         """Only these rows, by number or as a mask."""
         self.columns = {name: values[rows] for name, values in self.columns.items()}
         self.place = self.place[rows]
 
 
-def draw_layout(rng: Random) -> Layout:
+def draw_layout(rng):
     """Any."""
     return Layout(
         version=rng.choice(VERSIONS),
@@ -86,12 +84,12 @@ def draw_layout(rng: Random) -> Layout:
     )
 
 
-def parts_of(runs: Sequence[Run], layout: Layout) -> Parts:
+def parts_of(runs, layout):
     """What stands in the files."""
     lengths = np.array([len(run) for run in runs])
     number = np.repeat(np.arange(len(runs)), lengths)
     frame = np.concatenate([np.arange(length) for length in lengths])
-    columns: dict[str, Any] = {
+    columns = {
         "observation.state": np.concatenate([run.states[:-1] for run in runs]),
         "action": np.concatenate([run.actions for run in runs]),
         "next.reward": np.concatenate([run.rewards for run in runs]).astype(layout.pay_type),
@@ -136,7 +134,7 @@ def parts_of(runs: Sequence[Run], layout: Layout) -> Parts:
     return Parts(columns, episodes, _info(runs, columns, layout), file_of[number], layout)
 
 
-def _info(runs: Sequence[Run], columns: Mapping[str, Any], layout: Layout) -> dict[str, Any]:
+def _info(runs, columns, layout):
     tasks, is_three = 1 + max(run.task for run in runs), layout.version == "v3.0"
     features = {
         name: {"dtype": str(values.dtype), "shape": list(values.shape[1:]) or [1], "names": None}
@@ -163,7 +161,7 @@ def _info(runs: Sequence[Run], columns: Mapping[str, Any], layout: Layout) -> di
     }
 
 
-def write(parts: Parts, folder: Path) -> None:
+def write(parts, folder):
     """All files."""
     layout, meta = parts.layout, folder / "meta"
     meta.mkdir(parents=True)
@@ -191,7 +189,7 @@ def write(parts: Parts, folder: Path) -> None:
         pq.write_table(pa.table(table), path, compression=layout.compression, row_group_size=layout.rows_of_group)
 
 
-def _column(values: Any, layout: Layout) -> Any:
+def _column(values, layout):
     if isinstance(values, pa.Array):
         return values
     if values.ndim == 1 and not layout.scalars_in_lists:
@@ -208,17 +206,17 @@ def _column(values: Any, layout: Layout) -> Any:
     )
 
 
-def _write_text(path: Path, text: str, layout: Layout) -> None:
+def _write_text(path, text, layout):
     path.write_text(text, encoding="utf-8", newline=layout.newline)
 
 
-def ask(folder: Path, *flags: str) -> tuple[Answer, str]:
+def ask(folder, *flags):
     """What `harness audit` says of it."""
     told, said = call_json("audit", f"lerobot:{folder}", *flags)
     return reduced(told), said
 
 
-def reduced(told: Mapping[str, Any]) -> Answer:
+def reduced(told):
     """What is compared of an audit."""
     found = next(reward for reward in told["rewards"] if reward["reward"] == "recorded")
     return {
@@ -229,7 +227,7 @@ def reduced(told: Mapping[str, Any]) -> Answer:
     }
 
 
-def no_matter(rng: Random, folder: Path) -> Trial:
+def no_matter(rng, folder):
     """Written in another way, in another order."""
     runs = draw_runs(rng, rng.choice((1, 1, 2, 3)))
     change = rng.choice(NO_MATTER)
@@ -238,7 +236,7 @@ def no_matter(rng: Random, folder: Path) -> Trial:
     return Trial(f"{change.__name__}, {layout}", lambda: ask(folder), [answer_of(runs)])
 
 
-def copies(rng: Random, folder: Path) -> Trial:
+def copies(rng, folder):
     """Some episodes stand there several times, under numbers of their own."""
     runs = draw_runs(rng)
     more = [*runs, *(rng.choice(runs) for _ in range(rng.randrange(1, 40)))]
@@ -248,7 +246,7 @@ def copies(rng: Random, folder: Path) -> Trial:
     return Trial("copies", lambda: ask(folder / "often"), [right], tells=COPIES)
 
 
-def matters(rng: Random, folder: Path) -> Trial:
+def matters(rng, folder):
     """Other episodes: the answer is another, and follows."""
     runs = draw_runs(rng, rng.choice((1, 2)))
     change = rng.choice((*MATTERS, *((other_task,) if max(run.task for run in runs) else ())))

@@ -5,7 +5,7 @@ and ``total_steps``, arrays that can grow, one observation and one info more tha
 """
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from random import Random
@@ -16,7 +16,7 @@ import numpy as np
 
 from tests.oracles.lerobot_sets import COPIES, LEFT_OUT, reduced
 from tests.oracles.recorded_runs import MATTERS, NO_MATTER, Run, answer_of, draw_runs
-from tests.oracles.trial import Answer, Trial, call_json
+from tests.oracles.trial import Trial, call_json
 
 MAIN, METADATA = Path("data/main_data.hdf5"), Path("data/metadata.json")
 
@@ -39,7 +39,7 @@ class Layout:
     indent: int | None = None
 
 
-def draw_layout(rng: Random) -> Layout:
+def draw_layout(rng):
     """Any."""
     return Layout(
         chunks=rng.choice(("guessed", "guessed", "none", "row")),
@@ -57,7 +57,7 @@ def draw_layout(rng: Random) -> Layout:
     )
 
 
-def write(runs: Sequence[Run], layout: Layout, folder: Path) -> None:
+def write(runs, layout, folder):
     """Both files."""
     (folder / "data").mkdir(parents=True)
     steps = sum(map(len, runs))
@@ -75,7 +75,7 @@ def write(runs: Sequence[Run], layout: Layout, folder: Path) -> None:
         (folder / METADATA).write_text(json.dumps(told, indent=layout.indent))
 
 
-def _write_episode(group: Any, number: int, run: Run, layout: Layout) -> None:
+def _write_episode(group, number, run, layout):
     attributes = {"id": number, "seed": 7 + number, "total_steps": len(run)}
     if layout.backwards:
         attributes = dict(reversed(attributes.items()))
@@ -105,7 +105,7 @@ def _write_episode(group: Any, number: int, run: Run, layout: Layout) -> None:
         group["infos/words"] = ["a"] * len(told)
 
 
-def _put(group: Any, key: str, values: Any, layout: Layout) -> None:
+def _put(group, key, values, layout):
     if layout.chunks == "none":
         group.create_dataset(key, data=values)
         return
@@ -115,17 +115,17 @@ def _put(group: Any, key: str, values: Any, layout: Layout) -> None:
     )
 
 
-def ask(folder: Path, *flags: str) -> tuple[Answer, str]:
+def ask(folder, *flags):
     """What `harness audit` says of it."""
     told, said = call_json("audit", f"minari:{folder}", *flags)
     return reduced(told), said
 
 
-def _one_task(rng: Random) -> list[Run]:
+def _one_task(rng):
     return draw_runs(rng)
 
 
-def no_matter(rng: Random, folder: Path) -> Trial:
+def no_matter(rng, folder):
     """Written in another way, in another order."""
     runs = _one_task(rng)
     change = rng.choice(NO_MATTER)
@@ -134,7 +134,7 @@ def no_matter(rng: Random, folder: Path) -> Trial:
     return Trial(f"{change.__name__}, {layout}", lambda: ask(folder), [answer_of(runs)])
 
 
-def copies(rng: Random, folder: Path) -> Trial:
+def copies(rng, folder):
     """Some episodes stand there several times."""
     runs = _one_task(rng)
     more = [*runs, *(rng.choice(runs) for _ in range(rng.randrange(1, 40)))]
@@ -144,7 +144,7 @@ def copies(rng: Random, folder: Path) -> Trial:
     return Trial("copies", lambda: ask(folder / "often"), [right], tells=COPIES)
 
 
-def matters(rng: Random, folder: Path) -> Trial:
+def matters(rng, folder):
     """Other episodes: the answer is another, and follows."""
     change = rng.choice(MATTERS)
     changed = change(_one_task(rng), rng)
@@ -157,7 +157,7 @@ Change = Callable[[Any, Sequence[Run], Random], tuple[Sequence[Sequence[Run]], b
 """Changes the open file; tells the episodes of each answer that is right, whether a refusal is, and what is told."""
 
 
-def changed(rng: Random, folder: Path) -> Trial:
+def changed(rng, folder):
     """Something in the file is wrong."""
     runs = _one_task(rng)
     change = rng.choice(CHANGES)
@@ -171,35 +171,35 @@ def changed(rng: Random, folder: Path) -> Trial:
     return Trial(change.__name__, lambda: ask(folder), right, may_refuse, tells)
 
 
-def _any(file: Any, rng: Random) -> Any:
+def _any(file, rng):
     return file[f"episode_{rng.randrange(len(file))}"]
 
 
-def short_rewards(file: Any, runs: Sequence[Run], rng: Random) -> Any:
+def short_rewards(file, runs, rng):
     """A reward is missing at the end."""
     rewards = _any(file, rng)["rewards"]
     rewards.resize(len(rewards) - 1, axis=0)
     return [], True, ""
 
 
-def short_actions(file: Any, runs: Sequence[Run], rng: Random) -> Any:
+def short_actions(file, runs, rng):
     """An action is missing at the end."""
     actions = _any(file, rng)["actions"]
     actions.resize(len(actions) - 1, axis=0)
     return [], True, ""
 
 
-def lie_on_steps(file: Any, runs: Sequence[Run], rng: Random) -> Any:
+def lie_on_steps(file, runs, rng):
     """The attribute tells of other steps than there are."""
     _any(file, rng).attrs["total_steps"] += rng.choice((1, 7))
     return [], True, ""
 
 
-def cut_whole(file: Any, runs: Sequence[Run], rng: Random) -> Any:
+def cut_whole(file, runs, rng):
     """All arrays of an episode lack the last step; attribute and metadata still tell of it."""
     group = _any(file, rng)
 
-    def cut(name: str, found: Any) -> None:
+    def cut(name, found):
         if isinstance(found, h5py.Dataset) and len(found) and found.maxshape[0] is None:
             found.resize(len(found) - 1, axis=0)
 
@@ -207,13 +207,13 @@ def cut_whole(file: Any, runs: Sequence[Run], rng: Random) -> Any:
     return [], True, ""
 
 
-def drop_episode(file: Any, runs: Sequence[Run], rng: Random) -> Any:
+def drop_episode(file, runs, rng):
     """An episode is gone; metadata still tell of it."""
     del file[f"episode_{rng.randrange(len(runs))}"]
     return [], True, ""
 
 
-def probabilities(file: Any, runs: Sequence[Run], rng: Random) -> Any:
+def probabilities(file, runs, rng):
     """A label is neither 0 nor 1."""
     group = _any(file, rng)["infos"]
     values = np.asarray(group["success"][...], np.float64)
@@ -223,14 +223,14 @@ def probabilities(file: Any, runs: Sequence[Run], rng: Random) -> Any:
     return [], True, ""
 
 
-def no_key(file: Any, runs: Sequence[Run], rng: Random) -> Any:
+def no_key(file, runs, rng):
     """One episode lacks the key of success, the first one too."""
     number = rng.choice((0, rng.randrange(len(runs))))
     del file[f"episode_{number}/infos/success"]
     return [_but(runs, number, unlabelled=True)], False, LEFT_OUT
 
 
-def nan_pay(file: Any, runs: Sequence[Run], rng: Random) -> Any:
+def nan_pay(file, runs, rng):
     """A reward is not finite."""
     number = rng.randrange(len(runs))
     rewards = file[f"episode_{number}/rewards"]
@@ -238,13 +238,13 @@ def nan_pay(file: Any, runs: Sequence[Run], rng: Random) -> Any:
     return [_but(runs, number)], False, LEFT_OUT
 
 
-def linked_copy(file: Any, runs: Sequence[Run], rng: Random) -> Any:
+def linked_copy(file, runs, rng):
     """An episode is a hard link to another one: it is no evidence of its own."""
     file[f"episode_{len(runs)}"] = _any(file, rng)
     return [runs], True, ""
 
 
-def link_instead(file: Any, runs: Sequence[Run], rng: Random) -> Any:
+def link_instead(file, runs, rng):
     """In the place of an episode stands a link to another one."""
     one, other = rng.sample(range(len(runs)), 2)
     del file[f"episode_{one}"]
@@ -255,7 +255,7 @@ def link_instead(file: Any, runs: Sequence[Run], rng: Random) -> Any:
     return [], True, ""
 
 
-def loop(file: Any, runs: Sequence[Run], rng: Random) -> Any:
+def loop(file, runs, rng):
     """A group of infos holds itself, or the same group along very many ways."""
     infos = file["episode_0/infos"]
     if rng.random() < 0.5:
@@ -270,7 +270,7 @@ def loop(file: Any, runs: Sequence[Run], rng: Random) -> Any:
     return [runs], True, ""
 
 
-def dangling(file: Any, runs: Sequence[Run], rng: Random) -> Any:
+def dangling(file, runs, rng):
     """Rewards are a link to nothing, or into another file."""
     group = _any(file, rng)
     del group["rewards"]
@@ -278,7 +278,7 @@ def dangling(file: Any, runs: Sequence[Run], rng: Random) -> Any:
     return [], True, ""
 
 
-def wide_rewards(file: Any, runs: Sequence[Run], rng: Random) -> Any:
+def wide_rewards(file, runs, rng):
     """A step has two rewards."""
     group = _any(file, rng)
     values = np.stack([group["rewards"][...]] * 2, axis=1)
@@ -287,14 +287,14 @@ def wide_rewards(file: Any, runs: Sequence[Run], rng: Random) -> Any:
     return [], True, ""
 
 
-def left_over(file: Any, runs: Sequence[Run], rng: Random) -> Any:
+def left_over(file, runs, rng):
     """More episodes lie there than metadata tell of: nothing says which belong."""
     group = file.create_group(f"episode_{len(runs)}")
     _write_episode(group, len(runs), replace(runs[0], rewards=runs[0].rewards + np.float32(8.0)), Layout())
     return [runs], True, LEFT_OUT
 
 
-def swapped_arrays(file: Any, runs: Sequence[Run], rng: Random) -> Any:
+def swapped_arrays(file, runs, rng):
     """The rewards of two episodes of one length have changed places: it cannot be seen, and is what is told."""
     one, other = rng.sample(range(len(runs)), 2)
     if len(runs[one]) != len(runs[other]):
@@ -309,24 +309,24 @@ def swapped_arrays(file: Any, runs: Sequence[Run], rng: Random) -> Any:
     return [found], False, ""
 
 
-def _but(runs: Sequence[Run], number: int, unlabelled: bool = False) -> list[Run]:
+def _but(runs, number, unlabelled=False):
     if not unlabelled:
         return [run for place, run in enumerate(runs) if place != number]
     unknown = replace(runs[number], success=np.full(len(runs[number]), np.nan))
     return [unknown if place == number else run for place, run in enumerate(runs)]
 
 
-CHANGES: Sequence[Change] = (
+CHANGES = (
     short_rewards, short_actions, lie_on_steps, cut_whole, drop_episode, probabilities, no_key, nan_pay, linked_copy,
     link_instead, loop, dangling, wide_rewards, left_over, swapped_arrays,
 )  # fmt: skip
 
 
-def lie_on_totals(rng: Random, folder: Path) -> Trial:
+def lie_on_totals(rng, folder):
     """Metadata tell of more episodes, or steps, than there are."""
     runs = _one_task(rng)
     write(runs, replace(draw_layout(rng), in_file=False), folder)
-    told: Mapping[str, Any] = json.loads((folder / METADATA).read_text())
+    told = json.loads((folder / METADATA).read_text())
     key = rng.choice(("total_episodes", "total_steps"))
     (folder / METADATA).write_text(json.dumps({**told, key: told[key] + rng.choice((1, 10))}))
     return Trial(f"{key} is more than there is", lambda: ask(folder))

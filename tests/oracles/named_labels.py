@@ -1,18 +1,15 @@
 """Labels that a user names: a threshold, a file, the list of episodes, a return; and functions that pay a step."""
 
 import csv
-from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
-from random import Random
 
 import h5py
 import numpy as np
 
 from tests.oracles import lerobot_sets, minari_sets
 from tests.oracles.answers import auc_within_tasks
-from tests.oracles.recorded_runs import Run, answer_of, draw_runs
-from tests.oracles.trial import Answer, Trial, call_json
+from tests.oracles.recorded_runs import answer_of, draw_runs
+from tests.oracles.trial import Trial, call_json
 
 PLUGIN = """
 def near(observation, action, next_observation, info):
@@ -24,20 +21,20 @@ def still(observation, action, next_observation, info):
 """
 
 
-def _unlabelled(runs: Sequence[Run]) -> list[Run]:
+def _unlabelled(runs):
     return [replace(run, success=np.zeros(len(run))) for run in runs]
 
 
-def _labelled(runs: Sequence[Run], told: Sequence[bool | None]) -> list[Run]:
+def _labelled(runs, told):
     numbers = [np.nan if one is None else float(one) for one in told]
     return [replace(run, success=np.full(len(run), one)) for run, one in zip(runs, numbers, strict=True)]
 
 
-def _draw_labels(rng: Random, runs: Sequence[Run]) -> list[bool | None]:
+def _draw_labels(rng, runs):
     return [rng.choice((True, False, True, False, None)) for _ in runs]
 
 
-def threshold(rng: Random, folder: Path) -> Trial:
+def threshold(rng, folder):
     """The label is a probability of each step, and the user says from where on it is a success."""
     runs = draw_runs(rng)
     runs = [replace(run, success=np.array([rng.randrange(65) / 64 for _ in run.rewards])) for run in runs]
@@ -52,7 +49,7 @@ def threshold(rng: Random, folder: Path) -> Trial:
     return Trial("a threshold", lambda: minari_sets.ask(folder / "it", "--success", f"success>{limit}"), [right])
 
 
-def _write(rng: Random, runs: Sequence[Run], folder: Path) -> str:
+def _write(rng, runs, folder):
     if rng.random() < 0.5:
         lerobot_sets.write(lerobot_sets.parts_of(runs, lerobot_sets.draw_layout(rng)), folder)
         return "lerobot"
@@ -60,11 +57,11 @@ def _write(rng: Random, runs: Sequence[Run], folder: Path) -> str:
     return "minari"
 
 
-def _ask(kind: str, folder: Path, *flags: str) -> tuple[Answer, str]:
+def _ask(kind, folder, *flags):
     return (lerobot_sets if kind == "lerobot" else minari_sets).ask(folder, *flags)
 
 
-def labels_file(rng: Random, folder: Path) -> Trial:
+def labels_file(rng, folder):
     """A CSV file has a line for each episode, in any order."""
     runs = draw_runs(rng)
     told = _draw_labels(rng, runs)
@@ -79,7 +76,7 @@ def labels_file(rng: Random, folder: Path) -> Trial:
     return Trial("labels in a file", lambda: _ask(kind, folder / "it", "--labels", str(folder / "labels.csv")), [right])
 
 
-def wrong_labels_file(rng: Random, folder: Path) -> Trial:
+def wrong_labels_file(rng, folder):
     """An episode stands there twice, has an odd label, or is none of the data set."""
     runs = draw_runs(rng)
     kind = _write(rng, _unlabelled(runs), folder / "it")
@@ -89,7 +86,7 @@ def wrong_labels_file(rng: Random, folder: Path) -> Trial:
     return Trial(f"odd labels {odd!r}", lambda: _ask(kind, folder / "it", "--labels", str(folder / "labels.csv")))
 
 
-def in_the_list(rng: Random, folder: Path) -> Trial:
+def in_the_list(rng, folder):
     """The list of episodes, or the attributes of a group, say it."""
     runs = draw_runs(rng)
     told = [bool(one) for one in _draw_labels(rng, runs)]
@@ -108,7 +105,7 @@ def in_the_list(rng: Random, folder: Path) -> Trial:
     return Trial(f"in the list of {kind}", lambda: _ask(kind, folder / "it", "--success", "goal_reached"), [right])
 
 
-def above_a_return(rng: Random, folder: Path) -> Trial:
+def above_a_return(rng, folder):
     """An episode is a success if its recorded return is above a number."""
     runs = draw_runs(rng)
     kind = _write(rng, _unlabelled(runs), folder / "it")
@@ -119,7 +116,7 @@ def above_a_return(rng: Random, folder: Path) -> Trial:
     return Trial("above a return", lambda: _ask(kind, folder / "it", *flags), [right])
 
 
-def functions(rng: Random, folder: Path) -> Trial:
+def functions(rng, folder):
     """Functions pay each step; one that looks at what was seen after the last one cannot pay it in LeRobot's sets."""
     runs = draw_runs(rng)
     (folder / "pay.py").write_text(PLUGIN)
@@ -140,7 +137,7 @@ def functions(rng: Random, folder: Path) -> Trial:
         told = [runs[place].told._replace(pay=sums[place]) for place in kept]
         right[name] = auc_within_tasks(told)
 
-    def ask() -> tuple[Answer, str]:
+    def ask():
         kind = "lerobot" if is_lerobot else "minari"
         told, said = call_json("audit", f"{kind}:{folder / 'it'}", "--plugin", folder / "pay.py")
         return {one["reward"]: one["success"]["value"] for one in told["rewards"]}, said
@@ -148,7 +145,7 @@ def functions(rng: Random, folder: Path) -> Trial:
     return Trial(f"functions, {'lerobot' if is_lerobot else 'minari'}", ask, [right])
 
 
-def partial(rng: Random, folder: Path) -> Trial:
+def partial(rng, folder):
     """What is there is enough for the user: the rest is answered, and what is missing is told."""
     runs = draw_runs(rng)
     parts = lerobot_sets.parts_of(runs, lerobot_sets.draw_layout(rng))

@@ -1,14 +1,11 @@
 """Episodes that somebody recorded, before they are written in one format or the other."""
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from random import Random
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tests.oracles.answers import Told, auc_within_tasks
-from tests.oracles.trial import Answer
 
 EIGHTH = 0.125
 """Rewards are multiples of it: their sums are exact in any order and in 32 bits."""
@@ -32,18 +29,18 @@ class Run:
     success: NDArray[np.float64]
     task: int
 
-    def __len__(self) -> int:
+    def __len__(self):
         return len(self.rewards)
 
     @property
-    def told(self) -> Told:
+    def told(self):
         """What it says: a success if one step is told to be one, unknown if no step has a label that is 0 or 1."""
         labels = [value for value in self.success.tolist() if value in (0.0, 1.0)]
         body = b"".join(part.tobytes() for part in (self.states[:-1], self.actions, self.rewards))
         return Told(float(np.sum(self.rewards, dtype=np.float64)), any(labels) if labels else None, self.task, body)
 
 
-def draw_runs(rng: Random, tasks: int = 1) -> list[Run]:
+def draw_runs(rng, tasks=1):
     """Episodes of all lengths, successes and failures of each task."""
     draw = np.random.default_rng(rng.randrange(2**32))
     better = rng.choice((-1.0, 0.0, 0.5, 1.0, 2.0))
@@ -56,7 +53,7 @@ def draw_runs(rng: Random, tasks: int = 1) -> list[Run]:
     return runs
 
 
-def _draw_run(rng: Random, draw: np.random.Generator, success: bool, task: int, level: float) -> Run:
+def _draw_run(rng, draw, success, task, level):
     steps = rng.choice((1, 2, 3, 4, 5, 7, 9, 12))
     told = np.zeros(steps)
     if success:
@@ -67,7 +64,7 @@ def _draw_run(rng: Random, draw: np.random.Generator, success: bool, task: int, 
     return Run(states, draw.normal(size=(steps, 2)).astype(np.float32), rewards.astype(np.float32), told, task)
 
 
-def answer_of(runs: Sequence[Run]) -> Answer:
+def answer_of(runs):
     """What an audit of these has to say."""
     told = [run.told for run in runs]
     return {
@@ -77,12 +74,12 @@ def answer_of(runs: Sequence[Run]) -> Answer:
     }
 
 
-def with_rewards(run: Run, rewards: NDArray[np.float32]) -> Run:
+def with_rewards(run, rewards):
     """The same episode, paid otherwise."""
     return replace(run, rewards=np.asarray(rewards, np.float32))
 
 
-def changed_at(runs: Sequence[Run], place: int, change: Callable[[Run], Run]) -> list[Run]:
+def changed_at(runs, place, change):
     """The same episodes but for one."""
     return [change(run) if number == place else run for number, run in enumerate(runs)]
 
@@ -90,10 +87,10 @@ def changed_at(runs: Sequence[Run], place: int, change: Callable[[Run], Run]) ->
 # Changes that matter, of which the answer follows: each gives other episodes.
 
 
-def move_pay(runs: Sequence[Run], rng: Random) -> list[Run]:
+def move_pay(runs, rng):
     """The last step of an episode pays much more, or much less."""
 
-    def pay(run: Run) -> Run:
+    def pay(run):
         rewards = run.rewards.copy()
         rewards[-1] += np.float32(rng.choice((-500.0, 500.0)))
         return with_rewards(run, rewards)
@@ -101,10 +98,10 @@ def move_pay(runs: Sequence[Run], rng: Random) -> list[Run]:
     return changed_at(runs, rng.randrange(len(runs)), pay)
 
 
-def turn_label(runs: Sequence[Run], rng: Random) -> list[Run]:
+def turn_label(runs, rng):
     """A success becomes a failure, or the other way around; in its last step alone."""
 
-    def turn(run: Run) -> Run:
+    def turn(run):
         told = np.zeros(len(run))
         told[-1] = 0.0 if run.success.any() else 1.0
         return replace(run, success=told)
@@ -112,7 +109,7 @@ def turn_label(runs: Sequence[Run], rng: Random) -> list[Run]:
     return changed_at(runs, rng.randrange(len(runs)), turn)
 
 
-def unlabel(runs: Sequence[Run], rng: Random) -> list[Run]:
+def unlabel(runs, rng):
     """Some episodes have NaN, or -1, for a label."""
     unknown = rng.choice((np.nan, -1.0))
     chosen = set(rng.sample(range(len(runs)), rng.randrange(1, max(2, len(runs) // 3))))
@@ -121,20 +118,20 @@ def unlabel(runs: Sequence[Run], rng: Random) -> list[Run]:
     ]
 
 
-def shift_pay(runs: Sequence[Run], rng: Random) -> list[Run]:
+def shift_pay(runs, rng):
     """All rewards stand a row later; the first of all is that of the last."""
     flat = np.roll(np.concatenate([run.rewards for run in runs]), 1)
     begins = np.cumsum([0, *map(len, runs)])
     return [with_rewards(run, flat[a:b]) for run, a, b in zip(runs, begins, begins[1:], strict=False)]
 
 
-def other_task(runs: Sequence[Run], rng: Random) -> list[Run]:
+def other_task(runs, rng):
     """An episode is of another task."""
     last = max(run.task for run in runs)
     return changed_at(runs, rng.randrange(len(runs)), lambda run: replace(run, task=(run.task + 1) % (last + 1)))
 
 
-def turn_all(runs: Sequence[Run], rng: Random) -> list[Run]:
+def turn_all(runs, rng):
     """Every reward has the other sign."""
     return [with_rewards(run, -run.rewards) for run in runs]
 
@@ -144,25 +141,25 @@ MATTERS = (move_pay, turn_label, unlabel, shift_pay, turn_all)
 # Changes that must not matter.
 
 
-def reorder(runs: Sequence[Run], rng: Random) -> list[Run]:
+def reorder(runs, rng):
     """In another order."""
     return rng.sample(list(runs), len(runs))
 
 
-def scale(runs: Sequence[Run], rng: Random) -> list[Run]:
+def scale(runs, rng):
     """All rewards in another unit; by a power of two, which is exact."""
     factor = np.float32(rng.choice((0.25, 4.0, 1024.0)))
     return [with_rewards(run, run.rewards * factor) for run in runs]
 
 
-def renumber_tasks(runs: Sequence[Run], rng: Random) -> list[Run]:
+def renumber_tasks(runs, rng):
     """Tasks have other numbers."""
     last = max(run.task for run in runs)
     numbers = rng.sample(range(last + 1), last + 1)
     return [replace(run, task=numbers[run.task]) for run in runs]
 
 
-def leave(runs: Sequence[Run], rng: Random) -> list[Run]:
+def leave(runs, rng):
     """As they are."""
     return list(runs)
 

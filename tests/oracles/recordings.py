@@ -4,10 +4,7 @@ A training is a folder of ``recording-<n>.json``, which carries its own digest, 
 change is sealed again, so that a lie with a valid digest is read.
 """
 
-from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from pathlib import Path
-from random import Random
 from typing import Any
 
 import numpy as np
@@ -16,7 +13,7 @@ import pyarrow.parquet as pq
 
 from harness.files import seal
 from tests.oracles.answers import etas, indices
-from tests.oracles.trial import Answer, Shown, Trial, call_json
+from tests.oracles.trial import Shown, Trial, call_json
 
 BASE, NEXT = REWARDS = ("plain", "shaped")
 EIGHTH = 0.125
@@ -43,13 +40,13 @@ class Training:
     columns: dict[str, Any]
     facts: dict[str, Any] = field(default_factory=dict)
 
-    def paid(self, name: str) -> list[float]:
+    def paid(self, name):
         """By a reward, each step."""
         return [float(value) for value in self.columns[f"reward_{name}"]]
 
-    def mean_return(self, name: str) -> float:
+    def mean_return(self, name):
         """Of an episode that ended."""
-        sums: dict[int, float] = {}
+        sums = {}
         ended = set()
         for number, paid, one, other in zip(
             self.columns["episode"],
@@ -63,14 +60,14 @@ class Training:
         return sum(sums[number] for number in ended) / len(ended)
 
 
-def draw_trainings(rng: Random) -> list[Training]:
+def draw_trainings(rng):
     """Some of each reward, of as many steps."""
     steps, seeds = rng.choice((30, 60, 120)), rng.randrange(1, 5)
     return [_draw_training(rng, name, seed, steps) for name in REWARDS for seed in range(seeds)]
 
 
-def _draw_training(rng: Random, trained_with: str, seed: int, steps: int) -> Training:
-    lengths: list[int] = []
+def _draw_training(rng, trained_with, seed, steps):
+    lengths = []
     while sum(lengths) < steps:
         lengths.append(min(rng.randrange(1, 12), steps - sum(lengths)))
     draw = np.random.default_rng(rng.randrange(2**32))
@@ -89,7 +86,7 @@ def _draw_training(rng: Random, trained_with: str, seed: int, steps: int) -> Tra
     return Training(trained_with, seed, columns)
 
 
-def facts_of(training: Training) -> dict[str, Any]:
+def facts_of(training):
     """What stands in ``recording-0.json``."""
     names = [*(f"reward_{name}" for name in REWARDS), "behaviour_success"]
     return {
@@ -101,7 +98,7 @@ def facts_of(training: Training) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def write(training: Training, folder: Path, rng: Random | None = None) -> None:
+def write(training, folder, rng=None):
     """Both files; by the random numbers, in one of the ways that must not matter."""
     folder.mkdir(parents=True)
     facts, how = facts_of(training), {}
@@ -119,7 +116,7 @@ def write(training: Training, folder: Path, rng: Random | None = None) -> None:
     pq.write_table(pa.table(arrays), folder / "steps-0-00000.parquet", **how)
 
 
-def write_all(trainings: Sequence[Training], folder: Path, rng: Random | None = None) -> None:
+def write_all(trainings, folder, rng=None):
     """A folder each; with random numbers, at any depth, under any name."""
     for place, training in enumerate(trainings):
         name = f"{training.trained_with}-{place}"
@@ -128,11 +125,11 @@ def write_all(trainings: Sequence[Training], folder: Path, rng: Random | None = 
         write(training, folder / name, rng)
 
 
-def answer_of(trainings: Sequence[Training]) -> Answer:
+def answer_of(trainings):
     """What `harness eta` and `report` have to say of them."""
     groups = {name: [training for training in trainings if training.trained_with == name] for name in REWARDS}
     eta_n, eta_p = etas(*([one.paid(name) for one in groups[name]] for name in REWARDS))
-    told: dict[str, Any] = {"eta_N": eta_n, "eta_P": eta_p}
+    told = {"eta_N": eta_n, "eta_P": eta_p}
     for name in REWARDS:
         below, above = indices([one.paid(name) for one in groups[name]])
         told[name] = {"I_N": Shown(below), "I_P": Shown(above), "trainings": len(groups[name])}
@@ -144,7 +141,7 @@ def answer_of(trainings: Sequence[Training]) -> Answer:
     return told
 
 
-def reduced(told: Mapping[str, Any]) -> Answer:
+def reduced(told):
     """What is compared of ``--json``."""
     (one,) = (found for found in told["combinations"] if {found["baseline"], found["proposed"]} == set(REWARDS))
     names = {"baseline": one["baseline"], "proposed": one["proposed"]}
@@ -162,7 +159,7 @@ def reduced(told: Mapping[str, Any]) -> Answer:
     }
 
 
-def ask(folder: Path, command: str) -> tuple[Answer, str]:
+def ask(folder, command):
     """What a command says of the folder."""
     told, said = call_json(command, folder)
     return reduced(told), said
@@ -171,14 +168,14 @@ def ask(folder: Path, command: str) -> tuple[Answer, str]:
 COMMANDS = ("eta", "report")
 
 
-def no_matter(rng: Random, folder: Path) -> Trial:
+def no_matter(rng, folder):
     """The same trainings, written otherwise."""
     trainings, command = draw_trainings(rng), rng.choice(COMMANDS)
     write_all(rng.sample(trainings, len(trainings)), folder, rng)
     return Trial(f"written otherwise, {command}", lambda: ask(folder, command), [answer_of(trainings)])
 
 
-def matters(rng: Random, folder: Path) -> Trial:
+def matters(rng, folder):
     """Other numbers, sealed: the answer is another, and follows."""
     trainings, command = draw_trainings(rng), rng.choice(COMMANDS)
     change = rng.choice(CHANGES)
@@ -187,33 +184,33 @@ def matters(rng: Random, folder: Path) -> Trial:
     return Trial(f"{change.__name__}, {command}", lambda: ask(folder, command), [answer_of(trainings)])
 
 
-def move_value(trainings: list[Training], rng: Random) -> None:
+def move_value(trainings, rng):
     """A step pays much more."""
     one = rng.choice(trainings)
     one.columns[f"reward_{rng.choice(REWARDS)}"][rng.randrange(len(one.columns["time"]))] += rng.choice((-64.0, 64.0))
 
 
-def swap_columns(trainings: list[Training], rng: Random) -> None:
+def swap_columns(trainings, rng):
     """What two rewards paid has changed places."""
     columns = rng.choice(trainings).columns
     one, other = (f"reward_{name}" for name in REWARDS)
     columns[one], columns[other] = columns[other], columns[one]
 
 
-def swap_teachers(trainings: list[Training], rng: Random) -> None:
+def swap_teachers(trainings, rng):
     """The facts of all say that the other reward taught."""
     for training in trainings:
         training.trained_with = NEXT if training.trained_with == BASE else BASE
 
 
-def move_end(trainings: list[Training], rng: Random) -> None:
+def move_end(trainings, rng):
     """The last episode never ended: it is no return."""
     columns = rng.choice(trainings).columns
     if int(columns["episode"][-1]):
         columns["terminated"][-1] = columns["truncated"][-1] = False
 
 
-def more_envs(trainings: list[Training], rng: Random) -> None:
+def more_envs(trainings, rng):
     """The facts tell of an env that took no step: no number depends on it."""
     rng.choice(trainings).facts = {"num_envs": 2}
 
@@ -221,7 +218,7 @@ def more_envs(trainings: list[Training], rng: Random) -> None:
 CHANGES = (move_value, swap_columns, swap_teachers, move_end, more_envs)
 
 
-def damaged(rng: Random, folder: Path) -> Trial:
+def damaged(rng, folder):
     """One training is damaged, and sealed all the same: it is left out and told, or all is refused."""
     trainings, command = draw_trainings(rng), rng.choice(COMMANDS)
     place, change = rng.randrange(len(trainings)), rng.choice(list(DAMAGES))
@@ -237,29 +234,29 @@ def damaged(rng: Random, folder: Path) -> Trial:
     return Trial(f"{change}, {command}", lambda: ask(folder, command), right, True, r"(?i)left out|damaged")
 
 
-def _without_pairing(answer: Answer) -> Answer:
+def _without_pairing(answer):
     """Without how many trainings a pair has: the rest may be of other seeds."""
     kept = {name: {key: answer[name][key] for key in ("I_N", "I_P")} for name in REWARDS}
     return {**answer, **kept}
 
 
-def _keep(training: Training, rows: Any) -> None:
+def _keep(training, rows):
     training.columns = {name: values[rows] for name, values in training.columns.items()}
 
 
-def _drop_row(training: Training, rng: Random) -> None:
+def _drop_row(training, rng):
     step = training.columns["step"]
     inner = np.flatnonzero((step > 0) & (step < np.append(step[1:], 0))).tolist() or [1]
     _keep(training, np.arange(len(step)) != rng.choice(inner))
 
 
-def _double_row(training: Training, rng: Random) -> None:
+def _double_row(training, rng):
     rows = np.arange(len(training.columns["time"]))
     _keep(training, np.sort(np.append(rows, rng.choice(rows.tolist()))))
 
 
-def _set(name: str, value: Any) -> Callable[[Training, Random], None]:
-    def change(training: Training, rng: Random) -> None:
+def _set(name, value):
+    def change(training, rng):
         values = training.columns[name].copy()
         values[rng.randrange(len(values) // 2, len(values))] = value
         training.columns[name] = values
@@ -267,18 +264,18 @@ def _set(name: str, value: Any) -> Callable[[Training, Random], None]:
     return change
 
 
-def _tell(**facts: Any) -> Callable[[Training, Random], None]:
-    def change(training: Training, rng: Random) -> None:
+def _tell(**facts):
+    def change(training, rng):
         training.facts = facts
 
     return change
 
 
-def _backwards(training: Training, rng: Random) -> None:
+def _backwards(training, rng):
     _keep(training, np.arange(len(training.columns["time"]))[::-1])
 
 
-DAMAGES: dict[str, Callable[[Training, Random], None]] = {
+DAMAGES = {
     "a step is gone": _drop_row,
     "a step stands twice": _double_row,
     "a reward is NaN, and no failure told": _set("reward_plain", np.nan),
@@ -297,7 +294,7 @@ DAMAGES: dict[str, Callable[[Training, Random], None]] = {
 }
 
 
-def copies(rng: Random, folder: Path) -> Trial:
+def copies(rng, folder):
     """A training lies there twice: it counts once, or is refused."""
     trainings, command = draw_trainings(rng), rng.choice(COMMANDS)
     twice = [*trainings, *(replace(rng.choice(trainings)) for _ in range(rng.randrange(1, 3)))]

@@ -2,35 +2,31 @@
 
 import itertools
 import json
-from collections.abc import Callable, Mapping, Sequence
 from functools import cache
-from pathlib import Path
-from random import Random
 from typing import Any
 
 import numpy as np
 import safetensors.numpy
-from numpy.typing import NDArray
 
 from harness.errors import HarnessError
 from harness.experiment import expand, read_experiment
 from harness.policy import CARD, WEIGHTS, load_policy
-from harness.registry import Registry, load_registry
-from tests.oracles.trial import Answer, Refused, Trial
+from harness.registry import load_registry
+from tests.oracles.trial import Refused, Trial
 
 SIMS, ALGOS = ("kinematic", "mujoco"), ("sb3-sac", "td3", "random")
 REWARDS = {"arp": {"k2": 1.5}, "dense": {}, "sparse": {}}
 
 
 @cache
-def _registry() -> Registry:
+def _registry():
     return load_registry()
 
 
-def _asked(read: Callable[[], Answer]) -> Callable[[], tuple[Answer, str]]:
+def _asked(read):
     """A reader of the program as a question: its errors are refusals if they are one line."""
 
-    def ask() -> tuple[Answer, str]:
+    def ask():
         try:
             return read(), ""
         except HarnessError as error:
@@ -42,7 +38,7 @@ def _asked(read: Callable[[], Answer]) -> Callable[[], tuple[Answer, str]]:
 # Experiment files
 
 
-def draw_experiment(rng: Random) -> dict[str, Any]:
+def draw_experiment(rng):
     """The keys of a file, each a list of what is combined."""
     return {
         "sim": rng.sample(SIMS, rng.randrange(1, 3)),
@@ -56,7 +52,7 @@ def draw_experiment(rng: Random) -> dict[str, Any]:
     }
 
 
-def cells_of(keys: Mapping[str, Any]) -> Answer:
+def cells_of(keys):
     """Every combination, counted out."""
     rewards = [keys["baseline"], *keys["reward"]]
     cells = [
@@ -67,11 +63,11 @@ def cells_of(keys: Mapping[str, Any]) -> Answer:
     return {"cells": sorted([*cell, *told] for cell in map(_sortable, cells))}
 
 
-def _sortable(cell: Sequence[Any]) -> list[Any]:
+def _sortable(cell):
     return [*cell[:3], cell[3] or 0.0, *cell[4:]]
 
 
-def _read_experiment(path: Path) -> Answer:
+def _read_experiment(path):
     plan = expand(read_experiment(path, {}), _registry())
     found = []
     for cell in plan.cells:
@@ -81,7 +77,7 @@ def _read_experiment(path: Path) -> Answer:
     return {"cells": sorted(found)}
 
 
-def _spell(value: Any, rng: Random) -> str:
+def _spell(value, rng):
     """A value of a TOML file, in one of the ways to write it."""
     if isinstance(value, list):
         inside = [_spell(part, rng) for part in value]
@@ -96,7 +92,7 @@ def _spell(value: Any, rng: Random) -> str:
     return rng.choice((str(value), f"{value:_}", hex(value)))
 
 
-def text_of(keys: Mapping[str, Any], rng: Random) -> str:
+def text_of(keys, rng):
     """The file."""
     lines = [f"{name} = {_spell(value, rng)}" for name, value in keys.items()]
     rng.shuffle(lines)
@@ -104,7 +100,7 @@ def text_of(keys: Mapping[str, Any], rng: Random) -> str:
     return rng.choice(("\n", "\r\n")).join([*lines, ""])
 
 
-def experiment(rng: Random, folder: Path) -> Trial:
+def experiment(rng, folder):
     """Written otherwise, with a changed number, or with what cannot be meant."""
     keys = draw_experiment(rng)
     change = rng.choice(list(EXPERIMENT_CHANGES))
@@ -117,19 +113,19 @@ def experiment(rng: Random, folder: Path) -> Trial:
 Changed = tuple[list[dict[str, Any]], dict[str, Any]]
 
 
-def _other(name: str, value: Any) -> Callable[[dict[str, Any], Random], Changed]:
-    def change(keys: dict[str, Any], rng: Random) -> Changed:
+def _other(name, value):
+    def change(keys, rng):
         changed = {**keys, name: value}
         return [changed], changed
 
     return change
 
 
-def _wrong(name: str, value: Any) -> Callable[[dict[str, Any], Random], Changed]:
+def _wrong(name, value):
     return lambda keys, rng: ([], {**keys, name: value})
 
 
-EXPERIMENT_CHANGES: dict[str, Callable[[dict[str, Any], Random], Changed]] = {
+EXPERIMENT_CHANGES = {
     "as it is": lambda keys, rng: ([keys], keys),
     "written otherwise": lambda keys, rng: ([keys], keys),
     "other steps": _other("steps", 7_777),
@@ -148,7 +144,7 @@ EXPERIMENT_CHANGES: dict[str, Callable[[dict[str, Any], Random], Changed]] = {
 # Policies
 
 
-def _layers(draw: np.random.Generator, sizes: Sequence[int], heads: Mapping[str, int]) -> dict[str, NDArray[Any]]:
+def _layers(draw, sizes, heads):
     pairs = list(itertools.pairwise(sizes))
     made = {f"hidden.{place}": pair for place, pair in enumerate(pairs)}
     made |= {name: (sizes[-1], size) for name, size in heads.items()}
@@ -157,7 +153,7 @@ def _layers(draw: np.random.Generator, sizes: Sequence[int], heads: Mapping[str,
     return {name: array.astype(np.float32) for name, array in arrays.items()}
 
 
-def _acted(weights: Mapping[str, NDArray[Any]], kind: str, card: Mapping[str, Any], seen: NDArray[Any]) -> list[Any]:
+def _acted(weights, kind, card, seen):
     """Layer after layer, in 64 bits."""
     values = seen.astype(float)
     if "observation.mean" in weights:
@@ -174,7 +170,7 @@ def _acted(weights: Mapping[str, NDArray[Any]], kind: str, card: Mapping[str, An
     return np.round(low + (np.tanh(out) + 1) / 2 * (high - low), 3).ravel().tolist()
 
 
-def policy(rng: Random, folder: Path) -> Trial:
+def policy(rng, folder):
     """A policy that is saved, written otherwise, with other numbers, or with what does not fit."""
     draw = np.random.default_rng(rng.randrange(2**32))
     sizes = [rng.randrange(2, 9) for _ in range(rng.randrange(2, 4))]
@@ -193,7 +189,7 @@ def policy(rng: Random, folder: Path) -> Trial:
     (folder / CARD).write_text(json.dumps({key: card[key] for key in keys}, indent=rng.choice((None, 1))))
     seen = draw.normal(size=(5, sizes[0])).astype(np.float32)
 
-    def act() -> Answer:
+    def act():
         found = np.asarray(load_policy(folder).act(seen))
         return {"actions": found.tolist() if kind == "greedy" else [round(float(it), 3) for it in found.ravel()]}
 
@@ -204,17 +200,17 @@ def policy(rng: Random, folder: Path) -> Trial:
 class Thousandth(float):
     """A number in 32 bits, as far as it matters."""
 
-    def __eq__(self, other: object) -> bool:
+    def __eq__(self, other):
         return isinstance(other, int | float) and abs(float(self) - other) < 0.0021
 
     __hash__ = float.__hash__
 
 
-def _near(actions: Sequence[Any]) -> Answer:
+def _near(actions):
     return {"actions": [one if isinstance(one, int) else Thousandth(one) for one in actions]}
 
 
-def _card(kind: str, seen: int, size: int, weights: Mapping[str, Any], rng: Random) -> dict[str, Any]:
+def _card(kind, seen, size, weights, rng):
     action = {"type": "continuous", "low": [-1.0] * size, "high": [rng.choice((1.0, 3.0))] * size}
     if kind == "greedy":
         action = {"type": "discrete", "choices": size}
@@ -226,54 +222,54 @@ def _card(kind: str, seen: int, size: int, weights: Mapping[str, Any], rng: Rand
     }  # fmt: skip
 
 
-def _same(weights: dict[str, Any], card: dict[str, Any], rng: Random) -> bool:
+def _same(weights, card, rng):
     return True
 
 
-def _moved(weights: dict[str, Any], card: dict[str, Any], rng: Random) -> bool:
+def _moved(weights, card, rng):
     name = rng.choice(list(weights))
     if name != "observation.std":
         weights[name] = weights[name] + np.float32(1.5)
     return True
 
 
-def _without(weights: dict[str, Any], card: dict[str, Any], rng: Random) -> bool:
+def _without(weights, card, rng):
     del weights[rng.choice([name for name in weights if not name.startswith("observation")])]
     return False
 
 
-def _transposed(weights: dict[str, Any], card: dict[str, Any], rng: Random) -> bool:
+def _transposed(weights, card, rng):
     name = rng.choice([name for name in weights if name.endswith("weight")])
     is_square = weights[name].shape[0] == weights[name].shape[1]
     weights[name] = np.ascontiguousarray(weights[name].T)
     return is_square
 
 
-def _not_finite(weights: dict[str, Any], card: dict[str, Any], rng: Random) -> bool:
+def _not_finite(weights, card, rng):
     name = rng.choice(list(weights))
     weights[name] = weights[name].copy()
     weights[name].flat[0] = rng.choice((np.nan, np.inf))
     return False
 
 
-def _other_size(weights: dict[str, Any], card: dict[str, Any], rng: Random) -> bool:
+def _other_size(weights, card, rng):
     card["observation"] = {"size": card["observation"]["size"] + 1}
     return False
 
 
-def _unknown_activation(weights: dict[str, Any], card: dict[str, Any], rng: Random) -> bool:
+def _unknown_activation(weights, card, rng):
     card["activation"] = "gelu"
     return False
 
 
-def _no_spread(weights: dict[str, Any], card: dict[str, Any], rng: Random) -> bool:
+def _no_spread(weights, card, rng):
     size = card["observation"]["size"]
     weights["observation.mean"], weights["observation.std"] = np.zeros(size, np.float32), np.zeros(size, np.float32)
     card["normalisation"] = {"mean": "observation.mean", "std": "observation.std"}
     return False
 
 
-POLICY_CHANGES: dict[str, Callable[[dict[str, Any], dict[str, Any], Random], bool]] = {
+POLICY_CHANGES = {
     "as it is": _same,
     "written otherwise": _same,
     "a weight is another": _moved,

@@ -2,10 +2,8 @@
 
 import importlib
 import itertools
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -29,78 +27,78 @@ TRIED = 24
 """So many inputs are tried before a mutant counts as missed."""
 
 
-def _last_frame_is_not_paid(patch: pytest.MonkeyPatch) -> None:
+def _last_frame_is_not_paid(patch):
     column = lerobot._column
 
-    def without(layout: Any, name: str, frames: Any, whole: Any, seen: Any) -> Any:
+    def without(layout, name, frames, whole, seen):
         values = column(layout, name, frames, whole, seen)
         return np.where(seen, values, 0.0) if name.startswith("reward/") else values
 
     patch.setattr(lerobot, "_column", without)
 
 
-def _label_is_whatever_is_not_zero(patch: pytest.MonkeyPatch) -> None:
+def _label_is_whatever_is_not_zero(patch):
     patch.setattr(SuccessRule, "of_steps", lambda self, values, noun: np.asarray(values, bool).ravel().astype(np.int8))
 
 
-def _tasks_are_pooled(patch: pytest.MonkeyPatch) -> None:
+def _tasks_are_pooled(patch):
     patch.setattr(lerobot, "_tasks", lambda layout, frames: np.full(len(frames), "", object))
 
 
-def _copies_are_counted(patch: pytest.MonkeyPatch) -> None:
+def _copies_are_counted(patch):
     number = itertools.count()
     patch.setattr(Fingerprint, "digest", lambda self: str(next(number)).encode())
 
 
-def _metadata_are_not_believed(patch: pytest.MonkeyPatch) -> None:
+def _metadata_are_not_believed(patch):
     for module in (lerobot, importlib.import_module("harness_plugins.logs.minari")):
         patch.setattr(module, "take_census", lambda path, declared, found, partial: Census(frozenset(found)))
 
 
-def _frames_come_in_any_order(patch: pytest.MonkeyPatch) -> None:
+def _frames_come_in_any_order(patch):
     patch.setattr(lerobot, "_require_order", lambda path, before, frames, begun: None)
 
 
-def _last_step_is_not_summed(patch: pytest.MonkeyPatch) -> None:
+def _last_step_is_not_summed(patch):
     add = GroupCurve._add_mean
     patch.setattr(GroupCurve, "_add_mean", lambda self, mean: add(self, mean[:-1]))
 
 
-def _best_distance_stays_the_first(patch: pytest.MonkeyPatch) -> None:
+def _best_distance_stays_the_first(patch):
     rows_of = scorer.field_rows
 
-    def first(run: Any, fields: Any) -> Any:
+    def first(run, fields):
         rows = rows_of(run, fields)
         return replace(rows, previous_best=rows.begin_distance)
 
     patch.setattr(scorer, "field_rows", first)
 
 
-def _angles_turn_the_other_way(patch: pytest.MonkeyPatch) -> None:
+def _angles_turn_the_other_way(patch):
     turned = kinematics._rotation_from_rpy
     patch.setattr(kinematics, "_rotation_from_rpy", lambda rpy: turned(rpy).T)
 
 
-def _steps_may_be_missing(patch: pytest.MonkeyPatch) -> None:
+def _steps_may_be_missing(patch):
     patch.setattr(recorded_training, "_require_unbroken", lambda folder, columns, last: last)
 
 
-def _digests_are_not_looked_at(patch: pytest.MonkeyPatch) -> None:
+def _digests_are_not_looked_at(patch):
     patch.setattr(cell_folder, "require_files", lambda folder, record: None)
 
 
-def _relu_for_tanh(patch: pytest.MonkeyPatch) -> None:
+def _relu_for_tanh(patch):
     patch.setitem(ACTIVATIONS, "tanh", ACTIVATIONS["relu"])
 
 
-def _cards_are_not_compared(patch: pytest.MonkeyPatch) -> None:
+def _cards_are_not_compared(patch):
     patch.setattr(kinds, "_require_told", lambda card, policy: None)
 
 
-def _last_cell_is_lost(patch: pytest.MonkeyPatch) -> None:
+def _last_cell_is_lost(patch):
     expand = settings.expand
 
-    def shorter(*given: Any) -> Any:
+    def shorter(*given):
         plan = expand(*given)
         object.__setattr__(plan, "cells", plan.cells[:-1])
         return plan
@@ -108,7 +106,7 @@ def _last_cell_is_lost(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(settings, "expand", shorter)
 
 
-MUTANTS: tuple[tuple[Break, str], ...] = (
+MUTANTS = (
     (_last_frame_is_not_paid, "lerobot, written otherwise"),
     (_label_is_whatever_is_not_zero, "lerobot, other episodes"),
     (_label_is_whatever_is_not_zero, "minari, other episodes"),
@@ -131,7 +129,7 @@ MUTANTS: tuple[tuple[Break, str], ...] = (
 SLOW = pytest.param(_digests_are_not_looked_at, "experiment, damaged", marks=pytest.mark.slow)
 
 
-def _found(name: str, folder: Path) -> Iterator[bool]:
+def _found(name, folder):
     for seed in range(TRIED):
         own = folder / f"at-{seed}"
         own.mkdir()

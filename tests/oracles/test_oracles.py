@@ -6,7 +6,6 @@ time; what fails names its seed.
 """
 
 import os
-from pathlib import Path
 from random import Random, SystemRandom
 
 import pytest
@@ -22,9 +21,9 @@ from tests.oracles import (
     recordings,
     settings,
 )
-from tests.oracles.trial import Oracle, fault_of
+from tests.oracles.trial import fault_of
 
-ORACLES: dict[str, Oracle] = {
+ORACLES = {
     **lerobot_sets.ORACLES,
     **lerobot_damage.ORACLES,
     **minari_sets.ORACLES,
@@ -41,7 +40,7 @@ INPUTS, ALL, QUICK = "ORACLE_INPUTS", 500, 1
 each oracle."""
 
 
-def faults_of(name: str, seeds: list[int], folder: Path) -> list[str]:
+def faults_of(name, seeds, folder):
     """What is answered wrongly, by seed."""
     found = []
     for place, seed in enumerate(seeds):

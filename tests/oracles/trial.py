@@ -6,12 +6,11 @@ import json
 import math
 import re
 import signal
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from random import Random
-from types import FrameType
-from typing import Any, TypeAlias
+from typing import Any
 
 from harness.cli import main
 
@@ -22,7 +21,7 @@ UNSEEN = 1e-9
 SECONDS = 5.0
 """Of processor time. An answer to inputs as small as these is there in a fraction of it."""
 
-Answer: TypeAlias = Mapping[str, Any]
+Answer = Mapping[str, Any]
 
 
 class Shown(float):
@@ -56,11 +55,11 @@ class Trial:
     tells: str = ""
 
 
-Oracle: TypeAlias = Callable[[Random, Path], Trial]
+Oracle = Callable[[Random, Path], Trial]
 """Makes an input in an empty folder, changes it, and says what is right. All by the random numbers it is given."""
 
 
-def fault_of(trial: Trial) -> str | None:
+def fault_of(trial):
     """What is wrong with what the program answers; None if nothing is."""
     try:
         with _limited():
@@ -76,7 +75,7 @@ def fault_of(trial: Trial) -> str | None:
     return f"{trial.change}: {fault}" if fault else None
 
 
-def _fault_in(answer: Answer, said: str, trial: Trial) -> str:
+def _fault_in(answer, said, trial):
     if not trial.right:
         return f"read as {answer}, and has to be refused"
     if not any(is_same(answer, right) for right in trial.right):
@@ -87,10 +86,10 @@ def _fault_in(answer: Answer, said: str, trial: Trial) -> str:
 
 
 @contextlib.contextmanager
-def _limited() -> Iterator[None]:
+def _limited():
     """Raises `TookTooLong` where the block does not end."""
 
-    def stop(number: int, frame: FrameType | None) -> None:
+    def stop(number, frame):
         raise TookTooLong
 
     before = signal.signal(signal.SIGPROF, stop)
@@ -102,7 +101,7 @@ def _limited() -> Iterator[None]:
         signal.signal(signal.SIGPROF, before)
 
 
-def is_same(one: Any, other: Any) -> bool:
+def is_same(one, other):
     """Whether two answers are the same, numbers but for rounding. Only what `other` names is looked at."""
     if isinstance(other, Mapping):
         return isinstance(one, Mapping) and all(key in one and is_same(one[key], other[key]) for key in other)
@@ -119,7 +118,7 @@ def is_same(one: Any, other: Any) -> bool:
     return bool(one == other)
 
 
-def call(*arguments: object) -> tuple[str, str]:
+def call(*arguments):
     """What a command prints on standard output and on standard error.
 
     What is damaged may be left out, if that is told.
@@ -129,7 +128,7 @@ def call(*arguments: object) -> tuple[str, str]:
         AssertionError: It ends in another way.
     """
     out, err = io.StringIO(), io.StringIO()
-    status: Any = None
+    status = None
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
         try:
             main([str(argument) for argument in arguments])
@@ -142,7 +141,7 @@ def call(*arguments: object) -> tuple[str, str]:
     return out.getvalue(), said
 
 
-def call_json(*arguments: object) -> tuple[Any, str]:
+def call_json(*arguments):
     """What a command tells as JSON, and all its text."""
     out, said = call(*arguments, "--json")
     return json.loads(out), f"{out}\n{said}"

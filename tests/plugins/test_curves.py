@@ -16,7 +16,7 @@ def test_no_two_programs_have_one_name():
     assert len(set(names)) == len(names)
 
 
-def test_every_curve_is_chosen_by_its_own_names(subtests: pytest.Subtests):
+def test_every_curve_is_chosen_by_its_own_names(subtests):
     """With its success and its length where they are there."""
     for curve in CURVES:
         with subtests.test(curve=curve):

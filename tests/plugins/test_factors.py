@@ -9,7 +9,7 @@ from harness.registry.registry import load_registry
 FACTORS = ("arp:k1", "arp:k2", "aarp:k1", "aarp:k2", "aarp:k_max", "aarp:growth", "adaptive:k_far", "adaptive:k_near")
 
 
-def test_no_factor_makes_a_reward_infinite(subtests: pytest.Subtests):
+def test_no_factor_makes_a_reward_infinite(subtests):
     """One that did would make sums of it infinite too."""
     for name in [*FACTORS, "dense:scale", "potential:scale", "scaled:factor", "shifted:offset"]:
         with subtests.test(name=name):

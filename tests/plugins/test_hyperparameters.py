@@ -17,7 +17,7 @@ def test_so_many_envs_train_at_most():
         envs.validate_python(MOST_ENVS + 1)
 
 
-def test_every_algorithm_with_a_discount_has_the_fields_in_an_environment(subtests: pytest.Subtests):
+def test_every_algorithm_with_a_discount_has_the_fields_in_an_environment(subtests):
     """And declares nothing else: all other defaults are the same everywhere."""
     for name in load_registry().names("algorithms"):
         with subtests.test(name=name):

@@ -1,7 +1,6 @@
 """stable-baselines3's view of the vector env."""
 
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -24,19 +23,19 @@ ARM_HOME = (ARM.home / ARM.upper).astype(np.float32)
 """The action that leaves the arm where it starts."""
 
 
-def adapt(num_envs: int = 3, **task: Any) -> VecEnvAdapter:
+def adapt(num_envs=3, **task):
     """The adapter of an env without an engine, seeded."""
     env = ReachVectorEnv(IdealSimulator(), ROBOT, ReachTask(**task), NegativeDistance(), num_envs)
     env.reset(seed=2)
     return VecEnvAdapter(env)
 
 
-def stand(adapter: VecEnvAdapter) -> Any:
+def stand(adapter):
     """A step without motion."""
     return adapter.step(np.zeros((adapter.num_envs, 6), np.float32))
 
 
-def drive_to_target(adapter: VecEnvAdapter, observations: np.ndarray) -> Any:
+def drive_to_target(adapter, observations):
     """Steps towards the targets, until one is reached; the last step."""
     goal, _ = reach_position(ROBOT, observations[:, 18:21], adapter.env.simulation.read().qpos)
     while True:
@@ -157,12 +156,12 @@ class Told(Progress):
     def __init__(self) -> None:
         self.steps: list[int] = []
 
-    def __call__(self, steps: int) -> None:
+    def __call__(self, steps):
         """Kept."""
         self.steps.append(steps)
 
 
-def watch(env: ReachVectorEnv, progress: Progress) -> ProgressCallback:
+def watch(env, progress):
     """The callback of a training that has no model yet."""
     callback = ProgressCallback(env, progress, 1000, policy_of=lambda model: None, decisions_per_update=1)
     callback.model = SimpleNamespace(logger=SimpleNamespace(name_to_value={}))

@@ -6,13 +6,13 @@ import torch
 from harness_plugins.torch_state import pack_optimizer, pack_tensors, restore_optimizer, restore_tensors
 
 
-def _made(seed: int) -> tuple[torch.nn.Module, torch.optim.Optimizer]:
+def _made(seed):
     torch.manual_seed(seed)
     net = torch.nn.Linear(3, 2)
     return net, torch.optim.Adam(net.parameters(), 0.1)
 
 
-def _climb(net: torch.nn.Module, optimizer: torch.optim.Optimizer) -> None:
+def _climb(net, optimizer):
     optimizer.zero_grad()
     net(torch.ones(3)).pow(2).sum().backward()
     optimizer.step()

@@ -3,8 +3,6 @@
 import math
 import threading
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -23,7 +21,7 @@ TRACKERS = {"tensorboard": "tensorboard", "wandb": "wandb:mode=offline"}
 LONG = "a/b\\c: 'ü' \"%s\" ../.. " * 500
 
 
-def build(kind: str, given: str) -> Any:
+def build(kind, given):
     """A registered thing; the test is skipped where the library is not installed."""
     spec = REGISTRY.get(kind, given.partition(":")[0])
     if spec.missing:
@@ -32,7 +30,7 @@ def build(kind: str, given: str) -> Any:
 
 
 @pytest.mark.parametrize("name", REGISTRY.names("trackers"))
-def test_tracker_takes_whatever_cells_tell(name: str, tmp_path: Path, monkeypatch: Any, capsys: Any):
+def test_tracker_takes_whatever_cells_tell(name, tmp_path, monkeypatch, capsys):
     """In another thread: two at once, one that goes on, odd numbers and texts; nothing printed, no link left."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("WANDB_X_SAVE_REQUIREMENTS", "false")  # else each of its runs reads about every distribution
@@ -40,7 +38,7 @@ def test_tracker_takes_whatever_cells_tell(name: str, tmp_path: Path, monkeypatc
     tracker, ended = build("trackers", TRACKERS.get(name, name)), list[bool]()
     assert tracker.why_not() == ""
 
-    def follow() -> None:
+    def follow():
         config = {"a": [64, 1.0, None, True]}
         cells = [TrackedCell(str(seed), LONG[seed:], "arp", config, tmp_path / "cells") for seed in (1, 2)]
         first, second = map(tracker.begin, cells)
@@ -64,7 +62,7 @@ def test_tracker_takes_whatever_cells_tell(name: str, tmp_path: Path, monkeypatc
 
 
 @pytest.mark.parametrize("name", REGISTRY.names("descriptions"))
-def test_description_is_told_apart_and_damage_is_refused(name: str, tmp_path: Path, monkeypatch: Any):
+def test_description_is_told_apart_and_damage_is_refused(name, tmp_path, monkeypatch):
     """Its example is recognised by that format alone and read the same twice; not where it is cut, nor with a slip."""
     form = build("descriptions", name)
     example = form.write_example(tmp_path)
@@ -80,7 +78,7 @@ def test_description_is_told_apart_and_damage_is_refused(name: str, tmp_path: Pa
         form.read(example, {}, {})
 
 
-def test_screen_says_the_same_in_any_order_and_beside_a_reward_that_raises(tmp_path: Path):
+def test_screen_says_the_same_in_any_order_and_beside_a_reward_that_raises(tmp_path):
     """Which has no alarm itself."""
     (tmp_path / "raises.py").write_text("def raises(step):\n    raise ValueError('no pay today')\n")
     registry = load_registry(given=read_given([str(tmp_path / "raises.py")]))

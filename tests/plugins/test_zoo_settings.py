@@ -1,8 +1,6 @@
 """What the logs of RL Baselines3 Zoo tell of their training."""
 
 from collections import OrderedDict
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -13,7 +11,7 @@ from harness_plugins.logs.monitor import Monitor
 from harness_plugins.zoo_settings import ZooSettings, zoo_settings
 
 
-def trained(folder: Path, args: dict[str, Any], config: dict[str, Any]) -> Path:
+def trained(folder, args, config):
     """A folder of the zoo, whose two files PyYAML writes as the zoo's own code has it do; its Monitor file."""
     inner = folder / "CartPole-v1"
     inner.mkdir()
@@ -41,7 +39,7 @@ ARGS = {
 }
 
 
-def test_monitor_and_evaluations_tell_the_seed_the_algorithm_and_the_budget(tmp_path: Path):
+def test_monitor_and_evaluations_tell_the_seed_the_algorithm_and_the_budget(tmp_path):
     """The budget from the tuned settings where none was typed."""
     path = trained(tmp_path, ARGS, {"n_envs": 8, "n_timesteps": 100000.0, "policy": "MlpPolicy"})
     np.savez(tmp_path / "evaluations.npz", timesteps=[5], results=[[1.0, 2.0]])
@@ -51,21 +49,21 @@ def test_monitor_and_evaluations_tell_the_seed_the_algorithm_and_the_budget(tmp_
         assert facts.asked == 100_000
 
 
-def test_a_budget_that_was_typed_goes_before_the_tuned_one(tmp_path: Path):
+def test_a_budget_that_was_typed_goes_before_the_tuned_one(tmp_path):
     """As the zoo has it."""
     path = trained(tmp_path, {**ARGS, "n_timesteps": 5000}, {"n_timesteps": 100000.0})
     assert zoo_settings(path).asked == 5000
 
 
 @pytest.mark.parametrize("text", ["", "seed: 1", "- - - seed\n    - one\n", "\x00", "- - - seed\n    - nan\n"])
-def test_files_that_say_nothing_give_nothing(tmp_path: Path, text: str):
+def test_files_that_say_nothing_give_nothing(tmp_path, text):
     """But the environment, whose name the folder has."""
     path = trained(tmp_path, ARGS, {})
     (tmp_path / "CartPole-v1" / "args.yml").write_text(text)
     assert zoo_settings(path) == ZooSettings("CartPole-v1")
 
 
-def test_two_trainings_in_one_folder_give_nothing(tmp_path: Path):
+def test_two_trainings_in_one_folder_give_nothing(tmp_path):
     """Nobody knows whose log it is."""
     path = trained(tmp_path, ARGS, {})
     (tmp_path / "Other-v1").mkdir()

@@ -10,7 +10,7 @@ Make = Callable[..., Categorical]
 Observations = Callable[..., np.ndarray]
 
 
-def test_draws_have_the_probabilities_of_the_logits(make_network: Make, observations: Observations):
+def test_draws_have_the_probabilities_of_the_logits(make_network, observations):
     """NOTE eq. 35: each choice as often as its share of the exponentials."""
     policy = make_network(Categorical, layers=0, scale=0.5)
     drawn = policy.act(np.repeat(observations(1), 20_000, axis=0), np.random.default_rng(5))
@@ -20,7 +20,7 @@ def test_draws_have_the_probabilities_of_the_logits(make_network: Make, observat
     np.testing.assert_allclose(np.bincount(drawn, minlength=3) / len(drawn), expected, atol=0.015)
 
 
-def test_adding_to_all_logits_changes_nothing(make_network: Make, observations: Observations):
+def test_adding_to_all_logits_changes_nothing(make_network, observations):
     """Only differences count, for the likeliest choice and for a draw."""
     policy = make_network(Categorical)
     more = {**policy.weights, "logits.bias": policy.weights["logits.bias"] + np.float32(3.0)}

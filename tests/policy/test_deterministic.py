@@ -13,7 +13,7 @@ Observations = Callable[..., np.ndarray]
 
 
 @pytest.mark.parametrize("noise", [0.02, 0.1])
-def test_a_draw_adds_normal_noise(make_network: Make, observations: Observations, noise: float):
+def test_a_draw_adds_normal_noise(make_network, observations, noise):
     """Around the one action, with a deviation of that share of half the box."""
     policy = make_network(Deterministic, scale=0.1, low=-1.0, high=3.0, noise=noise)
     drawn = policy.act(np.repeat(observations(1), 20_000, axis=0), np.random.default_rng(5))
@@ -21,16 +21,14 @@ def test_a_draw_adds_normal_noise(make_network: Make, observations: Observations
     np.testing.assert_allclose(drawn.std(axis=0), noise * 2.0, rtol=0.05)
 
 
-def test_without_noise_a_draw_is_the_one_action(make_network: Make, observations: Observations):
+def test_without_noise_a_draw_is_the_one_action(make_network, observations):
     """A noise of 0 adds none."""
     policy = make_network(Deterministic, noise=0.0)
     np.testing.assert_array_equal(policy.act(observations(), np.random.default_rng(0)), policy.act(observations()))
 
 
 @given(st.integers(0, 100), st.floats(-10, 10, width=32), st.floats(-10, 10, width=32), st.booleans())
-def test_actions_stay_in_the_box(
-    make_network: Make, observations: Observations, seed: int, low: float, high: float, is_drawn: bool
-):
+def test_actions_stay_in_the_box(make_network, observations, seed, low, high, is_drawn):
     """Bounds included, noise or not."""
     low, high = sorted((low, high))
     policy = make_network(Deterministic, seed, low=low, high=high, scale=30.0, noise=1.0)

@@ -6,7 +6,6 @@ import os
 import pickle
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -35,7 +34,7 @@ from harness.policy.network import ACTIVATIONS
 Make = Callable[..., Network]
 Observations = Callable[..., np.ndarray]
 
-EXAMPLES: dict[str, Callable[[Make], Policy]] = {
+EXAMPLES = {
     "squashed": lambda make: make(SquashedGaussian, low=-0.3, high=0.7),
     "squashed, no layer": lambda make: make(SquashedGaussian, layers=0),
     "gaussian": lambda make: make(Gaussian, activation="relu"),
@@ -49,16 +48,16 @@ EXAMPLES: dict[str, Callable[[Make], Policy]] = {
 EVERY = pytest.mark.parametrize("example", EXAMPLES.values(), ids=EXAMPLES)
 
 
-def _card(folder: Path) -> Any:
+def _card(folder):
     return json.loads((folder / CARD).read_text())
 
 
-def _change(folder: Path, **changes: Any) -> None:
+def _change(folder, **changes):
     """Other entries into the card."""
     (folder / CARD).write_text(json.dumps({**_card(folder), **changes}))
 
 
-def _change_arrays(folder: Path, **changes: np.ndarray | None) -> None:
+def _change_arrays(folder, **changes):
     """Other arrays into the weights; None takes one out. Names have a double underscore for the dot."""
     arrays = safetensors.numpy.load_file(folder / WEIGHTS)
     arrays |= {name.replace("__", "."): array for name, array in changes.items()}
@@ -67,14 +66,14 @@ def _change_arrays(folder: Path, **changes: np.ndarray | None) -> None:
 
 
 @pytest.fixture
-def saved(make_network: Make, tmp_path: Path) -> Path:
+def saved(make_network, tmp_path):
     """The folder of a policy with two hidden layers of 4, normalised."""
     make_network(SquashedGaussian, is_normalised=True).save(tmp_path / "policy")
     return tmp_path / "policy"
 
 
 @EVERY
-def test_policy_is_loaded_as_it_was_saved(make_network: Make, observations: Observations, tmp_path: Path, example: Any):
+def test_policy_is_loaded_as_it_was_saved(make_network, observations, tmp_path, example):
     """Kind, every array bit for bit, every field, the same actions with noise and without."""
     policy = example(make_network)
     policy.save(tmp_path / "policy")
@@ -97,7 +96,7 @@ def test_kinds_have_names_of_their_own():
     assert len({kind.kind for kind in KINDS}) == len(KINDS)
 
 
-def test_card_says_what_the_policy_is(make_network: Make, tmp_path: Path):
+def test_card_says_what_the_policy_is(make_network, tmp_path):
     """Another program finds format, kind, sizes, bounds, normalisation and the training cell in plain JSON."""
     policy = make_network(Deterministic, is_normalised=True, low=-0.5)
     policy.save(tmp_path / "policy", {"seed": 3})
@@ -115,13 +114,13 @@ def test_card_says_what_the_policy_is(make_network: Make, tmp_path: Path):
     assert {path.name for path in (tmp_path / "policy").iterdir()} == {CARD, WEIGHTS}
 
 
-def test_card_of_choices_says_how_many(make_network: Make, tmp_path: Path):
+def test_card_of_choices_says_how_many(make_network, tmp_path):
     """Where actions are discrete, the card has their number."""
     make_network(Greedy).save(tmp_path / "policy")
     assert _card(tmp_path / "policy")["action"] == {"type": "discrete", "choices": 3}
 
 
-def test_weights_in_column_order_are_saved_right(make_network: Make, observations: Observations, tmp_path: Path):
+def test_weights_in_column_order_are_saved_right(make_network, observations, tmp_path):
     """A transposed view keeps its numbers where they belong."""
     policy = make_network(SquashedGaussian)
     weights = {name: np.asfortranarray(weight) for name, weight in policy.weights.items()}
@@ -129,7 +128,7 @@ def test_weights_in_column_order_are_saved_right(make_network: Make, observation
     np.testing.assert_array_equal(load_policy(tmp_path / "policy").act(observations()), policy.act(observations()))
 
 
-def test_policy_of_format_1_is_read(make_network: Make, observations: Observations, tmp_path: Path):
+def test_policy_of_format_1_is_read(make_network, observations, tmp_path):
     """What an earlier version saved acts as it did."""
     policy = make_network(SquashedGaussian, low=-0.5)
     policy.save(tmp_path / "policy")
@@ -151,12 +150,12 @@ def test_policy_of_format_1_is_read(make_network: Make, observations: Observatio
 class _Bomb:
     """Unpickling this runs code."""
 
-    def __reduce__(self) -> tuple[object, ...]:
+    def __reduce__(self):
         return Path.touch, (Path("exploded"),)
 
 
 @pytest.mark.parametrize("file", [CARD, WEIGHTS])
-def test_loading_never_unpickles(saved: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, file: str):
+def test_loading_never_unpickles(saved, tmp_path, monkeypatch, file):
     """A pickle in the place of either file is refused, and what it would run does not run."""
     monkeypatch.chdir(tmp_path)
     (saved / file).write_bytes(pickle.dumps(_Bomb(), protocol=0))
@@ -170,7 +169,7 @@ def test_loading_never_unpickles(saved: Path, tmp_path: Path, monkeypatch: pytes
 @pytest.mark.parametrize(
     "card", ["", "{", "[]", "3", "null", "{}", '{"format": 1}', '{"format": "x"}', '{"format": 2, "kind": []}', "\xff"]
 )
-def test_damaged_card_is_refused(saved: Path, card: str):
+def test_damaged_card_is_refused(saved, card):
     """Whatever is in the file, the error is ours and names the folder."""
     (saved / CARD).write_text(card, encoding="latin-1")
     with pytest.raises(SchemaError, match="policy holds no readable policy"):
@@ -187,7 +186,7 @@ JSON = st.recursive(
 @EVERY
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=40)
 @given(data=st.data())
-def test_odd_card_is_refused_or_read(make_network: Make, tmp_path: Path, example: Any, data: Any):
+def test_odd_card_is_refused_or_read(make_network, tmp_path, example, data):
     """With anything at all in one entry, loading gives a policy or an error of ours."""
     folder = tmp_path / "policy"
     example(make_network).save(folder)
@@ -202,15 +201,15 @@ def test_odd_card_is_refused_or_read(make_network: Make, tmp_path: Path, example
         assert isinstance(load_policy(folder), Policy)
 
 
-def _box(low: list[float], high: list[float]) -> dict[str, Any]:
+def _box(low, high):
     return {"action": {"type": "continuous", "low": low, "high": high}}
 
 
-def _choices(count: int) -> dict[str, Any]:
+def _choices(count):
     return {"action": {"type": "discrete", "choices": count}}
 
 
-CHANGED: dict[str, tuple[type[Network], dict[str, Any], str]] = {
+CHANGED = {
     "newer": (SquashedGaussian, {"format": FORMAT + 1}, f"has format {FORMAT + 1}, this version reads up to {FORMAT}"),
     "sizes": (
         SquashedGaussian,
@@ -239,7 +238,7 @@ CHANGED: dict[str, tuple[type[Network], dict[str, Any], str]] = {
 
 
 @pytest.mark.parametrize(("kind", "changes", "reason"), CHANGED.values(), ids=CHANGED)
-def test_card_that_cannot_be_is_refused(make_network: Make, tmp_path: Path, kind: Any, changes: Any, reason: str):
+def test_card_that_cannot_be_is_refused(make_network, tmp_path, kind, changes, reason):
     """When it is loaded, not when the policy acts: of a later version, of other arrays, or of no actions."""
     make_network(kind, is_normalised=True).save(tmp_path / "policy")
     _change(tmp_path / "policy", **changes)
@@ -248,7 +247,7 @@ def test_card_that_cannot_be_is_refused(make_network: Make, tmp_path: Path, kind
 
 
 @pytest.mark.parametrize("name", ["mean.weight", "log_std.bias", "hidden.0.bias", "hidden.1.weight", "observation.std"])
-def test_missing_array_is_refused(saved: Path, name: str):
+def test_missing_array_is_refused(saved, name):
     """A network that lacks a part is refused when it is loaded, and the part is named."""
     _change_arrays(saved, **{name.replace(".", "__"): None})
     with pytest.raises(SchemaError, match=f"'{name}' is missing"):
@@ -272,7 +271,7 @@ ARRAYS = {
 
 
 @pytest.mark.parametrize(("name", "array", "reason"), ARRAYS.values(), ids=ARRAYS)
-def test_array_that_does_not_fit_is_refused(saved: Path, name: str, array: np.ndarray, reason: str):
+def test_array_that_does_not_fit_is_refused(saved, name, array, reason):
     """What would fail later, or act without meaning, is refused when it is loaded."""
     _change_arrays(saved, **{name.replace(".", "__"): array})
     with pytest.raises(SchemaError, match=reason):
@@ -280,7 +279,7 @@ def test_array_that_does_not_fit_is_refused(saved: Path, name: str, array: np.nd
 
 
 @pytest.mark.parametrize("log_std", [None, np.zeros(3, np.float32)])
-def test_gaussian_without_its_deviation_is_refused(make_network: Make, tmp_path: Path, log_std: Any):
+def test_gaussian_without_its_deviation_is_refused(make_network, tmp_path, log_std):
     """The array has to be there, with one number for each action."""
     make_network(Gaussian).save(tmp_path / "policy")
     _change_arrays(tmp_path / "policy", log_std=log_std)
@@ -288,7 +287,7 @@ def test_gaussian_without_its_deviation_is_refused(make_network: Make, tmp_path:
         load_policy(tmp_path / "policy")
 
 
-def test_truncated_weights_are_refused(saved: Path):
+def test_truncated_weights_are_refused(saved):
     """A copy that broke off is no policy."""
     whole = (saved / WEIGHTS).read_bytes()
     for length in (0, 7, 100, len(whole) - 1):
@@ -297,7 +296,7 @@ def test_truncated_weights_are_refused(saved: Path):
             load_policy(saved)
 
 
-def test_missing_files_are_refused(tmp_path: Path):
+def test_missing_files_are_refused(tmp_path):
     """An empty folder holds no policy, nor does one that is not there."""
     for folder in (tmp_path, tmp_path / "nowhere"):
         with pytest.raises(SchemaError, match="holds no readable policy"):
@@ -305,7 +304,7 @@ def test_missing_files_are_refused(tmp_path: Path):
 
 
 @pytest.mark.parametrize("file", [CARD, WEIGHTS])
-def test_large_files_are_not_opened(saved: Path, file: str):
+def test_large_files_are_not_opened(saved, file):
     """A sparse file of 10 GB is refused at once."""
     with (saved / file).open("wb") as opened:
         opened.truncate(10**10)
@@ -316,7 +315,7 @@ def test_large_files_are_not_opened(saved: Path, file: str):
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes in the file system")
 @pytest.mark.parametrize("file", [CARD, WEIGHTS])
-def test_pipes_are_refused(saved: Path, file: str):
+def test_pipes_are_refused(saved, file):
     """To read one would take forever."""
     (saved / file).unlink()
     os.mkfifo(saved / file)
@@ -324,7 +323,7 @@ def test_pipes_are_refused(saved: Path, file: str):
         load_policy(saved)
 
 
-def test_many_names_are_refused(saved: Path):
+def test_many_names_are_refused(saved):
     """The header is looked at before it is read."""
     (saved / WEIGHTS).write_bytes((2**40).to_bytes(8, "little") + b"{}")
     with pytest.raises(SchemaError, match=r"the header of .* has 1,099,511,627,776 bytes, 1,048,576 are allowed"):
@@ -332,7 +331,7 @@ def test_many_names_are_refused(saved: Path):
 
 
 @pytest.mark.parametrize("card", ["[" * 100_000, '{"format": -1e999}', "7", '{"format": 2}', "\ufeff{}"])
-def test_cards_of_strangers_are_refused(saved: Path, card: str):
+def test_cards_of_strangers_are_refused(saved, card):
     """Deep, endless, of another type, with less than it takes."""
     (saved / CARD).write_text(card, encoding="utf-8")
     with pytest.raises(SchemaError, match="holds no readable policy"):
@@ -340,7 +339,7 @@ def test_cards_of_strangers_are_refused(saved: Path, card: str):
 
 
 @pytest.mark.parametrize("algorithm", [7, None, ["sac"]])
-def test_what_trained_is_a_text(saved: Path, algorithm: object):
+def test_what_trained_is_a_text(saved, algorithm):
     """For the reader of the card."""
     _change(saved, algorithm=algorithm)
     with pytest.raises(SchemaError, match="no text"):

@@ -11,7 +11,7 @@ Make = Callable[..., Gaussian]
 Observations = Callable[..., np.ndarray]
 
 
-def test_drawn_actions_have_the_policy_s_distribution(make_network: Make, observations: Observations):
+def test_drawn_actions_have_the_policy_s_distribution(make_network, observations):
     """NOTE eq. 37: the mean is the head's, the deviation that of the array."""
     policy = make_network(Gaussian, low=-1e3, high=1e3)
     drawn = policy.act(np.repeat(observations(1), 20_000, axis=0), np.random.default_rng(5))
@@ -20,7 +20,7 @@ def test_drawn_actions_have_the_policy_s_distribution(make_network: Make, observ
     np.testing.assert_allclose(drawn.std(axis=0), std, rtol=0.05)
 
 
-def test_deviation_is_the_same_in_every_state(make_network: Make, observations: Observations):
+def test_deviation_is_the_same_in_every_state(make_network, observations):
     """The same generator moves every action by the same amount."""
     policy = make_network(Gaussian, low=-1e3, high=1e3)
     moved = [policy.act(row[None], np.random.default_rng(2)) - policy.act(row[None]) for row in observations()]
@@ -28,9 +28,7 @@ def test_deviation_is_the_same_in_every_state(make_network: Make, observations: 
 
 
 @given(st.integers(0, 100), st.floats(-1, 0, width=32), st.floats(0, 1, width=32), st.booleans())
-def test_actions_are_clipped_to_the_box(
-    make_network: Make, observations: Observations, seed: int, low: float, high: float, is_drawn: bool
-):
+def test_actions_are_clipped_to_the_box(make_network, observations, seed, low, high, is_drawn):
     """An action outside goes to the nearest in the box, and one inside stays."""
     narrow, wide = (make_network(Gaussian, seed, low=a, high=b) for a, b in ((low, high), (-1e3, 1e3)))
     clipped, free = (

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import pytest
@@ -16,10 +15,10 @@ CONTINUOUS = (SquashedGaussian, Gaussian, Deterministic)
 NETWORKS = (*CONTINUOUS, Greedy, Categorical)
 
 
-def _slow_head(policy: Network, observation: list[float], head: str) -> list[float]:
+def _slow_head(policy, observation, head):
     """A head on one observation, in loops and double precision."""
 
-    def linear(values: list[float], layer: str) -> list[float]:
+    def linear(values, layer):
         weight, bias = policy.weights[f"{layer}.weight"].tolist(), policy.weights[f"{layer}.bias"].tolist()
         return [sum(w * v for w, v in zip(row, values, strict=True)) + b for row, b in zip(weight, bias, strict=True)]
 
@@ -34,7 +33,7 @@ def _slow_head(policy: Network, observation: list[float], head: str) -> list[flo
     return linear(values, head)
 
 
-def _slow_action(policy: Any, observation: list[float]) -> Any:
+def _slow_action(policy, observation):
     """The action of one observation without noise."""
     values = _slow_head(policy, observation, policy.heads[0])
     if isinstance(policy, Greedy | Categorical):
@@ -45,7 +44,7 @@ def _slow_action(policy: Any, observation: list[float]) -> Any:
     return [low + (math.tanh(value) + 1.0) / 2.0 * (high - low) for value, low, high in ends]
 
 
-def test_act_agrees_with_a_plain_computation(make_network: Make, observations: Observations, subtests: pytest.Subtests):
+def test_act_agrees_with_a_plain_computation(make_network, observations, subtests):
     """Layer by layer in loops, the action is the same, whether observations are scaled first or not."""
     for kind in NETWORKS:
         for layers in [0, 1, 3]:
@@ -60,7 +59,7 @@ def test_act_agrees_with_a_plain_computation(make_network: Make, observations: O
 
 
 @pytest.mark.parametrize("kind", NETWORKS)
-def test_each_env_is_on_its_own(make_network: Make, observations: Observations, kind: Any):
+def test_each_env_is_on_its_own(make_network, observations, kind):
     """An observation gives the same action alone as in a batch."""
     policy = make_network(kind)
     alone = np.concatenate([policy.act(row[None]) for row in observations()])
@@ -68,7 +67,7 @@ def test_each_env_is_on_its_own(make_network: Make, observations: Observations, 
 
 
 @pytest.mark.parametrize("kind", NETWORKS)
-def test_act_leaves_the_observations_alone(make_network: Make, observations: Observations, kind: Any):
+def test_act_leaves_the_observations_alone(make_network, observations, kind):
     """They belong to the env."""
     seen = observations()
     make_network(kind, layers=0, is_normalised=True).act(seen, np.random.default_rng(0))
@@ -76,14 +75,14 @@ def test_act_leaves_the_observations_alone(make_network: Make, observations: Obs
 
 
 @pytest.mark.parametrize("kind", NETWORKS)
-def test_one_action_is_deterministic(make_network: Make, observations: Observations, kind: Any):
+def test_one_action_is_deterministic(make_network, observations, kind):
     """Without a generator nothing is drawn, and nothing is remembered."""
     policy = make_network(kind)
     first = policy.act(observations()).copy()
     np.testing.assert_array_equal(policy.act(observations()), first)
 
 
-def test_continuous_actions_are_float32_rows(make_network: Make, observations: Observations, subtests: pytest.Subtests):
+def test_continuous_actions_are_float32_rows(make_network, observations, subtests):
     """One row for each env of the batch."""
     for kind in CONTINUOUS:
         for seed in [None, 0]:
@@ -95,7 +94,7 @@ def test_continuous_actions_are_float32_rows(make_network: Make, observations: O
 
 @pytest.mark.parametrize("kind", [Greedy, Categorical])
 @pytest.mark.parametrize("seed", [None, 0])
-def test_choices_are_whole_numbers(make_network: Make, observations: Observations, kind: Any, seed: int | None):
+def test_choices_are_whole_numbers(make_network, observations, kind, seed):
     """One for each env of the batch."""
     rng = None if seed is None else np.random.default_rng(seed)
     choices = make_network(kind).act(observations(7), rng)
@@ -103,7 +102,7 @@ def test_choices_are_whole_numbers(make_network: Make, observations: Observation
 
 
 @pytest.mark.parametrize("kind", CONTINUOUS)
-def test_drawn_actions_come_from_the_generator(make_network: Make, observations: Observations, kind: Any):
+def test_drawn_actions_come_from_the_generator(make_network, observations, kind):
     """Equal generators draw equal actions, others draw others, and none is the one without noise."""
     policy = make_network(kind, scale=0.1)
     drawn = [policy.act(observations(), np.random.default_rng(seed)) for seed in (3, 3, 4)]
@@ -113,7 +112,7 @@ def test_drawn_actions_come_from_the_generator(make_network: Make, observations:
 
 
 @pytest.mark.parametrize("kind", NETWORKS)
-def test_floor_has_the_same_actions(make_network: Make, observations: Observations, kind: Any):
+def test_floor_has_the_same_actions(make_network, observations, kind):
     """What a policy is measured against chooses among the same actions."""
     policy = make_network(kind, low=-0.25, high=0.5)
     ours, floor = (each.act(observations(100)) for each in (policy, policy.floor()))

@@ -11,7 +11,7 @@ Make = Callable[..., SquashedGaussian]
 Observations = Callable[..., np.ndarray]
 
 
-def test_drawn_actions_have_the_policy_s_distribution(make_network: Make, observations: Observations):
+def test_drawn_actions_have_the_policy_s_distribution(make_network, observations):
     """Before squashing, mean and standard deviation are those of the two heads."""
     policy = make_network(SquashedGaussian, layers=0, scale=0.1)
     seen = observations(1)
@@ -24,9 +24,7 @@ def test_drawn_actions_have_the_policy_s_distribution(make_network: Make, observ
 
 @given(st.integers(0, 100), st.floats(-10, 10, width=32), st.floats(-10, 10, width=32), st.booleans())
 @example(0, -9.899999618530273, 0.10000000149011612, False)
-def test_actions_stay_in_the_box(
-    make_network: Make, observations: Observations, seed: int, low: float, high: float, is_drawn: bool
-):
+def test_actions_stay_in_the_box(make_network, observations, seed, low, high, is_drawn):
     """Bounds included, also where tanh is 1 to the last bit and high - low is rounded."""
     low, high = sorted((low, high))
     policy = make_network(SquashedGaussian, seed, low=low, high=high, scale=30.0)
@@ -35,7 +33,7 @@ def test_actions_stay_in_the_box(
     assert (actions <= np.float32(high)).all()
 
 
-def test_saturated_policy_reaches_both_ends(make_network: Make, observations: Observations):
+def test_saturated_policy_reaches_both_ends(make_network, observations):
     """The whole box can be used."""
     policy = make_network(SquashedGaussian, low=-0.5, high=2.0, scale=1000.0)
     assert {-0.5, 2.0} <= set(policy.act(observations(100)).ravel().tolist())

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from harness.policy import Policy, Uniform, UniformChoice
+from harness.policy import Uniform, UniformChoice
 
 Observations = Callable[..., np.ndarray]
 FLOORS = pytest.mark.parametrize("floor", [Uniform((-1.0, 0.0), (1.0, 4.0)), UniformChoice(5)])
 
 
 @pytest.mark.parametrize("seed", [None, 0])
-def test_actions_fill_the_box_evenly(observations: Observations, seed: int | None):
+def test_actions_fill_the_box_evenly(observations, seed):
     """Each tenth of the box holds a tenth of the actions; drawn or scattered, they are not told apart."""
     rng = None if seed is None else np.random.default_rng(seed)
     actions = Uniform((-1.0, 0.0), (1.0, 4.0)).act(observations(5000), rng)
@@ -23,7 +23,7 @@ def test_actions_fill_the_box_evenly(observations: Observations, seed: int | Non
 
 
 @pytest.mark.parametrize("seed", [None, 0])
-def test_every_choice_comes_equally_often(observations: Observations, seed: int | None):
+def test_every_choice_comes_equally_often(observations, seed):
     """A fifth each; drawn or scattered."""
     rng = None if seed is None else np.random.default_rng(seed)
     choices = UniformChoice(5).act(observations(5000), rng)
@@ -32,7 +32,7 @@ def test_every_choice_comes_equally_often(observations: Observations, seed: int 
 
 
 @FLOORS
-def test_without_a_generator_an_action_belongs_to_its_observation(floor: Policy, observations: Observations):
+def test_without_a_generator_an_action_belongs_to_its_observation(floor, observations):
     """NOTE eq. 36: the same alone, in a batch, in another order, asked again."""
     seen = observations(6)
     actions = floor.act(seen)
@@ -41,21 +41,21 @@ def test_without_a_generator_an_action_belongs_to_its_observation(floor: Policy,
 
 
 @FLOORS
-def test_zero_has_no_sign(floor: Policy):
+def test_zero_has_no_sign(floor):
     """Observations that are equal are acted on alike."""
     zero = np.zeros((1, 3), np.float32)
     np.testing.assert_array_equal(floor.act(-zero), floor.act(zero))
 
 
 @FLOORS
-def test_no_env_is_no_action(floor: Policy):
+def test_no_env_is_no_action(floor):
     """A batch of none gives none, in the usual shape."""
     some, none = (floor.act(np.zeros((count, 3), np.float32)) for count in (1, 0))
     assert (none.shape, none.dtype) == ((0, *some.shape[1:]), some.dtype)
 
 
 @given(st.integers(0, 100), st.floats(-10, 10, width=32), st.floats(-10, 10, width=32), st.booleans())
-def test_actions_stay_in_the_box(observations: Observations, seed: int, low: float, high: float, is_drawn: bool):
+def test_actions_stay_in_the_box(observations, seed, low, high, is_drawn):
     """Bounds included."""
     low, high = sorted((low, high))
     actions = Uniform((low,), (high,)).act(observations(), np.random.default_rng(seed) if is_drawn else None)

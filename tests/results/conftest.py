@@ -1,7 +1,5 @@
 """Small experiments, made by hand."""
 
-from pathlib import Path
-
 import pytest
 
 from harness.experiment import check_experiment, expand
@@ -59,7 +57,7 @@ def folder_of(make_cell, make_plan, registry, tmp_path):
 
 
 @pytest.fixture(scope="session")
-def ran(tmp_path_factory) -> Path:
+def ran(tmp_path_factory):
     """Trainings with a reward that has terms, and with the baseline."""
     return run_gentle(tmp_path_factory.mktemp("gentle"), reward=["gentle"])
 

@@ -1,14 +1,11 @@
 """Experiment folders made by hand, with rewards worked out apart."""
 
-from collections.abc import Mapping, Sequence
-from pathlib import Path
-from typing import Any
+from collections.abc import Mapping
 
 import numpy as np
 
-from harness.record import COLUMN, SCALARS, Cell, Manifest, Store, TraceWriter
+from harness.record import COLUMN, SCALARS, Manifest, TraceWriter
 from harness.registry import Choice
-from harness.results import Results
 
 BASELINE = Choice("baseline", (), "baseline")
 ARP = Choice("arp", (("k1", 1.0), ("k2", 1.5)), "arp")
@@ -25,7 +22,7 @@ ARP_RUNS = {
 }
 
 
-def paid(distances: Sequence[float], k2: float = 1.0) -> list[float]:
+def paid(distances, k2=1.0):
     """What `arp` pays, worked out apart; with k2 = 1 what `baseline` pays. Nothing in the start row."""
     best, rewards = distances[0], [0.0]
     for distance in distances[1:]:
@@ -34,22 +31,22 @@ def paid(distances: Sequence[float], k2: float = 1.0) -> list[float]:
     return rewards
 
 
-def fail(store: Store, cell: Cell, reason: str) -> None:
+def fail(store, cell, reason):
     """As if the cell had failed, whatever it did."""
     store.cell_folder(cell).mkdir(exist_ok=True)
     Manifest(cell, status="failed", reason=reason).write(store.cell_folder(cell))
 
 
 def finish(
-    store: Store,
-    cell: Cell,
-    distances: Sequence[float] = (1.0, 0.5),
-    trained: Sequence[bool] = (True,),
-    floor: Sequence[bool] = (False,),
-    rewards: Sequence[float] | None = None,
-    otherwise: Sequence[bool] | None = None,
-    learned: Mapping[int, Sequence[bool]] = {},
-) -> None:
+    store,
+    cell,
+    distances=(1.0, 0.5),
+    trained=(True,),
+    floor=(False,),
+    rewards=None,
+    otherwise=None,
+    learned: Mapping = {},
+):
     """Leave what a done cell leaves, as far as results read it.
 
     Args:
@@ -76,13 +73,13 @@ def finish(
     Manifest(cell, status="done", started=f"2026-01-01T00:00:{cell.seed % 60:02}+00:00", seconds=1.5).write(folder)
 
 
-def only(results: Results) -> Any:
+def only(results):
     """The one combination."""
     (combination,) = results.combinations
     return combination
 
 
-def _write_training(path: Path, distances: Sequence[float], rewards: Sequence[float]) -> None:
+def _write_training(path, distances, rewards):
     """One unfinished episode."""
     rows = np.zeros((len(distances), len(SCALARS) + 2))
     best = np.minimum.accumulate([distances[0], *distances])[:-1]
@@ -92,7 +89,7 @@ def _write_training(path: Path, distances: Sequence[float], rewards: Sequence[fl
     _write(path, rows)
 
 
-def _write_evaluation(path: Path, reached: Sequence[bool]) -> None:
+def _write_evaluation(path, reached):
     """One ended episode per flag, at a distance of 0.01 or 0.5 m."""
     rows = np.zeros((len(reached), len(SCALARS) + 2))
     for number, (row, is_reached) in enumerate(zip(rows, reached, strict=True)):
@@ -103,6 +100,6 @@ def _write_evaluation(path: Path, reached: Sequence[bool]) -> None:
     _write(path, rows)
 
 
-def _write(path: Path, rows: np.ndarray) -> None:
+def _write(path, rows):
     with TraceWriter(path, dof=1, action_size=1) as writer:
         writer.append(rows)

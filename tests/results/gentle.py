@@ -1,9 +1,5 @@
 """A run with a reward that has terms, one of which never pays."""
 
-from collections.abc import Sequence
-from pathlib import Path
-from typing import Any
-
 import harness
 
 GENTLE = "gentle.py"
@@ -18,7 +14,7 @@ def gentle(step):
 '''
 
 
-def run_gentle(folder: Path, *, reward: Sequence[str], steps: int = 300, seeds: int = 3, **given: Any) -> Path:
+def run_gentle(folder, *, reward, steps=300, seeds=3, **given):
     """Train at random in the kinematic simulator, the file of the reward beside the experiment's folder."""
     (folder / GENTLE).write_text(SOURCE)
     harness.run(

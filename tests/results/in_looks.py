@@ -1,8 +1,6 @@
 """Experiments that are trained in looks, made by hand."""
 
-from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
 
 from harness.record import Store, Terms
 from harness.registry import Choice
@@ -21,7 +19,7 @@ class Folder:
         """Begin with nothing done."""
         self.store, self.cells, self.registry = store, cells, registry
 
-    def train(self, reward: str, successes: Sequence[float]) -> None:
+    def train(self, reward, successes):
         """Do the next cells of a reward, with these shares of successes."""
         done = [cell for cell in self.cells[reward] if self.store.cell_folder(cell).exists()]
         for cell, share in zip(self.cells[reward][len(done) :], successes, strict=False):
@@ -29,7 +27,7 @@ class Folder:
             finish(self.store, cell, BASELINE_RUNS[0], [True] * reached + [False] * (EPISODES - reached))
 
     @property
-    def results(self) -> Results:
+    def results(self):
         """What it says now."""
         return Results(self.store.folder, self.registry)
 
@@ -39,7 +37,7 @@ class Folder:
         return standing_of(self.results)
 
 
-def folder_in_looks(terms: Terms, make_cell, make_plan, registry, path: Path) -> Folder:
+def folder_in_looks(terms, make_cell, make_plan, registry, path):
     """An experiment that trains in looks, nothing done yet."""
     choices = {name: Choice(name, (), name) for name in REWARDS}
     cells = {

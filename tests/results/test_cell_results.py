@@ -51,12 +51,12 @@ def _ended(ran_toys):
     return ran_toys(evaluate_every=5)
 
 
-def fresh(results: Results) -> Results:
+def fresh(results):
     """As another process reads the folder."""
     return Results(results.folder, results.registry, results.kind)
 
 
-def without_kept(results: Results) -> Results:
+def without_kept(results):
     """As if nothing had ever been kept."""
     for path in (results.folder / "derived").rglob("*"):
         if path.is_file():

@@ -1,7 +1,6 @@
 """What is kept beside a cell's files: believed while it follows from the same, made again otherwise."""
 
 import json
-from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -18,7 +17,7 @@ class Maker:
     def __init__(self, made: object) -> None:
         self.made, self.calls = made, 0
 
-    def __call__(self) -> object:
+    def __call__(self):
         """Once more."""
         self.calls += 1
         return self.made
@@ -37,7 +36,7 @@ def _folder(tmp_path):
     return tmp_path / "derived" / "cell"
 
 
-def made_again(open_kept: Callable[[], Kept], made_of: str = "x") -> list[int]:
+def made_again(open_kept, made_of="x"):
     """How often a number and rewards are made again."""
     number, rewards = Maker(0.5), Maker(REWARDS)
     kept = open_kept()

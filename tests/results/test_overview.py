@@ -45,7 +45,7 @@ def test_two_values_stand_beside_an_arrow():
     assert measure_text(Change(time, -1140.0, -78.9, None)) == "-1140 -> -78.9 s"
 
 
-def _decided(name: str | None) -> SimpleNamespace:
+def _decided(name):
     share = Change(Quantity("success_rate", "", "higher", "deterministic", 100), 0.98, 0.99, None)
     time = Change(Quantity("time_to_target", "s", "lower", "deterministic"), 0.861, 0.37, None)
     speed = Change(Quantity("success_rate", "", "higher", "while training", 100), 0.42, 0.61, None)
@@ -77,7 +77,7 @@ def test_a_notebook_sees_no_table_of_nothing():
     assert overview_html(()) == ""
 
 
-def _comparison(simulator: str, steps: int, counts: tuple[int, int] = (2, 2)) -> SimpleNamespace:
+def _comparison(simulator, steps, counts=(2, 2)):
     """As far as what is shared looks at it."""
     labels = {"simulator": simulator, "task": "reach"}
     group = SimpleNamespace(labels=labels, shown=labels, steps=steps)

@@ -11,7 +11,7 @@ from harness.results.replay import choose_pairs
 KINDS = kinds_of("reach", "arp", "es")
 
 
-def pairs_of(*kinds: int, differs: tuple[float, ...] = ()) -> Pairs:
+def pairs_of(*kinds, differs=()):
     """Pairs of one seed."""
     gaps = differs or (0.0,) * len(kinds)
     return Pairs(KINDS, tuple(Met(0, at, kind, gap) for at, (kind, gap) in enumerate(zip(kinds, gaps, strict=True))))

@@ -11,7 +11,7 @@ from tests.results.told import comparison, rates
 PLACES = ("mujoco", "pybullet", "drake", "physx")
 
 
-def pool_of(mean: float, spread: float = 0.05) -> Pool:
+def pool_of(mean, spread=0.05):
     """Of a reward with this success in four places, beside a baseline with 0.5."""
     found = with_verdicts(
         [

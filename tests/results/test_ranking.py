@@ -1,7 +1,6 @@
 """How the rewards of an experiment come in all its places."""
 
 import json
-from typing import Any
 
 import pytest
 
@@ -15,7 +14,7 @@ from tests.results.folders import fail
 ENGINES = {"mujoco": "MuJoCo", "dm_control": "MuJoCo", "pybullet": "Bullet", "kinematic": None}
 
 
-def reaching(count: int) -> Any:
+def reaching(count):
     """Steps of so many of four episodes."""
     return lambda seed: [8] * count
 

@@ -9,7 +9,7 @@ MAKERS = {"harness.robot", "harness.policy", "harness.env", "harness.motion", "h
 LOADED = "import sys, {module}; print(*sys.modules)"
 
 
-def makers_loaded_by(module: str) -> set[str]:
+def makers_loaded_by(module):
     """What an import loads of `MAKERS`, in a process of its own."""
     code = LOADED.format(module=module)
     loaded = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout.split()

@@ -18,11 +18,11 @@ from tests.results.gentle import GENTLE
 STEPS = 100
 
 
-def _by_term(start: float, end: float, whole: float, pays: bool = True, name: str = "reach") -> ByTerm:
+def _by_term(start, end, whole, pays=True, name="reach"):
     return ByTerm({name: TermMeans(start, end, whole, pays)}, STEPS, 10)
 
 
-def _trained(start: float, end: float, evaluation: float, pays: bool = True, name: str = "reach") -> TermsOfTraining:
+def _trained(start, end, evaluation, pays=True, name="reach"):
     told = _by_term(start, end, 0.0, pays, name)
     return TermsOfTraining(told, ByTerm({name: TermMeans(0.0, 0.0, evaluation, pays)}, STEPS, 5))
 

@@ -36,7 +36,7 @@ def recorded(tmp_path, make_cell, make_plan):
     return record
 
 
-def _rows(number: int, points: np.ndarray) -> np.ndarray:
+def _rows(number, points):
     """An episode that goes along `points`, (rows, 5), and ends with the last one."""
     rows = np.zeros((len(points), len(SCALARS) + 2))
     rows[:, COLUMN["episode"]] = number

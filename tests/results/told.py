@@ -1,11 +1,8 @@
 """Comparisons with the values of seeds, made by hand."""
 
-from collections.abc import Mapping, Sequence
-
 import numpy as np
 
-from harness.arrays import Float
-from harness.eta import Change, Quantity, change_of, swaps_of
+from harness.eta import Quantity, change_of, swaps_of
 from harness.registry import Choice
 from harness.results import Behaviour, Comparison, Group
 
@@ -15,15 +12,15 @@ SPEED = Quantity("success_rate", "", "higher", "while training", 100)
 
 
 def comparison(
-    proposed: str,
-    values: Mapping[str, Float],
-    place: str = "mujoco",
-    baseline: str = "baseline",
-    speed: Float | None = None,
-    first_seed: int = 0,
-    steps: int = 1000,
-    **fields: object,
-) -> Comparison:
+    proposed,
+    values,
+    place="mujoco",
+    baseline="baseline",
+    speed=None,
+    first_seed=0,
+    steps=1000,
+    **fields,
+):
     """A comparison in one place.
 
     Args:
@@ -54,13 +51,13 @@ def comparison(
     )
 
 
-def rates(mean: float, other: float, seeds: int = 6, spread: float = 0.05, seed: int = 0) -> Float:
+def rates(mean, other, seeds=6, spread=0.05, seed=0):
     """Success under the baseline and under the proposed reward, (2, seeds)."""
-    values: Float = np.random.default_rng(seed).normal(size=(2, seeds)) * spread + np.array([[mean], [other]])
+    values = np.random.default_rng(seed).normal(size=(2, seeds)) * spread + np.array([[mean], [other]])
     return np.clip(values, 0.0, 1.0)
 
 
-def change(measure: Quantity, values: Float, seeds: Sequence[int]) -> Change:
+def change(measure, values, seeds):
     """Of the values of the seeds under both rewards, (2, seeds)."""
     one, other = (dict(zip(seeds, map(float, side), strict=False)) for side in values)
     return change_of(measure, one, other, swaps_of(seeds))

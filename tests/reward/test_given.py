@@ -1,7 +1,6 @@
 """What an author gives for a reward of an environment, and the one way in which it is called."""
 
 import functools
-from typing import Any
 
 import numpy as np
 import pytest
@@ -16,12 +15,12 @@ STEP = Now._make((2.0, 3.0, {"left": 4.0}, Before._make((1.0, 0.5, {}))))
 class Called:
     """An object that takes a step."""
 
-    def __call__(self, step: Any) -> float:
+    def __call__(self, step):
         """The action."""
         return float(step.action)
 
 
-def four(observation: Any, action: Any, next_observation: Any, info: Any) -> tuple[Any, ...]:
+def four(observation, action, next_observation, info):
     """All that it is given."""
     return observation, action, next_observation, info["left"]
 
@@ -76,7 +75,7 @@ def test_zeros_have_the_form_of_the_action(subtests):
     for action in [np.ones(3, np.float32), 2, 1.5, np.int64(4), {"a": np.ones(2), "b": 1}, (1, np.ones(1))]:
         with subtests.test(action=action):
 
-            def same(one: Any, other: Any) -> bool:
+            def same(one, other):
                 if isinstance(one, dict):
                     return all(same(one[key], other[key]) for key in one)
                 if isinstance(one, tuple):

@@ -1,11 +1,9 @@
 """An arm of four joints as people bring it: the URDF that all cases of these tests change."""
 
-from pathlib import Path
-
 import numpy as np
 import pinocchio
 
-from harness.robot import Robot, read_robot
+from harness.robot import read_robot
 
 BODY = (
     '<inertial><origin xyz="0 0 0.1"/><mass value="1.0"/>'
@@ -14,7 +12,7 @@ BODY = (
 LIMIT = '<limit lower="-2" upper="2" velocity="2" effort="50"/>'
 
 
-def _joint(name: str, parent: str, child: str, origin: str, axis: str) -> str:
+def _joint(name, parent, child, origin, axis):
     return (
         f'<joint name="{name}" type="revolute"><parent link="{parent}"/><child link="{child}"/>'
         f'<origin xyz="{origin}" rpy="0 0 0"/><axis xyz="{axis}"/>{LIMIT}</joint>\n'
@@ -35,7 +33,7 @@ ARM = (
 )
 
 
-def changed(*pairs: tuple[str, str], text: str = ARM) -> str:
+def changed(*pairs, text=ARM):
     """The arm with texts replaced by others, wherever they stand; each of them has to be there."""
     for old, new in pairs:
         assert old in text, old
@@ -43,7 +41,7 @@ def changed(*pairs: tuple[str, str], text: str = ARM) -> str:
     return text
 
 
-def in_joint(joint: str, more: str, text: str = ARM) -> str:
+def in_joint(joint, more, text=ARM):
     """The arm with more in one of its joints."""
     begin = text.index(f'<joint name="{joint}"')
     end = text.index("</joint>", begin)
@@ -83,7 +81,7 @@ BROUGHT = {
 """What has to be read as it stands."""
 
 
-def read_arm(folder: Path, text: str, toml: str = "") -> Robot:
+def read_arm(folder, text, toml=""):
     """The robot of a URDF's text, and of a robot.toml where one is given."""
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "arm.urdf").write_text(text, encoding="utf-8")
@@ -92,12 +90,12 @@ def read_arm(folder: Path, text: str, toml: str = "") -> Robot:
     return read_robot(folder / "arm.urdf")
 
 
-def poses_of(robot: Robot) -> np.ndarray:
+def poses_of(robot):
     """Twenty random poses within the ranges, (20, dof)."""
     return np.random.default_rng(0).uniform(robot.lower, robot.upper, (20, robot.dof))
 
 
-def tips_of_pinocchio(text: str, robot: Robot, poses: np.ndarray) -> np.ndarray:
+def tips_of_pinocchio(text, robot, poses):
     """Where Pinocchio, which reads URDFs with ROS's parser, has the end effector, (count, 3)."""
     model = pinocchio.buildModelFromXML(text)
     data, frame = model.createData(), model.getFrameId(robot.end_effector_link)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from harness.robot import Shape, attach_shapes, parse_urdf, read_shapes
+from harness.robot import attach_shapes, parse_urdf, read_shapes
 
 ARM = """
 <robot name="arm">
@@ -43,13 +43,13 @@ ARM = """
 
 
 @pytest.fixture(scope="session")
-def arm_text() -> str:
+def arm_text():
     """The URDF of an arm of three joints, with links and shapes beside the chain."""
     return ARM
 
 
 @pytest.fixture(scope="session")
-def attached() -> tuple[tuple[Shape, ...], ...]:
+def attached():
     """The shapes that each of its three joints moves."""
     urdf = parse_urdf(ARM)
     return attach_shapes(urdf, read_shapes(urdf), ("turn", "slide", "spin"))

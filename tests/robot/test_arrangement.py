@@ -1,9 +1,7 @@
 """What robot.toml changes of an arm: where it stands, what it holds, where it begins and ends, how far it moves."""
 
 import math
-from collections.abc import Mapping
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pinocchio
@@ -11,7 +9,6 @@ import pytest
 
 from harness.errors import UsageError
 from harness.registry import choose, load_registry
-from harness.robot import Robot
 from tests.robot.brought_arms import ARM, BODY, LIMIT, changed, poses_of, read_arm
 
 WALL = "base = { xyz_m = [1.2, -0.3, 0.9], rpy_deg = [0, 90, 0] }\n"
@@ -33,7 +30,7 @@ FINGERS = changed(
 """The arm with a finger, and one that mimics it."""
 
 
-def long_arm(count: int) -> str:
+def long_arm(count):
     """The URDF of an arm of so many turning joints, j1 and so on, from link l0 to the last one."""
     links = "".join(f'<link name="l{number}"/>' for number in range(count + 1))
     joints = "".join(
@@ -44,12 +41,12 @@ def long_arm(count: int) -> str:
     return f'<robot name="long">{links}{joints}</robot>'
 
 
-def pose(xyz: tuple[float, float, float], rpy_deg: tuple[float, float, float]) -> pinocchio.SE3:
+def pose(xyz, rpy_deg):
     """Pinocchio's own, of the numbers of a table of robot.toml."""
     return pinocchio.SE3(pinocchio.rpy.rpyToMatrix(*np.radians(rpy_deg)), np.array(xyz, dtype=float))
 
 
-def tips(text: str, robot: Robot, poses: np.ndarray, link: str, held: Mapping[str, float] | None = None) -> list:
+def tips(text, robot, poses, link, held=None):
     """Pinocchio's poses of a link of the URDF as it was given, with the joints `held` at their values."""
     model = pinocchio.buildModelFromXML(text)
     data, frame = model.createData(), model.getFrameId(link)
@@ -64,7 +61,7 @@ def tips(text: str, robot: Robot, poses: np.ndarray, link: str, held: Mapping[st
     return found
 
 
-def differ(robot: Robot, poses: np.ndarray, frames: list) -> float:
+def differ(robot, poses, frames):
     """The largest difference of the end effector to the origins of frames, [m]."""
     return float(np.abs(robot.end_effector(poses) - [frame.translation for frame in frames]).max())
 
@@ -80,7 +77,7 @@ def differ(robot: Robot, poses: np.ndarray, frames: list) -> float:
     ids=["wall", "ceiling", "table", "anywhere"],
 )
 @pytest.mark.parametrize("tool", ["", PROBE], ids=["bare", "with a tool"])
-def test_arm_stands_where_its_base_is(tmp_path: Path, toml: str, base: tuple, tool: str):
+def test_arm_stands_where_its_base_is(tmp_path, toml, base, tool):
     """The tip is Pinocchio's, seen from the base, with the tool's frame behind it."""
     robot = read_arm(tmp_path, ARM, toml + tool + HOME)
     poses, behind = poses_of(robot), pose((0.01, -0.02, 0.13), (10, 20, 30)) if tool else pinocchio.SE3.Identity()
@@ -92,7 +89,7 @@ def test_arm_stands_where_its_base_is(tmp_path: Path, toml: str, base: tuple, to
 
 @pytest.mark.parametrize("simulator", ["kinematic", "mujoco", "pybullet"])
 @pytest.mark.parametrize("toml", [WALL, CEILING, TABLE], ids=["wall", "ceiling", "table"])
-def test_every_simulator_has_the_mount_and_the_tool(tmp_path: Path, simulator: str, toml: str):
+def test_every_simulator_has_the_mount_and_the_tool(tmp_path, simulator, toml):
     """Its end effector is Pinocchio's, at a speed above the one of the URDF too, and the mount touches no ground."""
     box = '<collision><geometry><box size="0.4 0.4 4"/></geometry></collision>'
     text = changed(('velocity="2"', 'velocity="0.1"'), ('<link name="base">', f'<link name="base">{box}'))
@@ -113,7 +110,7 @@ def test_every_simulator_has_the_mount_and_the_tool(tmp_path: Path, simulator: s
     simulation.close()
 
 
-def test_shapes_follow_the_mount(tmp_path: Path):
+def test_shapes_follow_the_mount(tmp_path):
     """A link's own frame stays; what no joint moves has no joint, as the new root."""
     box = '<collision><geometry><box size="1 1 1"/></geometry></collision>'
     text = changed(*((f'<link name="{link}">', f'<link name="{link}">{box}') for link in ("base", "l1")))
@@ -123,7 +120,7 @@ def test_shapes_follow_the_mount(tmp_path: Path):
     assert robot.link_shapes["world"] == ()
 
 
-def test_held_joints_are_fixed_at_their_values(tmp_path: Path):
+def test_held_joints_are_fixed_at_their_values(tmp_path):
     """In degrees where they turn, in metres where they slide; what mimics one follows; the others move."""
     robot = read_arm(tmp_path, FINGERS, 'end_effector = "g"\nfixed = { j3 = -35, jf = 0.03 }\n')
     poses = poses_of(robot)
@@ -133,14 +130,14 @@ def test_held_joints_are_fixed_at_their_values(tmp_path: Path):
     assert differ(robot, poses, tips(FINGERS, robot, poses, "g", {**held, "jg": -0.03})) > 1e-3
 
 
-def test_a_held_gripper_is_no_branch(tmp_path: Path):
+def test_a_held_gripper_is_no_branch(tmp_path):
     """The end of the chain is found as if its joints were fixed ones."""
     text = changed(('"jg" type="prismatic"', '"jg" type="fixed"'), text=FINGERS)
     assert read_arm(tmp_path / "a", text).end_effector_link == "f"
     assert read_arm(tmp_path / "b", text, "fixed = { jf = 0.03 }").end_effector_link == "tool"
 
 
-def test_arms_of_more_than_eight_joints_are_opened(tmp_path: Path):
+def test_arms_of_more_than_eight_joints_are_opened(tmp_path):
     """By joints that are held, or by where the chain begins."""
     text = long_arm(10)
     with pytest.raises(UsageError, match=r"10 joints move .* hold some: fixed = .* or name .* chain = \[first, last\]"):
@@ -157,7 +154,7 @@ def test_arms_of_more_than_eight_joints_are_opened(tmp_path: Path):
     [["l3", "l8"], ["j4", "j8"], ["l3", "j8"]],
     ids=["links", "joints", "both"],
 )
-def test_chain_begins_and_ends_where_it_is_said(tmp_path: Path, chain: list[str]):
+def test_chain_begins_and_ends_where_it_is_said(tmp_path, chain):
     """Before it joints are at rest, or held; behind it they do not count."""
     text = changed(('<link name="l10"/>', '<link name="l10"/><link name="z"/>'), text=long_arm(10)).replace(
         "</robot>", '<joint name="jz" type="floating"><parent link="l9"/><child link="z"/></joint></robot>'
@@ -169,7 +166,7 @@ def test_chain_begins_and_ends_where_it_is_said(tmp_path: Path, chain: list[str]
     assert robot.origins["end_effector"] == "robot.toml"
 
 
-def test_what_floats_before_the_chain_is_held(tmp_path: Path):
+def test_what_floats_before_the_chain_is_held(tmp_path):
     """A humanoid's first joint floats; the arm begins at its torso."""
     text = changed(('"j1" type="revolute"', '"j1" type="floating"'), text=long_arm(6))
     with pytest.raises(UsageError, match="'j1' is of type 'floating'"):
@@ -177,7 +174,7 @@ def test_what_floats_before_the_chain_is_held(tmp_path: Path):
     assert read_arm(tmp_path / "b", text, 'chain = ["l1", "l6"]').joint_names == ("j2", "j3", "j4", "j5", "j6")
 
 
-def test_ranges_are_those_of_robot_toml(tmp_path: Path):
+def test_ranges_are_those_of_robot_toml(tmp_path):
     """By name or in the order of the chain, where the URDF has none, another, or a placeholder."""
     text = changed(
         ('lower="-2" upper="2"', 'lower="0" upper="0"'),
@@ -196,7 +193,7 @@ def test_ranges_are_those_of_robot_toml(tmp_path: Path):
     assert read_arm(tmp_path / "plain", ARM, rows).urdf != read_arm(tmp_path / "bare", ARM).urdf
 
 
-def test_range_of_a_slide_is_in_metres(tmp_path: Path):
+def test_range_of_a_slide_is_in_metres(tmp_path):
     """And the line that refuses a placeholder is what to write."""
     text = changed(('"j2" type="revolute"', '"j2" type="prismatic"'), ('lower="-2" upper="2"', 'lower="0" upper="0"'))
     text = text.replace('"0" upper="0"', '"-2" upper="2"', 1).replace('"0" upper="0"', '"0" upper="0.0"', 1)
@@ -209,7 +206,7 @@ def test_range_of_a_slide_is_in_metres(tmp_path: Path):
     assert (robot.lower[1], robot.upper[1]) == (0.0, 0.2)
 
 
-def test_a_name_that_is_taken_is_no_obstacle(tmp_path: Path):
+def test_a_name_that_is_taken_is_no_obstacle(tmp_path):
     """A root that is called world stands on another one; MuJoCo, which knows the name, has it there too."""
     text = changed(('"base"', '"world"'), ('"l3"', '"mount"'), ('"j4"', '"world_to_mount_"'))
     robot, registry = read_arm(tmp_path, text, TABLE), load_registry()
@@ -223,7 +220,7 @@ def test_a_name_that_is_taken_is_no_obstacle(tmp_path: Path):
 
 
 @pytest.mark.parametrize("toml", ["", 'name = "b"\n', "max_speed_deg_s = [9, 9, 9, 9]\n"])
-def test_without_these_keys_the_urdf_stays_as_it_is(tmp_path: Path, toml: str):
+def test_without_these_keys_the_urdf_stays_as_it_is(tmp_path, toml):
     """So cells that were done with such an arm go on; a base makes another arm of it."""
     text = changed(('<link name="tool"/>', f'<link name="tool">{BODY}</link>'))
     robot = read_arm(tmp_path, text, toml)
@@ -259,7 +256,7 @@ REFUSED = {
 }
 
 
-def test_what_cannot_be_is_refused_in_one_line(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
+def test_what_cannot_be_is_refused_in_one_line(tmp_path_factory, subtests):
     """The file to correct, what is wrong, what is allowed."""
     for toml, message in REFUSED.items():
         with subtests.test(toml=toml):

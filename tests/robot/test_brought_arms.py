@@ -1,6 +1,5 @@
 """URDFs as other people write them: each is read as ROS's parser reads it, or refused in one line."""
 
-from pathlib import Path
 from random import Random
 from xml.etree import ElementTree
 
@@ -9,7 +8,7 @@ import pytest
 
 from harness.errors import UsageError
 from harness.registry import choose, load_registry
-from harness.robot import Robot, read_robot
+from harness.robot import read_robot
 from tests.robot.brought_arms import (
     ARM,
     BODY,
@@ -81,7 +80,7 @@ REFUSED = {
 }
 
 
-def same(first: Robot, second: Robot) -> bool:
+def same(first, second):
     """Whether two arms are equal in all that decides how they move."""
     arrays = ("lower", "upper", "max_speed", "max_acceleration", "home")
     chains = ("T_previous_joint", "axes", "T_last_tip")
@@ -93,7 +92,7 @@ def same(first: Robot, second: Robot) -> bool:
     )
 
 
-def test_end_effector_is_that_of_pinocchio(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
+def test_end_effector_is_that_of_pinocchio(tmp_path_factory, subtests):
     """At twenty random poses, to 1e-12 m; where ROS's parser refuses the file, that of the file without its fault."""
     for name in BROUGHT:
         with subtests.test(name=name):
@@ -105,7 +104,7 @@ def test_end_effector_is_that_of_pinocchio(tmp_path_factory: pytest.TempPathFact
             )
 
 
-def test_every_simulator_moves_what_was_read(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
+def test_every_simulator_moves_what_was_read(tmp_path_factory, subtests):
     """It follows a command, and its end effector is where the kinematics have it."""
     for name in [*BROUGHT, "placeholders"]:
         for simulator in ["kinematic", "mujoco", "pybullet"]:
@@ -124,7 +123,7 @@ def test_every_simulator_moves_what_was_read(tmp_path_factory: pytest.TempPathFa
                 simulation.close()
 
 
-def test_what_must_not_matter_does_not(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
+def test_what_must_not_matter_does_not(tmp_path_factory, subtests):
     """The arm is equal, number by number, and Pinocchio agrees."""
     for name, text in ALIKE.items():
         with subtests.test(name=name):
@@ -136,7 +135,7 @@ def test_what_must_not_matter_does_not(tmp_path_factory: pytest.TempPathFactory,
             np.testing.assert_allclose(robot.end_effector(poses), found, rtol=0, atol=1e-12)
 
 
-def rewritten(text: str, rng: Random) -> str:
+def rewritten(text, rng):
     """The same arm in other words: other orders, blanks, comments, quotes, namespaces, numbers and unknown parts."""
     root = ElementTree.fromstring(text)
     for element in list(root.iter()):
@@ -159,13 +158,13 @@ def rewritten(text: str, rng: Random) -> str:
     return rng.choice(("", " \n", "\ufeff", "<?xml version='1.0' encoding='utf-8'?>", "<!-- a -->")) + told
 
 
-def _rewritten(word: str, rng: Random) -> str:
+def _rewritten(word, rng):
     number = float(word)
     return rng.choice((word, repr(number), f"{number:+.17e}", f"{number:#.17G}"))
 
 
 @pytest.mark.parametrize("name", ["plain", "a jaw", "mounted on a table"])
-def test_an_arm_in_other_words_is_the_same(tmp_path: Path, name: str):
+def test_an_arm_in_other_words_is_the_same(tmp_path, name):
     """In fifty random ones; Pinocchio, which knows one word less, is asked about the first."""
     plain = read_arm(tmp_path / "plain", BROUGHT[name])
     for seed in range(50):
@@ -176,19 +175,19 @@ def test_an_arm_in_other_words_is_the_same(tmp_path: Path, name: str):
     np.testing.assert_allclose(plain.end_effector(poses), found, rtol=0, atol=1e-12)
 
 
-def test_what_moves_an_arm_matters(tmp_path: Path):
+def test_what_moves_an_arm_matters(tmp_path):
     """Else the comparison would find everything equal."""
     assert not same(read_arm(tmp_path, changed(('xyz="0 1 0"', 'xyz="0 1 1e-9"'))), read_arm(tmp_path / "b", ARM))
     assert not same(read_arm(tmp_path, changed(('lower="-2"', 'lower="-1"'))), read_arm(tmp_path / "b", ARM))
 
 
-def test_a_comment_before_the_declaration_is_read(tmp_path: Path):
+def test_a_comment_before_the_declaration_is_read(tmp_path):
     """As people put their licence there."""
     assert same(read_arm(tmp_path, "<!-- (c) <?xml -->\n<!--->-->" + ARM), read_arm(tmp_path / "plain", ARM))
 
 
 @pytest.mark.parametrize("more", ['<limit lower="" upper="x"/>', '<mimic joint="j1"/>', '<axis xyz="0 0 0"/>', LIMIT])
-def test_joints_beside_the_chain_are_not_judged(tmp_path: Path, more: str):
+def test_joints_beside_the_chain_are_not_judged(tmp_path, more):
     """A finger that nothing moves may have any limits, an axis without a direction, or mimic another one."""
     plain = read_arm(tmp_path / "plain", changed(("</robot>", BESIDE.format(""))))
     robot = read_arm(tmp_path, changed(("</robot>", BESIDE.format(more))))
@@ -197,14 +196,14 @@ def test_joints_beside_the_chain_are_not_judged(tmp_path: Path, more: str):
 
 
 @pytest.mark.parametrize("more", ['<dynamics damping="x" friction=""/>', '<safety_controller soft_lower_limit=""/>'])
-def test_words_that_nothing_uses_do_not_reach_engines(tmp_path: Path, more: str):
+def test_words_that_nothing_uses_do_not_reach_engines(tmp_path, more):
     """An engine would stop at them."""
     robot = read_arm(tmp_path, in_joint("j2", more))
     assert same(robot, read_arm(tmp_path / "plain", ARM))
     assert more.partition(" ")[0] not in robot.urdf
 
 
-def test_range_of_a_continuous_joint_is_not_judged(tmp_path: Path):
+def test_range_of_a_continuous_joint_is_not_judged(tmp_path):
     """It has none."""
     text = changed(('type="revolute"', 'type="continuous"'), ('lower="-2" upper="2"', 'lower="" upper="x"'))
     robot = read_arm(tmp_path, text)
@@ -212,9 +211,7 @@ def test_range_of_a_continuous_joint_is_not_judged(tmp_path: Path):
     assert "upper" not in robot.urdf
 
 
-def test_what_cannot_be_read_is_refused_in_one_line(
-    tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests
-):
+def test_what_cannot_be_read_is_refused_in_one_line(tmp_path_factory, subtests):
     """The file, what is wrong, and what to do."""
     for name, (old, new, message) in REFUSED.items():
         with subtests.test(name=name):
@@ -225,14 +222,14 @@ def test_what_cannot_be_read_is_refused_in_one_line(
             assert "\n" not in str(caught.value)
 
 
-def test_utf_16_is_refused_in_one_line(tmp_path: Path):
+def test_utf_16_is_refused_in_one_line(tmp_path):
     """As ROS does."""
     (tmp_path / "arm.urdf").write_bytes(ARM.encode("utf-16"))
     with pytest.raises(UsageError, match=r"is not UTF-8 text .* Save it as UTF-8"):
         read_robot(tmp_path / "arm.urdf")
 
 
-def test_what_engines_get_is_xml_to_every_parser(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
+def test_what_engines_get_is_xml_to_every_parser(tmp_path_factory, subtests):
     """Also to one that knows namespaces: the tags are those of a URDF."""
     for name in [*BROUGHT, *ALIKE]:
         with subtests.test(name=name):
@@ -243,7 +240,7 @@ def test_what_engines_get_is_xml_to_every_parser(tmp_path_factory: pytest.TempPa
             assert len(root.findall("link")) >= 6
 
 
-def test_text_with_a_declared_prefix_stays_as_it_is(tmp_path: Path):
+def test_text_with_a_declared_prefix_stays_as_it_is(tmp_path):
     """So cells that were done with such an arm go on."""
     text = changed(
         ("<robot", '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"'),

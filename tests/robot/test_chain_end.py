@@ -1,17 +1,14 @@
 """Where the chain of an arm ends that does not name its end effector."""
 
-from pathlib import Path
-
 import pytest
 
 from harness.errors import UsageError
-from harness.robot import Robot, parse_urdf
+from harness.robot import parse_urdf
 from harness.robot.chain_end import Tip, find_chain_end, tip_of
-from harness.robot.urdf import Urdf
 from tests.robot.brought_arms import ARM, JAW, changed, read_arm
 
 
-def arm(*joints: str) -> Urdf:
+def arm(*joints):
     """A URDF of joints written as ``parent-child``, or ``parent>child`` where the joint moves."""
     links, text = set(), ""
     for joint in joints:
@@ -24,7 +21,7 @@ def arm(*joints: str) -> Urdf:
     return parse_urdf(f'<robot name="r">{named}{text}</robot>')
 
 
-def test_tip_is_where_one_chain_ends(subtests: pytest.Subtests):
+def test_tip_is_where_one_chain_ends(subtests):
     """The last link of a single chain, the palm of a hand; frames fixed beside the way do not count."""
     rows = [
         (("a>b", "b>c", "c>d"), "d"),
@@ -51,7 +48,7 @@ def test_early_branches_may_be_arms():
     assert "\n" not in str(caught.value)
 
 
-def with_frames(*frames: tuple[str, str]) -> str:
+def with_frames(*frames):
     """The plain arm with more links that are fixed to its last one, ``(name, xyz)``, in front of its tool."""
     more = "".join(
         f'<link name="{name}"/><joint name="to {name}" type="fixed"><parent link="l4"/><child link="{name}"/>'
@@ -72,17 +69,17 @@ def with_frames(*frames: tuple[str, str]) -> str:
         ([("ee_link", "0 0.08 0"), ("tool0", "0 0.09 0")], "l4"),
     ],
 )
-def test_of_fixed_frames_the_tools_is_the_end(frames: list[tuple[str, str]], tip: str):
+def test_of_fixed_frames_the_tools_is_the_end(frames, tip):
     """By its name, where one has such a name, or several that are at one point."""
     assert find_chain_end(parse_urdf(with_frames(*frames))) == tip
 
 
-def tip(robot: Robot) -> Tip:
+def tip(robot):
     """What is known of a robot's end effector."""
     return tip_of(robot.urdf, robot.end_effector_link, robot.chain)
 
 
-def test_a_tools_frame_is_proposed_where_another_link_is_the_tip(tmp_path: Path):
+def test_a_tools_frame_is_proposed_where_another_link_is_the_tip(tmp_path):
     """And what is written then makes it the tip, which has nothing to propose."""
     text = with_frames(("tool0", "0 0 0.2"), ("camera", "0 0.1 0"))
     named = read_arm(tmp_path, text, 'end_effector = "flange"')
@@ -92,7 +89,7 @@ def test_a_tools_frame_is_proposed_where_another_link_is_the_tip(tmp_path: Path)
     assert set(tip(written).beside) == {"flange", "l4", "camera"}
 
 
-def test_joints_that_cannot_move_the_tip_are_told(tmp_path: Path):
+def test_joints_that_cannot_move_the_tip_are_told(tmp_path):
     """A jaw, or a wrist on whose axis it lies; with the tip aside of the axis all joints do."""
     assert tip(read_arm(tmp_path / "jaw", JAW)).still == ("gripper",)
     assert tip(read_arm(tmp_path / "wrist", ARM, 'end_effector = "l4"')).still == ("j4",)

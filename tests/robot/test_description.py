@@ -2,7 +2,6 @@
 
 import zipfile
 from dataclasses import dataclass
-from pathlib import Path
 
 import pytest
 
@@ -37,7 +36,7 @@ class Failing(Sound):
         raise KeyError("a mistake of the reader")
 
 
-def registry_of(name: str, requires: tuple[str, ...] = ()) -> Registry:
+def registry_of(name, requires=()):
     """One format, of a class here."""
     registry = Registry()
     target = f"{__name__}:{name}"
@@ -48,25 +47,25 @@ def registry_of(name: str, requires: tuple[str, ...] = ()) -> Registry:
 
 
 @pytest.fixture(autouse=True)
-def importable(monkeypatch: pytest.MonkeyPatch):
+def importable(monkeypatch):
     """This module, by its name, wherever pytest has it."""
     monkeypatch.setitem(__import__("sys").modules, __name__, __import__("sys").modules[__name__])
 
 
 @pytest.fixture
-def chain(tmp_path: Path) -> Path:
+def chain(tmp_path):
     """A file of that format."""
     return Sound().write_example(tmp_path)
 
 
-def said_of(path: Path, registry: Registry = NOTHING) -> str:
+def said_of(path, registry=NOTHING):
     """The error about a file, without its path."""
     with pytest.raises(UsageError) as error:
         read_robot(path, registry)
     return str(error.value).removeprefix(f"{path}: ")
 
 
-def test_the_reader_that_recognises_a_file_reads_it(chain: Path):
+def test_the_reader_that_recognises_a_file_reads_it(chain):
     """Its tip and its resting pose are taken, by `load_robot` too."""
     for read in (read_robot, load_robot):
         robot = read(chain, registry_of("Sound"))
@@ -76,19 +75,19 @@ def test_the_reader_that_recognises_a_file_reads_it(chain: Path):
         assert robot.origins["end_effector"] == "the frame of its tool"
 
 
-def test_a_urdf_asks_no_reader(tmp_path: Path):
+def test_a_urdf_asks_no_reader(tmp_path):
     """Whatever is registered."""
     (tmp_path / "arm.urdf").write_text(ARM)
     assert read_robot(tmp_path / "arm.urdf", registry_of("Failing")).dof == 4
 
 
-def test_a_reader_that_fails_is_blamed(chain: Path):
+def test_a_reader_that_fails_is_blamed(chain):
     """By its name and package."""
     with pytest.raises(PluginError, match=r"Description format 'chain' of package chains 0\.1 raised KeyError"):
         read_robot(chain, registry_of("Failing"))
 
 
-def test_a_reader_without_its_library_is_not_asked(chain: Path):
+def test_a_reader_without_its_library_is_not_asked(chain):
     """What is said then is what is said of the file."""
     assert "not well-formed XML" in said_of(chain, registry_of("Sound", ("no_such_module",)))
 
@@ -106,27 +105,27 @@ FOREIGN = {
 
 
 @pytest.mark.parametrize("name", FOREIGN)
-def test_other_files_say_how_to_come_to_a_urdf(tmp_path: Path, name: str):
+def test_other_files_say_how_to_come_to_a_urdf(tmp_path, name):
     """One sentence, that begins with the file."""
     text, told = FOREIGN[name]
     (tmp_path / name).write_text(text)
     assert told in said_of(tmp_path / name)
 
 
-def test_an_archive_is_to_be_unpacked(tmp_path: Path):
+def test_an_archive_is_to_be_unpacked(tmp_path):
     """Whatever its name."""
     with zipfile.ZipFile(tmp_path / "arm.zip", "w") as archive:
         archive.writestr("arm.urdf", ARM)
     assert said_of(tmp_path / "arm.zip") == "it is an archive. Unpack it, and give the URDF in it."
 
 
-def test_a_damaged_urdf_is_said_to_be_one(tmp_path: Path):
+def test_a_damaged_urdf_is_said_to_be_one(tmp_path):
     """As before there were other formats."""
     (tmp_path / "arm.urdf").write_text("<robt/>")
     assert said_of(tmp_path / "arm.urdf") == "The outermost element is <robt>, a URDF's is <robot>. Give a URDF."
 
 
-def test_a_urdf_takes_no_arguments(tmp_path: Path):
+def test_a_urdf_takes_no_arguments(tmp_path):
     """They would change nothing, and silently."""
     with pytest.raises(UsageError, match=r"arguments are given, and arm\.urdf is a URDF, which takes none"):
         read_arm(tmp_path, ARM, 'arguments = { a = "1" }\n')

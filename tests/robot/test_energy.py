@@ -5,7 +5,7 @@ import pytest
 
 import harness
 from harness.registry import load_registry
-from harness.robot import Robot, read_bodies, read_robot
+from harness.robot import read_bodies, read_robot
 from harness.robot.energy import GRAVITY, energy, least_work
 
 REGISTRY = load_registry()
@@ -31,7 +31,7 @@ SLIDER = """
 
 
 @pytest.fixture(scope="module")
-def slider(tmp_path_factory: pytest.TempPathFactory) -> Robot:
+def slider(tmp_path_factory):
     """An arm with a joint that slides, and a load that is fixed to a link without mass."""
     path = tmp_path_factory.mktemp("lift") / "lift.urdf"
     path.write_text(SLIDER)
@@ -39,7 +39,7 @@ def slider(tmp_path_factory: pytest.TempPathFactory) -> Robot:
 
 
 @pytest.mark.parametrize("name", ["fd100", "unity-arm", "slider"])
-def test_energy_is_that_of_mujoco(name: str, request: pytest.FixtureRequest):
+def test_energy_is_that_of_mujoco(name, request):
     """At random poses and speeds; the base, which does not move, has no part in it."""
     mujoco = pytest.importorskip("mujoco")
     robot = request.getfixturevalue("slider") if name == "slider" else harness.load_robot(name, REGISTRY)
@@ -61,7 +61,7 @@ def test_energy_is_that_of_mujoco(name: str, request: pytest.FixtureRequest):
     np.testing.assert_allclose(energy(robot.chain, bodies, qpos, qvel) - at_rest, kinetic, rtol=1e-8)
 
 
-def test_any_leading_shape(slider: Robot):
+def test_any_leading_shape(slider):
     """A batch of batches has the energies of its rows."""
     rng = np.random.default_rng(1)
     qpos, qvel = rng.uniform(0.0, 0.5, (2, 4, 5, 3))
@@ -71,7 +71,7 @@ def test_any_leading_shape(slider: Robot):
     assert whole[2, 3] == pytest.approx(energy(slider.chain, bodies, qpos[2, 3], qvel[2, 3]))
 
 
-def test_work_of_a_lift(slider: Robot):
+def test_work_of_a_lift(slider):
     """Slowly up and down, the arm upright: the weight of what slides, times the way up; the way down gives nothing."""
     up = np.zeros((1001, 3))
     up[:, 1] = np.linspace(0.0, 0.4, 1001)
@@ -81,7 +81,7 @@ def test_work_of_a_lift(slider: Robot):
     assert slow == pytest.approx(4.0 * GRAVITY * height, rel=1e-4)
 
 
-def test_work_of_a_start(slider: Robot):
+def test_work_of_a_start(slider):
     """Along the level the kinetic energy is all; whoever stands still does none."""
     turned = np.zeros((2, 3))
     turned[1, 1] = 0.1
@@ -94,12 +94,12 @@ def test_work_of_a_start(slider: Robot):
 
 
 @pytest.mark.parametrize("rows", [0, 1])
-def test_no_motion_takes_no_work(slider: Robot, rows: int):
+def test_no_motion_takes_no_work(slider, rows):
     """An episode without a step."""
     assert least_work(slider.chain, read_bodies(slider), np.zeros((rows, 3)), 0.1) == 0.0
 
 
-def test_arm_without_mass_has_no_bodies(tmp_path_factory: pytest.TempPathFactory):
+def test_arm_without_mass_has_no_bodies(tmp_path_factory):
     """Its URDF says nothing of masses: none are made up."""
     import re
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from harness.errors import UsageError
-from harness.robot import Chain, Shape, Solids, build_solids, forward, link_frames, parse_urdf, read_chain
+from harness.robot import Chain, Shape, build_solids, forward, link_frames, parse_urdf, read_chain
 from harness.robot.kinematics import build_chain, transform
 
 Shapes = tuple[tuple[Shape, ...], ...]
@@ -15,34 +15,34 @@ CORNERS = np.array(np.meshgrid([-0.1, 0.1], [-0.2, 0.2], [-0.3, 0.3])).reshape(3
 
 
 @pytest.fixture(scope="module")
-def chain(arm_text: str) -> Chain:
+def chain(arm_text):
     """Three joints: one that turns, one that slides, one that turns."""
     return build_chain(read_chain(parse_urdf(arm_text), "tip"))
 
 
 @pytest.fixture(scope="module")
-def solids(attached: Shapes) -> Solids:
+def solids(attached):
     """The shapes of the arm as arrays."""
     return build_solids(attached)
 
 
-def random_joints(count: int, dof: int = 3) -> np.ndarray:
+def random_joints(count, dof=3):
     """Joint positions, (count, dof)."""
     return np.random.default_rng(3).uniform(-3.0, 3.0, (count, dof))
 
 
-def rotations(count: int) -> np.ndarray:
+def rotations(count):
     """Frames with random orientation at the origin, as of one joint, (1, 3, 4, count)."""
     matrices, _ = np.linalg.qr(np.random.default_rng(5).normal(size=(count, 3, 3)))
     return np.concatenate([matrices, np.zeros((count, 3, 1))], axis=2).transpose(1, 2, 0)[None]
 
 
-def one(kind: str, *size: float) -> Solids:
+def one(kind, *size):
     """A shape alone, at the origin of the only joint's frame."""
     return build_solids([[Shape(kind, size, np.eye(4))]])
 
 
-def test_frames_are_those_of_the_kinematics(chain: Chain):
+def test_frames_are_those_of_the_kinematics(chain):
     """The last frame, with the constant step to the tip, is the tip's pose; each other one that of a shorter chain."""
     qpos = random_joints(50)
     frames = link_frames(chain, qpos)
@@ -54,7 +54,7 @@ def test_frames_are_those_of_the_kinematics(chain: Chain):
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 7, 16])
-def test_frames_do_not_depend_on_the_batch(chain: Chain, count: int):
+def test_frames_do_not_depend_on_the_batch(chain, count):
     """A pose's frames are, bit for bit, those that it has among a thousand others."""
     qpos = random_joints(1000)
     many = link_frames(chain, qpos)
@@ -63,7 +63,7 @@ def test_frames_do_not_depend_on_the_batch(chain: Chain, count: int):
         np.testing.assert_array_equal(few, many[..., start : start + count])
 
 
-def test_frames_of_the_wrong_number_of_joints_are_refused(chain: Chain):
+def test_frames_of_the_wrong_number_of_joints_are_refused(chain):
     """One value too many is a UsageError."""
     with pytest.raises(UsageError, match="Give one value per joint"):
         link_frames(chain, np.zeros((5, 4)))
@@ -78,7 +78,7 @@ def test_frames_of_the_wrong_number_of_joints_are_refused(chain: Chain):
         (one("sphere", 0.2), 0.2, 0.2),
     ],
 )
-def test_lowest_point_where_it_is_known(solids: Solids, flat: float, upright: float):
+def test_lowest_point_where_it_is_known(solids, flat, upright):
     """Upright, and lying with its x axis down, each shape reaches as low as its size says, below its height of 1 m."""
     lying = [[0, 0, 1, 0], [0, 1, 0, 0], [-1, 0, 0, 1.0]]
     standing = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 1.0]]
@@ -97,7 +97,7 @@ def test_lowest_point_of_a_box_is_a_corner():
 
 
 @pytest.mark.parametrize(("kind", "ball"), [("cylinder", 0.0), ("capsule", 0.2)])
-def test_lowest_point_of_a_round_shape_is_on_its_rims(kind: str, ball: float):
+def test_lowest_point_of_a_round_shape_is_on_its_rims(kind, ball):
     """In any orientation: on a cylinder's rims, and a ball's radius below the ends of a capsule."""
     frames, angle = rotations(200), np.linspace(0.0, 2.0 * np.pi, 2000)
     rim = (0.2 - ball) * np.array([np.cos(angle), np.sin(angle)])
@@ -106,7 +106,7 @@ def test_lowest_point_of_a_round_shape_is_on_its_rims(kind: str, ball: float):
     np.testing.assert_allclose(one(kind, 0.2, 0.6).lowest(frames), heights, atol=1e-6)
 
 
-def test_chain_reaches_as_low_as_the_lowest_of_its_shapes(chain: Chain, attached: Shapes, solids: Solids):
+def test_chain_reaches_as_low_as_the_lowest_of_its_shapes(chain, attached, solids):
     """All shapes together reach as low as the lowest one alone, each on its own joint."""
     frames = link_frames(chain, random_joints(300))
     alone = [
@@ -118,7 +118,7 @@ def test_chain_reaches_as_low_as_the_lowest_of_its_shapes(chain: Chain, attached
     assert set(np.argmin(alone, axis=0)) >= {1, 2, 3}  # one at least of each joint
 
 
-def test_bounds_skip_nothing_that_touches(chain: Chain, solids: Solids):
+def test_bounds_skip_nothing_that_touches(chain, solids):
     """The ground is touched exactly where the lowest point is below it, at any height of the arm."""
     frames = link_frames(chain, random_joints(2000))
     frames[:, 2, 3] += np.random.default_rng(7).uniform(-0.5, 1.5, 2000)
@@ -127,7 +127,7 @@ def test_bounds_skip_nothing_that_touches(chain: Chain, solids: Solids):
     assert 200 < touching.sum() < 1800
 
 
-def test_without_shapes_nothing_touches(chain: Chain):
+def test_without_shapes_nothing_touches(chain):
     """An arm without shapes has no lowest point."""
     solids = build_solids([[], [], []])
     frames = link_frames(chain, random_joints(4))
@@ -136,7 +136,7 @@ def test_without_shapes_nothing_touches(chain: Chain):
 
 
 @pytest.mark.parametrize("pose", [np.eye(4), transform((0.5, -0.6, 0.7), (0.4, 0.5, 0.6))])
-def test_mesh_reaches_as_low_as_the_box_that_it_is(pose: np.ndarray):
+def test_mesh_reaches_as_low_as_the_box_that_it_is(pose):
     """The corners of a box as a mesh reach exactly as low as the box, wherever in the link it is."""
     mesh = build_solids([[Shape("mesh", (), pose, CORNERS)]])
     box = build_solids([[Shape("box", (0.2, 0.4, 0.6), pose)]])
@@ -144,7 +144,7 @@ def test_mesh_reaches_as_low_as_the_box_that_it_is(pose: np.ndarray):
     np.testing.assert_allclose(mesh.lowest(frames), box.lowest(frames), atol=1e-14)
 
 
-def test_mesh_touches_where_its_lowest_point_is_below_the_ground(chain: Chain, attached: Shapes):
+def test_mesh_touches_where_its_lowest_point_is_below_the_ground(chain, attached):
     """Meshes count beside other shapes, on any joint, also with more points than are computed at once."""
     cloud = np.random.default_rng(2).normal(size=(700, 3)) * 0.2
     mesh = Shape("mesh", (), np.eye(4), cloud)

@@ -10,13 +10,13 @@ ROBOT = harness.load_robot("fd100")
 COUNT = 200
 
 
-def reachable_points() -> np.ndarray:
+def reachable_points():
     """End effectors of random poses within 60 degrees of home."""
     noise = np.random.default_rng(0).uniform(-np.pi / 3, np.pi / 3, (COUNT, ROBOT.dof))
     return ROBOT.end_effector(np.clip(ROBOT.home + noise, ROBOT.lower, ROBOT.upper))
 
 
-def from_home(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def from_home(points):
     """What is found from the home pose."""
     return reach_position(ROBOT, points, np.tile(ROBOT.home, (len(points), 1)))
 

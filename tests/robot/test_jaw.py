@@ -8,14 +8,14 @@ from harness.robot import read_robot
 from tests.robot.brought_arms import ARM, JAW, changed, read_arm
 
 
-def with_last(joint: str, kind: str = "revolute", beside: str = "") -> str:
+def with_last(joint, kind="revolute", beside=""):
     """The arm with one more joint at its tool, and perhaps a frame beside it."""
     text = changed(('"gripper"', f'"{joint}"'), ('"tcp"', f'"{beside or "plate"}"'), text=JAW)
     begin = text.index(f'<joint name="{joint}"')
     return text[:begin] + text[begin:].replace('"revolute"', f'"{kind}"', 1)
 
 
-def test_a_jaw_is_told_with_what_to_write(tmp_path: Path):
+def test_a_jaw_is_told_with_what_to_write(tmp_path):
     """Which joint, by what it looks like one, which link is the tip, and the line that names another."""
     robot = read_arm(tmp_path, JAW)
     assert (robot.dof, robot.end_effector_link) == (5, "jaw")
@@ -31,7 +31,7 @@ def test_a_jaw_is_told_with_what_to_write(tmp_path: Path):
     assert "\n" not in warning
 
 
-def test_what_the_warning_says_to_write_works(tmp_path: Path):
+def test_what_the_warning_says_to_write_works(tmp_path):
     """Then the jaw does not move, and nothing is told."""
     (warning,) = read_arm(tmp_path, JAW).warnings
     robot = read_arm(tmp_path, JAW, warning.rpartition("robot.toml: ")[2])
@@ -39,12 +39,12 @@ def test_what_the_warning_says_to_write_works(tmp_path: Path):
     assert "gripper" not in robot.joint_names
 
 
-def test_who_names_the_end_effector_is_believed(tmp_path: Path):
+def test_who_names_the_end_effector_is_believed(tmp_path):
     """Be it the jaw."""
     assert read_arm(tmp_path, JAW, 'end_effector = "jaw"').warnings == ()
 
 
-def test_a_tool_at_a_jaw_is_told(tmp_path: Path):
+def test_a_tool_at_a_jaw_is_told(tmp_path):
     """Who adds a tool has not said that the jaw carries it; what the warning says to write moves it to the palm."""
     tool = 'tool = { xyz_m = [0.05, 0, 0.1], name = "pen" }'
     (warning,) = read_arm(tmp_path, JAW, tool).warnings
@@ -63,7 +63,7 @@ def test_a_tool_at_a_jaw_is_told(tmp_path: Path):
         ("j5", "prismatic", "tool0", "tool0"),
     ],
 )
-def test_jaws_are_found(tmp_path: Path, joint: str, kind: str, beside: str, palm: str):
+def test_jaws_are_found(tmp_path, joint, kind, beside, palm):
     """By their names, or by the frame of a tool on what carries them."""
     (warning,) = read_arm(tmp_path, with_last(joint, kind, beside)).warnings
     assert warning.endswith(f'end_effector = "{palm}"')
@@ -72,12 +72,12 @@ def test_jaws_are_found(tmp_path: Path, joint: str, kind: str, beside: str, palm
 @pytest.mark.parametrize(
     ("joint", "beside"), [("j5", ""), ("wrist_3", "camera"), ("gripper_roll", ""), ("tool_rotation", "flange")]
 )
-def test_a_wrist_is_no_jaw(tmp_path: Path, joint: str, beside: str):
+def test_a_wrist_is_no_jaw(tmp_path, joint, beside):
     """Most arms end on the axis of their last joint."""
     assert read_arm(tmp_path, with_last(joint, beside=beside)).warnings == ()
 
 
-def test_a_joint_that_moves_the_tip_aside_is_no_jaw(tmp_path: Path):
+def test_a_joint_that_moves_the_tip_aside_is_no_jaw(tmp_path):
     """A finger of a robot that is a finger."""
     text = with_last("finger_low").replace("</robot>", '<link name="t"/><joint name="k" type="fixed">'
         '<parent link="jaw"/><child link="t"/><origin xyz="0.1 0 0"/></joint></robot>')  # fmt: skip
@@ -85,7 +85,7 @@ def test_a_joint_that_moves_the_tip_aside_is_no_jaw(tmp_path: Path):
     assert (robot.end_effector_link, robot.warnings) == ("t", ())
 
 
-def test_built_in_arms_have_none(tmp_path: Path):
+def test_built_in_arms_have_none(tmp_path):
     """Nor has the plain arm."""
     assert read_arm(tmp_path, ARM).warnings == ()
     for folder in (Path(__file__).parents[2] / "robots").glob("*/"):

@@ -12,7 +12,7 @@ from harness.robot.kinematics import build_chain, pose_jacobian, position_jacobi
 MASS = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
 
 
-def _joint(kind: str, parent: str, child: str, frame: str, axis: str = "1 0 0") -> str:
+def _joint(kind, parent, child, frame, axis="1 0 0"):
     """A link named `child`, and the joint of the same name that carries it."""
     return (
         f'<link name="{child}">{MASS}</link><joint name="{child}" type="{kind}">'
@@ -39,7 +39,7 @@ CHAIN = build_chain(read_chain(parse_urdf(ARM), "tip"))
 POSES = st.lists(st.floats(-2.0, 2.0), min_size=4, max_size=4).map(np.array)
 
 
-def _random_poses(*shape: int) -> np.ndarray:
+def _random_poses(*shape):
     return np.random.default_rng(7).uniform(-2.0, 2.0, (*shape, CHAIN.dof))
 
 
@@ -130,7 +130,7 @@ def test_batch_may_be_empty():
 
 @settings(deadline=None)
 @given(POSES)
-def test_pose_is_a_rigid_transform(qpos: np.ndarray):
+def test_pose_is_a_rigid_transform(qpos):
     """The rotation is orthonormal and right-handed, and the last row stays 0 0 0 1."""
     T_world_tip = forward(CHAIN, qpos)
     rotation = T_world_tip[:3, :3]
@@ -141,13 +141,13 @@ def test_pose_is_a_rigid_transform(qpos: np.ndarray):
 
 @settings(deadline=None)
 @given(POSES)
-def test_whole_turns_change_nothing(qpos: np.ndarray):
+def test_whole_turns_change_nothing(qpos):
     """A turning joint is back after 2 pi; a sliding one is 2 pi metres further along its axis."""
     moved = end_effector_position(CHAIN, qpos + 2.0 * np.pi) - end_effector_position(CHAIN, qpos)
     np.testing.assert_allclose(moved, 2.0 * np.pi * position_jacobian(CHAIN, qpos)[:, 2], atol=1e-12)
 
 
-def test_wrong_shape_is_refused(subtests: pytest.Subtests):
+def test_wrong_shape_is_refused(subtests):
     """Positions that are not one per joint are refused, also where they would broadcast."""
     for compute in [forward, end_effector_position, position_jacobian]:
         for shape in [(), (1,), (3,), (5,), (4, 1), (2, 5)]:
@@ -158,7 +158,7 @@ def test_wrong_shape_is_refused(subtests: pytest.Subtests):
 
 @given(POSES)
 @settings(max_examples=20)
-def test_lower_half_of_the_jacobian_is_the_turn(qpos: np.ndarray):
+def test_lower_half_of_the_jacobian_is_the_turn(qpos):
     """Against finite differences, for joints that turn and one that slides; the upper half is that of the position."""
     jacobian, step = pose_jacobian(CHAIN, qpos), 1e-5
     np.testing.assert_array_equal(jacobian[:3], position_jacobian(CHAIN, qpos))

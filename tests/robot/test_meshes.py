@@ -23,13 +23,13 @@ NONE = "cannot be read as a mesh"
 POINTS = np.unique(CORNERS.reshape(-1, 3), axis=0)
 
 
-def binary_stl(corners: np.ndarray, header: bytes = b"") -> bytes:
+def binary_stl(corners, header=b""):
     """An STL file of triangles, (count, 3, 3)."""
     triangles = b"".join(struct.pack("<12fH", 0, 0, 0, *triangle.ravel(), 0) for triangle in corners)
     return header.ljust(80) + struct.pack("<I", len(corners)) + triangles
 
 
-def text_stl(corners: np.ndarray) -> bytes:
+def text_stl(corners):
     """The same as text."""
     facets = "".join(
         "facet normal 0 0 0\n outer loop\n"
@@ -40,7 +40,7 @@ def text_stl(corners: np.ndarray) -> bytes:
     return f"solid part\n{facets}endsolid part\n".encode()
 
 
-def test_stl_is_its_triangles(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
+def test_stl_is_its_triangles(tmp_path_factory, subtests):
     """Binary or text, whatever the first word is: each point once, each triangle with its corners in order."""
     rows = [
         ("a.stl", binary_stl(CORNERS)),
@@ -59,14 +59,14 @@ def test_stl_is_its_triangles(tmp_path_factory: pytest.TempPathFactory, subtests
             np.testing.assert_array_equal(mesh.vertices[mesh.faces], CORNERS)
 
 
-def test_triangle_without_area_is_left_out(tmp_path: Path):
+def test_triangle_without_area_is_left_out(tmp_path):
     """Exporters write triangles whose corners are the same point; engines refuse them."""
     corners = np.concatenate([CORNERS, [[[0, 0, 0], [0, 0, 0], [0, 1, 0]]]])
     (tmp_path / "a.stl").write_bytes(binary_stl(corners))
     np.testing.assert_array_equal(read_mesh(tmp_path / "a.stl").faces.shape, (2, 3))
 
 
-def test_obj_is_its_points_and_polygons(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
+def test_obj_is_its_points_and_polygons(tmp_path_factory, subtests):
     """Objects are taken as one, textures and normals are left, a polygon becomes a fan of triangles."""
     rows = [
         "f 1 2 3 4",
@@ -86,7 +86,7 @@ def test_obj_is_its_points_and_polygons(tmp_path_factory: pytest.TempPathFactory
             np.testing.assert_array_equal(mesh.faces, [[0, 1, 2], [0, 2, 3]])
 
 
-def test_bad_mesh_is_refused_in_one_line(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
+def test_bad_mesh_is_refused_in_one_line(tmp_path_factory, subtests):
     """The line names the file, what is wrong, and what to do."""
     rows = [
         ("a.step", b"", "is none of .stl, .obj, .dae, .glb, .gltf, .ply. Convert it to STL"),
@@ -134,7 +134,7 @@ def test_bad_mesh_is_refused_in_one_line(tmp_path_factory: pytest.TempPathFactor
             assert "\n" not in told
 
 
-def test_mesh_that_changed_is_read_again(tmp_path: Path):
+def test_mesh_that_changed_is_read_again(tmp_path):
     """A file is read once, until it changes; nobody can change what was read."""
     path = tmp_path / "a.obj"
     path.write_text("v 1 2 3\n")
@@ -148,7 +148,7 @@ def test_mesh_that_changed_is_read_again(tmp_path: Path):
 
 
 @given(integers(0, 30).flatmap(lambda count: arrays(float, (count, 3), elements=sampled_from([-1.0, 0.0, 0.5, 2.0]))))
-def test_distinct_points_are_those_of_numpy(points: np.ndarray):
+def test_distinct_points_are_those_of_numpy(points):
     """In the same order, with the same numbers; numpy's function only takes longer."""
     expected, numbers = np.unique(points, axis=0, return_inverse=True)
     found, found_numbers = distinct(points)
@@ -192,7 +192,7 @@ TURNED = np.array([[0, -2, 0, 7], [2, 0, 0, 8], [0, 0, 2, 9], [0, 0, 0, 1]])
 MIRRORED = np.diag([1, 1, -1, 1])
 
 
-def collada(corners: np.ndarray, unit: str = "1", up: str = "Z_UP", pose: np.ndarray = TURNED) -> str:
+def collada(corners, unit="1", up="Z_UP", pose=TURNED):
     """A COLLADA file of triangles, (count, 3, 3)."""
     points = 3 * len(corners)
     return COLLADA.format(
@@ -202,7 +202,7 @@ def collada(corners: np.ndarray, unit: str = "1", up: str = "Z_UP", pose: np.nda
     )  # fmt: skip
 
 
-def corners_of(path: Path) -> np.ndarray:
+def corners_of(path):
     """Of the triangles in a file, (count, 3, 3)."""
     mesh = read_mesh(path)
     return mesh.vertices[mesh.faces]
@@ -210,7 +210,7 @@ def corners_of(path: Path) -> np.ndarray:
 
 @pytest.mark.parametrize("up", ["X_UP", "Y_UP", "Z_UP"])
 @pytest.mark.parametrize("unit", ["1", "0.0254"])
-def test_collada_has_its_unit_and_its_own_axes(tmp_path: Path, unit: str, up: str):
+def test_collada_has_its_unit_and_its_own_axes(tmp_path, unit, up):
     """The file's nodes and its unit move the points; which axis is up turns nothing, as in RViz."""
     (tmp_path / "a.DAE").write_text(collada(CORNERS, unit, up))
     x, y, z = np.moveaxis(CORNERS + np.array([0, 0, 5]), -1, 0)
@@ -218,7 +218,7 @@ def test_collada_has_its_unit_and_its_own_axes(tmp_path: Path, unit: str, up: st
     np.testing.assert_allclose(corners_of(tmp_path / "a.DAE"), expected, rtol=1e-6)
 
 
-def test_mirrored_part_is_not_turned_inside_out(tmp_path: Path):
+def test_mirrored_part_is_not_turned_inside_out(tmp_path):
     """A node that mirrors would leave the corners clockwise."""
     for name, pose in (("plain", np.eye(4)), ("mirrored", MIRRORED)):
         (tmp_path / f"{name}.dae").write_text(collada(CORNERS, pose=pose))
@@ -230,7 +230,7 @@ def test_mirrored_part_is_not_turned_inside_out(tmp_path: Path):
 
 
 @pytest.mark.parametrize("suffix", ["glb", "gltf", "ply"])
-def test_scene_that_another_library_wrote(tmp_path: Path, suffix: str):
+def test_scene_that_another_library_wrote(tmp_path, suffix):
     """The points are those that it was given, in place; glTF is not turned, though its y axis points up."""
     part = trimesh.Trimesh(CORNERS.reshape(-1, 3), np.arange(6).reshape(-1, 3), process=False)
     scene = trimesh.Scene()
@@ -245,7 +245,7 @@ def test_scene_that_another_library_wrote(tmp_path: Path, suffix: str):
 
 
 @pytest.mark.parametrize("missing", ["trimesh", "collada"])
-def test_format_without_its_reader_says_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, missing: str):
+def test_format_without_its_reader_says_what_to_install(tmp_path, monkeypatch, missing):
     """What is read without it stays readable."""
     (tmp_path / "a.dae").write_text(collada(CORNERS))
     monkeypatch.setitem(sys.modules, missing, None)
@@ -260,7 +260,7 @@ def test_format_without_its_reader_says_what_to_install(tmp_path: Path, monkeypa
     ["../meshes/a.stl", "package://arm_description/meshes/a.stl", "package://checked_out_elsewhere/meshes/a.stl",
      "model://arm_description/meshes/a.stl"],
 )  # fmt: skip
-def test_mesh_is_found_from_the_folder_of_the_urdf(tmp_path: Path, name: str):
+def test_mesh_is_found_from_the_folder_of_the_urdf(tmp_path, name):
     """Relative names start there; packages are looked for around it, also where the checkout has another name."""
     package = tmp_path / "arm_description"
     (package / "urdf").mkdir(parents=True)
@@ -272,7 +272,7 @@ def test_mesh_is_found_from_the_folder_of_the_urdf(tmp_path: Path, name: str):
     assert locate_mesh(str(mesh), Path("/")) == mesh
 
 
-def test_nearest_mesh_is_taken(tmp_path: Path):
+def test_nearest_mesh_is_taken(tmp_path):
     """A package inside the folder comes before one around it."""
     for folder in (tmp_path, tmp_path / "urdf"):
         (folder / "pack").mkdir(parents=True)
@@ -292,13 +292,13 @@ def test_nearest_mesh_is_taken(tmp_path: Path):
         ("http://host/a.stl", "has the mesh 'http://host/a.stl': allowed are paths, package://, model:// and file://"),
     ],
 )
-def test_missing_mesh_is_refused(tmp_path: Path, name: str, message: str):
+def test_missing_mesh_is_refused(tmp_path, name, message):
     """The line names the mesh and where it was looked for first."""
     with pytest.raises(UsageError, match=re.escape(message.format(tmp_path))):
         locate_mesh(name, tmp_path)
 
 
-def refuse(path: Path) -> str:
+def refuse(path):
     """The line that a file is refused with."""
     with pytest.raises(UsageError) as refused:
         read_mesh(path)
@@ -306,7 +306,7 @@ def refuse(path: Path) -> str:
     return str(refused.value)
 
 
-def test_a_large_mesh_is_not_opened(tmp_path: Path):
+def test_a_large_mesh_is_not_opened(tmp_path):
     """A sparse file of 2 GB is refused at once, by who reads it and by who looks for it."""
     path = tmp_path / "a.stl"
     with path.open("wb") as file:
@@ -326,14 +326,14 @@ def test_a_large_mesh_is_not_opened(tmp_path: Path):
     ],
     ids=["binary", "text", "points", "polygon"],
 )
-def test_too_many_triangles_are_refused(tmp_path: Path, name: str, data: bytes):
+def test_too_many_triangles_are_refused(tmp_path, name, data):
     """With how many there are, and how many may be."""
     (tmp_path / name).write_bytes(data)
     assert re.search(r"it has 2\d\d,\d\d\d triangles or more, 200,000 are allowed", refuse(tmp_path / name))
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes in the file system")
-def test_a_pipe_is_no_mesh(tmp_path: Path):
+def test_a_pipe_is_no_mesh(tmp_path):
     """To read it would take forever."""
     os.mkfifo(tmp_path / "a.stl")
     assert "it is no regular file" in refuse(tmp_path / "a.stl")
@@ -342,20 +342,20 @@ def test_a_pipe_is_no_mesh(tmp_path: Path):
 
 
 @pytest.mark.parametrize("name", ["x" * 5_000 + ".stl", "package://" + "a/" * 3_000, "/dev/zero", "a\0b.stl", ""])
-def test_a_name_that_leads_to_no_file_is_refused(tmp_path: Path, name: str):
+def test_a_name_that_leads_to_no_file_is_refused(tmp_path, name):
     """Whatever it is."""
     with pytest.raises(UsageError, match="there is no file"):
         locate_mesh(name, tmp_path)
 
 
-def mesh_at(place: Path) -> Path:
+def mesh_at(place):
     """An empty file, with the folders that it lies in."""
     place.parent.mkdir(parents=True)
     place.touch()
     return place
 
 
-def test_packages_lie_where_they_are_said_to(tmp_path: Path):
+def test_packages_lie_where_they_are_said_to(tmp_path):
     """One by its name, all others in one folder or as it; that comes before a file around the URDF."""
     near, named = mesh_at(tmp_path / "urdf" / "pack" / "a.stl"), mesh_at(tmp_path / "elsewhere" / "a.stl")
     held = mesh_at(tmp_path / "all" / "pack" / "a.stl")
@@ -367,7 +367,7 @@ def test_packages_lie_where_they_are_said_to(tmp_path: Path):
     assert locate_mesh("package://pack/a.stl", folder, {"other": named.parent}) == near
 
 
-def test_relative_names_start_at_the_folder_of_all_packages_too(tmp_path: Path):
+def test_relative_names_start_at_the_folder_of_all_packages_too(tmp_path):
     """Some URDFs count from the folder of the program that loads them."""
     far = mesh_at(tmp_path / "assets" / "meshes" / "a.stl")
     assert locate_mesh("meshes/a.stl", tmp_path / "urdf", {"": tmp_path / "assets"}) == far
@@ -384,9 +384,7 @@ def test_relative_names_start_at_the_folder_of_all_packages_too(tmp_path: Path):
         ("AMENT_PREFIX_PATH", ["none", "install"], "install/share/pack/a.stl"),
     ],
 )
-def test_packages_lie_where_ros_looks(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, variable: str, folders: list[str], place: str
-):
+def test_packages_lie_where_ros_looks(tmp_path, monkeypatch, variable, folders, place):
     """In the folders that its variables name; one beside the URDF comes first."""
     far = mesh_at(tmp_path / place)
     monkeypatch.setenv(variable, os.pathsep.join(str(tmp_path / folder) for folder in folders))
@@ -395,7 +393,7 @@ def test_packages_lie_where_ros_looks(
     assert locate_mesh("package://pack/a.stl", tmp_path / "urdf") == near
 
 
-def test_what_to_write_about_a_package_works(tmp_path: Path):
+def test_what_to_write_about_a_package_works(tmp_path):
     """The line of the message, with the folder in it."""
     with pytest.raises(UsageError, match=r"say in a robot\.toml where the package lies") as caught:
         locate_mesh("package://pack/a.stl", tmp_path / "urdf")

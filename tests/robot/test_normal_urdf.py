@@ -1,9 +1,7 @@
 """The URDF that simulators read: nothing in it is left to guess."""
 
 import sys
-from pathlib import Path
 from xml.etree import ElementTree
-from xml.etree.ElementTree import Element
 
 import numpy as np
 import pytest
@@ -11,8 +9,7 @@ import pytest
 from harness.errors import UsageError
 from harness.robot import forward, load_robot, parse_urdf, read_chain, read_shapes
 from harness.robot.kinematics import build_chain
-from harness.robot.normal_urdf import NormalUrdf, named, normal_urdf
-from harness.robot.urdf import Urdf
+from harness.robot.normal_urdf import named, normal_urdf
 from tests.robot.test_meshes import CORNERS, binary_stl, collada
 
 BODY = '<inertial><mass value="1"/><inertia ixx="1" iyy="2" izz="3" ixy="0" ixz="0" iyz="0"/></inertial>'
@@ -31,27 +28,27 @@ URDF = f"""
 FIXED = URDF.replace('"prismatic"', '"fixed"')
 
 
-def normal(text: str, folder: Path) -> Urdf:
+def normal(text, folder):
     """The URDF of an arm of which one joint is driven."""
     return normal_urdf(parse_urdf(text), ["turn"], folder).urdf
 
 
-def finger_pose(urdf: Urdf, *qpos: float) -> np.ndarray:
+def finger_pose(urdf, *qpos):
     """T_base_finger, (4, 4)."""
     return forward(build_chain(read_chain(urdf, "finger")), qpos)
 
 
-def _parts(urdf: Urdf) -> dict[str, Element]:
+def _parts(urdf):
     """Links and joints by their names."""
     return {part.get("name", ""): part for part in urdf.element}
 
 
-def _moments(link: Element) -> list[float]:
+def _moments(link):
     inertia = link.find("inertial/inertia")
     return [float(inertia.get(name)) for name in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")]
 
 
-def test_plain_text_stays_as_it_is(tmp_path: Path):
+def test_plain_text_stays_as_it_is(tmp_path):
     """Where there is nothing to do, the text is the same to the last blank."""
     given = parse_urdf(FIXED)
     plain, warnings = normal_urdf(given, ["turn"], tmp_path)
@@ -60,7 +57,7 @@ def test_plain_text_stays_as_it_is(tmp_path: Path):
     assert given.text is FIXED
 
 
-def test_text_is_that_of_the_element(tmp_path: Path):
+def test_text_is_that_of_the_element(tmp_path):
     """What engines read says what the harness reads, and the URDF that was given is left as it was."""
     given = parse_urdf(URDF.replace(BODY, ""))
     before = ElementTree.tostring(given.element)
@@ -69,9 +66,7 @@ def test_text_is_that_of_the_element(tmp_path: Path):
     assert ElementTree.tostring(given.element) == before
 
 
-def test_other_joints_are_fixed_where_they_are_nearest_to_zero(
-    tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests
-):
+def test_other_joints_are_fixed_where_they_are_nearest_to_zero(tmp_path_factory, subtests):
     """What the joint carries is, in the fixed one, exactly where it was at that position."""
     rows = [
         ("prismatic", (0.02, 0.05), 0.02),
@@ -95,19 +90,19 @@ def test_other_joints_are_fixed_where_they_are_nearest_to_zero(
 
 
 @pytest.mark.parametrize("kind", ["floating", "planar"])
-def test_joints_with_several_ways_to_move_are_fixed_at_zero(tmp_path: Path, kind: str):
+def test_joints_with_several_ways_to_move_are_fixed_at_zero(tmp_path, kind):
     """Beside the chain they may be, and stand still."""
     plain = normal(URDF.replace('"prismatic"', f'"{kind}"'), tmp_path)
     assert read_chain(plain, "finger")[1].xyz == (0.1, 0.2, 0.3)
 
 
-def test_joint_that_mimics_is_fixed(tmp_path: Path):
+def test_joint_that_mimics_is_fixed(tmp_path):
     """A finger that follows another one stands still as that one does, its limits missing or not."""
     urdf = URDF.replace('<dynamics damping="1"/>', '<mimic joint="turn"/>')
     assert _parts(normal(urdf, tmp_path))["grip"].find("mimic") is None
 
 
-def test_turned_up_by_a_right_angle(tmp_path: Path):
+def test_turned_up_by_a_right_angle(tmp_path):
     """At a pitch of 90 degrees, where roll and yaw are one, the fixed joint still has the same pose."""
     urdf = URDF.replace('rpy="0.4 0.5 0.6"', f'rpy="0.4 {np.pi / 2} 0.6"')
     plain = normal(urdf, tmp_path)
@@ -118,7 +113,7 @@ def test_turned_up_by_a_right_angle(tmp_path: Path):
 @pytest.mark.parametrize(
     "body", ["", "<inertial/>", '<inertial><mass value="1"/></inertial>', BODY.replace('value="1"', 'value="0"')]
 )
-def test_link_without_mass_gets_next_to_none(tmp_path: Path, body: str):
+def test_link_without_mass_gets_next_to_none(tmp_path, body):
     """No engine is left to take 1 kg, a solid of water, or a part of the ground."""
     finger = _parts(normal(FIXED.replace(f'"finger">{BODY}', f'"finger">{body}'), tmp_path))["finger"]
     assert [part.tag for part in finger] == ["inertial"]
@@ -135,13 +130,13 @@ def test_link_without_mass_gets_next_to_none(tmp_path: Path, body: str):
         ('ixx="1" iyy="2" izz="3"', [1.0, 2.0, 3.0, 0.0, 0.0, 0.0]),
     ],
 )
-def test_inertia_that_no_body_has_becomes_a_balls(tmp_path: Path, moments: str, expected: list[float]):
+def test_inertia_that_no_body_has_becomes_a_balls(tmp_path, moments, expected):
     """One engine would refuse it, another set it to zero; the mean stays. What a flat plate has stays as it is."""
     urdf = FIXED.replace('"finger">' + BODY, '"finger">' + BODY.replace('ixx="1" iyy="2" izz="3"', moments))
     assert _moments(_parts(normal(urdf, tmp_path))["finger"]) == pytest.approx(expected)
 
 
-def test_meshes_have_full_paths(tmp_path: Path):
+def test_meshes_have_full_paths(tmp_path):
     """Of what collides and of what is seen, as they lie beside the URDF; scale and the rest stay."""
     (tmp_path / "a.stl").write_bytes(binary_stl(CORNERS))
     shape = '<{0}><geometry><mesh filename="a.stl" scale="1 2 3"/></geometry></{0}>'
@@ -158,7 +153,7 @@ def test_meshes_have_full_paths(tmp_path: Path):
         ('xyz="0 3 4"', 'xyz="0 0 0"', "Joint 'grip' has an axis of zero length."),
     ],
 )
-def test_bad_numbers_are_refused(tmp_path: Path, old: str, new: str, message: str):
+def test_bad_numbers_are_refused(tmp_path, old, new, message):
     """One line names the link or the joint."""
     with pytest.raises(UsageError, match=message) as caught:
         normal(URDF.replace(old, new, 1), tmp_path)
@@ -168,7 +163,7 @@ def test_bad_numbers_are_refused(tmp_path: Path, old: str, new: str, message: st
 MESH = '<{part}><geometry><mesh filename="{file}"/></geometry></{part}>'
 
 
-def with_mesh(folder: Path, file: str, part: str = "visual", link: str = "arm", more: str = "") -> NormalUrdf:
+def with_mesh(folder, file, part="visual", link="arm", more=""):
     """The arm with a mesh in one of its links."""
     (folder / "good.stl").write_bytes(binary_stl(CORNERS))
     (folder / "good.dae").write_text(collada(CORNERS))
@@ -184,7 +179,7 @@ def with_mesh(folder: Path, file: str, part: str = "visual", link: str = "arm", 
     return normal_urdf(parse_urdf(text), ["turn"], folder)
 
 
-def test_drawing_that_can_be_read_stays(tmp_path: Path):
+def test_drawing_that_can_be_read_stays(tmp_path):
     """And nothing is told; the counter-example of those that are left out."""
     for file in ("good.stl", "good.dae"):
         urdf, warnings = with_mesh(tmp_path, file)
@@ -192,7 +187,7 @@ def test_drawing_that_can_be_read_stays(tmp_path: Path):
         assert warnings == ()
 
 
-def test_drawing_that_cannot_be_read_is_left_out(tmp_path: Path, subtests: pytest.Subtests):
+def test_drawing_that_cannot_be_read_is_left_out(tmp_path, subtests):
     """No simulator sees it; one line says which link had it, and why. What collides stays."""
     rows = [
         ("away.stl", "has the mesh 'away.stl', and there is no file"),
@@ -218,7 +213,7 @@ def test_drawing_that_cannot_be_read_is_left_out(tmp_path: Path, subtests: pytes
             assert "\n" not in line
 
 
-def test_drawings_are_left_out_in_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_drawings_are_left_out_in_one_line(tmp_path, monkeypatch):
     """Those whose reader is not installed, with the command that installs it; and the first of the others."""
     monkeypatch.setitem(sys.modules, "trimesh", None)
     more = "".join(MESH.format(part="visual", file=file) for file in ("bad.glb", "good.dae", "away.stl", "away.obj"))
@@ -232,7 +227,7 @@ def test_drawings_are_left_out_in_one_line(tmp_path: Path, monkeypatch: pytest.M
 
 
 @pytest.mark.parametrize("file", ["away.stl", "bad.glb", "none.stl"])
-def test_collision_mesh_that_stands_still_is_left_out(tmp_path: Path, file: str):
+def test_collision_mesh_that_stands_still_is_left_out(tmp_path, file):
     """It can hit nothing that the arm does not reach for; the same of a link that moves is an error."""
     urdf, (line,) = with_mesh(tmp_path, file, "collision", "base")
     assert urdf.element.find("link/collision") is None
@@ -241,7 +236,7 @@ def test_collision_mesh_that_stands_still_is_left_out(tmp_path: Path, file: str)
         read_shapes(with_mesh(tmp_path, file, "collision", "finger").urdf)
 
 
-def test_collision_mesh_that_moves_says_what_reads_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_collision_mesh_that_moves_says_what_reads_it(tmp_path, monkeypatch):
     """A COLLADA file without its reader: as a part of the arm refused, off the arm left out."""
     shapes = read_shapes(with_mesh(tmp_path, "good.dae", "collision").urdf)
     assert len(shapes["arm"][0].points) == 4
@@ -255,7 +250,7 @@ def test_collision_mesh_that_moves_says_what_reads_it(tmp_path: Path, monkeypatc
 BALL = '<collision><geometry><sphere radius="0.1"/></geometry></collision>'
 
 
-def told_of(folder: Path, *bodies: tuple[str, str]) -> tuple[str, ...]:
+def told_of(folder, *bodies):
     """What is told of the arm with other parts in some of its links."""
     text = FIXED
     for link, body in bodies:
@@ -263,7 +258,7 @@ def told_of(folder: Path, *bodies: tuple[str, str]) -> tuple[str, ...]:
     return normal_urdf(parse_urdf(text), ["turn"], folder).warnings
 
 
-def test_links_without_mass_are_told(tmp_path: Path):
+def test_links_without_mass_are_told(tmp_path):
     """Where nothing that moves with them has a mass, and they have a shape: elsewhere it changes nothing."""
     line = "links 'arm', 'finger' without mass or inertia: 1e-6 kg is taken. Give each its <inertial>"
     assert told_of(tmp_path, ("arm", BALL), ("finger", BALL)) == (line,)
@@ -273,7 +268,7 @@ def test_links_without_mass_are_told(tmp_path: Path):
     assert told_of(tmp_path, ("base", BALL)) == ()
 
 
-def test_impossible_inertia_is_told_with_its_rule(tmp_path: Path):
+def test_impossible_inertia_is_told_with_its_rule(tmp_path):
     """Of links that move and have a mass; which becomes a ball's is seen above."""
     negative, long = (BODY.replace('ixx="1" iyy="2" izz="3"', each) for each in ('ixx="-1"', 'ixx="1" iyy="1" izz="3"'))
     assert told_of(tmp_path, ("arm", negative), ("finger", long)) == (
@@ -294,7 +289,7 @@ def test_many_links_are_counted():
     assert named(list("abcde")) == "links 'a', 'b', 'c' and 2 more"
 
 
-def test_first_inertial_counts(tmp_path: Path):
+def test_first_inertial_counts(tmp_path):
     """As in ROS; MuJoCo refuses a second one."""
     (arm,) = normal(FIXED.replace(f'"arm">{BODY}', f'"arm">{BODY}<inertial/>'), tmp_path).element.iterfind(
         "link[@name='arm']"
@@ -304,6 +299,6 @@ def test_first_inertial_counts(tmp_path: Path):
 
 
 @pytest.mark.parametrize("name", ["fd100", "unity-arm"])
-def test_packaged_arms_have_no_warnings(name: str):
+def test_packaged_arms_have_no_warnings(name):
     """Nothing in them is changed."""
     assert load_robot(name).warnings == ()

@@ -16,7 +16,7 @@ URDF = "fake_arms:arms/one/one.urdf"
 
 
 @pytest.fixture
-def site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def site(tmp_path, monkeypatch):
     """A folder that pip could have installed into: the package `fake_arms`, and `fake-data` with files alone."""
     folder = tmp_path / "site-packages"
     (folder / "fake_arms" / "arms" / "one").mkdir(parents=True)
@@ -33,7 +33,7 @@ def site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return folder
 
 
-def test_files_of_packages_are_found(site: Path):
+def test_files_of_packages_are_found(site):
     """From the folder of what is imported on; else from where pip installs on."""
     assert find_installed(URDF) == site / "fake_arms" / "arms" / "one" / "one.urdf"
     assert find_installed("fake-data:prefix/share/two.urdf") == site / "prefix" / "share" / "two.urdf"
@@ -51,7 +51,7 @@ def test_files_of_packages_are_found(site: Path):
     ],
 )
 @pytest.mark.usefixtures("site")
-def test_what_is_not_there_is_told_with_what_is(name: str, message: str):
+def test_what_is_not_there_is_told_with_what_is(name, message):
     """A near miss of the package, or of its files."""
     with pytest.raises(UsageError, match=message) as caught:
         load_robot(name)
@@ -64,7 +64,7 @@ def test_names_of_other_things_are_no_packages():
     assert is_installed("example-robot-data:cmeel.prefix/share/a.urdf")
 
 
-def test_a_path_that_exists_is_that(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_a_path_that_exists_is_that(tmp_path, monkeypatch):
     """Whatever it is called."""
     (tmp_path / "fake_arms:a").mkdir()
     (tmp_path / "fake_arms:a" / "b.urdf").write_text(ARM)
@@ -74,7 +74,7 @@ def test_a_path_that_exists_is_that(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     assert locate("~/a", tmp_path, "") == Path.home() / "a"
 
 
-def test_arm_is_the_same_however_it_is_given(site: Path, tmp_path: Path):
+def test_arm_is_the_same_however_it_is_given(site, tmp_path):
     """As a package's file, by its path, by a robot.toml that names either, and that by its folder or itself."""
     path = site / "fake_arms" / "arms" / "one" / "one.urdf"
     robots = [load_robot(URDF), load_robot(path)]
@@ -87,7 +87,7 @@ def test_arm_is_the_same_however_it_is_given(site: Path, tmp_path: Path):
     assert {robot.name for robot in robots} == {"one"}
 
 
-def test_robot_toml_beside_is_read_where_it_names_the_file_in_full(tmp_path: Path):
+def test_robot_toml_beside_is_read_where_it_names_the_file_in_full(tmp_path):
     """As where it names it by its name; of one that names another file nothing is taken."""
     (tmp_path / "arm.urdf").write_text(ARM)
     (tmp_path / "other.urdf").write_text(ARM)
@@ -95,7 +95,7 @@ def test_robot_toml_beside_is_read_where_it_names_the_file_in_full(tmp_path: Pat
     assert [read_robot(tmp_path / file).name for file in ("arm.urdf", "other.urdf")] == ["mine", "other"]
 
 
-def test_nobody_is_sent_to_where_packages_lie(site: Path):
+def test_nobody_is_sent_to_where_packages_lie(site):
     """What has to be written goes into a robot.toml of one's own, which works."""
     path = site / "fake_arms" / "arms" / "one" / "one.urdf"
     path.write_text(changed(('velocity="2"', 'velocity="0"')))
@@ -112,7 +112,7 @@ def test_nobody_is_sent_to_where_packages_lie(site: Path):
 
 
 @pytest.mark.usefixtures("site")
-def test_missing_package_of_a_robot_toml_names_the_file(tmp_path: Path):
+def test_missing_package_of_a_robot_toml_names_the_file(tmp_path):
     """And so does a folder of meshes in one."""
     (tmp_path / "robot.toml").write_text('urdf = "fake_arm:one.urdf"\n')
     with pytest.raises(UsageError, match=r"^.*/robot\.toml: No package 'fake_arm' is installed"):

@@ -1,6 +1,5 @@
 """The resting pose of an arm that names none."""
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -9,27 +8,25 @@ from hypothesis import given, strategies as st
 from scipy.spatial.transform import Rotation
 
 from harness.errors import UsageError
-from harness.robot import Chain, Shape, build_solids, end_effector_position, link_frames
+from harness.robot import Shape, build_solids, end_effector_position, link_frames
 from harness.robot.kinematics import build_chain
 from harness.robot.resting_pose import choose_home
 from harness.robot.urdf import Joint
 
 
-def joint(axis: tuple[float, float, float], z: float, lower: float = -2.0, upper: float = 2.0) -> Joint:
+def joint(axis, z, lower=-2.0, upper=2.0):
     """A joint that turns, `z` above the one before."""
     return Joint("j", "revolute", "a", "b", (0.0, 0.0, z), (0.0, 0.0, 0.0), axis, lower, upper, 1.0)
 
 
-def upright(*, elbow: float = 2.0) -> Chain:
+def upright(*, elbow=2.0):
     """An arm of three joints that at zero stands straight up: singular."""
     tip = Joint("t", "fixed", "a", "b", (0.0, 0.0, 0.4), (0.0, 0.0, 0.0), (1.0, 0.0, 0.0), 0.0, 0.0, None)
     joints = [joint((0.0, 0.0, 1.0), 0.3), joint((0.0, 1.0, 0.0), 0.1), joint((0.0, 1.0, 0.0), 0.4, -elbow, elbow)]
     return build_chain([*joints, tip])
 
 
-def home_of(
-    chain: Chain, lower: list[float], upper: list[float], shapes: Sequence[Sequence[Shape]] = ((), (), ())
-) -> np.ndarray:
+def home_of(chain, lower, upper, shapes=((), (), ())):
     """The pose chosen at 1 rad/s."""
     return choose_home(chain, np.array(lower), np.array(upper), np.ones(3), 0.9, shapes)
 
@@ -57,7 +54,7 @@ def test_no_joint_bends_by_more_than_90_degrees():
 def test_home_is_agile():
     """By differences of the tip's position: more than half as agile as the best of a thousand poses anywhere."""
 
-    def agility(qpos: np.ndarray) -> float:
+    def agility(qpos):
         steps = 1e-6 * np.eye(3)
         ways = [
             end_effector_position(upright(), qpos + it) - end_effector_position(upright(), qpos - it) for it in steps
@@ -68,7 +65,7 @@ def test_home_is_agile():
     assert agility(home_of(upright(), [-2, -2, -2], [2, 2, 2])) > 0.55 * max(map(agility, anywhere))
 
 
-def mounted(chain: Chain, mount: np.ndarray) -> Chain:
+def mounted(chain, mount):
     """The chain on another mount."""
     joints = chain.T_previous_joint.copy()
     joints[0] = mount @ joints[0]
@@ -79,7 +76,7 @@ ROD = ([], [], [Shape("box", (0.02, 0.02, 0.5), np.eye(4))])
 
 
 @given(rotvec=st.tuples(*[st.floats(-3.0, 3.0)] * 3), aside=st.tuples(*[st.floats(-5.0, 5.0)] * 2))
-def test_home_follows_the_mount(rotvec: tuple[float, ...], aside: tuple[float, ...]):
+def test_home_follows_the_mount(rotvec, aside):
     """Far above the ground an arm rests as it does on the floor, whichever way it is mounted."""
     mount = np.eye(4)
     mount[:3, :3], mount[:3, 3] = Rotation.from_rotvec(rotvec).as_matrix(), (*aside, 9.0)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from harness.errors import UsageError
-from harness.robot import Robot, read_robot, robot as robot_module
+from harness.robot import read_robot, robot as robot_module
 from tests.robot.test_meshes import CORNERS, binary_stl, collada
 
 URDF = """
@@ -43,25 +43,25 @@ max_acceleration_m_s2 = [2]
 """
 
 
-def _write(folder: Path, toml: str = TOML, urdf: str = URDF) -> Path:
+def _write(folder, toml=TOML, urdf=URDF):
     (folder / "robot.toml").write_text(toml, encoding="utf-8")
     (folder / "arm.urdf").write_text(urdf, encoding="utf-8")
     return folder
 
 
 @pytest.fixture
-def robot(tmp_path: Path) -> Robot:
+def robot(tmp_path):
     """The arm as these files say."""
     return read_robot(_write(tmp_path))
 
 
-def test_the_whole_range_of_a_slide_counts_as_a_full_turn(robot: Robot):
+def test_the_whole_range_of_a_slide_counts_as_a_full_turn(robot):
     """Joints that turn count as they are, limited or not."""
     np.testing.assert_allclose(robot.per_radian, [1.0, 1.0, 0.3 / (2.0 * np.pi)])
     assert robot.per_radian[0] == 1.0  # exactly, so that products with it change nothing
 
 
-def test_a_slide_may_do_half_its_range_a_second(tmp_path: Path):
+def test_a_slide_may_do_half_its_range_a_second(tmp_path):
     """Where the URDF allows more and robot.toml says nothing, as a turning joint may do half a turn."""
     toml = TOML.replace("max_speed_m_s = [0.25]\n", "")
     assert read_robot(_write(tmp_path, toml)).max_speed[2] == pytest.approx(0.15)
@@ -70,7 +70,7 @@ def test_a_slide_may_do_half_its_range_a_second(tmp_path: Path):
     assert read_robot(_write(tmp_path)).max_speed[2] == 0.25
 
 
-def test_robot_is_what_the_folder_says(robot: Robot, tmp_path: Path):
+def test_robot_is_what_the_folder_says(robot, tmp_path):
     """Names and folder are those of the files; degrees are turned into radians, metres are left."""
     assert (robot.name, robot.end_effector_link) == ("arm", "tip")
     assert (robot.joint_names, robot.folder, robot.dof) == (("shoulder", "elbow", "slide"), tmp_path, 3)
@@ -80,13 +80,13 @@ def test_robot_is_what_the_folder_says(robot: Robot, tmp_path: Path):
     assert set(robot.origins.values()) == {"robot.toml"}
 
 
-def test_continuous_joint_ranges_over_one_turn(robot: Robot):
+def test_continuous_joint_ranges_over_one_turn(robot):
     """Every limit is finite: a joint without limits has -pi to pi."""
     assert robot.lower.tolist() == [-1.0, -np.pi, -0.2]
     assert robot.upper.tolist() == [2.0, np.pi, 0.1]
 
 
-def test_robot_cannot_be_changed(tmp_path: Path):
+def test_robot_cannot_be_changed(tmp_path):
     """Neither a field nor an entry of an array can be written to."""
     for robot in (
         read_robot(_write(tmp_path)),
@@ -100,14 +100,14 @@ def test_robot_cannot_be_changed(tmp_path: Path):
             robot.name = "other"  # type: ignore[misc]
 
 
-def test_end_effector_and_jacobian_by_hand(robot: Robot):
+def test_end_effector_and_jacobian_by_hand(robot):
     """With the elbow at a right angle the tip is at (0.5, 0.25, 5.05); the shoulder moves it along (-0.25, 0.5, 0)."""
     np.testing.assert_allclose(robot.end_effector(robot.home), [0.5, 0.25, 5.05], atol=1e-15)
     jacobian = robot.jacobian(robot.home)
     np.testing.assert_allclose(jacobian, [[-0.25, -0.25, 0.0], [0.5, 0.0, 0.0], [0.0, 0.0, 1.0]], atol=1e-15)
 
 
-def test_reach_and_digest_are_computed_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_reach_and_digest_are_computed_once(tmp_path, monkeypatch):
     """Loops over decisions ask for the reach again and again, and every cell for the digest."""
     robot, computed = read_robot(_write(tmp_path)), []
     length = robot_module.chain_length
@@ -118,7 +118,7 @@ def test_reach_and_digest_are_computed_once(tmp_path: Path, monkeypatch: pytest.
     assert replace(robot, lower=robot.lower - 1.0).digest != robot.digest
 
 
-def test_digest_is_by_content_wherever_the_files_lie(tmp_path: Path):
+def test_digest_is_by_content_wherever_the_files_lie(tmp_path):
     """A copy in another folder is the same robot; one with another mesh, or the mesh as another format, is not."""
     mesh = '<link name="base"><visual><geometry><mesh filename="hull.stl"/></geometry></visual></link>'
     folders = [tmp_path / name for name in ("here", "there", "edited", "renamed")]
@@ -137,14 +137,14 @@ def test_digest_is_by_content_wherever_the_files_lie(tmp_path: Path):
     assert len({here, edited, renamed}) == 3
 
 
-def test_digest_without_meshes_is_that_of_earlier_versions(robot: Robot):
+def test_digest_without_meshes_is_that_of_earlier_versions(robot):
     """The URDF's text counts as it stands: cells of version 0.1 go on."""
     numbers = np.stack([robot.lower, robot.upper, robot.max_speed, robot.max_acceleration, robot.home])
     parts = (robot.urdf.encode(), robot.end_effector_link.encode(), numbers.tobytes())
     assert robot.digest == hashlib.sha256(b"\0".join(parts)).hexdigest()
 
 
-def test_shapes_are_those_of_the_urdf(tmp_path: Path):
+def test_shapes_are_those_of_the_urdf(tmp_path):
     """Links have theirs by name; a joint has those of its link, and of what is fixed to it, in the link's frame."""
     box = '<collision><geometry><box size="1 1 1"/></geometry></collision>'
     changed = URDF
@@ -157,28 +157,28 @@ def test_shapes_are_those_of_the_urdf(tmp_path: Path):
     np.testing.assert_array_equal(robot.joint_shapes[2][0].T_link_shape[:3, 3], [0.25, 0.0, 0.0])
 
 
-def test_reach_is_the_chain_stretched_out(robot: Robot):
+def test_reach_is_the_chain_stretched_out(robot):
     """The reach is 0.5 m + 0.25 m and the 0.2 m of the slide, whatever the height the arm stands at."""
     assert robot.reach == pytest.approx(0.95)
     poses = np.random.default_rng(0).uniform(robot.lower, robot.upper, (1000, 3))
     assert np.linalg.norm(robot.end_effector(poses) - [0.0, 0.0, 5.0], axis=1).max() < robot.reach
 
 
-def test_extent_is_the_reach_from_where_the_chain_begins(robot: Robot):
+def test_extent_is_the_reach_from_where_the_chain_begins(robot):
     """The arm stands 5 m above the world's origin."""
     assert robot.extent == pytest.approx(5.95)
     poses = np.random.default_rng(0).uniform(robot.lower, robot.upper, (1000, 3))
     assert np.linalg.norm(robot.end_effector(poses), axis=1).max() < robot.extent
 
 
-def test_wrong_shape_is_refused(robot: Robot):
+def test_wrong_shape_is_refused(robot):
     """Joint positions of another robot are answered with both shapes."""
     for compute in (robot.end_effector, robot.jacobian):
         with pytest.raises(UsageError, match=r"qpos has shape \(7, 2\), allowed is \(\.\.\., 3\)"):
             compute(np.zeros((7, 2)))
 
 
-def test_urdf_alone_is_a_robot(tmp_path: Path):
+def test_urdf_alone_is_a_robot(tmp_path):
     """Its name is the file's, its end the chain's, its speeds the URDF's where it has any."""
     urdf = URDF.replace('<axis xyz="0 0 1"/>\n  </joint>', '<axis xyz="0 0 1"/> <limit velocity="9"/>\n  </joint>')
     (_write(tmp_path, urdf=urdf) / "robot.toml").unlink()
@@ -192,7 +192,7 @@ def test_urdf_alone_is_a_robot(tmp_path: Path):
     assert "robot.toml" not in robot.origins.values()
 
 
-def test_file_beside_a_urdf_says_what_it_knows(tmp_path: Path):
+def test_file_beside_a_urdf_says_what_it_knows(tmp_path):
     """A robot.toml may name some values only, those of one kind of joint included; the rest follows the rules."""
     _write(tmp_path, toml='end_effector = "slider"\nhome_deg = [10, 20]\nmax_speed_deg_s = [30, 40]\n')
     robot = read_robot(tmp_path / "arm.urdf")
@@ -204,7 +204,7 @@ def test_file_beside_a_urdf_says_what_it_knows(tmp_path: Path):
     assert robot.origins["home"].startswith("robot.toml, else ")
 
 
-def test_file_of_another_urdf_is_not_taken(tmp_path: Path):
+def test_file_of_another_urdf_is_not_taken(tmp_path):
     """A robot.toml that names another URDF says nothing of this one."""
     (_write(tmp_path) / "other.urdf").write_text(URDF.replace('type="continuous"', 'type="fixed"'), encoding="utf-8")
     with pytest.raises(
@@ -216,20 +216,20 @@ def test_file_of_another_urdf_is_not_taken(tmp_path: Path):
 SPEED = "max_speed_deg_s = { elbow = 90 }\n"
 
 
-def test_file_that_names_its_urdf_from_home_is_taken(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_file_that_names_its_urdf_from_home_is_taken(tmp_path, monkeypatch):
     """Beside the URDF as from elsewhere."""
     monkeypatch.setenv("HOME", str(tmp_path.parent))
     _write(tmp_path, toml=f'urdf = "~/{tmp_path.name}/arm.urdf"\nname = "mine"\n{SPEED}')
     assert read_robot(tmp_path / "arm.urdf").name == read_robot(tmp_path).name == "mine"
 
 
-def test_file_with_a_mark_of_its_encoding_is_read(tmp_path: Path):
+def test_file_with_a_mark_of_its_encoding_is_read(tmp_path):
     """Programs on Windows write one before the first line."""
     _write(tmp_path, toml=f'\ufeffname = "mine"\n{SPEED}')
     assert read_robot(tmp_path / "arm.urdf").name == "mine"
 
 
-def test_meshes_start_at_the_folder_of_the_urdf(tmp_path: Path):
+def test_meshes_start_at_the_folder_of_the_urdf(tmp_path):
     """A missing mesh is answered with the URDF, the link, the name and the place."""
     mesh = '<collision><geometry><mesh filename="tip.stl"/></geometry></collision>'
     _write(tmp_path, urdf=URDF.replace('<link name="tip"/>', f'<link name="tip">{mesh}</link>'))
@@ -239,7 +239,7 @@ def test_meshes_start_at_the_folder_of_the_urdf(tmp_path: Path):
     assert str(caught.value).startswith(message)
 
 
-def test_digest_does_not_depend_on_what_is_installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_digest_does_not_depend_on_what_is_installed(tmp_path, monkeypatch):
     """A drawing in COLLADA is left out of the URDF where nothing reads it, and of the digest everywhere."""
     shape = '<visual><geometry><mesh filename="seen.dae"/></geometry></visual>'
     solid = '<collision><geometry><mesh filename="hit.stl"/></geometry></collision>'
@@ -255,7 +255,7 @@ def test_digest_does_not_depend_on_what_is_installed(tmp_path: Path, monkeypatch
         assert seen.urdf != unseen.urdf
 
 
-def test_mesh_in_millimetres_is_told(tmp_path: Path):
+def test_mesh_in_millimetres_is_told(tmp_path):
     """Drawn it is only strange; where it collides and moves, no pose would be above the ground. Scaled it is right."""
     (tmp_path / "part.stl").write_bytes(binary_stl(100 * CORNERS))
     given = 'a mesh 100 m long, and the arm reaches 0.95 m. If the file is in millimetres, give the <mesh> scale="0.001'
@@ -271,7 +271,7 @@ def test_mesh_in_millimetres_is_told(tmp_path: Path):
             )
 
 
-def test_bad_settings_are_refused_in_one_line(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
+def test_bad_settings_are_refused_in_one_line(tmp_path_factory, subtests):
     """Each fault of robot.toml is a UsageError of one line that names the file."""
     rows = [
         (
@@ -340,7 +340,7 @@ def test_bad_settings_are_refused_in_one_line(tmp_path_factory: pytest.TempPathF
             assert "\n" not in str(caught.value)
 
 
-def test_numbers_may_stand_by_the_joints_names(robot: Robot, tmp_path: Path):
+def test_numbers_may_stand_by_the_joints_names(robot, tmp_path):
     """In any order; what a table leaves out follows the rules."""
     by_name = TOML.replace("[90, 180.0]", "{ elbow = 180, shoulder = 90.0 }").replace("[0, 90]", "{ elbow = 90 }")
     named = read_robot(_write(tmp_path, toml=by_name))
@@ -348,7 +348,7 @@ def test_numbers_may_stand_by_the_joints_names(robot: Robot, tmp_path: Path):
     assert (named.home[1], named.home[0]) == (robot.home[1], 0.5)  # the middle of the shoulder's range
 
 
-def test_robot_toml_wins_over_a_placeholder(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
+def test_robot_toml_wins_over_a_placeholder(tmp_path_factory, subtests):
     """What is no speed limits none; without robot.toml the line to write is told, and it works."""
     for velocity in ["0", "0.0", "-1", "", "inf", "1.7976931348623157e+308", "x"]:
         with subtests.test(velocity=velocity):
@@ -363,7 +363,7 @@ def test_robot_toml_wins_over_a_placeholder(tmp_path_factory: pytest.TempPathFac
             np.testing.assert_allclose(read_robot(tmp_path / "arm.urdf").max_speed, [np.pi / 2, np.pi / 2, 0.15])
 
 
-def test_robot_toml_wins_over_a_lower_speed_of_the_urdf(tmp_path: Path):
+def test_robot_toml_wins_over_a_lower_speed_of_the_urdf(tmp_path):
     """A velocity there is often a placeholder; a line tells the joints that are allowed more, and no others."""
     (tmp_path / "plain").mkdir()
     assert read_robot(_write(tmp_path / "plain")).warnings == ()
@@ -374,7 +374,7 @@ def test_robot_toml_wins_over_a_lower_speed_of_the_urdf(tmp_path: Path):
     assert robot.warnings == (told,)
 
 
-def test_what_to_write_has_both_kinds_of_joints(tmp_path: Path):
+def test_what_to_write_has_both_kinds_of_joints(tmp_path):
     """And names in quotes where TOML wants them."""
     urdf = URDF.replace(' velocity="0.5"', "").replace('"elbow"', '"the elbow"')
     with pytest.raises(UsageError) as caught:
@@ -382,13 +382,13 @@ def test_what_to_write_has_both_kinds_of_joints(tmp_path: Path):
     assert str(caught.value).endswith('max_speed_deg_s = { "the elbow" = 90 } and max_speed_m_s = [0.2]')
 
 
-def test_fault_of_the_urdf_names_the_file(tmp_path: Path):
+def test_fault_of_the_urdf_names_the_file(tmp_path):
     """What the URDF's reader refuses is passed on with the file in front."""
     with pytest.raises(UsageError, match=r"arm\.urdf: Joint 'shoulder' has the limits 3 to 2\."):
         read_robot(_write(tmp_path, urdf=URDF.replace('lower="-1"', 'lower="3"')))
 
 
-def test_more_joints_than_eight_are_refused(tmp_path: Path):
+def test_more_joints_than_eight_are_refused(tmp_path):
     """A chain of nine is answered with the number."""
     joint = (
         '<link name="{0}"/><joint name="{0}" type="prismatic"><parent link="{1}"/><child link="{0}"/>'
@@ -401,7 +401,7 @@ def test_more_joints_than_eight_are_refused(tmp_path: Path):
         read_robot(tmp_path / "long.urdf")
 
 
-def test_folder_without_robot_is_refused(tmp_path: Path):
+def test_folder_without_robot_is_refused(tmp_path):
     """A folder that holds no robot.toml is no robot, nor is a URDF that is not there."""
     with pytest.raises(UsageError, match=r": no robot\.toml in it\. Give the path of a URDF"):
         read_robot(tmp_path)
@@ -409,14 +409,14 @@ def test_folder_without_robot_is_refused(tmp_path: Path):
         read_robot(tmp_path / "leg.urdf")
 
 
-def test_file_in_another_encoding_is_refused(tmp_path: Path):
+def test_file_in_another_encoding_is_refused(tmp_path):
     """Bytes that are no UTF-8 are answered with the file's name."""
     (_write(tmp_path) / "robot.toml").write_bytes(b'name = "\xff"')
     with pytest.raises(UsageError, match=r"robot\.toml' cannot be read: 'utf-8' codec .* Give a TOML file in UTF-8"):
         read_robot(tmp_path)
 
 
-def test_a_large_urdf_is_not_opened(tmp_path: Path):
+def test_a_large_urdf_is_not_opened(tmp_path):
     """A sparse file of 10 GB is refused at once."""
     folder = _write(tmp_path)
     with (folder / "arm.urdf").open("wb") as file:
@@ -425,7 +425,7 @@ def test_a_large_urdf_is_not_opened(tmp_path: Path):
         read_robot(folder)
 
 
-def test_too_many_shapes_are_refused(tmp_path: Path):
+def test_too_many_shapes_are_refused(tmp_path):
     """Visible and colliding ones of all links together."""
     shapes = '<visual><geometry><sphere radius="1"/></geometry></visual>' * 1_001
     urdf = URDF.replace('<link name="tip"/>', f'<link name="tip">{shapes}</link>')

@@ -11,39 +11,39 @@ QUATERNIONS = st.lists(st.floats(-1.0, 1.0), min_size=4, max_size=4).filter(lamb
 ROTATIONS = QUATERNIONS.map(lambda q: Rotation.from_quat(q).as_matrix()[None])
 
 
-def angle(one: np.ndarray, other: np.ndarray) -> float:
+def angle(one, other):
     """Between two orientations, [rad]."""
     return float(np.linalg.norm(rotation_between(one, other)))
 
 
 @given(ROTATIONS, ROTATIONS)
-def test_angle_is_the_same_both_ways(one: np.ndarray, other: np.ndarray):
+def test_angle_is_the_same_both_ways(one, other):
     """And never more than half a turn."""
     assert abs(angle(one, other) - angle(other, one)) <= 1e-6
     assert angle(one, other) <= np.pi + 1e-9
 
 
 @given(ROTATIONS, ROTATIONS, ROTATIONS)
-def test_angle_does_not_depend_on_the_frame(one: np.ndarray, other: np.ndarray, frame: np.ndarray):
+def test_angle_does_not_depend_on_the_frame(one, other, frame):
     """A turn of both changes nothing."""
     assert abs(angle(one, other) - angle(frame @ one, frame @ other)) <= 1e-6
 
 
 @given(ROTATIONS)
-def test_angle_is_0_where_both_are_alike(one: np.ndarray):
+def test_angle_is_0_where_both_are_alike(one):
     """Up to rounding."""
     assert angle(one, one) <= 1e-7
 
 
 @given(ROTATIONS, ROTATIONS)
-def test_turn_leads_from_one_to_the_other(one: np.ndarray, other: np.ndarray):
+def test_turn_leads_from_one_to_the_other(one, other):
     """In the world frame; so where there is none, they are alike."""
     turn = Rotation.from_rotvec(rotation_between(one, other)).as_matrix()
     np.testing.assert_allclose(turn @ one, other, atol=1e-7)
 
 
 @given(ROTATIONS)
-def test_two_axes_tell_a_rotation(one: np.ndarray):
+def test_two_axes_tell_a_rotation(one):
     """The third follows; single precision is mended."""
     axes = axes_of_rotation(one)
     np.testing.assert_allclose(rotation_of_axes(axes), one, atol=1e-12)

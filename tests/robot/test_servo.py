@@ -1,7 +1,6 @@
 """The drives that a robot.toml describes."""
 
 from dataclasses import FrozenInstanceError, replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,7 +8,7 @@ from hypothesis import given, strategies as st
 
 import harness
 from harness.errors import UsageError
-from harness.robot import Robot, Servo, read_bodies, read_robot
+from harness.robot import Servo, read_bodies, read_robot
 from harness.robot.energy import energy
 
 URDF = """
@@ -52,19 +51,19 @@ gravity_compensated = false
 OPTIONAL = ("viscous", "dry", "latency", "gravity")
 
 
-def _read(folder: Path, toml: str = TOML, urdf: str = URDF) -> Robot:
+def _read(folder, toml=TOML, urdf=URDF):
     (folder / "robot.toml").write_text(toml, encoding="utf-8")
     (folder / "arm.urdf").write_text(urdf, encoding="utf-8")
     return read_robot(folder / "arm.urdf")
 
 
-def _servo(**changes: object) -> Servo:
+def _servo(**changes):
     one = np.ones(2)
     given = dict.fromkeys(("max_torque", "armature", "viscous_friction", "dry_friction", "stiffness", "damping"), one)
     return Servo(**{**given, "latency": 0.0, "gravity_compensated": True, **changes})
 
 
-def test_drives_are_what_the_table_says(tmp_path: Path):
+def test_drives_are_what_the_table_says(tmp_path):
     """One value per joint in the order of the chain, those of joints that slide from keys of their own."""
     servo = _read(tmp_path).servo
     np.testing.assert_array_equal(servo.max_torque, [10, 300, 20])
@@ -76,7 +75,7 @@ def test_drives_are_what_the_table_says(tmp_path: Path):
     assert (servo.latency, servo.gravity_compensated) == (0.012, False)
 
 
-def test_friction_and_latency_may_be_left_out(tmp_path: Path):
+def test_friction_and_latency_may_be_left_out(tmp_path):
     """They are 0 then, and gravity is compensated."""
     toml = "\n".join(line for line in TOML.splitlines() if not line.startswith(OPTIONAL))
     servo = _read(tmp_path, toml).servo
@@ -85,12 +84,12 @@ def test_friction_and_latency_may_be_left_out(tmp_path: Path):
     assert (servo.latency, servo.gravity_compensated) == (0.0, True)
 
 
-def test_an_arm_without_the_table_has_no_drives(tmp_path: Path):
+def test_an_arm_without_the_table_has_no_drives(tmp_path):
     """Most robots have none."""
     assert _read(tmp_path, "home_deg = [0, 60]\n").servo is None
 
 
-def test_drives_cannot_be_changed(tmp_path: Path):
+def test_drives_cannot_be_changed(tmp_path):
     """Neither the arrays nor the rest."""
     servo = _read(tmp_path).servo
     with pytest.raises(ValueError, match="read-only"):
@@ -99,7 +98,7 @@ def test_drives_cannot_be_changed(tmp_path: Path):
         servo.latency = 1.0
 
 
-def test_torque_that_is_left_out_is_the_effort_of_the_urdf(tmp_path: Path):
+def test_torque_that_is_left_out_is_the_effort_of_the_urdf(tmp_path):
     """One by one, where there is one above 0; else it is missing."""
     some = TOML.replace("[10, 20]", "{ elbow = 20 }").replace("max_force_n = [300]\n", "")
     np.testing.assert_array_equal(_read(tmp_path, some, URDF.replace('"1"', '"7"')).servo.max_torque, [7, 7, 20])
@@ -108,7 +107,7 @@ def test_torque_that_is_left_out_is_the_effort_of_the_urdf(tmp_path: Path):
             _read(tmp_path, some, URDF.replace('effort="1"', f'effort="{effort}"'))
 
 
-def test_bad_drives_are_refused_in_one_line(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
+def test_bad_drives_are_refused_in_one_line(tmp_path_factory, subtests):
     """Each fault is a UsageError of one line that names the file and the table."""
     rows = [
         ("[servo]", "servo = 5", r"robot.toml: servo is 5. Write a table: \[servo\], and its keys below."),
@@ -138,7 +137,7 @@ def test_bad_drives_are_refused_in_one_line(tmp_path_factory: pytest.TempPathFac
 
 
 @given(st.lists(st.floats(-1e3, 1e3), min_size=10, max_size=10))
-def test_torque_is_the_law_within_the_limits(numbers: list[float]):
+def test_torque_is_the_law_within_the_limits(numbers):
     """Stiffness times the error, damping times the error in speed, and the weight; never more than the limit."""
     servo = _servo(max_torque=np.array([50.0, 5000.0]), stiffness=np.array([3.0, 2.0]), damping=np.array([0.5, 4.0]))
     q, v, q_ref, v_ref, gravity = np.reshape(numbers, (5, 2))
@@ -156,7 +155,7 @@ def test_weight_counts_only_where_it_is_compensated():
     assert _servo(gravity_compensated=False).torque(*at_rest, gravity=[0.5, 7.0]).tolist() == [0.0, 0.0]
 
 
-def test_latency_is_rounded_to_physics_steps(subtests: pytest.Subtests):
+def test_latency_is_rounded_to_physics_steps(subtests):
     """To the nearest; halves go up."""
     for latency, steps in [(0.0, 0), (0.002, 0), (0.0025, 1), (0.007, 1), (0.01, 2), (0.1, 20)]:
         with subtests.test(latency=latency, steps=steps):
@@ -184,7 +183,7 @@ def test_drives_count_only_where_the_arm_is_driven_by_them():
 
 
 @pytest.mark.parametrize("name", ["fd100", "unity-arm"])
-def test_own_arms_have_drives_that_steps_of_5_ms_can_follow(name: str):
+def test_own_arms_have_drives_that_steps_of_5_ms_can_follow(name):
     """An explicit step is stable below 2: dt times the largest eigenvalue of (inertia + armature)^-1 damping.
 
     So is a step of an undamped spring, dt times its frequency. Both are below 1 in every one of many poses.
@@ -200,7 +199,7 @@ def test_own_arms_have_drives_that_steps_of_5_ms_can_follow(name: str):
 
 
 @pytest.mark.parametrize("name", ["fd100", "unity-arm"])
-def test_own_arms_can_hold_their_weight(name: str):
+def test_own_arms_can_hold_their_weight(name):
     """In every one of many poses the drives have more than half of their torque left for the motion."""
     robot = harness.load_robot(name)
     poses, small = np.random.default_rng(0).uniform(robot.lower, robot.upper, (500, robot.dof)), 1e-6
@@ -211,7 +210,7 @@ def test_own_arms_can_hold_their_weight(name: str):
         assert np.abs(up - down).max() / (2.0 * small) < 0.5 * robot.servo.max_torque[j]
 
 
-def _joint_inertia(robot: Robot, pose: np.ndarray) -> np.ndarray:
+def _joint_inertia(robot, pose):
     """The joint-space inertia of the links, (dof, dof), from their kinetic energy."""
     pairs = np.array([[a + b for b in np.eye(robot.dof)] for a in np.eye(robot.dof)])
     poses, bodies = np.broadcast_to(pose, pairs.shape), read_bodies(robot)

@@ -14,7 +14,7 @@ from harness.robot.kinematics import transform
 Shapes = tuple[tuple[Shape, ...], ...]
 
 
-def test_all_kinds_are_read(arm_text: str):
+def test_all_kinds_are_read(arm_text):
     """Each link has its shapes in the order of the file, with kind and size."""
     links = read_shapes(parse_urdf(arm_text))
     found = {link: [(shape.kind, shape.size) for shape in shapes] for link, shapes in links.items()}
@@ -30,7 +30,7 @@ def test_all_kinds_are_read(arm_text: str):
     }
 
 
-def test_origin_is_the_transform(arm_text: str):
+def test_origin_is_the_transform(arm_text):
     """A shape's origin is read as a joint's; without one the shape sits in the link's frame."""
     box, cylinder = read_shapes(parse_urdf(arm_text))["upper"]
     expected = transform((0.1, 0.2, 0.3), (0.4, 0.5, 0.6))
@@ -39,13 +39,13 @@ def test_origin_is_the_transform(arm_text: str):
     np.testing.assert_array_equal(cylinder.T_link_shape, np.eye(4))
 
 
-def test_shapes_move_with_their_joints(attached: Shapes):
+def test_shapes_move_with_their_joints(attached):
     """What no joint moves is left out, what is fixed to a moving link is in, what another joint moves is out."""
     kinds = [[shape.kind for shape in shapes] for shapes in attached]
     assert kinds == [["box", "cylinder"], ["capsule"], ["sphere"]]
 
 
-def test_shapes_cannot_be_changed(tmp_path: Path, arm_text: str, attached: Shapes):
+def test_shapes_cannot_be_changed(tmp_path, arm_text, attached):
     """Nothing can be written to a shape's arrays, neither as they are read nor as they are attached."""
     (tmp_path / "part.obj").write_text("v 1 2 3\n")
     mesh = upper_shapes(arm_text, f'<mesh filename="{tmp_path}/part.obj"/>')
@@ -55,13 +55,13 @@ def test_shapes_cannot_be_changed(tmp_path: Path, arm_text: str, attached: Shape
                 array[:] = 0.0
 
 
-def test_shape_of_a_fixed_link_is_in_the_frame_of_its_joint(attached: Shapes):
+def test_shape_of_a_fixed_link_is_in_the_frame_of_its_joint(attached):
     """The end effector's sphere at y = 0.1, 0.2 m along y from a flange that is turned at x = 1, is at x = 0.7."""
     (sphere,) = attached[2]
     np.testing.assert_allclose(sphere.T_link_shape[:3, 3], [0.7, 0.0, 0.0], atol=1e-15)
 
 
-def test_malformed_shape_is_a_usage_error(arm_text: str, subtests: pytest.Subtests):
+def test_malformed_shape_is_a_usage_error(arm_text, subtests):
     """One line names the link, what was given and what belongs there."""
     rows = [
         ('<box size="0.1 0.2 0.3"/>', '<box size="0.1 0.2"/>', "3 finite numbers"),
@@ -86,19 +86,19 @@ def test_malformed_shape_is_a_usage_error(arm_text: str, subtests: pytest.Subtes
             assert "\n" not in str(caught.value)
 
 
-def test_malformed_fixed_joint_is_a_usage_error(arm_text: str):
+def test_malformed_fixed_joint_is_a_usage_error(arm_text):
     """The origin of a fixed joint beside the chain is checked as well."""
     urdf = parse_urdf(arm_text.replace('xyz="1 0 0"', 'xyz="1 0"'))
     with pytest.raises(UsageError, match="Joint 'mount' has '1 0'"):
         attach_shapes(urdf, read_shapes(urdf), ("turn",))
 
 
-def upper_shapes(arm_text: str, mesh: str) -> tuple[Shape, ...]:
+def upper_shapes(arm_text, mesh):
     """Those of the link ``upper``, a mesh in the place of its cylinder."""
     return read_shapes(parse_urdf(arm_text.replace('<cylinder radius="0.05" length="0.4"/>', mesh)))["upper"]
 
 
-def test_mesh_is_its_points_scaled(tmp_path: Path, arm_text: str):
+def test_mesh_is_its_points_scaled(tmp_path, arm_text):
     """A mesh collides as the points of its file, times the scale, each once; its origin is read as of other shapes."""
     (tmp_path / "part.obj").write_text("v 1 2 3\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 2 3\nf 1 2 3\n")
     mesh = upper_shapes(arm_text, f'<mesh filename="{tmp_path}/part.obj" scale="0.1 1 -2"/>')[1]
@@ -107,7 +107,7 @@ def test_mesh_is_its_points_scaled(tmp_path: Path, arm_text: str):
 
 
 @pytest.mark.parametrize("corners", ["v 1 2 3\nv 2 2 3\nv 1 3 4\n", "v 1 2 3\nv 2 4 6\nv 3 6 9\n"])
-def test_a_flat_mesh_is_a_sheet(tmp_path: Path, arm_text: str, corners: str):
+def test_a_flat_mesh_is_a_sheet(tmp_path, arm_text, corners):
     """A plate or a wire has no hull that an engine can build: it gets a millimetre of thickness, on both sides."""
     (tmp_path / "part.obj").write_text(f"{corners}f 1 2 3\n")
     mesh = upper_shapes(arm_text, f'<mesh filename="{tmp_path}/part.obj" scale="0.1 0.1 0.1"/>')[1]
@@ -127,9 +127,7 @@ def test_a_flat_mesh_is_a_sheet(tmp_path: Path, arm_text: str, corners: str):
         ('<mesh filename="part.obj" scale="1 0 1"/>', "'1 0 1' in <mesh scale=...>. Give factors that are not 0."),
     ],
 )
-def test_mesh_that_cannot_collide_is_refused(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arm_text: str, mesh: str, message: str
-):
+def test_mesh_that_cannot_collide_is_refused(tmp_path, monkeypatch, arm_text, mesh, message):
     """One line names the link, the file, and what to do."""
     monkeypatch.chdir(tmp_path)
     Path("part.obj").write_text("v 1 2 3\n")

@@ -33,7 +33,7 @@ ARM = """
 BEND = '<axis xyz="0 0 -2"/> <limit lower="-1.5" upper="2" velocity="3" effort="9"/>'
 
 
-def chain_of(text: str, tip: str) -> tuple[Joint, ...]:
+def chain_of(text, tip):
     """The chain of a URDF that is given as text."""
     return read_chain(parse_urdf(text), tip)
 
@@ -89,7 +89,7 @@ def test_defaults_are_those_of_the_urdf_reference():
     assert (slide.xyz, slide.rpy, slide.axis) == ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (1.0, 0.0, 0.0))
 
 
-def test_bad_file_is_refused_in_one_line(subtests: pytest.Subtests):
+def test_bad_file_is_refused_in_one_line(subtests):
     """Each fault of a URDF is a UsageError of one line that names what was given."""
     rows = [
         ("</robot>", "", "The URDF is not well-formed XML: no element found"),
@@ -152,7 +152,7 @@ def test_no_root_is_refused():
 @pytest.mark.parametrize(
     "content", ["", "<!-- a -->", '<xacro:arm prefix="left"/>', "<xacro:macro><link/></xacro:macro>"]
 )
-def test_a_file_without_links_is_refused(content: str):
+def test_a_file_without_links_is_refused(content):
     """It may be one for xacro, whose elements are no words of a URDF."""
     with pytest.raises(UsageError, match="has no <link>"):
         parse_urdf(f"<robot>{content}</robot>")
@@ -176,14 +176,14 @@ def test_loop_beside_the_chain_is_refused():
 
 
 @pytest.mark.parametrize("tip", ["base", "tool"])
-def test_chain_without_motion_is_refused(tip: str):
+def test_chain_without_motion_is_refused(tip):
     """A tip that no joint moves is refused, be it the root link or one fixed to it."""
     joint = '<joint name="j" type="fixed"><parent link="base"/><child link="tool"/></joint>'
     with pytest.raises(UsageError, match=f"No joint moves between the root link and '{tip}'."):
         chain_of(f'<robot name="stand"><link name="base"/><link name="tool"/>{joint}</robot>', tip)
 
 
-def chain(count: int, content: str = "") -> str:
+def chain(count, content=""):
     """A URDF of so many links, one on the other."""
     links = "".join(f'<link name="l{number}">{content}</link>' for number in range(count))
     joints = "".join(
@@ -207,7 +207,7 @@ def chain(count: int, content: str = "") -> str:
     ],
     ids=["links", "many links", "elements", "depth", "entities", "external", "unknown entity", "half a character"],
 )
-def test_a_text_that_is_too_much_is_refused_at_once(text: str, message: str):
+def test_a_text_that_is_too_much_is_refused_at_once(text, message):
     """Large, deep, or with words that it defines itself."""
     with pytest.raises(UsageError, match=message):
         parse_urdf(text)

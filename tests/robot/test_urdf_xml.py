@@ -21,7 +21,7 @@ LINK = '<link name="a"/>'
         f'<robot xml:lang="en">{LINK}</robot>',
     ],
 )
-def test_text_that_every_parser_reads_stays_as_it_is(text: str):
+def test_text_that_every_parser_reads_stays_as_it_is(text):
     """To the last blank."""
     read = read_xml(text)
     assert read.text is text
@@ -29,7 +29,7 @@ def test_text_that_every_parser_reads_stays_as_it_is(text: str):
     assert read.robot.attrib == {}
 
 
-def test_other_text_is_written_again(subtests: pytest.Subtests):
+def test_other_text_is_written_again(subtests):
     """Without the names that a parser with namespaces would stop at."""
     rows = [
         f'<robot xmlns="http://x">{LINK}</robot>',
@@ -54,7 +54,7 @@ def test_an_error_names_the_line_of_the_file():
 
 
 @pytest.mark.parametrize("text", ["<!---->" * 400_000, " " * 4_000_000, "<!-- <?xml" * 400_000, "<?xml " * 600_000])
-def test_what_stands_before_the_declaration_takes_no_time(text: str):
+def test_what_stands_before_the_declaration_takes_no_time(text):
     """However much it is."""
     begin = time.perf_counter()
     with pytest.raises(UsageError):

@@ -5,6 +5,6 @@ import pytest
 
 
 @pytest.fixture
-def data(model: mujoco.MjModel) -> mujoco.MjData:
+def data(model):
     """The state of the module's `model`, at the zero pose."""
     return mujoco.MjData(model)

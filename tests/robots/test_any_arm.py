@@ -1,10 +1,8 @@
 """Arms that the harness does not bring: published ones with meshes, and drawn ones with joints that slide."""
 
-from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import mujoco
 import numpy as np
@@ -15,7 +13,7 @@ import pytest
 import harness
 from harness.errors import UsageError
 from harness.registry import load_registry
-from harness.robot import Robot, build_solids, link_frames, read_robot
+from harness.robot import build_solids, link_frames, read_robot
 from harness_plugins.bullet_arms import Clients, FreeArm, file_of_arm
 from harness_plugins.kit.simulators.checks import SIMULATOR_CHECKS
 from harness_plugins.kit.simulators.states import frames_show_the_target, render_gives_a_frame_or_says_why_not
@@ -52,7 +50,7 @@ GANTRY = [
 """Kind, axis, origin and range of each joint."""
 
 
-def drawn(joints: list[tuple[str, str, str, float]]) -> str:
+def drawn(joints):
     """A URDF of boxes; every third link has no mass."""
     text, parent = '<robot name="drawn"><link name="base"/>', "base"
     for number, (kind, axis, origin, reach) in enumerate(joints):
@@ -72,7 +70,7 @@ def drawn(joints: list[tuple[str, str, str, float]]) -> str:
 
 
 @pytest.fixture(scope="module", params=ARMS)
-def robot(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Robot:
+def robot(request, tmp_path_factory):
     """One arm."""
     if request.param in PUBLISHED:
         return published(request.param)
@@ -81,19 +79,19 @@ def robot(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
     return read_robot(path)
 
 
-def published(name: str) -> Robot:
+def published(name):
     """An arm that comes with pybullet."""
     data = pytest.importorskip("pybullet_data", reason="the published arms come with pybullet's data")
     return read_robot(Path(data.getDataPath(), PUBLISHED[name][0]))
 
 
-def poses(robot: Robot, count: int) -> np.ndarray:
+def poses(robot, count):
     """Joint positions in the whole range, (count, dof)."""
     return np.random.default_rng(1).uniform(robot.lower, robot.upper, (count, robot.dof))
 
 
 @pytest.fixture
-def bullet() -> Iterator[int]:
+def bullet():
     """A client."""
     client = pybullet.connect(pybullet.DIRECT)
     yield client
@@ -101,7 +99,7 @@ def bullet() -> Iterator[int]:
 
 
 @pytest.mark.parametrize("name", PUBLISHED)
-def test_end_effector_and_joints_of_a_published_arm(name: str):
+def test_end_effector_and_joints_of_a_published_arm(name):
     """The end is the flange, or the tool's frame on the hand; fingers are no joints of the arm."""
     robot = published(name)
     assert (robot.end_effector_link, robot.dof) == PUBLISHED[name][1:]
@@ -109,7 +107,7 @@ def test_end_effector_and_joints_of_a_published_arm(name: str):
 
 
 @pytest.mark.parametrize("name", PUBLISHED)
-def test_kinematics_is_that_of_the_published_file(name: str, bullet: int):
+def test_kinematics_is_that_of_the_published_file(name, bullet):
     """Where Bullet, reading the maker's own file, puts the end effector, to 1e-6 m."""
     robot = published(name)
     data = pytest.importorskip("pybullet_data")
@@ -126,7 +124,7 @@ def test_kinematics_is_that_of_the_published_file(name: str, bullet: int):
         np.testing.assert_allclose(robot.end_effector(qpos), state[4], atol=1e-6)
 
 
-def test_kinematics_is_that_of_the_mujoco_model(robot: Robot):
+def test_kinematics_is_that_of_the_mujoco_model(robot):
     """Where MuJoCo puts the end effector, to 1e-9 m."""
     model = build_model(robot, 0.005, 100.0)
     data = mujoco.MjData(model)
@@ -136,7 +134,7 @@ def test_kinematics_is_that_of_the_mujoco_model(robot: Robot):
         np.testing.assert_allclose(robot.end_effector(qpos), data.body(robot.end_effector_link).xpos, atol=1e-9)
 
 
-def test_home_is_clear_of_the_ground(robot: Robot):
+def test_home_is_clear_of_the_ground(robot):
     """At home, by the rules, nothing touches the ground in any simulator, and every joint has room to move."""
     for simulator in SIMULATORS:
         simulation = simulator.open(robot, 1, 0.1)
@@ -145,7 +143,7 @@ def test_home_is_clear_of_the_ground(robot: Robot):
     assert ((robot.lower < robot.home) & (robot.home < robot.upper)).all()
 
 
-def test_simulators_agree_on_ground_contact(robot: Robot):
+def test_simulators_agree_on_ground_contact(robot):
     """Poses touch the ground in all simulators or in none, but for those within 3 mm of it."""
     qpos = poses(robot, 200)
     simulations = [
@@ -163,7 +161,7 @@ def test_simulators_agree_on_ground_contact(robot: Robot):
         simulation.close()
 
 
-def _height(robot: Robot, qpos: np.ndarray) -> np.ndarray:
+def _height(robot, qpos):
     """Of the lowest point of the moving links, (n,), [m]."""
     return build_solids(robot.joint_shapes).lowest(link_frames(robot.chain, qpos))
 
@@ -172,13 +170,13 @@ def _height(robot: Robot, qpos: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize(
     "robot", [pytest.param(it, marks=[pytest.mark.slow] * (it not in {"iiwa", "gantry"})) for it in ARMS], indirect=True
 )
-def test_simulators_keep_the_contract(robot: Robot, simulator: Any):
+def test_simulators_keep_the_contract(robot, simulator):
     """With an arm of meshes, and with one whose joints slide and turn without end: all checks but those of frames."""
     for check in CHECKS:
         check(simulator, robot)
 
 
-def test_episodes_of_a_published_arm(subtests: pytest.Subtests):
+def test_episodes_of_a_published_arm(subtests):
     """The reach task takes the path of a URDF: it starts in the air, moves the arm, and gives numbers."""
     for simulator in [*ENGINES, "kinematic"]:
         for name in PUBLISHED:
@@ -194,7 +192,7 @@ def test_episodes_of_a_published_arm(subtests: pytest.Subtests):
                 assert np.abs(observation - first).max() > 0.01
 
 
-def test_what_mujoco_cannot_read_is_refused_in_one_line(tmp_path: Path):
+def test_what_mujoco_cannot_read_is_refused_in_one_line(tmp_path):
     """The answer names the robot."""
     (tmp_path / "arm.urdf").write_text(drawn(SCARA))
     robot = read_robot(tmp_path / "arm.urdf")
@@ -205,7 +203,7 @@ def test_what_mujoco_cannot_read_is_refused_in_one_line(tmp_path: Path):
 
 
 @pytest.mark.parametrize("simulator", SIMULATORS, ids=lambda it: type(it).__name__)
-def test_a_flat_mesh_collides(tmp_path: Path, simulator: Any):
+def test_a_flat_mesh_collides(tmp_path, simulator):
     """A marker's plate, of which MuJoCo alone could build no hull: it is solid in every simulator."""
     (tmp_path / "flat.obj").write_text("v 0 0 0\nv .2 0 -1\nv 0 .1 -1\nf 1 2 3\n")
     shape = '<collision><geometry><mesh filename="flat.obj"/></geometry></collision>'
@@ -228,7 +226,7 @@ ODD = {
 AXES = ("xx", "yy", "zz", "xy", "xz", "yz")
 
 
-def test_engines_have_the_inertia_that_is_told(tmp_path: Path):
+def test_engines_have_the_inertia_that_is_told(tmp_path):
     """The mass matrices of MuJoCo and Bullet are Pinocchio's of the same URDF, of the given one they would not be."""
     text = ARM
     for link, (mass, moments) in ODD.items():
@@ -252,14 +250,14 @@ def test_engines_have_the_inertia_that_is_told(tmp_path: Path):
     assert np.abs(given - plain).max() > 1.0
 
 
-def _inertia_by_pinocchio(urdf: str, qpos: np.ndarray) -> np.ndarray:
+def _inertia_by_pinocchio(urdf, qpos):
     model = pinocchio.buildModelFromXML(urdf)
     upper = np.triu(pinocchio.crba(model, model.createData(), qpos))
     return upper + np.triu(upper, 1).T
 
 
 @pytest.mark.parametrize("drawing", [None, "<COLLADA/>", collada(CORNERS)], ids=["missing", "broken", "whole"])
-def test_drawing_does_no_harm(tmp_path: Path, drawing: str | None):
+def test_drawing_does_no_harm(tmp_path, drawing):
     """Every simulator opens the arm whatever its drawing is. What can be read stays."""
     shape = '<visual><geometry><mesh filename="nice.dae"/></geometry></visual>'
     path = tmp_path / "seen.urdf"

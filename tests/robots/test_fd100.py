@@ -21,7 +21,7 @@ POSES = st.tuples(*(st.floats(low, high) for low, high in zip(ROBOT.lower, ROBOT
 
 
 @pytest.fixture(scope="module")
-def model() -> mujoco.MjModel:
+def model():
     """The arm on a ground plane, every link a body of its own."""
     spec = mujoco.MjSpec.from_string(ROBOT.urdf)
     spec.compiler.fusestatic = False
@@ -29,11 +29,11 @@ def model() -> mujoco.MjModel:
     return spec.compile()
 
 
-def _random_poses(count: int) -> np.ndarray:
+def _random_poses(count):
     return np.random.default_rng(100).uniform(ROBOT.lower, ROBOT.upper, (count, ROBOT.dof))
 
 
-def _height_above_ground(model: mujoco.MjModel, data: mujoco.MjData, qpos: np.ndarray) -> float:
+def _height_above_ground(model, data, qpos):
     """Smallest distance of a moving link's shape from the ground [m], negative inside it."""
     data.qpos[:] = qpos
     mujoco.mj_forward(model, data)
@@ -42,7 +42,7 @@ def _height_above_ground(model: mujoco.MjModel, data: mujoco.MjData, qpos: np.nd
     return min(mujoco.mj_geomDistance(model, data, ground, geom, 3.0, None) for geom in moving)
 
 
-def test_pose_computed_by_hand(subtests: pytest.Subtests):
+def test_pose_computed_by_hand(subtests):
     """The flange is where the nominal lengths put it."""
     rows = [
         # d1 + a2 + a3 = 1.16 up, a1 + d4 + d6 = 0.92 forward
@@ -63,21 +63,21 @@ def test_pose_computed_by_hand(subtests: pytest.Subtests):
             np.testing.assert_allclose(ROBOT.end_effector(np.radians(qpos_deg)), position, atol=1e-12)
 
 
-def test_tool_points_along_the_forearm(model: mujoco.MjModel, data: mujoco.MjData):
+def test_tool_points_along_the_forearm(model, data):
     """At the zero pose the tool's z axis is the world's +x."""
     mujoco.mj_kinematics(model, data)
     np.testing.assert_allclose(data.body("tool0").xmat.reshape(3, 3)[:, 2], [1.0, 0.0, 0.0], atol=1e-12)
 
 
 @pytest.mark.parametrize("joint", [1, 2])
-def test_positive_j2_and_j3_lower_the_arm_forward(joint: int):
+def test_positive_j2_and_j3_lower_the_arm_forward(joint):
     """From the zero pose, J2 and J3 turned forward bring the flange down (note 105c, figure 3)."""
     qpos = np.zeros(6)
     qpos[joint] = 0.1
     assert ROBOT.end_effector(qpos)[2] < ROBOT.end_effector(np.zeros(6))[2] - 0.05
 
 
-def test_axes_at_the_zero_pose(model: mujoco.MjModel, data: mujoco.MjData):
+def test_axes_at_the_zero_pose(model, data):
     """The axes point along z, y, y, x, y, x."""
     mujoco.mj_kinematics(model, data)
     mujoco.mj_comPos(model, data)
@@ -87,7 +87,7 @@ def test_axes_at_the_zero_pose(model: mujoco.MjModel, data: mujoco.MjData):
 
 @settings(deadline=None)
 @given(POSES, st.floats(-math.pi, math.pi))
-def test_turning_j1_turns_the_end_effector_about_z(qpos: np.ndarray, angle: float):
+def test_turning_j1_turns_the_end_effector_about_z(qpos, angle):
     """J1 turned by any angle turns the flange about the world's z axis by that angle."""
     c, s = math.cos(angle), math.sin(angle)
     turned = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]) @ ROBOT.end_effector(qpos)
@@ -96,14 +96,14 @@ def test_turning_j1_turns_the_end_effector_about_z(qpos: np.ndarray, angle: floa
 
 @settings(deadline=None)
 @given(POSES)
-def test_turning_j6_moves_nothing(qpos: np.ndarray):
+def test_turning_j6_moves_nothing(qpos):
     """The flange's centre is on axis 6."""
     np.testing.assert_allclose(ROBOT.jacobian(qpos)[:, 5], 0.0, atol=1e-12)
 
 
 @settings(deadline=None)
 @given(POSES)
-def test_end_effector_stays_within_reach(qpos: np.ndarray):
+def test_end_effector_stays_within_reach(qpos):
     """No pose in range brings the flange farther from axis 1 at shoulder height than `reach`."""
     assert np.linalg.norm(ROBOT.end_effector(qpos) - [0.0, 0.0, 0.43]) <= ROBOT.reach
 
@@ -129,19 +129,19 @@ def test_names_of_joints_and_links():
     assert (ROBOT.name, ROBOT.end_effector_link) == ("fd100", "tool0")
 
 
-def test_home_is_clear_of_the_ground(model: mujoco.MjModel, data: mujoco.MjData):
+def test_home_is_clear_of_the_ground(model, data):
     """At home every moving link is at least 0.05 m above the ground, and stays so when only J1 turns."""
     for j1 in np.linspace(ROBOT.lower[0], ROBOT.upper[0], 21):
         assert _height_above_ground(model, data, np.array([j1, *ROBOT.home[1:]])) >= 0.05
 
 
-def test_lowered_arm_touches_the_ground(model: mujoco.MjModel, data: mujoco.MjData):
+def test_lowered_arm_touches_the_ground(model, data):
     """Heights and contacts are really measured: the arm bent down fully is below the ground and in contact with it."""
     assert _height_above_ground(model, data, np.radians([0, 135, 0, 0, 0, 0])) < 0.0
     assert data.ncon > 0
 
 
-def test_base_stands_on_the_ground(model: mujoco.MjModel, data: mujoco.MjData):
+def test_base_stands_on_the_ground(model, data):
     """The foot plate's lower face is the ground plane."""
     mujoco.mj_forward(model, data)
     base = [geom for geom in range(model.ngeom) if model.body(model.geom_bodyid[geom]).name == "base_link"]
@@ -150,7 +150,7 @@ def test_base_stands_on_the_ground(model: mujoco.MjModel, data: mujoco.MjData):
 
 
 @pytest.mark.parametrize("arm_deg", [(0, 0, 0), (0, 10, 10), (60, 40, -60)])
-def test_links_do_not_run_into_one_another(model: mujoco.MjModel, data: mujoco.MjData, arm_deg: tuple[int, int, int]):
+def test_links_do_not_run_into_one_another(model, data, arm_deg):
     """With the arm clear of itself, no wrist pose in range brings two links that are not neighbours into contact."""
     for qpos in _random_poses(300):
         data.qpos[:] = [*np.radians(arm_deg), *qpos[3:]]
@@ -165,7 +165,7 @@ def test_visual_and_collision_shapes_are_the_same():
         assert shapes["visual"] == shapes["collision"] != []
 
 
-def _shape(element: ElementTree.Element) -> list[str]:
+def _shape(element):
     return [re.sub(r"\s+", "", ElementTree.tostring(element.find(tag), "unicode")) for tag in ("origin", "geometry")]
 
 
@@ -176,7 +176,7 @@ def test_masses_are_those_of_an_arm_of_this_size():
     assert all(inner >= outer > 0.0 for inner, outer in pairwise(masses))
 
 
-def test_inertia_is_that_of_the_first_shape_when_solid(subtests: pytest.Subtests):
+def test_inertia_is_that_of_the_first_shape_when_solid(subtests):
     """Each inertia is that of the link's whole mass in its first shape, about that shape's centre, along its axes."""
     for link in LINKS:
         with subtests.test(link=link):
@@ -188,7 +188,7 @@ def test_inertia_is_that_of_the_first_shape_when_solid(subtests: pytest.Subtests
             assert inertia["ixy"] == inertia["ixz"] == inertia["iyz"] == 0.0
 
 
-def _squares(shape: ElementTree.Element) -> tuple[float, float, float]:
+def _squares(shape):
     """Twelve times a solid's squared radii of gyration about x, y and z [m^2]."""
     if shape.tag == "box":
         x, y, z = map(float, shape.get("size").split())
@@ -197,7 +197,7 @@ def _squares(shape: ElementTree.Element) -> tuple[float, float, float]:
     return 3 * radius**2 + length**2, 3 * radius**2 + length**2, 6 * radius**2
 
 
-def test_inertia_can_exist(subtests: pytest.Subtests):
+def test_inertia_can_exist(subtests):
     """Each inertia is positive definite, and no principal moment exceeds the sum of the other two."""
     for link in LINKS:
         with subtests.test(link=link):

@@ -8,7 +8,7 @@ import pinocchio
 import pytest
 
 import harness
-from harness.robot import Robot, parse_urdf, read_chain
+from harness.robot import parse_urdf, read_chain
 
 DIGESTS = {
     "fd100": (
@@ -24,36 +24,36 @@ DIGESTS = {
 
 
 @pytest.fixture(scope="module", params=DIGESTS)
-def name(request: pytest.FixtureRequest) -> str:
+def name(request):
     """Of one arm."""
     return request.param
 
 
 @pytest.fixture(scope="module")
-def robot(name: str) -> Robot:
+def robot(name):
     """The arm."""
     return harness.load_robot(name)
 
 
 @pytest.fixture(scope="module")
-def model(robot: Robot) -> mujoco.MjModel:
+def model(robot):
     """The arm alone, every link a body of its own."""
     spec = mujoco.MjSpec.from_string(robot.urdf)
     spec.compiler.fusestatic = False
     return spec.compile()
 
 
-def random_poses(robot: Robot) -> np.ndarray:
+def random_poses(robot):
     """Joint positions in the whole range, (200, dof)."""
     return np.random.default_rng(100).uniform(robot.lower, robot.upper, (200, robot.dof))
 
 
-def test_urdf_and_digest_are_those_of_the_records(name: str, robot: Robot):
+def test_urdf_and_digest_are_those_of_the_records(name, robot):
     """Records name the digest, so that a change in how robots are read must not change it."""
     assert (hashlib.sha256(robot.urdf.encode()).hexdigest(), robot.digest) == DIGESTS[name]
 
 
-def test_end_effector_is_that_of_mujoco(robot: Robot, model: mujoco.MjModel, data: mujoco.MjData):
+def test_end_effector_is_that_of_mujoco(robot, model, data):
     """On 200 random poses the end effector is where MuJoCo puts it."""
     for qpos in random_poses(robot):
         data.qpos[:] = qpos
@@ -62,7 +62,7 @@ def test_end_effector_is_that_of_mujoco(robot: Robot, model: mujoco.MjModel, dat
         np.testing.assert_allclose(robot.end_effector(qpos), expected, rtol=0.0, atol=1e-9)
 
 
-def test_end_effector_and_jacobian_are_those_of_pinocchio(robot: Robot):
+def test_end_effector_and_jacobian_are_those_of_pinocchio(robot):
     """On 200 random poses the end effector is where Pinocchio puts it, and moves as Pinocchio says."""
     model = pinocchio.buildModelFromXML(robot.urdf)
     data = model.createData()
@@ -74,7 +74,7 @@ def test_end_effector_and_jacobian_are_those_of_pinocchio(robot: Robot):
         np.testing.assert_allclose(robot.jacobian(qpos), jacobian[:3], rtol=0.0, atol=1e-9)
 
 
-def test_velocity_limits_of_both_files_agree(robot: Robot):
+def test_velocity_limits_of_both_files_agree(robot):
     """The URDF's velocity limits are the largest speeds of robot.toml."""
     chain = read_chain(parse_urdf(robot.urdf), robot.end_effector_link)
     velocities = [joint.velocity for joint in chain if joint.kind != "fixed"]

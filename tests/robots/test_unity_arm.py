@@ -76,7 +76,7 @@ CHECK_POINTS = [
 
 
 @pytest.fixture(scope="module")
-def model() -> mujoco.MjModel:
+def model():
     """The arm on a ground plane, every link a body of its own that touches the ground alone."""
     spec = mujoco.MjSpec.from_string(ROBOT.urdf)
     spec.compiler.fusestatic = False
@@ -86,17 +86,17 @@ def model() -> mujoco.MjModel:
     return spec.compile()
 
 
-def _random_poses(count: int) -> np.ndarray:
+def _random_poses(count):
     return np.random.default_rng(105).uniform(ROBOT.lower, ROBOT.upper, (count, ROBOT.dof))
 
 
-def _mirrored(unity: np.ndarray) -> np.ndarray:
+def _mirrored(unity):
     """A point or direction of Unity's frame in the project's."""
     x, y, z = unity
     return np.array([z, -x, y])
 
 
-def _turned(quaternion_xyzw: list[float], vector: np.ndarray) -> np.ndarray:
+def _turned(quaternion_xyzw, vector):
     """The vector turned by the quaternion, whose length need not be 1."""
     x, y, z, w = np.array(quaternion_xyzw) / np.linalg.norm(quaternion_xyzw)
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
@@ -104,7 +104,7 @@ def _turned(quaternion_xyzw: list[float], vector: np.ndarray) -> np.ndarray:
     return vector + w * twice + cross @ twice
 
 
-def _unity_point(node: str, point: np.ndarray, qpos: np.ndarray) -> np.ndarray:
+def _unity_point(node, point, qpos):
     """Where a point of a node, lengths scaled, is in Unity's world [m]: outwards from the node to the root."""
     chain = ORIGINAL["chain"]
     names = [each["node"] for each in chain]
@@ -117,7 +117,7 @@ def _unity_point(node: str, point: np.ndarray, qpos: np.ndarray) -> np.ndarray:
     return point
 
 
-def _capsule_ends(capsule: dict, qpos: np.ndarray) -> np.ndarray:
+def _capsule_ends(capsule, qpos):
     """Centres of a collider's two half spheres, in the project's frame [m], shape (2, 3)."""
     scale = ORIGINAL["root_scale"]
     half = np.eye(3)["xyz".index(capsule["axis"])] * (capsule["height"] / 2.0 - capsule["radius"])
@@ -125,7 +125,7 @@ def _capsule_ends(capsule: dict, qpos: np.ndarray) -> np.ndarray:
     return np.array([_mirrored(_unity_point(capsule["node"], end, qpos)) for end in ends])
 
 
-def test_end_effector_is_that_of_the_original(subtests: pytest.Subtests):
+def test_end_effector_is_that_of_the_original(subtests):
     """At the same angles in degrees the end effector is the mirror image of the original's."""
     for angles_deg, unity in CHECK_POINTS:
         with subtests.test(angles_deg=angles_deg, unity=unity):
@@ -184,9 +184,7 @@ def test_only_the_colliders_of_the_original_collide():
 
 @pytest.mark.parametrize(("link", "capsule"), list(zip(COLLIDING, CAPSULES, strict=True)), ids=COLLIDING)
 @pytest.mark.parametrize("at_home", [False, True])
-def test_capsules_are_where_the_original_has_them(
-    model: mujoco.MjModel, data: mujoco.MjData, link: str, capsule: dict, at_home: bool
-):
+def test_capsules_are_where_the_original_has_them(model, data, link, capsule, at_home):
     """At the zero pose and at home, MuJoCo has spheres at the capsule's ends and a cylinder from one to the other."""
     qpos = ROBOT.home if at_home else np.zeros(ROBOT.dof)
     data.qpos[:] = qpos
@@ -203,7 +201,7 @@ def test_capsules_are_where_the_original_has_them(
     np.testing.assert_allclose(model.geom_size[spheres, 0], radius, rtol=1e-12)
 
 
-def test_sphere_is_at_the_end_effector(model: mujoco.MjModel, data: mujoco.MjData):
+def test_sphere_is_at_the_end_effector(model, data):
     """The end effector's collider is a sphere of 15 mm about it."""
     mujoco.mj_kinematics(model, data)
     (first,) = model.body("Axis06Tip").geomadr
@@ -211,7 +209,7 @@ def test_sphere_is_at_the_end_effector(model: mujoco.MjModel, data: mujoco.MjDat
     assert model.geom_size[first, 0] == 0.015
 
 
-def test_ground_is_touched_where_the_original_touches_it(model: mujoco.MjModel, data: mujoco.MjData):
+def test_ground_is_touched_where_the_original_touches_it(model, data):
     """On 300 random poses MuJoCo reports a ground contact exactly if a collider of the original is below the ground."""
     touched = []
     for qpos in _random_poses(300):
@@ -226,7 +224,7 @@ def test_ground_is_touched_where_the_original_touches_it(model: mujoco.MjModel, 
     assert 20 <= sum(touched) <= 280
 
 
-def test_home_is_clear_of_the_ground(model: mujoco.MjModel, data: mujoco.MjData):
+def test_home_is_clear_of_the_ground(model, data):
     """At home, whatever the turn of axis 1, every collider is at least 0.05 m above the ground."""
     ground = model.geom("ground").id
     for turn in np.linspace(-math.pi, math.pi, 21):
@@ -244,7 +242,7 @@ def test_what_collides_is_seen():
         assert colliding in ([], seen)
 
 
-def _shape(element: ElementTree.Element) -> tuple[dict[str, str], str, dict[str, str]]:
+def _shape(element):
     """Where and what a visual or collision element is."""
     solid = element.find("geometry")[0]
     return element.find("origin").attrib, solid.tag, solid.attrib
@@ -257,7 +255,7 @@ def test_masses_are_those_of_an_arm_of_this_size():
     assert all(inner >= outer > 0.0 for inner, outer in pairwise(masses))
 
 
-def test_inertia_is_that_of_the_solid_shape(subtests: pytest.Subtests):
+def test_inertia_is_that_of_the_solid_shape(subtests):
     """Each inertia is that of the link's whole mass in its shape; real, since no moment exceeds the other two."""
     for case, link in LINKS.items():
         with subtests.test(case):
@@ -271,7 +269,7 @@ def test_inertia_is_that_of_the_solid_shape(subtests: pytest.Subtests):
             assert 0.0 < max(moments) <= sum(moments) - max(moments)
 
 
-def _squares(link: ElementTree.Element) -> np.ndarray:
+def _squares(link):
     """Squared radii of gyration about x, y and z [m^2], by summing thin discs across the shape's z axis."""
     first, *ends = [each[0] for each in link.findall("visual/geometry")]
     radius = float(first.get("radius"))

@@ -1,12 +1,10 @@
 """Arms of which something is drawn."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
-from harness.record.scene import Scene, scene_from_json
-from harness.robot import Robot, load_robot, read_robot
+from harness.record.scene import scene_from_json
+from harness.robot import load_robot, read_robot
 from harness.scene import scene_of
 from harness.scene.scene import surface
 from tests.robot.test_meshes import binary_stl
@@ -22,11 +20,11 @@ JOINT = """<joint name="{name}" type="{kind}"><parent link="{parent}"/><child li
 
 
 def meshed(
-    folder: Path,
-    files: tuple[str, ...] = ("part.stl",) * 4,
-    solid: str = '<sphere radius="0.05"/>',
-    material: str = '<material name="red"/>',
-) -> Robot:
+    folder,
+    files=("part.stl",) * 4,
+    solid='<sphere radius="0.05"/>',
+    material='<material name="red"/>',
+):
     """An arm of three joints, one of which slides; each link has a mesh that is mirrored, and a ball that collides."""
     (folder / "part.stl").write_bytes(binary_stl(_box_corners()))
     (folder / "flat.stl").write_bytes(binary_stl(_box_corners() * np.float32([1.0, 1.0, 0.0])))
@@ -44,18 +42,18 @@ def meshed(
     return read_robot(folder / "arm.urdf")
 
 
-def _box_corners() -> np.ndarray:
+def _box_corners():
     box = surface("box", (0.1, 0.05, 0.2))
     return box.vertices[box.faces].astype(np.float32)
 
 
 @pytest.fixture(params=["fd100", "meshes"])
-def robot(request: pytest.FixtureRequest, tmp_path: Path) -> Robot:
+def robot(request, tmp_path):
     """The FD100, and an arm of meshes."""
     return load_robot("fd100") if request.param == "fd100" else meshed(tmp_path)
 
 
 @pytest.fixture
-def scene(robot: Robot) -> Scene:
+def scene(robot):
     """What a cell's folder says of it."""
     return scene_from_json(scene_of(robot).to_json())

@@ -3,7 +3,6 @@
 import numpy as np
 
 from harness.record.scene import Scene
-from harness.robot import Robot
 from harness.scene import Camera, camera_for
 from harness.scene.picture import BACKGROUND, corners_of, draw_arm, draw_still
 
@@ -21,7 +20,7 @@ def test_the_camera_puts_its_centre_into_the_middle():
     assert camera.project(camera.centre + 0.1 * back)[2] < camera.project(camera.centre)[2]
 
 
-def test_the_arm_is_seen_where_its_end_effector_is(robot: Robot, scene: Scene):
+def test_the_arm_is_seen_where_its_end_effector_is(robot, scene):
     """The picture with the arm differs from the one without, around the end effector too."""
     tip = robot.end_effector(robot.home)
     camera = camera_for(corners_of(scene, robot.home)[0].reshape(-1, 3), 320, 240)
@@ -35,7 +34,7 @@ def test_the_arm_is_seen_where_its_end_effector_is(robot: Robot, scene: Scene):
     assert 0.01 < (shown != bare).any(axis=2).mean() < 0.7
 
 
-def test_a_still_picture_shows_the_target(robot: Robot, scene: Scene):
+def test_a_still_picture_shows_the_target(robot, scene):
     """Another target, another picture."""
     tip = robot.end_effector(robot.home)
     one, other = (np.asarray(draw_still(scene, robot.home, at, 160, 120)) for at in (tip / 2, tip / 3))

@@ -1,12 +1,9 @@
 """What is drawn of a robot."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
-from harness.record.scene import Scene
-from harness.robot import Robot, child_frames, end_effector_position, load_robot
+from harness.robot import child_frames, end_effector_position, load_robot
 from harness.scene import scene_of
 from harness.scene.picture import chain_of, corners_of
 from harness.scene.scene import FEWEST, GREY, TRIANGLES
@@ -15,13 +12,13 @@ from tests.scene.conftest import meshed
 RNG = np.random.default_rng(5)
 
 
-def test_the_tip_of_the_drawn_arm_is_the_robots(robot: Robot, scene: Scene):
+def test_the_tip_of_the_drawn_arm_is_the_robots(robot, scene):
     """What was written moves as the robot does, in any pose."""
     poses = RNG.uniform(robot.lower, robot.upper, (50, robot.dof))
     np.testing.assert_allclose(end_effector_position(chain_of(scene), poses), robot.end_effector(poses), atol=1e-12)
 
 
-def test_triangles_move_with_their_joint(robot: Robot, scene: Scene):
+def test_triangles_move_with_their_joint(robot, scene):
     """Each body keeps its place in its joint's frame; what no joint moves stands still."""
     poses = RNG.uniform(robot.lower, robot.upper, (2, robot.dof))
     joints = np.concatenate([[body.joint] * len(body.faces) for body in scene.bodies]).astype(int)
@@ -42,7 +39,7 @@ def test_the_drawn_fd100_lies_where_its_shapes_are():
     assert corners[..., 2].min() == pytest.approx(0.0, abs=1e-9)
 
 
-def test_every_triangle_faces_outwards(robot: Robot, scene: Scene):
+def test_every_triangle_faces_outwards(robot, scene):
     """Also those of a mesh that is mirrored: the volume of each body is positive."""
     for body in scene.bodies:
         centred = body.points - body.points.mean(axis=0)
@@ -50,13 +47,13 @@ def test_every_triangle_faces_outwards(robot: Robot, scene: Scene):
         assert (first * np.cross(second, third)).sum() > 0
 
 
-def test_colours_are_those_of_the_urdf(tmp_path: Path):
+def test_colours_are_those_of_the_urdf(tmp_path):
     """A material that stands outside the links counts by its name."""
     assert {body.colour for body in scene_of(meshed(tmp_path)).bodies} == {"#ff0000"}
     assert {body.colour for body in scene_of(load_robot("fd100")).bodies} == {"#33363b", "#ed6b17", "#b8babf"}
 
 
-def test_what_collides_stands_in_for_a_mesh_that_is_not_read(tmp_path: Path):
+def test_what_collides_stands_in_for_a_mesh_that_is_not_read(tmp_path):
     """Of COLLADA nothing is drawn: the ball of that link is, in the colour of its visual shape."""
     scene = scene_of(meshed(tmp_path, ("part.stl", "part.stl", "part.dae", "part.stl")))
     counts = {body.joint: len(body.faces) for body in scene.bodies}
@@ -68,7 +65,7 @@ def test_what_collides_stands_in_for_a_mesh_that_is_not_read(tmp_path: Path):
 HULL = '<mesh filename="part.stl"/>'
 
 
-def test_of_a_mesh_that_collides_the_hull_stands_in(tmp_path: Path):
+def test_of_a_mesh_that_collides_the_hull_stands_in(tmp_path):
     """Its corners are the mesh's own, and its triangles face outwards."""
     scene = scene_of(meshed(tmp_path, ("part.stl", "part.stl", "part.dae", "part.stl"), HULL))
     body = next(body for body in scene.bodies if body.joint == 1)
@@ -78,19 +75,19 @@ def test_of_a_mesh_that_collides_the_hull_stands_in(tmp_path: Path):
     assert (first * np.cross(second, third)).sum() / 6 == pytest.approx(0.1 * 0.05 * 0.2, rel=1e-4)
 
 
-def test_a_flat_mesh_that_collides_is_drawn_as_a_sheet(tmp_path: Path):
+def test_a_flat_mesh_that_collides_is_drawn_as_a_sheet(tmp_path):
     """As thick as engines have it."""
     scene = scene_of(meshed(tmp_path, ("part.stl", "part.stl", "part.dae", "part.stl"), '<mesh filename="flat.stl"/>'))
     assert {body.joint: len(body.faces) for body in scene.bodies} == {-1: 12, 0: 12, 1: 12, 2: 12}
 
 
-def test_what_collides_stands_in_for_an_empty_mesh(tmp_path: Path):
+def test_what_collides_stands_in_for_an_empty_mesh(tmp_path):
     """A file without triangles is drawn as little as one that is not read."""
     scene = scene_of(meshed(tmp_path, ("part.stl", "part.stl", "empty.stl", "part.stl"), HULL))
     assert [len(body.faces) for body in scene.bodies if body.joint == 1] == [12]
 
 
-def test_what_has_no_colour_is_grey(tmp_path_factory: pytest.TempPathFactory, subtests: pytest.Subtests):
+def test_what_has_no_colour_is_grey(tmp_path_factory, subtests):
     """No material, one that the URDF does not have, or one whose colour is none."""
     rows = [
         ("", GREY),
@@ -106,7 +103,7 @@ def test_what_has_no_colour_is_grey(tmp_path_factory: pytest.TempPathFactory, su
             assert {body.colour for body in scene_of(meshed(tmp_path, material=material)).bodies} == {colour}
 
 
-def test_an_arm_has_so_many_triangles_at_most(robot: Robot, scene: Scene):
+def test_an_arm_has_so_many_triangles_at_most(robot, scene):
     """A page of several arms stays small."""
     assert sum(len(body.faces) for body in scene.bodies) <= TRIANGLES
     assert FEWEST * 1_000 <= 50_000, "else an arm of the most shapes that are read could not be written"

@@ -2,11 +2,10 @@
 
 import numpy as np
 
-from harness.robot import Robot
 from harness.scene import StillFrames
 
 
-def test_a_frame_has_its_size_and_shows_the_target(robot: Robot):
+def test_a_frame_has_its_size_and_shows_the_target(robot):
     """RGB of bytes; another target gives another frame, and closing takes nothing away."""
     frames, tip = StillFrames(robot), robot.end_effector(robot.home)
     one = frames.frame(robot.home, tip / 2, 80, 60)

@@ -10,7 +10,7 @@ SHARE = AROUND / (2 * np.pi) * np.sin(2 * np.pi / AROUND)
 """Of a circle's area that a regular polygon in it has."""
 
 
-def volume(mesh: Mesh) -> float:
+def volume(mesh):
     """Positive where all triangles are counter-clockwise from outside and nothing is open."""
     first, second, third = np.moveaxis(mesh.vertices[mesh.faces], 1, 0)
     return float((first * np.cross(second, third)).sum()) / 6

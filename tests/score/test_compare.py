@@ -4,10 +4,9 @@ import csv
 import json
 import math
 import random
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from importlib.metadata import entry_points
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -19,7 +18,7 @@ from harness.hookspecs import PROJECT
 from harness.record import COLUMN, SCALARS, Manifest, TraceWriter
 from harness.record.cell_log import cell_log
 from harness.registry import Choice, load_registry
-from harness.score import ComparedRuns, compare_logs, match_steps
+from harness.score import compare_logs, match_steps
 
 Pay = Callable[[float, float, float], float]
 Run = list[tuple[float, ...]]
@@ -29,12 +28,12 @@ HEADER = "t,beginDistance,prevBest,distance,delta_distance,reward"
 BASELINE, K2 = "baseline", "arp:k1=1,k2=1.5"
 
 
-def arp(k2: float, k1: float = 1.0) -> Pay:
+def arp(k2, k1=1.0):
     """What ARP pays for beginDistance, best distance before the step, and distance; the baseline where both are 1."""
     return lambda begin, before, distance: -k1 * (distance - before) if distance > before else k2 * (begin - distance)
 
 
-def write_run(path: Path, pay: Pay, seed: int, rows: int, program: str = "K2") -> None:
+def write_run(path, pay, seed, rows, program="K2"):
     """Episodes of an arm that learns to come closer, in the words of either program, 7 digits a number."""
     rng, lines, step = random.Random(seed), [HEADER], 0
     begin = before = distance = 1.0
@@ -46,7 +45,7 @@ def write_run(path: Path, pay: Pay, seed: int, rows: int, program: str = "K2") -
             distance = abs(distance + (rng.random() - 0.3 - number / rows) * 0.2)
             reward = pay(begin, before, distance)
         after, best = min(before, distance), before
-        numbers: tuple[float | None, ...] = (begin, after, distance, distance - best, reward)
+        numbers = (begin, after, distance, distance - best, reward)
         if program == "base line":
             numbers = (begin, best, distance, None if step else 0.0, reward)
         texts = ["" if number is None else f"{number:.7g}".upper() for number in numbers]
@@ -57,7 +56,7 @@ def write_run(path: Path, pay: Pay, seed: int, rows: int, program: str = "K2") -
 
 
 @pytest.fixture
-def groups(tmp_path: Path) -> Path:
+def groups(tmp_path):
     """A folder with five base-line runs in `base` and four K2 runs in `k2`, 60 to 90 rows each."""
     for seed in range(5):
         write_run(tmp_path / "base" / f"{seed}.csv", arp(1.0), seed, 70 + 5 * seed, "base line")
@@ -66,13 +65,13 @@ def groups(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def compare(baseline: Path | str, proposed: Path | str, **given: Any) -> ComparedRuns:
+def compare(baseline, proposed, **given):
     """Compare all CSV files of two folders, or what two patterns match."""
     patterns = [f"{where}/*.csv" if Path(where).is_dir() else str(where) for where in (baseline, proposed)]
     return compare_logs(*map(match_steps, patterns), load_registry(), **given)
 
 
-def write_rewards(folder: Path, *runs: Sequence[float]) -> Path:
+def write_rewards(folder, *runs):
     """Files with nothing but rewards."""
     folder.mkdir()
     for number, run in enumerate(runs):
@@ -83,7 +82,7 @@ def write_rewards(folder: Path, *runs: Sequence[float]) -> Path:
 # Plain Python, from the files' text to the figures
 
 
-def read_run(path: Path) -> Run:
+def read_run(path):
     """One file's rows."""
     rows, names = [], ("beginDistance", "prevBest", "distance", "reward")
     for row in csv.DictReader(path.read_text().splitlines()):
@@ -96,12 +95,12 @@ def read_run(path: Path) -> Run:
     return rows
 
 
-def score_run(run: Run, pay: Pay) -> list[float]:
+def score_run(run, pay):
     """What another reward pays for a run."""
     return [0.0 if start else pay(begin, before, distance) for _, begin, before, distance, start in run]
 
 
-def mean_curve(runs: list[list[float]], shares: Sequence[float], accumulated: bool) -> list[float]:
+def mean_curve(runs, shares, accumulated):
     """The weighted mean over runs at each step, up to the end of the shortest."""
     curve, sums = [], [0.0] * len(runs)
     for step in range(min(map(len, runs))):
@@ -111,7 +110,7 @@ def mean_curve(runs: list[list[float]], shares: Sequence[float], accumulated: bo
     return curve
 
 
-def marks(curve: list[float]) -> tuple[int | None, int | None]:
+def marks(curve):
     """First negative step and cross-over."""
     first = next((step for step, value in enumerate(curve) if value < 0), None)
     if first is None:
@@ -119,7 +118,7 @@ def marks(curve: list[float]) -> tuple[int | None, int | None]:
     return first, next((step for step in range(first, len(curve)) if curve[step] >= 0), None)
 
 
-def indices(runs: list[list[float]], accumulated: bool, shares: Sequence[float] | None = None) -> tuple[float, float]:
+def indices(runs, accumulated, shares=None):
     """I_N and I_P, not rounded."""
     curve = mean_curve(runs, shares if shares is not None else [1 / len(runs)] * len(runs), accumulated)
     if accumulated:
@@ -135,8 +134,8 @@ def jackknifed(paid, above, below, position, accumulated):
     `paid` has the runs by whose reward paid whose runs; the last letter of a name says whose runs they are.
     """
 
-    def logarithm(without: str = "", left_out: int = -1) -> float:
-        def index(pair: str) -> float:
+    def logarithm(without="", left_out=-1):
+        def index(pair):
             runs = paid[pair]
             kept = [not (pair[1] == without and number == left_out) for number in range(len(runs))]
             return indices(runs, accumulated, [there / sum(kept) for there in kept])[position]
@@ -282,7 +281,7 @@ def test_a_run_that_broke_off_is_named(tmp_path):
     assert note.endswith(f"of the shortest, '{base}/2.csv'; the longest has 10. Leave it out if it broke off")
 
 
-def varied(seed: int, rows: int = 40) -> list[float]:
+def varied(seed, rows=40):
     """Rewards that no other training pays."""
     return np.random.default_rng(seed).normal(-1.0, 1.0, rows).tolist()
 
@@ -376,9 +375,7 @@ def test_a_given_reward_is_used_and_checked(groups):
 # Traces
 
 
-def write_trace(
-    folder: Path, pay: Pay, seed: int, reward: str, make_cell: Callable[..., Any], target: float = 0.0
-) -> None:
+def write_trace(folder, pay, seed, reward, make_cell, target=0.0):
     """The trace of `write_run`, with its manifest, and `target` paid on top in every third step."""
     write_run(folder / "as.csv", pay, seed, 60)
     run = read_run(folder / "as.csv")

@@ -4,20 +4,19 @@ import numpy as np
 import pytest
 
 from harness.errors import Unscored
-from harness.log import Log
 from harness.record import trace_of
-from harness.registry import Choice, Registry, choose, load_registry
+from harness.registry import Choice, choose, load_registry
 from harness.score import InstalledReward, pay_log
 
 
 @pytest.fixture(scope="module")
-def registry() -> Registry:
+def registry():
     """The installed plugins."""
     return load_registry()
 
 
 @pytest.fixture
-def run() -> Log:
+def run():
     """One episode whose rewards nobody has filled in."""
     distance = np.array([1.0, 1.5, 0.5, 0.25])
     flags = dict.fromkeys(("reached", "terminated", "truncated"), np.zeros(4, bool))
@@ -32,7 +31,7 @@ def run() -> Log:
     return trace_of({**columns, **flags})
 
 
-def _paid(run: Log, reward: Choice, registry: Registry) -> Log:
+def _paid(run, reward, registry):
     return trace_of({**run.rows().columns, "reward": pay_log(reward.build(registry, "rewards"), run).total})
 
 
@@ -40,7 +39,7 @@ GONE = Choice("gone", (), "gone")
 
 
 @pytest.fixture(name="arp")
-def _arp(registry: Registry) -> InstalledReward:
+def _arp(registry):
     return InstalledReward(choose(registry, "rewards", "arp"), registry)
 
 

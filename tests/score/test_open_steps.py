@@ -10,7 +10,6 @@ import pyarrow.parquet as pq
 import pytest
 
 from harness.errors import SchemaError, UsageError
-from harness.log import Log, Rows
 from harness.record import COLUMN, SCALARS, Manifest, TraceWriter
 from harness.record.cell_log import cell_of
 from harness.registry import Choice
@@ -46,10 +45,10 @@ START = [True, False, False, False, False, True, False]
 
 
 @pytest.fixture
-def write(tmp_path: Path) -> Write:
+def write(tmp_path):
     """Write lines to a file."""
 
-    def write_lines(*lines: str, name: str = "run.csv", end: str = "\r\n") -> Path:
+    def write_lines(*lines, name="run.csv", end="\r\n"):
         path = tmp_path / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text("".join(line + end for line in lines), newline="")
@@ -58,7 +57,7 @@ def write(tmp_path: Path) -> Write:
     return write_lines
 
 
-def rows_of(path: Path) -> Rows:
+def rows_of(path):
     """All rows of a file."""
     return open_steps(path).rows()
 
@@ -202,7 +201,7 @@ def test_steps_go_on_across_the_blocks_of_a_file(write):
 # Traces
 
 
-def _rows(env: int = 0) -> np.ndarray:
+def _rows(env=0):
     """Three rows of a trace with one joint: start, closer, farther, with event terms."""
     rows = np.zeros((3, len(SCALARS) + 2))
     columns = {
@@ -223,7 +222,7 @@ def _rows(env: int = 0) -> np.ndarray:
 
 
 @pytest.fixture
-def trace(tmp_path: Path, make_cell) -> Path:
+def trace(tmp_path, make_cell):
     """A trace with its manifest."""
     path = tmp_path / "trace.parquet"
     with TraceWriter(path, 1, 1) as writer:
@@ -354,7 +353,7 @@ def test_a_file_that_is_not_there_is_told(tmp_path):
 # Patterns
 
 
-def _names(logs: list[Log]) -> list[str]:
+def _names(logs):
     return [log.facts.path.name for log in logs]
 
 
@@ -392,7 +391,7 @@ def test_a_pattern_that_no_name_can_be_matches_nothing(pattern):
         match_steps(pattern)
 
 
-def refuse(path: Path) -> str:
+def refuse(path):
     """The line that a file is refused with."""
     with pytest.raises((UsageError, SchemaError)) as refused:
         rows_of(path)

@@ -3,16 +3,14 @@
 import random
 from collections.abc import Callable
 from importlib.metadata import entry_points
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from harness.errors import UsageError
 from harness.hookspecs import PROJECT
-from harness.log import Log
-from harness.record import COLUMN, SCALARS, Cell, Manifest, TraceWriter
-from harness.registry import Choice, Registry, load_registry
+from harness.record import COLUMN, SCALARS, Manifest, TraceWriter
+from harness.registry import Choice, load_registry
 from harness.score import guess_reward
 from harness.score.compare import misfit
 from harness.score.open_steps import open_steps
@@ -23,17 +21,17 @@ HEADER = "t,beginDistance,prevBest,distance,delta_distance,reward"
 
 
 @pytest.fixture
-def registry() -> Registry:
+def registry():
     """The built-in plugins."""
     return load_registry()
 
 
-def arp(k1: float, k2: float) -> Pay:
+def arp(k1, k2):
     """What ARP pays for beginDistance, best distance before the step, and distance."""
     return lambda begin, before, distance: -k1 * (distance - before) if distance > before else k2 * (begin - distance)
 
 
-def write_run(path: Path, pay: Pay, seed: int = 0, rows: int = 400, program: str = "K2", reach: float = 0.5) -> Log:
+def write_run(path, pay, seed=0, rows=400, program="K2", reach=0.5):
     """Episodes of an arm that moves at random, in the words of either program, 7 digits a number."""
     rng, lines, step = random.Random(seed), [HEADER], 0
     begin = before = 1.110047
@@ -135,7 +133,7 @@ def test_a_reward_that_nobody_registered_cannot_be_checked(tmp_path, registry):
 # Traces
 
 
-def _trace(folder: Path, reward: Choice, pays: float, make_cell: Callable[..., Cell]) -> Log:
+def _trace(folder, reward, pays, make_cell):
     """Two envs that trained together, row by row in turns; each comes 0.1 m closer per step."""
     rows = np.zeros((8, len(SCALARS) + 2))
     for number, row in enumerate(rows):

@@ -1,8 +1,5 @@
 """What rows of other people's tables are: steps are read, and everything else is refused in one line."""
 
-from collections.abc import Iterable
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -11,7 +8,7 @@ from harness.registry import load_registry
 from harness.score.open_steps import open_steps
 
 
-def rewards_of(path: Path) -> list[float]:
+def rewards_of(path):
     """What is read of a file."""
     return [
         value
@@ -20,13 +17,13 @@ def rewards_of(path: Path) -> list[float]:
     ]
 
 
-def write(path: Path, header: str, rows: Iterable[object]) -> Path:
+def write(path, header, rows):
     """A CSV file."""
     path.write_text("\n".join([header, *map(str, rows)]) + "\n")
     return path
 
 
-def episodes(header: str) -> list[str]:
+def episodes(header):
     """Rows of ten episodes: number, return, length, seconds, by the columns of a header."""
     rng = np.random.default_rng(0)
     cell = {

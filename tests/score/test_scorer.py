@@ -1,11 +1,9 @@
 """Scoring recorded runs again: exactly what was paid, whatever the pieces, for every reward there is."""
 
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -16,13 +14,12 @@ from hypothesis import given, strategies as st
 import harness
 import harness.score.scorer as module
 from harness.env import ReachVectorEnv
-from harness.log import Log
 from harness.reach import ReachTask
 from harness.record import TraceWriter, read_trace
 from harness.record.cell_log import cell_log
 from harness.record.trace import FORMAT, FORMAT_KEY
 from harness.registry import choose, load_registry
-from harness.reward import Reward, Sample
+from harness.reward import Sample
 from harness.reward.needs import ROWS
 from harness.reward.row_steps import TOUCHED, Rows, targets_touched
 from harness.robot.inverse_kinematics import reach_position
@@ -38,18 +35,18 @@ CHOICES = [*REWARDS, "arp:k1=0.3,k2=2.7", "scaled:reward=aarp,factor=0.1", "shif
 ENVS = 3
 
 
-def reward_of(text: str) -> Reward:
+def reward_of(text):
     """A registered reward, its parameters at their defaults unless they are said."""
     return choose(REGISTRY, "rewards", text).build(REGISTRY, "rewards")
 
 
 @cache
-def record(text: str, simulator: str = "ideal") -> Log:
+def record(text, simulator="ideal"):
     """The trace of a batch that partly wanders, partly makes for its targets, paid by a reward."""
     return record_under(reward_of(text), simulator)
 
 
-def record_under(reward: Reward, simulator: str = "ideal", steps: int = 80) -> Log:
+def record_under(reward, simulator="ideal", steps=80):
     """The same for a reward that need not be registered."""
     engine = (
         IdealSimulator()
@@ -66,7 +63,7 @@ def record_under(reward: Reward, simulator: str = "ideal", steps: int = 80) -> L
         return read_trace(path).load()
 
 
-def drive(env: ReachVectorEnv, steps: int) -> None:
+def drive(env, steps):
     """At random, and in all envs but the first now and then towards the target."""
     rng = np.random.default_rng(0)
     observations, _ = env.reset(seed=1)
@@ -79,19 +76,19 @@ def drive(env: ReachVectorEnv, steps: int) -> None:
         observations, *_ = env.step(np.clip(actions, -1.0, 1.0).astype(np.float32))
 
 
-def score(reward: Reward, trace: Log) -> np.ndarray:
+def score(reward, trace):
     """What every row of a trace is paid."""
     return pay_log(reward, trace).total
 
 
-def rows_of(trace: Log, env: int = 0) -> Rows:
+def rows_of(trace, env=0):
     """One env's rows, in order."""
     rows = trace["env"] == env
     columns = ("begin_distance", "previous_best", "distance")
     return Rows(trace["step"][rows] == 0, *(trace[name][rows] for name in columns))
 
 
-def in_pieces(reward: Reward, rows: Rows, cuts: list[int]) -> np.ndarray:
+def in_pieces(reward, rows, cuts):
     """The rows scored a piece at a time."""
     scorer, ends = Scorer(reward), sorted(min(cut, len(rows.start)) for cut in cuts)
     parts = zip([0, *ends], [*ends, len(rows.start)], strict=True)
@@ -107,11 +104,11 @@ class Shows:
 
     column: str
 
-    def initial_carry(self, begin_distance: Any) -> Any:
+    def initial_carry(self, begin_distance):
         """Remembers nothing."""
         return ()
 
-    def __call__(self, carry: Any, sample: Sample) -> tuple[Any, Any]:
+    def __call__(self, carry, sample):
         """Of a step."""
         return carry, np.asarray(getattr(sample, self.column), float)
 
@@ -120,11 +117,11 @@ class Shows:
 class Remembers:
     """Pays a mixture of its previous payment, the steps in a row that came nearer, and what it began with."""
 
-    def initial_carry(self, begin_distance: Any) -> Any:
+    def initial_carry(self, begin_distance):
         """An array, and a tuple of two."""
         return np.zeros_like(begin_distance), (np.zeros_like(begin_distance), np.exp(begin_distance))
 
-    def __call__(self, carry: Any, sample: Sample) -> tuple[Any, Any]:
+    def __call__(self, carry, sample):
         """Of a step."""
         paid, (row, began) = carry
         row = np.where(sample.delta_distance < 0.0, row + 1.0, 0.0)
@@ -132,14 +129,14 @@ class Remembers:
         return (value, (row, began)), value
 
 
-SCORED: dict[str, Callable[[], Reward]] = {
+SCORED = {
     **{text: lambda text=text: reward_of(text) for text in CHOICES},
     "one that remembers": Remembers,
 }
 
 
 @pytest.fixture(params=SCORED, name="reward")
-def _reward(request: pytest.FixtureRequest) -> Iterator[Reward]:
+def _reward(request):
     return SCORED[request.param]()
 
 
@@ -159,12 +156,12 @@ def test_every_reward_is_scored_as_it_was_paid(subtests):
 
 
 @cache
-def record_tour(text: str) -> Log:
+def record_tour(text):
     """The trace of arms whose episodes go on to the next target, some of them at the very place of the last one."""
     return record_tour_under(reward_of(text))
 
 
-def record_tour_under(reward: Reward) -> Log:
+def record_tour_under(reward):
     """Decisions of three steps that jump back and forth between a few poses, in the target and outside."""
     env = ReachVectorEnv(IdealSimulator(), ARM, Arp2021(horizon=50, decision_period=3), reward, num_envs=ENVS)
     goals, reached = reach_position(
@@ -294,7 +291,7 @@ def test_envs_are_scored_together():
     trace, sizes = record("baseline"), []
 
     class Counts(Shows):
-        def __call__(self, carry: Any, sample: Sample) -> tuple[Any, Any]:
+        def __call__(self, carry, sample):
             sizes.append(len(sample.distance))
             return super().__call__(carry, sample)
 
@@ -370,7 +367,7 @@ def test_pieces_do_not_show_where_targets_are_touched(name, cuts):
 # A target that is drawn again inside an episode
 
 
-def redrawn() -> Rows:
+def redrawn():
     """A target is touched at the third row: in the fourth both distances belong to the next one."""
     return Rows(
         start=np.array([True, False, False, False, False]),
@@ -421,7 +418,7 @@ def test_rows_that_begin_inside_an_episode():
     )
 
 
-def sample_at(rows: Rows, row: int) -> Sample:
+def sample_at(rows, row):
     """What a reward sees at a row that nothing is known before of."""
     begin, best, distance = (
         getattr(rows, name)[row : row + 1] for name in ("begin_distance", "previous_best", "distance")
@@ -433,7 +430,7 @@ def test_a_reward_that_takes_no_made_up_steps_is_paid():
     """Compiled by JAX, it takes arrays alone, and not what notes which of them it reads."""
 
     class Compiled(Shows):
-        def __call__(self, carry: Any, sample: Any) -> tuple[Any, Any]:
+        def __call__(self, carry, sample):
             if not isinstance(sample, tuple):
                 raise TypeError("no valid JAX type")
             return super().__call__(carry, sample)

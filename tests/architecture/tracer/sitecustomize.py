@@ -14,9 +14,9 @@ from pathlib import Path
 TOPS = tuple(os.environ["ENTERED_TOPS"].split(os.pathsep))
 OPTIMIZED = 1
 """Set in the code of a function, not in that of a module or a class, which runs when it is imported."""
-files: dict[str, None] = {}
-hops: set[tuple[str, str]] = set()
-back: set[tuple[str, str]] = set()
+files = {}
+hops = set()
+back = set()
 
 
 def _is_ours(frame):

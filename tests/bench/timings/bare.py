@@ -1,9 +1,7 @@
 """The libraries without the harness: what trainings are timed beside."""
 
-from collections.abc import Callable
 from functools import partial
 from types import SimpleNamespace
-from typing import Any
 from unittest import mock
 
 import torch
@@ -12,7 +10,7 @@ from stable_baselines3.common.vec_env import DummyVecEnv
 from harness.progress import Progress
 
 
-def bare_training(algorithm: Any, envs: list[Any], steps: int, seed: int) -> Callable[[], None]:
+def bare_training(algorithm, envs, steps, seed):
     """A function that trains a new model of stable-baselines3 at each call, by the class and settings of an algorithm.
 
     Args:

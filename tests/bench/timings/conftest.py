@@ -9,58 +9,55 @@ import json
 import os
 import resource
 import statistics
-from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pytest
-
-from harness.env import ReachVectorEnv
 
 RATIOS = pytest.StashKey[dict[str, dict[str, float]]]()
 """What a run measured: by the name of a timing its ratio and its bound."""
 
 
-def pytest_configure(config: pytest.Config) -> None:
+def pytest_configure(config):
     """Begin with nothing."""
     config.stash[RATIOS] = {}
 
 
-def pytest_sessionfinish(session: pytest.Session) -> None:
+def pytest_sessionfinish(session):
     """Write down what was measured."""
     if path := os.environ.get("BENCH_RECORD"):
         Path(path).write_text(json.dumps(session.config.stash[RATIOS], indent=1) + "\n")
 
 
 @pytest.fixture(scope="session")
-def is_timed(request: pytest.FixtureRequest) -> bool:
+def is_timed(request):
     """Whether the bounds hold."""
     option = request.config.getoption
     return option("markexpr") == "bench" and not option("benchmark_disable")
 
 
 @pytest.fixture(scope="session")
-def amount(is_timed: bool) -> Callable[[int, int], int]:
+def amount(is_timed):
     """How much work to do: `full` where bounds hold, `little` elsewhere."""
     return lambda full, little: full if is_timed else little
 
 
-def cpu_seconds(function: Callable[[], object]) -> float:
+def cpu_seconds(function):
     """How long one call had a core, here and in the processes that it started and that have ended, [s]."""
     start = _cpu_time()
     function()
     return _cpu_time() - start
 
 
-def _cpu_time() -> float:
+def _cpu_time():
     used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
     return sum(it.ru_utime + it.ru_stime for it in used)
 
 
 @pytest.fixture
-def require_ratio(request: pytest.FixtureRequest, is_timed: bool) -> Callable[..., None]:
+def require_ratio(request, is_timed):
     """Hold a ratio to its bound where bounds hold. It is printed, with `told` behind it, and written down."""
 
-    def require(ratio: float, at_least: float, told: str = "", what: str = "") -> None:
+    def require(ratio, at_least, told="", what=""):
         test = f"{request.path.stem}: {request.node.name}" + (f", {what}" if what else "")
         name = test.replace("test_", "").replace("_", " ").replace("[", ", ").replace("]", "")
         print(f"\n  ratio {ratio:.3f}, at least {at_least:.3f} {told}")  # noqa: T201
@@ -72,9 +69,7 @@ def require_ratio(request: pytest.FixtureRequest, is_timed: bool) -> Callable[..
 
 
 @pytest.fixture
-def require_speed(
-    request: pytest.FixtureRequest, is_timed: bool, require_ratio: Callable[..., None]
-) -> Callable[..., None]:
+def require_speed(request, is_timed, require_ratio):
     """Hold `candidate` to at least so many times the speed of `reference`; both do the same work.
 
     Times are CPU times: what else the machine does hardly changes them. Both take turns, so that a slow moment meets
@@ -82,9 +77,7 @@ def require_speed(
     benchmark's extra info.
     """
 
-    def require(
-        reference: Callable[[], object], candidate: Callable[[], object], at_least: float, rounds: int = 9
-    ) -> None:
+    def require(reference, candidate, at_least, rounds=9):
         if not is_timed:
             reference()
             candidate()
@@ -106,10 +99,10 @@ def require_speed(
 
 
 @pytest.fixture(scope="session")
-def step_through() -> Callable[[ReachVectorEnv, Sequence[object]], None]:
+def step_through():
     """Give an env actions, one after another; all of its envs have to take each."""
 
-    def step(env: ReachVectorEnv, actions: Sequence[object]) -> None:
+    def step(env, actions):
         before = env.environment_steps
         for action in actions:
             env.step(action)

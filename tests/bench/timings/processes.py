@@ -23,7 +23,7 @@ class Taken(NamedTuple):
     megabytes: float
 
 
-def measure(*command: object) -> Taken:
+def measure(*command):
     """Run a command in a process of its own; it has to end with status 0."""
     call = [sys.executable, "-c", MEASURE, *map(str, command)]
     answer = json.loads(subprocess.run(call, check=True, capture_output=True, text=True).stdout)

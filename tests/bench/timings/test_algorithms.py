@@ -1,7 +1,5 @@
 """What the harness costs on top of stable-baselines3, algorithm by algorithm, on the same physics and settings."""
 
-from typing import Any
-
 import pytest
 
 import harness
@@ -19,7 +17,7 @@ pytestmark = pytest.mark.bench
 DISCRETE = "fd100-reach:action=discrete"
 ENOUGH = 128
 """Steps with which each of them learns at least once."""
-CASES: dict[str, tuple[Any, str, int]] = {
+CASES = {
     "sac": (Sac(), "fd100-reach", 350),
     "td3": (Td3(), "fd100-reach", 500),
     "ppo": (Ppo(), "fd100-reach", 20 * Ppo().rollout),
@@ -37,7 +35,7 @@ def test_algorithm_beside_the_bare_one(tmp_path, require_speed, amount, name):
     envs = [ReachEnv(task=task) for _ in range(settings.num_envs)]
     bare = bare_training(settings, envs, steps, 0)
 
-    def through_the_harness() -> None:
+    def through_the_harness():
         env = harness.make_env(task=task, num_envs=settings.num_envs)
         with TraceWriter(tmp_path / "trace.parquet", env.robot.dof, env.episodes.action.shape[1]) as recorder:
             env.recorder = recorder

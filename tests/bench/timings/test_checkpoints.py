@@ -4,7 +4,6 @@ import hashlib
 import os
 import statistics
 import time
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -33,13 +32,13 @@ class Standing(Progress):
         self._env, self._after = env, after
         self.kept: list[tuple[TrainingState, TrainingState]] = []
 
-    def checkpoint(self, steps: int, make: Any) -> None:
+    def checkpoint(self, steps, make):
         """Once."""
         if steps >= self._after and not self.kept:
             self.kept.append((make(), self._env.state()))
 
 
-def _standing(algorithm: str, steps: int) -> tuple[TrainingState, TrainingState]:
+def _standing(algorithm, steps):
     """What a training and its env hold after half of so many steps."""
     registry = load_registry()
     asked = Experiment(sim=["mujoco"], algo=[algorithm], reward=["arp"], steps=4_800)
@@ -53,7 +52,7 @@ def _standing(algorithm: str, steps: int) -> tuple[TrainingState, TrainingState]
     return standing.kept[0]
 
 
-def _full(ring: Ring, rows: int) -> Ring:
+def _full(ring, rows):
     """A ring of so many places, all of which were written."""
     rng = np.random.default_rng(0)
     columns = {
@@ -63,7 +62,7 @@ def _full(ring: Ring, rows: int) -> Ring:
     return Ring(columns, rows)
 
 
-def _copy(ring: Ring, path: Path) -> None:
+def _copy(ring, path):
     """The bytes of a ring into one file, with their SHA-256."""
     digest = hashlib.sha256()
     with path.open("wb") as file:

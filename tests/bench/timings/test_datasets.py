@@ -28,9 +28,9 @@ def test_a_data_set_beside_a_bare_loop(tmp_path, require_speed, amount):
     """
     count = amount(200, 3)
     folder = write_minari(tmp_path / "d", [episode(STEPS, number) for number in range(count)])
-    paid: list[float] = []
+    paid = []
 
-    def bare() -> None:
+    def bare():
         paid.clear()
         with h5py.File(folder / "data" / "main_data.hdf5") as file:
             for number in range(count):
@@ -41,7 +41,7 @@ def test_a_data_set_beside_a_bare_loop(tmp_path, require_speed, amount):
                     info = {"success": success[row]}
                     paid.append(_far(observations[row], actions[row], observations[row + 1], info))
 
-    def through_the_harness() -> None:
+    def through_the_harness():
         found = pay_dataset(opened(f"minari:{folder}"), {"far": step_by_step("it", _far)})
         assert found.paid["far"].tolist() == paid
 

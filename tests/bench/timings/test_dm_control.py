@@ -29,17 +29,17 @@ class Reach(base.Task):
         self.starts, self.tip, self.epsilon = starts, tip, epsilon
         self.episode = 0
 
-    def initialize_episode(self, physics) -> None:
+    def initialize_episode(self, physics):
         """The next start, [rad]."""
         physics.data.qpos[:] = physics.data.act[:] = self.starts[self.episode]
         self.episode += 1
         super().initialize_episode(physics)
 
-    def to_target(self, physics) -> np.ndarray:
+    def to_target(self, physics):
         """From the end effector to the target, (3,), [m]."""
         return physics.named.data.xpos[TARGET] - physics.named.data.xpos[self.tip]
 
-    def get_observation(self, physics) -> OrderedDict[str, np.ndarray]:
+    def get_observation(self, physics):
         """What the harness shows to a learner."""
         xpos = physics.named.data.xpos
         return OrderedDict(
@@ -52,17 +52,17 @@ class Reach(base.Task):
             distance=np.linalg.norm(self.to_target(physics)),
         )
 
-    def get_reward(self, physics) -> float:
+    def get_reward(self, physics):
         """1 at the target, less around it."""
         return rewards.tolerance(np.linalg.norm(self.to_target(physics)), (0.0, self.epsilon), margin=1.0)
 
-    def get_termination(self, physics) -> float | None:
+    def get_termination(self, physics):
         """At the target, or on the ground."""
         touched = physics.named.data.sensordata[TOUCH][0] > 0.0
         return 0.0 if touched or np.linalg.norm(self.to_target(physics)) <= self.epsilon else None
 
 
-def recorded(arm: control.Environment, run) -> tuple[list[np.ndarray], list[np.ndarray | None]]:
+def recorded(arm, run):
     """What `run` tells an arm: where episodes start, and the controls of each period, None where one starts."""
     starts, told, set_control, reset = [], [], arm.physics.set_control, arm.reset
     arm.physics.set_control = lambda controls: (told.append(controls.copy()), set_control(controls))
@@ -78,7 +78,7 @@ def test_one_env_beside_an_environment_of_dm_control(tmp_path, require_speed, st
     env.recorder = TraceWriter(tmp_path / "trace.parquet", env.robot.dof, env.robot.dof)
     actions = np.random.default_rng(0).uniform(-1.0, 1.0, (amount(500, 10), 1, 6)).astype(np.float32)
 
-    def through_the_env() -> None:
+    def through_the_env():
         env.reset(seed=0)
         step_through(env, actions)
 
@@ -89,7 +89,7 @@ def test_one_env_beside_an_environment_of_dm_control(tmp_path, require_speed, st
         physics, Reach(starts, env.robot.end_effector_link, env.task.epsilon), n_sub_steps=SUBSTEPS
     )
 
-    def through_dm_control() -> None:
+    def through_dm_control():
         bare.task.episode = 0
         for controls in told:
             _ = bare.reset() if controls is None else bare.step(controls)

@@ -1,8 +1,5 @@
 """What the environment costs on top of Drake."""
 
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -15,7 +12,7 @@ SUBSTEPS, PERIOD = 20, 0.1
 Told = list[tuple[str, np.ndarray]]
 
 
-def bare_loop(arm: Any, told: Told) -> Callable[[], None]:
+def bare_loop(arm, told):
     """The API alone: torques, the steps of a period in one call, and what is read at the end.
 
     Args:
@@ -27,7 +24,7 @@ def bare_loop(arm: Any, told: Told) -> Callable[[], None]:
     servos = plant.get_actuation_input_port(model.arm)
     query, shapes = model.shapes.get_query_output_port(), model.shapes.GetMyContextFromRoot(root)
 
-    def run() -> None:
+    def run():
         steps = 0
         for what, values in told:
             if what == "put":
@@ -48,9 +45,9 @@ def bare_loop(arm: Any, told: Told) -> Callable[[], None]:
     return run
 
 
-def recorded(arm: Any, run: Callable[[], None]) -> Told:
+def recorded(arm, run):
     """What `run` tells an arm."""
-    told: Told = []
+    told = []
     put, turn = arm.put, arm.turn
     arm.put = lambda qpos: (told.append(("put", qpos.copy())), put(qpos))
     arm.turn = lambda speeds, duration: (told.append(("turn", speeds.copy())), turn(speeds, duration))
@@ -68,7 +65,7 @@ def test_one_env_beside_the_bare_loop(tmp_path, require_speed, step_through, amo
     simulator = load_registry().get("simulators", "drake").load()(substeps=SUBSTEPS)
     (reference,) = simulator.open(env.robot, 1, PERIOD).arms
 
-    def through_the_env() -> None:
+    def through_the_env():
         env.reset(seed=0)
         step_through(env, actions)
 

@@ -4,7 +4,6 @@ import json
 import shutil
 import sys
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -25,7 +24,7 @@ for path in sys.argv[1:]:
 """
 
 
-def measure_eta(baseline: Path, proposed: Path) -> tuple[dict[str, Any], float]:
+def measure_eta(baseline, proposed):
     """What `harness eta --json` answers, and its peak memory, [MB]."""
     command = shutil.which("harness", path=str(Path(sys.executable).parent))
     assert command is not None
@@ -33,12 +32,12 @@ def measure_eta(baseline: Path, proposed: Path) -> tuple[dict[str, Any], float]:
     return json.loads(taken.out), taken.megabytes
 
 
-def measure_reading(paths: list[Path]) -> float:
+def measure_reading(paths):
     """Peak memory of a program that reads the files block by block and forgets them, [MB]."""
     return measure(sys.executable, "-c", READ, *paths).megabytes
 
 
-def write_run(path: Path, seed: int, k2: float, rows: int = ROWS) -> None:
+def write_run(path, seed, k2, rows=ROWS):
     """A file as the K2 program writes them, or, with k2 = 1, as the base line does; five equal steps per decision."""
     rng = np.random.default_rng(seed)
     begin, target = 1.110047, "0.45,0.2,0.45,-0.1857659,1.049303,0.1233658"
@@ -72,10 +71,10 @@ def test_twenty_files_beside_reading_them(tmp_path, require_speed, amount):
         write_run(tmp_path / "base" / f"{seed}.csv", seed, 1.0, rows)
         write_run(tmp_path / "k2" / f"{seed}.csv", 50 + seed, 1.5, rows)
 
-    def read() -> None:
+    def read():
         peaks["reading"] = measure_reading(sorted(tmp_path.glob("*/*.csv")))
 
-    def eta() -> None:
+    def eta():
         data, peaks["eta"] = measure_eta(tmp_path / "base" / "*.csv", tmp_path / "k2" / "*.csv")
         assert data["rewards"] == {"baseline": "baseline", "proposed": "arp:k1=1,k2=1.5"}
         assert data["baseline"]["steps"] == rows

@@ -43,7 +43,7 @@ def test_1024_envs_beside_bare_kinematics(require_speed, step_through, amount):
     actions = np.random.default_rng(0).uniform(-1.0, 1.0, (amount(100, 2), NUM_ENVS, 6)).astype(np.float32)
     chain = env.robot.chain
 
-    def bare() -> None:
+    def bare():
         for qpos in actions.astype(np.float64):
             sine, rest = np.sin(qpos)[..., None, None], 1.0 - np.cos(qpos)[..., None, None]
             T_world_child = np.eye(4)
@@ -55,7 +55,7 @@ def test_1024_envs_beside_bare_kinematics(require_speed, step_through, amount):
     require_speed(bare, lambda: step_through(env, actions), at_least=0.35)
 
 
-def arm_steps_a_second(processes: int, steps: int) -> float:
+def arm_steps_a_second(processes, steps):
     """Of each of so many processes at once, in its own CPU time, with 1,024 arms; they begin at the same time."""
     command = [sys.executable, "-c", PROCESS, str(steps)]
     environment = {**os.environ, "OMP_NUM_THREADS": "1"}

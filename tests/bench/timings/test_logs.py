@@ -3,7 +3,6 @@
 import json
 import sys
 import time
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,7 +13,7 @@ LONGEST = 10.0
 """From the command to its answer, [s]; 1.8 of Monitor files and 4 of event files were measured on two busy cores."""
 
 
-def write_monitors(folder: Path, seeds: int, episodes: int) -> None:
+def write_monitors(folder, seeds, episodes):
     """Files of two rewards as stable-baselines3's Monitor writes them."""
     rng = np.random.default_rng(0)
     for reward, share in (("base", 0.4), ("prop", 0.7)):
@@ -26,7 +25,7 @@ def write_monitors(folder: Path, seeds: int, episodes: int) -> None:
             (folder / reward / f"{seed}.monitor.csv").write_text(f"#{head}\nr,l,t,is_success\n{text}")
 
 
-def write_events(folder: Path, seeds: int, points: int) -> None:
+def write_events(folder, seeds, points):
     """Folders of two rewards with a file by TensorBoard's own writer in each."""
     pytest.importorskip("tensorboard", reason="needs the extra tensorboard")
     from tensorboard.compat.proto.event_pb2 import Event

@@ -2,15 +2,13 @@
 
 import statistics
 import time
-from collections.abc import Callable
-from pathlib import Path
 
 import pytest
 
 from harness.executor import CellOptions, Job
 from harness.experiment import check_experiment, expand
 from harness.experiment.jobs import run_jobs
-from harness.record import Cell, Manifest, read_manifest
+from harness.record import read_manifest
 from harness.registry import load_registry
 from tests.bench.timings.conftest import cpu_seconds
 
@@ -22,13 +20,13 @@ AT_ONCE, KEPT, TRAINING = 1.5, 0.8, 0.6
 
 
 @pytest.fixture
-def cells(amount: Callable[[int, int], int]) -> tuple[Cell, ...]:
+def cells(amount):
     """Trainings of `sac-fast` with an evaluation of 100 episodes each; next to nothing where no bound holds."""
     asked = {"sim": "mujoco", "algo": "sac-fast", "reward": [], "seeds": amount(CELLS, 2), "steps": amount(STEPS, 20)}
     return expand(check_experiment({**asked, "evaluation_episodes": amount(100, 2)}), load_registry()).cells
 
 
-def _run(cells: tuple[Cell, ...], folder: Path, at_once: int) -> list[Manifest]:
+def _run(cells, folder, at_once):
     jobs = [Job(cell, folder / cell.id, CellOptions(floor=number == 0)) for number, cell in enumerate(cells)]
     run_jobs(jobs, at_once, lambda event: None)
     manifests = [read_manifest(folder / cell.id) for cell in cells]

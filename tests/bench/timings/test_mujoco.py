@@ -11,14 +11,14 @@ from harness.record import TraceWriter
 pytestmark = pytest.mark.bench
 
 
-def _recorded_env(tmp_path, simulator: str, num_envs: int):
+def _recorded_env(tmp_path, simulator, num_envs):
     env = harness.make_env(simulator, num_envs=num_envs)
     env.recorder = TraceWriter(tmp_path / "trace.parquet", env.robot.dof, env.robot.dof)
     env.reset(seed=0)
     return env
 
 
-def _actions(steps: int, num_envs: int) -> np.ndarray:
+def _actions(steps, num_envs):
     return np.random.default_rng(0).uniform(-1.0, 1.0, (steps, num_envs, 6)).astype(np.float32)
 
 
@@ -39,7 +39,7 @@ class Told:
         return self._simulation.drive(qpos, duration)
 
 
-def _told(env, run) -> tuple[np.ndarray, list]:
+def _told(env, run):
     """Where the arms stand, (num_envs, dof), and what the env tells its simulation while it runs."""
     simulation, start = env.simulation, env.simulation.read().qpos.copy()
     env.simulation = told = Told(simulation)
@@ -48,7 +48,7 @@ def _told(env, run) -> tuple[np.ndarray, list]:
     return start, told.calls
 
 
-def _rest_at(model, data, qpos) -> None:
+def _rest_at(model, data, qpos):
     mujoco.mj_resetData(model, data)
     data.qpos = data.act = qpos
     mujoco.mj_forward(model, data)
@@ -66,7 +66,7 @@ def test_one_env_beside_the_bare_loop(tmp_path, require_speed, step_through, amo
     start, calls = _told(env, lambda: step_through(env, actions))
     reached = env.simulation.read().qpos[0].copy()
 
-    def bare() -> None:
+    def bare():
         _rest_at(model, data, start[0])
         last = start[0]
         for (target,), mask in calls:
@@ -96,12 +96,12 @@ def test_64_envs_beside_bare_rollout(tmp_path, require_speed, step_through, amou
     start, calls = _told(env, lambda: step_through(env, actions))
     reached = env.simulation.read().qpos.copy()
 
-    def put(arms, qpos) -> None:
+    def put(arms, qpos):
         for k in arms:
             _rest_at(model, data, qpos[k])
             mujoco.mj_getState(model, data, states[k], full)
 
-    def bare() -> None:
+    def bare():
         put(range(64), start)
         last = start
         with mujoco.rollout.Rollout(nthread=2) as rollout:

@@ -30,29 +30,29 @@ class _PlainEnums:
         members = mujoco.mjtJoint.__members__
         self.mjtJoint = type("mjtJoint", (), {name: int(value) for name, value in members.items()})
 
-    def __getattr__(self, name: str) -> Any:
+    def __getattr__(self, name):
         return getattr(self._mujoco, name)
 
 
-def panda_reach() -> Any:
+def panda_reach():
     """``PandaReach-v3`` of panda-gym, on PyBullet."""
     _require("panda_gym")
     return gymnasium.make("PandaReach-v3")
 
 
-def fetch_reach() -> Any:
+def fetch_reach():
     """``FetchReach-v4`` of Gymnasium-Robotics, on MuJoCo.
 
     From the first call on, that library's module uses `_PlainEnums` in place of `mujoco`.
     """
     _require("gymnasium_robotics")
-    module: Any = import_module("gymnasium_robotics.utils.mujoco_utils")
+    module = import_module("gymnasium_robotics.utils.mujoco_utils")
     if not isinstance(module.mujoco, _PlainEnums):  # the env uses it when it is made and in every step
         module.mujoco = _PlainEnums(module.mujoco)
     return gymnasium.make("FetchReach-v4")
 
 
-def _require(package: str) -> None:
+def _require(package):
     if find_spec(package) is None:
         pytest.skip(f"{package} is not installed: it is of the group peers")
     gymnasium.register_envs(import_module(package))
@@ -63,7 +63,7 @@ def _peer_steps(env, steps):
     env.action_space.seed(0)
     actions = [env.action_space.sample() for _ in range(steps)]
 
-    def run() -> None:
+    def run():
         for action in actions:
             _, _, terminated, truncated, _ = env.step(action)
             if terminated or truncated:

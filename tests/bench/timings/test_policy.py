@@ -5,14 +5,13 @@ from functools import partial
 import numpy as np
 import pytest
 
-from harness.arrays import Float32
-from harness.policy import Deterministic, Gaussian, Greedy, Network, SquashedGaussian
+from harness.policy import Deterministic, Gaussian, Greedy, SquashedGaussian
 
 pytestmark = pytest.mark.bench
 SEEN, WIDTH, ACTIONS = 28, 64, 6
 
 
-def _policy(kind: type[Network], activation: str, is_normalised: bool) -> Network:
+def _policy(kind, activation, is_normalised):
     """64x64, with the observations and actions of the FD100."""
     rng = np.random.default_rng(0)
     shapes = {"hidden.0": (WIDTH, SEEN), "hidden.1": (WIDTH, WIDTH), **dict.fromkeys(kind.heads, (ACTIONS, WIDTH))}
@@ -25,7 +24,7 @@ def _policy(kind: type[Network], activation: str, is_normalised: bool) -> Networ
     return kind(arrays, activation, *actions)
 
 
-def _layer(policy: Network, name: str) -> tuple[Float32, Float32]:
+def _layer(policy, name):
     """Weight, (into, out), and bias, (out,)."""
     return np.ascontiguousarray(policy.weights[f"{name}.weight"].T), policy.weights[f"{name}.bias"]
 
@@ -43,14 +42,14 @@ def test_policy_beside_its_layers_alone(require_speed, amount, kind, activation,
     first, second, last = (_layer(policy, name) for name in ("hidden.0", "hidden.1", kind.heads[0]))
     activate = np.tanh if activation == "tanh" else partial(np.maximum, np.zeros((), np.float32))
 
-    def bare() -> None:
+    def bare():
         for _ in range(calls):
             values = activate(seen @ first[0] + first[1])
             values = activate(values @ second[0] + second[1])
             values = values @ last[0] + last[1]
         assert values.shape == (1, ACTIONS)
 
-    def act() -> None:
+    def act():
         for _ in range(calls):
             actions = policy.act(seen)
         assert actions.shape == ((1,) if kind is Greedy else (1, ACTIONS))

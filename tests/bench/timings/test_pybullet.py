@@ -1,21 +1,19 @@
 """What the environment costs on top of PyBullet."""
 
-from collections.abc import Callable
-
 import numpy as np
 import pybullet
 import pytest
 
 import harness
 from harness.record import TraceWriter
-from harness_plugins.bullet_arms import Arm, exact_timestep
+from harness_plugins.bullet_arms import exact_timestep
 from harness_plugins.simulators.pybullet import PyBullet
 
 pytestmark = pytest.mark.bench
 SUBSTEPS, PERIOD = 20, 0.1
 
 
-def bare_loop(arm: Arm, starts: dict[int, np.ndarray], speeds: list[list[float]], calls: int) -> Callable[[], None]:
+def bare_loop(arm, starts, speeds, calls):
     """The API alone, `calls` calls of stepSimulation per period: motors, steps, and what is read at the end.
 
     Args:
@@ -28,7 +26,7 @@ def bare_loop(arm: Arm, starts: dict[int, np.ndarray], speeds: list[list[float]]
     step = exact_timestep(PERIOD, SUBSTEPS) * SUBSTEPS / calls
     pybullet.setPhysicsEngineParameter(fixedTimeStep=step, numSubSteps=SUBSTEPS if calls == 1 else 0, **client)
 
-    def run() -> None:
+    def run():
         for period, speed in enumerate(speeds):
             if period in starts:
                 arm.put(starts[period])
@@ -45,7 +43,7 @@ def bare_loop(arm: Arm, starts: dict[int, np.ndarray], speeds: list[list[float]]
     return run
 
 
-def recorded(arm: Arm, run: Callable[[], None]) -> tuple[dict[int, np.ndarray], list[list[float]]]:
+def recorded(arm, run):
     """What `run` tells an arm: the starts by the number of the period, and the speeds of each period."""
     starts, speeds, put, turn = {}, [], arm.put, arm.turn
     arm.put = lambda qpos: (starts.update({len(speeds): qpos.copy()}), put(qpos))
@@ -55,7 +53,7 @@ def recorded(arm: Arm, run: Callable[[], None]) -> tuple[dict[int, np.ndarray], 
     return starts, speeds
 
 
-def _positions(arm: Arm) -> list[float]:
+def _positions(arm):
     """Of the joints, (dof,), [rad]."""
     return [state[0] for state in pybullet.getJointStates(arm.body, arm.joints, physicsClientId=arm.client)]
 
@@ -72,7 +70,7 @@ def test_one_env_beside_the_bare_loop(tmp_path, require_speed, step_through, amo
     actions = np.random.default_rng(0).uniform(-1.0, 1.0, (amount(500, 10), 1, 6)).astype(np.float32)
     reference = PyBullet(SUBSTEPS).open(env.robot, 1, PERIOD)
 
-    def through_the_env() -> None:
+    def through_the_env():
         env.reset(seed=0)
         step_through(env, actions)
 

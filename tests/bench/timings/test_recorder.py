@@ -1,7 +1,6 @@
 """What recording two rewards costs: of a step that is free, and of a training by stable-baselines3."""
 
 import time
-from pathlib import Path
 from typing import Any
 
 import gymnasium
@@ -25,21 +24,21 @@ class Free(gymnasium.Env[Any, Any]):
     def __init__(self) -> None:
         self.answer = np.zeros(8, np.float32), 0.0, False, False, {"distance": 0.5}
 
-    def reset(self, *, seed: int | None = None, options: Any = None) -> tuple[Any, dict[str, Any]]:
+    def reset(self, *, seed=None, options=None):
         """Nothing."""
         return self.answer[0], {}
 
-    def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+    def step(self, action):
         """Nothing."""
         return self.answer
 
 
-def nothing(observation: Any, action: Any, next_observation: Any, info: Any) -> float:
+def nothing(observation, action, next_observation, info):
     """A reward that costs nothing."""
     return 0.0
 
 
-def _record(env: Any, path: Path) -> Any:
+def _record(env, path):
     rewards = {"v1": nothing, "v2": nothing}
     return harness.RecordRewards(env, path, trained_with="own", rewards=rewards)
 
@@ -56,7 +55,7 @@ def test_recording_two_rewards_beside_gymnasium_s_own_statistics(tmp_path, requi
     for env in (statistics, recorded):
         env.reset()
 
-    def act(env: Any) -> None:
+    def act(env):
         calls.append(env)
         step = env.step
         for _ in range(count):
@@ -73,7 +72,7 @@ def test_recorded_training_beside_a_bare_one(tmp_path, require_speed, amount):
     ppo = pytest.importorskip("stable_baselines3").PPO
     steps = amount(2_048, 64)
 
-    def train(env: Any) -> None:
+    def train(env):
         ppo("MlpPolicy", env, n_steps=steps, seed=0).learn(steps)
         env.close()
 

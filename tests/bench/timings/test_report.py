@@ -3,14 +3,13 @@
 import json
 import statistics
 import sys
-from pathlib import Path
 
 import pytest
 
 from harness.experiment.experiment import run
 from harness.record import DERIVED
 from harness.registry import load_registry
-from tests.bench.timings.processes import Taken, measure
+from tests.bench.timings.processes import measure
 from tests.copied_cells import copy_experiment, keep_as_a_run_does, many_rewards
 
 FOLDERS = {"one combination": (["arp"], 100), "fifty": (many_rewards(49), 4)}
@@ -27,12 +26,12 @@ for path in pathlib.Path(sys.argv[1]).rglob("*"):
 """What a report does besides: no file may have changed."""
 
 
-def report(folder: Path) -> Taken:
+def report(folder):
     """In a process of its own."""
     return measure(sys.executable, "-c", "from harness.cli.app import main; main()", "report", folder, "--json")
 
 
-def copies(tmp_path: Path, steps: int, proposed: list[str], seeds: int, executor: str, *, kept: bool = True) -> Path:
+def copies(tmp_path, steps, proposed, seeds, executor, *, kept=True):
     """Of four trainings under each of two rewards; of each copy that is kept which a run keeps, or nothing."""
     run(
         out=tmp_path / "real", sim="kinematic", algo="random", robot="unity-arm", task="arp-2021", seeds=4, steps=steps,

@@ -26,7 +26,7 @@ def test_sac_fast_beside_the_bare_library(require_speed, amount, width, full, at
     settings, steps = SacFast(net_arch=(width, width), learning_starts=START), amount(full, START + 2)
     bare = bare_training(Sac(net_arch=(width, width), learning_starts=START), [ReachEnv()], steps, 0)
 
-    def fast() -> None:
+    def fast():
         env = harness.make_env("mujoco", "fd100-reach")
         env.reset(seed=0)
         settings.train(env, steps, 0, Progress())

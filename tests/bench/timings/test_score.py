@@ -1,14 +1,10 @@
 """How fast recorded runs are scored again."""
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 
-from harness.arrays import Float
 from harness.record import trace_of
 from harness.registry import choose, load_registry
-from harness.reward import Reward
 from harness.reward.row_steps import Rows
 from harness.score import Scorer, pay_log
 from harness.score.scorer import BLOCK, DISTANCES
@@ -23,7 +19,7 @@ AT_LEAST = 0.15
 
 
 @pytest.fixture(scope="module", name="rows")
-def _rows(amount: Callable[[int, int], int]) -> Rows:
+def _rows(amount):
     """A long run: episodes of 100 steps after their start row, distances that go up and down."""
     rng = np.random.default_rng(0)
     episodes = rng.uniform(0.0, 1.0, (amount(4_000_000, 2 * BLOCK) // EPISODE, EPISODE))
@@ -37,24 +33,24 @@ def _rows(amount: Callable[[int, int], int]) -> Rows:
 
 
 @pytest.fixture
-def pieces(rows: Rows) -> list[Rows]:
+def pieces(rows):
     """The same run in blocks, as files are read."""
     return [rows.part(slice(first, first + BLOCK)) for first in range(0, len(rows.start), BLOCK)]
 
 
 @pytest.fixture
-def reward(name: str) -> Reward:
+def reward(name):
     """By its name."""
     registry = load_registry()
-    built: Reward = choose(registry, "rewards", name).build(registry, "rewards")
+    built = choose(registry, "rewards", name).build(registry, "rewards")
     return built
 
 
 @pytest.fixture
-def score_bare(pieces: list[Rows]) -> Callable[[], None]:
+def score_bare(pieces):
     """The formula alone on all rows, in numpy, block by block: it reads the same columns and writes the same one."""
 
-    def score() -> None:
+    def score():
         for rows in pieces:
             lost = rows.distance - rows.previous_best
             np.where(rows.start, 0.0, np.where(lost > 0.0, -lost, rows.begin_distance - rows.distance))
@@ -62,7 +58,7 @@ def score_bare(pieces: list[Rows]) -> Callable[[], None]:
     return score
 
 
-def require_paid(paid: Float, rows: Rows) -> None:
+def require_paid(paid, rows):
     """Every row is scored; its start rows are paid nothing, and nearly all others something."""
     assert paid.shape == rows.start.shape
     assert (paid[rows.start] == 0.0).all()
@@ -72,7 +68,7 @@ def require_paid(paid: Float, rows: Rows) -> None:
 def test_pieces_beside_the_formula(require_speed, score_bare, rows, pieces, reward):
     """One core, pieces of 65,536 rows, as files are read."""
 
-    def score() -> list[Float]:
+    def score():
         scorer = Scorer(reward)
         return [scorer.pay(piece).total for piece in pieces]
 

@@ -20,7 +20,7 @@ def test_light_commands_beside_their_library(require_speed, argument, times):
     command = shutil.which("harness", path=str(Path(sys.executable).parent))
     assert command is not None
 
-    def call(*arguments: str) -> None:
+    def call(*arguments):
         subprocess.run(arguments, check=True, capture_output=True)
 
     require_speed(
@@ -52,7 +52,7 @@ def test_help_with_fifty_plugins_beside_bare_starts(require_speed, tmp_path):
         (metadata / "entry_points.txt").write_text(f"[harness]\n{name} = {name}\n")
     path = os.pathsep.join(filter(None, [str(tmp_path), os.environ.get("PYTHONPATH")]))
 
-    def call(*arguments: str) -> str:
+    def call(*arguments):
         done = subprocess.run(
             arguments, check=True, capture_output=True, text=True, env={**os.environ, "PYTHONPATH": path}
         )

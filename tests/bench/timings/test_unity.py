@@ -3,8 +3,6 @@
 import statistics
 import time
 import warnings
-from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,7 +14,7 @@ pytestmark = pytest.mark.bench
 ROUNDS = 5
 
 
-def _bare(program: Path, agents: int, steps: int) -> Callable[[], None]:
+def _bare(program, agents, steps):
     """ML-Agents' own environment, every agent of which acts in each step."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)
@@ -28,7 +26,7 @@ def _bare(program: Path, agents: int, steps: int) -> Callable[[], None]:
     (name,) = env.behavior_specs
     rng = np.random.default_rng(0)
 
-    def play() -> None:
+    def play():
         for _ in range(steps):
             decisions, _ = env.get_steps(name)
             assert len(decisions) == agents
@@ -39,7 +37,7 @@ def _bare(program: Path, agents: int, steps: int) -> Callable[[], None]:
     return play
 
 
-def _ours(program: Path, agents: int, steps: int) -> Callable[[], None]:
+def _ours(program, agents, steps):
     from harness_plugins.environments.unity import Unity
 
     envs = Unity(file=str(program)).make_together(agents)
@@ -47,7 +45,7 @@ def _ours(program: Path, agents: int, steps: int) -> Callable[[], None]:
         env.reset(seed=0)
     rng = np.random.default_rng(0)
 
-    def play() -> None:
+    def play():
         for _ in range(steps):
             actions = list(rng.uniform(-1, 1, (agents, 5)).astype(np.float32))
             announce_all(envs, actions)
@@ -74,7 +72,7 @@ def test_steps_beside_the_bare_loop(tmp_path, require_ratio, amount, agents, mon
     allow_programs([str(program)])
     steps = amount(500, 5)
     bare, ours = _bare(program, agents, steps), _ours(program, agents, steps)
-    seconds: dict[Callable[[], None], list[float]] = {bare: [], ours: []}
+    seconds = {bare: [], ours: []}
     try:
         for _ in range(amount(ROUNDS, 1)):
             for play, took in seconds.items():

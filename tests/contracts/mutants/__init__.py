@@ -4,9 +4,7 @@ Each module has the rows of a kind: what is changed, in words, then the name of 
 exception is right or a sentence matters the words that it has.
 """
 
-from typing import Any
 
-
-def mutant(sound: type, **changed: Any) -> Any:
+def mutant(sound, **changed):
     """What is sound but for some methods or class attributes."""
     return type("Mutant", (sound,), changed)()

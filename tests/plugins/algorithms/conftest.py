@@ -11,7 +11,7 @@ from harness_plugins.sb3 import double
 @pytest.fixture
 def models(monkeypatch):
     """The models that stable-baselines3 makes while the test runs."""
-    made: list[Any] = []
+    made = []
 
     def watched(library):
         class Watched(library):  # type: ignore[misc]

@@ -1,8 +1,6 @@
 """IK: the ceiling reaches next to every target, from the observation alone, and comes back from its folder."""
 
 import json
-from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import pytest
@@ -106,7 +104,7 @@ def test_card_has_the_size_of_the_observation():
     assert _policy(ReachTask()).card()["observation"]["size"] == len(ArmObservation(arm, 0.1).low)
 
 
-DAMAGES: dict[str, Callable[[dict[str, Any]], None]] = {
+DAMAGES = {
     "'mode' is missing": lambda card: card.pop("mode"),
     "no action mode 'fly'": lambda card: card.update(mode="fly"),
     "no arm has the joints": lambda card: card.update(joint_kinds=["ball"] * 6),

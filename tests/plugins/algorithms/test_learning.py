@@ -1,13 +1,10 @@
 """Every algorithm learns the FD100 task: trained and evaluated as by `harness run`, it is far better than random."""
 
-from pathlib import Path
-
 import pytest
 
 import harness
 from harness.record import EVALUATION, RANDOM, read_trace
 from harness.record.returns import mean_return
-from harness.results import Results
 
 pytestmark = pytest.mark.slow
 SEEDS = 3
@@ -18,11 +15,11 @@ STEPS = {"sb3-sac": 5_000, "td3": 6_000, "ppo": 15_000, "dqn": 4_000, "ddqn": 4_
 @pytest.fixture(scope="module")
 def results(tmp_path_factory):
     """The results of an algorithm on a task, of three seeds under the reward `dense`."""
-    done: dict[tuple[str, str], Results] = {}
+    done = {}
 
     def run(algorithm, task):
         if (algorithm, task) not in done:
-            folder: Path = tmp_path_factory.mktemp(algorithm)
+            folder = tmp_path_factory.mktemp(algorithm)
             done[algorithm, task] = harness.run(
                 sim="kinematic", algo=algorithm, task=task, reward="dense", baseline="dense", seeds=SEEDS,
                 steps=STEPS[algorithm], jobs=1, out=folder,

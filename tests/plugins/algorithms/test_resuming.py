@@ -1,7 +1,5 @@
 """Every algorithm goes on from its checkpoints as if nothing had happened, whatever the simulator."""
 
-from typing import Any
-
 import pytest
 
 import harness
@@ -11,8 +9,8 @@ from harness.registry.choice import build_defaults
 from harness_plugins.kit.algorithms import differences, train_with_checkpoints
 
 REGISTRY = load_registry()
-SMALL: dict[str, Any] = {"net_arch": (8,), "batch_size": 16, "learning_starts": 40}
-ALGORITHMS: dict[str, dict[str, Any]] = {
+SMALL = {"net_arch": (8,), "batch_size": 16, "learning_starts": 40}
+ALGORITHMS = {
     "sac-fast": {**SMALL, "buffer_size": 60},
     "sb3-sac": SMALL,
     "td3": SMALL,
@@ -50,7 +48,7 @@ def test_training_goes_on_as_if_nothing_had_happened(tmp_path, algorithm, simula
     def train(name, every=EVERY, start=None):
         return train_with_checkpoints(learner, STEPS, every, tmp_path / name, start, open_env)
 
-    learner: Any = REGISTRY.get("algorithms", algorithm).load()(**ALGORITHMS[algorithm], num_envs=num_envs)
+    learner = REGISTRY.get("algorithms", algorithm).load()(**ALGORITHMS[algorithm], num_envs=num_envs)
     plain, whole = train("plain", 2 * STEPS), train("whole")
     assert differences(plain, whole) == ""
     assert len(whole.left) == 2

@@ -65,10 +65,10 @@ def test_without_entropy_it_learns_too():
 
 def test_threads_are_left_as_they_were():
     """One for the training, what there was for whoever comes after."""
-    inside: list[int] = []
+    inside = []
 
     class Asking(Progress):
-        def __call__(self, steps: int) -> None:
+        def __call__(self, steps):
             inside.extend(pool["num_threads"] for pool in threadpool_info())
 
     env = WatchedEnv(1)

@@ -4,7 +4,6 @@ Their learning curves, the library's from outside the harness, differ no more th
 """
 
 import multiprocessing
-from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict
 from itertools import combinations
@@ -15,7 +14,6 @@ from numpy.typing import NDArray
 
 import harness
 from harness.experiment.arm_evaluation import EVALUATION_SEED
-from harness.policy import Policy
 from harness.progress import Progress
 from harness_plugins.algorithms.sac_fast import SacFast
 
@@ -47,7 +45,7 @@ class Evaluations(Progress):
     def __init__(self) -> None:
         self.found: list[tuple[float, float]] = []
 
-    def policy(self, steps: int, make: Callable[[], Policy]) -> None:
+    def policy(self, steps, make):
         if steps == EVERY * (len(self.found) + 1):
             self.found.append(evaluate(make().act))
 
@@ -79,7 +77,7 @@ def curve_of_the_library(seed):
     return np.array(found)
 
 
-MEASURES: dict[str, Callable[[Curve], float]] = {
+MEASURES = {
     "area under the success curve": lambda curve: curve[:, 0].mean(),
     "area under the return curve": lambda curve: curve[:, 1].mean(),
     "steps until success is 0.9": lambda curve: EVERY * (1.0 + np.argmax(np.append(curve[:, 0], 1.0) >= 0.9)),

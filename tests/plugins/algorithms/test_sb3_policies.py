@@ -1,11 +1,8 @@
 """What stable-baselines3 learned is what the saved policy does, for every algorithm and kind of action."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 
-from harness.algorithm import ActionSpace, Algorithm
 from harness.policy import Categorical, Deterministic, Gaussian, Greedy, load_policy
 from harness.progress import Progress
 from harness_plugins.algorithms.ddqn import Ddqn
@@ -20,7 +17,7 @@ STEPS = 160
 QUICK_PPO = {"rollout": 32, "batch_size": 16, "num_envs": 1}
 CONTINUOUS = [Sac(), Td3(), Td3(activation="tanh", net_arch=(8, 16)), Ppo(**QUICK_PPO), Ppo(activation="relu")]
 DISCRETE = [Dqn(), Ddqn(), Dqn(activation="tanh", net_arch=(16,)), Ppo(**QUICK_PPO), Ppo(net_arch=(8, 16, 24))]
-EVERY: list[tuple[Algorithm, ActionSpace]] = [
+EVERY = [
     *((algorithm, "continuous") for algorithm in CONTINUOUS),
     *((algorithm, "discrete") for algorithm in DISCRETE),
 ]
@@ -111,7 +108,7 @@ def test_looking_on_changes_nothing(algorithm, space):
     """A policy that is taken at every step, as for evaluations, leaves the training as it is, bit for bit."""
 
     class Curious(Progress):
-        def policy(self, steps: int, make: Any) -> None:
+        def policy(self, steps, make):
             make()
 
     env = WatchedEnv(1, space)

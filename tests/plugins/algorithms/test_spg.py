@@ -1,7 +1,5 @@
 """SPG: the estimate is the gradient of J; the rest is that a training makes use of it, and can go on."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 import torch
@@ -256,16 +254,16 @@ class Watching(Progress):
         self.policies: list[Policy] = []
         self._state = state
 
-    def scalars(self, steps: int, values: Any) -> None:
+    def scalars(self, steps, values):
         self.told.append((steps, dict(values)))
 
-    def policy(self, steps: int, make: Any) -> None:
+    def policy(self, steps, make):
         self.policies.append(make())
 
-    def checkpoint(self, steps: int, make: Any) -> None:
+    def checkpoint(self, steps, make):
         self.states.append((steps, make()))
 
-    def restored(self) -> TrainingState | None:
+    def restored(self):
         return self._state
 
 

@@ -4,7 +4,6 @@ import json
 import sys
 from pathlib import Path
 from types import ModuleType
-from typing import Any
 
 import numpy as np
 import onnx
@@ -12,7 +11,7 @@ import onnxruntime
 import pytest
 
 from harness.cli import main
-from harness.policy import InverseKinematics, Policy, SquashedGaussian, Uniform, UniformChoice, load_policy
+from harness.policy import InverseKinematics, SquashedGaussian, Uniform, UniformChoice, load_policy
 from harness.policy.inverse_kinematics import SHAPES
 from harness.record.store import Store
 from harness.registry.choice import Choice
@@ -20,12 +19,12 @@ from harness.results import load_results
 
 
 @pytest.fixture
-def call(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path):
+def call(monkeypatch, capsys, tmp_path):
     """Run ``harness export`` with these arguments in an empty folder: status, standard error."""
     monkeypatch.delenv("HARNESS_PLUGINS", raising=False)
     monkeypatch.chdir(tmp_path)
 
-    def export(*arguments: object) -> tuple[int, str]:
+    def export(*arguments):
         with pytest.raises(SystemExit) as stopped:
             main(["export", *map(str, arguments)])
         return stopped.value.code or 0, capsys.readouterr().err
@@ -34,14 +33,14 @@ def call(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tm
 
 
 @pytest.fixture
-def cell(make_network, tmp_path: Path) -> Path:
+def cell(make_network, tmp_path):
     """A cell's folder, as far as its policy goes."""
     make_network(SquashedGaussian, is_normalised=True).save(tmp_path / "cell" / "policy", {"seed": 3})
     return tmp_path / "cell"
 
 
 @pytest.mark.parametrize("inside", [".", "policy"])
-def test_onnx_model_of_a_cell_is_written(call, cell: Path, inside: str):
+def test_onnx_model_of_a_cell_is_written(call, cell, inside):
     """From the cell's folder or the policy's; it acts as the policy, and has its card."""
     assert call(cell / inside, "--onnx", "model.onnx") == (0, "Model: model.onnx (squashed-gaussian)\n")
     seen = np.ones((3, 5), np.float32)
@@ -50,7 +49,7 @@ def test_onnx_model_of_a_cell_is_written(call, cell: Path, inside: str):
     assert '"seed": 3' in onnx.load("model.onnx").metadata_props[0].value
 
 
-def _assert_refused(answer: tuple[int, str], reason: str, status: int = 2) -> None:
+def _assert_refused(answer, reason, status=2):
     """One line, and nothing written."""
     assert answer[0] == status
     assert reason in answer[1]
@@ -58,7 +57,7 @@ def _assert_refused(answer: tuple[int, str], reason: str, status: int = 2) -> No
     assert not [path for path in Path().iterdir() if path.is_file()]
 
 
-def _arm() -> InverseKinematics:
+def _arm():
     """Of an arm without any length."""
     shapes = {name: (3, *part) for name, part in SHAPES.items()} | {"tip": (4, 4)}
     weights = {name: np.ones(shape, np.float32) for name, shape in shapes.items()}
@@ -66,36 +65,36 @@ def _arm() -> InverseKinematics:
 
 
 @pytest.mark.parametrize("policy", [Uniform((-1.0,), (1.0,)), UniformChoice(3), _arm()], ids=lambda policy: policy.kind)
-def test_policy_that_is_no_network_is_refused(call, tmp_path: Path, policy: Policy):
+def test_policy_that_is_no_network_is_refused(call, tmp_path, policy):
     """There is nothing to export."""
     policy.save(tmp_path / "cell" / "policy")
     answer = call("cell", "--onnx", "model.onnx")
     _assert_refused(answer, f"'{policy.kind}', which is no network: it cannot be exported")
 
 
-def test_without_a_file_there_is_nothing_to_do(call, cell: Path):
+def test_without_a_file_there_is_nothing_to_do(call, cell):
     """The options are named."""
     _assert_refused(call(cell), "give --onnx FILE, or --csv --out DIR")
 
 
-def test_folder_without_a_policy_is_refused(call, tmp_path: Path):
+def test_folder_without_a_policy_is_refused(call, tmp_path):
     """As of a cell that failed."""
     _assert_refused(call(tmp_path, "--onnx", "model.onnx"), "holds no policy: give the folder of a cell that is done")
 
 
-def test_damaged_policy_is_refused(call, cell: Path):
+def test_damaged_policy_is_refused(call, cell):
     """With the reason."""
     (cell / "policy" / "card.json").write_text("{")
     _assert_refused(call(cell, "--onnx", "model.onnx"), "holds no readable policy", status=1)
 
 
 @pytest.mark.parametrize("file", ["nowhere/model.onnx", "."])
-def test_file_that_cannot_be_is_refused(call, cell: Path, file: str):
+def test_file_that_cannot_be_is_refused(call, cell, file):
     """Before anything is made."""
     _assert_refused(call(cell, "--onnx", file), f"{file} cannot be written")
 
 
-def test_missing_library_names_the_extra(call, cell: Path, monkeypatch: pytest.MonkeyPatch):
+def test_missing_library_names_the_extra(call, cell, monkeypatch):
     """In one line."""
     monkeypatch.setitem(sys.modules, "onnx", None)
     answer = call(cell, "--onnx", "model.onnx")
@@ -103,7 +102,7 @@ def test_missing_library_names_the_extra(call, cell: Path, monkeypatch: pytest.M
     assert "pip install 'fd100-harness[export]'" in answer[1]
 
 
-def test_listing_imports_no_library(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]):
+def test_listing_imports_no_library(monkeypatch, capsys):
     """`harness --all` shows the command by its name and summary alone."""
     monkeypatch.delenv("HARNESS_PLUGINS", raising=False)
     for module in ("onnx", "harness_plugins.exporters.command"):
@@ -114,7 +113,7 @@ def test_listing_imports_no_library(monkeypatch: pytest.MonkeyPatch, capsys: pyt
 
 
 @pytest.fixture
-def experiment(make_cell, make_plan, run_here, tmp_path: Path) -> Path:
+def experiment(make_cell, make_plan, run_here, tmp_path):
     """Two seeds of two rewards, and one of the null control."""
     arp = Choice("arp", (("k1", 1.0), ("k2", 1.5)), "arp")
     cells = [make_cell(seed=seed, reward=reward) for seed in range(2) for reward in (make_cell().reward, arp)]
@@ -122,7 +121,7 @@ def experiment(make_cell, make_plan, run_here, tmp_path: Path) -> Path:
     return tmp_path / "mine"
 
 
-def test_trainings_are_written(call, experiment: Path, tmp_path: Path):
+def test_trainings_are_written(call, experiment, tmp_path):
     """A folder for each group and reward, a file for each seed; the null control's apart."""
     assert call(experiment, "--csv", "--out", "runs")[0] == 0
     files = sorted(path.relative_to(tmp_path / "runs").as_posix() for path in (tmp_path / "runs").rglob("*.csv"))
@@ -132,21 +131,21 @@ def test_trainings_are_written(call, experiment: Path, tmp_path: Path):
     ]
 
 
-def test_folders_of_trainings_are_told(call, experiment: Path):
+def test_folders_of_trainings_are_told(call, experiment):
     """With how many runs there are in each, as `harness eta` takes them."""
     _, told = call(experiment, "--csv", "--out", "runs")
     assert "runs/ideal-wander-fd100-fd100-reach-horizon-5/arp: 2 runs\n" in told
     assert "runs/ideal-wander-fd100-fd100-reach-horizon-5/baseline-control: 1 run\n" in told
 
 
-def _without_p(told: Any) -> Any:
+def _without_p(told):
     """Whatever `harness eta` prints but p: a CSV file does not tell its seed, so runs are no pairs there."""
     if isinstance(told, dict):
         return {key: _without_p(value) for key, value in told.items() if key not in ("p", "p_corrected")}
     return [_without_p(item) for item in told] if isinstance(told, list) else told
 
 
-def test_indices_of_exported_trainings_are_those_of_the_experiment(call, experiment: Path, capsys):
+def test_indices_of_exported_trainings_are_those_of_the_experiment(call, experiment, capsys):
     """`harness eta` on the files says what it says of the traces, ruler and behaviour included."""
     call(experiment, "--csv", "--out", "runs")
     place = "runs/ideal-wander-fd100-fd100-reach-horizon-5"
@@ -169,7 +168,7 @@ def test_indices_of_exported_trainings_are_those_of_the_experiment(call, experim
     assert told[0] == told[1]
 
 
-def test_damaged_cell_is_left_out_of_the_trainings(call, experiment: Path, tmp_path: Path):
+def test_damaged_cell_is_left_out_of_the_trainings(call, experiment, tmp_path):
     """And told, with status 1."""
     sorted(experiment.glob("cells/*/trace.parquet"))[0].write_bytes(b"PAR1")
     status, told = call(experiment, "--csv", "--out", "runs")
@@ -177,7 +176,7 @@ def test_damaged_cell_is_left_out_of_the_trainings(call, experiment: Path, tmp_p
     assert "Left out, damaged: 1 cells" in told
 
 
-def test_recordings_of_no_experiment_are_written(call, tmp_path: Path):
+def test_recordings_of_no_experiment_are_written(call, tmp_path):
     """Each under its own path, and those of final policies too."""
     loose = Path(__file__).parents[2] / "compatibility" / "recordings_1" / "loose"
     assert call(loose, "--csv", "--out", "runs")[0] == 0
@@ -186,12 +185,12 @@ def test_recordings_of_no_experiment_are_written(call, tmp_path: Path):
 
 
 @pytest.mark.parametrize("flags", [["--csv"], ["--out", "runs"], ["--csv", "--out", "runs", "--onnx", "model.onnx"]])
-def test_flags_that_do_not_go_together_are_refused(call, cell: Path, flags: list[str]):
+def test_flags_that_do_not_go_together_are_refused(call, cell, flags):
     """Before anything is written."""
     _assert_refused(call(cell, *flags), "--csv and --out DIR go together, and without a model")
 
 
-def test_experiment_without_a_finished_cell_has_no_trainings(call, make_cell, make_plan, tmp_path: Path):
+def test_experiment_without_a_finished_cell_has_no_trainings(call, make_cell, make_plan, tmp_path):
     """Nothing is made."""
     Store.create(tmp_path / "mine", make_plan(make_cell()))
     status, told = call("mine", "--csv", "--out", "runs")

@@ -3,7 +3,6 @@
 import base64
 import hashlib
 import json
-from pathlib import Path
 
 import pytest
 
@@ -13,7 +12,7 @@ FILES = {"toys/__init__.py": "x = 1\n", "toys/page.html.j2": "<p>\n"}
 
 
 @pytest.fixture
-def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def installed(tmp_path, monkeypatch):
     """A distribution of two files, as pip leaves it."""
     metadata = tmp_path / "toys-1.0.dist-info"
     metadata.mkdir()
@@ -29,12 +28,12 @@ def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def test_whole_installation_has_nothing_to_tell(installed: Path):
+def test_whole_installation_has_nothing_to_tell(installed):
     """Compiled modules do not count: Python makes them when it likes."""
     assert file_lines("toys") == []
 
 
-def test_missing_and_changed_files_are_named(installed: Path):
+def test_missing_and_changed_files_are_named(installed):
     """With what to do."""
     (installed / "toys/page.html.j2").unlink()
     (installed / "toys/__init__.py").write_text("x = 2\n")
@@ -46,7 +45,7 @@ def test_missing_and_changed_files_are_named(installed: Path):
     assert all("pip install --force-reinstall" in line for line in lines)
 
 
-def test_editable_installation_has_no_files_of_its_own(installed: Path):
+def test_editable_installation_has_no_files_of_its_own(installed):
     """It uses the checkout, where files come and go."""
     told = {"url": "file:///somewhere", "dir_info": {"editable": True}}
     (installed / "toys-1.0.dist-info/direct_url.json").write_text(json.dumps(told))
@@ -59,7 +58,7 @@ def test_what_is_not_installed_has_none():
     assert file_lines("no-such-distribution") == []
 
 
-def test_metadata_that_a_build_left_in_a_checkout_lists_no_installed_files(installed: Path):
+def test_metadata_that_a_build_left_in_a_checkout_lists_no_installed_files(installed):
     """It names sources, which come and go too."""
     (installed / "toys-1.0.dist-info").rename(installed / "toys.egg-info")
     (installed / "toys.egg-info/METADATA").rename(installed / "toys.egg-info/PKG-INFO")

@@ -57,10 +57,10 @@ Install = Callable[..., None]
 
 
 @pytest.fixture
-def odd(install: Install, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], None]:
+def odd(install, monkeypatch):
     """Install an environment with these examples, for this process and for those that it starts."""
 
-    def make(given: str) -> None:
+    def make(given):
         install("odd-env", textwrap.dedent(PLUGIN.format(examples=given)))
         monkeypatch.setenv("PYTHONPATH", sys.path[0])
 
@@ -76,7 +76,7 @@ def test_every_installed_simulator_is_tried():
 
 
 @pytest.mark.parametrize(("kind", "name"), [("simulators", "kinematic"), ("environments", "gymnasium:id=CartPole-v1")])
-def test_trial_takes_a_step(kind: str, name: str):
+def test_trial_takes_a_step(kind, name):
     """It raises where that fails."""
     take_a_step(kind, name)
     with pytest.raises(Exception, match="no-such"):
@@ -92,7 +92,7 @@ WAYS = {
 }
 
 
-def test_each_way_to_fail_is_told(odd: Callable[[str], None], monkeypatch: pytest.MonkeyPatch):
+def test_each_way_to_fail_is_told(odd, monkeypatch):
     """In one line, whatever the library does to its process; the others are tried all the same."""
     monkeypatch.setattr(trials, "KINDS", ("environments",))
     odd(str({f"way={way}": () for way in WAYS if way} | {"way=none": ()}))
@@ -100,7 +100,7 @@ def test_each_way_to_fail_is_told(odd: Callable[[str], None], monkeypatch: pytes
     assert found == {**{f"odd:way={way}": told for way, told in WAYS.items() if way}, "odd:way=none": ""}
 
 
-def test_trial_that_hangs_is_ended(odd: Callable[[str], None], monkeypatch: pytest.MonkeyPatch):
+def test_trial_that_hangs_is_ended(odd, monkeypatch):
     """After the limit."""
     monkeypatch.setattr(trials, "LIMIT", 0.5)
     odd(str({"way=hang": ()}))
@@ -114,7 +114,7 @@ def test_failure_is_a_line_that_names_it():
     assert trial.line == "environment odd:way=exit fails here: SystemExit: never mind"
 
 
-def test_example_of_which_a_library_is_missing_is_not_tried(odd: Callable[[str], None]):
+def test_example_of_which_a_library_is_missing_is_not_tried(odd):
     """If some of its libraries are there, somebody meant to install it: a line says what is missing."""
     odd(str({"way=1": ("json", "no_such_lib"), "way=2": ("no_such_lib",), "way=3": ("json",)}))
     registry = load_registry()

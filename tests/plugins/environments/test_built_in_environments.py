@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from gymnasium.spaces import Box, Dict
 
-from harness.environment import Environment, goal_rewards
+from harness.environment import goal_rewards
 from harness.errors import UsageError
 from harness.registry import choose, load_registry
 from harness_plugins.kit import check_environment
@@ -33,7 +33,7 @@ def _built(given):
     if missing:
         pytest.skip(f"needs {', '.join(missing)}")
     registry = load_registry()
-    built: Environment = choose(registry, "environments", given).build(registry, "environments")
+    built = choose(registry, "environments", given).build(registry, "environments")
     return built
 
 
@@ -75,7 +75,7 @@ def test_the_double_pendulum_pays_as_both_versions_do():
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # version 4 is outdated, as it says
         older = gymnasium.make("InvertedDoublePendulum-v4")
-    rewards: Any = built.rewards(env)
+    rewards = built.rewards(env)
     told, _ = env.reset(seed=3)
     older.reset(seed=3)
     older.unwrapped.set_state(env.unwrapped.data.qpos, env.unwrapped.data.qvel)  # type: ignore[attr-defined]
@@ -96,8 +96,8 @@ def test_meta_world_pays_each_version_and_ends_when_told():
     """v1-scaled is v1 divided by 200; an episode has the steps that are asked for; a success stays one."""
     built = _built("meta-world:task=reach-v3,episode_steps=3")
     env = built.make()
-    rewards: Any = built.rewards(env)
-    found: Any = built.behaviour(env)["success"]
+    rewards = built.rewards(env)
+    found = built.behaviour(env)["success"]
     told, _ = env.reset(seed=3)
     ended, steps = False, 0
     while not ended:
@@ -121,7 +121,7 @@ class _Bits(gymnasium.Env[Any, Any]):
     def __init__(self, of_a_batch: bool = True) -> None:
         self.axis = 1 if of_a_batch else None
 
-    def compute_reward(self, achieved: Any, desired: Any, info: Any) -> Any:
+    def compute_reward(self, achieved, desired, info):
         return -np.abs(achieved - desired).sum(axis=self.axis)
 
 

@@ -9,15 +9,12 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from pathlib import Path
-from typing import Any
 
 import psutil
 import pytest
 
-from harness.record import Cell
 from harness.registry import Choice
 
 
@@ -42,7 +39,7 @@ class TwoNodes:
         self._ip(f"addr add 10.77.0.1/24 dev {self._name}")
         self._ip(f"link set {self._name} up")
 
-    def begin(self) -> None:
+    def begin(self):
         """Start the head, and two nodes."""
         head = ["--head", "--port=6399", "--node-ip-address=10.77.0.1", "--num-cpus=0", f"--temp-dir={self._place}"]
         self._processes.append(self._start([*head, "--include-dashboard=false"]))
@@ -51,7 +48,7 @@ class TwoNodes:
         self.add()
         self.wait(3)
 
-    def add(self, cpus: int = 2, **env_vars: str) -> None:
+    def add(self, cpus=2, **env_vars):
         """Start a node, with other environment variables than this process where they are given."""
         self._started += 1
         name, address = f"{self._name}-{self._started}", f"10.77.0.{10 + self._started}"
@@ -67,7 +64,7 @@ class TwoNodes:
         self._processes.append(self._start([*node], inside, env_vars))
         self.nodes.append(name)
 
-    def wait(self, count: int) -> None:
+    def wait(self, count):
         """Until the cluster has so many nodes, the head included."""
         code = "import ray, sys, time\n" \
             f"ray.init('{self.address}', log_to_driver=False, logging_level='ERROR')\n" \
@@ -76,7 +73,7 @@ class TwoNodes:
         while subprocess.run([sys.executable, "-c", code], stderr=self._log, check=False, timeout=25).returncode:
             assert time.monotonic() < until, (self._place / "log").read_text()[-2000:]
 
-    def kill_node(self) -> None:
+    def kill_node(self):
         """The oldest node is gone, all of its processes at once."""
         name = self.nodes.pop(0)
         for pid in self._ip(f"netns pids {name}").split():
@@ -84,13 +81,13 @@ class TwoNodes:
                 os.kill(int(pid), signal.SIGKILL)
         self._ip(f"netns del {name}")
 
-    def slots(self) -> list[psutil.Process]:
+    def slots(self):
         """The processes on all nodes that do cells."""
         here = {int(pid) for name in self.nodes for pid in self._ip(f"netns pids {name}").split()}
         running = [process for process in psutil.process_iter(["name"]) if process.pid in here]
         return [process for process in running if process.info["name"].startswith("ray::Slot")]
 
-    def stop(self) -> None:
+    def stop(self):
         """End all of it."""
         while self.nodes:
             self.kill_node()
@@ -103,20 +100,18 @@ class TwoNodes:
         self._log.close()
         shutil.rmtree(self._place, ignore_errors=True)
 
-    def _start(
-        self, options: list[str], inside: Sequence[str] = (), env_vars: Mapping[str, str] | None = None
-    ) -> "subprocess.Popen[bytes]":
+    def _start(self, options, inside=(), env_vars=None):
         environment = {**os.environ, "RAY_USAGE_STATS_ENABLED": "0", **(env_vars or {})}
         command = [*inside, sys.executable, "-m", "ray.scripts.scripts", "start", "--block", *options]
         return subprocess.Popen(command, env=environment, stdout=self._log, stderr=self._log)
 
     @staticmethod
-    def _ip(words: str) -> str:
+    def _ip(words):
         return subprocess.run(["ip", *words.split()], capture_output=True, text=True, check=True).stdout
 
 
 @pytest.fixture(scope="session", autouse=True)
-def token() -> Iterator[None]:
+def token():
     """Ray's clusters ask for a token; read when Ray is imported."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("RAY_AUTH_MODE", "token")
@@ -125,14 +120,14 @@ def token() -> Iterator[None]:
 
 
 @pytest.fixture(autouse=True)
-def state(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def state(tmp_path, monkeypatch):
     """The folder of the jobs of a Slurm cluster, in place of the user's own."""
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
     return tmp_path / "state" / "fd100-harness" / "jobs"
 
 
 @pytest.fixture
-def two_nodes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
+def two_nodes(tmp_path, monkeypatch):
     """A cluster of two nodes that do not see the folder `hidden`; they have the toys where a test asks first."""
     pytest.importorskip("ray")
     if os.getuid() != 0 or shutil.which("ip") is None:
@@ -148,10 +143,10 @@ def two_nodes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
 
 
 @pytest.fixture
-def that(make_cell: Callable[..., Cell]) -> Callable[..., Cell]:
+def that(make_cell):
     """A cell that does `then` in the end, and leaves a note."""
 
-    def make(then: str, note: object = "", seed: int = 0) -> Cell:
+    def make(then, note="", seed=0):
         return make_cell(seed=seed, algorithm=Choice("wander", (("then", then), ("note", str(note))), f"then={then}"))
 
     return make
@@ -186,7 +181,7 @@ PartitionName=all Nodes=ALL Default=YES
 
 
 @pytest.fixture(scope="module")
-def slurm(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+def slurm(tmp_path_factory):
     """A Slurm cluster of this machine, four cells wide."""
     daemons = ("munged", "slurmctld", "slurmd")
     missing = [name for name in (*daemons, "sbatch") if shutil.which(name, path=DAEMONS) is None]
@@ -221,14 +216,14 @@ def slurm(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
         yield
 
 
-def _free_port() -> int:
+def _free_port():
     with socket.socket() as server:
         server.bind(("127.0.0.1", 0))
-        port: int = server.getsockname()[1]
+        port = server.getsockname()[1]
         return port
 
 
-def _wait_for_idle_node(log: Path) -> None:
+def _wait_for_idle_node(log):
     until = time.monotonic() + 30.0
     while time.monotonic() < until:
         told = subprocess.run(["sinfo", "--noheader", "--format=%t"], capture_output=True, text=True, check=False)

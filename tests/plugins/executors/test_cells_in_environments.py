@@ -2,7 +2,6 @@
 
 import importlib.util
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -20,7 +19,7 @@ TOY = Path(__file__).parents[2] / "experiment" / "environments" / "toy.py"
 
 
 @pytest.fixture(scope="module")
-def job(tmp_path_factory: pytest.TempPathFactory) -> Job:
+def job(tmp_path_factory):
     """A cell that trains in a toy, which is a file of the user's."""
     given = read_given([TOY])
     asked = {"task": "toy", "algo": "random", "seeds": 1, "steps": 40, "evaluation_episodes": 2, "reward": []}
@@ -29,18 +28,18 @@ def job(tmp_path_factory: pytest.TempPathFactory) -> Job:
 
 
 @pytest.fixture(scope="module")
-def expected(job: Job, tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+def expected(job, tmp_path_factory):
     """What it leaves when this process does it."""
     folder = tmp_path_factory.mktemp("here") / "cell"
     assert run_cell(job.cell, folder, lambda word: None, job.options).status == "done"
     return _files(folder)
 
 
-def _files(folder: Path) -> dict[str, str]:
+def _files(folder):
     return {name: it for name, it in digests_in(folder).items() if name not in (LOG, MANIFEST)}
 
 
-def test_a_node_of_ray_sends_its_recordings(job: Job, expected: dict[str, str], tmp_path: Path):
+def test_a_node_of_ray_sends_its_recordings(job, expected, tmp_path):
     """From a folder of its own: recordings and policy, byte for byte."""
     told = list(Slot().do_and_send(job.to_json(), ["harness"], []))
     assert told[-1] == Ended("")
@@ -58,12 +57,12 @@ def test_a_node_of_ray_sends_its_recordings(job: Job, expected: dict[str, str], 
 @pytest.mark.parametrize(
     ("executor", "library"), [("ray", "ray"), ("ray:fetch=true", "ray"), ("slurm:cluster=local", "submitit")]
 )
-def test_other_machines_leave_the_same(job: Job, expected: dict[str, str], tmp_path: Path, executor: str, library: str):
+def test_other_machines_leave_the_same(job, expected, tmp_path, executor, library):
     """By a cluster of this machine alone, and by jobs of it."""
     if importlib.util.find_spec(library) is None:
         pytest.skip(f"needs {library}")
     registry, told = load_registry(), list[Event]()
-    built: Any = choose(registry, "executors", executor).build(registry, "executors")
+    built = choose(registry, "executors", executor).build(registry, "executors")
     built.run([job._replace(folder=tmp_path / "cells" / job.cell.id)], 1, told.append)
     assert [(event.kind, event.reason) for event in told if event.kind != "progress"] == [
         ("started", ""),

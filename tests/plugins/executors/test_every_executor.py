@@ -3,9 +3,6 @@
 import os
 import threading
 import time
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import psutil
 import pytest
@@ -14,7 +11,7 @@ from harness.authoring import run_job
 from harness.executor import CellOptions, Event, Job, Limits
 from harness.record import LOG, Cell, partial_folder, read_manifest
 from harness.record.cell_folder import examine
-from harness.registry import Registry, choose
+from harness.registry import choose
 
 ELSEWHERE = ("ray", "ray:fetch=true", "slurm:cluster=local", "slurm:memory=0.5")
 
@@ -24,7 +21,7 @@ pytestmark = pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptio
 
 
 @pytest.fixture(params=["processes", *(pytest.param(name, marks=pytest.mark.slow) for name in ELSEWHERE)])
-def executor(request: pytest.FixtureRequest, toys: Registry) -> Any:
+def executor(request, toys):
     """Where its library is installed, and a cluster runs where it needs one."""
     name = request.param
     spec = toys.get("executors", name.partition(":")[0])
@@ -35,18 +32,18 @@ def executor(request: pytest.FixtureRequest, toys: Registry) -> Any:
     return choose(toys, "executors", name).build(toys, "executors")
 
 
-def test_these_are_all(toys: Registry):
+def test_these_are_all(toys):
     """No built-in executor is left out; the toys have one of their own."""
     assert {*toys.names("executors")} == {"here", "processes", *(name.partition(":")[0] for name in ELSEWHERE)}
 
 
-def test_cells_that_go_wrong_cost_themselves_alone(executor: Any, that: Any, make_cell: Any, tmp_path: Path):
+def test_cells_that_go_wrong_cost_themselves_alone(executor, that, make_cell, tmp_path):
     """Each begins and ends once, told in the caller's thread, at most two at once; others leave what `run_job` does."""
     good = [make_cell(seed=seed) for seed in range(2)]
     raising, killed = that("raise"), that("be killed")
     cells, told, threads = [good[0], raising, killed, good[1]], list[Event](), set[int]()
 
-    def hear(event: Event) -> None:
+    def hear(event):
         told.append(event)
         threads.add(threading.get_ident())
 
@@ -73,7 +70,7 @@ def test_cells_that_go_wrong_cost_themselves_alone(executor: Any, that: Any, mak
         assert {**left.files, LOG: ""} == {**here.files, LOG: ""}
 
 
-def test_a_cell_that_hangs_is_ended(executor: Any, that: Any, make_cell: Any, tmp_path: Path):
+def test_a_cell_that_hangs_is_ended(executor, that, make_cell, tmp_path):
     """With the limit in its reason; its process is gone, and the other cell is done."""
     hung, good, told = that("wait", tmp_path / "pid"), make_cell(), list[Event]()
     limited = CellOptions(limits=Limits(stall_after=4.0))  # the other one's process alone may take as long to start
@@ -84,12 +81,12 @@ def test_a_cell_that_hangs_is_ended(executor: Any, that: Any, make_cell: Any, tm
     assert not psutil.pid_exists(int((tmp_path / "pid").read_text()))
 
 
-def test_an_interruption_leaves_nothing_running(executor: Any, that: Callable[..., Cell], tmp_path: Path):
+def test_an_interruption_leaves_nothing_running(executor, that, tmp_path):
     """KeyboardInterrupt passes on, and the cell that was in the middle is gone within a moment."""
     notes = [tmp_path / "one", tmp_path / "two"]
     cells = [that("last", notes[0]), that("wait", notes[1])]
 
-    def interrupt(event: Event) -> None:
+    def interrupt(event):
         if event.kind == "ended":
             assert wait_until(notes[1].exists)
             raise KeyboardInterrupt
@@ -101,7 +98,7 @@ def test_an_interruption_leaves_nothing_running(executor: Any, that: Callable[..
     assert wait_until(lambda: not psutil.pid_exists(pid))
 
 
-def wait_until(holds: Callable[[], bool]) -> bool:
+def wait_until(holds):
     """Whether it comes to hold within five seconds: a process may be on another machine."""
     until = time.monotonic() + 5.0
     while not holds() and time.monotonic() < until:

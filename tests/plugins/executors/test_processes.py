@@ -6,16 +6,13 @@ import re
 import select
 import subprocess
 import sys
-from collections.abc import Callable
-from pathlib import Path
 
 import pytest
 
-from harness.executor import CellOptions, Event, Job, Limits
+from harness.executor import CellOptions, Job, Limits
 from harness.experiment import Order
 from harness.experiment.run_cell import TrainCell
-from harness.record import LOG, Cell, partial_folder, read_manifest
-from harness.registry import Registry
+from harness.record import LOG, partial_folder, read_manifest
 from harness_plugins.executors.processes import Processes
 
 pytestmark = pytest.mark.usefixtures("toys")
@@ -23,15 +20,15 @@ pytestmark = pytest.mark.usefixtures("toys")
 DEFAULTS = CellOptions()
 
 
-def _run(cells: list[Cell], folder: Path, at_once: int = 1, options: CellOptions = DEFAULTS) -> dict[str, Event]:
+def _run(cells, folder, at_once=1, options=DEFAULTS):
     """The last event of each cell, by id."""
-    events: list[Event] = []
+    events = []
     Processes().run([Job(cell, folder / cell.id, options) for cell in cells], at_once, events.append)
     assert [event.cell for event in events if event.kind == "ended"].count(cells[0]) == 1
     return {event.cell.id: event for event in events}
 
 
-def test_every_cell_starts_progresses_and_ends(make_cell: Callable[..., Cell], tmp_path: Path):
+def test_every_cell_starts_progresses_and_ends(make_cell, tmp_path):
     """`on_event` hears of the start, each number of steps, with numbers at the last, and the end, in order."""
     cell, events = make_cell(steps=3), []
     Processes().run([Job(cell, tmp_path / "cell")], 1, events.append)
@@ -48,7 +45,7 @@ def test_every_cell_starts_progresses_and_ends(make_cell: Callable[..., Cell], t
     assert read_manifest(tmp_path / "cell").status == "done"
 
 
-def test_two_at_once(make_cell: Callable[..., Cell], tmp_path: Path):
+def test_two_at_once(make_cell, tmp_path):
     """With `at_once` 2 the second cell starts before the first one ends, the third after."""
     cells, events = [make_cell(seed=seed) for seed in range(3)], []
     Processes().run([Job(cell, tmp_path / cell.id) for cell in cells], 2, events.append)
@@ -58,16 +55,14 @@ def test_two_at_once(make_cell: Callable[..., Cell], tmp_path: Path):
 
 
 @pytest.mark.parametrize("then", ["raise", "sys.exit"])
-def test_cell_that_raises_is_a_failed_cell(that: Callable[..., Cell], tmp_path: Path, then: str):
+def test_cell_that_raises_is_a_failed_cell(that, tmp_path, then):
     """The worker itself leaves the manifest, so the executor has no reason to add."""
     cell = that(then)
     assert _run([cell], tmp_path)[cell.id].reason == ""
     assert read_manifest(tmp_path / cell.id).status == "failed"
 
 
-def test_killed_cells_cost_themselves_alone(
-    that: Callable[..., Cell], make_cell: Callable[..., Cell], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-):
+def test_killed_cells_cost_themselves_alone(that, make_cell, tmp_path, monkeypatch):
     """A signal, an exit and a silent exit are told apart in the reason; the cell after them is done."""
     monkeypatch.delenv("PYTHONUNBUFFERED", raising=False)  # with it, nothing printed could get lost
     killed, left, silent = (that(then) for then in ("be killed", "_exit", "die silently"))
@@ -82,7 +77,7 @@ def test_killed_cells_cost_themselves_alone(
     assert (partial_folder(tmp_path / silent.id) / LOG).read_text().endswith("last words\n")
 
 
-def test_output_of_plugins_lands_in_the_log(that: Callable[..., Cell], tmp_path: Path):
+def test_output_of_plugins_lands_in_the_log(that, tmp_path):
     """Whatever way a plugin or its child prints, it is in log.txt, in order, and disturbs no progress."""
     cell = that("chat")
     assert _run([cell], tmp_path)[cell.id].reason == ""
@@ -90,14 +85,14 @@ def test_output_of_plugins_lands_in_the_log(that: Callable[..., Cell], tmp_path:
     assert text.endswith("by print\nby standard error\nby the file descriptor\nby a child\n")
 
 
-def test_plugin_that_asks_gets_no_answer(that: Callable[..., Cell], tmp_path: Path):
+def test_plugin_that_asks_gets_no_answer(that, tmp_path):
     """A plugin that reads standard input fails at once instead of waiting for ever."""
     cell = that("ask")
     _run([cell], tmp_path)
     assert read_manifest(tmp_path / cell.id).reason.startswith("EOFError")
 
 
-def test_worker_ends_with_its_parent(that: Callable[..., Cell], tmp_path: Path):
+def test_worker_ends_with_its_parent(that, tmp_path):
     """A worker whose standard input closes, as it does when its parent dies, ends in the middle of its cell."""
     note = tmp_path / "pid"
     os.mkfifo(note)
@@ -111,7 +106,7 @@ def test_worker_ends_with_its_parent(that: Callable[..., Cell], tmp_path: Path):
         assert worker.wait(30) == 1
 
 
-def test_worker_dies_with_a_killed_parent(that: Callable[..., Cell], tmp_path: Path, toys: Registry):
+def test_worker_dies_with_a_killed_parent(that, tmp_path, toys):
     """SIGKILL of the process that runs the plan ends its workers too."""
     note = tmp_path / "pid"
     os.mkfifo(note)
@@ -135,35 +130,33 @@ def test_worker_dies_with_a_killed_parent(that: Callable[..., Cell], tmp_path: P
         os.close(watch)
 
 
-def _pid_of(folder: Path) -> str:
+def _pid_of(folder):
     """Of the process that did a cell, as its log says."""
     return re.search(r"process (\d+)", (folder / LOG).read_text())[1]
 
 
-def test_a_process_does_several_cells(make_cell: Callable[..., Cell], tmp_path: Path):
+def test_a_process_does_several_cells(make_cell, tmp_path):
     """It imports the heavy libraries once."""
     cells = [make_cell(seed=seed) for seed in range(3)]
     _run(cells, tmp_path)
     assert len({_pid_of(tmp_path / cell.id) for cell in cells}) == 1
 
 
-def test_a_fresh_process_for_every_cell(make_cell: Callable[..., Cell], tmp_path: Path):
+def test_a_fresh_process_for_every_cell(make_cell, tmp_path):
     """Where the options ask for it."""
     cells = [make_cell(seed=seed) for seed in range(2)]
     _run(cells, tmp_path, options=CellOptions(fresh=True))
     assert len({_pid_of(tmp_path / cell.id) for cell in cells}) == 2
 
 
-def test_a_process_whose_cell_failed_does_no_other(
-    that: Callable[..., Cell], make_cell: Callable[..., Cell], tmp_path: Path
-):
+def test_a_process_whose_cell_failed_does_no_other(that, make_cell, tmp_path):
     """What a failure leaves behind in it is not known."""
     cells = [that("raise"), make_cell()]
     _run(cells, tmp_path)
     assert len({_pid_of(tmp_path / cell.id) for cell in cells}) == 2
 
 
-def test_a_cell_that_hangs_is_ended(that: Callable[..., Cell], make_cell: Callable[..., Cell], tmp_path: Path):
+def test_a_cell_that_hangs_is_ended(that, make_cell, tmp_path):
     """With the reason, and in the log where it stood; the next cell is done."""
     hung, good = that("hang"), make_cell()
     last = _run([hung, good], tmp_path, options=CellOptions(limits=Limits(stall_after=4.0)))
@@ -174,14 +167,14 @@ def test_a_cell_that_hangs_is_ended(that: Callable[..., Cell], make_cell: Callab
     assert read_manifest(tmp_path / good.id).status == "done"
 
 
-def test_a_cell_that_takes_too_long_is_ended(that: Callable[..., Cell], tmp_path: Path):
+def test_a_cell_that_takes_too_long_is_ended(that, tmp_path):
     """Whether it gets on or not."""
     cell = that("hang")
     last = _run([cell], tmp_path, options=CellOptions(limits=Limits(cell_time=1.5)))
     assert last[cell.id].reason == "it took longer than the 1.5 s that --cell-time allows"
 
 
-def test_a_cell_that_hoards_memory_is_ended(that: Callable[..., Cell], tmp_path: Path):
+def test_a_cell_that_hoards_memory_is_ended(that, tmp_path):
     """The machine has other cells to do."""
     cell = that("hoard")
     last = _run([cell], tmp_path, options=CellOptions(limits=Limits(cell_memory=0.5)))

@@ -6,21 +6,19 @@ import random
 import shutil
 import threading
 import time
-from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
 
 import psutil
 import pytest
 
 import harness
 from harness.errors import UsageError
-from harness.executor import CellOptions, Event, Job
+from harness.executor import CellOptions, Job
 from harness.experiment import expand
 from harness.experiment.jobs import run_jobs
 from harness.experiment.plan import Experiment
-from harness.record import LOG, MANIFEST, Cell
+from harness.record import LOG, MANIFEST
 from harness.record.cell_folder import examine
 from harness.registry import load_registry
 from harness_plugins.executors.ray import Ray
@@ -30,10 +28,10 @@ pytestmark = pytest.mark.slow
 KILLED_PROCESSES, KILLED_NODES = 30, 5
 
 
-def _run(executor: Ray, cells: Sequence[Cell], folder: Path, at_once: int = 4, on_event: Any = None) -> list[Event]:
-    told: list[Event] = []
+def _run(executor, cells, folder, at_once=4, on_event=None):
+    told = []
 
-    def hear(event: Event) -> None:
+    def hear(event):
         told.append(event)
         if on_event:
             on_event(event)
@@ -42,16 +40,16 @@ def _run(executor: Ray, cells: Sequence[Cell], folder: Path, at_once: int = 4, o
     return told
 
 
-def _jobs(cells: Sequence[Cell], folder: Path) -> list[Job]:
+def _jobs(cells, folder):
     return [Job(cell, folder / cell.id, CellOptions(checkpoint_every=500)) for cell in cells]
 
 
-def _left(folder: Path) -> dict[str, str]:
+def _left(folder):
     paths = [path for path in folder.rglob("*") if path.is_file() and path.name not in (MANIFEST, LOG)]
     return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() for path in paths}
 
 
-def test_it_is_said_once_that_no_node_is_left(tmp_path: Path, monkeypatch: Any, capsys: Any):
+def test_it_is_said_once_that_no_node_is_left(tmp_path, monkeypatch, capsys):
     """After some seconds, and that the run waits; not while a node can be used, nor while one is asked what it has."""
     from harness_plugins.ray_cluster import fleet as module
 
@@ -61,7 +59,7 @@ def test_it_is_said_once_that_no_node_is_left(tmp_path: Path, monkeypatch: Any, 
     monkeypatch.setattr(module.ray, "nodes", lambda: [{"NodeID": "a", "Alive": alive}])
     monkeypatch.setattr(module.time, "monotonic", lambda: now[0])
 
-    def said_after(seconds: float) -> str:
+    def said_after(seconds):
         now[0] += seconds
         nodes.look(at_once=True)
         return str(capsys.readouterr().err)
@@ -78,12 +76,12 @@ def test_it_is_said_once_that_no_node_is_left(tmp_path: Path, monkeypatch: Any, 
     nodes.close()
 
 
-def test_a_cell_whose_process_is_lost_is_begun_again(toys: Any, that: Any, two_nodes: Any, tmp_path: Path):
+def test_a_cell_whose_process_is_lost_is_begun_again(toys, that, two_nodes, tmp_path):
     """It is told to have begun once, and is done; the processes that it had started end with it."""
     note = tmp_path / "note"
-    killed: list[psutil.Process] = []
+    killed = []
 
-    def kill(event: Event) -> None:
+    def kill(event):
         if event.kind == "started":
             while not note.exists():
                 time.sleep(0.05)
@@ -98,12 +96,12 @@ def test_a_cell_whose_process_is_lost_is_begun_again(toys: Any, that: Any, two_n
     assert not any(process.is_running() for process in killed)
 
 
-def test_a_cell_that_is_lost_too_often_fails(toys: Any, that: Any, two_nodes: Any, tmp_path: Path):
+def test_a_cell_that_is_lost_too_often_fails(toys, that, two_nodes, tmp_path):
     """With the number of times, and where; the other cell is done."""
     note = tmp_path / "note"
     lost = that("wait", note)
 
-    def kill(event: Event) -> None:
+    def kill(event):
         if event.cell == lost and event.kind == "started":
             while not note.exists():
                 time.sleep(0.05)
@@ -115,9 +113,7 @@ def test_a_cell_that_is_lost_too_often_fails(toys: Any, that: Any, two_nodes: An
     assert told[-1].reason.startswith("lost 1 times, the last time on node ")
 
 
-def test_a_node_whose_sources_differ_gets_no_cells(
-    toys: Any, make_cell: Any, two_nodes: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-):
+def test_a_node_whose_sources_differ_gets_no_cells(toys, make_cell, two_nodes, tmp_path, capsys):
     """It is named, with what differs; where no other node is left, that is an error."""
     other = tmp_path / "other"
     shutil.copytree(Path(harness.__file__).parent, other / "harness")  # compiled files too: the node answers in time
@@ -137,15 +133,13 @@ def test_a_node_whose_sources_differ_gets_no_cells(
         _run(executor, cells, tmp_path / "again")
 
 
-def test_a_plugin_that_a_node_lacks_is_named(two_nodes: Any, tmp_path: Path, toys: Any, make_cell: Any):
+def test_a_plugin_that_a_node_lacks_is_named(two_nodes, tmp_path, toys, make_cell):
     """The nodes were started without the toys."""
     with pytest.raises(UsageError, match="No simulator 'ideal'"):
         _run(Ray(address=two_nodes.address), [make_cell()], tmp_path / "cells")
 
 
-def test_plugins_come_by_a_runtime_environment(
-    two_nodes: Any, tmp_path: Path, toys: Any, make_cell: Any, toy_folder: Path
-):
+def test_plugins_come_by_a_runtime_environment(two_nodes, tmp_path, toys, make_cell, toy_folder):
     """Here by a path that the nodes see."""
     file = tmp_path / "env.toml"
     file.write_text(f'[env_vars]\nPYTHONPATH = "{toy_folder}{os.pathsep}{os.environ["PYTHONPATH"]}"\n')
@@ -153,13 +147,13 @@ def test_plugins_come_by_a_runtime_environment(
     assert (told[-1].kind, told[-1].reason) == ("ended", "")
 
 
-def test_cells_that_no_node_has_room_for_are_refused(toys: Any, make_cell: Any, two_nodes: Any, tmp_path: Path):
+def test_cells_that_no_node_has_room_for_are_refused(toys, make_cell, two_nodes, tmp_path):
     """Ray itself would wait for such a node for ever."""
     with pytest.raises(UsageError, match="it has no room for 64 CPUs"):
         _run(Ray(address=two_nodes.address, cpus=64), [make_cell()], tmp_path / "cells")
 
 
-def test_a_cluster_that_is_not_there_is_refused(toys: Any, make_cell: Any, tmp_path: Path):
+def test_a_cluster_that_is_not_there_is_refused(toys, make_cell, tmp_path):
     """The message says how to start one."""
     pytest.importorskip("ray")
     with pytest.raises(UsageError, match="No Ray cluster at address=auto can be joined: start one"):
@@ -167,7 +161,7 @@ def test_a_cluster_that_is_not_there_is_refused(toys: Any, make_cell: Any, tmp_p
 
 
 @pytest.mark.parametrize("place", ["shared", "hidden"])
-def test_killed_processes_and_nodes_lose_nothing(two_nodes: Any, tmp_path: Path, place: str):
+def test_killed_processes_and_nodes_lose_nothing(two_nodes, tmp_path, place):
     """Afterwards every cell is done, and every byte is that of a run in processes of this machine."""
     matrix = Experiment(
         sim=["kinematic"], algo=["random"], seeds=20, steps=4_000, evaluation_episodes=2,
@@ -179,7 +173,7 @@ def test_killed_processes_and_nodes_lose_nothing(two_nodes: Any, tmp_path: Path,
     ended, rng = threading.Event(), random.Random(7)
     killed = {"processes": 0, "nodes": 0}
 
-    def disturb() -> None:
+    def disturb():
         while not ended.wait(rng.uniform(0.3, 0.9)):
             if killed["nodes"] < KILLED_NODES and killed["processes"] >= 5 * killed["nodes"] + 5:
                 two_nodes.kill_node()

@@ -5,15 +5,13 @@ import re
 import subprocess
 import threading
 import time
-from collections.abc import Callable
-from pathlib import Path
 
 import psutil
 import pytest
 
 from harness.errors import UsageError
 from harness.executor import CellOptions, Event, Job
-from harness.record import LOG, Cell, partial_folder
+from harness.record import LOG, partial_folder
 from harness.record.cell_folder import examine
 from harness_plugins.executors.slurm import Slurm
 
@@ -26,14 +24,14 @@ pytestmark = [
 
 
 @pytest.fixture(autouse=True)
-def submitit() -> None:
+def submitit():
     """Is an extra."""
     pytest.importorskip("submitit")
 
 
-def test_jobs_are_not_read_from_the_experiments_folder(that: Callable[..., Cell], tmp_path: Path, state: Path):
+def test_jobs_are_not_read_from_the_experiments_folder(that, tmp_path, state):
     """While a cell runs, its pickle lies in the user's own folder, and the experiment's has none."""
-    pickles: list[Path] = []
+    pickles = []
     cell = that("last", tmp_path / "note")
     job = Job(cell, tmp_path / "cells" / cell.id)
     Slurm(cluster="local").run([job], 1, lambda event: pickles.extend(tmp_path.rglob("*.pkl")))
@@ -41,9 +39,7 @@ def test_jobs_are_not_read_from_the_experiments_folder(that: Callable[..., Cell]
     assert [path for path in pickles if not path.is_relative_to(state)] == []
 
 
-def test_a_cluster_that_takes_no_jobs_is_told(
-    that: Callable[..., Cell], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-):
+def test_a_cluster_that_takes_no_jobs_is_told(that, tmp_path, monkeypatch):
     """As where Slurm is installed and not configured: what sbatch said last, and what to do."""
     complaint = "echo 'sbatch: error: no host' >&2; echo 'sbatch: fatal: no source' >&2; exit 1"
     for name in ("sbatch", "srun"):
@@ -56,12 +52,12 @@ def test_a_cluster_that_takes_no_jobs_is_told(
 
 
 @pytest.mark.usefixtures("slurm")
-def test_a_job_that_can_tell_nothing_more_is_told(that: Callable[..., Cell], tmp_path: Path, state: Path):
+def test_a_job_that_can_tell_nothing_more_is_told(that, tmp_path, state):
     """The cell has failed, with what the cluster says; its log is kept, and the jobs' folder is removed."""
     note, told = tmp_path / "note", list[Event]()
     cell = that("wait", note)
 
-    def kill() -> None:
+    def kill():
         while not note.exists():
             time.sleep(0.1)
         for process in psutil.process_iter(["cmdline"]):
@@ -79,12 +75,12 @@ def test_a_job_that_can_tell_nothing_more_is_told(that: Callable[..., Cell], tmp
 
 
 @pytest.mark.usefixtures("slurm")
-def test_a_job_that_has_to_make_room_goes_on(that: Callable[..., Cell], tmp_path: Path):
+def test_a_job_that_has_to_make_room_goes_on(that, tmp_path):
     """The cluster queues it again, and the cell is told to have begun once."""
     note, told = tmp_path / "note", list[Event]()
     cell = that("last", note)
 
-    def make_room() -> None:
+    def make_room():
         while not note.exists():
             time.sleep(0.02)
         subprocess.run(["scancel", "--signal=USR2", "--name=harness"], check=True)
@@ -98,9 +94,7 @@ def test_a_job_that_has_to_make_room_goes_on(that: Callable[..., Cell], tmp_path
     assert examine(tmp_path / "cells" / cell.id, cell).status == "done"
 
 
-def test_without_a_cluster_it_says_what_there_is(
-    make_cell: Callable[..., Cell], tmp_path: Path, state: Path, monkeypatch: pytest.MonkeyPatch
-):
+def test_without_a_cluster_it_says_what_there_is(make_cell, tmp_path, state, monkeypatch):
     """Nothing is left in the folder of the jobs."""
     monkeypatch.setenv("PATH", "/nowhere")
     with pytest.raises(UsageError, match=r"No Slurm cluster: .* Run harness where sbatch works"):

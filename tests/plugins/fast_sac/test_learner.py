@@ -33,17 +33,17 @@ class SameNoise:
         self.given: list[Float32] = []
         self.rng = np.random.default_rng(3)
 
-    def standard_normal(self, shape: tuple[int, ...], dtype: Any) -> Float32:
+    def standard_normal(self, shape, dtype):
         """What the learner asks for."""
-        noise: Float32 = self.rng.standard_normal(shape, dtype=dtype)
+        noise = self.rng.standard_normal(shape, dtype=dtype)
         self.given += list(noise)
         return noise
 
-    def uniform(self, *args: Any) -> Any:
+    def uniform(self, *args):
         """First weights."""
         return self.rng.uniform(*args)
 
-    def standard_normal_of_torch(self, shape: Any, dtype: Any, device: Any) -> torch.Tensor:
+    def standard_normal_of_torch(self, shape, dtype, device):
         """What the library asks for afterwards."""
         noise = self.given.pop(0)
         assert tuple(shape) == noise.shape
@@ -114,7 +114,7 @@ def put_actor(networks, actor):
 
 def beside(settings, monkeypatch):
     """A learner and a model of the library with the same weights and the same noise to come."""
-    noise: Any = SameNoise()
+    noise = SameNoise()
     learner = Learner(settings, OBSERVATION, ACTION, noise)
     model = stable_baselines3.SAC(
         "MlpPolicy", Still(), learning_rate=settings.learning_rate, gamma=settings.gamma, tau=settings.tau,

@@ -1,9 +1,8 @@
 """A training: how often it learns, what it remembers, and what it tells."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 import pytest
@@ -19,7 +18,7 @@ from harness_plugins.fast_sac.training import Batch, Learner, Replay
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.kit.trainings import EASY, ENV_SEED, NegativeDistance, WatchedEnv, easy_robot
 
-SMALL: dict[str, Any] = {"net_arch": (8,), "batch_size": 16}
+SMALL = {"net_arch": (8,), "batch_size": 16}
 
 
 class Told(Progress):
@@ -30,13 +29,13 @@ class Told(Progress):
         self.policies: list[tuple[int, Policy]] = []
         self.told: list[tuple[int, Mapping[str, float]]] = []
 
-    def __call__(self, steps: int) -> None:
+    def __call__(self, steps):
         self.steps.append(steps)
 
-    def policy(self, steps: int, make: Callable[[], Policy]) -> None:
+    def policy(self, steps, make):
         self.policies.append((steps, make()))
 
-    def scalars(self, steps: int, values: Mapping[str, float]) -> None:
+    def scalars(self, steps, values):
         self.told.append((steps, values))
 
 
@@ -51,10 +50,10 @@ def train(settings, steps, told=None):
 @pytest.fixture
 def updates(monkeypatch):
     """The batch of each update that is made."""
-    made: list[Batch] = []
+    made = []
 
     class Watched(Learner):
-        def update(self, batch: Batch) -> Any:
+        def update(self, batch):
             made.append(Batch(*(np.array(part) for part in batch)))
             return super().update(batch)
 
@@ -84,10 +83,10 @@ def test_updates_come_as_often_as_said(updates, given, count):
 
 def test_first_decisions_are_uniform(monkeypatch):
     """Until learning starts: no actor is asked, and the box is filled."""
-    taken: list[np.ndarray] = []
+    taken = []
 
     class Watched(Replay):
-        def add(self, observation: Any, action: Any, *rest: Any) -> None:
+        def add(self, observation, action, *rest):
             taken.append(action)
             super().add(observation, action, *rest)
 
@@ -100,10 +99,10 @@ def test_first_decisions_are_uniform(monkeypatch):
 
 def test_a_cut_episode_goes_on_from_its_last_observation(monkeypatch):
     """Not from the first of the next one; it is not terminated."""
-    kept: list[tuple[Any, ...]] = []
+    kept = []
 
     class Watched(Replay):
-        def add(self, *args: Any) -> None:
+        def add(self, *args):
             kept.append(tuple(np.array(arg) for arg in args))
             super().add(*args)
 
@@ -170,7 +169,7 @@ def test_scalars_have_the_names_of_the_others():
 
 def test_buffer_is_no_larger_than_the_budget(monkeypatch):
     """A million transitions are not asked for where 50 are made."""
-    asked: list[int] = []
+    asked = []
     real = training.Replay
     monkeypatch.setattr(training, "Replay", lambda *args: asked.append(args[0]) or real(*args))
     train(SacFast(**SMALL), 50)
@@ -199,7 +198,7 @@ def test_updates_come_when_the_library_makes_them(given, monkeypatch):
         made[Sac] += [env.environment_steps - start] * gradient_steps
 
     class Noted(Learner):
-        def update(self, batch: Batch) -> Any:
+        def update(self, batch):
             made[SacFast].append(env.environment_steps - start)
             return super().update(batch)
 

@@ -6,7 +6,6 @@ import shutil
 import subprocess
 import sys
 import tomllib
-from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -26,20 +25,20 @@ MOST_LINES = 15
 """Of a reward of one's own."""
 
 
-def name_of(kind: str) -> PluginName:
+def name_of(kind):
     """A name that no module and no plugin has."""
     return PluginName(f"zz-{kind}")
 
 
 @pytest.fixture
-def load(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[str], object]]:
+def load(tmp_path, monkeypatch):
     """Write the package of a kind and import what it registers, as the harness would."""
 
-    def load_target(kind: str) -> object:
+    def load_target(kind):
         name = name_of(kind)
         write_package(package_files(kind, name), tmp_path / name.text)
         monkeypatch.syspath_prepend(tmp_path / name.text)
-        told: list[tuple[str, str]] = []
+        told = []
         plugin = importlib.import_module(f"{name.module}.plugin")
         (hook,) = [hook for name, hook in vars(plugin).items() if name.startswith("register_")]
         hook(lambda name, target, **_: told.append((name, target)))
@@ -62,7 +61,7 @@ def test_every_kind_has_a_template():
 
 
 @pytest.mark.parametrize("kind", kinds())
-def test_package_is_complete(kind: str):
+def test_package_is_complete(kind):
     """Its code compiles, its pyproject.toml names the entry point, nothing is left to fill in."""
     name = name_of(kind)
     files = package_files(kind, name)
@@ -78,7 +77,7 @@ def test_package_is_complete(kind: str):
     assert command_to_try(kind, name) in files["README.md"]
 
 
-def test_code_is_clean(tmp_path: Path):
+def test_code_is_clean(tmp_path):
     """Nothing to say for ruff, with its own settings: the formatter, and the rules that this project has."""
     rules = tomllib.loads((Path(__file__).parents[3] / "pyproject.toml").read_text())["tool"]["ruff"]["lint"]
     select, ignore = ",".join(rules["select"]), ",".join(rules["ignore"])
@@ -94,7 +93,7 @@ def test_code_is_clean(tmp_path: Path):
 
 
 @pytest.mark.parametrize(("kind", "check"), [("reward", check_reward), ("metric", check_metric), ("task", check_task)])
-def test_code_keeps_its_contract(load: Callable[[str], type], kind: str, check: Callable[..., None]):
+def test_code_keeps_its_contract(load, kind, check):
     """As it is written, before its author changes anything."""
     check(load(kind)())
 
@@ -107,14 +106,14 @@ def test_reward_has_few_lines_of_ones_own():
     assert 0 < len([line for line in lines if line.strip()]) <= MOST_LINES
 
 
-def _without_docstrings(node: ast.ClassDef) -> ast.ClassDef:
+def _without_docstrings(node):
     for inner in ast.walk(node):
         if isinstance(inner, ast.ClassDef | ast.FunctionDef) and ast.get_docstring(inner):
             inner.body = inner.body[1:]
     return node
 
 
-def test_folder_that_is_there_is_left_alone(tmp_path: Path):
+def test_folder_that_is_there_is_left_alone(tmp_path):
     """Whatever is in it, and even if it is a link to nowhere."""
     (tmp_path / "full").mkdir()
     (tmp_path / "full" / "mine").write_text("mine")
@@ -126,14 +125,14 @@ def test_folder_that_is_there_is_left_alone(tmp_path: Path):
     assert sorted(path.name for path in tmp_path.rglob("*")) == ["full", "link", "mine"]
 
 
-def test_nothing_is_left_half_written(tmp_path: Path):
+def test_nothing_is_left_half_written(tmp_path):
     """The second file cannot be written: the first is not there either."""
     with pytest.raises(OSError, match=r"Is a directory|Not a directory|File exists"):
         write_package({"a": "a folder is wanted here", "a/b": ""}, tmp_path / "new")
     assert not list(tmp_path.iterdir())
 
 
-def test_folder_to_hold_it_has_to_be_there(tmp_path: Path):
+def test_folder_to_hold_it_has_to_be_there(tmp_path):
     """A slip of the finger makes no folders."""
     with pytest.raises(UsageError, match="is no folder"):
         write_package({"a": "b"}, tmp_path / "nowhere" / "new")

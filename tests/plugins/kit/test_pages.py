@@ -12,13 +12,13 @@ LONGEST = 140
 """Lines of a page, the code aside: it is short, or nobody reads it."""
 
 
-def page_of(kind: str) -> str:
+def page_of(kind):
     """The page of a kind."""
     return (DOCS / "writing" / f"{kind}.md").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("kind", kinds())
-def test_page_shows_the_code_of_a_new_plugin(kind: str):
+def test_page_shows_the_code_of_a_new_plugin(kind):
     """To the letter: who copies it from the page has what the command writes."""
     code = package_files(kind, PluginName(f"my-{kind}"))[f"my_{kind}/{kind}.py"]
     assert f"```python\n{code}```" in page_of(kind), f"docs/writing/{kind}.md shows other code than the template"
@@ -31,7 +31,7 @@ def test_page_of_robots_shows_their_settings():
 
 
 @pytest.mark.parametrize("kind", kinds())
-def test_page_answers_what_its_reader_asks(kind: str):
+def test_page_answers_what_its_reader_asks(kind):
     """How to begin, what the arguments are, which names count, how to check, time and publish."""
     page = page_of(kind)
     for text in (

@@ -17,34 +17,34 @@ ONCE = {"sim": "kinematic", "algo": "random", "reward": "arp", "steps": 4, "eval
 
 
 @pytest.fixture(scope="module", autouse=True)
-def _everything_is_imported(tmp_path_factory: pytest.TempPathFactory) -> None:
+def _everything_is_imported(tmp_path_factory):
     """A pytest within this process forgets what it was first to import, and others would import it twice."""
     train_cell(tmp_path_factory.mktemp("once") / "cell", **ONCE)
     harness.make_env("kinematic", reward="arp", robot="unity-arm").close()
 
 
 @pytest.fixture
-def pytester(pytester: pytest.Pytester) -> pytest.Pytester:
+def pytester(pytester):
     """A pytest of its own, in this process, with strict markers."""
     pytester.plugins = [PLUGIN]
     pytester.makeini("[pytest]\naddopts = --strict-markers -p no:cacheprovider\n")
     return pytester
 
 
-def _passes(pytester: pytest.Pytester, source: str, *arguments: str, **outcomes: int) -> pytest.RunResult:
+def _passes(pytester, source, *arguments, **outcomes):
     pytester.makepyfile(source)
     result = pytester.runpytest_inprocess("-p", PLUGIN, *arguments)
     result.assert_outcomes(**(outcomes or {"passed": 1}))
     return result
 
 
-def test_a_step_is_timed_in_one_line(pytester: pytest.Pytester):
+def test_a_step_is_timed_in_one_line(pytester):
     """With pytest-benchmark; here each call is made once."""
     source = "def test_step(benchmark, stepping):\n    benchmark(stepping('kinematic', 64))\n"
     _passes(pytester, source, "--benchmark-disable")
 
 
-def test_stepping_drives_all_arms_for_a_period(pytester: pytest.Pytester):
+def test_stepping_drives_all_arms_for_a_period(pytester):
     """Where they are told to be; the simulator is closed when the test ends."""
     _passes(
         pytester,
@@ -76,7 +76,7 @@ def test_stepping_drives_all_arms_for_a_period(pytester: pytest.Pytester):
     )
 
 
-def test_the_marker_says_what_fixtures_are_made_of(pytester: pytest.Pytester):
+def test_the_marker_says_what_fixtures_are_made_of(pytester):
     """What is nearest to the test wins; without one it is an arm without an engine."""
     _passes(
         pytester,
@@ -98,7 +98,7 @@ def test_the_marker_says_what_fixtures_are_made_of(pytester: pytest.Pytester):
     )
 
 
-def test_a_cell_is_trained_and_evaluated(pytester: pytest.Pytester):
+def test_a_cell_is_trained_and_evaluated(pytester):
     """In this process: its folder, and what its manifest says."""
     _passes(
         pytester,
@@ -124,7 +124,7 @@ def test_a_cell_is_trained_and_evaluated(pytester: pytest.Pytester):
         ("num_envs=0", "num_envs=0: must be at least 1"),
     ],
 )
-def test_a_marker_that_nobody_understands_is_an_error(pytester: pytest.Pytester, marker: str, told: str):
+def test_a_marker_that_nobody_understands_is_an_error(pytester, marker, told):
     """It says what was given and what there is."""
     source = f"import pytest\n@pytest.mark.harness({marker})\ndef test_it(simulation):\n    pass\n"
     result = _passes(pytester, source, errors=1)
@@ -148,7 +148,7 @@ def test_pytest_finds_it_by_its_entry_point():
     assert points == {PLUGIN: "harness_plugins.kit.pytest_plugin"}
 
 
-def test_the_fixtures_are_those_of_the_page(pytester: pytest.Pytester):
+def test_the_fixtures_are_those_of_the_page(pytester):
     """The last snippet of docs/authoring.md passes as it stands."""
     page = (ROOT / "docs" / "authoring.md").read_text(encoding="utf-8")
     snippet = page.rsplit("```python\n", 1)[1].split("```")[0]

@@ -1,6 +1,5 @@
 """An environment whose rewards the tests know, and what writes files with it."""
 
-from collections.abc import Sequence
 from typing import Any
 
 import gymnasium
@@ -16,13 +15,13 @@ class Counted(gymnasium.Env[Any, Any]):
         self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (1,), np.float32)
         self._episode, self._step = -1, 0
 
-    def reset(self, **kwargs: Any) -> tuple[Any, dict[str, Any]]:
+    def reset(self, **kwargs):
         """Begin the next episode."""
         super().reset(seed=kwargs.get("seed"))
         self._episode, self._step = self._episode + 1, 0
         return np.zeros(1, np.float32), {}
 
-    def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+    def step(self, action):
         """Pay, and end after so many steps."""
         self._step += 1
         info = {"is_success": self._episode % 2 == 1, "distance": 0.5 * self._episode, "phase": "reach"}
@@ -30,7 +29,7 @@ class Counted(gymnasium.Env[Any, Any]):
         return np.zeros(1, np.float32), -1.25 - self._episode / 8, ends, False, info
 
 
-def returns_of(episodes: Sequence[int]) -> list[float]:
+def returns_of(episodes):
     """Returns of episodes of `Counted`, by their numbers."""
     return [(-1.25 - episode / 8) * (episode + 2) for episode in episodes]
 

@@ -1,9 +1,5 @@
 """Files are written, and read by a format that recognises them."""
 
-from pathlib import Path
-from typing import Any
-
-from harness.log import Log
 from harness.log.open_log import formats_of
 from harness.registry import load_registry
 
@@ -17,21 +13,21 @@ class Reader:
         """By the names of the format and of the files that are written."""
         self.make, self.file = type(FORMATS[name]), file
 
-    def is_recognised(self, path: Path) -> bool:
+    def is_recognised(self, path):
         """Whether the format says that it is its own."""
         return self.make().recognises(path, path.read_bytes()[:4096] if path.is_file() else b"")
 
-    def logs(self, path: Path, **settings: Any) -> list[Log]:
+    def logs(self, path, **settings):
         """Those of a file that the format recognises."""
         assert self.is_recognised(path)
         return list(self.make(**settings).read(path))
 
-    def __call__(self, path: Path, **settings: Any) -> Log:
+    def __call__(self, path, **settings):
         """The one log of it."""
         [log] = self.logs(path, **settings)
         return log
 
-    def written(self, folder: Path, text: str, name: str = "") -> Path:
+    def written(self, folder, text, name=""):
         """A file with this text."""
         path = folder / (name or self.file)
         path.write_bytes(text.encode())

@@ -3,15 +3,11 @@
 The layout is that of https://github.com/Farama-Foundation/D4RL/wiki: arrays of one row for each step, of all episodes.
 """
 
-from pathlib import Path
-from typing import Any
-
 import h5py
 import numpy as np
 import pytest
 
 from harness.errors import SchemaError, UsageError
-from harness.log import Rows
 from harness_plugins.audit import audit_dataset
 from tests.record.dataset.written import opened
 
@@ -22,7 +18,7 @@ TERMINALS = np.isin(np.arange(STEPS), ENDS[:1])
 TIMEOUTS = np.isin(np.arange(STEPS), ENDS[1:])
 
 
-def write(path: Path, **arrays: Any) -> str:
+def write(path, **arrays):
     """A file of three episodes; the first one ends, the others are cut. None leaves an array out."""
     rng = np.random.default_rng(0)
     told = {
@@ -44,13 +40,13 @@ def write(path: Path, **arrays: Any) -> str:
     return f"d4rl:{path}"
 
 
-def stored(text: str, key: str) -> np.ndarray:
+def stored(text, key):
     """What stands in the file."""
     with h5py.File(text.removeprefix("d4rl:"), "r") as file:
         return np.asarray(file[key])
 
 
-def read(text: str, **settings: object) -> Rows:
+def read(text, **settings):
     """All columns of the log."""
     return opened(text, **settings).rows()
 

@@ -1,7 +1,6 @@
 """Tables of episodes as scripts of others write them; tables of steps are none."""
 
 import csv
-from typing import Any
 
 import gymnasium
 import numpy as np
@@ -23,7 +22,7 @@ def test_episodes_of_gymnasiums_own_statistics_are_read(tmp_path):
     rows = []
     for episode in range(5):
         env.reset(seed=episode)
-        info: dict[str, Any] = {}
+        info = {}
         while "episode" not in info:
             *_, info = env.step(np.zeros(1, np.float32))
         rows.append((episode, float(info["episode"]["r"]), int(info["episode"]["l"])))

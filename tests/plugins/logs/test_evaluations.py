@@ -2,8 +2,6 @@
 
 import warnings
 import zipfile
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -14,7 +12,7 @@ from tests.plugins.logs.reading import Reader
 read = Reader("evaluations")
 
 
-def saved(folder: Path, **arrays: Any) -> Path:
+def saved(folder, **arrays):
     """A file with these arrays."""
     path = folder / "evaluations.npz"
     np.savez(path, **arrays)

@@ -1,13 +1,11 @@
 """What holds for all registered formats of logs."""
 
 import os
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from harness.errors import HarnessError
-from harness.log import Log
 from harness.log.open_log import open_logs
 from harness.registry import load_registry
 from tests.plugins.logs.reading import FORMATS
@@ -76,7 +74,7 @@ def test_an_example_has_returns_or_success_in_every_row(tmp_path_factory, subtes
                 assert log.facts.unit in ("episode", "point")
 
 
-def read_or_refused(name: str, path: Path) -> tuple[Log, ...]:
+def read_or_refused(name, path):
     """The logs of a damaged file; none if it is refused, in one line that names it."""
     try:
         return tuple(FORMATS[name].read(path))

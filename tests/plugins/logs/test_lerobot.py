@@ -50,7 +50,7 @@ def test_names_and_rewards_come_from_the_data_set(tmp_path):
     assert (log.facts.success, log.facts.operator) == ("next.success", "operator")
 
 
-def _frames(steps: int, **columns: object) -> dict[str, object]:
+def _frames(steps, **columns):
     return {"observation.state": np.ones((steps, 3)), "action": np.ones((steps, 2)), **columns}
 
 

@@ -7,12 +7,11 @@ import numpy as np
 import pytest
 
 from harness.errors import NewerFormat, SchemaError, UsageError
-from harness.log import Rows
 from harness_plugins.datasets import dataset as sizes
 from tests.record.dataset.written import episode, opened, write_minari
 
 
-def read(text: str, **settings: object) -> Rows:
+def read(text, **settings):
     """All columns of a data set."""
     return opened(text, **settings).rows()
 

@@ -2,9 +2,6 @@
 
 import json
 import warnings
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -18,7 +15,7 @@ HEADER = '#{"t_start": 1700000000.5, "env_id": "Toy-v0"}\n'
 ROWS = "-3.5,10,0.5\n-2.25,12,1.25\n-1.0,9,2.0\n"
 
 
-def monitored(make: Callable[[], Any], path: Path, episodes: int, **keywords: Any) -> Any:
+def monitored(make, path, episodes, **keywords):
     """The library's Monitor, closed after so many episodes."""
     from stable_baselines3.common.monitor import Monitor as Wrapper
 

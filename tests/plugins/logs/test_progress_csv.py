@@ -2,9 +2,6 @@
 
 import csv
 import json
-from collections.abc import Mapping, Sequence
-from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -17,7 +14,7 @@ read = Reader("progress-csv", "progress.csv")
 written = read.written
 
 
-def logged(folder: Path, reports: Sequence[Mapping[str, Any]]) -> Path:
+def logged(folder, reports):
     """What stable-baselines3's own logger wrote of reports."""
     logger = pytest.importorskip("stable_baselines3.common.logger", reason="needs the extra sb3")
     writer = logger.CSVOutputFormat(str(folder / "progress.csv"))
@@ -27,7 +24,7 @@ def logged(folder: Path, reports: Sequence[Mapping[str, Any]]) -> Path:
     return folder / "progress.csv"
 
 
-def by_ray(folder: Path, results: Sequence[Mapping[str, Any]], starts: Sequence[int] = (0,)) -> Path:
+def by_ray(folder, results, starts=(0,)):
     """What Ray's CSVLoggerCallback writes: a header of the first result, then rows by the keys of each start.
 
     Ray's own needs pandas, and a trial that runs; the files of both were compared.
@@ -49,7 +46,7 @@ def by_ray(folder: Path, results: Sequence[Mapping[str, Any]], starts: Sequence[
     return path
 
 
-def flattened(nested: Mapping[str, Any]) -> dict[str, Any]:
+def flattened(nested):
     """Names of inner keys behind those of outer ones, ``a/b``; they come after the keys of outer ones."""
     flat = dict(nested)
     while any(isinstance(value, dict) for value in flat.values()):

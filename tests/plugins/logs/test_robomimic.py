@@ -5,8 +5,6 @@ The layout is that of https://robomimic.github.io/docs/datasets/overview.html.
 
 import json
 from contextlib import contextmanager
-from pathlib import Path
-from typing import Any
 
 import h5py
 import numpy as np
@@ -20,7 +18,7 @@ LENGTHS = (3, 5, 4)
 ARGS = {"env_name": "Lift", "env_type": 1, "env_kwargs": {"robots": ["Panda"]}}
 
 
-def write(path: Path, drop: tuple[str, ...] = (), masks: dict[str, list[str]] | None = None, **attrs: Any) -> str:
+def write(path, drop=(), masks=None, **attrs):
     """A file of three demonstrations, without what is dropped; `attrs` are those of ``data``."""
     rng = np.random.default_rng(0)
     with h5py.File(path, "w") as file:
@@ -44,7 +42,7 @@ def write(path: Path, drop: tuple[str, ...] = (), masks: dict[str, list[str]] | 
     return f"robomimic:{path}"
 
 
-def stored(path: Path, key: str) -> np.ndarray:
+def stored(path, key):
     """What stands in the file."""
     with h5py.File(path, "r") as file:
         return np.concatenate([np.asarray(file[f"data/demo_{number}/{key}"]) for number in range(len(LENGTHS))])

@@ -1,8 +1,6 @@
 """Event files that TensorBoard's own writers, torch's and stable-baselines3 write, and what happens to such files."""
 
 import warnings
-from collections.abc import Iterable, Mapping
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,7 +13,7 @@ pytest.importorskip("tensorboard", reason="needs the extra tensorboard")
 REWARD, SUCCESS, LENGTH = "rollout/ep_rew_mean", "rollout/success_rate", "rollout/ep_len_mean"
 
 
-def write(folder: Path, tags: Mapping[str, Iterable[tuple[int, float]]], stamp: int = 1) -> Path:
+def write(folder, tags, stamp=1):
     """An event file by TensorBoard's own writer of records, as old writers keep scalars; its path."""
     from tensorboard.compat.proto.event_pb2 import Event
     from tensorboard.compat.proto.summary_pb2 import Summary
@@ -37,7 +35,7 @@ def write(folder: Path, tags: Mapping[str, Iterable[tuple[int, float]]], stamp: 
 read = Reader("tensorboard")
 
 
-def curve(begin: int, end: int) -> list[tuple[int, float]]:
+def curve(begin, end):
     """A point each 10 steps."""
     return [(step, step / 4) for step in range(begin, end, 10)]
 

@@ -1,9 +1,5 @@
 """Charts and histories as Weights & Biases exports them."""
 
-from collections.abc import Sequence
-from pathlib import Path
-from typing import Any
-
 import pytest
 
 from harness.errors import UsageError
@@ -14,7 +10,7 @@ TAG = "charts/episodic_return"
 read = Reader("wandb-csv")
 
 
-def chart(folder: Path, names: Sequence[str], rows: Sequence[Sequence[Any]], axis: str = "global_step") -> Path:
+def chart(folder, names, rows, axis="global_step"):
     """A chart in the form of the service's page: every cell in quotes, each curve with its least and greatest."""
     path = folder / "wandb_export_2026-01-01T00_00_00.csv"
     header = [axis, *(f"{name}{end}" for name in names for end in ("", "__MIN", "__MAX"))]

@@ -1,6 +1,6 @@
 """What a training by stable-baselines3 tells, and when it ends."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from types import SimpleNamespace
 from typing import Any
 
@@ -26,11 +26,11 @@ class Told(Progress):
         self.policies: list[tuple[int, Any]] = []
         self.told: list[tuple[int, Mapping[str, float]]] = []
 
-    def policy(self, steps: int, make: Callable[[], Any]) -> None:
+    def policy(self, steps, make):
         """Kept."""
         self.policies.append((steps, make()))
 
-    def scalars(self, steps: int, values: Mapping[str, float]) -> None:
+    def scalars(self, steps, values):
         """Kept."""
         self.told.append((steps, values))
 
@@ -49,7 +49,7 @@ def stand(adapter):
 
 def watch(env, told, budget=10_000, **logged):
     """The callback of a model that logged something, before its first step; an update comes every 12 decisions."""
-    callback: Any = ProgressCallback(env, told, budget, lambda model: f"policy of {model.name}", 12)  # type: ignore[arg-type, return-value]
+    callback = ProgressCallback(env, told, budget, lambda model: f"policy of {model.name}", 12)  # type: ignore[arg-type, return-value]
     names = {f"train/{name}": value for name, value in logged.items()}
     callback.model = SimpleNamespace(name="the model", logger=SimpleNamespace(name_to_value=names))
     callback.locals = {"rewards": np.zeros(env.num_envs), "dones": np.zeros(env.num_envs, bool)}

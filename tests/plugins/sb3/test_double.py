@@ -3,8 +3,6 @@
 Three choices; both networks are linear without a bias, so that Q(s, a) of the one-hot state s = i is weight[a, i].
 """
 
-from typing import Any
-
 import gymnasium
 import numpy as np
 import pytest
@@ -29,7 +27,7 @@ class Line(gymnasium.Env[np.ndarray, int]):
     observation_space = gymnasium.spaces.Box(0.0, 1.0, (2,), np.float32)
     action_space = gymnasium.spaces.Discrete(3)
 
-    def reset(self, *, seed: Any = None, options: Any = None) -> tuple[np.ndarray, dict[str, Any]]:
+    def reset(self, *, seed=None, options=None):
         """Nowhere."""
         return np.zeros(2, np.float32), {}
 

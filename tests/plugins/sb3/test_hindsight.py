@@ -9,7 +9,6 @@ import torch
 from gymnasium.spaces import Box, Dict
 from stable_baselines3 import SAC, HerReplayBuffer
 
-from harness.algorithm import Goals
 from harness.experiment.environments.batch import EnvironmentBatch
 from harness.progress import Progress
 from harness.recorder.record_rewards import RecordRewards
@@ -27,29 +26,29 @@ class _Line(gymnasium.Env[Any, Any]):
         self.observation_space = Dict({"achieved_goal": box, "desired_goal": box, "observation": box})
         self.action_space = Box(-1.0, 1.0, (1,), np.float32)
 
-    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+    def reset(self, *, seed=None, options=None):
         super().reset(seed=seed)
         self.at, self.moved, self.steps = np.zeros(1, np.float32), np.zeros(1, np.float32), 0
         self.goal = self.np_random.uniform(-1.0, 1.0, 1).astype(np.float32)
         return self._observed(), {}
 
-    def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+    def step(self, action):
         self.moved = 0.3 * action
         self.at, self.steps = self.at + self.moved, self.steps + 1
         paid = self.compute_reward(self.at[np.newaxis], self.goal[np.newaxis], [{}])
         return self._observed(), float(paid[0]), False, self.steps == 9, {}
 
-    def compute_reward(self, achieved: Any, desired: Any, infos: Any) -> Any:
+    def compute_reward(self, achieved, desired, infos):
         return -(np.abs(achieved - desired)[:, 0] > 0.2).astype(np.float32)
 
-    def _observed(self) -> dict[str, Any]:
+    def _observed(self):
         return {"achieved_goal": self.at, "desired_goal": self.goal, "observation": self.moved}
 
 
 class _SeededOnce(gymnasium.Wrapper[Any, Any, Any, Any]):
     """Begins as the harness begins: an episode with a seed, which nobody plays, and one without."""
 
-    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+    def reset(self, *, seed=None, options=None):
         if seed is not None:
             self.env.reset(seed=7)
         return self.env.reset()
@@ -60,7 +59,7 @@ def model():
     """A model that has gathered 60 steps in two envs."""
     env = WatchedEnv(2, with_goals=True)
     env.reset(seed=0)
-    settings: Any = {"replay_buffer_class": HerReplayBuffer, "policy_kwargs": {"net_arch": [8]}, "buffer_size": 200}
+    settings = {"replay_buffer_class": HerReplayBuffer, "policy_kwargs": {"net_arch": [8]}, "buffer_size": 200}
     return HindsightSAC("MultiInputPolicy", GoalEnvAdapter(env), seed=0, device="cpu", **settings).learn(60)
 
 
@@ -74,7 +73,7 @@ def test_the_policy_sees_what_the_network_sees(model):
 def test_steps_are_paid_again_by_the_reward_of_the_training(model):
     """Each step of a batch has the goal that it is paid for, most of them another one than they had."""
     batch = model.replay_buffer.sample(50)
-    goals: Goals = model.env.env.goals
+    goals = model.env.env.goals
     seen = {name: part.numpy() for name, part in batch.next_observations.items()}
     in_hindsight = slice(50 - 40, None)  # the last four fifths
     again = goals.pay(seen["achieved_goal"].astype(float), seen["desired_goal"].astype(float))
@@ -99,18 +98,18 @@ def test_nothing_is_learned_before_an_episode_ends():
     """What follows on a step is its goal: of an episode under way it is not known."""
     env = WatchedEnv(1, with_goals=True)
     env.reset(seed=0)
-    settings: Any = {"replay_buffer_class": HerReplayBuffer, "buffer_size": 99, "policy_kwargs": {"net_arch": [8]}}
+    settings = {"replay_buffer_class": HerReplayBuffer, "buffer_size": 99, "policy_kwargs": {"net_arch": [8]}}
     model = HindsightSAC("MultiInputPolicy", GoalEnvAdapter(env), learning_starts=2, seed=0, device="cpu", **settings)
     assert model.learn(15)._n_updates == 0
 
 
 def test_it_learns_what_the_library_learns_by_itself(tmp_path):
     """In the same env, with the same settings and seed: the same network in the end."""
-    settings: Any = {"learning_starts": 30, "batch_size": 16, "gamma": 0.9, "learning_rate": 1e-3}
+    settings = {"learning_starts": 30, "batch_size": 16, "gamma": 0.9, "learning_rate": 1e-3}
     env = _Line()
-    rewards: Any = {"own": "own"}
+    rewards = {"own": "own"}
     recorded = RecordRewards(env, tmp_path, trained_with="own", rewards=rewards, pay=True)
-    batch: Any = EnvironmentBatch([recorded], lambda achieved, desired: env.compute_reward(achieved, desired, []))
+    batch = EnvironmentBatch([recorded], lambda achieved, desired: env.compute_reward(achieved, desired, []))
     batch.reset(seed=7)
     policy = Her(net_arch=(8,), ent_coef="0.1", **settings).train(batch, 200, 3, Progress())
     batch.close()

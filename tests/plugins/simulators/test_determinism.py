@@ -84,7 +84,7 @@ def told_elsewhere():
         "print(json.dumps({f'{pair}': module.digest(module.record(*pair)) for pair in pairs}))\n"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    told: dict[str, str] = json.loads(done.stdout.splitlines()[-1])
+    told = json.loads(done.stdout.splitlines()[-1])
     return told
 
 

@@ -113,7 +113,7 @@ def test_arms_that_are_placed_where_they_stand_are_not_computed_again(monkeypatc
     """A decision that lasts repeats its pose: the state is the same, and the arms are at rest."""
     arms, poses = open_arms(3), random_poses(3)
     arms.drive(poses, PERIOD)
-    asked: list[int] = []
+    asked = []
     monkeypatch.setattr(arms, "_place_links", lambda qpos: asked.append(1))
     state = arms.place(poses.copy())
     assert not asked

@@ -61,7 +61,7 @@ def run(run_without_display, simulator, library, has_osmesa):
         pytest.skip("OSMesa is installed here: its absence cannot be tried")
 
     def call(code, **options):
-        done: Done = run_without_display(ENVS.format(simulator=simulator) + code, library=library, **options)
+        done = run_without_display(ENVS.format(simulator=simulator) + code, library=library, **options)
         assert (done.returncode, done.stderr) == (0, "")
         return done.stdout
 

@@ -1,7 +1,6 @@
 """docs/tasks.md."""
 
 from pathlib import Path
-from typing import Any
 
 from harness.registry import load_registry
 
@@ -14,7 +13,7 @@ def test_page_has_a_row(subtests):
     """Every built-in task is on the page, with its robot and its action."""
     for name in BUILT_IN:
         with subtests.test(name=name):
-            task: Any = REGISTRY.get("tasks", name).load()()
+            task = REGISTRY.get("tasks", name).load()()
             (row,) = [line for line in PAGE.splitlines() if line.startswith(f"| `{name}` |")]
             assert f"| {task.robot} |" in row
             assert f"| `{task.action}` |" in row

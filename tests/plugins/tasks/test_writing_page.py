@@ -2,7 +2,6 @@
 
 import re
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -20,7 +19,7 @@ ROBOT = harness.load_robot("fd100")
 def task():
     """The page's, which is not the one that `harness new-plugin` writes."""
     (code,) = [code for code in re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL) if "(Goal)" in code]
-    names: dict[str, Any] = {"__name__": __name__}
+    names = {"__name__": __name__}
     exec(code, names)
     return names["ReachFromAbove"]()
 

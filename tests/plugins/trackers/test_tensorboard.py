@@ -2,17 +2,15 @@
 
 import subprocess
 import sys
-from collections.abc import Callable
 
 import pytest
 
-from harness.tracker import TrackedCell
 from harness_plugins.trackers.tensorboard import TensorBoard
 
 pytest.importorskip("tensorboard", reason="needs the extra tensorboard")
 
 
-def test_numbers_are_read_back(tracked: TrackedCell, read_events: Callable):
+def test_numbers_are_read_back(tracked, read_events):
     """By name, with their steps, of a cell that goes on too, and before it ends."""
     for steps in (100, 200):
         track = TensorBoard().begin(tracked)
@@ -25,7 +23,7 @@ def test_numbers_are_read_back(tracked: TrackedCell, read_events: Callable):
     track.end("done", "")
 
 
-def test_the_folder_is_named_for_people_and_for_one_cell(tracked: TrackedCell):
+def test_the_folder_is_named_for_people_and_for_one_cell(tracked):
     """By title and id."""
     TensorBoard().begin(tracked).end("done", "")
     [folder] = (tracked.folder / "tensorboard").iterdir()

@@ -1,17 +1,15 @@
 """Weights & Biases, offline."""
 
 import time
-from pathlib import Path
 
 import pytest
 
-from harness.tracker import TrackedCell
 from harness_plugins.trackers.wandb import WandB
 
 wandb = pytest.importorskip("wandb", reason="needs the extra wandb")
 
 
-def _records(folder: Path) -> list:
+def _records(folder):
     """What the only offline run of a folder holds, once its end is there: another process writes it."""
     until = time.monotonic() + 20.0
     while not any(record.HasField("exit") for record in _written(folder)):
@@ -20,7 +18,7 @@ def _records(folder: Path) -> list:
     return _written(folder)
 
 
-def _written(folder: Path) -> list:
+def _written(folder):
     """A header, then records of checksum, length, kind and content."""
     from wandb.proto import wandb_internal_pb2
 
@@ -35,7 +33,7 @@ def _written(folder: Path) -> list:
     return found
 
 
-def test_an_offline_run_holds_cell_and_numbers(tracked: TrackedCell):
+def test_an_offline_run_holds_cell_and_numbers(tracked):
     """Its name, group, parameters and curve, and how it ended."""
     wandb.teardown()  # what a test before this one left in the process, its folder among it
     track = WandB(mode="offline", project="arms").begin(tracked)
@@ -52,7 +50,7 @@ def test_an_offline_run_holds_cell_and_numbers(tracked: TrackedCell):
     assert [record.exit.exit_code for record in records if record.HasField("exit")] == [1]
 
 
-def test_who_is_not_logged_in_is_told_how(monkeypatch: pytest.MonkeyPatch):
+def test_who_is_not_logged_in_is_told_how(monkeypatch):
     """Before anything starts; offline nobody has to be."""
     monkeypatch.setattr(wandb, "login", lambda **options: False)
     assert "wandb login" in WandB().why_not()

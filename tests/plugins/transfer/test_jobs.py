@@ -7,7 +7,6 @@ import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TypeAlias
 
 import numpy as np
 import pytest
@@ -34,7 +33,7 @@ from harness_plugins.transfer.jobs import evaluate_elsewhere
 EASY = "fd100-reach:epsilon=0.25,horizon=40"
 """Acting at random reaches some targets; an arm that does not move reaches none."""
 
-Train: TypeAlias = Callable[..., Results]
+Train = Callable[..., Results]
 
 
 @pytest.fixture

@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Callable
-from typing import TypeAlias
 
 import numpy as np
 import pytest
@@ -17,7 +16,7 @@ from harness_plugins.transfer.record import policy_digest
 HOME, AWAY = Choice("ideal", (), "ideal"), Choice("stuck", (), "stuck")
 REASON = "RuntimeError: it fell"
 
-Train: TypeAlias = Callable[..., Results]
+Train = Callable[..., Results]
 
 
 @pytest.fixture

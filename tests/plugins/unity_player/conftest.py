@@ -58,7 +58,7 @@ def start(player):
     """Starts a player with options, and returns envs of it; all are closed at the end."""
     from harness_plugins.environments.unity import Unity
 
-    made: list[Any] = []
+    made = []
 
     def begin(*options, count=1, patience=10.0, **parameters):
         unity = Unity(file=str(player(*options)), patience=patience, **parameters)

@@ -155,7 +155,7 @@ def experimenters_rows(path):
     """Rows in the experimenters' form: one with reward 0 at each start, and the best distance before each step."""
     import csv
 
-    rows: list[tuple[int, float, float, float, dict[str, float]]] = []
+    rows = []
     best, episode, targets = np.inf, None, 0.0
     for row in csv.DictReader(path.read_text().splitlines()):
         begin, distance = float(row["behaviour_begin_distance"]), float(row["behaviour_final_distance"])

@@ -4,20 +4,20 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from harness.log import Log, LogFacts, in_memory
+from harness.log import LogFacts, in_memory
 from harness.log.open_log import find_logs
 from harness.registry import load_registry
 from harness.results.logs.names import in_lockstep
 
 
-def log(lengths, at, *, started: float = 1.7e9) -> Log:
+def log(lengths, at, *, started=1.7e9):
     """Episodes of such lengths, which ended so many seconds after the file was begun."""
     facts = LogFacts(path=Path("monitor.csv"), format="Monitor", unit="episode", started=started)
     columns = {"length": np.asarray(lengths, float), "time": np.cumsum(lengths).astype(float)}
     return in_memory(facts, {**columns, "seconds": np.asarray(at, float), "reward/recorded": np.zeros(len(at))})
 
 
-def environments(rng, count: int = 4, episodes: int = 20, begun: float = 1.7e9) -> list[Log]:
+def environments(rng, count=4, episodes=20, begun=1.7e9):
     """Files of one training: each step of all of them takes some time, and so does learning every 64 steps."""
     lengths = rng.integers(5, 40, (count, episodes))
     ends = np.cumsum(lengths, axis=1)
@@ -28,7 +28,7 @@ def environments(rng, count: int = 4, episodes: int = 20, begun: float = 1.7e9) 
     ]
 
 
-def processes(rng, count: int = 4, episodes: int = 20) -> list[Log]:
+def processes(rng, count=4, episodes=20):
     """Files of several trainings that were begun together, on processes of which none is as fast as another."""
     lengths = rng.integers(5, 40, (count, episodes))
     pace = 1e-3 * (1 + 0.1 * np.arange(count))

@@ -15,7 +15,7 @@ LENGTHS = (("base", 20), ("arp", 10))
 PAY, SUCCESS = "reward/recorded", "behaviour/success"
 
 
-def episodes(name: str, count: int = 10, length: int = 5, **columns):
+def episodes(name, count=10, length=5, **columns):
     """A log of episodes, each of so many steps."""
     told = {
         key: columns.pop(key)

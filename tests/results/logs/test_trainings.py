@@ -1,5 +1,3 @@
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -13,7 +11,7 @@ def keys(found):
     return [(it.reward, it.seed, len(it.logs)) for it in found.trainings]
 
 
-def curve(path: Path, **facts):
+def curve(path, **facts):
     """A log of three points, whose numbers depend on its path."""
     points = np.arange(3.0) + sum(map(ord, str(path)))
     told = LogFacts(path=path, **{"format": "TensorBoard", "unit": "point", **facts})
@@ -31,7 +29,7 @@ def test_a_file_for_each_seed(monitor, sort):
     assert found.notes == ()
 
 
-def batch(monitor, folder: str, *, paid: float, envs: int = 3, started: float = 1.7e9) -> None:
+def batch(monitor, folder, *, paid, envs=3, started=1.7e9):
     """Files of environments that one training steps together."""
     for env in range(envs):
         ends = [number + 1e-4 * env for number in range(1, 7)]

@@ -1,8 +1,7 @@
 """Recorded trainings of a bandit whose learner's actions are fixed sequences, so that ruler and behaviour are known."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -14,9 +13,8 @@ from harness.record.recording.recording_writer import write_recording
 from harness.registry import load_registry
 from harness.results import Results
 from harness.results.recordings.read_runs import LooseStore
-from harness.results.recordings.study import Study
 
-PAYS: Mapping[str, Callable[[np.ndarray], np.ndarray]] = {
+PAYS = {
     "plain": lambda arms: arms + 1.0,
     "thrice": lambda a: 3.0 * a + 6.0,
 }
@@ -28,17 +26,17 @@ Record = Callable[..., Path]
 
 
 def record(
-    folder: Path,
-    trained_with: str,
-    seed: int | None,
-    arms: Sequence[float],
+    folder,
+    trained_with,
+    seed,
+    arms,
     *,
-    pays: Mapping[str, Callable[[np.ndarray], np.ndarray]] = PAYS,
-    failures: Mapping[str, int] = {},
-    behaviour: Mapping[str, Callable[[np.ndarray], np.ndarray]] | None = None,
-    ends: bool = True,
-    **facts: Any,
-) -> Path:
+    pays=PAYS,
+    failures: Mapping = {},
+    behaviour=None,
+    ends=True,
+    **facts,
+):
     """A training that pulls one arm throughout each episode.
 
     Args:
@@ -60,7 +58,7 @@ def record(
         for column, step in failures.items()
     )
 
-    def values(kind: str, functions: Mapping[str, Callable[[np.ndarray], np.ndarray]]) -> dict[str, np.ndarray]:
+    def values(kind, functions):
         return {
             f"{kind}/{name}": np.where(steps >= failures.get(f"{kind}/{name}", len(steps)), np.nan, function(pulled))
             for name, function in functions.items()
@@ -97,7 +95,7 @@ def study_folder(tmp_path):
     return tmp_path
 
 
-def load_study(folder: Path, metrics: Sequence[str] | str | None = None) -> Study:
+def load_study(folder, metrics=None):
     """The recorded trainings in a folder, compared."""
     results = Results(folder, load_registry(), metrics=metrics, store=LooseStore(folder))
     (found,) = results.studies

@@ -1,14 +1,11 @@
 """What is the same in recorded trainings."""
 
-from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
 
 from harness.eta import Answer, rescaling_of
-from harness.log import Log
 from harness.record import read_recording
 from harness.report import beside_answer
 from harness.report.page.answer import card_of
@@ -31,7 +28,7 @@ def test_the_reward_that_taught_is_no_difference(training):
     assert likeness_of(other).digest == likeness_of(training).digest != ""
 
 
-CHANGES: dict[str, Callable[[Log], dict[str, Any]]] = {
+CHANGES = {
     "a payment": lambda it: {"reward/plain": np.nextafter(it["reward/plain"], 9.0)},
     "a measure": lambda it: {"behaviour/arm": it["behaviour/arm"] + 1e-15},
     "an end": lambda it: {"truncated": np.roll(it["truncated"], 1)},

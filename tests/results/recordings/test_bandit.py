@@ -1,7 +1,6 @@
 """From an env to a verdict, with actions that are known beforehand: ruler and behaviour come out as they must."""
 
 from itertools import product
-from pathlib import Path
 from typing import Any
 
 import gymnasium
@@ -25,27 +24,27 @@ class Bandit(gymnasium.Env[Any, Any]):
     observation_space = Box(0, 4, (1,), np.float64)
     action_space = Box(0, 4, (1,), np.float64)
 
-    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+    def reset(self, *, seed=None, options=None):
         """The first pull comes."""
         super().reset(seed=seed)
         self.pulls = 0
         return np.zeros(1), {}
 
-    def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+    def step(self, action):
         """Pull."""
         self.pulls += 1
         return np.zeros(1), float(action[0]), self.pulls == PULLS, False, {"success": action[0] > 1.0}
 
 
-def pulled(reward: str, seed: int) -> list[float]:
+def pulled(reward, seed):
     """The action of every episode of a training, four times each."""
     best = {"plain": 1.05, "scaled": 2.0, "shifted": 0.5}[reward]
     return [(best + 0.1 * seed) * (episode + 1) / EPISODES for episode in range(EPISODES)]
 
 
-def train(folder: Path, reward: str, seed: int, evaluated: bool = False) -> None:
+def train(folder, reward, seed, evaluated=False):
     """A learner that does not learn."""
-    given: dict[str, Any] = {
+    given = {
         "trained_with": reward,
         "rewards": {
             "plain": lambda before, action, after, info: float(action[0]),
@@ -77,7 +76,7 @@ def study(tmp_path_factory):
     return load_study(folder)
 
 
-def own(reward: str, manner: str) -> float:
+def own(reward, manner):
     """Mean return of the trainings by a reward, paid by the env itself."""
     part = {TRAINING: slice(None), LAST: slice(-2, None), EVALUATION: slice(-1, None)}[manner]
     return float(np.mean([PULLS * np.mean(pulled(reward, seed)[part]) for seed in range(SEEDS)]))

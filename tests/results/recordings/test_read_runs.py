@@ -1,7 +1,6 @@
 """Recordings below a folder: which training each evaluation belongs to, and what does not belong there."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
@@ -12,7 +11,7 @@ from harness.results.recordings.read_runs import read_all, read_runs
 from tests.results.recordings.conftest import PAYS, record
 
 
-def evaluated(folder: Path, acted: str, after: int) -> Path:
+def evaluated(folder, acted, after):
     """A training by each reward, and one evaluation of both policies."""
     for reward in PAYS:
         record(folder / reward, reward, 0, [0.1, 0.2, 0.3])
@@ -54,7 +53,7 @@ def test_an_experiment_itself_is_read(tmp_path):
     assert (len(runs), damaged) == (1, [])
 
 
-def told(folder: Path) -> str:
+def told(folder):
     """The notes on the recordings."""
     return "\n".join(read_runs(folder).notes)
 

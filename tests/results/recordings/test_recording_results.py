@@ -20,7 +20,7 @@ from tests.results.recordings.conftest import load_study
 @pytest.fixture
 def opened(monkeypatch):
     """How often each Parquet file is opened."""
-    counts: Counter[str] = Counter()
+    counts = Counter()
     real = pq.ParquetFile
 
     def open_file(path, **options):
@@ -31,7 +31,7 @@ def opened(monkeypatch):
     return counts
 
 
-def _told(folder: Path) -> str:
+def _told(folder):
     return json.dumps(load_study(folder).to_json())
 
 
@@ -91,7 +91,7 @@ def test_folder_that_allows_no_writing_is_read_all_the_same(study_folder, opened
 
 def test_columns_that_are_not_asked_for_are_not_read(study_folder, monkeypatch):
     """But for those by which steps are seen to follow one another."""
-    asked: list[str] = []
+    asked = []
     monkeypatch.setattr(recorded_training, "read_part", lambda *given: asked.extend(given[2]) or read_part(*given))
     assert len(read_recording(study_folder / "plain-0")["reward/thrice"]) == 200
     assert asked == ["time", "env", "episode", "step", "reward_thrice"]

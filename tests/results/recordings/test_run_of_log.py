@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -16,9 +15,9 @@ from harness.results.recordings.runs import run_of
 from harness.results.recordings.study import studies_of_runs
 
 
-def _episodes(reward: str, seed: int | None, returns: list[float], **facts: Any) -> Log:
+def _episodes(reward, seed, returns, **facts):
     """A log of episodes of ten steps each, as a Monitor writes it."""
-    told: dict[str, Any] = {"path": Path(f"{reward}-{seed}"), "format": "Monitor", "unit": "episode", **facts}
+    told = {"path": Path(f"{reward}-{seed}"), "format": "Monitor", "unit": "episode", **facts}
     columns = {
         "reward/recorded": np.array(returns),
         "behaviour/success": (np.array(returns) > 0.0).astype(float),
@@ -36,7 +35,7 @@ def test_episodes_are_rows_of_a_log_of_episodes():
     assert found.behaviour["success"].tolist() == [1.0, 0.0, 1.0]
 
 
-def _steps(rows: int, **more: np.ndarray) -> Log:
+def _steps(rows, **more):
     """Steps of three envs in turns, whose episodes have three, four and five steps."""
     tick, env = np.divmod(np.arange(rows), 3)
     columns = {

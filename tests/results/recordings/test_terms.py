@@ -1,7 +1,6 @@
 """Terms of rewards in environments, read from recordings; and one reward alone."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -21,7 +20,7 @@ PAYS = {
 }
 
 
-def _record(folder: Path, trained_with: str, seed: int, arms: np.ndarray, **facts) -> Path:
+def _record(folder, trained_with, seed, arms, **facts):
     """A recording whose rewards have terms."""
     record(folder, trained_with, seed, arms, pays=PAYS, **facts)
     recording = read_recording(folder).load()

@@ -1,7 +1,7 @@
 """What a hand does in each environment: good behaviour, and the cheats. Each begins an episode anew."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -139,7 +139,7 @@ def _sign(place):
     return lambda: lambda seen: 2 * (seen[place] > 0.0)
 
 
-POLICIES: Mapping[str, Callable[[], Policy]] = {
+POLICIES = {
     "swing up": lambda: _swing_up,
     "spin": lambda: _spin,
     "stand, then spin": _stand_then_spin,

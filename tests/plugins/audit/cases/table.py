@@ -38,19 +38,19 @@ class Case:
     success: str = ""
 
     @property
-    def name(self) -> str:
+    def name(self):
         """Short, for tables."""
         _, _, rest = self.subject.partition("id=")
         return f"{rest.replace('made_with=', '').replace(',', ' ') or self.subject} {self.reward}"
 
     @property
-    def files(self) -> list[str]:
+    def files(self):
         """Those that ``--plugin`` names."""
         path = FOLDER / self.folder
         return [] if not self.folder else [str(path)] if path.is_file() else sorted(map(str, path.glob("*.py")))
 
     @property
-    def command(self) -> list[str]:
+    def command(self):
         """What is typed behind ``harness``."""
         told = ["--success", self.success] if self.success else []
         return ["audit", self.subject, "--reward", self.reward, *(it for file in self.files for it in ("--plugin", file)), *told]  # fmt: skip  # noqa: E501

@@ -2,7 +2,6 @@
 
 import io
 from dataclasses import dataclass, replace
-from typing import Any
 
 import gymnasium
 import numpy as np
@@ -43,7 +42,7 @@ class Line:
     space = gymnasium.spaces.Box(-1, 1, (1,), np.float32)
     observes = gymnasium.spaces.Box(-9, 9, (1,), np.float64)
 
-    def show(self, start: int, actions: Any) -> Shown:
+    def show(self, start, actions):
         """Move by a tenth of each action."""
         begun = self.at if self.leaks else 0.01 * start
         at = begun + np.cumsum(0.1 * actions[:, 0].astype(float))
@@ -55,13 +54,13 @@ class Line:
             start, actions[:steps], near + cost, {"near": near, "cost": cost}, at > 1.0, {"at": at}, ended
         )  # fmt: skip
 
-    def play(self, starts: Any, actions: Any) -> Any:
+    def play(self, starts, actions):
         """Not asked."""
         raise NotImplementedError
 
     act = play
 
-    def close(self) -> None:
+    def close(self):
         """Nothing."""
 
 

@@ -1,7 +1,6 @@
 """What a check was asked for, on its way to another process."""
 
 import json
-from pathlib import Path
 
 import pytest
 
@@ -9,7 +8,7 @@ from harness.errors import UsageError
 from harness_plugins.kit.inspection.finding import Asked, read_plugins
 
 
-def test_what_was_asked_for_survives_the_way_through_json(tmp_path: Path):
+def test_what_was_asked_for_survives_the_way_through_json(tmp_path):
     """With the text of a plugin file, and of the modules that lie beside it."""
     (tmp_path / "beside.py").write_text("FACTOR = 2\n")
     (tmp_path / "mine.py").write_text(
@@ -26,7 +25,7 @@ def test_class_is_not_imported():
     assert read_plugins(["no_such_package:Class", "no_such_package:Class"]) == ((), ("no_such_package:Class",))
 
 
-def test_file_that_is_not_there_is_refused(tmp_path: Path):
+def test_file_that_is_not_there_is_refused(tmp_path):
     """Before any process is started."""
     with pytest.raises(UsageError, match=r"mine\.py"):
         read_plugins([str(tmp_path / "mine.py")])

@@ -30,7 +30,7 @@ Thread 0x00008e (most recent call first):
         (-250, "signal 250 ended the process"),
     ],
 )
-def test_each_end_has_its_words(status: int, words: str):
+def test_each_end_has_its_words(status, words):
     """Who ended it, and how."""
     assert ending_in_words(status).startswith(words)
 

@@ -1,11 +1,9 @@
 """What is checked, opened in this process."""
 
-from pathlib import Path
-
 import pytest
 
 from harness_plugins.kit.inspection.finding import Asked, read_plugins
-from harness_plugins.kit.inspection.subject import Subject, open_subject, run_check
+from harness_plugins.kit.inspection.subject import open_subject, run_check
 
 SOURCE = """
 from dataclasses import dataclass
@@ -22,10 +20,10 @@ class Mine:
 
 
 @pytest.fixture
-def opened(tmp_path: Path):
+def opened(tmp_path):
     """Opens a reward in a file, whose module begins with `top` and which pays `value`."""
 
-    def open_reward(top: str = "", value: str = "-sample.distance", name: str = "mine") -> Subject:
+    def open_reward(top="", value="-sample.distance", name="mine"):
         (tmp_path / "mine.py").write_text(SOURCE.format(top=top, value=value))
         files, _ = read_plugins([str(tmp_path / "mine.py")])
         return open_subject(Asked(name, files=files), tmp_path / "notes.txt")
@@ -33,7 +31,7 @@ def opened(tmp_path: Path):
     return open_reward
 
 
-def test_notes_tell_what_is_done(opened, tmp_path: Path):
+def test_notes_tell_what_is_done(opened, tmp_path):
     """If that ends the process, they are what is left."""
     opened()
     assert (tmp_path / "notes.txt").read_text() == "reward 'mine' was imported and built"

@@ -4,7 +4,6 @@ import json
 import subprocess
 import sys
 import time
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import psutil
@@ -79,16 +78,16 @@ class Checked(NamedTuple):
     seconds: float
 
     @property
-    def errors(self) -> list[str]:
+    def errors(self):
         """The names of the checks that failed."""
         return [check["check"] for check in self.told["checks"] if check["verdict"] == "error"]
 
 
 @pytest.fixture
-def check(tmp_path: Path):
+def check(tmp_path):
     """Checks the plugin of a source, with ``--json``; no process of it may be left."""
 
-    def run(source: str) -> Checked:
+    def run(source):
         (tmp_path / "odd.py").write_text(source)
         command = [sys.executable, "-m", "harness", "check", "odd", "--plugin", "odd.py", "--json"]
         begun = time.monotonic()
@@ -101,14 +100,14 @@ def check(tmp_path: Path):
     return run
 
 
-def _is_in(process: psutil.Process, folder: Path) -> bool:
+def _is_in(process, folder):
     try:
         return process.cwd() == str(folder) and process.status() != psutil.STATUS_ZOMBIE
     except psutil.Error:
         return False
 
 
-def _require_verdict(checked: Checked) -> None:
+def _require_verdict(checked):
     assert checked.status == 1
     assert checked.errors
     assert checked.told["errors"] == len(checked.errors)
@@ -116,7 +115,7 @@ def _require_verdict(checked: Checked) -> None:
 
 
 @pytest.mark.parametrize("name", LOST)
-def test_reward_that_ends_its_process_gets_a_verdict(check, name: str):
+def test_reward_that_ends_its_process_gets_a_verdict(check, name):
     """Status 1, and what happened in every check that failed."""
     top, call = LOST[name]
     _require_verdict(check(REWARD.format(top=top, call=call or "pass")))
@@ -124,14 +123,14 @@ def test_reward_that_ends_its_process_gets_a_verdict(check, name: str):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SILENT)
-def test_reward_that_never_answers_gets_a_verdict(check, name: str):
+def test_reward_that_never_answers_gets_a_verdict(check, name):
     """Within a minute."""
     top, call = SILENT[name]
     _require_verdict(check(REWARD.format(top=top, call=call or "pass")))
 
 
 @pytest.mark.parametrize("step", [37, 77])
-def test_number_that_is_lost_late_in_an_episode_is_found(check, step: int):
+def test_number_that_is_lost_late_in_an_episode_is_found(check, step):
     """By a check of a whole horizon."""
     late = f"sample.distance.__array_namespace__().where(sample.step == {step}, float('nan'), -sample.distance)"
     checked = check(REWARD.format(top="", call="pass").replace("-sample.distance", late))

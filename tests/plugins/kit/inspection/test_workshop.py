@@ -30,17 +30,17 @@ ANY = PlannedCheck("reward-finite-edges", "Rewards are finite.", 30.0, long=Fals
 
 
 @pytest.fixture
-def asked(tmp_path: Path):
+def asked(tmp_path):
     """A reward in a file that does `call` whenever it is called."""
 
-    def ask(call: str) -> Asked:
+    def ask(call):
         (tmp_path / "mine.py").write_text(REWARD.format(call=call))
         return Asked("mine", files=read_plugins([str(tmp_path / "mine.py")])[0])
 
     return ask
 
 
-def test_process_that_was_lost_is_replaced(asked, tmp_path: Path):
+def test_process_that_was_lost_is_replaced(asked, tmp_path):
     """The check that ended it is told; the next one runs in a new process."""
     flag = tmp_path / "flag"
     with open_workshop(asked(f"Path({str(flag)!r}).exists() and os._exit(3)"), None) as workshop:
@@ -78,7 +78,7 @@ def test_silent_check_is_ended_when_its_time_is_over(asked):
     assert lost.sentence == "no answer for 1 s (mine.py, line 14)"
 
 
-def test_nothing_is_left(asked, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_nothing_is_left(asked, tmp_path, monkeypatch):
     """No file, and no process, not even one that a plugin started in a session of its own."""
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "temporary"))
     (tmp_path / "temporary").mkdir()
@@ -94,7 +94,7 @@ def test_nothing_is_left(asked, tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     assert list((tmp_path / "temporary").iterdir()) == []
 
 
-def _lives(pid: int) -> bool:
+def _lives(pid):
     try:
         return psutil.Process(pid).status() != psutil.STATUS_ZOMBIE
     except psutil.NoSuchProcess:
