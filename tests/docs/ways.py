@@ -22,6 +22,7 @@ NEEDS = MappingProxyType(
         "fetch-reach|id=Ant-v5": "takes libraries that are in no lock; tests/experiment/environments has a toy",
         "airo_models": "a package of arms that is in no lock: `make arms` installs it",
         "slurm|ray:address": "takes a cluster",
+        "SLURM_ARRAY|part-": "takes a shell; tests/docs/test_how_to.py does two jobs",
         "unity:|unity_player|extra unity": "takes a program and an old protobuf; tests/plugins/unity_player",
         "--screen": "takes seconds for each reward; tests/cli/test_choose.py",
         "--fail-on": "its status is the answer; tests/cli/test_fail_on.py",
