@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from harness.cli import main
 from harness.registry import load_registry, read_given
 
 FOLDER = Path(__file__).parent
@@ -19,3 +20,16 @@ def given():
 def registry(given):
     """The installed plugins and the toys."""
     return load_registry(given=given)
+
+
+@pytest.fixture
+def say(capsys, monkeypatch):
+    """A command; its status and what it says on standard output and on standard error, into a wide window."""
+    monkeypatch.setenv("COLUMNS", "300")
+
+    def run(*arguments):
+        with pytest.raises(SystemExit) as ended:
+            main([*map(str, arguments)])
+        return int(ended.value.code or 0), *capsys.readouterr()
+
+    return run

@@ -1,6 +1,5 @@
 """An environment with goals, as a plugin file: a point in a square has to come to another one."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -8,30 +7,26 @@ import gymnasium
 import numpy as np
 from gymnasium.spaces import Box, Dict
 
-from harness.arrays import Float
-from harness.environment import AnyEnv, GoalReward
-from harness.reward import Given
-
 NEAR, LASTS = 0.2, 8
 
 
 class _Square(gymnasium.Env[Any, Any]):
     """A point moves in a square for eight steps, by at most 0.25 a step and axis; within 0.2 it is there."""
 
-    def __init__(self) -> None:
+    def __init__(self):
         box = Box(-1.0, 1.0, (2,), np.float64)
         self.observation_space = Dict({"achieved_goal": box, "desired_goal": box, "observation": box})
         self.action_space = Box(-1.0, 1.0, (2,), np.float32)
         self.at, self.before, self.goal, self.steps = np.zeros(2), np.zeros(2), np.zeros(2), 0
 
-    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+    def reset(self, *, seed=None, options=None):
         """Start in the middle; the goal is anywhere."""
         super().reset(seed=seed)
         self.at, self.before, self.steps = np.zeros(2), np.zeros(2), 0
         self.goal = self.np_random.uniform(-1.0, 1.0, 2)
         return self._observed(), {}
 
-    def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+    def step(self, action):
         """Move."""
         self.before = self.at
         self.at = np.clip(self.at + 0.25 * np.asarray(action, float), -1.0, 1.0)
@@ -39,11 +34,11 @@ class _Square(gymnasium.Env[Any, Any]):
         paid = float(self.compute_reward(self.at, self.goal, {}))
         return self._observed(), paid, False, self.steps == LASTS, {"success": paid == 0.0}
 
-    def compute_reward(self, achieved: Float, desired: Float, info: Any) -> Any:
+    def compute_reward(self, achieved, desired, info):
         """0 where it is there, -1 elsewhere."""
         return -(np.linalg.norm(achieved - desired, axis=-1) > NEAR).astype(float)
 
-    def _observed(self) -> dict[str, Any]:
+    def _observed(self):
         return {"achieved_goal": self.at.copy(), "desired_goal": self.goal.copy(), "observation": self.at - self.before}
 
 
@@ -53,15 +48,15 @@ class GoalToy:
 
     lies: bool = False
 
-    def make(self) -> AnyEnv:
+    def make(self):
         return _Square()
 
-    def rewards(self, env: AnyEnv) -> Mapping[str, Given]:
+    def rewards(self, env):
         return {"there": "own", "slow": lambda before, action, after, info: -float(np.abs(action).sum())}
 
-    def goal_rewards(self, env: AnyEnv) -> Mapping[str, GoalReward]:
-        arm: Any = env.unwrapped
+    def goal_rewards(self, env):
+        arm = env.unwrapped
         return {"there": lambda achieved, desired: arm.compute_reward(achieved, desired, {}) - self.lies}
 
-    def behaviour(self, env: AnyEnv) -> Mapping[str, Given]:
+    def behaviour(self, env):
         return {"success": "success"}

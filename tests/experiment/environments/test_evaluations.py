@@ -10,8 +10,7 @@ from harness.experiment.experiment import run
 from harness.record import EXPERIMENT, RANDOM, read_recording
 from harness.record.folder import evaluation_files, recording_of
 from harness.registry import load_registry, read_given
-from harness.results.measured import LEARNING
-from harness.results.ranking import ranking_of
+from harness.results import ranking_of
 
 HERE = Path(__file__).parent
 TOLD = {"task": "toy", "algo": "random", "steps": 64, "seeds": 2, "evaluation_episodes": 3, "jobs": 1}
@@ -76,7 +75,7 @@ def test_the_measure_that_decides_is_compared_along_the_budget(results):
     """At each evaluation before the end; and how fast the trainings learned."""
     found = results.combinations[0]
     assert [moment.steps for moment in found.measured.along] == [20, 40, 60]
-    assert [change.name for change in found.measured.changes_of(LEARNING)] == ["success_area", "steps_to_goal"]
+    assert [change.name for change in found.measured.changes_of("while learning")] == ["success_area", "steps_to_goal"]
 
 
 def test_the_null_control_is_compared_alone(results):
@@ -101,16 +100,21 @@ def test_the_experiment_file_asks_for_the_control_too(results):
     assert (again.cells, again.control) == (results.plan.cells, {0: 2, 1: 3})
 
 
-def test_several_environments_are_one_matrix(tmp_path):
+@pytest.fixture(scope="module")
+def of_two(tmp_path_factory):
+    """Two rewards in two environments."""
+    return _run(tmp_path_factory.mktemp("two") / "out", task=["toy", "toy:discrete=true"])
+
+
+def test_several_environments_are_one_matrix(of_two):
     """Each has its comparisons, and all are one family of claims."""
-    found = _run(tmp_path / "out", task=["toy", "toy:discrete=true"])
-    assert [it.group.task.label for it in found.combinations] == ["toy", "toy:discrete=True"]
-    assert len({it.answer.claims for it in found.combinations}) == 1
+    assert [it.group.task.label for it in of_two.combinations] == ["toy", "toy:discrete=True"]
+    assert len({it.answer.claims for it in of_two.combinations}) == 1
 
 
-def test_rewards_are_ranked_over_environments(tmp_path):
+def test_rewards_are_ranked_over_environments(of_two):
     """By the measure that decides; each environment has a vote of its own."""
-    (ranking,) = ranking_of(_run(tmp_path / "out", task=["toy", "toy:discrete=true"])).tasks
+    (ranking,) = ranking_of(of_two).tasks
     assert [place.simulator for place in ranking.places] == ["toy", "toy:discrete=True"]
     assert ranking.rewards == ("near", "right")
     assert ranking.votes("simulator") == ("toy", "toy:discrete=True")

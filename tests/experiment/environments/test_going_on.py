@@ -2,7 +2,6 @@
 
 import shutil
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -16,9 +15,10 @@ from harness.record.manifest import digests_in
 FOLDER = Path(__file__).parent
 EVERY = 50
 SMALL = "net_arch=8,batch_size=8,learning_starts=40"
+RANDOM = "random:num_envs=2"
 LEARNERS = {
     "sac-fast": f"sac-fast:{SMALL},buffer_size=90",
-    "random, 2 envs": "random:num_envs=2",
+    "random, 2 envs": RANDOM,
     "sb3-sac": f"sb3-sac:{SMALL}",
     "her, 2 envs": f"her:{SMALL},num_envs=2",
     "ppo": "ppo:net_arch=8,batch_size=8,rollout=32",
@@ -31,7 +31,7 @@ CASES = [
 ]
 
 
-def _cell(registry, algo, **keys):
+def _cell(registry, algo=RANDOM, **keys):
     task = {"task": "toy:discrete=true"} if algo.startswith("dqn") else {"task": "goal_toy", "baseline": "there"}
     asked = {"algo": algo, "reward": [], "seeds": 1, "steps": 198, "evaluation_episodes": 3, **task, **keys}
     (cell,) = expand(check_experiment(asked), registry).cells
@@ -43,27 +43,27 @@ def _files(folder):
     return {name: it for name, it in digests_in(folder).items() if name not in (LOG, MANIFEST)}
 
 
-def _leave(cell, folder, until, given, every=EVERY):
+def _leave(cell, folder, given, until=198):
     """The partial folder of `folder`, as a process leaves it that is killed when it has told of `until` steps."""
 
     def report(word):
         if word.steps >= until and not partial_folder(folder).exists():
             shutil.copytree(partial_folder(folder.with_name("whole")), partial_folder(folder))
 
-    run_cell(cell, folder.with_name("whole"), report, CellOptions(every, plugins=given))
+    run_cell(cell, folder.with_name("whole"), report, CellOptions(EVERY, plugins=given))
     assert partial_folder(folder).exists()
 
 
-def _go_on(cell, folder, given):
-    return run_cell(cell, folder, lambda word: None, CellOptions(EVERY, plugins=given))
+def _go_on(cell, folder, given, every=EVERY):
+    return run_cell(cell, folder, lambda word: None, CellOptions(every, plugins=given))
 
 
 @pytest.mark.parametrize("algo", CASES)
 def test_a_killed_cell_ends_as_if_it_had_not_been(registry, given, tmp_path, algo):
     """Recordings and policy are, byte for byte, those of a cell that nobody killed and that left no checkpoints."""
     cell = _cell(registry, algo)
-    run_cell(cell, tmp_path / "plain", lambda word: None, CellOptions(0, plugins=given))
-    _leave(cell, tmp_path / "killed", 198, given)
+    _go_on(cell, tmp_path / "plain", given, every=0)
+    _leave(cell, tmp_path / "killed", given)
     manifest = _go_on(cell, tmp_path / "killed", given)
     assert (manifest.status, manifest.note) == ("done", f"went on after {manifest.resumed_from} steps")
     assert manifest.resumed_from >= 100
@@ -72,10 +72,10 @@ def test_a_killed_cell_ends_as_if_it_had_not_been(registry, given, tmp_path, alg
 
 def test_it_goes_on_twice(registry, given, tmp_path):
     """From a checkpoint of the process that went on, too."""
-    cell = _cell(registry, LEARNERS["random, 2 envs"], steps=900)
-    run_cell(cell, tmp_path / "plain", lambda word: None, CellOptions(0, plugins=given))
+    cell = _cell(registry, steps=900)
+    _go_on(cell, tmp_path / "plain", given, every=0)
     for name, until in (("once", 300), ("twice", 700)):
-        _leave(cell, tmp_path / name / "killed", until, given)
+        _leave(cell, tmp_path / name / "killed", given, until)
         if name == "once":
             shutil.copytree(tmp_path / "once", tmp_path / "twice")
             shutil.rmtree(tmp_path / "twice" / "whole")
@@ -88,8 +88,8 @@ def test_it_goes_on_twice(registry, given, tmp_path):
 def test_evaluations_on_the_way_are_not_made_again(registry, given, tmp_path):
     """Those before the checkpoint stay, the later ones are made again: the cell has what it would have had."""
     cell = _cell(registry, LEARNERS["sac-fast"], evaluate_every=60)
-    run_cell(cell, tmp_path / "plain", lambda word: None, CellOptions(0, plugins=given))
-    _leave(cell, tmp_path / "killed", 198, given)
+    _go_on(cell, tmp_path / "plain", given, every=0)
+    _leave(cell, tmp_path / "killed", given)
     assert _go_on(cell, tmp_path / "killed", given).resumed_from >= 100
     assert list(evaluation_files(tmp_path / "killed", suffix="")) == [60, 120, 180]
     assert _files(tmp_path / "killed") == _files(tmp_path / "plain")
@@ -98,7 +98,7 @@ def test_evaluations_on_the_way_are_not_made_again(registry, given, tmp_path):
 def test_a_cell_that_is_killed_in_its_evaluation_goes_on(registry, given, tmp_path, monkeypatch):
     """What it had evaluated is thrown away, with the policy: they come to be again."""
     monkeypatch.setattr(telling, "EVERY", 0.0)
-    cell, whole, killed = _cell(registry, LEARNERS["random, 2 envs"]), tmp_path / "whole", tmp_path / "killed"
+    cell, whole, killed = _cell(registry), tmp_path / "whole", tmp_path / "killed"
 
     def report(word):
         if (partial_folder(whole) / "evaluation").exists() and not partial_folder(killed).exists():
@@ -112,8 +112,8 @@ def test_a_cell_that_is_killed_in_its_evaluation_goes_on(registry, given, tmp_pa
 
 def test_an_env_that_does_not_keep_to_its_seed_starts_over(registry, given, tmp_path, monkeypatch):
     """What it does again is compared with what it did; the note says why the cell was begun anew."""
-    cell = _cell(registry, LEARNERS["random, 2 envs"])
-    _leave(cell, tmp_path / "killed", 198, given)
+    cell = _cell(registry)
+    _leave(cell, tmp_path / "killed", given)
     made = registry.get("environments", "goal_toy").load().make
 
     def moved(self):
@@ -130,9 +130,9 @@ def test_an_env_that_does_not_keep_to_its_seed_starts_over(registry, given, tmp_
 
 def test_an_env_that_fails_when_it_does_it_again_starts_over(registry, given, tmp_path, monkeypatch):
     """Once: it is not that cell's fault."""
-    cell = _cell(registry, LEARNERS["random, 2 envs"])
-    _leave(cell, tmp_path / "killed", 198, given)
-    toy, made = registry.get("environments", "goal_toy").load(), list[Any]()
+    cell = _cell(registry)
+    _leave(cell, tmp_path / "killed", given)
+    toy, made = registry.get("environments", "goal_toy").load(), []
     make = toy.make
 
     def fails_at_first(self):
@@ -150,8 +150,8 @@ def test_an_env_that_fails_when_it_does_it_again_starts_over(registry, given, tm
 
 def test_nothing_of_a_checkpoint_is_left(registry, given, tmp_path):
     """In the folder of a cell that is done; while it trains there is one, with the actions in files that grow."""
-    cell = _cell(registry, LEARNERS["random, 2 envs"])
-    _leave(cell, tmp_path / "killed", 198, given)
+    cell = _cell(registry)
+    _leave(cell, tmp_path / "killed", given)
     left = {path.name for path in partial_folder(tmp_path / "killed").iterdir()}
     assert {"checkpoint.safetensors", "training"} <= left
     assert sorted(name for name in left if name.startswith("ring.")) == [
@@ -172,7 +172,7 @@ def test_an_algorithm_that_resets_with_a_seed_leaves_no_checkpoint(registry, giv
         return train(self, env, *rest)
 
     monkeypatch.setattr(learner, "train", seeds)
-    _leave(_cell(registry, "random"), tmp_path / "killed", 198, given)
+    _leave(_cell(registry, "random"), tmp_path / "killed", given)
     assert not (partial_folder(tmp_path / "killed") / "checkpoint.safetensors").exists()
 
 

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import harness
-from harness.cli import main
 from harness.errors import UsageError
 from harness.experiment import check_experiment, expand
 from harness.record import Store, read_recording
@@ -82,14 +81,15 @@ def trained(files, tmp_path_factory):
     return folder
 
 
-def _plan(*paths, measures=(), **keys):
+def plan_of(*paths, measures=(), **keys):
+    """What is asked for of a pendulum with these files."""
     asked = {"task": PENDULUM, "algo": "random", "seeds": 1, "steps": 10, **keys}
     return expand(check_experiment(asked), load_registry(given=read_given(paths, measures)))
 
 
 def test_every_file_is_a_reward_beside_the_environments_own(files):
     """That is the baseline. What could not be loaded is told before anything is trained."""
-    plan = _plan(files / "*.py")
+    plan = plan_of(files / "*.py")
     assert (plan.baseline, [cell.reward.label for cell in plan.cells]) == ("own", ["own", "calm", "crashes", "upright"])
     (line,) = plan.warnings
     assert line.startswith("Left out: Plugin file")
@@ -100,16 +100,16 @@ def test_every_file_is_a_reward_beside_the_environments_own(files):
 
 def test_rewards_may_be_chosen(files):
     """By their names."""
-    plan = _plan(files / "*.py", reward=["upright"], baseline="calm")
+    plan = plan_of(files / "*.py", reward=["upright"], baseline="calm")
     assert [cell.reward.label for cell in plan.cells] == ["calm", "upright"]
 
 
 def test_plan_without_a_measure_says_what_the_report_cannot_tell(files):
     """And what to give."""
-    (line,) = _plan(files / "calm.py").warnings
+    (line,) = plan_of(files / "calm.py").warnings
     assert "cannot say whether it behaves better" in line
     assert "--measure behaviour.py" in line
-    assert not _plan(files / "calm.py", measures=(files / "behaviour.py",)).warnings
+    assert not plan_of(files / "calm.py", measures=(files / "behaviour.py",)).warnings
 
 
 @pytest.mark.parametrize(
@@ -126,7 +126,7 @@ def test_plan_without_a_measure_says_what_the_report_cannot_tell(files):
 def test_what_is_not_known_is_refused(files, keys, told):
     """In one line."""
     with pytest.raises(UsageError) as error:
-        _plan(files / "calm.py", files / "behaviour.py", **keys)
+        plan_of(files / "calm.py", files / "behaviour.py", **keys)
     assert told in str(error.value)
 
 
@@ -134,7 +134,7 @@ def test_file_of_the_name_of_the_environments_own_reward_is_refused(tmp_path):
     """One of the two would not be told from the other."""
     _lay(tmp_path, own=UPRIGHT)
     with pytest.raises(UsageError, match=r"own\.py': the environment has a reward 'own' of its own\. Rename yours"):
-        _plan(tmp_path / "own.py")
+        plan_of(tmp_path / "own.py")
 
 
 def test_crash_costs_only_the_cells_that_it_pays(trained):
@@ -194,20 +194,6 @@ def test_measures_that_are_gone_are_noticed(files, tmp_path):
 def later(tmp_path):
     """Of a file with a reward that was written later."""
     return "--plugin", _lay(tmp_path, later=LATER) / "later.py"
-
-
-@pytest.fixture
-def say(capsys, monkeypatch):
-    """A command; its status and what it says on standard output and on standard error."""
-    monkeypatch.setenv("COLUMNS", "300")
-
-    def run(*arguments):
-        with pytest.raises(SystemExit) as ended:
-            main([*map(str, arguments)])
-        told = capsys.readouterr()
-        return int(ended.value.code or 0), told.out, told.err
-
-    return run
 
 
 def test_later_file_pays_the_old_recordings(trained, later, say):

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from harness.cli import main
 from harness.record import Store, read_recording
 from harness.record.recording.recorded_training import recordings_in
 from harness.recorder import guard
@@ -32,27 +31,17 @@ SPOILS = {
 }
 
 
-def _recorded(folder, bodies):
-    """What a run with these files says of its steps: by recording and column."""
+def _recorded(folder, bodies, say):
+    """What a run with these files says of its steps, by recording and column, and in words."""
     rewards = folder / "rewards"
     rewards.mkdir(parents=True)
     for name, body in bodies.items():
         (rewards / f"{name}.py").write_text(HEAD.format(name=name) + body)
-    asked = ["--plugin", str(rewards / "*.py"), "--reward", "own,calm", "--algo", "random", "--seeds", "1"]
+    asked = ["--plugin", rewards / "*.py", "--reward", "own,calm", "--algo", "random", "--seeds", "1"]
     size = ["--steps", "60", "--evaluation-episodes", "1", "--executor", "here"]
-    with pytest.raises(SystemExit) as ended:
-        main(
-            [
-                "run",
-                "--task",
-                "gymnasium:id=Pendulum-v1,made_with=max_episode_steps=20",
-                *asked,
-                *size,
-                "--out",
-                str(folder / "out"),
-            ]
-        )
-    assert ended.value.code == 0
+    pendulum = ["--task", "gymnasium:id=Pendulum-v1,made_with=max_episode_steps=20"]
+    status, *said = say("run", *pendulum, *asked, *size, "--out", folder / "out")
+    assert status == 0
     store = Store.open(folder / "out")
     found = {}
     for cell in store.read_plan().cells:
@@ -63,19 +52,17 @@ def _recorded(folder, bodies):
             found[f"{cell.reward.name} {path.name} told"] = [it.column for it in recording.facts.failures] + [
                 *recording.facts.notes
             ]
-    return found
+    return found, "".join(said)
 
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("toys")
 @pytest.mark.filterwarnings("ignore::UserWarning")
-def test_five_files_that_spoil_change_no_number_of_the_others(tmp_path, capsys, monkeypatch):
+def test_five_files_that_spoil_change_no_number_of_the_others(tmp_path, say, monkeypatch):
     """Bit for bit, in the training and in every evaluation; all five are named, by one command."""
     monkeypatch.setattr(guard, "LONGEST_CALL", 0.1)
-    alone = _recorded(tmp_path / "alone", GOOD)
-    capsys.readouterr()
-    beside = _recorded(tmp_path / "beside", {**GOOD, **SPOILS})
-    said = "".join(capsys.readouterr())
+    alone, _ = _recorded(tmp_path / "alone", GOOD, say)
+    beside, said = _recorded(tmp_path / "beside", {**GOOD, **SPOILS}, say)
     compared = [name for name in alone if not name.endswith("told")]
     assert len(compared) >= 8 * 4
     for name in compared:

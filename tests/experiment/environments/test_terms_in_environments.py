@@ -5,16 +5,15 @@ import pytest
 
 import harness
 from harness.errors import UsageError
-from harness.experiment import check_experiment, expand
 from harness.experiment.trials.tried_plan import try_plan
 from harness.record import read_recording
 from harness.record.recording.recorded_training import weighed
 from harness.registry import load_registry, read_given
 from harness.results import load_results
 from harness.reward.terms import sum_of
+from tests.experiment.environments.test_reward_files import PENDULUM, plan_of
 from tests.record.recording.told import terms_of
 
-PENDULUM = "gymnasium:id=Pendulum-v1"
 GENTLE = """
 def gentle(step):
     \"\"\"Stand upright, and push little.\"\"\"
@@ -34,20 +33,15 @@ def gentle(tmp_path):
     return tmp_path / "gentle.py"
 
 
-def _plan(path, **keys):
-    asked = {"task": PENDULUM, "algo": "random", "seeds": 1, "steps": 10, **keys}
-    return expand(check_experiment(asked), load_registry(given=read_given([path])))
-
-
 def test_weights_of_terms_make_rewards(gentle):
     """Several in a list; a weight of 1 changes nothing, and terms stand in their own order."""
-    plan = _plan(gentle, reward="gentle,gentle:jerk=2,effort=5,gentle:effort=1,gentle:effort=0.05", baseline="own")
+    plan = plan_of(gentle, reward="gentle,gentle:jerk=2,effort=5,gentle:effort=1,gentle:effort=0.05", baseline="own")
     labels = ["own", "gentle", "gentle:effort=5,jerk=2", "gentle:effort=0.05"]
     assert [cell.reward.label for cell in plan.cells] == labels
     assert plan.cells[2].reward.params == (("effort", 5.0), ("jerk", 2.0))
     others = [{"name": "gentle", "effort": 5.0, "jerk": 2.0}, {"name": "gentle", "effort": 0.05}]
     assert plan.resolved["reward"] == ["gentle", *others]
-    assert _plan(gentle, **{key: plan.resolved[key] for key in ("reward", "baseline")}).cells == plan.cells
+    assert plan_of(gentle, **{key: plan.resolved[key] for key in ("reward", "baseline")}).cells == plan.cells
 
 
 REFUSED = {
@@ -66,7 +60,7 @@ REFUSED = {
 def test_what_cannot_be_weighed_is_refused(gentle, reward, told):
     """With what there is."""
     with pytest.raises(UsageError) as error:
-        _plan(gentle, reward=reward)
+        plan_of(gentle, reward=reward)
     assert told in str(error.value)
 
 
@@ -84,7 +78,7 @@ def test_what_cannot_be_weighed_is_refused(gentle, reward, told):
 def test_what_is_not_there_is_told_before_a_run(tmp_path, body, told):
     """By its name, with what there is."""
     (tmp_path / "far.py").write_text(f"def far(step):\n    return {body}\n")
-    plan = _plan(tmp_path / "far.py", reward="far", baseline="own")
+    plan = plan_of(tmp_path / "far.py", reward="far", baseline="own")
     with pytest.raises(UsageError) as error:
         try_plan(plan, load_registry(given=read_given([tmp_path / "far.py"])))
     assert told in str(error.value)
