@@ -11,14 +11,12 @@
 import json
 import shutil
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from harness.record.recording.recorded_training import read_recording
 from harness.record.store import Store
 from harness.results import load_results
-from harness.results.recordings.study import Study
 from tests.results.recordings.conftest import load_study
 
 HERE = Path(__file__).parent / "recordings_1"
@@ -26,26 +24,26 @@ TOLD = json.loads((HERE / "returns.json").read_text())
 
 
 @pytest.fixture
-def here(tmp_path: Path) -> Path:
+def here(tmp_path):
     """A copy: what a report keeps is left in the folder."""
     return Path(shutil.copytree(HERE, tmp_path / "here"))
 
 
-def _returns(study: Study) -> dict[str, Any]:
+def _returns(study):
     return {
         manner: {f"{payer} pays {trained}": mean.mean for (payer, trained), mean in table.items()}
         for manner, table in study.tables.items()
     }
 
 
-def test_loose_recordings_are_reported_as_before(here: Path):
+def test_loose_recordings_are_reported_as_before(here):
     """The same trainings, and the same mean returns."""
     study = load_study(here / "loose")
     assert sorted(study.runs.members) == [(reward, seed) for reward in ("own", "slow") for seed in (0, 1)]
     assert _returns(study) == TOLD["loose"]
 
 
-def test_experiment_in_an_environment_is_reported_as_before(here: Path):
+def test_experiment_in_an_environment_is_reported_as_before(here):
     """Its cells are done, and their returns are the same."""
     results = load_results(here / "experiment")
     (told,) = results.studies
@@ -56,6 +54,6 @@ def test_experiment_in_an_environment_is_reported_as_before(here: Path):
 
 
 @pytest.mark.parametrize("path", ["own-0", "own-0/evaluation"])
-def test_recording_says_that_it_has_no_actions(path: str):
+def test_recording_says_that_it_has_no_actions(path):
     """So nobody takes them again."""
     assert read_recording(HERE / "loose" / path).facts.actions is None

@@ -13,17 +13,14 @@ of their split and the means of all measures stayed as they were, intervals and 
 
 import json
 import shutil
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
 from harness.cli import main
 from harness.errors import UsageError
-from harness.executor import Event
-from harness.experiment.experiment import ExperimentRun, prepare
+from harness.experiment.experiment import prepare
 from harness.experiment.plan import read_experiment
 from harness.experiment.run_options import RunOptions
 from harness.record.folder import TRACE
@@ -40,20 +37,20 @@ CELLS = sorted(path.name for path in (LEFT / "cells").iterdir())
 
 
 @pytest.fixture
-def old(tmp_path: Path) -> Path:
+def old(tmp_path):
     """A copy of the folder, to be written into."""
     return Path(shutil.copytree(LEFT, tmp_path / "old"))
 
 
-def _resume(folder: Path) -> tuple[ExperimentRun, list[Event]]:
+def _resume(folder):
     """Run the folder's own experiment file again, in it; the plugins were edited since."""
-    events: list[Event] = []
+    events = []
     run = prepare(read_experiment(folder / EXPERIMENT, {}), RunOptions(out=folder, jobs=1, changed="keep"))
     run.run(events.append)
     return run, events
 
 
-def _leaves(data: Any, path: str = "") -> Iterator[tuple[str, Any]]:
+def _leaves(data, path=""):
     """Every number and text of plain data, with where it stands."""
     if isinstance(data, dict):
         for key, value in data.items():
@@ -65,7 +62,7 @@ def _leaves(data: Any, path: str = "") -> Iterator[tuple[str, Any]]:
         yield path, data
 
 
-def _known(found: Any, before: Any) -> Any:
+def _known(found, before):
     """Of `found` what `before` has as well: keys, and metrics in a list, that came since are left out."""
     if isinstance(found, dict) and isinstance(before, dict):
         return {key: _known(value, before[key]) for key, value in found.items() if key in before}
@@ -76,7 +73,7 @@ def _known(found: Any, before: Any) -> Any:
     return [_known(*pair) for pair in zip(kept, before, strict=True)] if len(kept) == len(before) else found
 
 
-def _require_equal(found: Any, expected: Any) -> None:
+def _require_equal(found, expected):
     """The same keys and texts; numbers up to their last digits, in which another machine may differ."""
     leaves, before = dict(_leaves(found)), dict(_leaves(expected))
     assert list(leaves) == list(before)
@@ -85,7 +82,7 @@ def _require_equal(found: Any, expected: Any) -> None:
         assert leaves[path] == (pytest.approx(value, rel=1e-9, abs=1e-12) if is_number else value), path
 
 
-def _printed(capsys: pytest.CaptureFixture[str], *arguments: object) -> Any:
+def _printed(capsys, *arguments):
     """The JSON that a command prints."""
     with pytest.raises(SystemExit) as stopped:
         main([*map(str, arguments), "--json"])
@@ -93,7 +90,7 @@ def _printed(capsys: pytest.CaptureFixture[str], *arguments: object) -> Any:
     return json.loads(capsys.readouterr().out)
 
 
-def test_report_says_what_it_said(old: Path, capsys: pytest.CaptureFixture[str]):
+def test_report_says_what_it_said(old, capsys):
     """Every key, text and number of `harness report --json`, transfer and learning curves included.
 
     The answer about the robot is the one of today's rule: `report.json` was given it by hand.
@@ -102,7 +99,7 @@ def test_report_says_what_it_said(old: Path, capsys: pytest.CaptureFixture[str])
     _require_equal(_known(_printed(capsys, "report", old), before), before)
 
 
-def test_score_pays_what_it_paid(old: Path, capsys: pytest.CaptureFixture[str]):
+def test_score_pays_what_it_paid(old, capsys):
     """Every index of every training under every reward; the columns that were there are kept."""
     found = _printed(capsys, "score", old, "--reward", "dense", "--all")
     before = json.loads((HERE / "score.json").read_text())
@@ -110,13 +107,13 @@ def test_score_pays_what_it_paid(old: Path, capsys: pytest.CaptureFixture[str]):
 
 
 @pytest.mark.parametrize("name", CELLS)
-def test_cell_has_the_id_that_it_had(name: str):
+def test_cell_has_the_id_that_it_had(name):
     """The hash of its content is the name of its folder."""
     assert read_manifest(LEFT / "cells" / name).cell.id == name
 
 
 @pytest.mark.parametrize("name", CELLS)
-def test_manifest_is_written_as_it_was(name: str, tmp_path: Path):
+def test_manifest_is_written_as_it_was(name, tmp_path):
     """Read and written again it has the same keys and values, and names its files besides."""
     read_manifest(LEFT / "cells" / name).write(tmp_path)
     [before, after] = [
@@ -126,7 +123,7 @@ def test_manifest_is_written_as_it_was(name: str, tmp_path: Path):
     assert after == {**before, "format": 2, "peak_memory": 0}
 
 
-def test_new_cells_are_not_mixed_with_those_of_then_in_silence(old: Path):
+def test_new_cells_are_not_mixed_with_those_of_then_in_silence(old):
     """The plugins were edited since: one line says so, and what can be done."""
     asked = prepare(read_experiment(old / EXPERIMENT, {}), RunOptions(out=old, jobs=1))
     with pytest.raises(UsageError, match=r"4 done cells were made by another .*--changed keep") as refused:
@@ -134,14 +131,14 @@ def test_new_cells_are_not_mixed_with_those_of_then_in_silence(old: Path):
     assert len(str(refused.value)) <= LONGEST_MESSAGE
 
 
-def test_nothing_is_run_again(old: Path):
+def test_nothing_is_run_again(old):
     """The same experiment finds all of its cells done."""
     run, events = _resume(old)
     assert sorted(cell.id for cell in run.plan.cells if run.store.is_done(cell)) == CELLS
     assert events == []
 
 
-def test_missing_cell_is_done_again(old: Path):
+def test_missing_cell_is_done_again(old):
     """With the same rows: the first sixty, ten of a learner that learns, to rounding; all in bits where operations are.
 
     The folder was made with OpenBLAS's kernel for Haswell.

@@ -13,12 +13,10 @@ They were made by that version with::
 import json
 import shutil
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from harness.cli import main
-from harness.executor import Event
 from harness.experiment.experiment import prepare
 from harness.experiment.plan import read_experiment
 from harness.experiment.run_options import RunOptions
@@ -31,12 +29,12 @@ CELLS = sorted(path.relative_to(LEFT).as_posix() for path in LEFT.glob("*/cells/
 
 
 @pytest.fixture
-def left(tmp_path: Path) -> Path:
+def left(tmp_path):
     """A copy of the folders, to be written into."""
     return Path(shutil.copytree(LEFT, tmp_path / "left"))
 
 
-def _said(folder: Path, capsys: pytest.CaptureFixture[str]) -> dict[str, Any]:
+def _said(folder, capsys):
     """What ``harness report --json`` says of the one comparison, cut as the files beside the folders are."""
     with pytest.raises(SystemExit) as stopped:
         main(["report", str(folder), "--json"])
@@ -56,7 +54,7 @@ def _said(folder: Path, capsys: pytest.CaptureFixture[str]) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _flat(data: Any, path: str = "") -> dict[str, Any]:
+def _flat(data, path=""):
     """Every number of plain data, by where it stands."""
     if isinstance(data, dict):
         return {key: value for name, part in data.items() for key, value in _flat(part, f"{path}/{name}").items()}
@@ -66,7 +64,7 @@ def _flat(data: Any, path: str = "") -> dict[str, Any]:
 
 
 @pytest.mark.parametrize("name", FOLDERS)
-def test_numbers_are_those_that_were_told(name: str, left: Path, capsys: pytest.CaptureFixture[str]):
+def test_numbers_are_those_that_were_told(name, left, capsys):
     """Indices, etas with both of their parts, sums and means of all measures; later measures come beside them."""
     found, before = _flat(_said(left / name, capsys)), _flat(json.loads((LEFT / f"{name}.json").read_text()))
     assert before.keys() <= found.keys()
@@ -75,26 +73,26 @@ def test_numbers_are_those_that_were_told(name: str, left: Path, capsys: pytest.
 
 
 @pytest.mark.parametrize("path", CELLS)
-def test_cell_has_the_id_that_it_had(path: str):
+def test_cell_has_the_id_that_it_had(path):
     """The hash of its content is the name of its folder."""
     assert read_manifest(LEFT / path).cell.id == Path(path).name
 
 
-def _resumed(folder: Path) -> tuple[list[str], list[Event]]:
+def _resumed(folder):
     """The algorithms of the plan's cells, and what happens when the folder's own experiment file is run in it."""
-    events: list[Event] = []
+    events = []
     run = prepare(read_experiment(folder / EXPERIMENT, {}), RunOptions(out=folder, jobs=1, changed="keep"))
     run.run(events.append)
     return [cell.algorithm.name for cell in run.plan.cells], events
 
 
-def test_nothing_of_an_environment_is_run_again(left: Path):
+def test_nothing_of_an_environment_is_run_again(left):
     """The same experiment finds all of its cells done."""
     _, events = _resumed(left / "env")
     assert events == []
 
 
-def test_missing_cell_of_an_environment_is_done_again(left: Path):
+def test_missing_cell_of_an_environment_is_done_again(left):
     """One cell, and the folder is whole again."""
     cell = Store.open(left / "env").read_plan().cells[1]
     folder = Store.open(left / "env").cell_folder(cell)
@@ -104,7 +102,7 @@ def test_missing_cell_of_an_environment_is_done_again(left: Path):
     assert read_manifest(folder).status == "done"
 
 
-def test_cells_of_then_never_meet_those_that_sac_means_now(left: Path):
+def test_cells_of_then_never_meet_those_that_sac_means_now(left):
     """``sac`` meant stable-baselines3's algorithm in 0.2: its four cells stay, and four others are trained."""
     before = {path.name for path in (left / "arm" / "cells").iterdir()}
     learners, events = _resumed(left / "arm")

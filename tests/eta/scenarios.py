@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import betaincinv, ndtr
 
-from harness.arrays import Float
 from harness.eta import BB, BK, KB, KK, RACE, Question, race
 
 EPISODES = 100
@@ -100,7 +99,7 @@ class Training:
     climb: Level
     width: float
 
-    def curves(self, normals: Float) -> Float:
+    def curves(self, normals):
         """Accumulated reward of runs, (..., POINTS), from standard normals, (..., 3)."""
         levels = (self.fall, self.turn, self.climb)
         fall, turn, climb = (
@@ -109,7 +108,7 @@ class Training:
         width = self.width * turn
         time = np.arange(1, POINTS + 1) / POINTS
         learnt = np.logaddexp(0.0, (time - turn) / width) - np.logaddexp(0.0, -turn / width)
-        curves: Float = (fall + climb) * width * learnt - fall * time
+        curves = (fall + climb) * width * learnt - fall * time
         return curves
 
 
@@ -127,7 +126,7 @@ class Ruler:
     gain: float
     spread: float
 
-    def of_runs(self, rng: np.random.Generator, shape: tuple[int, ...]) -> tuple[Float, Float]:
+    def of_runs(self, rng, shape):
         """Factors on losses and on gains, (*shape, 1) both."""
         loss, gain = np.exp(self.spread * rng.normal(size=(2, *shape, 1)))
         return self.loss * loss, self.gain * gain
@@ -208,7 +207,7 @@ class Rate:
     mean: float
     likeness: float
 
-    def draw(self, rng: np.random.Generator, shape: tuple[int, ...]) -> Float:
+    def draw(self, rng, shape):
         """Rates over EPISODES episodes: beta-binomial."""
         if self.mean in (0.0, 1.0):
             return np.full(shape, self.mean)
@@ -297,7 +296,7 @@ class Trainings:
     spread: tuple[float, float] = (0.18, 0.18)
     likeness: float = 0.8
 
-    def draw(self, rng: np.random.Generator, seeds: int, places: int = 1, rewards: int = 1) -> list[Float]:
+    def draw(self, rng, seeds, places=1, rewards=1):
         """Of each proposed reward the values of a question, (2, seeds, places, 2); they share the baseline."""
         baseline = self._values(rng, (seeds, places), self.success, self.spread[0])
         changed = self.success + self.effect
@@ -305,7 +304,7 @@ class Trainings:
             np.stack([baseline, self._values(rng, (seeds, places), changed, self.spread[1])]) for _ in range(rewards)
         ]
 
-    def _values(self, rng: np.random.Generator, shape: tuple[int, int], mean: float, spread: float) -> Float:
+    def _values(self, rng, shape, mean, spread):
         """Rates in hundredths, and times to the target, of which a failure counts the whole horizon of 10 s."""
         first, second = rng.normal(size=(2, *shape))
         rates = np.clip(np.round(mean + spread * first, 2), 0.0, 1.0)

@@ -142,7 +142,7 @@ class Held(NamedTuple):
     held: int
 
     @property
-    def coverage(self) -> float:
+    def coverage(self):
         """Of those that were given."""
         return self.held / self.given if self.given else float("nan")
 

@@ -3,7 +3,6 @@
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
@@ -28,13 +27,13 @@ evaluation_episodes = 1
 
 
 @pytest.fixture(autouse=True)
-def nothing_allowed(monkeypatch: pytest.MonkeyPatch) -> None:
+def nothing_allowed(monkeypatch):
     """As where nobody said anything."""
     monkeypatch.setenv(VARIABLE, "")
 
 
 @pytest.fixture(scope="module")
-def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def place(tmp_path_factory):
     """A folder with a module that leaves a trace when it is imported, and an experiment that names it."""
     folder = tmp_path_factory.mktemp("place")
     (folder / "evil.py").write_text(EVIL)
@@ -42,7 +41,7 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def harness(place: Path, *words: str) -> subprocess.CompletedProcess[str]:
+def harness(place, *words):
     """A command in that folder, whose modules Python finds."""
     environment = {**os.environ, "PYTHONPATH": str(place)}
     command = [sys.executable, "-m", "harness", *words]
@@ -63,7 +62,7 @@ def test_an_id_with_a_module_is_refused():
 @pytest.mark.parametrize(
     "typed", ["gymnasium:id=evil:X-v0", "gymnasium:id=(evil:X-v0)", "gymnasium:lower=,id=(evil:X)"]
 )
-def test_what_the_user_typed_is_allowed(typed: str):
+def test_what_the_user_typed_is_allowed(typed):
     """On the command line, or in a program."""
     allow_typed(["run", typed])
     require_allowed(ID)
@@ -78,13 +77,13 @@ def test_no_other_module_is_allowed_with_it():
 
 
 @pytest.mark.parametrize("name", ["", "evil,other", "../evil", "a b"])
-def test_what_is_no_name_of_a_module_is_refused(name: str):
+def test_what_is_no_name_of_a_module_is_refused(name):
     """In one line."""
     with pytest.raises(UsageError, match="give the name of a module"):
         allow_imports([name])
 
 
-def test_an_experiment_file_imports_nothing(place: Path):
+def test_an_experiment_file_imports_nothing(place):
     """One line, status 2, and nothing was run."""
     ended = harness(place, "run", "experiment.toml", "--dry-run")
     assert ended.returncode == 2
@@ -94,7 +93,7 @@ def test_an_experiment_file_imports_nothing(place: Path):
 
 
 @pytest.fixture(scope="module")
-def trained(place: Path) -> Path:
+def trained(place):
     """The same folder with results, as the user's word lets the module be imported, in worker processes too."""
     ended = harness(place, "run", "experiment.toml", "--allow-import", "evil", "--out", "mine")
     assert ended.returncode == 0, ended.stderr
@@ -103,7 +102,7 @@ def trained(place: Path) -> Path:
 
 
 @pytest.mark.parametrize("words", [("video", "mine"), ("report", "mine"), ("score", "mine", "--reward", "own")])
-def test_a_results_folder_imports_nothing(trained: Path, words: tuple[str, ...]):
+def test_a_results_folder_imports_nothing(trained, words):
     """Whoever made it chose the id."""
     harness(trained, *words)
     assert not (trained / "ran").exists()

@@ -48,10 +48,10 @@ Lay = Callable[..., Path]
 
 
 @pytest.fixture
-def lay(tmp_path: Path) -> Lay:
+def lay(tmp_path):
     """Write a file; gives its path."""
 
-    def write(source: str = REWARD, name: str = "my_reward.py") -> Path:
+    def write(source=REWARD, name="my_reward.py"):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text(source, encoding="utf-8")
         return tmp_path / name
@@ -59,7 +59,7 @@ def lay(tmp_path: Path) -> Lay:
     return write
 
 
-def test_file_without_hooks_registers_its_class_under_its_own_name(lay: Lay):
+def test_file_without_hooks_registers_its_class_under_its_own_name(lay):
     """Fifteen lines are a plugin: kind and summary are read off the class."""
     registry = load_registry([], read_given([lay()]))
     spec = registry.get("rewards", "my_reward")
@@ -68,16 +68,16 @@ def test_file_without_hooks_registers_its_class_under_its_own_name(lay: Lay):
     assert len([line for line in REWARD.splitlines() if line]) <= 15
 
 
-def test_file_with_hooks_registers_by_them(lay: Lay):
+def test_file_with_hooks_registers_by_them(lay):
     """As a package does."""
     assert load_registry([], read_given([lay(HOOKED)])).names("rewards") == ["hooked", "twin"]
 
 
-def _digest(path: Path) -> str:
+def _digest(path):
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
-def test_sources_of_a_file_are_its_bytes(lay: Lay):
+def test_sources_of_a_file_are_its_bytes(lay):
     """As they were read: the manifest names their SHA-256, and the same text is one module in every process."""
     path = lay()
     (given,), digest = read_given([path]), _digest(path)
@@ -88,7 +88,7 @@ def test_sources_of_a_file_are_its_bytes(lay: Lay):
     assert source_hash(target) == digest == given.need["sha256"]
 
 
-def test_file_that_is_not_there_any_more_is_loaded_from_its_text(lay: Lay):
+def test_file_that_is_not_there_any_more_is_loaded_from_its_text(lay):
     """As on another machine; the sources stay those that were read."""
     path = lay(REWARD + "\n# elsewhere\n")
     given, digest = given_from_json(json.loads(json.dumps(given_to_json(read_given([path]))))), _digest(path)
@@ -97,7 +97,7 @@ def test_file_that_is_not_there_any_more_is_loaded_from_its_text(lay: Lay):
     assert source_hash(target) == digest
 
 
-def test_edited_file_is_another_module(lay: Lay):
+def test_edited_file_is_another_module(lay):
     """A notebook that reads the file again runs what it says now."""
     factors = []
     for factor in (2, 3):
@@ -106,7 +106,7 @@ def test_edited_file_is_another_module(lay: Lay):
     assert factors == [2.0, 3.0]
 
 
-def test_nothing_is_left_beside_the_file(lay: Lay):
+def test_nothing_is_left_beside_the_file(lay):
     """No compiled copy, which could be an old one."""
     path = lay(REWARD + "\n# alone\n")
     load_registry([], read_given([path]))
@@ -131,7 +131,7 @@ BAD = {
 
 
 @pytest.mark.parametrize(("source", "told"), BAD.values(), ids=BAD)
-def test_bad_file_is_told_in_one_line(lay: Lay, source: str, told: str):
+def test_bad_file_is_told_in_one_line(lay, source, told):
     """With the file, and the line where that is known; it was asked for, so it is an error."""
     with pytest.raises(UsageError) as error:
         load_registry([], read_given([lay(source)]))
@@ -150,21 +150,21 @@ def test_bad_file_is_told_in_one_line(lay: Lay, source: str, told: str):
         ("json.decoder:JSONDecoder", "JSONDecoder has no "),
     ],
 )
-def test_what_is_no_plugin_is_told(asked: str, told: str):
+def test_what_is_no_plugin_is_told(asked, told):
     """Before anything is loaded."""
     with pytest.raises(UsageError) as error:
         read_given([asked])
     assert told in str(error.value)
 
 
-def test_file_that_is_no_text_is_told(tmp_path: Path):
+def test_file_that_is_no_text_is_told(tmp_path):
     """It is not decoded somehow."""
     (tmp_path / "mine.py").write_bytes(b"\xff\xfe")
     with pytest.raises(UsageError, match=r"Plugin file '.*mine\.py' cannot be read: 'utf-8' codec"):
         read_given([tmp_path / "mine.py"])
 
 
-def test_two_files_of_one_name_are_refused(lay: Lay):
+def test_two_files_of_one_name_are_refused(lay):
     """Reports could not tell them apart; one that is named twice is one."""
     one, two = lay(), lay(REWARD + "\n", "b/my_reward.py")
     assert len(read_given([one, one])) == 1
@@ -172,7 +172,7 @@ def test_two_files_of_one_name_are_refused(lay: Lay):
         read_given([one, two])
 
 
-def test_name_that_is_taken_is_refused(lay: Lay):
+def test_name_that_is_taken_is_refused(lay):
     """A built-in one, and one of another file."""
     with pytest.raises(UsageError, match=r"reward 'arp' is taken by package fd100-harness .* Rename the file"):
         load_registry(given=read_given([lay(name="arp.py")]))
@@ -180,7 +180,7 @@ def test_name_that_is_taken_is_refused(lay: Lay):
         load_registry([], read_given([lay(HOOKED, "one.py"), lay(HOOKED, "two.py")]))
 
 
-def test_name_of_a_file_has_to_be_one(lay: Lay):
+def test_name_of_a_file_has_to_be_one(lay):
     """What users would have to type."""
     with pytest.raises(UsageError, match="its name 'my reward' must be lower-case"):
         load_registry([], read_given([lay(name="My Reward.py")]))
@@ -230,7 +230,7 @@ def test_class_of_another_kind_is_refused():
         class_given(Mine, "simulators")
 
 
-def test_what_an_experiment_names_has_to_be_given(lay: Lay):
+def test_what_an_experiment_names_has_to_be_given(lay):
     """A file is not loaded because an experiment file names it; one of the same name will do."""
     given = read_given([lay()])
     need = {**given[0].need, "path": "/far/away/my_reward.py"}
@@ -243,7 +243,7 @@ def test_what_an_experiment_names_has_to_be_given(lay: Lay):
         require_given([{"name": "my_reward"}], given)
 
 
-def test_flags_give_what_an_experiment_names(lay: Lay):
+def test_flags_give_what_an_experiment_names(lay):
     """Files by their path, quoted for a shell; classes by module and name; nothing for what is no name."""
     (given,) = read_given([lay()])
     assert plugin_flags([given.need]) == f" --plugin {given.path}"

@@ -7,14 +7,14 @@ from harness.registry.libraries import distribution_of, is_installed, is_met, mo
 
 
 @pytest.fixture
-def versions(monkeypatch: pytest.MonkeyPatch) -> dict[str, str]:
+def versions(monkeypatch):
     """The versions of distributions, as if these and no others were installed."""
-    told: dict[str, str] = {}
+    told = {}
     monkeypatch.setattr(libraries, "version_of", lambda name: told.get(name, ""))
     return told
 
 
-def test_need_is_met_by_a_module_of_that_version_or_a_newer_one(versions: dict[str, str], subtests: pytest.Subtests):
+def test_need_is_met_by_a_module_of_that_version_or_a_newer_one(versions, subtests):
     """Versions are compared number by number."""
     rows = [
         ("json", "", True),
@@ -34,7 +34,7 @@ def test_need_is_met_by_a_module_of_that_version_or_a_newer_one(versions: dict[s
             assert is_met(need) is met
 
 
-def test_what_is_no_need_is_refused(subtests: pytest.Subtests):
+def test_what_is_no_need_is_refused(subtests):
     """The message shows one."""
     for need in ["mujoco==3.17", "mujoco >= 3.17", "mujoco>=", "mujoco>=3.x", "3d", ""]:
         with subtests.test(need=need), pytest.raises(ValueError, match=r"such as 'mujoco>=3.17'"):
@@ -48,7 +48,7 @@ def test_module_is_found_in_its_package():
     assert not is_installed("importlib.no_such_module")
 
 
-def test_module_in_a_package_is_of_its_own_distribution_where_there_is_one(monkeypatch: pytest.MonkeyPatch):
+def test_module_in_a_package_is_of_its_own_distribution_where_there_is_one(monkeypatch):
     """``mujoco.mjx`` comes by ``mujoco-mjx``; a module that the package brings itself is the package's."""
     monkeypatch.setattr(libraries, "version_of", lambda name: {"mujoco": "3.17", "mujoco-mjx": "3.17"}.get(name, ""))
     assert distribution_of("mujoco.mjx") == "mujoco-mjx"

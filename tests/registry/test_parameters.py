@@ -1,7 +1,7 @@
 """Typed parameters: the fields of a dataclass, converted and checked."""
 
 from dataclasses import dataclass, field
-from typing import Annotated, ClassVar, Literal, Self
+from typing import Annotated, ClassVar, Literal
 
 import pydantic.dataclasses
 import pytest
@@ -35,7 +35,7 @@ class Picky:
     low: float = 0.0
     high: float = 1.0
 
-    def __post_init__(self) -> None:
+    def __post_init__(self):
         if self.low >= self.high:
             raise ValueError("low must be below high")
 
@@ -54,7 +54,7 @@ class Wrong:
 @pydantic.dataclasses.dataclass
 class Curious:
     @pydantic.model_validator(mode="after")
-    def _look(self, info: pydantic.ValidationInfo) -> Self:
+    def _look(self, info):
         self.seen = info.context["registry"]
         return self
 
@@ -73,7 +73,7 @@ class Misspelt:
     rate: "flaot" = 0.5  # noqa: F821 (that is the point)
 
 
-def test_texts_are_converted_to_the_type_of_their_field(subtests: pytest.Subtests):
+def test_texts_are_converted_to_the_type_of_their_field(subtests):
     """What a command line gives as text and a file as a number comes out the same."""
     rows = [
         ("count", "7", 7),
@@ -94,7 +94,7 @@ def test_texts_are_converted_to_the_type_of_their_field(subtests: pytest.Subtest
             assert type(getattr(built, key)) is type(value)
 
 
-def test_what_does_not_fit_is_refused_in_one_line(subtests: pytest.Subtests):
+def test_what_does_not_fit_is_refused_in_one_line(subtests):
     """The message names the parameter, what was given, and what is allowed."""
     rows = [
         ("count", "0", "Thing 'x': count='0': Input should be greater than 0"),
@@ -144,7 +144,7 @@ def test_parameters_are_checked_against_one_another():
 
 
 @pytest.mark.parametrize("target", [Plain, Plain(), Opaque, Misspelt], ids=["class", "object", "field", "annotation"])
-def test_target_whose_parameters_cannot_be_checked_is_a_broken_plugin(target: object):
+def test_target_whose_parameters_cannot_be_checked_is_a_broken_plugin(target):
     """A target that is no dataclass, or whose types say nothing, is the plugin's fault and not the user's."""
     with pytest.raises(PluginError, match=r"^Thing 'x'") as error:
         build(target, {}, "thing 'x'")

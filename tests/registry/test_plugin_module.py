@@ -31,10 +31,10 @@ class MyReward:
 
 
 @pytest.fixture
-def lay(tmp_path: Path) -> Lay:
+def lay(tmp_path):
     """Write a file; gives its path."""
 
-    def write(name: str, source: str) -> Path:
+    def write(name, source):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text(source, encoding="utf-8")
         return tmp_path / name
@@ -42,7 +42,7 @@ def lay(tmp_path: Path) -> Lay:
     return write
 
 
-def _file(path: Path) -> PluginFile:
+def _file(path):
     (file,) = read_given([path])
     assert isinstance(file, PluginFile)
     return file
@@ -59,7 +59,7 @@ WAYS = {
 
 
 @pytest.mark.parametrize(("imports", "scale"), WAYS.values(), ids=WAYS)
-def test_file_beside_is_imported(lay: Lay, imports: str, scale: str):
+def test_file_beside_is_imported(lay, imports, scale):
     """In whatever way Python allows, also when the function runs."""
     lay("helpers.py", "SCALE = 2.5")
     file = _file(lay("mine.py", REWARD.format(imports=imports, scale=scale)))
@@ -67,7 +67,7 @@ def test_file_beside_is_imported(lay: Lay, imports: str, scale: str):
     assert import_file(file).MyReward()((), None)[1] == 2.5
 
 
-def test_files_beside_import_one_another(lay: Lay):
+def test_files_beside_import_one_another(lay):
     """Directly or in a circle."""
     lay("first.py", "import second\nSCALE = 3.0\ndef other():\n    return second.other()")
     lay("second.py", "def other():\n    import first\n    return first.SCALE")
@@ -76,7 +76,7 @@ def test_files_beside_import_one_another(lay: Lay):
     assert import_file(file).MyReward()((), None)[1] == 3.0
 
 
-def test_edit_of_a_file_beside_is_another_plugin(lay: Lay):
+def test_edit_of_a_file_beside_is_another_plugin(lay):
     """Its digest counts: in the plugin's own, in its module's name and in the sources of its class."""
     path = lay("mine.py", REWARD.format(imports="import helpers", scale="helpers.SCALE"))
     digests = []
@@ -90,7 +90,7 @@ def test_edit_of_a_file_beside_is_another_plugin(lay: Lay):
     assert len({*digests}) == 2
 
 
-def test_files_beside_travel_along(lay: Lay, tmp_path: Path):
+def test_files_beside_travel_along(lay, tmp_path):
     """As text, to processes and machines that do not have them."""
     helper = lay("helpers.py", "SCALE = 4.0")
     path = lay("mine.py", REWARD.format(imports="import helpers", scale="helpers.SCALE") + "# travels\n")
@@ -100,7 +100,7 @@ def test_files_beside_travel_along(lay: Lay, tmp_path: Path):
     assert import_file(there).MyReward()((), None)[1] == 4.0
 
 
-def test_two_plugins_may_have_files_of_one_name_beside_them(lay: Lay):
+def test_two_plugins_may_have_files_of_one_name_beside_them(lay):
     """Each imports its own, and nobody else finds either."""
     paid = []
     for folder, scale in (("one", 1.0), ("other", 2.0)):
@@ -111,7 +111,7 @@ def test_two_plugins_may_have_files_of_one_name_beside_them(lay: Lay):
     assert "helpers" not in sys.modules
 
 
-def test_modules_of_python_itself_are_meant_by_their_names(lay: Lay):
+def test_modules_of_python_itself_are_meant_by_their_names(lay):
     """A reward called random.py does not take the place of Python's random."""
     lay("random.py", "raise RuntimeError")
     file = _file(lay("mine.py", REWARD.format(imports="import random", scale="random.Random(0).random()")))
@@ -119,7 +119,7 @@ def test_modules_of_python_itself_are_meant_by_their_names(lay: Lay):
     assert 0 < import_file(file).MyReward()((), None)[1] < 1
 
 
-def test_code_is_known_by_its_file(lay: Lay):
+def test_code_is_known_by_its_file(lay):
     """Also that of a file beside it; other code has none."""
     lay("helpers.py", "def pay():\n    return 1.0")
     file = _file(lay("mine.py", REWARD.format(imports="from helpers import pay", scale="pay()")))
@@ -137,7 +137,7 @@ def test_code_is_known_by_its_file(lay: Lay):
         ("from .other import x", r"No module named '\.other' beside it"),
     ],
 )
-def test_file_beside_that_fails_is_named(lay: Lay, helper: str, told: str):
+def test_file_beside_that_fails_is_named(lay, helper, told):
     """With its line; nothing of it stays imported."""
     lay("helpers.py", helper)
     path = lay("mine.py", REWARD.format(imports="import helpers", scale="0"))
@@ -146,7 +146,7 @@ def test_file_beside_that_fails_is_named(lay: Lay, helper: str, told: str):
     assert not [name for name in sys.modules if name.startswith(_file(path).module)]
 
 
-def test_too_many_files_beside_are_refused(lay: Lay):
+def test_too_many_files_beside_are_refused(lay):
     """They should be a package."""
     for number in range(101):
         lay(f"part_{number}.py", "")
@@ -165,7 +165,7 @@ def test_too_many_files_beside_are_refused(lay: Lay):
         ("other", 2.0 * OLD, True),
     ],
 )
-def test_folders_of_killed_processes_are_removed(tmp_path: Path, monkeypatch, name: str, age: float, stays: bool):
+def test_folders_of_killed_processes_are_removed(tmp_path, monkeypatch, name, age, stays):
     """Old ones alone, of processes that are gone."""
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     left = tmp_path / name.replace("OURS", str(os.getpid()))

@@ -4,14 +4,13 @@ import shutil
 import sys
 from collections.abc import Callable
 from importlib.metadata import EntryPoint, metadata
-from pathlib import Path
 from typing import NamedTuple
 
 import pytest
 
 from harness.errors import PluginError, UsageError
 from harness.hookspecs import KINDS
-from harness.registry import OURS, Plugin, Registry, Spec, did_you_mean, load_registry, registry as module, unknown_name
+from harness.registry import OURS, Spec, did_you_mean, load_registry, registry as module, unknown_name
 from harness.registry.registry import VARIABLE, Wanted, installed
 
 Write = Callable[..., EntryPoint]
@@ -23,21 +22,21 @@ ONE_OF_EACH = "import harness\n" + "".join(
 )
 
 
-def _plugin_with(body: str, hook: str = "register_rewards(register)") -> str:
+def _plugin_with(body, hook="register_rewards(register)"):
     return f"import harness\n@harness.hookimpl\ndef {hook}:\n    {body}\n"
 
 
-def _reward(name: str = "mine", target: str = "json.decoder:JSONDecoder", more: str = "") -> str:
+def _reward(name="mine", target="json.decoder:JSONDecoder", more=""):
     return _plugin_with(f"register({name!r}, {target!r}, summary='a reward'{more})")
 
 
-def _only(registry: Registry) -> Plugin:
+def _only(registry):
     assert len(registry.plugins) == 1
     return registry.plugins[0]
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_what_a_hook_registers_is_of_its_kind_alone(write_plugin: Write, kind: str):
+def test_what_a_hook_registers_is_of_its_kind_alone(write_plugin, kind):
     """Each kind has a hook of its name."""
     import json.decoder
 
@@ -48,20 +47,20 @@ def test_what_a_hook_registers_is_of_its_kind_alone(write_plugin: Write, kind: s
     assert registry.names(kind) == [f"my-{kind}"]
 
 
-def test_plugin_says_what_it_registered(write_plugin: Write):
+def test_plugin_says_what_it_registered(write_plugin):
     """The record of a plugin that works lists each kind and name."""
     plugin = _only(load_registry([write_plugin(_reward(), "mine")]))
     assert (plugin.name, plugin.status, plugin.reason, plugin.registered) == ("mine", "ok", "", ("reward mine",))
 
 
-def test_third_party_distribution_comes_in_by_the_same_door(toys: Registry):
+def test_third_party_distribution_comes_in_by_the_same_door(toys):
     """An installed package is found by its entry point, and known by its distribution and version."""
     (plugin,) = [plugin for plugin in toys.plugins if plugin.name == "toys"]
     assert (plugin.distribution, plugin.version, plugin.module, plugin.status) == ("toy-arm", "1.0", "toy_arm", "ok")
     assert toys.get("simulators", "ideal").distribution == "toy-arm"
 
 
-def test_built_in_plugins_are_all_fine(monkeypatch: pytest.MonkeyPatch):
+def test_built_in_plugins_are_all_fine(monkeypatch):
     """What this distribution brings loads without a complaint, and no name is claimed twice."""
     monkeypatch.delenv("HARNESS_PLUGINS", raising=False)
     registry = load_registry()
@@ -78,7 +77,7 @@ def test_built_in_names_that_take_a_library_name_an_extra_that_exists():
     assert set(extras.values()) <= set(metadata("fd100-harness").get_all("Provides-Extra"))
 
 
-def test_targets_are_not_imported_before_they_are_loaded(write_plugin: Write, tmp_path: Path):
+def test_targets_are_not_imported_before_they_are_loaded(write_plugin, tmp_path):
     """Loading the registry imports the light module alone; loading a spec imports its target."""
     (tmp_path / "heavy_engine_of_a_test.py").write_text("class Engine: ...\n")
     registry = load_registry([write_plugin(_reward(target="heavy_engine_of_a_test:Engine"), "mine")])
@@ -103,7 +102,7 @@ BROKEN = {
 }
 
 
-def test_name_registered_before_a_hook_broke_is_not_kept(write_plugin: Write):
+def test_name_registered_before_a_hook_broke_is_not_kept(write_plugin):
     """A plugin is loaded as a whole or not at all."""
     source = _reward("half") + "    raise RuntimeError\n"
     assert load_registry([write_plugin(source, "broken")]).names("rewards") == []
@@ -138,9 +137,7 @@ INCOMPATIBLE = {
     [("broken", *it) for it in BROKEN.values()] + [("incompatible", *it) for it in INCOMPATIBLE.values()],
     ids=[*BROKEN, *INCOMPATIBLE],
 )
-def test_plugin_that_does_not_load_says_why_and_stops_no_other(
-    write_plugin: Write, status: str, source: str, reason: str
-):
+def test_plugin_that_does_not_load_says_why_and_stops_no_other(write_plugin, status, source, reason):
     """In one line; nothing of it is registered, and its neighbours load."""
     names = ("after", "odd", "before")
     after, odd, before = (
@@ -154,14 +151,14 @@ def test_plugin_that_does_not_load_says_why_and_stops_no_other(
     assert registry.names("rewards") == ["after", "before"]
 
 
-def test_plugin_may_state_this_version_of_the_interfaces(write_plugin: Write):
+def test_plugin_may_state_this_version_of_the_interfaces(write_plugin):
     """`harness_api = 2` loads, and there is nothing to remark; so does one that states none."""
     for stated in ("harness_api = 2\n", ""):
         plugin = _only(load_registry([write_plugin(stated + _reward(), f"mine{len(stated)}")]))
         assert plugin.status == "ok"
 
 
-def test_module_named_by_two_entry_points_loads_once(write_plugin: Write):
+def test_module_named_by_two_entry_points_loads_once(write_plugin):
     """The second entry point is recorded as incompatible, and no name is claimed twice."""
     first = write_plugin(_reward(), "mine", entry="a")
     registry = load_registry([first, EntryPoint("b", first.value, "harness")])
@@ -169,7 +166,7 @@ def test_module_named_by_two_entry_points_loads_once(write_plugin: Write):
     assert registry.conflicts() == []
 
 
-def test_name_claimed_twice_names_both_plugins(write_plugin: Write):
+def test_name_claimed_twice_names_both_plugins(write_plugin):
     """Neither wins: using the name is an error that names both, and other names still work."""
     registry = load_registry(
         [write_plugin(_reward(), "one"), write_plugin(_reward(), "two"), write_plugin(_reward("other"), "three")]
@@ -180,7 +177,7 @@ def test_name_claimed_twice_names_both_plugins(write_plugin: Write):
     assert registry.get("rewards", "other").plugin == "three"
 
 
-def test_same_name_of_two_kinds_is_no_conflict(write_plugin: Write):
+def test_same_name_of_two_kinds_is_no_conflict(write_plugin):
     """A simulator and a reward may share a name."""
     simulator = _plugin_with("register('mine', 'a:b', summary='')", "register_simulators(register)")
     registry = load_registry([write_plugin(_reward(), "one"), write_plugin(simulator, "two")])
@@ -190,9 +187,7 @@ def test_same_name_of_two_kinds_is_no_conflict(write_plugin: Write):
 @pytest.mark.parametrize(
     ("value", "statuses"), [("", ["off", "off"]), ("two", ["off", "ok"]), (" one , two ", ["ok", "ok"])]
 )
-def test_environment_variable_restricts_what_loads(
-    write_plugin: Write, monkeypatch: pytest.MonkeyPatch, value: str, statuses: list[str]
-):
+def test_environment_variable_restricts_what_loads(write_plugin, monkeypatch, value, statuses):
     """HARNESS_PLUGINS names the plugins to load; the others are off, and an empty list loads none."""
     points = [write_plugin(_reward("first"), "one"), write_plugin(_reward("second"), "two")]
     monkeypatch.setenv("HARNESS_PLUGINS", value)
@@ -201,7 +196,7 @@ def test_environment_variable_restricts_what_loads(
     assert len(registry.names("rewards")) == statuses.count("ok")
 
 
-def test_plugin_that_is_off_is_not_imported(write_plugin: Write, monkeypatch: pytest.MonkeyPatch):
+def test_plugin_that_is_off_is_not_imported(write_plugin, monkeypatch):
     """A plugin that HARNESS_PLUGINS leaves out cannot do harm at import."""
     point = write_plugin("raise SystemExit", "one")
     monkeypatch.setenv("HARNESS_PLUGINS", "")
@@ -209,7 +204,7 @@ def test_plugin_that_is_off_is_not_imported(write_plugin: Write, monkeypatch: py
     assert point.module not in sys.modules
 
 
-def _spec(requires: tuple[str, ...] = (), extra: str | None = None, target: str = "json.decoder:JSONDecoder") -> Spec:
+def _spec(requires=(), extra=None, target="json.decoder:JSONDecoder"):
     return Spec("simulators", "mine", target, "", requires, extra, "one", "a-package")
 
 
@@ -239,9 +234,7 @@ BAD_TARGETS = {
 
 
 @pytest.mark.parametrize(("target", "reason"), BAD_TARGETS.values(), ids=BAD_TARGETS)
-def test_target_that_cannot_be_imported_names_its_plugin(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, target: str, reason: str
-):
+def test_target_that_cannot_be_imported_names_its_plugin(tmp_path, monkeypatch, target, reason):
     """The error names plugin, distribution, target and what went wrong."""
     (tmp_path / "leaving_engine_of_a_test.py").write_text("raise SystemExit(4)")
     monkeypatch.syspath_prepend(tmp_path)
@@ -249,7 +242,7 @@ def test_target_that_cannot_be_imported_names_its_plugin(
         _spec(target=target).load()
 
 
-def test_unknown_name_offers_the_nearest(toys: Registry):
+def test_unknown_name_offers_the_nearest(toys):
     """One line: what was given, what there is, the nearest match."""
     with pytest.raises(UsageError) as error:
         toys.get("algorithms", "wandr")
@@ -274,7 +267,7 @@ class Dist(NamedTuple):
     version: str
 
 
-def _points(write_plugin: Write, **distributions: str) -> list[EntryPoint]:
+def _points(write_plugin, **distributions):
     """Plugins that all register the reward 'mine', by entry point, each of its distribution."""
     found = []
     for entry, name in distributions.items():
@@ -283,7 +276,7 @@ def _points(write_plugin: Write, **distributions: str) -> list[EntryPoint]:
     return found
 
 
-def test_built_in_name_stays_the_built_in_one(write_plugin: Write):
+def test_built_in_name_stays_the_built_in_one(write_plugin):
     """Whoever claims it too has the qualified name, and a line says so."""
     registry = load_registry(_points(write_plugin, one="fd100-harness", two="Clash_Algo"))
     assert registry.get("rewards", "mine").distribution == "fd100-harness"
@@ -294,14 +287,14 @@ def test_built_in_name_stays_the_built_in_one(write_plugin: Write):
     ]
 
 
-def _quick_under(write_plugin: Write, distribution: str, name: str = "quick-one", short: str = "quick") -> EntryPoint:
+def _quick_under(write_plugin, distribution, name="quick-one", short="quick"):
     """The entry point of a reward with a short name."""
     source = _reward(name, more=f", short={short!r}" if short else "")
     point = write_plugin(source, distribution.replace("-", ""))
     return point._for(Dist(distribution, "1.0"))
 
 
-def test_short_name_means_the_registered_one(write_plugin: Write):
+def test_short_name_means_the_registered_one(write_plugin):
     """It can be typed, plainly and qualified; lists and records have the name."""
     registry = load_registry([_quick_under(write_plugin, OURS)])
     assert {registry.get("rewards", it).name for it in ("quick", "quick-one", f"{OURS}/quick")} == {"quick-one"}
@@ -313,7 +306,7 @@ def test_short_name_means_the_registered_one(write_plugin: Write):
         registry.get("rewards", "quik")
 
 
-def test_our_short_name_stays_ours(write_plugin: Write):
+def test_our_short_name_stays_ours(write_plugin):
     """A plugin of others with that name has the qualified one, and a line says so."""
     registry = load_registry([_quick_under(write_plugin, OURS), _quick_under(write_plugin, "other-algo", "quick", "")])
     assert registry.get("rewards", "quick").name == "quick-one"
@@ -325,7 +318,7 @@ def test_our_short_name_stays_ours(write_plugin: Write):
     ]
 
 
-def test_short_name_of_others_takes_no_name_of_ours(write_plugin: Write):
+def test_short_name_of_others_takes_no_name_of_ours(write_plugin):
     """The built-in one stays, and theirs has its own name."""
     registry = load_registry(
         [_quick_under(write_plugin, OURS, "mine", ""), _quick_under(write_plugin, "o-algo", short="mine")]
@@ -335,7 +328,7 @@ def test_short_name_of_others_takes_no_name_of_ours(write_plugin: Write):
     assert registry.names("rewards") == ["mine", "quick-one"]
 
 
-def test_short_name_is_checked_as_a_name(write_plugin: Write):
+def test_short_name_is_checked_as_a_name(write_plugin):
     """The plugin is broken, and the message says which name."""
     registry = load_registry([_quick_under(write_plugin, "other-algo", short="Not One")])
     assert "'Not One' must be lower-case" in _only(registry).reason
@@ -348,7 +341,7 @@ def test_sac_is_short_for_the_quick_learner():
     assert registry.get("algorithms", "sb3-sac").modules == ("stable_baselines3", "torch")
 
 
-def test_name_of_two_third_parties_is_told_with_both_qualified_names(write_plugin: Write):
+def test_name_of_two_third_parties_is_told_with_both_qualified_names(write_plugin):
     """The plain name is an error, the qualified ones are not."""
     registry = load_registry(_points(write_plugin, one="one-algo", two="two-algo"))
     with pytest.raises(PluginError, match="write one-algo/mine or two-algo/mine, or leave one out"):
@@ -357,7 +350,7 @@ def test_name_of_two_third_parties_is_told_with_both_qualified_names(write_plugi
     assert registry.names("rewards") == ["one-algo/mine", "two-algo/mine"]
 
 
-def test_name_that_one_distribution_claims_twice_cannot_be_qualified(write_plugin: Write):
+def test_name_that_one_distribution_claims_twice_cannot_be_qualified(write_plugin):
     """One of the plugins has to be left out."""
     registry = load_registry(_points(write_plugin, one="algo", two="algo"))
     assert registry.names("rewards") == []
@@ -365,7 +358,7 @@ def test_name_that_one_distribution_claims_twice_cannot_be_qualified(write_plugi
         registry.get("rewards", "algo/mine")
 
 
-def test_qualified_name_of_a_sole_claimant_is_its_plain_one(write_plugin: Write):
+def test_qualified_name_of_a_sole_claimant_is_its_plain_one(write_plugin):
     """Both find it, and the kinds of both are known."""
     registry = load_registry(_points(write_plugin, one="one-algo"))
     assert registry.get("rewards", "one-algo/mine") is registry.get("rewards", "mine")
@@ -375,7 +368,7 @@ def test_qualified_name_of_a_sole_claimant_is_its_plain_one(write_plugin: Write)
         registry.get("rewards", "two-algo/mine")
 
 
-def test_unknown_name_tells_of_plugins_that_did_not_load(write_plugin: Write):
+def test_unknown_name_tells_of_plugins_that_did_not_load(write_plugin):
     """The name may be theirs."""
     registry = load_registry([write_plugin("import harness\n", "empty"), write_plugin("raise OSError", "sick")])
     with pytest.raises(UsageError) as error:
@@ -386,9 +379,7 @@ def test_unknown_name_tells_of_plugins_that_did_not_load(write_plugin: Write):
     assert len(registry.complaints()) == 2
 
 
-def test_module_of_a_package_is_looked_for_without_importing_the_package(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-):
+def test_module_of_a_package_is_looked_for_without_importing_the_package(tmp_path, monkeypatch):
     """It may stand in another folder than the package, as another distribution may bring it."""
     for folder, file in (("one", "__init__.py"), ("two", "extra.py")):
         (tmp_path / folder / "spread_out").mkdir(parents=True)
@@ -399,11 +390,11 @@ def test_module_of_a_package_is_looked_for_without_importing_the_package(
 
 
 @pytest.fixture
-def add(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], Path]:
+def add(tmp_path, monkeypatch):
     """Install a package with one entry point of the group `seen`, in a folder that is searched from the start."""
     monkeypatch.syspath_prepend(tmp_path)
 
-    def add_package(name: str) -> Path:
+    def add_package(name):
         folder = tmp_path / f"{name}-1.0.dist-info"
         folder.mkdir()
         (folder / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: 1.0\n")
@@ -413,11 +404,11 @@ def add(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], Path
     return add_package
 
 
-def _names() -> list[str]:
+def _names():
     return sorted(point.name for point in installed("seen"))
 
 
-def test_entry_points_of_a_group_are_found(add: Callable[[str], Path]):
+def test_entry_points_of_a_group_are_found(add):
     """With the distribution that they are of; another group's are not."""
     assert installed("seen") == ()
     add("first")
@@ -425,7 +416,7 @@ def test_entry_points_of_a_group_are_found(add: Callable[[str], Path]):
     assert (found.name, found.value, found.dist.name) == ("first", "first", "first")
 
 
-def test_what_is_installed_meanwhile_is_found(add: Callable[[str], Path]):
+def test_what_is_installed_meanwhile_is_found(add):
     """And what was removed is not: a notebook lives long."""
     first = add("first")
     assert _names() == ["first"]
@@ -435,7 +426,7 @@ def test_what_is_installed_meanwhile_is_found(add: Callable[[str], Path]):
     assert _names() == ["second"]
 
 
-def test_who_searches_elsewhere_finds_what_is_there(add: Callable[[str], Path], monkeypatch: pytest.MonkeyPatch):
+def test_who_searches_elsewhere_finds_what_is_there(add, monkeypatch):
     """A folder that Python no longer searches counts no more."""
     add("first")
     assert _names() == ["first"]
@@ -443,17 +434,17 @@ def test_who_searches_elsewhere_finds_what_is_there(add: Callable[[str], Path], 
     assert _names() == []
 
 
-def test_distributions_are_read_once(add: Callable[[str], Path], monkeypatch: pytest.MonkeyPatch):
+def test_distributions_are_read_once(add, monkeypatch):
     """As long as nothing changes: there may be hundreds."""
     add("first")
-    asked: list[str] = []
+    asked = []
     monkeypatch.setattr(module, "entry_points", lambda group: asked.append(group) or ())
     for _ in range(3):
         installed("seen")
     assert asked == ["seen"]
 
 
-def _loads(monkeypatch: pytest.MonkeyPatch, value: str | None, *plugin: str) -> bool:
+def _loads(monkeypatch, value, *plugin):
     monkeypatch.delenv(VARIABLE, raising=False)
     if value is not None:
         monkeypatch.setenv(VARIABLE, value)
@@ -468,7 +459,7 @@ def _loads(monkeypatch: pytest.MonkeyPatch, value: str | None, *plugin: str) -> 
         ("-Clash_Algo/clash", False), ("clash-algo/clash", True), ("-other/clash", True),
     ],
 )  # fmt: skip
-def test_third_party_plugin(monkeypatch: pytest.MonkeyPatch, value: str | None, loads: bool):
+def test_third_party_plugin(monkeypatch, value, loads):
     """By its entry point, its distribution or both; a minus leaves out, and wins."""
     assert _loads(monkeypatch, value, "clash", "Clash_Algo") == loads
 
@@ -476,12 +467,12 @@ def test_third_party_plugin(monkeypatch: pytest.MonkeyPatch, value: str | None, 
 @pytest.mark.parametrize(
     ("value", "loads"), [("", True), ("clash", True), ("-clash", True), ("-rewards", False), (f"-{OURS}/tasks", True)]
 )
-def test_built_in_plugin_stays_unless_it_is_left_out(monkeypatch: pytest.MonkeyPatch, value: str, loads: bool):
+def test_built_in_plugin_stays_unless_it_is_left_out(monkeypatch, value, loads):
     """Whoever names one plugin does not lose the simulators."""
     assert _loads(monkeypatch, value, "rewards", OURS) == loads
 
 
-def test_name_of_no_plugin_is_told(monkeypatch: pytest.MonkeyPatch):
+def test_name_of_no_plugin_is_told(monkeypatch):
     """A mistyped one leaves nothing out."""
     monkeypatch.setenv(VARIABLE, "-clsh,one")
     told = Wanted.from_environment().unknown([("clash", "clash-algo"), ("one", "ones")])

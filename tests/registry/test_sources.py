@@ -1,11 +1,9 @@
 """The files that a plugin is made of."""
 
 import sys
-from collections.abc import Callable
 from hashlib import sha256
 from importlib import import_module
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -37,7 +35,7 @@ def test_packages_that_it_names_are_part_of_it():
     assert set(folder.glob("*.py")) <= set(source_files(SacFast))
 
 
-def test_hash_changes_with_a_module_of_its_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_hash_changes_with_a_module_of_its_package(tmp_path, monkeypatch):
     """A learner that was changed can be told, though the file of the class was not."""
     (tmp_path / "learners").mkdir()
     for name in ("__init__", "learner"):
@@ -76,12 +74,12 @@ class Wrapped:
 
 
 @pytest.fixture(name="package")
-def _package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], Any]:
+def _package(tmp_path, monkeypatch):
     """Makes a package with a metric, whose helper has this source; each is another package with the same text."""
     monkeypatch.syspath_prepend(tmp_path)
-    made: list[str] = []
+    made = []
 
-    def make(helper: str) -> Any:
+    def make(helper):
         name = f"measures{len(made)}"
         made.append(name)
         (tmp_path / name).mkdir()
@@ -101,7 +99,7 @@ def test_fingerprint_has_the_parameters():
     assert fingerprint(Arp(k2=2.0)) != fingerprint(Arp())
 
 
-def test_fingerprint_has_the_modules_that_are_imported(package: Callable[[str], Any], monkeypatch: pytest.MonkeyPatch):
+def test_fingerprint_has_the_modules_that_are_imported(package, monkeypatch):
     """A helper beside the metric may have been edited, and the metric not."""
     module = package("HALF = 0.5\n")
     before = fingerprint(module.Metric())
@@ -110,21 +108,21 @@ def test_fingerprint_has_the_modules_that_are_imported(package: Callable[[str], 
     assert fingerprint(module.Metric()) != before
 
 
-def test_fingerprint_has_the_parts(package: Callable[[str], Any]):
+def test_fingerprint_has_the_parts(package):
     """What another is wrapped around decides what it computes."""
     module = package("HALF = 0.5\n")
     assert fingerprint(module.Wrapped()) == fingerprint(module.Wrapped(module.Metric()))
     assert fingerprint(module.Wrapped()) != fingerprint(module.Wrapped(module.Metric(2.0)))
 
 
-def test_fingerprint_of_what_holds_itself_ends(package: Callable[[str], Any]):
+def test_fingerprint_of_what_holds_itself_ends(package):
     """A plugin may keep a way back to itself."""
     metric = package("HALF = 0.5\n").Metric()
     object.__setattr__(metric, "itself", metric)
     assert fingerprint(metric) == fingerprint(metric)
 
 
-def test_digest_of_modules_follows_their_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_digest_of_modules_follows_their_files(tmp_path, monkeypatch):
     """A package counts with all of its modules."""
     monkeypatch.syspath_prepend(tmp_path)
     digests = []

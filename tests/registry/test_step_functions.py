@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from harness.errors import UsageError
-from harness.registry import Registry, load_registry, read_given, split_measures
+from harness.registry import load_registry, read_given, split_measures
 
 Lay = Callable[[str, str], Path]
 ONE = """
@@ -34,21 +34,21 @@ class effort:
 
 
 @pytest.fixture
-def lay(tmp_path: Path) -> Lay:
+def lay(tmp_path):
     """Write a file; gives its path."""
 
-    def write(name: str, source: str) -> Path:
+    def write(name, source):
         (tmp_path / name).write_text(source, encoding="utf-8")
         return tmp_path / name
 
     return write
 
 
-def _registry(*paths: Path, measures: tuple[Path, ...] = ()) -> Registry:
+def _registry(*paths, measures=()):
     return load_registry([], read_given(paths, measures))
 
 
-def test_one_function_has_the_name_of_its_file(lay: Lay):
+def test_one_function_has_the_name_of_its_file(lay):
     """Imported functions and those whose names begin with _ do not count."""
     registry = _registry(lay("calm.py", ONE))
     (calm,) = registry.functions
@@ -56,13 +56,13 @@ def test_one_function_has_the_name_of_its_file(lay: Lay):
     assert registry.plugins[0].registered == ("reward calm of environments",)
 
 
-def test_several_functions_have_their_own_names(lay: Lay):
+def test_several_functions_have_their_own_names(lay):
     """In the order of the file."""
     registry = _registry(lay("both.py", ONE + MEMORY))
     assert [it.name for it in registry.functions] == ["pays", "effort"]
 
 
-def test_class_with_a_memory_makes_an_object_for_each_env(lay: Lay):
+def test_class_with_a_memory_makes_an_object_for_each_env(lay):
     """Two envs share nothing."""
     (effort,) = _registry(lay("effort.py", MEMORY)).functions
     one, other = effort.make(), effort.make()
@@ -72,13 +72,13 @@ def test_class_with_a_memory_makes_an_object_for_each_env(lay: Lay):
 
 
 @pytest.mark.parametrize("name", ["behaviour.py", "behavior.py"])
-def test_functions_of_a_file_called_behaviour_are_measures(lay: Lay, name: str):
+def test_functions_of_a_file_called_behaviour_are_measures(lay, name):
     """Each under its own name, one alone too; the file says of which less is better."""
     (effort,) = _registry(lay(name, MEMORY + "lower_is_better = ['effort']")).functions
     assert (effort.name, effort.noun, effort.lower_is_better) == ("effort", "measure", True)
 
 
-def test_any_file_may_be_one_of_measures(lay: Lay):
+def test_any_file_may_be_one_of_measures(lay):
     """Where the user says so, even if it is named as a plugin too."""
     path = lay("mine.py", ONE)
     (pays,) = _registry(path, measures=(path,)).functions
@@ -86,7 +86,7 @@ def test_any_file_may_be_one_of_measures(lay: Lay):
     assert read_given([], [path])[0].need["measures"] is True
 
 
-def test_a_measure_may_be_called_as_a_reward(lay: Lay):
+def test_a_measure_may_be_called_as_a_reward(lay):
     """They are different things."""
     registry = _registry(lay("pays.py", ONE), lay("behaviour.py", ONE))
     assert list(registry.functions_of("reward")) == list(registry.functions_of("measure")) == ["pays"]
@@ -103,7 +103,7 @@ BAD = {
 
 
 @pytest.mark.parametrize(("source", "told"), BAD.values(), ids=BAD)
-def test_bad_file_is_told_in_one_line(lay: Lay, source: str, told: str):
+def test_bad_file_is_told_in_one_line(lay, source, told):
     """With the file and what to do."""
     with pytest.raises(UsageError) as error:
         _registry(lay("bad.py", source))
@@ -111,7 +111,7 @@ def test_bad_file_is_told_in_one_line(lay: Lay, source: str, told: str):
     assert "bad.py" in str(error.value)
 
 
-def test_other_classes_of_a_file_are_its_own(lay: Lay):
+def test_other_classes_of_a_file_are_its_own(lay):
     """Settings, as a dataclass."""
     source = "from dataclasses import dataclass\n@dataclass\nclass Settings:\n    weight: float = 2.0\n" + ONE
     assert [it.name for it in _registry(lay("calm.py", source)).functions] == ["calm"]
@@ -124,27 +124,27 @@ PARTIAL = (
 
 
 @pytest.mark.parametrize("source", [CALLED, CALLED + "reward = Weighed()", PARTIAL])
-def test_what_can_be_called_for_a_step_is_a_reward(lay: Lay, source: str):
+def test_what_can_be_called_for_a_step_is_a_reward(lay, source):
     """A class without a memory, an object of a class, a partial."""
     (found,) = _registry(lay("calm.py", source)).functions
     assert found.name == "calm"
     assert found.make()(None, None, None, {}) == 2.0
 
 
-def test_two_functions_of_one_name_are_refused(lay: Lay, tmp_path: Path):
+def test_two_functions_of_one_name_are_refused(lay, tmp_path):
     """With both files."""
     with pytest.raises(UsageError, match=r"other\.py': the reward 'effort' stands in '.*both\.py' too"):
         _registry(lay("both.py", ONE + MEMORY), lay("other.py", MEMORY + ONE.replace("pays", "more")))
 
 
-def test_pattern_finds_files(lay: Lay, tmp_path: Path):
+def test_pattern_finds_files(lay, tmp_path):
     """In the order of their names; those that begin with _ are for the others."""
     for name in ("b.py", "a.py", "_parts.py", "notes.txt"):
         lay(name, ONE)
     assert [it.name for it in read_given([f"{tmp_path}/*"])] == ["a.py", "b.py"]
 
 
-def test_file_that_a_pattern_finds_may_be_broken(lay: Lay, tmp_path: Path):
+def test_file_that_a_pattern_finds_may_be_broken(lay, tmp_path):
     """The others go on, and it is named; named by itself it is an error."""
     broken = lay("broken.py", "def (")
     lay("calm.py", ONE)
@@ -158,7 +158,7 @@ def test_file_that_a_pattern_finds_may_be_broken(lay: Lay, tmp_path: Path):
         _registry(broken)
 
 
-def test_a_report_of_an_arm_needs_the_file_of_a_function(tmp_path: Path):
+def test_a_report_of_an_arm_needs_the_file_of_a_function(tmp_path):
     """What it pays is no column of other trainings' traces, as it is of recordings."""
     (tmp_path / "calm.py").write_text("def calm(step):\n    return -step.distance\n")
     registry = load_registry(given=read_given([tmp_path / "calm.py"]))
@@ -166,13 +166,13 @@ def test_a_report_of_an_arm_needs_the_file_of_a_function(tmp_path: Path):
     assert [need.get("functions") for need in registry.needs(in_environment=True)] == [True]
 
 
-def test_pattern_that_finds_nothing_is_refused(tmp_path: Path):
+def test_pattern_that_finds_nothing_is_refused(tmp_path):
     """It is mistyped."""
     with pytest.raises(UsageError, match=r"No Python file matches '.*\*\.py'"):
         read_given([tmp_path / "*.py"])
 
 
-def test_reward_of_an_arm_is_told_from_one_of_environments(lay: Lay):
+def test_reward_of_an_arm_is_told_from_one_of_environments(lay):
     """A function of an observation cannot pay an arm."""
     with pytest.raises(UsageError, match=r"No reward 'calm'.*In calm\.py, pays\(observ.*\) pays in environments"):
         _registry(lay("calm.py", ONE)).get("rewards", "calm")
@@ -187,7 +187,7 @@ def test_measures_are_names_and_files():
 HELPERS = "def calm(step):\n    return clip(step.observation[0], 1)\n\n\ndef clip(x, most=1):\n    return x\n"
 
 
-def test_helper_function_is_no_reward(lay: Lay):
+def test_helper_function_is_no_reward(lay):
     """The file's own: told where somebody names it."""
     registry = _registry(lay("rewards.py", HELPERS))
     assert [it.name for it in registry.functions] == ["rewards"]
@@ -207,7 +207,7 @@ STEPS = (
 
 
 @pytest.mark.parametrize("source", STEPS)
-def test_what_takes_a_step_is_a_reward(lay: Lay, source: str):
+def test_what_takes_a_step_is_a_reward(lay, source):
     """A class, with a memory or without, a partial, a function with a default."""
     (found,) = _registry(lay("calm.py", source)).functions
     assert (found.name, found.make()(None)) == ("calm", 2.0)
@@ -224,7 +224,7 @@ def test_what_takes_a_step_is_a_reward(lay: Lay, source: str):
          "In calm.py, compute_reward is called 'calm', as its file"),
     ],
 )  # fmt: skip
-def test_a_function_that_is_no_reward_of_the_name_is_told(tmp_path: Path, source: str, asked: str, told: str):
+def test_a_function_that_is_no_reward_of_the_name_is_told(tmp_path, source, asked, told):
     """Who asks an arm for what pays environments alone, or for a function by its name in the file."""
     (tmp_path / "calm.py").write_text(source)
     registry = load_registry(given=read_given([tmp_path / "calm.py"]))

@@ -1,9 +1,7 @@
 """Targets compared with what their kind asks for: each way to be wrong is told, and what is right is not."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any, ClassVar, Protocol
+from typing import ClassVar
 
 import pytest
 
@@ -31,11 +29,11 @@ PROTOCOLS = {
 }  # fmt: skip
 
 
-def _spec(target: str, kind: str = "rewards", requires: tuple[str, ...] = ()) -> Spec:
+def _spec(target, kind="rewards", requires=()):
     return Spec(kind, "mine", target, "", requires, None, "one", "cem-algo", "0.1")
 
 
-def _members_of(protocol: type[Protocol]) -> dict[str, int | None]:
+def _members_of(protocol):
     own = {name: it for name, it in vars(protocol).items() if not name.startswith("_") or name == "__call__"}
     return {
         name: None if isinstance(it, property) else it.__code__.co_argcount - 1
@@ -44,7 +42,7 @@ def _members_of(protocol: type[Protocol]) -> dict[str, int | None]:
     }
 
 
-def test_members_are_those_of_the_interface(subtests: pytest.Subtests):
+def test_members_are_those_of_the_interface(subtests):
     """The table says what the protocol says: names, and arguments beside self."""
     for kind, protocol in PROTOCOLS.items():
         with subtests.test(kind=kind):
@@ -71,11 +69,11 @@ ABSENT = {
 
 
 @pytest.fixture
-def lay(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., str]:
+def lay(tmp_path, monkeypatch):
     """Lay a module where it can be imported; gives its name."""
     monkeypatch.syspath_prepend(tmp_path)
 
-    def write(name: str, source: str) -> str:
+    def write(name, source):
         module = f"{name}_{tmp_path.name}".replace("-", "_")
         (tmp_path / f"{module}.py").write_text(source)
         return module
@@ -84,7 +82,7 @@ def lay(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., str]:
 
 
 @pytest.mark.parametrize(("target", "told"), ABSENT.values(), ids=ABSENT)
-def test_absent_target_is_told(lay: Callable[..., str], target: str, told: str):
+def test_absent_target_is_told(lay, target, told):
     """With kind, name, distribution and version, and what may be meant; nothing is imported for it."""
     lay("this_is", "raise SystemExit\nclass Mine: ...\n")
     module = lay("unparsed", "class Mine(")
@@ -98,7 +96,7 @@ def test_absent_target_is_told(lay: Callable[..., str], target: str, told: str):
     ["class Mine: ...", "from json import JSONDecoder as Mine", "Mine = 3", "if True:\n    Mine = 3", "def Mine(): ...",
      "from json import *", "def __getattr__(name): ..."],
 )  # fmt: skip
-def test_target_that_may_be_there_is_not_absent(lay: Callable[..., str], source: str):
+def test_target_that_may_be_there_is_not_absent(lay, source):
     """However a module binds the name; one that cannot be read off is not complained of."""
     assert why_absent(_spec(lay("there", f"{source}\n") + ":Mine")) == ""
 
@@ -111,7 +109,7 @@ def test_plugin_with_an_absent_target_is_broken():
     assert [plugin.status for plugin in examined(registry)] == ["broken", "ok"]
 
 
-def _plugin(name: str, distribution: str) -> Any:
+def _plugin(name, distribution):
     from harness.registry.registry import Plugin
 
     return Plugin(name, distribution, "0.1", "m", "ok")
@@ -183,7 +181,7 @@ UNFIT = {
 }
 
 
-def test_unfit_target_is_told(subtests: pytest.Subtests):
+def test_unfit_target_is_told(subtests):
     """What it lacks, and what a thing of its kind has."""
     for case, (name, kind, told) in UNFIT.items():
         with subtests.test(case), pytest.MonkeyPatch.context() as monkeypatch:
@@ -192,7 +190,7 @@ def test_unfit_target_is_told(subtests: pytest.Subtests):
 
 
 @pytest.mark.parametrize(("name", "kind"), [("Whole", "rewards"), ("Learner", "algorithms")])
-def test_fit_target_is_not_complained_of(monkeypatch: pytest.MonkeyPatch, name: str, kind: str):
+def test_fit_target_is_not_complained_of(monkeypatch, name, kind):
     """A field without a default is a member too."""
     monkeypatch.setitem(__import__("sys").modules, "targets_of_a_test", __import__("sys").modules[__name__])
     assert why_unfit(_spec(f"targets_of_a_test:{name}", kind)) == ""

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from harness.arrays import Float
 from harness.eta import Question, rule
 from tests.eta.scenarios import LEVEL, error, is_kept, steady
 
@@ -48,13 +47,13 @@ class Study:
     rewards: int = 1
     measures: int = 1
 
-    def questions(self, rng: np.random.Generator) -> list[Question]:
+    def questions(self, rng):
         """One experiment, in which all rewards share a baseline."""
         ends = np.tile(ENDS[: self.measures], (self.places, 1, 1))
         baseline = self._values(0, rng)
         return [Question.of(np.stack([baseline, self._values(1, rng)]), ends) for _ in range(self.rewards)]
 
-    def _values(self, side: int, rng: np.random.Generator) -> Float:
+    def _values(self, side, rng):
         success = self.draws[side](rng, self.means[side], (self.seeds, self.places))
         return measured(success, rng, self.measures)
 

@@ -1,20 +1,16 @@
 """Summaries of small experiment folders."""
 
-from collections.abc import Callable
-from pathlib import Path
-
 import pytest
 
-from harness.results import Results
 from harness_plugins.committed import write_summary
 from tests.report.conftest import barriers, build, driver, launch, mixed, show  # noqa: F401 -- fixtures
 
 
 @pytest.fixture
-def summarise(build: Callable, tmp_path: Path) -> Callable[..., Path]:  # noqa: F811
+def summarise(build, tmp_path):  # noqa: F811
     """Builds an experiment, see `build`, and writes its summary into a folder of that name."""
 
-    def write(name: str = "summary", **given: object) -> Path:
+    def write(name="summary", **given):
         write_summary(build(**given), tmp_path / name)
         return tmp_path / name
 
@@ -22,10 +18,10 @@ def summarise(build: Callable, tmp_path: Path) -> Callable[..., Path]:  # noqa: 
 
 
 @pytest.fixture
-def figures(tmp_path: Path) -> Callable[[Results], dict[str, bytes]]:
+def figures(tmp_path):
     """Gives the figures of a summary by what they show; of each kind one, so of one combination."""
 
-    def draw(results: Results) -> dict[str, bytes]:
+    def draw(results):
         write_summary(results, tmp_path / "drawn")
         paths = (tmp_path / "drawn" / "figures").glob("*.svg")
         return {path.name.split(".")[-2]: path.read_bytes() for path in paths}

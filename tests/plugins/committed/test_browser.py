@@ -1,7 +1,7 @@
 """The figures of records as a browser draws them: no text touches another one or a mark, and nothing is cut."""
 
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import pytest
 
@@ -28,13 +28,13 @@ class Box(NamedTuple):
     right: float
     bottom: float
 
-    def touches(self, other: "Box") -> bool:
+    def touches(self, other):
         """Whether both cover the same place."""
         across = min(self.right, other.right) - max(self.left, other.left)
         return across > BESIDE and min(self.bottom, other.bottom) - max(self.top, other.top) > ABOVE
 
 
-def faults(page: Any, figure: Path) -> list[str]:
+def faults(page, figure):
     """What touches something, or is cut."""
     page.goto(figure.as_uri())
     width, height = page.evaluate("['width', 'height'].map((it) => Number(document.documentElement.getAttribute(it)))")
@@ -51,7 +51,7 @@ def test_no_text_of_a_committed_figure_touches_another_or_is_cut(show):
     assert {name: told for name, told in found.items() if told} == {}
 
 
-def test_texts_that_touch_or_are_cut_are_found(show, tmp_path: Path):
+def test_texts_that_touch_or_are_cut_are_found(show, tmp_path):
     """The mutants: two words at one place, and one that is wider than the figure says."""
     axis = linear_axis(0.0, 1.0, "")
     chart = Chart(axis, axis, (Word(0.5, 0.5, "one"), Word(0.5, 0.5, "other"), Note(0.5, "WWWWWWWWWWWWWWW")))
