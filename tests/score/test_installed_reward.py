@@ -31,10 +31,6 @@ def run():
     return trace_of({**columns, **flags})
 
 
-def _paid(run, reward, registry):
-    return trace_of({**run.rows().columns, "reward": pay_log(reward.build(registry, "rewards"), run).total})
-
-
 GONE = Choice("gone", (), "gone")
 
 
@@ -43,14 +39,11 @@ def _arp(registry):
     return InstalledReward(choose(registry, "rewards", "arp"), registry)
 
 
-def test_runs_are_paid(run, arp, registry):
-    """As the reward pays them."""
-    np.testing.assert_array_equal(arp.pay(run, arp.choice).total, _paid(run, arp.choice, registry)["reward"])
-
-
 def test_reward_pays_what_it_paid(run, arp, registry):
     """It has not changed since."""
-    assert arp.pays_recorded(_paid(run, arp.choice, registry))
+    paid = arp.pay(run, arp.choice).total
+    np.testing.assert_array_equal(paid, pay_log(arp.choice.build(registry, "rewards"), run).total)
+    assert arp.pays_recorded(trace_of({**run.rows().columns, "reward": paid}))
 
 
 def test_reward_that_has_changed_says_so(run, arp):
@@ -62,15 +55,12 @@ def test_reward_that_has_changed_says_so(run, arp):
 
 
 def test_reward_that_is_gone_says_so(run, registry):
-    """With the message of the registry."""
-    with pytest.raises(Unscored, match=r"^No reward 'gone'"):
-        InstalledReward(GONE, registry).pay(run, GONE)
-
-
-def test_reward_that_is_gone_has_no_fingerprint(registry):
-    """Nothing that was kept of runs by another reward can be looked for."""
-    with pytest.raises(Unscored, match=r"^No reward 'gone'"):
-        InstalledReward(GONE, registry).fingerprint(Choice("arp", (), "arp"))
+    """With the message of the registry: columns of another's terms do not pay, and nothing that was kept is found."""
+    own, gone = trace_of({**run.rows().columns, "reward/near": np.ones(4)}), InstalledReward(GONE, registry)
+    other = Choice("other", (), "other")
+    for ask in (lambda: gone.pay(run, GONE), lambda: gone.pay(own, other), lambda: gone.fingerprint(other)):
+        with pytest.raises(Unscored, match=r"^No reward 'gone'"):
+            ask()
 
 
 def test_reward_that_is_gone_pays_its_own_run_from_columns(run, registry):
@@ -81,13 +71,6 @@ def test_reward_that_is_gone_pays_its_own_run_from_columns(run, registry):
     paid = heavier.pay(own, Choice("gone", (("near", 1.0), ("calm", 1.0)), "gone"))
     np.testing.assert_array_equal(paid.terms["near"], [0.0, 2.0, 4.0, 6.0])
     np.testing.assert_array_equal(paid.total, [0.5, 2.5, 4.5, 6.5])
-
-
-def test_reward_that_is_gone_does_not_pay_the_run_of_another(run, registry):
-    """Their columns are of other terms."""
-    own = trace_of({**run.rows().columns, "reward/near": np.ones(4)})
-    with pytest.raises(Unscored, match=r"^No reward 'gone'"):
-        InstalledReward(GONE, registry).pay(own, Choice("other", (), "other"))
 
 
 def test_parameters_are_in_the_fingerprint(registry):

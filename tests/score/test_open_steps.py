@@ -186,16 +186,10 @@ def test_either_column_gives_the_best_distance(write):
 
 
 def test_steps_are_counted_from_the_last_start(write):
-    """Where the file does not count, steps are counted from the last start row."""
-    rows = [",1,1,1,0,0", *[",1,1,2,,-1"] * 5]
-    path = write("t,beginDistance,prevBest,distance,delta_distance,reward", *rows[1:3], *rows)
-    np.testing.assert_array_equal(open_steps(path)["step"], [1, 2, 0, 1, 2, 3, 4, 5])
-
-
-def test_steps_go_on_across_the_blocks_of_a_file(write):
-    """A file of some megabytes is read in blocks; an episode that never ends is counted through all of them."""
-    path = write("t,beginDistance,prevBest,distance,delta_distance,reward", ",1,1,1,0,0", *[",1,1,2,,-1"] * 200_000)
-    np.testing.assert_array_equal(open_steps(path)["step"], np.arange(200_001))
+    """Where the file does not count; a file of megabytes is read in blocks, and an episode goes on through all."""
+    far = [",1,1,2,,-1"] * 200_000
+    path = write("t,beginDistance,prevBest,distance,delta_distance,reward", *far[:2], ",1,1,1,0,0", *far)
+    np.testing.assert_array_equal(open_steps(path)["step"], [1, 2, *range(200_001)])
 
 
 # Traces
@@ -260,26 +254,19 @@ def test_a_trace_as_csv_is_read_as_the_trace(trace, write):
     np.testing.assert_array_equal(from_csv[PAY], from_trace["reward/arp:k2=2"])
 
 
-def test_a_parquet_file_that_is_no_trace_is_refused(tmp_path):
-    """Other Parquet files, damaged ones and those of a later version are told in one line."""
-    path = tmp_path / "other.parquet"
-    pq.write_table(pa.table({"reward": [1.0]}), path)
-    with pytest.raises(SchemaError, match=r"other\.parquet is a Parquet file, and no trace: .* there is: reward"):
-        open_steps(path)
-    path.write_bytes(path.read_bytes()[:20])
-    with pytest.raises(SchemaError, match=r"other\.parquet is no readable trace"):
-        open_steps(path)
-
-
-def test_a_trace_without_rows_is_refused(tmp_path):
-    """A run that ended before its first step compares with nothing."""
-    path = tmp_path / "trace.parquet"
-    TraceWriter(path, 1, 1).close()
-    with pytest.raises(UsageError, match=r"trace\.parquet has no rows"):
-        rows_of(path)
-
-
 # Files that cannot be read
+
+
+def refuse(path, told, kind=UsageError):
+    """One line that says this of the file."""
+    with pytest.raises(kind) as refused:
+        rows_of(path)
+    line = str(refused.value)
+    assert str(path) in line
+    assert told in line
+    assert "\n" not in line
+    assert len(line) < 300 + len(str(path))
+
 
 FULL = "t,beginDistance,prevBest,distance,delta_distance,reward"
 ROW = "0,1,1,1,0,0"
@@ -324,30 +311,64 @@ ROW = "0,1,1,1,0,0"
         ),
         (["reward", *["1"] * 400_000, "x"], "line 400002, column 'reward': 'x' is no finite number"),
         (["a,reward", *["1,2"] * 400_000, "1,nan"], "line 400002, column 'reward': 'nan' is no finite number"),
+        (["reward" + ",a" * 1_000, "1" * 1_001], "line 1: 1,001 columns, 1,000 are allowed"),
+        (["reward", "1" * 300_000], "a line has more than 262,144 characters"),
+        (["reward," + "a" * 300_000, "1,2"], "a line has more than 262,144 characters"),
+        (['reward,"' + "a" * 200_000 + '"', "1,2"], "field larger than field limit"),
+        (["reward", "1" * 100_000 + "x"], "is no finite number"),
+        (["reward", "1e300"], "'1e300' is no finite number"),
+        (["reward", "1\0"], "is no finite number"),
+        (["t,beginDistance,prevBest,distance,reward", "1e20,1,1,1,1"], "too large"),
     ],
 )
 def test_a_fault_is_told_in_one_line(write, lines, told):
-    """File, line and column of the first fault, wherever in the file it is."""
-    path = write(*lines)
-    with pytest.raises(UsageError) as raised:
-        rows_of(path)
-    assert str(path) in str(raised.value)
-    assert told in str(raised.value)
-    assert "\n" not in str(raised.value)
+    """File, line and column of the first fault, wherever in the file it is; the line is short, whatever the cell."""
+    refuse(write(*lines), told)
 
 
-def test_a_file_in_another_encoding_is_refused(tmp_path):
-    """A spreadsheet's UTF-16 is told as such, not as a missing column."""
-    path = tmp_path / "run.csv"
-    path.write_text("reward\n1\n", encoding="utf-16")
-    with pytest.raises(UsageError, match="is text in UTF-16: save it as UTF-8"):
-        open_steps(path)
+def test_a_file_of_too_many_rows_is_refused(write, monkeypatch):
+    """A table ends somewhere."""
+    monkeypatch.setattr("harness.log.log.MOST_ROWS", 4)
+    refuse(write("reward", *"12345"), "has more than the 4 rows that are allowed", SchemaError)
 
 
-def test_a_file_that_is_not_there_is_told(tmp_path):
-    """By its name and the system's reason."""
-    with pytest.raises(UsageError, match=r"gone\.csv cannot be read: No such file"):
-        open_steps(tmp_path / "gone.csv")
+@pytest.mark.parametrize(
+    ("values", "version", "told"),
+    [
+        *(([it], b"1", "") for it in ("a", [1.0], None, 1e300)),
+        *(([1.0], version, "") for version in (b"x", b"\xff", b"9" * 5_000)),
+        ([1.0], None, ".parquet is a Parquet file, and no trace: "),
+        ([1.0], None, " there is: reward"),
+        ([1.0] * 3, b"2", "has 3 rows, 2 are allowed"),
+    ],
+)
+def test_a_table_that_is_no_trace_is_refused(tmp_path, monkeypatch, values, version, told):
+    """Whatever pyarrow or Python says of it; one of too many rows before one is read, a damaged one in any case."""
+    monkeypatch.setattr("harness.record.trace.MOST_ROWS", 2)
+    path = tmp_path / "a.parquet"
+    metadata = {} if version is None else {b"harness.trace": version}
+    pq.write_table(pa.table({"reward": values}).replace_schema_metadata(metadata), path)
+    refuse(path, told, SchemaError)
+    path.write_bytes(path.read_bytes()[:20])
+    refuse(path, "a.parquet is no readable trace", SchemaError)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes in the file system")
+def test_what_has_no_rows_to_read_is_refused(tmp_path):
+    """A spreadsheet's UTF-16 as such, a run that ended before its first step, a file of 10 TB at once, and a pipe."""
+    (tmp_path / "wide.csv").write_text("reward\n1\n", encoding="utf-16")
+    TraceWriter(tmp_path / "trace.parquet", 1, 1).close()
+    with (tmp_path / "run.csv").open("wb") as file:
+        file.truncate(10**13)
+    os.mkfifo(tmp_path / "pipe.csv")
+    for name, told in {
+        "gone.csv": "gone.csv cannot be read: No such file",
+        "wide.csv": "is text in UTF-16: save it as UTF-8",
+        "trace.parquet": "trace.parquet has no rows",
+        "run.csv": "it has 10,000,000,000,000 bytes, 8,589,934,592 are allowed",
+        "pipe.csv": "it is no regular file",
+    }.items():
+        refuse(tmp_path / name, told)
 
 
 # Patterns
@@ -358,21 +379,17 @@ def _names(logs):
 
 
 def test_patterns_match_files_sorted_each_once(write, tmp_path):
-    """``**`` stands for any folders, folders are left out, and a file that two patterns match is one run."""
+    """``**`` stands for any folders, folders are left out, and a file that two patterns match is one run.
+
+    ``run[1].csv`` is the file of that name where there is one.
+    """
     for name in ("b.csv", "deep/er/a.csv", "deep/c.csv", "notes.txt"):
         write("reward", "1", name=name)
     (tmp_path / "folder.csv").mkdir()
     assert _names(match_steps(f"{tmp_path}/**/*.csv")) == ["b.csv", "c.csv", "a.csv"]
-    assert _names(match_steps([f"{tmp_path}/*.csv", f"{tmp_path}/b*", f"{tmp_path}/deep/*.csv"])) == [
-        "b.csv",
-        "c.csv",
-    ]
-
-
-def test_a_name_that_looks_like_a_pattern_is_a_name(write):
-    """``run[1].csv`` is the file of that name where there is one."""
-    path = write("reward", "1", name="run[1].csv")
-    assert _names(match_steps(str(path))) == ["run[1].csv"]
+    both = [f"{tmp_path}/*.csv", f"{tmp_path}/b*", f"{tmp_path}/deep/*.csv"]
+    assert _names(match_steps(both)) == ["b.csv", "c.csv"]
+    assert _names(match_steps(str(write("reward", "1", name="run[1].csv")))) == ["run[1].csv"]
 
 
 def test_a_pattern_without_a_file_is_told(write, tmp_path):
@@ -389,61 +406,3 @@ def test_a_pattern_that_no_name_can_be_matches_nothing(pattern):
     """Whatever the system says of it."""
     with pytest.raises(UsageError, match="No file matches"):
         match_steps(pattern)
-
-
-def refuse(path):
-    """The line that a file is refused with."""
-    with pytest.raises((UsageError, SchemaError)) as refused:
-        rows_of(path)
-    assert str(path) in str(refused.value)
-    assert len(str(refused.value)) < 300 + len(str(path))
-    return str(refused.value)
-
-
-@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes in the file system")
-def test_what_would_take_forever_is_refused(tmp_path):
-    """A sparse file of 10 TB at once, and a pipe."""
-    path = tmp_path / "run.csv"
-    with path.open("wb") as file:
-        file.truncate(10**13)
-    assert "it has 10,000,000,000,000 bytes, 8,589,934,592 are allowed" in refuse(path)
-    os.mkfifo(tmp_path / "pipe.csv")
-    assert "it is no regular file" in refuse(tmp_path / "pipe.csv")
-
-
-@pytest.mark.parametrize(
-    ("lines", "told"),
-    [
-        (["reward" + ",a" * 1_000, "1" * 1_001], "line 1: 1,001 columns, 1,000 are allowed"),
-        (["reward", "1" * 300_000], "a line has more than 262,144 characters"),
-        (["reward," + "a" * 300_000, "1,2"], "a line has more than 262,144 characters"),
-        (['reward,"' + "a" * 200_000 + '"', "1,2"], "field larger than field limit"),
-        (["reward", "1" * 100_000 + "x"], "is no finite number"),
-        (["reward", "1e400"], "'1e400' is no finite number"),
-        (["reward", "1e300"], "'1e300' is no finite number"),
-        (["reward", "1\0"], "is no finite number"),
-        (["t,beginDistance,prevBest,distance,reward", "1e20,1,1,1,1"], "too large"),
-        (["reward", *"12345"], "has more than the 4 rows that are allowed"),
-    ],
-    ids=["columns", "cell", "name", "field", "digits", "endless", "large", "null", "step", "rows"],
-)
-def test_what_no_recording_has_is_refused_at_once(write, monkeypatch, lines, told):
-    """In a short line."""
-    monkeypatch.setattr("harness.log.log.MOST_ROWS", 4)
-    assert told in refuse(write(*lines))
-
-
-@pytest.mark.parametrize(
-    ("values", "version", "told"),
-    [
-        *(([it], b"1", "") for it in ("a", [1.0], None, 1e300)),
-        *(([1.0], version, "") for version in (b"x", b"\xff", b"9" * 5_000)),
-        ([1.0] * 3, b"2", "has 3 rows, 2 are allowed"),
-    ],
-)
-def test_a_trace_of_other_types_is_refused(tmp_path, monkeypatch, values, version, told):
-    """Whatever pyarrow or Python says of it; one of too many rows before one is read."""
-    monkeypatch.setattr("harness.record.trace.MOST_ROWS", 2)
-    path = tmp_path / "a.parquet"
-    pq.write_table(pa.table({"reward": values}).replace_schema_metadata({b"harness.trace": version}), path)
-    assert told in refuse(path)

@@ -39,49 +39,33 @@ def rewards(*names):
 
 
 def test_each_reward_gets_a_column(recorded, tmp_path):
-    """The scores hold what each reward would have paid, start rows nothing."""
-    rescore(recorded, rewards("baseline", "arp"), tmp_path / "s.parquet")
-    table = pq.read_table(tmp_path / "s.parquet")
-    np.testing.assert_allclose(table["baseline"].to_numpy(), [0, 0.2, -0.1, 0, 0.5], rtol=1e-12)
-    np.testing.assert_allclose(table["arp"].to_numpy(), [0, 0.3, -0.1, 0, 0.75], rtol=1e-12)
-
-
-def test_the_recording_is_not_touched(recorded, tmp_path):
-    """The recorded file is the same, byte for byte."""
-    before = recorded.facts.path.read_bytes()
-    rescore(recorded, rewards("arp"), tmp_path / "s.parquet")
+    """What it would have paid, start rows nothing; scoring once more adds one, and the recording stays as it is."""
+    before, path = recorded.facts.path.read_bytes(), tmp_path / "s.parquet"
+    rescore(recorded, rewards("baseline", "arp"), path)
+    rescore(recorded, rewards("arp:k2=2"), path)
+    table = pq.read_table(path).to_pydict()
+    assert table.keys() == {"baseline", "arp", "arp:k2=2"}
+    np.testing.assert_allclose(table["baseline"], [0, 0.2, -0.1, 0, 0.5], rtol=1e-12)
+    np.testing.assert_allclose(table["arp"], [0, 0.3, -0.1, 0, 0.75], rtol=1e-12)
     assert recorded.facts.path.read_bytes() == before
 
 
-def test_columns_of_other_rewards_are_kept(recorded, tmp_path):
-    """Scoring once more adds a column."""
-    rescore(recorded, rewards("arp"), tmp_path / "s.parquet")
-    rescore(recorded, rewards("arp:k2=2"), tmp_path / "s.parquet")
-    assert set(pq.read_table(tmp_path / "s.parquet").column_names) == {"arp", "arp:k2=2"}
-
-
-def test_scores_of_another_recording_are_not_overwritten(recorded, tmp_path):
-    """A file with another number of rows is refused."""
+@pytest.mark.parametrize(
+    ("lines", "place", "told"),
+    [
+        ([HEADER, *ROWS[:3]], "s.parquet", "belongs to another one"),
+        (["reward", "1", "2"], "new.parquet", "records no distances"),
+        ([HEADER, *ROWS], "run.csv/s.parquet", "cannot be written"),
+    ],
+    ids=["scores of another recording", "rewards alone", "a folder that is a file"],
+)
+def test_what_cannot_be_scored_is_told(recorded, tmp_path, lines, place, told):
+    """In one line, and nothing is overwritten."""
     rescore(recorded, rewards("arp"), tmp_path / "s.parquet")
     other = tmp_path / "other.csv"
-    other.write_text("\n".join([HEADER, *ROWS[:3]]) + "\n")
-    with pytest.raises(UsageError, match="belongs to another one"):
-        rescore(open_steps(other), rewards("arp"), tmp_path / "s.parquet")
-
-
-def test_a_recording_without_distances_is_refused(tmp_path):
-    """From a reward column alone no other reward can be computed."""
-    path = tmp_path / "run.csv"
-    path.write_text("reward\n1\n2\n")
-    with pytest.raises(UsageError, match="records no distances"):
-        rescore(open_steps(path), rewards("arp"), tmp_path / "s.parquet")
-
-
-def test_a_place_that_cannot_be_written_is_told(recorded, tmp_path):
-    """A folder that is a file ends with one line."""
-    (tmp_path / "file").write_text("")
-    with pytest.raises(UsageError, match="cannot be written"):
-        rescore(recorded, rewards("arp"), tmp_path / "file" / "s.parquet")
+    other.write_text("\n".join(lines) + "\n")
+    with pytest.raises(UsageError, match=told):
+        rescore(open_steps(other), rewards("arp"), tmp_path / place)
 
 
 def test_what_a_run_does_not_have_is_said_with_what_to_do(recorded, tmp_path):

@@ -92,28 +92,29 @@ def test_a_sign_that_printing_cut_is_forgiven_once_in_a_while(tmp_path, registry
     assert guess_reward(open_steps(path), registry).choice is None
 
 
-def test_a_reward_that_nobody_registered_is_not_told(tmp_path, registry):
-    """There is no nearest reward: none fits, or one does; the reason names the file."""
-    recording = write_run(tmp_path / "run.csv", lambda begin, before, distance: begin**2 - distance**2)
-    choice, reason = guess_reward(recording, registry)
+@pytest.mark.parametrize(
+    ("pay", "reason"),
+    [
+        (lambda begin, before, distance: begin**2 - distance**2, "no registered reward pays what {} recorded"),
+        (lambda *_: 0.0, "pays nothing in its first 400 rows"),
+    ],
+    ids=["not registered", "zeros"],
+)
+def test_a_reward_that_cannot_be_told_has_a_reason(tmp_path, registry, pay, reason):
+    """There is no nearest reward: none fits, or one does; zeros are what several may pay."""
+    recording = write_run(tmp_path / "run.csv", pay)
+    choice, told = guess_reward(recording, registry)
     assert choice is None
-    assert reason == f"no registered reward pays what {recording.facts.path} recorded"
-
-
-def test_a_run_that_was_paid_nothing_tells_nothing(tmp_path, registry):
-    """Zeros are what several rewards may pay."""
-    choice, reason = guess_reward(write_run(tmp_path / "run.csv", lambda *_: 0.0), registry)
-    assert choice is None
-    assert "pays nothing in its first 400 rows" in reason
+    assert reason.format(recording.facts.path) in told
 
 
 def test_a_file_without_distances_tells_nothing(tmp_path, registry):
     """Neither a guess nor a check is possible, and the reason says why."""
     path = tmp_path / "run.csv"
     path.write_text("reward\n1\n")
-    recording = open_steps(path)
-    assert guess_reward(recording, registry) == (None, f"{path} has no distances to score again")
-    assert misfit(recording, "baseline", registry) == f"{path} has no distances to score again"
+    recording, told = open_steps(path), f"{path} has no distances to score again"
+    assert guess_reward(recording, registry) == (None, told)
+    assert misfit(recording, "baseline", registry) == told
 
 
 def test_a_misfit_names_file_line_and_both_values(tmp_path, registry):
@@ -149,23 +150,17 @@ def _trace(folder, reward, pays, make_cell):
     return open_steps(folder / "trace.parquet")
 
 
-def test_a_trace_was_paid_by_what_it_declares(tmp_path, registry, make_cell):
-    """Also where several envs trained together, whose rows take turns."""
-    recording = _trace(tmp_path, Choice("arp", (), "arp:k2=3"), 3.0, make_cell)
-    assert guess_reward(recording, registry).choice == "arp:k2=3"
-
-
-def test_a_declared_reward_that_does_not_pay_the_rows_is_told(tmp_path, registry, make_cell):
-    """A plugin that has changed since cannot score the run again."""
-    choice, reason = guess_reward(_trace(tmp_path, Choice("arp", (), "arp:k2=3"), 2.5, make_cell), registry)
-    assert choice is None
-    assert reason.endswith("recorded; not even arp:k2=3, which its manifest declares")
-
-
-def test_a_trace_that_declares_a_reward_of_zeros_is_told(tmp_path, registry, make_cell):
-    """What is declared needs no guess."""
-    recording = _trace(tmp_path, Choice("sparse", (), "sparse"), 0.0, make_cell)
-    assert guess_reward(recording, registry).choice == "sparse"
+@pytest.mark.parametrize(
+    ("reward", "pays", "choice"),
+    [("arp:k2=3", 3.0, "arp:k2=3"), ("sparse", 0.0, "sparse"), ("arp:k2=3", 2.5, None)],
+    ids=["it pays", "it pays zeros", "it has changed"],
+)
+def test_a_trace_was_paid_by_what_it_declares(tmp_path, registry, make_cell, reward, pays, choice):
+    """Also where several envs' rows take turns; a plugin that has changed since cannot score the run again."""
+    declared = Choice(reward.partition(":")[0], (), reward)
+    found, reason = guess_reward(_trace(tmp_path, declared, pays, make_cell), registry)
+    assert found == choice
+    assert choice or reason.endswith(f"recorded; not even {reward}, which its manifest declares")
 
 
 def test_a_strangers_reward_that_raises_is_not_the_one(tmp_path, write_plugin):

@@ -92,6 +92,10 @@ def test_rows_that_are_steps_are_read(tmp_path_factory, subtests):
             assert rewards_of(write(tmp_path / "it.csv", header, rows)) == [1.0, 2.0, 3.0, 4.0]
 
 
+LONG = [f"{number},{number % 7}" for number in range(300_000)]
+"""Rows of a file of some megabytes, which comes in pieces."""
+
+
 def test_a_count_that_is_no_count_of_steps_is_refused(tmp_path_factory, subtests):
     """Rows that are missing, stand twice or in another order: line, column and both numbers."""
     cases = [
@@ -106,6 +110,7 @@ def test_a_count_that_is_no_count_of_steps_is_refused(tmp_path_factory, subtests
         ),
         (",reward", ["0,1", "10,2"], "column 'without a name' goes from 0 to 10: rows are missing"),
         ("env,t,reward", ["0,0,1", "1,0,2", "0,1,3", "1,2,4"], "line 5: column 't' goes from 0 to 2"),
+        ("step,reward", LONG[:250_000] + LONG[250_001:], "line 250002: column 'step' goes from 249,999 to 250,001"),
     ]
     for header, rows, told in cases:
         with subtests.test(header=header, rows=rows, told=told):
@@ -116,54 +121,39 @@ def test_a_count_that_is_no_count_of_steps_is_refused(tmp_path_factory, subtests
             assert "delete that column" in str(raised.value)
 
 
-def test_counts_go_on_across_pieces(tmp_path):
-    """A file of some megabytes comes in pieces; a row that is missing far behind is found, and no other."""
-    rows = [f"{number},{number % 7}" for number in range(300_000)]
-    assert len(rewards_of(write(tmp_path / "it.csv", "step,reward", rows))) == 300_000
-    del rows[250_000]
-    with pytest.raises(UsageError, match=r"line 250002: column 'step' goes from 249,999 to 250,001"):
-        rewards_of(write(tmp_path / "it.csv", "step,reward", rows))
-
-
-def test_envs_count_across_pieces(tmp_path):
-    """Each for itself, also where a piece ends between them."""
-    rows = [f"{env},{step},{step % 7}" for step in range(100_000) for env in range(3)]
-    assert len(rewards_of(write(tmp_path / "it.csv", "env,step,reward", rows))) == 300_000
-
-
-def test_a_header_in_the_middle_is_told(tmp_path):
-    """Two files that were joined into one."""
-    with pytest.raises(UsageError, match="line 4, column 'reward': the header stands here once more"):
-        rewards_of(write(tmp_path / "it.csv", "a,reward", ["1,2", "1,3", "a,reward", "1,4"]))
-
-
-@pytest.mark.parametrize("column", ["seed", "run_id", "Trial", "exp_name"])
-def test_several_runs_in_one_file_are_refused(tmp_path, column):
-    """Their rewards would be added up as those of one run."""
-    rows = [f"{run},{step},0.5" for run in (0, 1) for step in range(4)]
-    with pytest.raises(UsageError, match=r"line 6: column '.*' goes from 0 to 1: the file holds several runs"):
-        rewards_of(write(tmp_path / "a.csv", f"{column},step,reward", rows))
-
-
-def test_several_runs_of_no_count_are_refused(tmp_path):
-    """A name says as much as a number."""
-    rows = [f"{run},0.5" for run in ("ppo_a", "ppo_b") for _ in range(4)]
-    with pytest.raises(UsageError, match="goes from ppo_a to ppo_b"):
-        rewards_of(write(tmp_path / "a.csv", "run,reward", rows))
+@pytest.mark.parametrize(
+    ("header", "rows", "told"),
+    [
+        *(
+            (
+                f"{run},step,reward",
+                [f"{row // 4},{row % 4},0.5" for row in range(8)],
+                f"line 6: column '{run.lower()}' goes from 0 to 1: the file holds several runs",
+            )
+            for run in ("seed", "run_id", "Trial", "exp_name")
+        ),
+        ("run,reward", ["ppo_a,1", "ppo_a,1", "ppo_b,1", "ppo_b,1"], "goes from ppo_a to ppo_b"),
+        ("seed,episode,step,reward", [f"{row // 4},{row % 4 // 2},{row % 2},0.5" for row in range(8)], "several runs"),
+        ("a,reward", ["1,2", "1,3", "a,reward", "1,4"], "line 4, column 'reward': the header stands here once more"),
+    ],
+)
+def test_several_runs_in_one_file_are_refused(tmp_path, header, rows, told):
+    """Their rewards would be added up as those of one run; the next run may count its episodes from 0 again."""
+    with pytest.raises(UsageError) as raised:
+        rewards_of(write(tmp_path / "a.csv", header, rows))
+    assert told in str(raised.value)
 
 
 @pytest.mark.parametrize(
     ("header", "rows"),
-    [("seed,step,reward", [f"7,{step},0.5" for step in range(8)]),
-     ("episode,seed,step,reward", [f"{step // 4},{90 + step // 4},{step % 4},0.5" for step in range(8)])],
-)  # fmt: skip
+    [
+        ("seed,step,reward", [f"7,{step},0.5" for step in range(8)]),
+        ("episode,seed,step,reward", [f"{step // 4},{90 + step // 4},{step % 4},0.5" for step in range(8)]),
+        ("step,reward", LONG),
+        ("env,step,reward", [f"{env},{step},{step % 7}" for step in range(100_000) for env in range(3)]),
+    ],
+    ids=["a run", "episodes", "pieces", "envs in pieces"],
+)
 def test_the_seed_of_a_run_or_of_an_episode_is_read(tmp_path, header, rows):
-    """One seed for all, or one that changes where the next episode begins."""
-    assert rewards_of(write(tmp_path / "a.csv", header, rows)) == [0.5] * 8
-
-
-def test_episodes_that_begin_anew_with_another_seed_are_several_runs(tmp_path):
-    """The next run counts its episodes from 0 again."""
-    rows = [f"{run},{step // 2},{step % 2},0.5" for run in (0, 1) for step in range(4)]
-    with pytest.raises(UsageError, match="several runs"):
-        rewards_of(write(tmp_path / "a.csv", "seed,episode,step,reward", rows))
+    """One seed for all, or one that changes with the episode; counts of all or of each env go on across pieces."""
+    assert rewards_of(write(tmp_path / "a.csv", header, rows)) == [float(row.rpartition(",")[2]) for row in rows]

@@ -1,7 +1,7 @@
 """Scoring recorded runs again: exactly what was paid, whatever the pieces, for every reward there is."""
 
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -129,10 +129,8 @@ class Remembers:
         return (value, (row, began)), value
 
 
-SCORED = {
-    **{text: lambda text=text: reward_of(text) for text in CHOICES},
-    "one that remembers": Remembers,
-}
+SCORED = {**{text: partial(reward_of, text) for text in CHOICES}, "one that remembers": Remembers}
+CUTS = st.lists(st.integers(0, 200), max_size=10)
 
 
 @pytest.fixture(params=SCORED, name="reward")
@@ -192,20 +190,6 @@ def test_targets_that_do_not_end_the_episode_are_scored_as_they_were_paid(subtes
             np.testing.assert_array_equal(score(reward_of(text), trace), trace["reward"])
 
 
-def test_memory_restarts_with_the_next_target():
-    """As in the environment, bit for bit, for a carry of several parts."""
-    trace = record_tour_under(Remembers())
-    np.testing.assert_array_equal(score(Remembers(), trace), trace["reward"])
-
-
-def test_scorer_shows_what_the_environment_shows_of_the_next_targets(subtests):
-    """Every column of the sample is the environment's, bit for bit."""
-    for column in Sample._fields:
-        with subtests.test(column=column):
-            trace = record_tour_under(Shows(column))
-            np.testing.assert_array_equal(score(Shows(column), trace), trace["reward"])
-
-
 def test_recording_of_next_targets_is_scored_as_it_was_paid(tmp_path_factory, subtests):
     """A recording is read a piece at a time, and scored bit for bit as the trace that it is."""
     for text in CHOICES:
@@ -235,18 +219,13 @@ def test_every_reward_scores_the_runs_of_another(subtests):
             np.testing.assert_array_equal(score(reward_of(text), other), mine["reward"])
 
 
-def test_reward_that_remembers_is_scored_as_it_was_paid():
-    """A carry of several parts starts anew with each episode of each env, as in the environment."""
-    trace = record_under(Remembers())
-    np.testing.assert_array_equal(score(Remembers(), trace), trace["reward"])
-
-
 def test_scorer_shows_a_reward_what_the_environment_shows(subtests):
-    """Every column of the sample is the environment's, bit for bit."""
-    for column in Sample._fields:
-        with subtests.test(column=column):
-            trace = record_under(Shows(column))
-            np.testing.assert_array_equal(score(Shows(column), trace), trace["reward"])
+    """Every column of the sample, and a carry of several parts that starts anew with each episode and each target."""
+    for recording in (record_under, record_tour_under):
+        for reward in [*map(Shows, Sample._fields), Remembers()]:
+            with subtests.test(recording=recording.__name__, reward=reward):
+                trace = recording(reward)
+                np.testing.assert_array_equal(score(reward, trace), trace["reward"])
 
 
 def test_start_rows_are_paid_nothing():
@@ -317,51 +296,23 @@ def test_trace_without_rows():
 # A piece at a time
 
 
-@given(st.sampled_from(list(SCORED)), st.lists(st.integers(0, 90), max_size=10))
-def test_pieces_do_not_show(name, cuts):
-    """However the rows are handed over, empty pieces included, every reward pays the same, bit for bit."""
-    reward, rows = SCORED[name](), rows_of(record("baseline"), 1)
-    np.testing.assert_array_equal(in_pieces(reward, rows, cuts), Scorer(reward).pay(rows).total)
-
-
-@given(st.sampled_from(Sample._fields), st.lists(st.integers(0, 90), max_size=10))
-def test_pieces_do_not_show_in_the_sample(column, cuts):
-    """Every column of the sample goes on across pieces."""
-    reward, rows = Shows(column), rows_of(record("baseline"), 2)
-    np.testing.assert_array_equal(in_pieces(reward, rows, cuts), Scorer(reward).pay(rows).total)
-
-
-def test_row_by_row(reward):
-    """The smallest pieces of all."""
-    rows = rows_of(record("baseline"), 1)
-    every = list(range(len(rows.start)))
-    np.testing.assert_array_equal(in_pieces(reward, rows, every), Scorer(reward).pay(rows).total)
+@given(st.sampled_from([*SCORED.values(), *(partial(Shows, column) for column in Sample._fields)]), st.booleans(), CUTS)
+def test_pieces_do_not_show(build, tour, cuts):
+    """However the rows are handed over, empty pieces and those that end with a touched target included, bit for bit."""
+    reward, trace = build(), (record_tour if tour else record)("baseline")
+    rows = rows_of(trace, 1)
+    if tour:
+        rows = replace(rows, touched=targets_touched(*(trace[flag][trace["env"] == 1] for flag in TOUCHED)))
+    np.testing.assert_array_equal(in_pieces(reward, rows, [0, *cuts]), Scorer(reward).pay(rows).total)
 
 
 def test_blocks_do_not_show(reward, monkeypatch):
-    """Long pieces are scored a block at a time: how long a block is changes nothing."""
+    """Nor do rows one by one. Long pieces are scored a block at a time: how long a block is changes nothing."""
     rows = rows_of(record("baseline"), 1)
     whole = Scorer(reward).pay(rows).total
+    np.testing.assert_array_equal(in_pieces(reward, rows, range(len(rows.start))), whole)
     monkeypatch.setattr(module, "BLOCK", 7)
     np.testing.assert_array_equal(Scorer(reward).pay(rows).total, whole)
-
-
-def test_empty_piece_is_scored_as_nothing():
-    """At any moment, the first included."""
-    rows = rows_of(record("baseline"))
-    scorer = Scorer(reward_of("relative"))
-    assert scorer.pay(rows.part(slice(0))).total.shape == (0,)
-    np.testing.assert_array_equal(scorer.pay(rows).total, Scorer(reward_of("relative")).pay(rows).total)
-
-
-@given(st.sampled_from(list(SCORED)), st.lists(st.integers(0, 200), max_size=10))
-def test_pieces_do_not_show_where_targets_are_touched(name, cuts):
-    """Also where a piece ends with a touched target."""
-    reward, trace = SCORED[name](), record_tour("baseline")
-    rows = rows_of(trace, 1)
-    touched = targets_touched(*(trace[flag][trace["env"] == 1] for flag in TOUCHED))
-    rows = replace(rows, touched=touched)
-    np.testing.assert_array_equal(in_pieces(reward, rows, cuts), Scorer(reward).pay(rows).total)
 
 
 # A target that is drawn again inside an episode
@@ -377,10 +328,18 @@ def redrawn():
     )
 
 
-def test_distance_before_a_redrawn_target_is_its_begin_distance():
-    """The distance of the row before was to another target."""
-    shown = Scorer(Shows("previous_distance")).pay(redrawn()).total
-    np.testing.assert_array_equal(shown, [0.0, 1.0, 0.5, 2.0, 1.75])
+@pytest.mark.parametrize(
+    ("reward", "paid"),
+    [
+        (Shows("previous_distance"), [0.0, 1.0, 0.5, 2.0, 1.75]),
+        (Shows("step"), [0.0, 1.0, 2.0, 3.0, 4.0]),
+        (reward_of("baseline"), [0.0, 0.5, 0.875, 0.25, -0.125]),
+    ],
+)
+def test_redrawn_target_is_paid_from_its_own_begin_distance(reward, paid):
+    """The distance of the row before was to another target; the episode goes on. Pieces that meet do not show."""
+    for cut in range(len(paid)):
+        np.testing.assert_array_equal(in_pieces(reward, redrawn(), [cut]), paid)
 
 
 def test_memory_restarts_where_the_begin_distance_changes():
@@ -388,23 +347,6 @@ def test_memory_restarts_where_the_begin_distance_changes():
     scored = Scorer(Remembers()).pay(redrawn()).total
     fresh = Scorer(Remembers()).pay(redrawn().part(slice(3, None))).total
     np.testing.assert_array_equal(scored[3:], fresh)
-
-
-def test_steps_are_counted_on_across_a_redrawn_target():
-    """The episode goes on."""
-    np.testing.assert_array_equal(Scorer(Shows("step")).pay(redrawn()).total, [0.0, 1.0, 2.0, 3.0, 4.0])
-
-
-def test_redrawn_target_is_paid_from_its_own_begin_distance():
-    """The baseline pays what is gained on the target of the row."""
-    np.testing.assert_array_equal(Scorer(reward_of("baseline")).pay(redrawn()).total, [0.0, 0.5, 0.875, 0.25, -0.125])
-
-
-@pytest.mark.parametrize("cut", range(1, 5))
-def test_redrawn_target_at_a_cut(cut):
-    """Pieces that meet at a redrawn target, or anywhere else, do not show."""
-    reward = Shows("previous_distance")
-    np.testing.assert_array_equal(in_pieces(reward, redrawn(), [cut]), Scorer(reward).pay(redrawn()).total)
 
 
 def test_rows_that_begin_inside_an_episode():
