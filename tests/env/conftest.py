@@ -7,12 +7,44 @@ import harness
 from harness.env import ReachVectorEnv
 from harness.reach import ReachTask
 from harness.record import TraceWriter, read_trace
+from harness.registry import choose, load_registry
 from harness.robot import reach_position
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.kit.trainings import NegativeDistance
 
 ROBOT = harness.load_robot("fd100")
+REGISTRY = load_registry()
 SHORT = ReachTask(horizon=4)
+SHORT_TASK = {"name": "fd100-reach", "horizon": 23}
+UNITY = {"name": "unity-reach", "horizon": 60, "decision_period": 5}
+TASKS = {
+    "joints": SHORT_TASK,
+    "poses": {**SHORT_TASK, "action": "set-joints"},
+    "arcs": {**SHORT_TASK, "action": "movea"},
+    "long decisions": {**UNITY, "action": "movej"},
+    "next targets": UNITY,
+    "choices": {**SHORT_TASK, "action": "discrete"},
+    "a goal that moves": {"name": "fd100-moving", "horizon": 12},
+    "a goal that turns": {"name": "fd100-pose", "horizon": 12},
+    "worse": {
+        **SHORT_TASK,
+        "joint_noise": 0.02,
+        "target_noise": 0.01,
+        "action_noise": 0.1,
+        "action_delay": 2,
+        "observation_delay": 3,
+        "obstacle_count": 2,
+        "mass_variation": 0.2,
+        "length_variation": 0.05,
+        "variants": 2,
+    },
+}
+"""Of each kind one, as they are given."""
+
+
+def build(kind, given):
+    """By its registered name."""
+    return choose(REGISTRY, kind, given).build(REGISTRY, kind)
 
 
 class CountsSteps(NegativeDistance):

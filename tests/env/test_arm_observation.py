@@ -28,11 +28,6 @@ def step(env, action):
     return env.step(np.full((2, 6), action, np.float32))[0]
 
 
-def test_size_is_that_of_the_table():
-    """18 numbers of Table I, three positions of 3 and a distance."""
-    assert ArmObservation(ROBOT, PERIOD).low.shape == ArmObservation(ROBOT, PERIOD).high.shape == (28,)
-
-
 def test_bounds_fit_the_table():
     """Joint numbers are in [-1, 1], a distance is not negative, and no position is beyond the arm's reach."""
     observation = ArmObservation(ROBOT, PERIOD)
@@ -40,6 +35,7 @@ def test_bounds_fit_the_table():
     np.testing.assert_array_equal(observation.high[:18], 1.0)
     assert observation.low[DISTANCE] == 0.0
     assert (observation.high[18:] > ROBOT.reach).all()
+    assert observation.low.shape == observation.high.shape == (28,)  # 18 of the table, three positions, a distance
     assert observation.low.dtype == observation.high.dtype == np.float32
 
 
@@ -50,23 +46,15 @@ def test_angles_are_positions_in_the_range(env):
     np.testing.assert_allclose(seen[:, ANGLES], expected, atol=1e-6)
 
 
-def test_speeds_are_fractions_of_the_maximum(env):
-    """After three periods every joint has the speed that was asked for: 80 % of 0.25 of its maximum."""
-    for _ in range(3):
-        seen = step(env, 0.25)
-    np.testing.assert_allclose(seen[:, SPEEDS], 0.2, atol=1e-6)
-
-
-def test_accelerations_are_fractions_of_the_maximum(env):
-    """In the first period of a full action every joint accelerates with the 60 % that it may."""
-    np.testing.assert_allclose(step(env, 1.0)[:, ACCELERATIONS], 0.6, atol=1e-6)
-
-
-def test_acceleration_is_over_in_steady_motion(env):
-    """A joint that keeps its speed does not accelerate."""
-    for _ in range(4):
-        seen = step(env, 0.25)
-    np.testing.assert_allclose(seen[:, ACCELERATIONS], 0.0, atol=1e-6)
+@pytest.mark.parametrize(
+    ("steps", "action", "part", "share"),
+    [(3, 0.25, SPEEDS, 0.2), (1, 1.0, ACCELERATIONS, 0.6), (4, 0.25, ACCELERATIONS, 0.0)],
+)
+def test_motion_is_told_as_fractions_of_the_maximum(env, steps, action, part, share):
+    """80 % of a speed that was asked for; 60 % of an acceleration in the first period, none in steady motion."""
+    for _ in range(steps):
+        seen = step(env, action)
+    np.testing.assert_allclose(seen[:, part], share, atol=1e-6)
 
 
 def test_arm_rests_at_the_start(env):

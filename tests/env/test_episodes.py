@@ -24,26 +24,24 @@ def test_episode_begins_outside_of_epsilon(make):
         _, infos = env.reset()
 
 
-def test_target_ends_the_episode_and_pays(make, drive_to, target_of):
-    """Within epsilon of the target the episode is terminated and +1 is paid on top (NOTE eq. 19)."""
-    env = make(task=ReachTask(epsilon=0.03))
+@pytest.mark.parametrize(
+    ("terms", "place", "paid"),
+    [
+        ({}, None, 1.0 - 0.0001),
+        ({}, np.array([[0.9, 0.0, -0.1]]), -1.0 - 0.0001),
+        ({"target_reward": 5.0, "step_reward": -0.5}, None, 4.5),
+    ],
+    ids=["target", "ground", "as the task sets it"],
+)
+def test_an_event_ends_the_episode_and_is_paid(make, drive_to, target_of, terms, place, paid):
+    """Within epsilon of the target +1 is paid on top (NOTE eq. 19), on the ground -1 (eq. 18)."""
+    env = make(task=ReachTask(epsilon=0.03, **terms))
     observations, _ = env.reset(seed=2)
-    _, rewards, terminated, truncated, infos = drive_to(env, target_of(observations))
-    assert terminated.tolist() == [True]
-    assert truncated.tolist() == [False]
-    assert infos["is_success"].tolist() == [True]
-    assert infos["distance"][0] <= 0.03
-    np.testing.assert_allclose(rewards, infos["reward_shaped"] + 1.0 - 0.0001)
-
-
-def test_ground_ends_the_episode_and_costs(make, drive_to):
-    """On the ground the episode is terminated and -1 is paid on top (NOTE eq. 18)."""
-    env = make(task=ReachTask(), seed=2)
-    _, rewards, terminated, truncated, infos = drive_to(env, np.array([[0.9, 0.0, -0.1]]))
-    assert terminated.tolist() == [True]
-    assert truncated.tolist() == [False]
-    assert infos["is_success"].tolist() == [False]
-    np.testing.assert_allclose(rewards, infos["reward_shaped"] - 1.0 - 0.0001)
+    is_target = place is None
+    _, rewards, terminated, truncated, infos = drive_to(env, target_of(observations) if is_target else place)
+    assert (terminated.tolist(), truncated.tolist()) == ([True], [False])
+    assert infos["is_success"].tolist() == [infos["distance"][0] <= 0.03] == [is_target]
+    np.testing.assert_allclose(rewards, infos["reward_shaped"] + paid)
 
 
 def test_horizon_truncates(make, stand):
@@ -69,14 +67,6 @@ def test_target_at_the_horizon_is_no_truncation(make, drive_to, target_of):
             break
     assert steps > 2
     assert not truncated.any()
-
-
-def test_event_terms_are_the_tasks(make, drive_to, target_of):
-    """What the events pay is set by the task."""
-    env = make(task=ReachTask(epsilon=0.03, target_reward=5.0, step_reward=-0.5))
-    observations, _ = env.reset(seed=2)
-    _, rewards, _, _, infos = drive_to(env, target_of(observations))
-    np.testing.assert_allclose(rewards, infos["reward_shaped"] + 4.5)
 
 
 def test_same_step_starts_the_next_episode(make, wander, target_of):

@@ -11,8 +11,6 @@ from harness.env import ReachEnv
 from harness.env.goal_env import NEEDED, ReachGoalEnv, forgets_the_way
 from harness.errors import UsageError
 from harness.reach import ReachTask
-from harness.registry import load_registry
-from harness.registry.choice import build_named
 from harness.task import Targets
 
 PAYABLE = ["sparse", "potential", "adaptive", "scaled:reward=dense"]
@@ -32,9 +30,15 @@ def _steps(env, count, seed=0):
 
 
 @pytest.fixture(params=PAYABLE)
-def env(request):
-    """One arm without an engine, for every reward that can be paid again."""
-    env = ReachGoalEnv(**GIVEN, reward=request.param)
+def label(request):
+    """Every reward that can be paid again."""
+    return request.param
+
+
+@pytest.fixture
+def env(label):
+    """One arm without an engine."""
+    env = ReachGoalEnv(**GIVEN, reward=label)
     yield env
     env.close()
 
@@ -45,9 +49,9 @@ def test_checkers_find_no_fault(env):
     env_checker.check_env(env, warn=True, skip_render_check=True)
 
 
-def test_it_pays_what_reach_pays(env):
+def test_it_pays_what_reach_pays(env, label):
     """With the same seed and actions: rewards, ends, and what is known of each step."""
-    one, other = _steps(env, 30), _steps(ReachEnv(**GIVEN, reward=_label(env)), 30)
+    one, other = _steps(env, 30), _steps(ReachEnv(**GIVEN, reward=label), 30)
     np.testing.assert_allclose([step[1] for step in one], [step[1] for step in other], rtol=0, atol=1e-12)
     assert [step[2:4] for step in one] == [step[2:4] for step in other]
     for goal_step, step in zip(one, other, strict=True):
@@ -55,19 +59,14 @@ def test_it_pays_what_reach_pays(env):
         assert goal_step[4].keys() - step[4].keys() == set(NEEDED)
 
 
-def _label(env):
-    registry, reward = load_registry(), env.vector_env.reward
-    return next(name for name in PAYABLE if build_named(registry, "rewards", name, "")[1] == reward)
-
-
-def test_it_pays_what_would_have_been_paid(env, monkeypatch):
+def test_it_pays_what_would_have_been_paid(env, label, monkeypatch):
     """Steps paid again for another goal, all at once, have the rewards of the same motion with that goal set."""
     taken = _steps(env, 12)
     goal = taken[7][0]["achieved_goal"] + [0.02, 0.0, 0.0]
     monkeypatch.setattr(
         ReachTask, "draw_targets", lambda *_: Targets(np.tile(goal, (1000, 1)), np.zeros(1000, dtype=bool))
     )
-    meant = _steps(ReachEnv(**GIVEN, reward=_label(env)), 8)
+    meant = _steps(ReachEnv(**GIVEN, reward=label), 8)
     end = next(number for number, step in enumerate(meant) if step[2]) + 1
     achieved, infos = np.stack([step[0]["achieved_goal"] for step in taken[:end]]), [step[4] for step in taken[:end]]
     paid = env.compute_reward(achieved, np.tile(goal, (end, 1)), infos)

@@ -12,14 +12,13 @@ from harness import make_env
 from harness.errors import UsageError
 from harness.goal import Goal
 from harness.reach import ReachTask
-from harness.registry import choose, load_registry
 from harness.score.scorer import pay_log
 from harness.task import goal_of
 from harness_plugins.tasks.moving import Moving
 from harness_plugins.tasks.pose import Pose
+from tests.env.conftest import REGISTRY, build
 
 Call = Callable[..., Any]
-REGISTRY = load_registry()
 ROBOT = harness.load_robot("fd100")
 
 
@@ -84,7 +83,7 @@ def test_target_is_recorded_where_it_is(make, wander, recorded):
 @pytest.mark.parametrize("reward", REGISTRY.names("rewards"))
 def test_every_reward_pays_the_record_again(make, wander, recorded, task, reward):
     """Exactly as it was paid, whatever the error is."""
-    built = choose(REGISTRY, "rewards", reward).build(REGISTRY, "rewards")
+    built = build("rewards", reward)
     trace = recorded(make(2, task, reward=built), lambda env: wander(env, 40))
     np.testing.assert_array_equal(pay_log(built, trace).total, trace["reward"])
 
@@ -99,19 +98,6 @@ def test_episodes_are_those_of_the_seed(make, wander, task):
     wander(other, 25, seed=2)
     np.testing.assert_array_equal(one.episodes.numbers[0], other.episodes.numbers[0])
     assert one.episodes.numbers.any()
-
-
-@pytest.mark.parametrize("task", ["fd100-moving:horizon=12", "fd100-pose:horizon=12"])
-def test_restored_env_goes_on_as_the_other(make, wander, task):
-    """In the middle of an episode: where the target is on its way, and what comes after."""
-    built = choose(REGISTRY, "tasks", task).build(REGISTRY, "tasks")
-    env, again = (make(2, built, resumable=True) for _ in range(2))
-    env.reset(seed=4)
-    wander(env, 5)
-    again.restore(env.state())
-    for ours, theirs in zip(wander(env, 20, seed=9), wander(again, 20, seed=9), strict=True):
-        np.testing.assert_array_equal(ours[0], theirs[0])
-        np.testing.assert_array_equal(ours[1], theirs[1])
 
 
 def test_learner_sees_the_error_and_the_goal(make):

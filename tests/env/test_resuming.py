@@ -9,34 +9,11 @@ import harness
 from harness.env import IdealSimulation, ReachVectorEnv, World
 from harness.errors import SchemaError, UsageError
 from harness.reach import ReachTask
-from harness.registry import choose, load_registry
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.kit.trainings import NegativeDistance
+from tests.env.conftest import REGISTRY, SHORT_TASK, TASKS, build
 
-REGISTRY = load_registry()
 ROBOT = harness.load_robot("fd100", REGISTRY)
-SHORT = {"name": "fd100-reach", "horizon": 23}
-UNITY = {"name": "unity-reach", "horizon": 60, "decision_period": 5}
-TASKS = {
-    "joints": SHORT,
-    "poses": {**SHORT, "action": "set-joints"},
-    "arcs": {**SHORT, "action": "movea"},
-    "long decisions": {**UNITY, "action": "movej"},
-    "next targets": UNITY,
-    "choices": {**SHORT, "action": "discrete"},
-    "worse": {
-        **SHORT,
-        "joint_noise": 0.02,
-        "target_noise": 0.01,
-        "action_noise": 0.1,
-        "action_delay": 2,
-        "observation_delay": 3,
-        "obstacle_count": 2,
-        "mass_variation": 0.2,
-        "length_variation": 0.05,
-        "variants": 2,
-    },
-}
 
 
 def _moments(episode):
@@ -45,9 +22,6 @@ def _moments(episode):
 
 
 def _open(simulator, task, num_envs, reward="baseline"):
-    def build(kind, given):
-        return choose(REGISTRY, kind, given).build(REGISTRY, kind)
-
     goal = build("tasks", task)
     robot = harness.load_robot(goal.robot, REGISTRY)
     world = World(build("simulators", simulator), robot, goal, build("rewards", reward))
@@ -121,7 +95,7 @@ def test_restored_env_goes_on_as_the_other(simulator, task, num_envs):
 @pytest.mark.parametrize("simulator", REGISTRY.names("simulators"))
 def test_the_ground_was_touched_in_these_episodes(simulator):
     """The test above says something about contact too."""
-    env = _open(simulator, SHORT, 3)
+    env = _open(simulator, SHORT_TASK, 3)
     env.reset(seed=5)
     assert any(env.step(action)[2].any() for action in _actions(env, 80))
     env.close()
@@ -130,7 +104,7 @@ def test_the_ground_was_touched_in_these_episodes(simulator):
 @pytest.mark.parametrize("reward", ["arp", "aarp", "scaled", "potential", "sparse"])
 def test_what_a_reward_remembers_is_kept(reward):
     """Whatever the form of its carry."""
-    env, again = (_open("kinematic", SHORT, 3, reward) for _ in range(2))
+    env, again = (_open("kinematic", SHORT_TASK, 3, reward) for _ in range(2))
     env.reset(seed=5)
     actions = _actions(env, 40)
     _told(env, actions[:15])
@@ -140,11 +114,11 @@ def test_what_a_reward_remembers_is_kept(reward):
 
 def test_log_is_no_longer_than_the_episodes_under_way():
     """What came before the last resets is forgotten."""
-    env = _open("kinematic", SHORT, 3)
+    env = _open("kinematic", SHORT_TASK, 3)
     env.reset(seed=5)
     for action in _actions(env, 200):
         env.step(action)
-        assert len(env.state()["simulation.targets"]) <= SHORT["horizon"]
+        assert len(env.state()["simulation.targets"]) <= SHORT_TASK["horizon"]
 
 
 def test_state_of_an_env_that_keeps_no_log_is_refused():

@@ -1,7 +1,7 @@
 """What a reward is told of an arm's steps, its terms in the trace, and that a trace is paid again bit for bit."""
 
 from collections.abc import Callable
-from functools import reduce
+from functools import partial, reduce
 from operator import add
 from typing import Any
 
@@ -14,23 +14,16 @@ from harness.errors import UsageError
 from harness.reach import ReachTask
 from harness.record import TraceWriter, read_trace, trace_of
 from harness.record.trace import TERM, terms_of
-from harness.registry import choose, load_registry
 from harness.reward import MissingField
 from harness.reward.forms import reward_class
 from harness.score.scorer import pay_log
 from harness_plugins.kit.trainings import NegativeDistance
+from tests.env.conftest import REGISTRY, SHORT_TASK, TASKS, build
 
 Call = Callable[..., Any]
-REGISTRY = load_registry()
-SHORT = {"name": "fd100-reach", "horizon": 12}
-TASKS = {
-    "joints": SHORT,
-    "choices": {**SHORT, "action": "discrete"},
-    "long decisions": {"name": "unity-reach", "horizon": 60, "decision_period": 5, "action": "movej"},
-    "next targets": {"name": "unity-reach", "horizon": 60, "decision_period": 5, "epsilon": 0.7},
-    "a goal that moves": {"name": "fd100-moving", "horizon": 12},
-    "worse": {**SHORT, "joint_noise": 0.02, "action_noise": 0.1, "action_delay": 2, "obstacle_count": 2, "variants": 2},
-}
+AIDS = ("joints", "choices", "long decisions", "next targets", "a goal that moves", "worse")
+BEFORE = ("action", "ground", "qpos", "distance", "qvel")
+TOURS = {**TASKS["next targets"], "epsilon": 0.7}
 
 
 def everything(step):
@@ -62,11 +55,6 @@ class Remembers(NegativeDistance):
         return (done,), {"done": -done, "before": 1.0 * steps.before.ground + steps.before.qvel[:, 0]}
 
 
-def build(kind, given):
-    """By its registered name."""
-    return choose(REGISTRY, kind, given).build(REGISTRY, kind)
-
-
 def record(path, simulator, task, reward, steps=40, **options):
     """Three arms that go mostly down, by a reward that reads qvel."""
     goal = build("tasks", task)
@@ -84,14 +72,16 @@ def record(path, simulator, task, reward, steps=40, **options):
 
 def test_a_trace_is_paid_again_to_the_last_bit(tmp_path_factory, subtests):
     """The pay and each term of it, in every step; and the pay is the sum of the recorded terms."""
-    for task, settings in TASKS.items():
+    for task in AIDS:
         for simulator in ["kinematic", "mujoco", "pybullet", "dm_control"]:
             with subtests.test(task=task, simulator=simulator):
                 tmp_path = tmp_path_factory.mktemp("case")
-                if "variants" in settings and simulator == "kinematic":
+                if task == "worse" and simulator == "kinematic":
                     pytest.skip("arms do not vary without an engine")
                 reward = reward_class(everything)()
-                trace = record(tmp_path / "trace.parquet", simulator, settings, reward)
+                trace = record(
+                    tmp_path / "trace.parquet", simulator, TOURS if task == "next targets" else TASKS[task], reward
+                )
                 paid = pay_log(reward, trace)
                 np.testing.assert_array_equal(paid.total, trace["reward"])
                 assert list(terms_of(trace)) == list(paid.terms)
@@ -103,46 +93,32 @@ def test_a_trace_is_paid_again_to_the_last_bit(tmp_path_factory, subtests):
 
 def test_a_reward_that_remembers_is_paid_again_to_the_last_bit(tmp_path):
     """Step by step, with what was before each."""
-    trace = record(tmp_path / "trace.parquet", "kinematic", TASKS["next targets"], Remembers())
+    trace = record(tmp_path / "trace.parquet", "kinematic", TOURS, Remembers())
     np.testing.assert_array_equal(pay_log(Remembers(), trace).total, trace["reward"])
     assert trace["reached"].sum() > 0
 
 
-def test_what_was_before_a_first_step_is_the_start(make):
-    """No action, no ground, the arm at rest where it starts."""
+def test_what_was_before_a_step_is_what_the_last_one_left(make):
+    """Its action above all; before a first step there is no action, no ground, and the arm at rest where it starts."""
     seen = []
 
     def spy(step):
-        seen.append({name: np.array(getattr(step.before, name)) for name in ("action", "ground", "qpos", "distance")})
+        seen.append([np.array(part) for part in (*map(partial(getattr, step.before), BEFORE), step.qvel)])
         return -step.distance
 
-    env = make(2, reward=reward_class(spy)())
+    env = make(2, reward=reward_class(spy)(), task=ReachTask(horizon=9))
     _, infos = env.reset(seed=0)
     start, begun = env.episodes.qpos.copy(), infos["distance"].copy()
     seen.clear()
-    env.step(np.full((2, 6), 0.5, np.float32))
-    np.testing.assert_array_equal(seen[0]["action"], np.zeros((2, 6)))
-    assert not seen[0]["ground"].any()
-    np.testing.assert_array_equal(seen[0]["qpos"], start)
-    np.testing.assert_array_equal(seen[0]["distance"], begun)
-
-
-def test_what_was_before_a_later_step_is_what_it_left(make):
-    """Its action above all."""
-    seen = []
-
-    def spy(step):
-        seen.append((np.array(step.before.action), np.array(step.before.qvel), np.array(step.qvel)))
-        return -step.distance
-
-    env = make(2, reward=reward_class(spy)(), task=ReachTask(horizon=9), seed=0)
-    seen.clear()
-    first, second = np.full((2, 6), 0.5, np.float32), np.full((2, 6), -0.25, np.float32)
-    for action in (first, second, second):
+    given = [np.full((2, 6), size, np.float32) for size in (0.5, -0.25, -0.25)]
+    for action in given:
         env.step(action)
-    np.testing.assert_array_equal(seen[1][0], first)
-    np.testing.assert_array_equal(seen[2][0], second)
-    np.testing.assert_array_equal(seen[2][1], seen[1][2])
+    actions, grounds, places, distances, before, speeds = zip(*seen, strict=True)
+    np.testing.assert_array_equal(actions, [0.0 * given[0], *given[:2]])
+    assert not grounds[0].any()
+    np.testing.assert_array_equal(places[0], start)
+    np.testing.assert_array_equal(distances[0], begun)
+    np.testing.assert_array_equal(before[2], speeds[1])
 
 
 def test_nobody_can_write_into_what_was_before(make):
@@ -172,7 +148,7 @@ def test_a_trace_has_qvel_where_it_is_asked_for(make):
 
 def test_a_trace_without_qvel_pays_what_does_not_need_it(tmp_path):
     """And refuses the rest by name."""
-    trace = record(tmp_path / "trace.parquet", "kinematic", SHORT, build("rewards", "baseline"))
+    trace = record(tmp_path / "trace.parquet", "kinematic", SHORT_TASK, build("rewards", "baseline"))
     old = trace_of(trace.rows(name for name in trace.names if name != "qvel").columns)
 
     def calm(step):
@@ -190,7 +166,7 @@ def test_a_field_that_is_read_late_is_found_in_the_trace(tmp_path):
         def __call__(self, carry, steps):
             return carry, -abs(steps.qvel).sum(-1) if (steps.step > 4.5).any() else -steps.distance
 
-    trace = record(tmp_path / "trace.parquet", "kinematic", SHORT, build("rewards", "baseline"))
+    trace = record(tmp_path / "trace.parquet", "kinematic", SHORT_TASK, build("rewards", "baseline"))
     np.testing.assert_array_equal(pay_log(Late(), trace).total[trace["step"] > 0][-1], -abs(trace["qvel"][-1]).sum(-1))
 
 
