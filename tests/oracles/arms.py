@@ -205,9 +205,7 @@ def split_origin(rng, folder):
     before = Joint("mount", "fixed", moved.xyz, (0.0, 0.0, 0.0), (1.0, 0.0, 0.0), 0.0, 0.0)
     after = replace(moved, xyz=(0.0, 0.0, 0.0))
     longer = [*arm[:place], before, after, *arm[place + 1 :]]
-    path = folder / "arm.urdf"
-    path.write_text(text_of(longer, rng.choice(STYLES), rng), newline="")
-    return Trial("an origin in two parts", lambda: ask(path, poses_of(arm)), [answer_of(arm)])
+    return _trial("an origin in two parts", arm, text_of(longer, rng.choice(STYLES), rng), folder)
 
 
 def matters(rng, folder):

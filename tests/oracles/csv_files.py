@@ -252,14 +252,15 @@ def unequal(rng, folder):
 
 
 def damaged(rng, folder):
-    """A file from which no number can be right."""
+    """A file from which no number can be right: a damage changes the table, or gives what is written in its place."""
     groups = _groups(rng)
     damage = rng.choice(DAMAGES)
     which = (rng.randrange(2), 0)
 
     def write(table, path):
         is_chosen = (path.parent.name, path.name) == (("base", "prop")[which[0]], "00.csv")
-        path.write_bytes(damage(table, rng) if is_chosen else text_of(table).encode())
+        made = damage(table, rng) if is_chosen else None
+        path.write_bytes(text_of(table).encode() if made is None else made)
 
     write_groups(groups, folder, write)
     return Trial(damage.__name__, lambda: ask(folder))
@@ -270,14 +271,11 @@ def odd_cell(table, rng):
     rng.choice(table.rows)[_place(table)] = rng.choice(
         ("", "nan", "NaN", "inf", "-Infinity", "1e999", "0x10", "1_0", "None", "true", "1.5m", "--1", "1e", "٣", "½")
     )
-    return text_of(table).encode()
 
 
 def commas(table, rng):
     """Numbers with a decimal comma."""
-    row = rng.choice(table.rows)
-    row[_place(table)] = "0,5"
-    return text_of(table).encode()
+    rng.choice(table.rows)[_place(table)] = "0,5"
 
 
 def short_line(table, rng):
@@ -287,7 +285,6 @@ def short_line(table, rng):
         row.pop(0)
     else:
         row.insert(0, "1")
-    return text_of(table).encode()
 
 
 def two_rewards(table, rng):
@@ -295,13 +292,11 @@ def two_rewards(table, rng):
     table.header.append(rng.choice(("reward", " Reward ")))
     for row in table.rows:
         row.append("1")
-    return text_of(table).encode()
 
 
 def second_header(table, rng):
     """Two files joined, with both headers."""
     table.rows.insert(rng.randrange(1, len(table.rows) + 1), list(table.header))
-    return text_of(table).encode()
 
 
 def no_rows(table, rng):

@@ -246,23 +246,18 @@ def damaged(rng, folder):
     return Trial(change, look, [answer_of(paired, alone)], True, r"(?i)damaged")
 
 
-def _other_manifest(cell, rng):
-    """The manifest is that of another cell."""
-    other = rng.choice([path for path in cell.parent.iterdir() if path != cell])
-    shutil.copy(other / MANIFEST, cell / MANIFEST)
+def _of_another(name):
+    """A file, or all of them, sealed, are those of another cell."""
 
+    def change(cell, rng):
+        other = rng.choice([path for path in cell.parent.iterdir() if path != cell])
+        if name:
+            shutil.copy(other / name, cell / name)
+        else:
+            shutil.rmtree(cell)
+            shutil.copytree(other, cell)
 
-def _all_of_another(cell, rng):
-    """All files are those of another cell, sealed."""
-    other = rng.choice([path for path in cell.parent.iterdir() if path != cell])
-    shutil.rmtree(cell)
-    shutil.copytree(other, cell)
-
-
-def _other_trace(cell, rng):
-    """The trace is that of another cell."""
-    other = rng.choice([path for path in cell.parent.iterdir() if path != cell])
-    shutil.copy(other / TRACE, cell / TRACE)
+    return change
 
 
 def _flip(cell, rng):
@@ -278,9 +273,9 @@ DAMAGES = {
     ),
     "a bit": _flip,
     "a trace that is gone": lambda cell, rng: (cell / TRACE).unlink(),
-    "another cell's manifest": _other_manifest,
-    "another cell's files": _all_of_another,
-    "another cell's trace": _other_trace,
+    "another cell's manifest": _of_another(MANIFEST),
+    "another cell's files": _of_another(""),
+    "another cell's trace": _of_another(TRACE),
     "NaN in the rewards, sealed": lambda cell, rng: rewrite(
         cell, TRACE, lambda table: _with(table, "reward", 1, float("nan"))
     ),

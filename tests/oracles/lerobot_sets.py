@@ -7,6 +7,7 @@ By https://huggingface.co/docs/lerobot/lerobot-dataset-v3 and the page of versio
 import json
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -189,6 +190,11 @@ def write(parts, folder):
         pq.write_table(pa.table(table), path, compression=layout.compression, row_group_size=layout.rows_of_group)
 
 
+def put(runs, layout, folder):
+    """All files of these episodes."""
+    write(parts_of(runs, layout), folder)
+
+
 def _column(values, layout):
     if isinstance(values, pa.Array):
         return values
@@ -232,16 +238,16 @@ def no_matter(rng, folder):
     runs = draw_runs(rng, rng.choice((1, 1, 2, 3)))
     change = rng.choice(NO_MATTER)
     layout = draw_layout(rng)
-    write(parts_of(change(runs, rng), layout), folder)
+    put(change(runs, rng), layout, folder)
     return Trial(f"{change.__name__}, {layout}", lambda: ask(folder), [answer_of(runs)])
 
 
-def copies(rng, folder):
+def copied(rng, folder, put, layout, draw, ask):
     """Some episodes stand there several times, under numbers of their own."""
     runs = draw_runs(rng)
     more = [*runs, *(rng.choice(runs) for _ in range(rng.randrange(1, 40)))]
-    write(parts_of(runs, Layout()), folder / "once")
-    write(parts_of(rng.sample(more, len(more)), draw_layout(rng)), folder / "often")
+    put(runs, layout, folder / "once")
+    put(rng.sample(more, len(more)), draw(rng), folder / "often")
     right = {"auc": answer_of(runs)["auc"], "answer": ask(folder / "once")[0]["answer"]}
     return Trial("copies", lambda: ask(folder / "often"), [right], tells=COPIES)
 
@@ -251,13 +257,13 @@ def matters(rng, folder):
     runs = draw_runs(rng, rng.choice((1, 2)))
     change = rng.choice((*MATTERS, *((other_task,) if max(run.task for run in runs) else ())))
     changed = change(runs, rng)
-    write(parts_of(changed, draw_layout(rng)), folder)
+    put(changed, draw_layout(rng), folder)
     tells = LEFT_OUT if change.__name__ == "unlabel" else ""
     return Trial(change.__name__, lambda: ask(folder), [answer_of(changed)], tells=tells)
 
 
 ORACLES = {
     "lerobot, written otherwise": no_matter,
-    "lerobot, copies": copies,
+    "lerobot, copies": partial(copied, put=put, layout=Layout(), draw=draw_layout, ask=ask),
     "lerobot, other episodes": matters,
 }

@@ -7,6 +7,7 @@ and ``total_steps``, arrays that can grow, one observation and one info more tha
 import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -14,7 +15,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from tests.oracles.lerobot_sets import COPIES, LEFT_OUT, reduced
+from tests.oracles.lerobot_sets import LEFT_OUT, copied, reduced
 from tests.oracles.recorded_runs import MATTERS, NO_MATTER, Run, answer_of, draw_runs
 from tests.oracles.trial import Trial, call_json
 
@@ -121,33 +122,19 @@ def ask(folder, *flags):
     return reduced(told), said
 
 
-def _one_task(rng):
-    return draw_runs(rng)
-
-
 def no_matter(rng, folder):
     """Written in another way, in another order."""
-    runs = _one_task(rng)
+    runs = draw_runs(rng)
     change = rng.choice(NO_MATTER)
     layout = draw_layout(rng)
     write(change(runs, rng), layout, folder)
     return Trial(f"{change.__name__}, {layout}", lambda: ask(folder), [answer_of(runs)])
 
 
-def copies(rng, folder):
-    """Some episodes stand there several times."""
-    runs = _one_task(rng)
-    more = [*runs, *(rng.choice(runs) for _ in range(rng.randrange(1, 40)))]
-    write(runs, Layout(), folder / "once")
-    write(rng.sample(more, len(more)), draw_layout(rng), folder / "often")
-    right = {"auc": answer_of(runs)["auc"], "answer": ask(folder / "once")[0]["answer"]}
-    return Trial("copies", lambda: ask(folder / "often"), [right], tells=COPIES)
-
-
 def matters(rng, folder):
     """Other episodes: the answer is another, and follows."""
     change = rng.choice(MATTERS)
-    changed = change(_one_task(rng), rng)
+    changed = change(draw_runs(rng), rng)
     write(changed, draw_layout(rng), folder)
     tells = LEFT_OUT if change.__name__ == "unlabel" else ""
     return Trial(change.__name__, lambda: ask(folder), [answer_of(changed)], tells=tells)
@@ -159,7 +146,7 @@ Change = Callable[[Any, Sequence[Run], Random], tuple[Sequence[Sequence[Run]], b
 
 def changed(rng, folder):
     """Something in the file is wrong."""
-    runs = _one_task(rng)
+    runs = draw_runs(rng)
     change = rng.choice(CHANGES)
     layout = replace(draw_layout(rng), chunks="guessed", compression=None, in_file=False)
     write(runs, layout, folder)
@@ -175,24 +162,20 @@ def _any(file, rng):
     return file[f"episode_{rng.randrange(len(file))}"]
 
 
-def short_rewards(file, runs, rng):
-    """A reward is missing at the end."""
-    rewards = _any(file, rng)["rewards"]
-    rewards.resize(len(rewards) - 1, axis=0)
-    return [], True, ""
+REFUSED = [], True, ""
 
 
-def short_actions(file, runs, rng):
-    """An action is missing at the end."""
-    actions = _any(file, rng)["actions"]
-    actions.resize(len(actions) - 1, axis=0)
-    return [], True, ""
+def short_array(file, runs, rng):
+    """A reward, or an action, is missing at the end."""
+    values = _any(file, rng)[rng.choice(("rewards", "actions"))]
+    values.resize(len(values) - 1, axis=0)
+    return REFUSED
 
 
 def lie_on_steps(file, runs, rng):
     """The attribute tells of other steps than there are."""
     _any(file, rng).attrs["total_steps"] += rng.choice((1, 7))
-    return [], True, ""
+    return REFUSED
 
 
 def cut_whole(file, runs, rng):
@@ -204,13 +187,13 @@ def cut_whole(file, runs, rng):
             found.resize(len(found) - 1, axis=0)
 
     group.visititems(cut)
-    return [], True, ""
+    return REFUSED
 
 
 def drop_episode(file, runs, rng):
     """An episode is gone; metadata still tell of it."""
     del file[f"episode_{rng.randrange(len(runs))}"]
-    return [], True, ""
+    return REFUSED
 
 
 def probabilities(file, runs, rng):
@@ -220,7 +203,7 @@ def probabilities(file, runs, rng):
     values[-1] = rng.choice((0.5, 0.97, 2.0))
     del group["success"]
     group["success"] = values
-    return [], True, ""
+    return REFUSED
 
 
 def no_key(file, runs, rng):
@@ -252,7 +235,7 @@ def link_instead(file, runs, rng):
         file[f"episode_{one}"] = file[f"episode_{other}"]
         return [_but(runs, one)], True, ""
     file[f"episode_{one}"] = h5py.SoftLink(f"/episode_{other}")
-    return [], True, ""
+    return REFUSED
 
 
 def loop(file, runs, rng):
@@ -275,7 +258,7 @@ def dangling(file, runs, rng):
     group = _any(file, rng)
     del group["rewards"]
     group["rewards"] = rng.choice((h5py.SoftLink("/nowhere"), h5py.ExternalLink("other.hdf5", "/rewards")))
-    return [], True, ""
+    return REFUSED
 
 
 def wide_rewards(file, runs, rng):
@@ -284,7 +267,7 @@ def wide_rewards(file, runs, rng):
     values = np.stack([group["rewards"][...]] * 2, axis=1)
     del group["rewards"]
     group["rewards"] = values
-    return [], True, ""
+    return REFUSED
 
 
 def left_over(file, runs, rng):
@@ -317,14 +300,14 @@ def _but(runs, number, unlabelled=False):
 
 
 CHANGES = (
-    short_rewards, short_actions, lie_on_steps, cut_whole, drop_episode, probabilities, no_key, nan_pay, linked_copy,
+    short_array, short_array, lie_on_steps, cut_whole, drop_episode, probabilities, no_key, nan_pay, linked_copy,
     link_instead, loop, dangling, wide_rewards, left_over, swapped_arrays,
 )  # fmt: skip
 
 
 def lie_on_totals(rng, folder):
     """Metadata tell of more episodes, or steps, than there are."""
-    runs = _one_task(rng)
+    runs = draw_runs(rng)
     write(runs, replace(draw_layout(rng), in_file=False), folder)
     told = json.loads((folder / METADATA).read_text())
     key = rng.choice(("total_episodes", "total_steps"))
@@ -334,7 +317,7 @@ def lie_on_totals(rng, folder):
 
 ORACLES = {
     "minari, written otherwise": no_matter,
-    "minari, copies": copies,
+    "minari, copies": partial(copied, put=write, layout=Layout(), draw=draw_layout, ask=ask),
     "minari, other episodes": matters,
     "minari, changed": changed,
     "minari, totals": lie_on_totals,
