@@ -8,9 +8,9 @@ import pytest
 from gymnasium.vector import AutoresetMode
 
 import harness
-from harness.errors import UsageError
 from harness.reach import ReachTask
 from harness.record import TraceWriter, read_trace
+from tests.refusals import refused
 
 Call = Callable[..., Any]
 
@@ -131,7 +131,7 @@ def test_reset_mask_of_other_envs_is_a_usage_error(make, mask):
     env, undisturbed = make(2), make(2)
     for either in (env, undisturbed):
         either.reset(seed=0)
-    with pytest.raises(UsageError, match=r"give bool of \(2,\)"):
+    with refused(r"give bool of \(2,\)"):
         env.reset(seed=1, options={"reset_mask": mask})
     np.testing.assert_array_equal(env.reset()[0], undisturbed.reset()[0])
 

@@ -1,13 +1,12 @@
 """The random streams of a batch."""
 
 import numpy as np
-import pytest
 
 import harness
 from harness.env.random_streams import AHEAD, Streams
-from harness.errors import UsageError
 from harness.reach import ReachTask
 from harness.task import Targets
+from tests.refusals import refused
 
 ROBOT = harness.load_robot("fd100")
 TIP = np.array([0.5, 0.0, 0.5])
@@ -46,7 +45,7 @@ def test_target_apart_skips_those_that_one_is_in():
 
 def test_targets_that_all_cover_the_start_are_refused():
     """Rather than to search for ever."""
-    with pytest.raises(UsageError, match="epsilon=100"):
+    with refused("epsilon=100"):
         Streams(Ladder(epsilon=100.0), ROBOT, 1, 0).target_apart(0, np.zeros(3), ROBOT.home)
 
 

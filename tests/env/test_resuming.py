@@ -7,11 +7,12 @@ import pytest
 
 import harness
 from harness.env import IdealSimulation, ReachVectorEnv, World
-from harness.errors import SchemaError, UsageError
+from harness.errors import SchemaError
 from harness.reach import ReachTask
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.kit.trainings import NegativeDistance
 from tests.env.conftest import REGISTRY, SHORT_TASK, TASKS, build
+from tests.refusals import refused
 
 ROBOT = harness.load_robot("fd100", REGISTRY)
 
@@ -125,7 +126,7 @@ def test_state_of_an_env_that_keeps_no_log_is_refused():
     """With what to do."""
     env = ReachVectorEnv(IdealSimulator(), ROBOT, ReachTask(), NegativeDistance())
     env.reset(seed=0)
-    with pytest.raises(UsageError, match="open it with resumable=True"):
+    with refused("open it with resumable=True"):
         env.state()
 
 

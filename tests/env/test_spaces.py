@@ -5,13 +5,12 @@ from typing import Any
 
 import gymnasium
 import numpy as np
-import pytest
 from gymnasium.vector import AutoresetMode
 
 import harness
 from harness.env import ReachVectorEnv
-from harness.errors import UsageError
 from harness.reach import ReachTask
+from tests.refusals import refused
 
 Call = Callable[..., Any]
 NAMES = {"simulator": "mujoco", "task": "fd100-reach:horizon=20", "reward": "arp:k2=2"}
@@ -37,13 +36,13 @@ def test_spaces_of_a_batch(make):
 
 def test_next_step_autoreset_is_refused(make):
     """The autoreset mode that is not offered is a usage error that names the two that are."""
-    with pytest.raises(UsageError, match="SAME_STEP or DISABLED"):
+    with refused("SAME_STEP or DISABLED"):
         make(autoreset_mode=AutoresetMode.NEXT_STEP)
 
 
 def test_no_envs_are_refused():
     """A batch of no envs is a usage error."""
-    with pytest.raises(UsageError, match="num_envs=0"):
+    with refused("num_envs=0"):
         harness.make_env(num_envs=0)
 
 

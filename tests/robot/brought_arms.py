@@ -3,6 +3,7 @@
 import numpy as np
 import pinocchio
 
+from harness.registry import choose, load_registry
 from harness.robot import read_robot
 
 BODY = (
@@ -31,6 +32,12 @@ ARM = (
     + TOOL_JOINT
     + "</robot>\n"
 )
+
+
+def opened(robot, simulator):
+    """One of it, in a simulator by its name."""
+    registry = load_registry()
+    return choose(registry, "simulators", simulator).build(registry, "simulators").open(robot, 1, 0.1)
 
 
 def changed(*pairs, text=ARM):

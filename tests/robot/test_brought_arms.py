@@ -6,9 +6,8 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from harness.errors import UsageError
-from harness.registry import choose, load_registry
 from harness.robot import read_robot
+from tests.refusals import refused
 from tests.robot.brought_arms import (
     ARM,
     BODY,
@@ -17,6 +16,7 @@ from tests.robot.brought_arms import (
     TOOL_JOINT,
     changed,
     in_joint,
+    opened,
     poses_of,
     read_arm,
     tips_of_pinocchio,
@@ -113,8 +113,7 @@ def test_every_simulator_moves_what_was_read(tmp_path_factory, subtests):
                 placeholders = {"placeholders": changed(('velocity="2" effort="50"', 'velocity="0" effort="0"'))}
                 toml = "max_speed_deg_s = [90, 90, 90, 90]" * (name in placeholders)
                 robot = read_arm(tmp_path, {**BROUGHT, **placeholders}[name], toml)
-                registry = load_registry()
-                simulation = choose(registry, "simulators", simulator).build(registry, "simulators").open(robot, 1, 0.1)
+                simulation = opened(robot, simulator)
                 simulation.place(robot.home[None])
                 for _ in range(5):
                     state = simulation.drive(robot.home[None] + 0.05, 0.1)
@@ -216,16 +215,15 @@ def test_what_cannot_be_read_is_refused_in_one_line(tmp_path_factory, subtests):
     for name, (old, new, message) in REFUSED.items():
         with subtests.test(name=name):
             tmp_path = tmp_path_factory.mktemp("case")
-            with pytest.raises(UsageError, match=message) as caught:
+            with refused(message) as caught:
                 read_arm(tmp_path, changed((old, new)))
             assert str(caught.value).startswith(f"{tmp_path / 'arm.urdf'}: ")
-            assert "\n" not in str(caught.value)
 
 
 def test_utf_16_is_refused_in_one_line(tmp_path):
     """As ROS does."""
     (tmp_path / "arm.urdf").write_bytes(ARM.encode("utf-16"))
-    with pytest.raises(UsageError, match=r"is not UTF-8 text .* Save it as UTF-8"):
+    with refused(r"is not UTF-8 text .* Save it as UTF-8"):
         read_robot(tmp_path / "arm.urdf")
 
 

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.errors import UsageError
 from harness.robot import Chain, Shape, build_solids, forward, link_frames, parse_urdf, read_chain
 from harness.robot.kinematics import build_chain, transform
+from tests.refusals import refused
 
 Shapes = tuple[tuple[Shape, ...], ...]
 CORNERS = np.array(np.meshgrid([-0.1, 0.1], [-0.2, 0.2], [-0.3, 0.3])).reshape(3, -1).T
@@ -65,7 +65,7 @@ def test_frames_do_not_depend_on_the_batch(chain, count):
 
 def test_frames_of_the_wrong_number_of_joints_are_refused(chain):
     """One value too many is a UsageError."""
-    with pytest.raises(UsageError, match="Give one value per joint"):
+    with refused("Give one value per joint"):
         link_frames(chain, np.zeros((5, 4)))
 
 

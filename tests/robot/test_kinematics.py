@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from harness.errors import UsageError
 from harness.robot import end_effector_position, forward, parse_urdf, read_chain
 from harness.robot.kinematics import build_chain, pose_jacobian, position_jacobian, rotation_between
+from tests.refusals import refused
 
 MASS = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
 
@@ -151,8 +151,8 @@ def test_wrong_shape_is_refused(subtests):
     """Positions that are not one per joint are refused, also where they would broadcast."""
     for compute in [forward, end_effector_position, position_jacobian]:
         for shape in [(), (1,), (3,), (5,), (4, 1), (2, 5)]:
-            refused = pytest.raises(UsageError, match=r"qpos has shape \(.*\), allowed is \(\.\.\., 4\)")
-            with subtests.test(compute=compute, shape=shape), refused:
+            told = refused(r"qpos has shape \(.*\), allowed is \(\.\.\., 4\)")
+            with subtests.test(compute=compute, shape=shape), told:
                 compute(CHAIN, np.zeros(shape))
 
 

@@ -6,10 +6,10 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from harness.errors import UsageError
 from harness.robot import forward, load_robot, parse_urdf, read_chain, read_shapes
 from harness.robot.kinematics import build_chain
 from harness.robot.normal_urdf import named, normal_urdf
+from tests.refusals import refused
 from tests.robot.test_meshes import CORNERS, binary_stl, collada
 
 BODY = '<inertial><mass value="1"/><inertia ixx="1" iyy="2" izz="3" ixy="0" ixz="0" iyz="0"/></inertial>'
@@ -155,9 +155,8 @@ def test_meshes_have_full_paths(tmp_path):
 )
 def test_bad_numbers_are_refused(tmp_path, old, new, message):
     """One line names the link or the joint."""
-    with pytest.raises(UsageError, match=message) as caught:
+    with refused(message):
         normal(URDF.replace(old, new, 1), tmp_path)
-    assert "\n" not in str(caught.value)
 
 
 MESH = '<{part}><geometry><mesh filename="{file}"/></geometry></{part}>'
@@ -232,7 +231,7 @@ def test_collision_mesh_that_stands_still_is_left_out(tmp_path, file):
     urdf, (line,) = with_mesh(tmp_path, file, "collision", "base")
     assert urdf.element.find("link/collision") is None
     assert line.startswith("link 'base' without collision meshes, which no joint of the chain moves: Link 'base' has ")
-    with pytest.raises(UsageError, match="Link 'finger' has "):
+    with refused("Link 'finger' has "):
         read_shapes(with_mesh(tmp_path, file, "collision", "finger").urdf)
 
 
@@ -241,7 +240,7 @@ def test_collision_mesh_that_moves_says_what_reads_it(tmp_path, monkeypatch):
     shapes = read_shapes(with_mesh(tmp_path, "good.dae", "collision").urdf)
     assert len(shapes["arm"][0].points) == 4
     monkeypatch.setitem(sys.modules, "collada", None)
-    with pytest.raises(UsageError, match=r"Link 'arm' has a collision mesh: .* pip install 'fd100-harness\[meshes\]'"):
+    with refused(r"Link 'arm' has a collision mesh: .* pip install 'fd100-harness\[meshes\]'"):
         read_shapes(with_mesh(tmp_path, "good.dae", "collision").urdf)
     _, (line,) = with_mesh(tmp_path, "good.dae", "collision", "base")
     assert "pip install 'fd100-harness[meshes]'" in line

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from harness.errors import UsageError
 from harness.registry import load_registry
 from harness.robot import load_robot, read_robot
 from harness.robot.packages import find_installed, is_installed, locate
+from tests.refusals import refused
 from tests.robot.brought_arms import ARM, changed
 
 URDF = "fake_arms:arms/one/one.urdf"
@@ -53,9 +53,8 @@ def test_files_of_packages_are_found(site):
 @pytest.mark.usefixtures("site")
 def test_what_is_not_there_is_told_with_what_is(name, message):
     """A near miss of the package, or of its files."""
-    with pytest.raises(UsageError, match=message) as caught:
+    with refused(message):
         load_robot(name)
-    assert "\n" not in str(caught.value)
 
 
 def test_names_of_other_things_are_no_packages():
@@ -100,7 +99,7 @@ def test_nobody_is_sent_to_where_packages_lie(site):
     path = site / "fake_arms" / "arms" / "one" / "one.urdf"
     path.write_text(changed(('velocity="2"', 'velocity="0"')))
     for given in (URDF, str(path)):
-        with pytest.raises(UsageError, match=r"Write into a robot\.toml of your own with urdf = ") as caught:
+        with refused(r"Write into a robot\.toml of your own with urdf = ") as caught:
             load_robot(given)
         before, _, line = str(caught.value).partition("Write into a robot.toml of your own with ")
         urdf, _, speeds = line.partition(", with the arm's own numbers: ")
@@ -115,10 +114,10 @@ def test_nobody_is_sent_to_where_packages_lie(site):
 def test_missing_package_of_a_robot_toml_names_the_file(tmp_path):
     """And so does a folder of meshes in one."""
     (tmp_path / "robot.toml").write_text('urdf = "fake_arm:one.urdf"\n')
-    with pytest.raises(UsageError, match=r"^.*/robot\.toml: No package 'fake_arm' is installed"):
+    with refused(r"^.*/robot\.toml: No package 'fake_arm' is installed"):
         read_robot(tmp_path)
     (tmp_path / "robot.toml").write_text(f'urdf = "{URDF}"\nmeshes = {{ a = "fake_arm:one" }}\n')
-    with pytest.raises(UsageError, match=r"^.*/robot\.toml: No package 'fake_arm' is installed"):
+    with refused(r"^.*/robot\.toml: No package 'fake_arm' is installed"):
         read_robot(tmp_path)
 
 

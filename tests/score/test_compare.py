@@ -13,12 +13,12 @@ import pytest
 from scipy import stats
 
 import harness.score.compare
-from harness.errors import UsageError
 from harness.hookspecs import PROJECT
 from harness.record import COLUMN, SCALARS, Manifest, TraceWriter
 from harness.record.cell_log import cell_log
 from harness.registry import Choice, load_registry
 from harness.score import compare_logs, match_steps
+from tests.refusals import refused
 
 Pay = Callable[[float, float, float], float]
 Run = list[tuple[float, ...]]
@@ -330,7 +330,7 @@ def test_other_units_are_told(tmp_path):
 def test_a_fault_behind_the_shortest_run_is_told(tmp_path):
     """A file with a fault is not half right."""
     folder = write_rewards(tmp_path / "b", [-1, -1], [-1, -1, -1, "oops"])
-    with pytest.raises(UsageError, match=r"1\.csv, line 5, column 'reward': 'oops' is no finite number"):
+    with refused(r"1\.csv, line 5, column 'reward': 'oops' is no finite number"):
         compare(folder, folder)
 
 
@@ -366,9 +366,9 @@ def test_a_given_reward_is_used_and_checked(groups):
     told = compare(groups / "base", groups / "k2").to_json()
     named = {"rewards": 0, "number": ""}
     assert given.to_json() | named == told | named
-    with pytest.raises(UsageError, match=r"The runs were not paid by arp:k2=2: .*/k2/0\.csv, line \d+: recorded"):
+    with refused(r"The runs were not paid by arp:k2=2: .*/k2/0\.csv, line \d+: recorded"):
         compare(groups / "base", groups / "k2", proposed_reward="arp:k2=2")
-    with pytest.raises(UsageError, match="No reward 'arpp'"):
+    with refused("No reward 'arpp'"):
         compare(groups / "base", groups / "k2", proposed_reward="arpp")
 
 
@@ -430,7 +430,7 @@ def test_event_terms_are_added_on_demand(tmp_path, make_cell):
     assert data["eta_P"]["ruler"]["value"] is not None
     assert compare(*patterns).to_json()["baseline"]["I_P"] < positive
     (tmp_path / "bare.csv").write_text("reward\n1\n")
-    with pytest.raises(UsageError, match=r"bare\.csv has no event terms: leave out --with-events"):
+    with refused(r"bare\.csv has no event terms: leave out --with-events"):
         compare(patterns[0], tmp_path / "bare.csv", with_events=True)
 
 

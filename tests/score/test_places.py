@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from harness.errors import UsageError
 from harness.registry import choose, load_registry
 from harness.reward import Sample
 from harness.score import ArmPay, Place, parse_place, parse_places
+from tests.refusals import refused
 
 ROWS = np.arange(12.0).reshape(2, 6)
 
@@ -54,7 +54,7 @@ def test_a_map_takes_positions(text, given, tips, targets):
 def test_a_map_that_is_none_is_refused(text, told):
     """In one line, which says what to write; two numbers would give a distance too, a place beyond would be empty."""
     given = {"a": ROWS, "b": ROWS} if "=c" in text else ROWS
-    with pytest.raises(UsageError, match=told):
+    with refused(told):
         parse_places(text).distances(given)
 
 

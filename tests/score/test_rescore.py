@@ -4,7 +4,6 @@ import pytest
 
 from harness import load_robot
 from harness.env import ReachVectorEnv
-from harness.errors import UsageError
 from harness.reach import ReachTask
 from harness.record import TraceWriter
 from harness.registry import choose, load_registry
@@ -13,6 +12,7 @@ from harness.score.open_steps import open_steps
 from harness.score.rescore import rescore
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.kit.trainings import NegativeDistance
+from tests.refusals import refused
 
 HEADER = "t,beginDistance,prevBest,distance,delta_distance,reward"
 ROWS = [
@@ -64,7 +64,7 @@ def test_what_cannot_be_scored_is_told(recorded, tmp_path, lines, place, told):
     rescore(recorded, rewards("arp"), tmp_path / "s.parquet")
     other = tmp_path / "other.csv"
     other.write_text("\n".join(lines) + "\n")
-    with pytest.raises(UsageError, match=told):
+    with refused(told):
         rescore(open_steps(other), rewards("arp"), tmp_path / place)
 
 

@@ -7,13 +7,13 @@ from importlib.metadata import entry_points
 import numpy as np
 import pytest
 
-from harness.errors import UsageError
 from harness.hookspecs import PROJECT
 from harness.record import COLUMN, SCALARS, Manifest, TraceWriter
 from harness.registry import Choice, load_registry
 from harness.score import guess_reward
 from harness.score.compare import misfit
 from harness.score.open_steps import open_steps
+from tests.refusals import refused
 
 Pay = Callable[[float, float, float], float]
 
@@ -127,7 +127,7 @@ def test_a_misfit_names_file_line_and_both_values(tmp_path, registry):
 
 def test_a_reward_that_nobody_registered_cannot_be_checked(tmp_path, registry):
     """A wrong name is the user's error, not a misfit."""
-    with pytest.raises(UsageError, match="No reward 'arpp'"):
+    with refused("No reward 'arpp'"):
         misfit(write_run(tmp_path / "run.csv", arp(1.0, 1.0)), "arpp", registry)
 
 

@@ -6,6 +6,7 @@ import pytest
 from harness.errors import UsageError
 from harness.registry import load_registry
 from harness.score.open_steps import open_steps
+from tests.refusals import refused
 
 
 def rewards_of(path):
@@ -61,7 +62,7 @@ def test_rows_that_are_episodes_are_refused(tmp_path, header, told):
 def test_a_log_of_another_program_is_called_by_name(tmp_path, header):
     """It has no reward of a step."""
     path = write(tmp_path / "it.csv", header, ["-19.8,200,0.0"])
-    with pytest.raises(UsageError, match="an index needs the reward of each environment step") as raised:
+    with refused("an index needs the reward of each environment step") as raised:
         open_steps(path, load_registry())
     assert str(raised.value).startswith(f"{path} is Monitor of stable-baselines3: a row is an episode, and")
 

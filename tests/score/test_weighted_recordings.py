@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from harness.errors import UsageError
 from harness.record import read_recording
 from harness.score import pay_by_weights, recorded_weights, recordings_of
 from tests.record.recording.told import terms_of
+from tests.refusals import refused
 from tests.results.recordings.test_terms import _record
 
 
@@ -38,9 +38,9 @@ def test_weights_follow_weights(runs):
 def test_what_is_not_recorded_is_told(runs):
     """The reward nowhere, the term in the reward."""
     assert recorded_weights("other:calm=3", runs) == ""
-    with pytest.raises(UsageError, match=r"No term 'clam' of the reward 'calm'.*Did you mean 'calm'"):
+    with refused(r"No term 'clam' of the reward 'calm'.*Did you mean 'calm'"):
         recorded_weights("calm:clam=3", runs)
-    with pytest.raises(UsageError, match="no columns of the terms of 'other': give its file"):
+    with refused("no columns of the terms of 'other': give its file"):
         pay_by_weights(runs[0], "other:calm=3")
 
 

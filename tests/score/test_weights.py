@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from harness.errors import UsageError
 from harness.registry import Choice
 from harness.score import recorded_choice, reweighted, weighted_label
+from tests.refusals import refused
 
 TERMS = {"reach": np.array([0.0, -1.0, -0.5]), "effort": np.array([0.0, -0.2, 0.3])}
 PLAIN = Choice("gentle", (("reach", 1.0), ("effort", 1.0)), "gentle")
@@ -37,21 +37,21 @@ def test_the_recorded_weights_give_the_recorded_pay_to_the_last_bit():
 def test_a_recorded_weight_of_0_cannot_be_undone():
     """The column holds nothing; says what to do."""
     off = Choice("gentle", (("reach", 1.0), ("effort", 0.0)), "gentle:effort=0")
-    with pytest.raises(UsageError, match=r"'effort' was recorded with the weight 0.*--plugin FILE"):
+    with refused(r"'effort' was recorded with the weight 0.*--plugin FILE"):
         reweighted("gentle", off, {**TERMS, "effort": np.zeros(3)})
     assert reweighted("gentle:effort=0,reach=2", off, TERMS).terms["reach"][1] == -2.0
 
 
 def test_an_unknown_term_is_told_with_the_nearest():
     """And all there are."""
-    with pytest.raises(UsageError, match=r"No term 'efort' of the reward 'gentle'.*reach, effort.*mean 'effort'"):
+    with refused(r"No term 'efort' of the reward 'gentle'.*reach, effort.*mean 'effort'"):
         reweighted("gentle:efort=2", PLAIN, TERMS)
 
 
 @pytest.mark.parametrize("weight", ["heavy", "nan", "1e19", "inf"])
 def test_a_weight_is_a_number(weight):
     """Not too large to count with."""
-    with pytest.raises(UsageError, match="The weight of 'effort' is"):
+    with refused("The weight of 'effort' is"):
         reweighted(f"gentle:effort={weight}", PLAIN, TERMS)
 
 
@@ -66,7 +66,7 @@ def test_a_weight_is_a_number(weight):
 )
 def test_parameters_that_are_no_weights_are_not_taken_for_some(choice):
     """Whose default is not 1, or which have no term of their name: only the code can tell."""
-    with pytest.raises(UsageError, match="are not the weights of its terms"):
+    with refused("are not the weights of its terms"):
         reweighted(f"{choice.name}:effort=7", choice, TERMS)
     np.testing.assert_array_equal(reweighted(choice.label, choice, TERMS).total, sum(TERMS.values()))
 
