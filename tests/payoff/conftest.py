@@ -59,18 +59,8 @@ def relative_gain(sample):
     return (sample.previous_distance - sample.distance) / np.where(larger > 0.0, larger, 1.0)
 
 
-@pytest.fixture(scope="session")
-def toolbox():
-    """The makers of rewards above."""
-
-    class Toolbox:
-        paying, counting = Paying, Counting
-        dense = Paying(lambda sample: -sample.distance)
-        relative = Paying(relative_gain)
-        baseline, arp = named("baseline"), named("arp")
-
-    Toolbox.potential, Toolbox.named = staticmethod(potential), staticmethod(named)
-    return Toolbox
+DENSE, RELATIVE = Paying(lambda sample: -sample.distance), Paying(relative_gain)
+BASELINE, ARP = named("baseline"), named("arp")
 
 
 @pytest.fixture(scope="session")

@@ -6,6 +6,7 @@ import pytest
 from harness.errors import SimulationDiverged, UsageError
 from harness.payoff import discounted_sum, pay_distances, score_rollout, steps_along
 from harness.reward import MissingField
+from tests.payoff.conftest import Counting, Paying
 
 DISTANCES = np.array([[0.5], [0.4], [0.6], [0.4], [0.1]])
 
@@ -25,9 +26,9 @@ def test_steps_are_what_the_env_tracks():
     )
 
 
-def test_the_carry_goes_from_step_to_step(toolbox):
+def test_the_carry_goes_from_step_to_step():
     """A reward that counts improvements counts them."""
-    assert pay_distances(toolbox.counting(), DISTANCES)[:, 0] == pytest.approx([1.0, 1.0, 2.0, 3.0])
+    assert pay_distances(Counting(), DISTANCES)[:, 0] == pytest.approx([1.0, 1.0, 2.0, 3.0])
 
 
 def test_steps_have_what_the_states_have(by_script):
@@ -40,15 +41,15 @@ def test_steps_have_what_the_states_have(by_script):
     assert not first.before.qvel.any()
 
 
-def test_made_up_distances_have_no_more(toolbox):
+def test_made_up_distances_have_no_more():
     """A reward that reads more is refused by the field's name."""
     with pytest.raises(MissingField, match="no 'action'"):
-        pay_distances(toolbox.paying(lambda step: step.action[:, 0]), DISTANCES)
+        pay_distances(Paying(lambda step: step.action[:, 0]), DISTANCES)
 
 
-def test_terms_are_scored_each(toolbox, by_script):
+def test_terms_are_scored_each(by_script):
     """They add up to the value to the last bit, and are 0 after the end too."""
-    reward = toolbox.paying(lambda step: {"reach": -step.distance, "effort": -0.1 * (step.action**2).sum(-1)})
+    reward = Paying(lambda step: {"reach": -step.distance, "effort": -0.1 * (step.action**2).sum(-1)})
     score = score_rollout(reward, by_script["finish"])
     assert list(score.terms) == ["reach", "effort"]
     np.testing.assert_array_equal(score.terms["reach"] + score.terms["effort"], score.values)
@@ -56,16 +57,16 @@ def test_terms_are_scored_each(toolbox, by_script):
     assert score.terms["effort"].any()
 
 
-def test_terms_that_change_are_an_error(toolbox, by_script):
+def test_terms_that_change_are_an_error(by_script):
     """A table of them would be another one in every step."""
-    reward = toolbox.paying(lambda step: {"early" if step.step[0] < 3 else "late": -step.distance})
+    reward = Paying(lambda step: {"early" if step.step[0] < 3 else "late": -step.distance})
     with pytest.raises(UsageError, match="terms early at first, and now late"):
         score_rollout(reward, by_script["creep"])
 
 
-def test_a_term_that_is_not_finite_is_named(toolbox, by_script):
+def test_a_term_that_is_not_finite_is_named(by_script):
     """And not the reward, which it spoils."""
-    reward = toolbox.paying(lambda step: {"reach": -step.distance, "odd": step.distance / (step.step != 4.0)})
+    reward = Paying(lambda step: {"reach": -step.distance, "odd": step.distance / (step.step != 4.0)})
     with pytest.raises(SimulationDiverged, match="the term 'odd' pays 'creep' a number that is not finite at step 4"):
         score_rollout(reward, by_script["creep"])
 
@@ -80,34 +81,34 @@ def test_no_discount_is_the_sum():
     assert discounted_sum(np.array([[1.0], [10.0], [100.0]]), 1.0) == pytest.approx([111.0])
 
 
-def test_a_number_that_is_not_finite_is_an_error(toolbox, by_script):
+def test_a_number_that_is_not_finite_is_an_error(by_script):
     """A reward that pays NaN in a rollout is named with the script and the step."""
-    broken = toolbox.paying(lambda sample: np.where(sample.step == 2.0, np.nan, 0.0))
+    broken = Paying(lambda sample: np.where(sample.step == 2.0, np.nan, 0.0))
     with pytest.raises(SimulationDiverged, match=r"'hover'.*step 2"):
         score_rollout(broken, by_script["hover"])
 
 
-def test_what_is_paid_after_the_end_does_not_count(toolbox, by_script):
+def test_what_is_paid_after_the_end_does_not_count(by_script):
     """Not even where it is no number."""
     finish = by_script["finish"]
-    after = toolbox.paying(lambda sample: np.where(sample.distance > 0.05, 1.0, np.nan))
+    after = Paying(lambda sample: np.where(sample.distance > 0.05, 1.0, np.nan))
     last = np.where(finish.running, finish.distances[1:] > 0.05, True)
     late = finish.running & ~last
     assert late.any()
     with pytest.raises(SimulationDiverged):
         score_rollout(after, finish)
-    fine = toolbox.paying(lambda sample: np.where(sample.step > finish.steps, np.inf, 1.0))
+    fine = Paying(lambda sample: np.where(sample.step > finish.steps, np.inf, 1.0))
     assert score_rollout(fine, finish).values.sum(axis=0) == pytest.approx(finish.steps)
 
 
-def test_what_nothing_can_be_counted_with_is_an_error(toolbox, by_script):
+def test_what_nothing_can_be_counted_with_is_an_error(by_script):
     """A sum of such numbers would be beyond all numbers."""
-    huge = toolbox.paying(lambda sample: np.full(len(sample.step), 1e200))
+    huge = Paying(lambda sample: np.full(len(sample.step), 1e200))
     with pytest.raises(SimulationDiverged, match=r"'hover' more than 1e\+150 at step 1"):
         score_rollout(huge, by_script["hover"])
 
 
-def test_numbers_for_each_joint_are_an_error(toolbox, by_script):
+def test_numbers_for_each_joint_are_an_error(by_script):
     """One an arm is what a reward pays."""
     with pytest.raises(UsageError, match="return one number an arm"):
-        score_rollout(toolbox.paying(lambda step: -(step.action**2)), by_script["finish"])
+        score_rollout(Paying(lambda step: -(step.action**2)), by_script["finish"])

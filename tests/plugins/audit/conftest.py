@@ -1,5 +1,5 @@
 """Rollouts of the scripted policies without an engine, and rewards whose properties are known."""
 
-from tests.payoff.conftest import by_script, robot, rollouts, task, toolbox
+from tests.payoff.conftest import by_script, robot, rollouts, task
 
-__all__ = ["by_script", "robot", "rollouts", "task", "toolbox"]
+__all__ = ["by_script", "robot", "rollouts", "task"]

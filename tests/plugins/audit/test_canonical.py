@@ -6,10 +6,12 @@ from bisect import bisect_right
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from numpy.testing import assert_allclose, assert_array_equal
 
 from harness.payoff import Rollout
 from harness.reward import Sample
 from harness_plugins.audit.scripts import anywhere, canonical_values, nearby
+from tests.payoff.conftest import DENSE, Counting, Paying, named
 
 GAMMA = 0.95
 SAMPLES, GROUPS, CHANGES = 64, 32, 16
@@ -89,19 +91,19 @@ class Slow:
 
 
 @pytest.mark.parametrize("name", ["baseline", "arp", "counting", "late"])
-def test_a_slow_double_loop_agrees(toolbox, name):
+def test_a_slow_double_loop_agrees(name):
     """DARD's form is the same one number at a time, also for a reward that remembers and one that counts steps."""
-    late = toolbox.paying(lambda sample: sample.step**2 * sample.distance)
-    known = {"counting": toolbox.counting(), "late": late}
-    reward = known[name] if name in known else toolbox.named(name)
+    late = Paying(lambda sample: sample.step**2 * sample.distance)
+    known = {"counting": Counting(), "late": late}
+    reward = known[name] if name in known else named(name)
     made = [wander(1, 9, 12), wander(2, 7, 8, 0.1)]
     values, _ = canonical_values(reward, made, GAMMA, nearby)
-    np.testing.assert_allclose(values, Slow(reward, made).values(GAMMA), rtol=1e-10, atol=1e-12)
+    assert_allclose(values, Slow(reward, made).values(GAMMA), rtol=1e-10, atol=1e-12)
 
 
-def test_epic_by_hand(by_script, toolbox):
+def test_epic_by_hand(by_script):
     """C = R + gamma E[R(s', D)] - E[R(s, D)], here with R = d d' and so E[R(s, D)] = d times the mean of D."""
-    product = toolbox.paying(lambda sample: sample.previous_distance * sample.distance)
+    product = Paying(lambda sample: sample.previous_distance * sample.distance)
     rollout = by_script["oscillate"]
     ahead = np.quantile(rollout.distances[1:].ravel(), (np.arange(SAMPLES) + 0.5) / SAMPLES).mean()
     before, after = rollout.distances[:-1], rollout.distances[1:]
@@ -109,9 +111,9 @@ def test_epic_by_hand(by_script, toolbox):
     assert values == pytest.approx((before * after + GAMMA * ahead * after - ahead * before).ravel())
 
 
-def test_dard_of_the_distance_by_hand(rollouts, toolbox):
+def test_dard_of_the_distance_by_hand(rollouts):
     """With R = -d' what follows the next step cancels: left is by how much a step comes nearer than others do."""
-    values, _ = canonical_values(toolbox.dense, rollouts, GAMMA, nearby)
+    values, _ = canonical_values(DENSE, rollouts, GAMMA, nearby)
     reach = nearby(rollouts)
     before = np.concatenate([rollout.distances[:-1][rollout.running] for rollout in rollouts])
     after = np.concatenate([rollout.distances[1:][rollout.running] for rollout in rollouts])
@@ -160,6 +162,6 @@ def test_steps_after_an_episode_do_not_count():
     made = wander(4, 6, 10)
     changed = np.where(np.vstack([np.ones(6, bool), made.running]), made.distances, 1e3)
     other = Rollout("made", {"distance": changed}, made.events, made.running, made.reached)
-    np.testing.assert_array_equal(anywhere([other]).distances, anywhere([made]).distances)
+    assert_array_equal(anywhere([other]).distances, anywhere([made]).distances)
     for one, two in zip(vars(nearby([other])).values(), vars(nearby([made])).values(), strict=True):
-        np.testing.assert_array_equal(one, two)
+        assert_array_equal(one, two)

@@ -12,11 +12,10 @@ from harness.reach import ReachTask
 from harness_plugins.audit.distance import SHAPING, compare_forms, distance_between
 from harness_plugins.audit.scripts import anywhere, canonical_values, forms_of_distances, nearby
 from harness_plugins.kit import IdealSimulator
-from tests.payoff.conftest import REGISTRY, Paying, named
+from tests.payoff.conftest import ARP, BASELINE, DENSE, REGISTRY, RELATIVE, Counting, Paying, named, potential
 
 GAMMA = 0.95
 COVERAGES = {"EPIC": anywhere, "DARD": nearby}
-BASELINE = named("baseline")
 
 
 @pytest.fixture(scope="module")
@@ -75,27 +74,27 @@ def test_the_order_does_not_count(between):
         assert all(value is None or 0.0 <= value <= 1.0 for value in values)
 
 
-def test_a_detour_is_no_shorter(between, toolbox):
+def test_a_detour_is_no_shorter(between):
     """The triangle inequality. ARP differs from the baseline, and the relative gain differs more."""
-    rewards = [BASELINE, toolbox.arp, toolbox.relative, toolbox.dense, toolbox.counting()]
+    rewards = [BASELINE, ARP, RELATIVE, DENSE, Counting()]
     found = np.array([[between(one, other) for other in rewards] for one in rewards])
     assert (found[:, None] <= found[:, :, None] + found[None] + 1e-12).all()
     assert (found[0, 1] > 0.01).all()
     assert (found[0, 1] < found[0, 2]).all()
 
 
-def test_shaping_alone_is_at_no_distance(between, toolbox):
+def test_shaping_alone_is_at_no_distance(between):
     """Canonically shaped, a potential is constant: it correlates with nothing, and equals another one."""
-    assert between(toolbox.potential(GAMMA)) == [None, None]
-    squared = toolbox.potential(GAMMA, lambda distance: distance**2)
-    assert between(toolbox.potential(GAMMA), squared) == [0.0, 0.0]
+    assert between(potential(GAMMA)) == [None, None]
+    squared = potential(GAMMA, lambda distance: distance**2)
+    assert between(potential(GAMMA), squared) == [0.0, 0.0]
 
 
-def test_the_distance_is_pearsons(rollouts, toolbox):
+def test_the_distance_is_pearsons(rollouts):
     """sqrt((1 - rho) / 2), with rho from numpy, over every step of every episode, and none after its end."""
-    found = apart(toolbox.arp, BASELINE, rollouts)
+    found = apart(ARP, BASELINE, rollouts)
     for form, coverage in COVERAGES.items():
-        values = [canonical_values(reward, rollouts, GAMMA, coverage)[0] for reward in (toolbox.arp, BASELINE)]
+        values = [canonical_values(reward, rollouts, GAMMA, coverage)[0] for reward in (ARP, BASELINE)]
         assert found[form] == pytest.approx(np.sqrt((1.0 - np.corrcoef(*values)[0, 1]) / 2.0))
         assert len(values[0]) == sum(int(rollout.steps.sum()) for rollout in rollouts)
 

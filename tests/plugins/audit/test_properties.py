@@ -14,7 +14,7 @@ from harness_plugins.audit.properties import (
     waiting_at_target,
     worst_detour,
 )
-from tests.payoff.conftest import REGISTRY
+from tests.payoff.conftest import ARP, BASELINE, DENSE, REGISTRY, RELATIVE, Counting, Paying, named, potential
 
 
 @pytest.fixture(scope="module")
@@ -23,10 +23,9 @@ def tried(rollouts):
     return [*(rollout.distances for rollout in rollouts), probe_distances(0.05, 1.5)]
 
 
-@pytest.fixture
-def of(toolbox):
-    """A reward by its name, or by what it pays."""
-    return lambda it: getattr(toolbox, it) if isinstance(it, str) else toolbox.paying(it)
+def of(it):
+    """A reward, perhaps by what it pays."""
+    return Paying(it) if hasattr(it, "__name__") else it
 
 
 def test_probes_stay_between_their_ends():
@@ -38,42 +37,42 @@ def test_probes_stay_between_their_ends():
 
 
 BOUNDED = {
-    "no share of the larger distance exceeds 1": ("relative", True, "no counter-example"),
-    "the bound is told": ("relative", True, "|r| <= 1"),
+    "no share of the larger distance exceeds 1": (RELATIVE, True, "no counter-example"),
+    "the bound is told": (RELATIVE, True, "|r| <= 1"),
     "eq. 30 to the letter grows without end as distances shrink": (
         lambda step: (step.previous_distance - step.distance) / step.distance, False, "shrink"
     ),
-    "the baseline grows with the distances": ("baseline", False, "grow from 1e3"),
-    "so does ARP": ("arp", False, "grow from 1e3"),
+    "the baseline grows with the distances": (BASELINE, False, "grow from 1e3"),
+    "so does ARP": (ARP, False, "grow from 1e3"),
     "slow growth is growth": (lambda step: np.log(step.distance), False, ""),
     "what overflows is not bounded": (lambda step: np.exp(step.distance), False, "beyond every number"),
 }  # fmt: skip
 
 
 @pytest.mark.parametrize(("reward", "holds", "told"), BOUNDED.values(), ids=BOUNDED)
-def test_bounded(of, reward, holds, told):
+def test_bounded(reward, holds, told):
     """With evidence; metres have no bound, and only as they grow."""
     answer = bounded(of(reward))
     assert (answer.holds, told in answer.evidence) == (holds, True)
-    assert reward not in ("baseline", "arp") or "shrink" not in answer.evidence
+    assert reward not in (BASELINE, ARP) or "shrink" not in answer.evidence
 
 
-def test_what_is_remembered_may_grow_with_the_episode(toolbox):
+def test_what_is_remembered_may_grow_with_the_episode():
     """A count of improvements is unbounded because an episode may be long."""
-    answer = bounded(toolbox.counting())
+    answer = bounded(Counting())
     assert (answer.holds, "2,000 steps" in answer.evidence) == (False, True)
 
 
 @pytest.mark.parametrize(
     ("reward", "holds", "told"),
     [
-        ("relative", True, ""),
-        ("baseline", False, "in proportion"),
-        ("arp", False, "in proportion"),
+        (RELATIVE, True, ""),
+        (BASELINE, False, "in proportion"),
+        (ARP, False, "in proportion"),
         (lambda step: -(step.distance**2), False, "neither"),
     ],
 )
-def test_scale_free(of, tried, reward, holds, told):
+def test_scale_free(tried, reward, holds, told):
     """Scaling all distances changes no share; baseline and ARP pay c times as much, a square neither."""
     answer = scale_free(of(reward), tried)
     assert (answer.holds, told in answer.evidence) == (holds, True)
@@ -89,22 +88,22 @@ POTENTIALS = {
 
 
 @pytest.mark.parametrize(("pays", "gamma"), POTENTIALS.values(), ids=POTENTIALS)
-def test_a_potential_is_recognised(of, tried, pays, gamma):
+def test_a_potential_is_recognised(tried, pays, gamma):
     """Whatever phi is, of the whole state."""
     assert potential_based(of(lambda step: pays(step, lambda d: -np.tanh(3.0 * d) * d)), tried, gamma).holds
 
 
-def test_a_potential_with_another_discount_is_named_with_its_own(toolbox, tried):
+def test_a_potential_with_another_discount_is_named_with_its_own(tried):
     """Shaped for 0.99, a learner with 0.95 is told that it is not covered; at its own discount it holds."""
-    answer = potential_based(toolbox.potential(0.99), tried, 0.95)
+    answer = potential_based(potential(0.99), tried, 0.95)
     assert answer.gamma == 0.99
     assert "does not hold for a learner that discounts by 0.95" in answer.evidence
     for gamma in (0.95, 1.0):
-        answer = potential_based(toolbox.potential(gamma), tried, gamma)
+        answer = potential_based(potential(gamma), tried, gamma)
         assert (answer.holds, answer.gamma) == (True, gamma)
 
 
-def test_a_constant_on_top_is_not_policy_invariant(of, tried):
+def test_a_constant_on_top_is_not_policy_invariant(tried):
     """Episodes end early: what is paid per step counts, and the text says how much it is."""
     answer = potential_based(of(lambda step: 0.1 + step.previous_distance - 0.95 * step.distance), tried, 0.95)
     assert not answer.holds
@@ -112,27 +111,27 @@ def test_a_constant_on_top_is_not_policy_invariant(of, tried):
 
 
 @pytest.mark.parametrize("gamma", [0.95, 1.0])
-def test_other_rewards_are_not_potential_based(toolbox, tried, gamma):
+def test_other_rewards_are_not_potential_based(tried, gamma):
     """Baseline, ARP, the negative distance and the relative gain depend on the way."""
-    for reward in (toolbox.baseline, toolbox.arp, toolbox.dense, toolbox.relative):
+    for reward in (BASELINE, ARP, DENSE, RELATIVE):
         answer = potential_based(reward, tried, gamma)
         assert (answer.holds, answer.gamma) == (False, None)
 
 
-def test_the_fit_explains_a_potential_and_not_the_baseline(toolbox, tried):
+def test_the_fit_explains_a_potential_and_not_the_baseline(tried):
     """Least squares finds phi = -d and its discount. Two ways between the same states are paid very differently."""
-    fit = fit_potential(toolbox.potential(0.97), tried, 0.97)
+    fit = fit_potential(potential(0.97), tried, 0.97)
     assert (fit.explained, fit.own_gamma) == (pytest.approx(1.0), pytest.approx(0.97))
-    assert fit_potential(toolbox.baseline, tried, 0.95).explained < 0.5
-    assert worst_detour(toolbox.baseline, tried, 1.0) > 0.5
+    assert fit_potential(BASELINE, tried, 0.95).explained < 0.5
+    assert worst_detour(BASELINE, tried, 1.0) > 0.5
 
 
-def test_standing_on_the_target_is_free_under_a_potential(toolbox):
+def test_standing_on_the_target_is_free_under_a_potential():
     """Its potential is 0 there; the baseline pays what was gained since the start."""
-    assert (waiting_at_target(toolbox.potential(0.95)), waiting_at_target(toolbox.baseline)) == (0.0, 0.5)
+    assert (waiting_at_target(potential(0.95)), waiting_at_target(BASELINE)) == (0.0, 0.5)
 
 
-def test_nothing_paid_has_every_property(of, rollouts):
+def test_nothing_paid_has_every_property(rollouts):
     """The reward that is always 0 is bounded, scale-free and potential-based."""
     nothing = of(lambda step: 0.0 * step.distance)
     assert all(answer.holds for answer in properties_of(nothing, [rollouts[0].distances], 0.95))
@@ -151,17 +150,17 @@ KNOWN = {  # what the rewards' own descriptions say: bounded, scale-free, discou
 
 
 @pytest.mark.parametrize("name", dict.fromkeys([*REGISTRY.names("rewards"), *KNOWN]))
-def test_every_reward_gets_an_answer(name, rollouts, toolbox):
+def test_every_reward_gets_an_answer(name, rollouts):
     """Whatever is registered is answered three times, with evidence; what a reward says of itself is what is found."""
-    answers = properties_of(toolbox.named(name), [rollout.distances for rollout in rollouts], 0.95)
+    answers = properties_of(named(name), [rollout.distances for rollout in rollouts], 0.95)
     assert [answer.name for answer in answers] == ["bounded", "scale-free", "potential-based"]
     assert all(answer.evidence for answer in answers)
-    bound, scale, potential = answers
-    found = (bound.holds, scale.holds, potential.gamma)
+    bound, scale, shaping = answers
+    found = (bound.holds, scale.holds, shaping.gamma)
     assert KNOWN.get(name, found) == found
 
 
-def test_a_reward_that_needs_more_is_not_asked(of, rollouts):
+def test_a_reward_that_needs_more_is_not_asked(rollouts):
     """Made-up distances have no action; each answer says so."""
     reward = of(lambda step: -(step.action**2).sum(-1))
     answers = properties_of(reward, [rollout.distances for rollout in rollouts], 0.95, ("action",))
@@ -183,7 +182,7 @@ READERS = {
 
 
 @pytest.mark.parametrize(("pays", "needed"), READERS.values(), ids=READERS)
-def test_what_a_reward_needs_beside_distances_is_found(of, rollouts, pays, needed):
+def test_what_a_reward_needs_beside_distances_is_found(rollouts, pays, needed):
     """By leaving it out: who unpacks or copies steps needs no more, and who looks late or with care does."""
     reward = of(pays)
     assert needed_beside_distances(reward, [score_rollout(reward, rollout) for rollout in rollouts]) == needed

@@ -10,24 +10,25 @@ from harness.payoff import finishing_of, never_paid, payoff_of, score_rollout, t
 from harness.results.recordings.episodes import Episodes
 from harness_plugins.audit.questions import deciding_measure, on_best, rank_success
 from harness_plugins.audit.recorded.earned import Earned
+from tests.payoff.conftest import BASELINE, RELATIVE, Paying, named, potential
 
 
 @pytest.fixture
-def scores(rollouts, toolbox):
+def scores(rollouts):
     """Score all rollouts under a reward, perhaps a function of a step."""
 
     def of(reward):
-        reward = toolbox.paying(reward) if hasattr(reward, "__name__") else reward
+        reward = Paying(reward) if hasattr(reward, "__name__") else reward
         return [score_rollout(reward, rollout) for rollout in rollouts]
 
     return of
 
 
-def test_finish_by_hand(scores, by_script, toolbox):
+def test_finish_by_hand(scores, by_script):
     """Under the baseline an episode that only comes nearer is paid Bd - d(t) at every step, and its events."""
     finish = by_script["finish"]
     gained = np.where(finish.running, finish.distances[0] - finish.distances[1:], 0.0)
-    payoff = payoff_of(scores(toolbox.baseline)[0], 0.95)
+    payoff = payoff_of(scores(BASELINE)[0], 0.95)
     paid, weights = gained + finish.events, 0.95 ** np.arange(len(gained))[:, None]
     expected = [of.sum(axis=0).mean() for of in (gained, paid, weights * paid)]
     assert [payoff.shaped, payoff.total, payoff.total_discounted] == pytest.approx(expected)
@@ -37,9 +38,9 @@ def test_finish_by_hand(scores, by_script, toolbox):
 
 @pytest.mark.parametrize("gamma", [1.0, 0.95])
 @pytest.mark.parametrize("name", ["baseline", "arp:k2=2"])
-def test_not_finishing_pays_under_baseline_and_arp(scores, toolbox, name, gamma):
+def test_not_finishing_pays_under_baseline_and_arp(scores, name, gamma):
     """Both keep paying for what was gained once, and the target ends it: hovering and creeping earn more."""
-    tempting = temptations(scores(toolbox.named(name)), gamma)
+    tempting = temptations(scores(named(name)), gamma)
     found = {temptation.policy: temptation for temptation in tempting}
     assert {"hover", "creep"} <= found.keys()
     assert found["hover"].margin > 0.0
@@ -49,15 +50,15 @@ def test_not_finishing_pays_under_baseline_and_arp(scores, toolbox, name, gamma)
 
 
 @pytest.mark.parametrize("gamma", [1.0, 0.95])
-def test_nothing_tempts_under_the_relative_reward_and_a_potential(scores, toolbox, gamma):
+def test_nothing_tempts_under_the_relative_reward_and_a_potential(scores, gamma):
     """A bounded share of the distance gained pays finishing most, and so does shaping with the learner's discount."""
-    assert temptations(scores(toolbox.relative), gamma) == []
-    assert temptations(scores(toolbox.potential(gamma)), gamma) == []
+    assert temptations(scores(RELATIVE), gamma) == []
+    assert temptations(scores(potential(gamma)), gamma) == []
 
 
-def test_a_tie_is_no_temptation(rollouts, toolbox):
+def test_a_tie_is_no_temptation(rollouts):
     """A policy that earns the same as finishing is none."""
-    nothing = toolbox.paying(lambda sample: 0.0 * sample.distance)
+    nothing = Paying(lambda sample: 0.0 * sample.distance)
     unpaid = [replace(rollout, events=0.0 * rollout.events) for rollout in rollouts]
     assert temptations([score_rollout(nothing, rollout) for rollout in unpaid], 1.0) == []
 
@@ -75,10 +76,10 @@ def test_whether_holding_still_pays(scores, reward, pays):
     assert finishing_of(scores(reward), 0.95).holding_pays == pays
 
 
-def test_scaling_the_reward_scales_the_shaped_return(scores, toolbox):
+def test_scaling_the_reward_scales_the_shaped_return(scores):
     """Three times the reward, three times the shaped return; the events stay."""
-    tripled = scores(lambda sample: 3.0 * toolbox.baseline((), sample)[1])
-    for one, three in zip(scores(toolbox.baseline), tripled, strict=True):
+    tripled = scores(lambda sample: 3.0 * BASELINE((), sample)[1])
+    for one, three in zip(scores(BASELINE), tripled, strict=True):
         first, second = payoff_of(one, 0.95), payoff_of(three, 0.95)
         assert second.shaped == pytest.approx(3.0 * first.shaped)
         assert second.total - second.shaped == pytest.approx(first.total - first.shaped)
@@ -92,18 +93,18 @@ def test_terms_are_summed_over_an_episode(scores):
     assert payoff.to_json()["terms"] == payoff.terms
 
 
-def test_a_term_that_never_pays_is_told(scores, toolbox, by_script):
+def test_a_term_that_never_pays_is_told(scores, by_script):
     """It pays 0 in every step of every script; one that pays in a single step does."""
     last = by_script["random"].distances.max()
     reward = scores(lambda step: {
         "reach": -step.distance, "dock": 1.0 * (step.distance < -1.0), "farthest": 1.0 * (step.distance == last)
     })  # fmt: skip
-    assert (never_paid(reward), never_paid(scores(toolbox.baseline))) == (("dock",), ())
+    assert (never_paid(reward), never_paid(scores(BASELINE))) == (("dock",), ())
 
 
-def test_finishing_is_told_in_one_answer(scores, toolbox):
+def test_finishing_is_told_in_one_answer(scores):
     """Policies by return, what tempts with a discount and without, and in how many steps that was found."""
-    paid = scores(toolbox.baseline)
+    paid = scores(BASELINE)
     found = finishing_of(paid, 0.95)
     assert found.payoffs == tuple(sorted((payoff_of(it, 0.95) for it in paid), key=lambda it: -it.total))
     assert (list(found.undiscounted), list(found.discounted)) == (temptations(paid, 1.0), temptations(paid, 0.95))

@@ -12,23 +12,23 @@ from harness.reward.forms import reward_class
 from harness.text import number
 from harness_plugins.audit import audit_reward
 from harness_plugins.audit.probe import needed_beside_distances
-from tests.payoff.conftest import REGISTRY
+from tests.payoff.conftest import BASELINE, REGISTRY, RELATIVE, Paying, named, potential
 
 FAIR = ("relative", "potential", "adaptive", "sparse", "dense")
 
 
 @pytest.fixture(scope="module")
-def judge(rollouts, toolbox):
+def judge(rollouts):
     """Audit a reward, perhaps by its name or as a function of steps, against the baseline; each once."""
     known = {}
 
     def audited(reward):
         made = reward
         if isinstance(reward, str):
-            made = toolbox.named(reward)
+            made = named(reward)
         elif hasattr(reward, "__name__"):
             made = reward_class(reward)()
-        return audit_reward(made, toolbox.baseline, rollouts, 0.95)
+        return audit_reward(made, BASELINE, rollouts, 0.95)
 
     return lambda reward: known.setdefault(reward, None) or known.update({reward: audited(reward)}) or known[reward]
 
@@ -44,35 +44,35 @@ def test_the_verdict_warns_of_not_finishing(judge, name):
     assert f"{best.policy} earns {number(best.total)} per episode, finish {number(finish.total)}" in line
 
 
-def test_the_verdict_is_in_lines(judge, toolbox):
+def test_the_verdict_is_in_lines(judge):
     """Good; judged by the learner's discount, that takes back that holding pays; and warned of twice."""
-    (good,) = judge(toolbox.relative).verdict
+    (good,) = judge(RELATIVE).verdict
     assert good.startswith("Finishing pays most: ")
-    finishing, holding = judge(toolbox.potential(0.95)).verdict[:2]
+    finishing, holding = judge(potential(0.95)).verdict[:2]
     assert finishing.startswith("Finishing pays most")
     assert holding.startswith("Holding still pays")
     assert "the discount takes it back" in holding
-    tempts, holding = judge(toolbox.paying(lambda sample: 0.2 + 0.0 * sample.distance)).verdict[:2]
+    tempts, holding = judge(Paying(lambda sample: 0.2 + 0.0 * sample.distance)).verdict[:2]
     assert tempts.startswith("Not finishing pays more")
     assert holding.startswith("Holding still pays")
     assert "takes it back" not in holding
 
 
-def test_scripts_that_miss_their_aim_are_named(rollouts, toolbox):
+def test_scripts_that_miss_their_aim_are_named(rollouts):
     """Where finish does not arrive, or hover does, the verdict says how often."""
     spoilt = {"finish": np.arange(12) < 6, "hover": np.arange(12) < 3}
     mixed = [replace(run, reached=spoilt.get(run.script, run.reached)) for run in rollouts]
-    lines = audit_reward(toolbox.baseline, toolbox.baseline, mixed, 0.95).verdict
+    lines = audit_reward(BASELINE, BASELINE, mixed, 0.95).verdict
     assert "finish reached the target in only 50% of the episodes." in lines
     assert any(line.startswith("hover could not stay outside epsilon: 25%") for line in lines)
 
 
-def test_a_larger_workspace_pays_metres_in_proportion(judge, toolbox):
+def test_a_larger_workspace_pays_metres_in_proportion(judge):
     """All returns of the baseline double with the distances, where 0 has no ratio; the relative gain pays the same."""
     ratios = dict(judge("baseline").scripts.workspace)
     assert ratios.pop("hold") is None
     assert list(ratios.values()) == pytest.approx([2.0] * len(ratios))
-    ratios = judge(toolbox.relative).scripts.workspace
+    ratios = judge(RELATIVE).scripts.workspace
     assert [ratios[name] for name in ("finish", "hover", "random")] == pytest.approx([1.0] * 3)
 
 
@@ -98,11 +98,11 @@ def test_both_distances_are_written(judge):
     assert pair.rescaling is data["rescaled"] is None
 
 
-def test_the_other_reward_must_be_finite_too(rollouts, toolbox):
+def test_the_other_reward_must_be_finite_too(rollouts):
     """A reward to compare with that pays NaN is an error, not a distance."""
-    broken = toolbox.paying(lambda sample: np.nan * sample.distance)
+    broken = Paying(lambda sample: np.nan * sample.distance)
     with pytest.raises(SimulationDiverged):
-        audit_reward(toolbox.baseline, broken, rollouts, 0.95)
+        audit_reward(BASELINE, broken, rollouts, 0.95)
 
 
 @pytest.mark.parametrize(
@@ -151,21 +151,21 @@ def test_a_reward_of_distances_with_terms_is_asked_about_made_up_ones(judge):
     assert found.pairs[0].forms == same.pairs[0].forms
 
 
-def test_the_other_reward_may_read_more(rollouts, toolbox, judge):
+def test_the_other_reward_may_read_more(rollouts, judge):
     """Then distances rest on recorded transitions, and properties are asked as ever."""
-    action = toolbox.paying(lambda step: -(step.action**2).sum(-1))
-    found = audit_reward(toolbox.baseline, action, rollouts, 0.95).scripts
+    action = Paying(lambda step: -(step.action**2).sum(-1))
+    found = audit_reward(BASELINE, action, rollouts, 0.95).scripts
     assert (found.recorded_because, found.needed) == (("action",), ())
     assert found.properties == judge("baseline").scripts.properties
 
 
 @pytest.mark.parametrize(("more", "needed"), [(0.0, ()), (1.0, ("action",))])
-def test_a_reward_that_draws_numbers_needs_no_more_than_it_reads(rollouts, toolbox, more, needed):
+def test_a_reward_that_draws_numbers_needs_no_more_than_it_reads(rollouts, more, needed):
     """It pays something else whatever is left out, which says nothing of what it reads."""
     rng = np.random.default_rng(0)
 
     def noisy(step):
         return rng.normal(size=step.distance.shape) - (more * step.action[:, 0] if more else step.distance)
 
-    reward = toolbox.paying(noisy)
+    reward = Paying(noisy)
     assert needed_beside_distances(reward, [score_rollout(reward, it) for it in rollouts]) == needed

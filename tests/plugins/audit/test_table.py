@@ -8,29 +8,30 @@ from rich.console import Console
 
 from harness.text import number
 from harness_plugins.audit import audit_reward, audit_table
+from tests.payoff.conftest import ARP, BASELINE, Paying, potential
 
 
 @pytest.fixture(scope="module")
-def audited(rollouts, toolbox):
+def audited(rollouts):
     """A reward beside the baseline."""
-    return lambda reward, *names: audit_reward(reward, toolbox.baseline, rollouts, 0.95, *names)
+    return lambda reward, *names: audit_reward(reward, BASELINE, rollouts, 0.95, *names)
 
 
 @pytest.fixture(scope="module")
-def found(audited, toolbox):
+def found(audited):
     """ARP beside the baseline."""
-    return audited(toolbox.arp, ("arp", "baseline"), "no engine")
+    return audited(ARP, ("arp", "baseline"), "no engine")
 
 
 @pytest.fixture(scope="module")
-def with_terms(audited, toolbox):
+def with_terms(audited):
     """Three terms, one of which never pays."""
 
     def of_steps(step):
         effort = -0.01 * (step.action**2).sum(-1)
         return {"reach": -step.distance, "effort": effort, "dock": 1.0 * (step.distance < -1.0)}
 
-    return audited(toolbox.paying(of_steps))
+    return audited(Paying(of_steps))
 
 
 def printed(found, width=80):
@@ -64,22 +65,22 @@ def test_both_distances_have_a_line_each(found):
     assert forms["EPIC"] != forms["DARD"]
 
 
-def test_what_has_no_distance_says_so(audited, toolbox):
+def test_what_has_no_distance_says_so(audited):
     """Shaping alone is at no distance from the baseline, in both."""
     told = "EPIC, DARD            n/a    one of the two is nothing but an offset and shaping by a potential"
-    assert told in printed(audited(toolbox.potential(0.95)), 120)
+    assert told in printed(audited(potential(0.95)), 120)
 
 
-def test_labels_are_no_markup(audited, toolbox):
+def test_labels_are_no_markup(audited):
     """They may hold brackets."""
-    lines = printed(audited(toolbox.arp, ("[bold]arp[/bold]", "[b]")))
+    lines = printed(audited(ARP, ("[bold]arp[/bold]", "[b]")))
     assert lines[0].startswith("[bold]arp[/bold]")
     assert "[b] and [bold]arp[/bold]" in lines
 
 
-def test_a_reward_that_is_another_but_for_its_scale_is_told(audited, found, toolbox):
+def test_a_reward_that_is_another_but_for_its_scale_is_told(audited, found):
     """The table of another reward does not speak of it, nor of what it has not."""
-    text = said(audited(toolbox.baseline, ("twin", "baseline")))
+    text = said(audited(BASELINE, ("twin", "baseline")))
     assert "twin pays the same as baseline, in all " in text
     assert "Event terms are the task's, and stay as they are." in text
     other = said(found)

@@ -9,6 +9,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
 
 import harness
 from harness.record import TraceWriter, read_trace
@@ -50,7 +51,7 @@ def assert_same(first, second):
     """All columns, bit for bit."""
     assert set(first.columns) == set(second.columns)
     for name, column in first.rows().columns.items():
-        np.testing.assert_array_equal(column, second[name], err_msg=name)
+        assert_array_equal(column, second[name], err_msg=name)
 
 
 def digest(trace):
@@ -101,4 +102,4 @@ def test_env_of_a_batch_is_as_one_alone(simulator, task, num_envs):
         alone, rows = record(simulator, task, (k,), steps=25), batch["env"] == k
         for name, column in alone.rows().columns.items():
             if name != "env":
-                np.testing.assert_array_equal(column, batch[name][rows], err_msg=name)
+                assert_array_equal(column, batch[name][rows], err_msg=name)

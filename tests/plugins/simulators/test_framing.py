@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 import harness
 from harness.reach import ReachTask
@@ -93,7 +94,7 @@ def test_a_marker_is_where_the_camera_projects_it(robot, simulator):
         coloured = np.ptp(frame.astype(int), axis=2) > COLOURED  # its shadow is not
         rows, columns = np.nonzero(coloured & (frame != away).any(axis=2))
         found = np.array([np.median(columns), np.median(rows)])
-        np.testing.assert_allclose(found, camera.project(marker)[:2], atol=3.0)
+        assert_allclose(found, camera.project(marker)[:2], atol=3.0)
     simulation.close()
 
 
@@ -111,5 +112,5 @@ def test_a_link_world_may_stand_anywhere(robot, simulator):
     """MuJoCo takes a link of this name for its own world: these arms have one at their mount."""
     simulation = REGISTRY.get("simulators", simulator).load()().open(robot, 1, 0.1)
     pose = robot.home + 0.1
-    np.testing.assert_allclose(simulation.place(pose[None]).end_effector[0], robot.end_effector(pose), atol=1e-6)
+    assert_allclose(simulation.place(pose[None]).end_effector[0], robot.end_effector(pose), atol=1e-6)
     simulation.close()

@@ -3,20 +3,18 @@
 import re
 import shutil
 import sys
-from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
 from xml.parsers import expat
 
 import mujoco
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 
 import harness
 from harness.errors import UsageError
 from harness_plugins.simulators.kinematic import Kinematic
-
-Call = Callable[..., Any]
+from tests.plugins.simulators.conftest import random_poses
 
 ROBOT = harness.load_robot("fd100")
 PERIOD = 0.1
@@ -67,7 +65,7 @@ def with_cylinders_as(kind):
 
 
 @pytest.mark.parametrize("kind", ["cylinder", "capsule", "sphere"])
-def test_ground_contact_is_that_of_mujoco(read_changed, kind, open_arms, random_poses):
+def test_ground_contact_is_that_of_mujoco(read_changed, kind, open_arms):
     """On 4,000 random poses the arm touches the ground where it does in MuJoCo, but for 2 mm around touching."""
     robot, poses = read_changed(with_cylinders_as(kind)), random_poses(4000)
     contact = open_arms(4000, robot).place(poses).ground_contact
@@ -78,7 +76,7 @@ def test_ground_contact_is_that_of_mujoco(read_changed, kind, open_arms, random_
     assert (lowered != raised).sum() < 100  # nearly all poses are compared
 
 
-def test_urdf_is_parsed_once(read_changed, monkeypatch, open_arms, random_poses):
+def test_urdf_is_parsed_once(read_changed, monkeypatch, open_arms):
     """From a file to an arm that moves, joints to be fixed and links without mass included."""
     finger = '<link name="finger"/><joint name="grip" type="prismatic"><parent link="tool0"/><child link="finger"/>'
     finger += '<limit lower="0" upper="0.1"/></joint>'
@@ -90,26 +88,26 @@ def test_urdf_is_parsed_once(read_changed, monkeypatch, open_arms, random_poses)
     assert parsers == [1]
 
 
-def test_joints_are_exactly_where_they_are_driven(open_arms, random_poses):
+def test_joints_are_exactly_where_they_are_driven(open_arms):
     """After `drive` the joints are at the target, bit for bit, and their speed is the way over the time."""
     simulation, first, second = open_arms(50), random_poses(50), random_poses(100)[50:]
     simulation.drive(first, PERIOD)
     state = simulation.drive(second, 0.25)
-    np.testing.assert_array_equal(state.qpos, second)
-    np.testing.assert_array_equal(state.qvel, (second - first) / 0.25)
+    assert_array_equal(state.qpos, second)
+    assert_array_equal(state.qvel, (second - first) / 0.25)
 
 
-def test_arms_are_at_rest_where_they_are_reset(open_arms, random_poses):
+def test_arms_are_at_rest_where_they_are_reset(open_arms):
     """`reset` ends the motion of the arms in its mask, and of no other."""
     simulation, mask = open_arms(6), np.arange(6) < 2
     poses = random_poses(6)
     simulation.drive(poses, PERIOD)
     state = simulation.reset(poses[::-1], mask)
-    np.testing.assert_array_equal(state.qpos, np.where(mask[:, None], poses[::-1], poses))
-    np.testing.assert_array_equal(state.qvel, np.where(mask[:, None], 0.0, (poses - ROBOT.home) / PERIOD))
+    assert_array_equal(state.qpos, np.where(mask[:, None], poses[::-1], poses))
+    assert_array_equal(state.qvel, np.where(mask[:, None], 0.0, (poses - ROBOT.home) / PERIOD))
 
 
-def test_arms_that_are_placed_where_they_stand_are_not_computed_again(monkeypatch, open_arms, random_poses):
+def test_arms_that_are_placed_where_they_stand_are_not_computed_again(monkeypatch, open_arms):
     """A decision that lasts repeats its pose: the state is the same, and the arms are at rest."""
     arms, poses = open_arms(3), random_poses(3)
     arms.drive(poses, PERIOD)
@@ -120,33 +118,27 @@ def test_arms_that_are_placed_where_they_stand_are_not_computed_again(monkeypatc
     assert (state.qvel == 0.0).all()
     fresh = open_arms(3).place(poses)
     for mine, other in zip(state, fresh, strict=True):
-        np.testing.assert_array_equal(mine, other)
+        assert_array_equal(mine, other)
 
 
-def test_arms_whose_home_is_zero_start_there(home):
-    """The state before the first pose is none."""
-    robot = replace(ROBOT, home=np.zeros(ROBOT.dof))
-    state = Kinematic().open(robot, 1, PERIOD).read()
-    np.testing.assert_allclose(state.end_effector, robot.end_effector(np.zeros(ROBOT.dof))[None], atol=1e-12)
-
-
-def test_end_effector_is_that_of_the_robot(open_arms, random_poses):
+def test_end_effector_is_that_of_the_robot(open_arms):
     """Anywhere in the joint ranges, to rounding."""
     poses = random_poses(1000)
     state = open_arms(1000).drive(poses, PERIOD)
-    np.testing.assert_allclose(state.end_effector, ROBOT.end_effector(poses), atol=1e-14)
+    assert_allclose(state.end_effector, ROBOT.end_effector(poses), atol=1e-14)
 
 
-def test_arms_start_at_home_and_at_rest():
-    """A simulation that was just opened has its arms at home, off the ground."""
-    state = Kinematic().open(ROBOT, 3, PERIOD).read()
-    np.testing.assert_array_equal(state.qpos, np.tile(ROBOT.home, (3, 1)))
-    np.testing.assert_array_equal(state.qvel, 0.0)
-    np.testing.assert_allclose(state.end_effector, np.tile(ROBOT.end_effector(ROBOT.home), (3, 1)), atol=1e-14)
+@pytest.mark.parametrize("begin", [ROBOT.home, np.zeros(ROBOT.dof)])
+def test_arms_start_at_home_and_at_rest(begin):
+    """A simulation that was just opened has its arms at home, off the ground, also where home is zero."""
+    state = Kinematic().open(replace(ROBOT, home=begin), 3, PERIOD).read()
+    assert_array_equal(state.qpos, np.tile(begin, (3, 1)))
+    assert_array_equal(state.qvel, 0.0)
+    assert_allclose(state.end_effector, np.tile(ROBOT.end_effector(begin), (3, 1)), atol=1e-14)
     assert not state.ground_contact.any()
 
 
-def test_state_does_not_depend_on_the_batch(open_arms, random_poses):
+def test_state_does_not_depend_on_the_batch(open_arms):
     """An arm alone tells, bit for bit, what it tells among 500: driven, and reset beside arms that go on."""
     poses = random_poses(500)
     batch = open_arms(500)
@@ -156,9 +148,9 @@ def test_state_does_not_depend_on_the_batch(open_arms, random_poses):
     for env in range(0, 500, 7):
         alone = open_arms(1)
         for one, many in zip(alone.drive(poses[env][None], PERIOD), driven, strict=True):
-            np.testing.assert_array_equal(one[0], many[env])
+            assert_array_equal(one[0], many[env])
         for one, many in zip(alone.reset(poses[::-1][env][None], mask[env][None]), reset, strict=True):
-            np.testing.assert_array_equal(one[0], many[env])
+            assert_array_equal(one[0], many[env])
 
 
 def test_rendering_without_pillow_says_what_to_install(open_arms, monkeypatch):

@@ -2,18 +2,16 @@
 
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 import harness
 from harness.errors import UsageError
 from harness.registry import choose, load_registry
-
-Call = Callable[..., Any]
+from tests.plugins.simulators.conftest import FALLEN, home, press
 
 REGISTRY = load_registry()
 PERIOD = 0.1
@@ -62,21 +60,20 @@ def test_arm_with_meshes_moves_as_in_mujoco():
     assert largest_difference(harness.load_robot(str(Path(data.getDataPath(), "kuka_iiwa/model.urdf"))), 20) < 1e-9
 
 
-def test_ground_holds_the_arm_up(open_arms, home, fallen):
+def test_ground_holds_the_arm_up(open_arms):
     """An arm that pushes against the ground rests there, to a tenth of a millimetre where `mujoco` has it."""
     tips = []
     for simulation in (open_arms(1), opened("mujoco", harness.load_robot("fd100"))):
-        for share in np.linspace(0.0, 1.0, 20):
-            simulation.drive(home(1) + share * (fallen - home(1)), PERIOD)
+        press(simulation)
         for _ in range(20):
-            state = simulation.drive(fallen, PERIOD)
+            state = simulation.drive(FALLEN, PERIOD)
         assert state.ground_contact[0]
         tips.append(state.end_effector.copy())
-    np.testing.assert_allclose(*tips, atol=1e-4)
+    assert_allclose(*tips, atol=1e-4)
     assert tips[0][0, 2] > 0.0
 
 
-def test_arms_that_one_call_steps_move_as_alone(open_arms, home):
+def test_arms_that_one_call_steps_move_as_alone(open_arms):
     """Two at once, mapped, do what each does alone, to rounding; where one is left over, it is stepped twice."""
     poses = home(3) + np.array([[0.0], [0.05], [0.1]])
     together, alone = open_arms(3, at_once=2), open_arms(3)
@@ -84,11 +81,11 @@ def test_arms_that_one_call_steps_move_as_alone(open_arms, home):
         simulation.drive(poses, PERIOD)
         simulation.rest(np.array([False, True, False]))
         simulation.drive(poses + 0.05, PERIOD)
-    np.testing.assert_allclose(together.read().qpos, alone.read().qpos, atol=1e-12)
-    np.testing.assert_allclose(alone.read().qpos[:, 0] - home(3)[:, 0], [0.05, 0.05, 0.15], atol=1e-3)
+    assert_allclose(together.read().qpos, alone.read().qpos, atol=1e-12)
+    assert_allclose(alone.read().qpos[:, 0] - home(3)[:, 0], [0.05, 0.05, 0.15], atol=1e-3)
 
 
-def test_double_precision_is_its_own(open_arms, home):
+def test_double_precision_is_its_own(open_arms):
     """What others compute with JAX in this process stays in the precision that they chose."""
     import jax
 

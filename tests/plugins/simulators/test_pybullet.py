@@ -1,15 +1,14 @@
 """PyBullet: contact that is exact, motors that forget, clients that are given back, files that cannot be read."""
 
-from collections.abc import Callable
 from contextlib import closing
 from dataclasses import replace
-from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
 import pinocchio
 import pybullet
 import pytest
+from numpy.testing import assert_allclose
 
 import harness
 from harness.errors import UsageError
@@ -17,9 +16,8 @@ from harness.registry import load_registry
 from harness.robot import parse_urdf
 from harness.robot.normal_urdf import normal_urdf
 from harness_plugins.bullet_arms import Clients, FreeArm, arm as bullet_arm, exact_timestep, file_of_arm
+from tests.plugins.simulators.conftest import assert_same, home, lowest_height, only_shape_of, random_poses
 from tests.robot.brought_arms import ARM, changed, read_arm
-
-Call = Callable[..., Any]
 
 ROBOT = harness.load_robot("fd100")
 PERIOD = 0.1
@@ -29,18 +27,6 @@ PERIOD = 0.1
 def simulator():
     """The one that these tests are about."""
     return "pybullet"
-
-
-def test_arm_that_was_held_up_by_the_ground_catches_up(open_arms, home, fallen):
-    """Targets below the ground, asked for over 2 s, are forgotten with the first target above it."""
-    simulation = open_arms(1)
-    for share in np.linspace(0.0, 1.0, 20):
-        simulation.drive(home(1) + share * (fallen - home(1)), PERIOD)
-    held = simulation.read().qpos.copy()
-    assert np.degrees(np.abs(held - fallen).max()) > 5.0
-    above = held + np.radians([[0.0, -5.0, 0.0, 0.0, 0.0, 0.0]])
-    state = simulation.drive(above, PERIOD)
-    assert np.degrees(np.abs(state.qpos - above).max()) < 0.5
 
 
 def test_every_period_has_its_substeps(subtests):
@@ -89,7 +75,7 @@ def test_the_robots_of_this_project_need_no_more_iterations_than_their_records_h
 
 
 @pytest.mark.parametrize("substeps", [3, 7, 20])
-def test_bullet_takes_all_substeps_at_once(substeps, open_arms, home, assert_same):
+def test_bullet_takes_all_substeps_at_once(substeps, open_arms):
     """One call for a period gives what a call for each physics step gives, bit for bit."""
     at_once, one_by_one = (open_arms(1, period=0.06, substeps=substeps) for _ in range(2))
     (arm,) = one_by_one.arms
@@ -113,7 +99,7 @@ def step_alone(arm, speeds, step, substeps):
 
 
 @pytest.mark.parametrize("height", [2e-4, -1e-3])
-def test_ground_contact_is_exact(height, open_arms, random_poses, lowest_height, pose_at_height):
+def test_ground_contact_is_exact(height, open_arms):
     """An arm that is placed 0.2 mm above the ground does not touch it, also after it did; one 1 mm below does."""
     simulation, inside = open_arms(1), [pose for pose in random_poses(200) if lowest_height(pose) < -0.05]
     assert len(inside) > 30
@@ -125,43 +111,20 @@ def test_ground_contact_is_exact(height, open_arms, random_poses, lowest_height,
 
 
 # Bullet rounds edges: corners of boxes end up to 0.7 mm early.
-@pytest.fixture
-def pose_at_height(lowest_height):
+def pose_at_height(height, inside):
     """The pose between home and one below the ground whose lowest point is at a height [m], to a micrometre."""
-
-    def search(height, inside):
-        above, below = ROBOT.home, inside
-        while np.abs(above - below).max() > 1e-7:
-            middle = (above + below) / 2.0
-            above, below = (middle, below) if lowest_height(middle) > height else (above, middle)
-        return above
-
-    return search
+    above, below = ROBOT.home, inside
+    while np.abs(above - below).max() > 1e-7:
+        middle = (above + below) / 2.0
+        above, below = (middle, below) if lowest_height(middle) > height else (above, middle)
+    return above
 
 
-def test_ground_contact_is_that_of_the_end_of_the_period(open_arms, wander, lowest_height):
-    """Contact is told of the joint positions that are told with it, not of those of the physics step before."""
-    states, _ = wander(open_arms(1), 1, 600)
-    told = np.array([state.ground_contact[0] for state in states])
-    heights = np.array([lowest_height(state.qpos[0]) for state in states])
-    clear = np.abs(heights) > 3e-3  # Bullet lets a loaded contact hover
-    assert told.sum() > 5
-    np.testing.assert_array_equal(told[clear], heights[clear] < 0.0)
-
-
-def test_pressed_on_arm_touches_the_ground(open_arms, home, fallen):
-    """An arm that pushes against the ground touches it in every period, also while Bullet lets it hover."""
-    simulation = open_arms(1)
-    for share in np.linspace(0.0, 1.0, 20):
-        simulation.drive(home(1) + share * (fallen - home(1)), PERIOD)
-    assert all(simulation.drive(fallen, PERIOD).ground_contact[0] for _ in range(50))
-
-
-def test_end_effector_is_the_frame_of_its_link(open_arms, random_poses):
+def test_end_effector_is_the_frame_of_its_link(open_arms):
     """On 200 random poses the end effector is where the robot's kinematics put it, to single precision."""
     poses, simulation = random_poses(200), open_arms(1)
     told = np.array([simulation.place(pose[None]).end_effector[0].copy() for pose in poses])
-    np.testing.assert_allclose(told, ROBOT.end_effector(poses), atol=3e-7)
+    assert_allclose(told, ROBOT.end_effector(poses), atol=3e-7)
 
 
 def test_link_without_inertia_weighs_nothing(open_arms):
@@ -183,22 +146,27 @@ HEAVY = (
 """Of links: the centre of mass, the mass, the moments. Bullet's own dynamics refuse arms of them."""
 
 
-@pytest.mark.parametrize(("centre", "mass", "moments"), HEAVY)
-def test_dynamics_of_a_heavy_arm(tmp_path, monkeypatch, centre, mass, moments):
-    """They are Pinocchio's, though Bullet takes the rounding of such an inertia for a mistake."""
+def heavy_arm(folder, centre, mass, moments):
+    """An arm with one of these links."""
     text = changed(
         ('xyz="0 0 0.1"/><mass', f'xyz="{centre}"/><mass'), ('value="1.0"', mass),
         ('ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"', moments),
     )  # fmt: skip
-    robot = read_arm(tmp_path, text)
+    return read_arm(folder, text)
+
+
+@pytest.mark.parametrize("link", HEAVY)
+def test_dynamics_of_a_heavy_arm(tmp_path, monkeypatch, link):
+    """They are Pinocchio's, though Bullet takes the rounding of such an inertia for a mistake."""
+    robot = heavy_arm(tmp_path, *link)
     model = pinocchio.buildModelFromXML(robot.urdf)
     qpos, qvel = [0.3, -0.4, 0.5, 0.6], [1.0, -2.0, 3.0, 0.5]
     upper = np.triu(pinocchio.crba(model, model.createData(), np.array(qpos)))
     bias = pinocchio.nle(model, model.createData(), np.array(qpos), np.array(qvel))
     with closing(Clients(robot)) as clients, file_of_arm(robot) as path:
         free = FreeArm(clients.connect(), robot, path, np.zeros(4))
-        np.testing.assert_allclose(free.inertia(qpos), upper + np.triu(upper, 1).T, rtol=1e-9, atol=1e-9 * upper.max())
-        np.testing.assert_allclose(free.bias(qpos, qvel), bias, rtol=1e-9, atol=1e-9 * np.abs(bias).max())
+        assert_allclose(free.inertia(qpos), upper + np.triu(upper, 1).T, rtol=1e-9, atol=1e-9 * upper.max())
+        assert_allclose(free.bias(qpos, qvel), bias, rtol=1e-9, atol=1e-9 * np.abs(bias).max())
         monkeypatch.setattr("harness_plugins.bullet_arms.free_arm.HEAVY", np.inf)
         with pytest.raises(SystemError):
             FreeArm(clients.connect(), robot, path, np.zeros(4)).inertia(qpos)
@@ -206,11 +174,7 @@ def test_dynamics_of_a_heavy_arm(tmp_path, monkeypatch, centre, mass, moments):
 
 def test_a_heavy_arm_is_driven_where_it_is_told(tmp_path):
     """What its solver needs is asked of a lighter one; its masses are those of the URDF afterwards."""
-    centre, mass, moments = HEAVY[0]
-    robot = read_arm(tmp_path, changed(
-        ('xyz="0 0 0.1"/><mass', f'xyz="{centre}"/><mass'), ('value="1.0"', mass),
-        ('ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"', moments),
-    ))  # fmt: skip
+    robot = heavy_arm(tmp_path, *HEAVY[0])
     simulation = load_registry().get("simulators", "pybullet").load()().open(robot, 1, PERIOD)
     with closing(simulation):
         simulation.reset(robot.home[None], np.ones(1, bool))
@@ -220,7 +184,7 @@ def test_a_heavy_arm_is_driven_where_it_is_told(tmp_path):
         assert pybullet.getDynamicsInfo(arm.body, 0, physicsClientId=arm.client)[0] == 747.0
 
 
-def test_mesh_is_found_from_the_folder_of_the_robot(tmp_path, open_arms, with_mesh):
+def test_mesh_is_found_from_the_folder_of_the_robot(tmp_path, open_arms):
     """A mesh whose path starts from the robot's folder reaches the ground."""
     (tmp_path / "long.obj").write_text("v 0 0 0\nv .1 0 0\nv 0 .1 0\nv 0 0 -3\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n")
     robot = with_mesh(tmp_path, "long.obj")
@@ -228,7 +192,7 @@ def test_mesh_is_found_from_the_folder_of_the_robot(tmp_path, open_arms, with_me
     assert open_arms(1, replace(robot, urdf=plain.text)).read().ground_contact.all()
 
 
-def test_missing_mesh_is_a_usage_error(tmp_path, capfd, open_arms, with_mesh):
+def test_missing_mesh_is_a_usage_error(tmp_path, capfd, open_arms):
     """A mesh that is not there is a usage error that names the robot; what Bullet prints of it goes to stderr."""
     with pytest.raises(UsageError, match="cannot load the URDF of robot 'fd100'"):
         open_arms(1, with_mesh(tmp_path, "none.obj"))
@@ -237,17 +201,12 @@ def test_missing_mesh_is_a_usage_error(tmp_path, capfd, open_arms, with_mesh):
     assert "none.obj" in printed.err
 
 
-@pytest.fixture
-def with_mesh(only_shape_of):
+def with_mesh(folder, filename):
     """The arm with a mesh as the only shape of its first moving link."""
-
-    def add(folder, filename):
-        tree = ElementTree.fromstring(only_shape_of("none").urdf)
-        shape = f'<collision><geometry><mesh filename="{filename}"/></geometry></collision>'
-        tree.find("link[@name='link1']").append(ElementTree.fromstring(shape))
-        return replace(ROBOT, urdf=ElementTree.tostring(tree, "unicode"), folder=folder)
-
-    return add
+    tree = ElementTree.fromstring(only_shape_of("none").urdf)
+    shape = f'<collision><geometry><mesh filename="{filename}"/></geometry></collision>'
+    tree.find("link[@name='link1']").append(ElementTree.fromstring(shape))
+    return replace(ROBOT, urdf=ElementTree.tostring(tree, "unicode"), folder=folder)
 
 
 def test_too_many_clients_are_a_usage_error(monkeypatch, open_arms):

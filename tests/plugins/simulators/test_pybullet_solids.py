@@ -1,20 +1,18 @@
 """PyBullet has the harness's solids: whatever a mesh's format, each touches the ground where its points do."""
 
 import struct
-from collections.abc import Callable
 from contextlib import ExitStack, closing
-from typing import Any
+from itertools import product
 
 import numpy as np
 import pybullet
 import pytest
+from numpy.testing import assert_array_equal
 
 import harness
 from harness.errors import MissingSolid
 from harness.robot import build_solids, link_frames, read_robot
 from harness_plugins.simulators.pybullet import PyBullet
-
-Call = Callable[..., Any]
 
 CORNERS = np.array([[x, y, z] for x in (-0.03, 0.03) for y in (-0.03, 0.03) for z in (0.0, 0.3)])
 """Of a rod, [m]."""
@@ -63,11 +61,19 @@ MESHES = {
     "points.obj": "".join("v {} {} {}\n".format(*point) for point in CORNERS).encode(),
     "UPPER.STL": text_stl(CORNERS),
 }
-ATTRIBUTES = ("", 'concave="yes"', 'group="0" mask="0"')
+ATTRIBUTES = ('concave="yes"', 'group="0" mask="0"')
 """Of a <collision>, which only Bullet knows."""
 
 
-def arm(folder, mesh, attributes="", scale="1 1 1", visual=""):
+@pytest.fixture
+def rods(tmp_path):
+    """A folder with all meshes, and one that is three times as large."""
+    for name, content in {**MESHES, "big.stl": text_stl(3.0 * CORNERS)}.items():
+        (tmp_path / name).write_bytes(content)
+    return tmp_path
+
+
+def arm(folder, mesh="text.stl", attributes="", scale="1 1 1", visual=""):
     """Three joints, and a mesh as the only shape of the tool."""
     inertial = (
         '<inertial><mass value="1"/><inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>'
@@ -108,69 +114,49 @@ def poses_near_the_ground(robot):
     return near[:200]
 
 
-@pytest.mark.parametrize("scale", ["1 1 1", "-0.7 1.5 0.8"])
-@pytest.mark.parametrize("name", MESHES)
-def test_a_mesh_of_any_format_touches_where_its_points_do(tmp_path, open_arms, name, scale):
-    """Text and binary STL, an OBJ of one object or several or of points alone: contact to 0.2 mm."""
-    (tmp_path / name).write_bytes(MESHES[name])
-    robot = arm(tmp_path, name, scale=scale)
-    poses = poses_near_the_ground(robot)
-    np.testing.assert_array_equal(touching(open_arms, robot, poses), heights(robot, poses) < 0.0)
+@pytest.mark.parametrize(
+    ("name", "attributes", "scale"),
+    [*product(MESHES, [""], ["1 1 1", "-0.7 1.5 0.8"]), *(("text.stl", it, "1 1 1") for it in ATTRIBUTES)],
+)
+def test_a_mesh_of_any_format_touches_where_its_points_do(rods, open_arms, name, attributes, scale):
+    """Text and binary STL, an OBJ of one object or several or of points alone: contact to 0.2 mm.
 
-
-@pytest.mark.parametrize("attributes", ATTRIBUTES)
-def test_attributes_that_only_bullet_knows_change_nothing(tmp_path, open_arms, attributes):
-    """A solid that Bullet alone would take for another, or for one that touches nothing, is the same solid."""
-    (tmp_path / "text.stl").write_bytes(MESHES["text.stl"])
-    robot = arm(tmp_path, "text.stl", attributes)
+    A solid that Bullet alone would take for another, or for one that touches nothing, is the same solid.
+    """
+    robot = arm(rods, name, attributes, scale)
     poses = poses_near_the_ground(robot)
-    np.testing.assert_array_equal(touching(open_arms, robot, poses), heights(robot, poses) < 0.0)
+    assert_array_equal(touching(open_arms, robot, poses), heights(robot, poses) < 0.0)
 
 
 @pytest.mark.parametrize("name", ["v.glb", "v.ply", "v.gltf"])
-def test_a_drawing_that_bullet_cannot_read_is_left_out(tmp_path, open_arms, name):
+def test_a_drawing_that_bullet_cannot_read_is_left_out(rods, open_arms, name):
     """The arm moves and is drawn without it."""
-    (tmp_path / "text.stl").write_bytes(MESHES["text.stl"])
-    (tmp_path / name).write_bytes(b"glTF")
-    robot = arm(tmp_path, "text.stl", visual=f'<visual><geometry><mesh filename="{name}"/></geometry></visual>')
-    simulation = open_arms(robot)
-    assert simulation.render(0, np.zeros(3), 32, 24).shape == (24, 32, 3)
+    (rods / name).write_bytes(b"glTF")
+    robot = arm(rods, visual=f'<visual><geometry><mesh filename="{name}"/></geometry></visual>')
+    assert open_arms(robot).render(0, np.zeros(3), 32, 24).shape == (24, 32, 3)
 
 
-def test_a_drawing_has_light_and_shade(tmp_path, open_arms):
+def test_a_drawing_has_light_and_shade(rods, open_arms):
     """An STL of which Bullet is told no normals would be black, whatever its colour."""
-    (tmp_path / "text.stl").write_bytes(MESHES["text.stl"])
-    (tmp_path / "big.stl").write_bytes(text_stl(3.0 * CORNERS))
     red = '<material name="red"><color rgba="1 0 0 1"/></material>'
     visual = f'<visual><geometry><mesh filename="big.stl"/></geometry>{red}</visual>'
-    frame = open_arms(arm(tmp_path, "text.stl", visual=visual)).render(0, np.full(3, 99.0), 80, 60).astype(int)
+    frame = open_arms(arm(rods, visual=visual)).render(0, np.full(3, 99.0), 80, 60).astype(int)
     assert (frame[..., 0] > frame[..., 1] + 60).any()
     assert not (frame.max(axis=2) < 20).any()
 
 
-def test_a_drawing_in_a_text_stl_is_drawn(tmp_path, open_arms):
+def test_a_drawing_in_a_text_stl_is_drawn(rods, open_arms):
     """A frame with the drawing differs from one of the solid alone, which is drawn where a link has no drawing."""
-    (tmp_path / "text.stl").write_bytes(MESHES["text.stl"])
-    (tmp_path / "big.stl").write_bytes(text_stl(3.0 * CORNERS))
     big = '<visual><geometry><mesh filename="big.stl"/></geometry></visual>'
-    frames = []
-    for visual in ("", big):
-        simulation = open_arms(arm(tmp_path, "text.stl", visual=visual))
-        frames.append(simulation.render(0, np.zeros(3), 64, 48))
+    frames = [open_arms(arm(rods, visual=it)).render(0, np.zeros(3), 64, 48) for it in ("", big)]
     assert (frames[0] != frames[1]).mean() > 0.01
 
 
-def test_a_solid_that_bullet_drops_is_an_error_that_names_the_link(tmp_path, open_arms, monkeypatch):
+def test_a_solid_that_bullet_drops_is_an_error_that_names_the_link(rods, open_arms, monkeypatch):
     """As a text STL, which Bullet takes for nothing."""
-
-    def write_text(corners, folder):
-        (folder / "text.stl").write_bytes(MESHES["text.stl"])
-        return str(folder / "text.stl")
-
-    (tmp_path / "text.stl").write_bytes(MESHES["text.stl"])
-    monkeypatch.setattr("harness_plugins.bullet_arms.arm_file._write_stl", write_text)
+    monkeypatch.setattr("harness_plugins.bullet_arms.arm_file._write_stl", lambda *_: str(rods / "text.stl"))
     with pytest.raises(MissingSolid, match="0 of the 1 collision shapes of link 'tool' of robot 'arm'"):
-        open_arms(arm(tmp_path, "text.stl"))
+        open_arms(arm(rods))
 
 
 def test_the_arm_of_primitive_shapes_is_read_as_it_was(open_arms):
@@ -186,12 +172,11 @@ def test_the_arm_of_primitive_shapes_is_read_as_it_was(open_arms):
     assert pybullet.GEOM_MESH not in kinds
 
 
-def test_what_bullet_prints_about_a_file_is_visible(tmp_path, open_arms, capfd):
+def test_what_bullet_prints_about_a_file_is_visible(rods, open_arms, capfd):
     """Bullet warns of a joint without an axis by its name, which may hold what moves a terminal's cursor."""
-    (tmp_path / "text.stl").write_bytes(MESHES["text.stl"])
-    text = arm(tmp_path, "text.stl").urdf.replace('<axis xyz="0 0 1"', "<axis-of-old", 1)
-    (tmp_path / "arm.urdf").write_text(text.replace('"j1"', '"j1\u202e\x9b2J"'), encoding="utf-8")
-    open_arms(read_robot(tmp_path / "arm.urdf"))
+    text = arm(rods).urdf.replace('<axis xyz="0 0 1"', "<axis-of-old", 1)
+    (rods / "arm.urdf").write_text(text.replace('"j1"', '"j1\u202e\x9b2J"'), encoding="utf-8")
+    open_arms(read_robot(rods / "arm.urdf"))
     printed = capfd.readouterr()
     assert printed.out == ""
     assert "j1\\u202e\\x9b2J" in printed.err

@@ -3,10 +3,7 @@
 In processes of their own: what MuJoCo renders with is chosen once, and what goes wrong may end the process.
 """
 
-import subprocess
-from collections.abc import Callable
 from functools import partial
-from typing import Any
 
 import mujoco
 import numpy as np
@@ -15,9 +12,6 @@ import pytest
 import harness
 from harness.errors import UsageError
 from harness_plugins.mujoco_model import Renderer, build_model
-
-Call = Callable[..., Any]
-Done = subprocess.CompletedProcess[str]
 
 UNUSABLE = ("glfw", "off", "nonsense", "osmesa")
 """Values of MUJOCO_GL that render nothing on a machine without a display and without OSMesa."""

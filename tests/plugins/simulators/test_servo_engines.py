@@ -8,6 +8,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 import harness
 from harness.errors import UsageError
@@ -24,6 +25,7 @@ pytestmark = pytest.mark.usefixtures("installed")
 APART = {"drake": 1e-4, "physx": 0.015, "pybullet": 1e-4}
 """How far a joint may be from where it is with MuJoCo, [rad]; PhysX divides a physics step by itself."""
 every_engine = pytest.mark.parametrize("simulator", APART)
+with_servos = pytest.mark.parametrize("simulator", [*APART, "mujoco", "dm_control"])
 
 
 def with_drives(**changes):
@@ -127,7 +129,7 @@ def test_step_response_is_that_of_a_spring_and_a_damper(simulator):
         exact.append(position)
     at_ends = np.array(exact[round(PERIOD / fine) - 1 :: round(PERIOD / fine)])
     assert np.abs(at_ends - 1.0).max() > 0.1
-    np.testing.assert_allclose(went, np.tile(at_ends[:, None], 6), atol=0.01)
+    assert_allclose(went, np.tile(at_ends[:, None], 6), atol=0.01)
 
 
 @every_engine
@@ -135,10 +137,10 @@ def test_limited_torque_gives_a_limited_acceleration(simulator):
     """A drive at its limit speeds up by torque / armature: after 0.2 s a joint goes by torque / armature x 0.2 s."""
     robot = heavy(max_torque=np.full(6, 5e4))
     speeds = driven(simulator, np.tile(ROBOT.home + 1.0, (2, 1)), robot).qvel[-1]
-    np.testing.assert_allclose(speeds, 0.5 * 2.0 * PERIOD, rtol=0.06)  # the first physics step has no error yet
+    assert_allclose(speeds, 0.5 * 2.0 * PERIOD, rtol=0.06)  # the first physics step has no error yet
 
 
-@every_engine
+@with_servos
 def test_arm_sags_until_the_stiffness_carries_its_weight(simulator):
     """Where gravity is not compensated: stiffness times the angle is the change of potential energy per angle."""
     robot = with_drives(gravity_compensated=False, dry_friction=np.zeros(6))
@@ -147,10 +149,10 @@ def test_arm_sags_until_the_stiffness_carries_its_weight(simulator):
     potential = energy(ROBOT.chain, read_bodies(ROBOT), near, np.zeros_like(near))
     weight = (potential[:6] - potential[6:]) / 2e-6
     assert np.abs(weight).max() > 100.0
-    np.testing.assert_allclose(ROBOT.servo.stiffness * (ROBOT.home - qpos), weight, atol=1.0)
+    assert_allclose(ROBOT.servo.stiffness * (ROBOT.home - qpos), weight, atol=1.0)
 
 
-@every_engine
+@with_servos
 def test_arm_that_is_compensated_does_not_sag(simulator):
     """Its drives hold the weight, without friction to help them."""
     state = driven(simulator, np.tile(ROBOT.home, (10, 1)), with_drives(dry_friction=np.zeros(6)))
@@ -172,18 +174,20 @@ def test_dry_friction_holds_a_joint_off_its_target(simulator):
     assert np.abs(driven(simulator, target, slow).qpos - ROBOT.home).max() < 1e-4
 
 
-@every_engine
+@with_servos
 def test_new_fields_leave_cells_as_they_were(simulator):
     """They show in a choice only where they are not at their defaults."""
     plain = choose(REGISTRY, "simulators", simulator)
     assert choose(REGISTRY, "simulators", f"{simulator}:drive=ideal,self_collision=false") == plain
     assert not {"drive", "self_collision"} & set(dict(plain.params))
+    servo = choose(REGISTRY, "simulators", f"{simulator}:drive=servo")
+    assert (dict(servo.params)["drive"], servo.label) == ("servo", f"{simulator}:drive=servo")
 
 
-@every_engine
+@with_servos
 def test_robot_without_drives_is_refused(simulator):
     """One line names the robot and what is missing."""
-    with pytest.raises(UsageError, match=r"'fd100' has no drives to simulate"):
+    with pytest.raises(UsageError, match=r"'fd100' has no drives to simulate: its robot.toml has no table \[servo\]"):
         driven(simulator, JUMP, replace(ROBOT, servo=None))
 
 
@@ -196,11 +200,10 @@ def test_links_that_collide_hold_one_another_up(simulator):
     """On the way into itself the arm stops as with MuJoCo, to half a degree; else it gets there. No ground is told."""
     way = ROBOT.home + np.minimum(np.linspace(0.1, 1.3, 13), 1.0)[:, None] * (FOLDED - ROBOT.home)
     off, on = (driven(simulator, way, self_collision=collides) for collides in (False, True))
-    assert not off.ground_contact.any()
-    assert not on.ground_contact.any()
     assert np.degrees(np.abs(off.qpos[-1] - FOLDED)).max() < 0.5
     assert np.degrees(np.abs(on.qpos[-1] - FOLDED)).max() > 0.8
     theirs = driven("mujoco", way, self_collision=True)
+    assert not any(arm.ground_contact.any() for arm in (off, on, theirs))
     assert np.degrees(np.abs(on.qpos[-1] - theirs.qpos[-1])).max() < 0.8
 
 
@@ -208,7 +211,7 @@ def test_links_that_collide_hold_one_another_up(simulator):
 def test_what_touches_at_home_does_not_collide(simulator):
     """An arm about home that may touch itself moves as one that may not, but for rounding to single precision."""
     apart, together = (driven(simulator, swing(4), self_collision=collides) for collides in (False, True))
-    np.testing.assert_allclose(apart.qpos, together.qpos, atol=1e-6)
+    assert_allclose(apart.qpos, together.qpos, atol=1e-6)
 
 
 DIGEST = """

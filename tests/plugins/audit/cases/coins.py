@@ -19,8 +19,8 @@ class _Grid(gymnasium.Env):
     def __init__(self, rule):
         self.rule = rule
 
-    def reset(self, *, seed=None, options=None):
-        super().reset(seed=seed)
+    def reset(self, **options):
+        super().reset(**options)
         self.place, self.key = (0, 0), self.rule != "locked"
         self.coin = self.rule != "sometimes" or self.np_random.random() < 0.75
         self.is_there = self.coin

@@ -14,8 +14,8 @@ class _Dock(gymnasium.Env):
     observation_space = Dict({"position": Box(-3.0, 3.0, (2,)), "velocity": Box(-1.0, 1.0, (2,))})
     action_space = Box(-1.0, 1.0, (2,))
 
-    def reset(self, *, seed=None, options=None):
-        super().reset(seed=seed)
+    def reset(self, **options):
+        super().reset(**options)
         angle = self.np_random.uniform(0.0, 2.0 * np.pi)
         self.position = self.np_random.uniform(1.0, 1.2) * np.array([np.cos(angle), np.sin(angle)])
         self.velocity = np.zeros(2)

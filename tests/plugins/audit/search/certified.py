@@ -3,8 +3,8 @@
 import io
 from dataclasses import dataclass, replace
 
-import gymnasium
 import numpy as np
+from gymnasium.spaces import Box
 from PIL import Image
 
 from harness.authoring.commands import Choice
@@ -39,8 +39,8 @@ class Line:
     is_repeated: bool = True
     taken: int = 0
 
-    space = gymnasium.spaces.Box(-1, 1, (1,), np.float32)
-    observes = gymnasium.spaces.Box(-9, 9, (1,), np.float64)
+    space = Box(-1, 1, (1,), np.float32)
+    observes = Box(-9, 9, (1,), np.float64)
 
     def show(self, start, actions):
         """Move by a tenth of each action."""

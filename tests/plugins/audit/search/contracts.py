@@ -10,6 +10,7 @@ from typing import Any
 
 import gymnasium
 import numpy as np
+from gymnasium.spaces import Box, Discrete
 
 EAST_WEST = {"E": 1, "W": -1}
 
@@ -58,12 +59,12 @@ class ContractEnv(gymnasium.Env[Any, int]):
 
     def __init__(self, contract: Contract) -> None:
         self.contract, self.actions = contract, contract.actions.split()
-        self.action_space = gymnasium.spaces.Discrete(len(self.actions))
-        self.observation_space = gymnasium.spaces.Box(-100, 100, (len(contract.begin),), np.int64)
+        self.action_space = Discrete(len(self.actions))
+        self.observation_space = Box(-100, 100, (len(contract.begin),), np.int64)
 
-    def reset(self, *, seed=None, options=None):
+    def reset(self, **options):
         """Begin."""
-        super().reset(seed=seed)
+        super().reset(**options)
         self.at, self.steps = self.contract.begin, 0
         return np.array(self.at), {"success": False}
 

@@ -4,22 +4,21 @@ from dataclasses import dataclass
 
 import gymnasium
 import numpy as np
+from gymnasium.spaces import Box, Dict
 
 
 class Boat(gymnasium.Env):
     """Moves on a plane towards a dock, which is drawn anew for each episode."""
 
     metadata = {"render_modes": ["rgb_array"]}  # noqa: RUF012
-    observation_space = gymnasium.spaces.Dict(
-        {"at": gymnasium.spaces.Box(-9, 9, (2,), np.float64), "dock": gymnasium.spaces.Box(-9, 9, (2,), np.float64)}
-    )
-    action_space = gymnasium.spaces.Box(-1, 1, (2,), np.float32)
+    observation_space = Dict({"at": Box(-9, 9, (2,), np.float64), "dock": Box(-9, 9, (2,), np.float64)})
+    action_space = Box(-1, 1, (2,), np.float32)
 
     def __init__(self, waves):
         self.waves, self.render_mode = waves, None
 
-    def reset(self, *, seed=None, options=None):
-        super().reset(seed=seed)
+    def reset(self, **options):
+        super().reset(**options)
         self.at, self.dock = np.zeros(2), self.np_random.uniform(-1, 1, 2)
         return self._seen(), {}
 

@@ -1,7 +1,7 @@
 """A point on a line that docks at 1: everything that pays there is known in closed form. All episodes at once."""
 
-import gymnasium
 import numpy as np
+from gymnasium.spaces import Box, Discrete
 
 from harness_plugins.audit.search.world import Outcomes, Shown
 
@@ -14,8 +14,8 @@ class Dock:
 
     def __init__(self, pays, horizon=40, gamma=1.0, is_discrete=False, tells=False, stride=0.1):
         self.pays, self.horizon, self.gamma, self.is_discrete, self.stride = pays, horizon, gamma, is_discrete, stride
-        self.space = gymnasium.spaces.Discrete(3) if is_discrete else gymnasium.spaces.Box(-1.0, 1.0, (1,))
-        self.observes = gymnasium.spaces.Box(-np.inf, np.inf, (1,))
+        self.space = Discrete(3) if is_discrete else Box(-1.0, 1.0, (1,))
+        self.observes = Box(-np.inf, np.inf, (1,))
         self.name, self.reward, self.success, self.is_repeated = "dock", "own", "docked", True
         self.together, self.taken, self.directions, self.notes, self.tells = 64, 0, {}, (), tells
 

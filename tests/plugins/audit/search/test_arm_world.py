@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from gymnasium.spaces import Discrete
 from gymnasium.vector import AutoresetMode
+from numpy.testing import assert_allclose, assert_array_equal
 
 import harness
 from harness.authoring.commands import World as Arm, choose, load_registry
@@ -107,8 +108,8 @@ def test_pay_is_that_of_an_env_of_one_arm(make):
     for number, start in enumerate(STARTS):
         paid = paid_by_env(world, start, actions[number])
         shown = world.show(int(start), actions[number])
-        np.testing.assert_array_equal(shown.paid, paid)
-        np.testing.assert_array_equal(np.cumsum(paid)[-1], outcomes.paid[number])
+        assert_array_equal(shown.paid, paid)
+        assert_array_equal(np.cumsum(paid)[-1], outcomes.paid[number])
         assert outcomes.steps[number] == len(paid) == len(shown.actions)
         assert outcomes.discounted[number] == pytest.approx(paid @ 0.9 ** np.arange(len(paid)))
         assert {name: values[-1] for name, values in shown.measures.items()} == {
@@ -121,7 +122,7 @@ def test_terms_and_events_add_up_to_the_pay():
     world = world_of(Held(horizon=18))
     shown = world.show(0, drawn(world, 1)[0])
     assert [*shown.terms] == ["nearer", "late", "events"]
-    np.testing.assert_allclose(sum(shown.terms.values()), shown.paid)
+    assert_allclose(sum(shown.terms.values()), shown.paid)
     assert shown.ended == "truncated"
 
 
@@ -131,8 +132,8 @@ def test_episodes_do_not_depend_on_those_beside_them():
     actions = drawn(world, 4)
     many = world.together // 2
     outcomes, alone = world.play(np.tile(STARTS, many), np.tile(actions, (many, 1, 1))), world.play(STARTS, actions)
-    np.testing.assert_array_equal(outcomes.paid, np.tile(alone.paid, many))
-    np.testing.assert_array_equal(outcomes.near, np.tile(alone.near, many))
+    assert_array_equal(outcomes.paid, np.tile(alone.paid, many))
+    assert_array_equal(outcomes.near, np.tile(alone.near, many))
 
 
 def test_success_is_reaching():
@@ -165,7 +166,7 @@ def test_a_policy_is_given_what_its_arm_observes():
     world = world_of()
     outcomes, taken = world.act(STARTS, lambda seen: np.tanh(5.0 * seen[:6]))
     padded = np.stack([np.resize(it, (world.horizon, 6)) for it in taken])
-    np.testing.assert_array_equal(world.play(STARTS, padded).paid, outcomes.paid)
+    assert_array_equal(world.play(STARTS, padded).paid, outcomes.paid)
     assert outcomes.paid[0] == outcomes.paid[2] != outcomes.paid[1]
 
 

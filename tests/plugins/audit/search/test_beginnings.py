@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
 
 import harness
 from harness import RecordRewards
@@ -112,7 +113,7 @@ def test_recorded_trainings_tell_what_was_done(tmp_path):
     best, latest = np.argsort(-np.array(paid))[:8], np.arange(39, 31, -1)
     expected = list(dict.fromkeys([*best.tolist(), *latest.tolist()]))
     assert kinds(begun) == ["recorded training"]
-    np.testing.assert_array_equal([it.actions for it in begun], [done[number] for number in expected])
+    assert_array_equal([it.actions for it in begun], [done[number] for number in expected])
 
 
 def test_an_empty_folder_is_refused(tmp_path):

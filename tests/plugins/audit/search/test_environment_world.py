@@ -4,6 +4,7 @@ import gymnasium
 import numpy as np
 import pytest
 from gymnasium.spaces import Box, Dict, Discrete, MultiDiscrete
+from numpy.testing import assert_allclose, assert_array_equal, assert_equal
 
 from harness import RecordRewards
 from harness.authoring.commands import Columns, choose, load_registry
@@ -26,8 +27,8 @@ class Dock(gymnasium.Env):
         """Where it is, and whether a lamp shines."""
         return {"at": np.array([self.at]), "lamp": int(abs(self.at) < 0.5)}
 
-    def reset(self, *, seed=None, options=None):
-        super().reset(seed=seed)
+    def reset(self, **options):
+        super().reset(**options)
         self.at, self.count = self.np_random.uniform(-2.0, 2.0), 0
         return self.seen(), {"docked": 0.0}
 
@@ -116,7 +117,7 @@ def test_pay_is_what_a_training_is_paid(reward, terms, tmp_path):
         shown = world.show(start, actions[number])
         assert (shown.paid.tolist(), [*shown.terms]) == (paid, terms)
         assert outcomes.paid[number] == np.sum(paid)
-        np.testing.assert_allclose(sum(shown.terms.values()), paid)
+        assert_allclose(sum(shown.terms.values()), paid)
         assert outcomes.discounted[number] == pytest.approx(sum(it * 0.9**t for t, it in enumerate(paid)))
     env.close()
     assert world.taken == 2 * 3 * LENGTH
@@ -200,7 +201,7 @@ def test_how_near_an_episode_came(options, expected):
     world = world_of(**options)
     actions = drawn(world, 1)
     gaps = world.show(0, actions[0]).measures["gap"]
-    np.testing.assert_equal(world.play(np.array([0]), actions).near[0], expected(gaps))
+    assert_equal(world.play(np.array([0]), actions).near[0], expected(gaps))
 
 
 def test_observed_goals_tell_how_near_an_episode_came():
@@ -299,7 +300,7 @@ def test_choices():
     world = world_of(lambda: Dock(Discrete(2)))
     outcomes, taken = world.act(np.arange(3), lambda seen: np.int64(seen["lamp"]))
     assert taken[0].shape == (outcomes.steps[0],)
-    np.testing.assert_array_equal(world.play(np.arange(3), np.stack(taken)).paid, outcomes.paid)
+    assert_array_equal(world.play(np.arange(3), np.stack(taken)).paid, outcomes.paid)
 
 
 def test_a_reward_that_fails_is_named():

@@ -5,6 +5,7 @@ import itertools
 import gymnasium
 import numpy as np
 import pytest
+from gymnasium.spaces import Discrete
 
 from harness_plugins.audit.search.held_out import act_of
 from harness_plugins.audit.search.kept import Kept
@@ -180,7 +181,7 @@ def test_a_search_keeps_the_best_by_both_sums(first):
 
         def __init__(self):
             super().__init__([[(0, 2.0, False, False), (0, 5.0, True, True)]])
-            self.action_space = gymnasium.spaces.Discrete(2, start=first)
+            self.action_space = Discrete(2, start=first)
 
         def step(self, action):
             """Do it."""

@@ -5,6 +5,7 @@ import json
 import gymnasium
 import numpy as np
 import pytest
+from gymnasium.spaces import Box, Discrete
 
 from harness.errors import UsageError
 from harness.screen import CANNOT_TELL, FAILING, NOTHING
@@ -15,12 +16,12 @@ from harness_plugins.audit.search.find import Search
 class Dock(gymnasium.Env):
     """A point that docks at 1 on a line, which ends an episode."""
 
-    observation_space = gymnasium.spaces.Box(-np.inf, np.inf, (1,), np.float64)
-    action_space = gymnasium.spaces.Box(-1.0, 1.0, (1,), np.float64)
+    observation_space = Box(-np.inf, np.inf, (1,), np.float64)
+    action_space = Box(-1.0, 1.0, (1,), np.float64)
 
-    def reset(self, *, seed=None, options=None):
+    def reset(self, **options):
         """Begin between -0.1 and 0.1."""
-        super().reset(seed=seed)
+        super().reset(**options)
         self.at, self.steps = self.np_random.uniform(-0.1, 0.1), 0
         return np.array([self.at]), {}
 
@@ -142,12 +143,12 @@ def test_what_cannot_be_is_refused(wrong, text):
 class Corridor(gymnasium.Env):
     """Ten cells; the last one is success, and ends an episode of at most 20 steps."""
 
-    observation_space = gymnasium.spaces.Discrete(10)
-    action_space = gymnasium.spaces.Discrete(2)
+    observation_space = Discrete(10)
+    action_space = Discrete(2)
 
-    def reset(self, *, seed=None, options=None):
+    def reset(self, **options):
         """Begin in cell 2."""
-        super().reset(seed=seed)
+        super().reset(**options)
         self.at, self.steps = 2, 0
         return self.at, {}
 

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import gymnasium
 import numpy as np
 import pytest
+from gymnasium.spaces import Box, Dict
 
 from harness_plugins.audit.search.held_out import act_of
 from harness_plugins.audit.search.linear import goals_of, search_linear
@@ -86,23 +87,23 @@ def test_observations_and_actions_of_other_shapes(is_dict):
 
     A policy's scale is that of all that was seen: mean and standard deviation; of what never changes, 1.
     """
-    space = gymnasium.spaces.Box(-np.inf, np.inf, (1,), np.float64)
-    spaces = gymnasium.spaces.Dict({"far": space, "near": space})
+    space = Box(-np.inf, np.inf, (1,), np.float64)
+    spaces = Dict({"far": space, "near": space})
 
     class Any(gymnasium.Env):
         """Observes a drawn number beside 7; pays the first number of an action."""
 
-        observation_space = spaces if is_dict else gymnasium.spaces.Box(-np.inf, np.inf, (2,), np.float64)
-        action_space = gymnasium.spaces.Box(-np.inf, np.inf, (2,), np.float32)
+        observation_space = spaces if is_dict else Box(-np.inf, np.inf, (2,), np.float64)
+        action_space = Box(-np.inf, np.inf, (2,), np.float32)
 
         def seen(self):
             """By `np_random`."""
             far, near = self.np_random.normal(3.0, 2.0, 1), np.full(1, 7.0)
             return {"far": far, "near": near} if is_dict else np.concatenate([far, near])
 
-        def reset(self, seed=None, options=None):
+        def reset(self, **options):
             """Begin."""
-            super().reset(seed=seed)
+            super().reset(**options)
             return self.seen(), {}
 
         def step(self, action):

@@ -2,9 +2,9 @@
 
 from dataclasses import replace
 
-import gymnasium
 import numpy as np
 import pytest
+from gymnasium.spaces import Discrete
 
 from harness_plugins.audit import read_certificate, write_certificate
 from harness_plugins.audit.search.behaviour import Rated, Rates
@@ -21,7 +21,7 @@ STARTS = tuple(range(1_000_000, 1_000_030))
 class Coin(Line):
     """Pays 1 for a choice of 1 with a chance that seeds tell, or that nothing tells."""
 
-    space = gymnasium.spaces.Discrete(2)
+    space = Discrete(2)
 
     def __init__(self, chance=0.7, seed=None):
         super().__init__()

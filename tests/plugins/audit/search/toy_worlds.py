@@ -2,6 +2,7 @@
 
 import gymnasium
 import numpy as np
+from gymnasium.spaces import Discrete
 
 from harness_plugins.audit.search.world import Outcomes, Shown
 
@@ -79,11 +80,11 @@ class Graph(gymnasium.Env):
 
     def __init__(self, edges, begin=0):
         self.edges, self.begin = edges, begin
-        self.observation_space = gymnasium.spaces.Discrete(len(edges))
-        self.action_space = gymnasium.spaces.Discrete(len(edges[0]))
+        self.observation_space = Discrete(len(edges))
+        self.action_space = Discrete(len(edges[0]))
 
-    def reset(self, seed=None, options=None):
-        super().reset(seed=seed)
+    def reset(self, **options):
+        super().reset(**options)
         self.at = self.begin
         return self.at, {}
 

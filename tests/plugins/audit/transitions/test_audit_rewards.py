@@ -3,6 +3,7 @@
 import gymnasium
 import numpy as np
 import pytest
+from gymnasium.spaces import Box, Discrete
 
 import harness
 from harness.errors import UsageError
@@ -15,15 +16,15 @@ TABLE = np.random.default_rng(0).normal(size=(2, 3, 2, 3))
 class Anywhere(gymnasium.Env):
     """Three states, two actions; whatever is done, any state follows."""
 
-    observation_space = gymnasium.spaces.Discrete(3)
-    action_space = gymnasium.spaces.Discrete(2)
+    observation_space = Discrete(3)
+    action_space = Discrete(2)
 
     def __init__(self):
         self.closed, self.state, self.left = False, 0, 0
 
-    def reset(self, *, seed=None, options=None):
+    def reset(self, **options):
         """Any state."""
-        super().reset(seed=seed)
+        super().reset(**options)
         self.state, self.left = int(self.np_random.integers(3)), 20
         return self.state, {}
 
@@ -174,7 +175,7 @@ def test_reward_that_fails_for_steps_to_anywhere_has_no_epic():
         return float(following[0])
 
     class Line(Anywhere):
-        observation_space = gymnasium.spaces.Box(-np.inf, np.inf, (1,), np.float64)
+        observation_space = Box(-np.inf, np.inf, (1,), np.float64)
 
         def reset(self, **options):
             super().reset(**options)

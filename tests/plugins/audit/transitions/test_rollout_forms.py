@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
 
 from harness.payoff import record_rollouts, score_rollout
 from harness.reach import ReachTask
@@ -128,7 +129,7 @@ def test_asked_about_its_own_steps_a_reward_pays_what_it_paid(rollouts, reward):
             walk = next(walks)
             steps = list(zip(walk.states, walk.actions, walk.states[1:], strict=False))
             assert len(steps) == rollout.steps[episode]
-            np.testing.assert_array_equal(ask(steps), values[: len(steps), episode])
+            assert_array_equal(ask(steps), values[: len(steps), episode])
 
 
 def test_what_is_asked_of_a_step_that_nobody_took(rollouts):
