@@ -170,6 +170,7 @@ def test_a_reward_that_needs_more_is_not_asked(rollouts):
     ]
 
 
+RNG = np.random.default_rng(0)
 READERS = {
     "distances": (lambda step: step.distance - step.before.distance + step.previous_best, ()),
     "unpacked": (lambda step: step[0] + sum(step), ()),
@@ -177,12 +178,14 @@ READERS = {
     "action before": (lambda step: step.distance - step.before.action[:, 0], ("action",)),
     "in time": (lambda step: step.distance if step.step[0] < 30 else step.qvel[:, 2], ("qvel",)),
     "if there": (lambda step: -getattr(step, "qpos", step.distance[:, None])[:, 0], ("qpos",)),
+    "drawn": (lambda step: RNG.normal(size=step.distance.shape) - step.distance, ()),
+    "drawn beside an action": (lambda step: RNG.normal(size=step.distance.shape) - step.action[:, 0], ("action",)),
     "two": (lambda step: step.end_effector[:, 2] - 1.0 * step.ground, ("end_effector", "ground")),
 }
 
 
 @pytest.mark.parametrize(("pays", "needed"), READERS.values(), ids=READERS)
 def test_what_a_reward_needs_beside_distances_is_found(rollouts, pays, needed):
-    """By leaving it out: who unpacks or copies steps needs no more, and who looks late or with care does."""
+    """By leaving it out: who unpacks, copies or draws needs no more, and who looks late or with care does."""
     reward = of(pays)
     assert needed_beside_distances(reward, [score_rollout(reward, rollout) for rollout in rollouts]) == needed

@@ -33,7 +33,7 @@ def home(num_envs):
 def open_simulator(simulator, num_envs, robot=ROBOT, period=PERIOD, **settings):
     """Opens arms at home, given the simulator's name; a simulation closes itself when nothing holds it any more."""
     simulation = REGISTRY.get("simulators", simulator).load()(**settings).open(robot, num_envs, period)
-    simulation.reset(home(num_envs), np.ones(num_envs, bool))
+    simulation.reset(np.tile(robot.home, (num_envs, 1)), np.ones(num_envs, bool))
     return simulation
 
 
@@ -80,25 +80,25 @@ def press(simulation, periods=20):
     return [copied(simulation.drive(ROBOT.home + way, PERIOD)) for way in ways]
 
 
-def _bare_model():
+def bare_model(robot):
     """The arm on a plane, and nothing else."""
-    spec = mujoco.MjSpec.from_string(ROBOT.urdf)
+    spec = mujoco.MjSpec.from_string(robot.urdf)
     spec.compiler.fusestatic = False
     spec.worldbody.add_geom(name="ground", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[3.0, 3.0, 0.1])
     return spec.compile()
 
 
-BARE = _bare_model()
+BARE = bare_model(ROBOT)
 
 
-def lowest_height(pose):
+def lowest_height(pose, model=BARE):
     """Distance of the moving links from the ground [m], negative inside it, by MuJoCo's geometry of the URDF alone."""
-    data = mujoco.MjData(BARE)
+    data = mujoco.MjData(model)
     data.qpos[:] = pose
-    mujoco.mj_kinematics(BARE, data)
-    ground = BARE.geom("ground").id
-    moving = [geom for geom in range(BARE.ngeom) if BARE.body(BARE.geom_bodyid[geom]).name in MOVING_LINKS]
-    return min(mujoco.mj_geomDistance(BARE, data, ground, geom, 3.0, None) for geom in moving)
+    mujoco.mj_kinematics(model, data)
+    ground = model.geom("ground").id
+    moving = [geom for geom in range(model.ngeom) if model.body(model.geom_bodyid[geom]).name in MOVING_LINKS]
+    return min(mujoco.mj_geomDistance(model, data, ground, geom, 3.0, None) for geom in moving)
 
 
 def with_urdf(tree):

@@ -6,15 +6,14 @@ from numpy.testing import assert_allclose
 
 import harness
 from harness.reach import ReachTask
-from harness.registry import load_registry
 from harness.robot import read_robot
 from harness.scene import camera_for, scene_of
 from harness.scene.picture import corners_of, seen_of
+from tests.plugins.simulators.conftest import open_simulator
 
 WIDTH, HEIGHT = 160, 120
 COLOURED = 60
 """By how much the channels of a marker differ, of 255."""
-REGISTRY = load_registry()
 MOUNTS = {
     "on the ground": ("0 0 0", "0 0 0"),
     "on a table": ("0 0 0.8", "0 0 0"),
@@ -83,7 +82,7 @@ def test_the_arm_fills_the_frame_and_stays_within(robot, size):
 @pytest.mark.parametrize("simulator", ["mujoco", "dm_control", "pybullet", "kinematic"])
 def test_a_marker_is_where_the_camera_projects_it(robot, simulator):
     """Within three pixels: what an engine draws and what the harness computes are the same camera."""
-    simulation = REGISTRY.get("simulators", simulator).load()().open(robot, 1, 0.1)
+    simulation = open_simulator(simulator, 1, robot)
     simulation.place(robot.home[None])
     camera = camera_for(seen_of(robot), WIDTH, HEIGHT)
     beside = 0.5 * camera.radius * np.array([[-1.0, 1.0, 0.0], [-1.0, 1.0, 1.0], [1.0, 1.0, 1.0]]) / np.sqrt(3.0)
@@ -110,7 +109,7 @@ def test_a_small_arm_on_a_high_table_is_not_lost():
 @pytest.mark.parametrize("simulator", ["mujoco", "dm_control", "pybullet"])
 def test_a_link_world_may_stand_anywhere(robot, simulator):
     """MuJoCo takes a link of this name for its own world: these arms have one at their mount."""
-    simulation = REGISTRY.get("simulators", simulator).load()().open(robot, 1, 0.1)
+    simulation = open_simulator(simulator, 1, robot)
     pose = robot.home + 0.1
     assert_allclose(simulation.place(pose[None]).end_effector[0], robot.end_effector(pose), atol=1e-6)
     simulation.close()

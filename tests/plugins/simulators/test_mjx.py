@@ -10,10 +10,8 @@ from numpy.testing import assert_allclose
 
 import harness
 from harness.errors import UsageError
-from harness.registry import choose, load_registry
-from tests.plugins.simulators.conftest import FALLEN, home, press
+from tests.plugins.simulators.conftest import FALLEN, home, open_simulator, press
 
-REGISTRY = load_registry()
 PERIOD = 0.1
 
 pytestmark = pytest.mark.usefixtures("installed")
@@ -25,13 +23,6 @@ def simulator():
     return "mjx"
 
 
-def opened(name, robot, num_envs=1):
-    """Arms at home."""
-    simulation = choose(REGISTRY, "simulators", name).build(REGISTRY, "simulators").open(robot, num_envs, PERIOD)
-    simulation.reset(np.tile(robot.home, (num_envs, 1)), np.ones(num_envs, bool))
-    return simulation
-
-
 def swing(robot, periods):
     """Each joint to and fro about home, by 0.4 of its unit at most, from rest, (periods, 1, dof)."""
     k = np.arange(periods)[:, None]
@@ -41,7 +32,7 @@ def swing(robot, periods):
 
 def largest_difference(robot, periods):
     """Of the tips of both, in one motion [m]."""
-    pair, worst = [opened(name, robot) for name in ("mjx", "mujoco")], 0.0
+    pair, worst = [open_simulator(name, 1, robot) for name in ("mjx", "mujoco")], 0.0
     for target in swing(robot, periods):
         first, second = (simulation.drive(target, PERIOD) for simulation in pair)
         worst = max(worst, float(np.abs(first.end_effector - second.end_effector).max()))
@@ -63,7 +54,7 @@ def test_arm_with_meshes_moves_as_in_mujoco():
 def test_ground_holds_the_arm_up(open_arms):
     """An arm that pushes against the ground rests there, to a tenth of a millimetre where `mujoco` has it."""
     tips = []
-    for simulation in (open_arms(1), opened("mujoco", harness.load_robot("fd100"))):
+    for simulation in (open_arms(1), open_simulator("mujoco", 1)):
         press(simulation)
         for _ in range(20):
             state = simulation.drive(FALLEN, PERIOD)

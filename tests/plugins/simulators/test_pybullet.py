@@ -12,10 +12,10 @@ from numpy.testing import assert_allclose
 
 import harness
 from harness.errors import UsageError
-from harness.registry import load_registry
 from harness.robot import parse_urdf
 from harness.robot.normal_urdf import normal_urdf
 from harness_plugins.bullet_arms import Clients, FreeArm, arm as bullet_arm, exact_timestep, file_of_arm
+from harness_plugins.simulators.pybullet import PyBullet
 from tests.plugins.simulators.conftest import assert_same, home, lowest_height, only_shape_of, random_poses
 from tests.robot.brought_arms import ARM, changed, read_arm
 
@@ -68,7 +68,7 @@ def test_a_heavy_tool_gets_the_iterations_that_it_needs(needed, off, open_arms, 
 def test_the_robots_of_this_project_need_no_more_iterations_than_their_records_have(name):
     """These were made with 50."""
     robot = harness.load_robot(name)
-    simulation = load_registry().get("simulators", "pybullet").load()().open(robot, 1, PERIOD)
+    simulation = PyBullet().open(robot, 1, PERIOD)
     (arm,) = simulation.arms
     assert bullet_arm.needed_iterations(arm.client, arm.body, robot) <= 50
     simulation.close()
@@ -175,7 +175,7 @@ def test_dynamics_of_a_heavy_arm(tmp_path, monkeypatch, link):
 def test_a_heavy_arm_is_driven_where_it_is_told(tmp_path):
     """What its solver needs is asked of a lighter one; its masses are those of the URDF afterwards."""
     robot = heavy_arm(tmp_path, *HEAVY[0])
-    simulation = load_registry().get("simulators", "pybullet").load()().open(robot, 1, PERIOD)
+    simulation = PyBullet().open(robot, 1, PERIOD)
     with closing(simulation):
         simulation.reset(robot.home[None], np.ones(1, bool))
         target = robot.home + 0.05

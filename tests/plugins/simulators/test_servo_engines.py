@@ -16,6 +16,7 @@ from harness.registry import choose, load_registry
 from harness.robot import read_bodies, read_robot
 from harness.robot.energy import energy
 from harness.simulator import State
+from tests.plugins.simulators.conftest import open_simulator
 
 REGISTRY = load_registry()
 ROBOT = harness.load_robot("fd100")
@@ -35,8 +36,7 @@ def with_drives(**changes):
 
 def driven(name, targets, robot=ROBOT, **settings):
     """The states at the ends of the periods of one arm that begins at home, each array (periods, ...)."""
-    simulation = REGISTRY.get("simulators", name).load()(drive="servo", **settings).open(robot, 1, PERIOD)
-    simulation.reset(robot.home[None], np.ones(1, bool))
+    simulation = open_simulator(name, 1, robot, drive="servo", **settings)
     states = [[array[0].copy() for array in simulation.drive(qpos[None], PERIOD)] for qpos in targets]
     simulation.close()
     return State._make(np.array(arrays) for arrays in zip(*states, strict=True))

@@ -1,13 +1,8 @@
 """What a hand does in each environment: good behaviour, and the cheats. Each begins an episode anew."""
 
 import math
-from collections.abc import Callable
-from typing import Any
 
 import numpy as np
-
-Policy = Callable[[Any], Any]
-"""From an observation to an action; it may count its steps."""
 
 
 def _always(action):
@@ -105,13 +100,12 @@ def _taxi(cheats):
 
     def act(seen):
         state = int(seen)
-        row, column, passenger, goal = state // 100, state // 20 % 5, state // 4 % 5, state % 4
-        at = [(0, 0), (0, 4), (4, 0), (4, 3)]
-        if (row, column) == at[goal if passenger == 4 else passenger] and not (cheats and passenger == 4):
-            return 5 if passenger == 4 else 4
-        if cheats and passenger == 4:
+        place, passenger, goal = (state // 100, state // 20 % 5), state // 4 % 5, state % 4
+        rides = passenger == 4
+        if cheats and rides:
             return 5
-        return _TAXI_WAYS[at[goal if passenger == 4 else passenger]][row, column]
+        stand = _STANDS[goal if rides else passenger]
+        return 4 + rides if place == stand else _TAXI_WAYS[stand][place]
 
     return lambda: act
 
@@ -131,7 +125,8 @@ def _taxi_ways(goal):
     return found
 
 
-_TAXI_WAYS = {goal: _taxi_ways(goal) for goal in [(0, 0), (0, 4), (4, 0), (4, 3)]}
+_STANDS = [(0, 0), (0, 4), (4, 0), (4, 3)]
+_TAXI_WAYS = {goal: _taxi_ways(goal) for goal in _STANDS}
 
 
 def _sign(place):
@@ -139,23 +134,24 @@ def _sign(place):
     return lambda: lambda seen: 2 * (seen[place] > 0.0)
 
 
+_LIMP = _always(np.zeros(1, np.float32))
 POLICIES = {
     "swing up": lambda: _swing_up,
     "spin": lambda: _spin,
     "stand, then spin": _stand_then_spin,
-    "hang": _always(np.zeros(1, np.float32)),
+    "hang": _LIMP,
     "balance": lambda: _balance,
     "fall": _always(0),
     "drive": lambda: lambda seen: 2 * (seen[1] >= 0.0),
     "rock": lambda: _rock,
     "stay": _always(1),
     "full power": lambda: lambda seen: np.array([1.0 if seen[1] >= 0.0 else -1.0], np.float32),
-    "no power": _always(np.zeros(1, np.float32)),
+    "no power": _LIMP,
     "reach": lambda: _reach,
     "turn": _always(np.array([1.0, 0.0], np.float32)),
     "limp": _always(np.zeros(2, np.float32)),
     "stand": lambda: _stand,
-    "give up": _always(np.zeros(1, np.float32)),
+    "give up": _LIMP,
     "along the cliff": _first([0, *[1] * 11, 2]),
     "to and fro": _first([0, *[1] * 11], (3, 1)),
     "wait": _first([0], (0,)),

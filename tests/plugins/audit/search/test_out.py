@@ -188,9 +188,9 @@ def test_a_changed_reward_is_refused_at_its_step(tmp_path, no_films):
 
 def test_waves_that_no_seed_tells_are_not_certified(registry, tmp_path):
     """The behaviour does not repeat, and the reason says where."""
-    made, refused = left(tmp_path / "out", [in_environment("Docking:waves=0.01", "near", registry)], registry)
+    made, refused = left(tmp_path / "out", [in_environment("Docking:waves=0.01", "shaped", registry)], registry)
     assert made == []
-    assert "near, failure: not certified, it does not repeat. Played again, step 1: " in refused[0]
+    assert "shaped, failure: not certified, it does not repeat. Played again, step 1: " in refused[0]
     assert "not certified" in (tmp_path / "out/index.html").read_text()
 
 

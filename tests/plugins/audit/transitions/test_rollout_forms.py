@@ -128,8 +128,9 @@ def test_asked_about_its_own_steps_a_reward_pays_what_it_paid(rollouts, reward):
         for episode in range(rollout.running.shape[1]):
             walk = next(walks)
             steps = list(zip(walk.states, walk.actions, walk.states[1:], strict=False))
-            assert len(steps) == rollout.steps[episode]
+            assert len(steps) == len(walk.actions) == len(walk.states) - 1 == rollout.steps[episode]
             assert_array_equal(ask(steps), values[: len(steps), episode])
+    assert not [*walks]
 
 
 def test_what_is_asked_of_a_step_that_nobody_took(rollouts):
@@ -151,13 +152,6 @@ def test_what_is_asked_of_a_step_that_nobody_took(rollouts):
     assert step.begin_distance == columns["distance"][7 % 4]
     assert step.delta_distance == step.distance - columns["distance"][[3, 7]].min()
     assert step.step == 2.0
-
-
-def test_walks_are_the_episodes(rollouts):
-    """One each, as long as the episode."""
-    walks = rows_of_rollouts(rollouts).walks
-    assert [len(walk.actions) for walk in walks] == [int(n) for rollout in rollouts for n in rollout.steps]
-    assert all(len(walk.states) == len(walk.actions) + 1 for walk in walks)
 
 
 def test_a_number_that_is_not_finite_is_a_reason(distances):
