@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from harness.payoff import Rollout
 from harness.reward import Sample
 from harness_plugins.audit.scripts import anywhere, canonical_values, nearby
-from tests.payoff.conftest import DENSE, Counting, Paying, named
+from tests.payoff.conftest import Counting, Paying, named
 
 GAMMA = 0.95
 SAMPLES, GROUPS, CHANGES = 64, 32, 16
@@ -109,15 +109,6 @@ def test_epic_by_hand(by_script):
     before, after = rollout.distances[:-1], rollout.distances[1:]
     values, _ = canonical_values(product, [rollout], GAMMA, anywhere)
     assert values == pytest.approx((before * after + GAMMA * ahead * after - ahead * before).ravel())
-
-
-def test_dard_of_the_distance_by_hand(rollouts):
-    """With R = -d' what follows the next step cancels: left is by how much a step comes nearer than others do."""
-    values, _ = canonical_values(DENSE, rollouts, GAMMA, nearby)
-    reach = nearby(rollouts)
-    before = np.concatenate([rollout.distances[:-1][rollout.running] for rollout in rollouts])
-    after = np.concatenate([rollout.distances[1:][rollout.running] for rollout in rollouts])
-    assert values == pytest.approx(reach.after(before).mean(axis=1) - after)
 
 
 @given(st.floats(0.0, 5.0))

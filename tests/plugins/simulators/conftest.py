@@ -120,6 +120,12 @@ def only_shape_of(link):
 
 
 @pytest.fixture
+def simulator(request):
+    """The one that the file is about, where a test does not say which."""
+    return request.path.stem.removeprefix("test_")
+
+
+@pytest.fixture
 def open_arms(simulator, installed):
     """The same for the `simulator` that the test is about."""
     return partial(open_simulator, simulator)

@@ -5,20 +5,20 @@ import pytest
 from dm_control.rl import control
 from numpy.testing import assert_allclose, assert_array_equal
 
-import harness
 from harness.errors import SimulationDiverged
 from harness.simulator import State
-from tests.plugins.simulators.conftest import assert_same, home, open_simulator, press, random_poses, wander
+from tests.plugins.simulators.conftest import (
+    PERIOD,
+    ROBOT,
+    assert_same,
+    home,
+    open_simulator,
+    press,
+    random_poses,
+    wander,
+)
 
-ROBOT = harness.load_robot("fd100")
-PERIOD = 0.1
 SETTINGS = ({}, {"substeps": 7, "bandwidth": 60.0})
-
-
-@pytest.fixture
-def simulator():
-    """The one that these tests are about."""
-    return "dm_control"
 
 
 @pytest.fixture(scope="module", params=SETTINGS, ids=str)

@@ -5,20 +5,8 @@ import logging
 import numpy as np
 import pytest
 
-import harness
 from harness.errors import SimulationDiverged
-from tests.plugins.simulators.conftest import home
-
-ROBOT = harness.load_robot("fd100")
-PERIOD = 0.1
-
-pytestmark = pytest.mark.usefixtures("installed")
-
-
-@pytest.fixture
-def simulator():
-    """The one that these tests are about."""
-    return "drake"
+from tests.plugins.simulators.conftest import PERIOD, home
 
 
 def test_servo_is_as_fast_as_its_bandwidth(open_arms):

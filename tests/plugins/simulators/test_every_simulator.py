@@ -14,6 +14,9 @@ from harness.registry import load_registry
 from tests.plugins.simulators.conftest import (
     FALLEN,
     MOVING_LINKS,
+    PERIOD,
+    REGISTRY,
+    ROBOT,
     assert_same,
     copied,
     home,
@@ -25,9 +28,6 @@ from tests.plugins.simulators.conftest import (
     with_urdf,
 )
 
-REGISTRY = load_registry()
-ROBOT = harness.load_robot("fd100")
-PERIOD = 0.1
 FASTEST = 0.95 * 0.8 * ROBOT.max_speed
 FOLLOWING = {"kinematic": 1e-9, "physx": 0.05, "pybullet": 0.05}
 """How far a joint may be off its target on the way [degrees]; else 0.5."""

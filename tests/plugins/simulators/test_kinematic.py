@@ -13,18 +13,10 @@ from numpy.testing import assert_allclose, assert_array_equal
 import harness
 from harness.errors import UsageError
 from harness_plugins.simulators.kinematic import Kinematic
-from tests.plugins.simulators.conftest import bare_model, lowest_height, random_poses
+from tests.plugins.simulators.conftest import PERIOD, ROBOT, bare_model, lowest_height, random_poses
 
-ROBOT = harness.load_robot("fd100")
-PERIOD = 0.1
 NEAR = 2e-3
 """Nearer to touching than this the engines may differ [m]."""
-
-
-@pytest.fixture
-def simulator():
-    """The one that these tests are about."""
-    return "kinematic"
 
 
 @pytest.fixture

@@ -10,17 +10,9 @@ from numpy.testing import assert_allclose
 
 import harness
 from harness.errors import UsageError
-from tests.plugins.simulators.conftest import FALLEN, home, open_simulator, press
-
-PERIOD = 0.1
+from tests.plugins.simulators.conftest import FALLEN, PERIOD, home, open_simulator, press
 
 pytestmark = pytest.mark.usefixtures("installed")
-
-
-@pytest.fixture
-def simulator():
-    """The one that these tests are about."""
-    return "mjx"
 
 
 def swing(robot, periods):

@@ -1,14 +1,6 @@
 """MuJoCo: the threads of a batch do not show; what it cannot load is named."""
 
-import pytest
-
 from tests.plugins.simulators.conftest import assert_same, home, wander
-
-
-@pytest.fixture
-def simulator():
-    """The one that these tests are about."""
-    return "mujoco"
 
 
 def test_number_of_threads_does_not_show(open_arms):

@@ -3,21 +3,8 @@
 import resource
 
 import numpy as np
-import pytest
 
-import harness
 from tests.plugins.simulators.conftest import home
-
-ROBOT = harness.load_robot("fd100")
-PERIOD = 0.1
-
-pytestmark = pytest.mark.usefixtures("installed")
-
-
-@pytest.fixture
-def simulator():
-    """The one that these tests are about."""
-    return "physx"
 
 
 def test_worlds_are_given_back(open_arms):

@@ -16,17 +16,16 @@ from harness.robot import parse_urdf
 from harness.robot.normal_urdf import normal_urdf
 from harness_plugins.bullet_arms import Clients, FreeArm, arm as bullet_arm, exact_timestep, file_of_arm
 from harness_plugins.simulators.pybullet import PyBullet
-from tests.plugins.simulators.conftest import assert_same, home, lowest_height, only_shape_of, random_poses
+from tests.plugins.simulators.conftest import (
+    PERIOD,
+    ROBOT,
+    assert_same,
+    home,
+    lowest_height,
+    only_shape_of,
+    random_poses,
+)
 from tests.robot.brought_arms import ARM, changed, read_arm
-
-ROBOT = harness.load_robot("fd100")
-PERIOD = 0.1
-
-
-@pytest.fixture
-def simulator():
-    """The one that these tests are about."""
-    return "pybullet"
 
 
 def test_every_period_has_its_substeps(subtests):

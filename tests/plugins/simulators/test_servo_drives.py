@@ -1,6 +1,5 @@
 """MuJoCo's drives with limits, links that collide with one another, and ideal drives as they were."""
 
-import dataclasses
 import json
 from pathlib import Path
 
@@ -11,17 +10,16 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import harness
 from harness.authoring import ServoTrack
-from harness.registry import load_registry
 from harness.robot import read_robot
 from harness.simulator import State
 from harness_plugins.kit import SIMULATOR_CHECKS, violations
 from harness_plugins.mujoco_model import build_model
 from harness_plugins.simulators.dm_control import DmControl
 from harness_plugins.simulators.mujoco import Mujoco
+from tests.plugins.simulators.conftest import PERIOD, REGISTRY, ROBOT
+from tests.plugins.simulators.test_servo_engines import with_drives
 
-REGISTRY = load_registry()
-ROBOT = harness.load_robot("fd100")
-PERIOD, STEP = 0.1, 0.005
+STEP = 0.005
 BEFORE = json.loads((Path(__file__).parent / "ideal_drives.json").read_text())
 """States that were recorded before there were other drives."""
 EXACT = ("sim-tracking", "sim-velocity", "sim-partial-durations", "sim-small-moves")
@@ -57,7 +55,7 @@ def test_ideal_drives_move_as_before(run):
 @pytest.mark.parametrize("weak", [1.0, 0.5])
 def test_torques_are_those_of_the_law(weak):
     """MuJoCo's actuators move an arm as `Servo.torque` does that is computed here, physics step by physics step."""
-    robot = _with(max_torque=weak * ROBOT.servo.max_torque)
+    robot = with_drives(max_torque=weak * ROBOT.servo.max_torque)
     states = _swung(Mujoco(drive="servo"), 1, 10, robot)
     model = build_model(robot, STEP, 100.0, robot.servo)
     model.actuator_gainprm[:] = model.actuator_biasprm[:] = model.body_gravcomp[:] = 0.0
@@ -169,7 +167,3 @@ def test_links_that_collide_still_feel_the_ground():
     without, collides = (state.ground_contact.copy() for state in placed)
     assert 20 < without.sum() < 180
     assert_array_equal(without, collides)
-
-
-def _with(**changes):
-    return dataclasses.replace(ROBOT, servo=dataclasses.replace(ROBOT.servo, **changes))

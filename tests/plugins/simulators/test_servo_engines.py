@@ -10,17 +10,14 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-import harness
 from harness.errors import UsageError
-from harness.registry import choose, load_registry
+from harness.registry import choose
 from harness.robot import read_bodies, read_robot
 from harness.robot.energy import energy
 from harness.simulator import State
-from tests.plugins.simulators.conftest import open_simulator
+from tests.plugins.simulators.conftest import PERIOD, REGISTRY, ROBOT, open_simulator
 
-REGISTRY = load_registry()
-ROBOT = harness.load_robot("fd100")
-PERIOD, STEP = 0.1, 0.005
+STEP = 0.005
 
 pytestmark = pytest.mark.usefixtures("installed")
 APART = {"drake": 1e-4, "physx": 0.015, "pybullet": 1e-4}
@@ -215,7 +212,7 @@ def test_what_touches_at_home_does_not_collide(simulator):
 
 
 DIGEST = """
-import sys; from test_servo_engines import digest
+import sys; from tests.plugins.simulators.test_servo_engines import digest
 print(digest(sys.argv[1]))
 """
 
@@ -231,5 +228,7 @@ def test_another_process_computes_the_same(simulator, request):
     """Bit for bit; as does the same process a second time."""
     assert digest(simulator) == digest(simulator)
     command = [sys.executable, "-W", "ignore", "-c", DIGEST, simulator]
-    other = subprocess.run(command, cwd=request.path.parent, capture_output=True, text=True, check=True, timeout=120)
+    other = subprocess.run(
+        command, cwd=request.config.rootpath, capture_output=True, text=True, check=True, timeout=120
+    )
     assert other.stdout.split()[-1] == digest(simulator)

@@ -8,7 +8,7 @@ import numpy as np
 from gymnasium.spaces import Box, Dict
 
 
-class Dock(gymnasium.Env):
+class _Dock(gymnasium.Env):
     """Thrust moves a ship. Slow at the dock it is docked, fast it crashes there, beyond 1.35 it is lost."""
 
     observation_space = Dict({"position": Box(-3.0, 3.0, (2,)), "velocity": Box(-1.0, 1.0, (2,))})
@@ -65,7 +65,7 @@ class Docking:
     baseline: ClassVar[str] = "own"
 
     def make(self):
-        return gymnasium.wrappers.TimeLimit(Dock(), 100)
+        return gymnasium.wrappers.TimeLimit(_Dock(), 100)
 
     def rewards(self, env):
         return {"own": "own", "near": _near, "entry": _entry, "hurry": _hurry, "shaped": _shaped}

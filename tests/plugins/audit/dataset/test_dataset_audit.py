@@ -12,19 +12,18 @@ from harness.payoff import of_arm, pay_dataset, step_by_step, write_dataset_scor
 from harness.payoff.dataset import paid_dataset
 from harness.payoff.dataset.rewards import Recorded
 from harness.record.dataset.labels import FAILURE, SUCCESS, UNKNOWN
-from harness.registry import choose, load_registry
 from harness.reward.forms import reward_class
 from harness.reward.terms import sum_of
 from harness.score.places import parse_places
 from harness_plugins.audit import audit_dataset
 from harness_plugins.datasets import dataset as sizes
+from tests.payoff.conftest import named
 from tests.record.dataset.written import episode, opened, write_lerobot, write_minari
 from tests.score.test_places import pay_episode
 
 RANKS, AGAINST, CANNOT_TELL = "RANKS AS SUCCESS DOES", "RANKS AGAINST IT", "CANNOT TELL"
 PLACES = "end_effector=0:3,target=3:6"
 STEPS = 12
-REGISTRY = load_registry()
 
 
 def reaching(number, success=None, waits=0, **attrs):
@@ -66,11 +65,6 @@ def far(observation, action, next_observation, info):
     return float(next_observation[0])
 
 
-def built(name):
-    """A registered reward."""
-    return choose(REGISTRY, "rewards", name).build(REGISTRY, "rewards")
-
-
 def pay(dataset, places=None, **rewards):
     """Functions, and rewards of an arm by a map, are paid to a data set."""
     asked = {name: step_by_step(name, it) if callable(it) and places is None else it for name, it in rewards.items()}
@@ -95,7 +89,7 @@ def test_a_reward_that_ranks_as_success_does_is_told(reached):
 
 def test_the_arm_s_rewards_are_paid_by_a_map(reached):
     """As an episode by itself is."""
-    arp, places = built("arp"), parse_places(PLACES)
+    arp, places = named("arp"), parse_places(PLACES)
     paid = pay(reached, places, arp=of_arm(arp, places))
     seen = reaching(0)["observations"]
     expected = pay_episode(arp, places.end_effector(seen), places.target(seen))
@@ -116,7 +110,7 @@ def gentle(step):
 def test_pieces_do_not_change_the_pay(reached, monkeypatch, name):
     """A reward with a memory keeps it from one piece to the next; terms add up to the last bit of every step."""
     places = parse_places(PLACES)
-    rewards = {"it": of_arm(built(name), places), **{it.__name__: step_by_step("it", it) for it in (near, gentle)}}
+    rewards = {"it": of_arm(named(name), places), **{it.__name__: step_by_step("it", it) for it in (near, gentle)}}
     whole = pay(reached, places, **rewards)
     monkeypatch.setattr(sizes, "ROWS", 5)
     pieces = pay(reached, places, **rewards)
@@ -245,7 +239,7 @@ def test_function_of_a_step_may_not_need_the_next_observation(lerobot):
 
 def test_joints_of_a_robot_give_the_end_effector(minari):
     """By its forward kinematics, so that ARP is paid to an arm's log."""
-    robot, arp = load_robot("fd100"), built("arp")
+    robot, arp = load_robot("fd100"), named("arp")
     target = np.tile([0.2, 0.1, 0.3], (STEPS + 1, 1))
     joints = np.random.default_rng(0).uniform(robot.lower, robot.upper, (STEPS + 1, robot.dof))
     places = parse_places(f"joints=0:{robot.dof},target={robot.dof}:{robot.dof + 3}", robot.end_effector)

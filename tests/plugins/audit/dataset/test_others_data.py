@@ -14,11 +14,11 @@ from harness.errors import SchemaError, UsageError
 from harness.payoff.dataset.step_by_step import Unseen
 from harness.recorder.sealed import Sealer
 from harness_plugins.audit import audit_dataset
+from tests.plugins.audit.dataset.test_dataset_audit import AGAINST, CANNOT_TELL, RANKS
 from tests.record.dataset.frames import info_of, write_frames
 from tests.record.dataset.written import episode, write_minari
 
 STEPS = 10
-RANKS, AGAINST, CANNOT_TELL = "RANKS AS SUCCESS DOES", "RANKS AGAINST IT", "CANNOT TELL"
 EVEN, LATE = np.arange(40) % 2 == 0, np.arange(20) >= 10
 VERSIONS = pytest.mark.parametrize("version", ["v2.1", "v3.0"])
 

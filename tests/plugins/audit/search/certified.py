@@ -31,14 +31,9 @@ class Line:
     scale: float = 1.0
     leaks: bool = False
     at: float = 0.0
-    name: str = "line"
-    reward: str = "near"
-    gamma: float = 0.9
-    horizon: int = HORIZON
-    success: str = "success"
-    is_repeated: bool = True
     taken: int = 0
 
+    name, reward, gamma, horizon, success, is_repeated = "line", "near", 0.9, HORIZON, "success", True
     space = Box(-1, 1, (1,), np.float32)
     observes = Box(-9, 9, (1,), np.float64)
 

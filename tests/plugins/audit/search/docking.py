@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import gymnasium
 import numpy as np
 
-from tests.plugins.audit.cases.docking import Dock, Docking as Calm
+from tests.plugins.audit.cases.docking import Docking as Calm, _Dock
 
 
-class Ship(Dock):
+class Ship(_Dock):
     """Waves push it, and it is seen from above."""
 
     metadata = {"render_modes": ["rgb_array"]}  # noqa: RUF012

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-import harness
 from harness import RecordRewards
 from harness.authoring.commands import Columns, World as Arm
 from harness.env import kinematics_policy
@@ -15,9 +14,9 @@ from harness_plugins.audit.search.arm_world import ArmWorld
 from harness_plugins.audit.search.beginnings import of_folder, policy_named, scripts_of
 from harness_plugins.audit.search.environment_world import of_env
 from harness_plugins.kit import IdealSimulator
+from tests.plugins.audit.search.test_arm_world import ROBOT
 from tests.plugins.audit.search.test_environment_world import LENGTH, Dock
 
-ROBOT = harness.load_robot("fd100")
 STARTS = np.array([3, 5])
 
 
