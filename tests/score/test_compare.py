@@ -14,7 +14,6 @@ from scipy import stats
 
 import harness.score.compare
 from harness.hookspecs import PROJECT
-from harness.record import COLUMN, SCALARS, Manifest, TraceWriter
 from harness.record.cell_log import cell_log
 from harness.registry import Choice, load_registry
 from harness.score import compare_logs, match_steps
@@ -68,7 +67,7 @@ def groups(tmp_path):
 def compare(baseline, proposed, **given):
     """Compare all CSV files of two folders, or what two patterns match."""
     patterns = [f"{where}/*.csv" if Path(where).is_dir() else str(where) for where in (baseline, proposed)]
-    return compare_logs(*map(match_steps, patterns), load_registry(), **given)
+    return compare_logs(*map(match_steps, patterns), load_registry(), **given).to_json()
 
 
 def write_rewards(folder, *runs):
@@ -158,7 +157,7 @@ def jackknifed(paid, above, below, position, accumulated):
 @pytest.mark.parametrize("kind", ["accumulated", "per-step"])
 def test_every_figure_equals_plain_python(groups, kind):
     """Indices, etas, rulers, behaviours and their intervals, from files of both programs and of different length."""
-    data = compare(groups / "base", groups / "k2", kind=kind).to_json()
+    data = compare(groups / "base", groups / "k2", kind=kind)
     accumulated = kind == "accumulated"
     base, k2 = ([read_run(path)[:60] for path in sorted((groups / name).glob("*.csv"))] for name in ("base", "k2"))
     paid = {
@@ -210,7 +209,7 @@ def test_the_same_runs_paid_three_times_as_much_behave_the_same(tmp_path):
     for seed in range(5):
         write_run(tmp_path / "base" / f"{seed}.csv", arp(1.0), seed, 80)
         write_run(tmp_path / "times3" / f"{seed}.csv", arp(3.0, 3.0), seed, 80)
-    data = compare(tmp_path / "base", tmp_path / "times3").to_json()
+    data = compare(tmp_path / "base", tmp_path / "times3")
     assert data["rewards"]["proposed"] == "arp:k1=3,k2=3"
     for split in (data["eta_N"], data["eta_P"]):
         values = [split[name]["value"] for name in ("eta", "ruler", "behaviour", "interaction")]
@@ -219,7 +218,7 @@ def test_the_same_runs_paid_three_times_as_much_behave_the_same(tmp_path):
 
 def test_a_group_against_itself_is_one(groups):
     """Value and both ends of the interval: the same files are paired."""
-    data = compare(groups / "base", groups / "base").to_json()
+    data = compare(groups / "base", groups / "base")
     for name in ("eta_N", "eta_P"):
         assert [data[name]["eta"][end] for end in ("value", "low", "high")] == [1.0, 1.0, 1.0]
 
@@ -227,9 +226,9 @@ def test_a_group_against_itself_is_one(groups):
 @pytest.mark.parametrize("held", [5, 35, 300])
 def test_pieces_of_any_size_give_the_same(groups, monkeypatch, held):
     """How many rows are held at once changes nothing but the last digit."""
-    whole = compare(groups / "base", groups / "k2").to_json()
+    whole = compare(groups / "base", groups / "k2")
     monkeypatch.setattr(harness.score.compare, "HELD", held)
-    pieces = compare(groups / "base", groups / "k2").to_json()
+    pieces = compare(groups / "base", groups / "k2")
     assert pieces["baseline"] == whole["baseline"]
     assert pieces["rows_left_out"] == whole["rows_left_out"]
     for name in ("eta_N", "eta_P"):
@@ -251,7 +250,7 @@ EDGES = {
 def test_a_curve_at_an_edge_is_told(tmp_path, edge):
     """An eta that is none has its reason, one run no interval, and JSON no number that is not finite."""
     base, proposed, index, *etas = EDGES[edge]
-    data = compare(write_rewards(tmp_path / "b", base), write_rewards(tmp_path / "k", proposed)).to_json()
+    data = compare(write_rewards(tmp_path / "b", base), write_rewards(tmp_path / "k", proposed))
     assert tuple(data["baseline"].values()) == index
     for name, (value, note) in zip(("eta_N", "eta_P"), etas, strict=True):
         found = data[name]["eta"]
@@ -267,7 +266,7 @@ def test_a_curve_at_an_edge_is_told(tmp_path, edge):
 def test_runs_are_cut_to_the_shortest_of_both_groups(tmp_path):
     """The mean is over all runs at every step; how many rows were left out is said, and which run is the shortest."""
     base = write_rewards(tmp_path / "b", [-1, -1, 7, 7], [-3, 1])
-    data = compare(base, write_rewards(tmp_path / "k", [1, 2, 3])).to_json()
+    data = compare(base, write_rewards(tmp_path / "k", [1, 2, 3]))
     assert data["baseline"]["steps"] == data["proposed"]["steps"] == 2
     assert data["baseline"]["I_N"] == -4.0
     assert data["rows_left_out"] == {"baseline": 2, "proposed": 1}
@@ -277,7 +276,7 @@ def test_runs_are_cut_to_the_shortest_of_both_groups(tmp_path):
 def test_a_run_that_broke_off_is_named(tmp_path):
     """One of three is cut after one step: the others lose nearly all, and the reader learns by which file."""
     base = write_rewards(tmp_path / "b", range(10), [5, *range(1, 10)], [1])
-    (note,) = compare(base, write_rewards(tmp_path / "k", range(1, 11))).notes
+    (note,) = compare(base, write_rewards(tmp_path / "k", range(1, 11)))["notes"]
     assert note.endswith(f"of the shortest, '{base}/2.csv'; the longest has 10. Leave it out if it broke off")
 
 
@@ -290,8 +289,8 @@ def test_a_copy_counts_once(tmp_path):
     """Each of three runs stored again under another name, longer or not: the same answer, and told."""
     runs = [varied(seed) for seed in range(3)]
     proposed = write_rewards(tmp_path / "k", *map(varied, range(10, 13)))
-    distinct = compare(write_rewards(tmp_path / "b", *runs), proposed).to_json()
-    copies = compare(write_rewards(tmp_path / "c", *runs, *[[*run, 7.0] for run in runs]), proposed).to_json()
+    distinct = compare(write_rewards(tmp_path / "b", *runs), proposed)
+    copies = compare(write_rewards(tmp_path / "c", *runs, *[[*run, 7.0] for run in runs]), proposed)
     assert copies["notes"][0] == f"'{tmp_path}/c/3.csv' is equal to '{tmp_path}/c/0.csv': the run counts once"
     assert copies["runs"] == distinct["runs"] == {"baseline": 3, "proposed": 3}
     assert copies["eta_N"]["eta"] == distinct["eta_N"]["eta"]
@@ -301,16 +300,16 @@ def test_a_copy_counts_once(tmp_path):
 def test_equal_runs_of_few_rewards_may_be_chance(tmp_path):
     """-1 a step and 0 at an episode's start: three trainings that never succeed count as three, and are told."""
     data = compare(write_rewards(tmp_path / "b", *[[0, -1, -1]] * 3), write_rewards(tmp_path / "k", [0, -2, -1]))
-    assert data.runs["baseline"] == 3
-    assert data.notes[0].endswith("record the same rewards; each counts")
+    assert data["runs"]["baseline"] == 3
+    assert data["notes"][0].endswith("record the same rewards; each counts")
 
 
 def test_equal_runs_in_both_groups_are_told(tmp_path):
     """A file that was copied into the other group under another name."""
     b, k = write_rewards(tmp_path / "b", varied(0), varied(1)), write_rewards(tmp_path / "k", varied(1), varied(2))
-    assert compare(b, k).notes == (
+    assert compare(b, k)["notes"] == [
         f"'{b}/1.csv' and '{k}/0.csv' record the same rewards: between them there is nothing to compare",
-    )
+    ]
 
 
 def test_other_units_are_told(tmp_path):
@@ -322,9 +321,9 @@ def test_other_units_are_told(tmp_path):
         rows = [",".join([first, *(str(1000.0 * float(cell)) for cell in rest)]) for first, *rest in cells]
         (tmp_path / "mm").mkdir(exist_ok=True)
         (tmp_path / "mm" / f"{seed}.csv").write_text("\n".join([lines[0], *rows]) + "\n")
-    notes = compare(tmp_path / "m", tmp_path / "mm").notes
+    notes = compare(tmp_path / "m", tmp_path / "mm")["notes"]
     assert "are both in metres?" in notes[-1]
-    assert compare(tmp_path / "m", tmp_path / "m").notes == ()
+    assert compare(tmp_path / "m", tmp_path / "m")["notes"] == []
 
 
 def test_a_fault_behind_the_shortest_run_is_told(tmp_path):
@@ -340,7 +339,7 @@ def test_a_fault_behind_the_shortest_run_is_told(tmp_path):
 def test_without_distances_the_etas_are_not_split(tmp_path, groups):
     """One bare file is enough; the etas stay, and the parts say which file it is."""
     bare = write_rewards(tmp_path / "bare", [0, -1, 3])
-    data = compare(bare, groups / "k2").to_json()
+    data = compare(bare, groups / "k2")
     assert data["eta_N"]["eta"]["value"] is not None
     nothing = {"value": None, "low": None, "high": None, "note": f"{bare}/0.csv has no distances to score again"}
     for name in ("eta_N", "eta_P"):
@@ -352,7 +351,7 @@ def test_without_distances_the_etas_are_not_split(tmp_path, groups):
 def test_runs_of_one_group_under_two_rewards_are_not_split(groups):
     """The reason names the first file that the others' reward did not pay."""
     write_run(groups / "base" / "9.csv", arp(1.5), 9, 80)
-    data = compare(groups / "base", groups / "k2").to_json()
+    data = compare(groups / "base", groups / "k2")
     assert data["rewards"]["baseline"] is None
     assert data["eta_N"]["ruler"]["note"].startswith(
         f"no one reward pays all runs of a group: {groups}/base/9.csv, line "
@@ -362,10 +361,10 @@ def test_runs_of_one_group_under_two_rewards_are_not_split(groups):
 def test_a_given_reward_is_used_and_checked(groups):
     """A name that paid the runs is taken as it stands; any other is refused with the row that shows it."""
     given = compare(groups / "base", groups / "k2", proposed_reward="arp", baseline_reward="arp:k2=1")
-    assert given.rewards == {"baseline": "arp:k2=1", "proposed": "arp"}
-    told = compare(groups / "base", groups / "k2").to_json()
+    assert given["rewards"] == {"baseline": "arp:k2=1", "proposed": "arp"}
+    told = compare(groups / "base", groups / "k2")
     named = {"rewards": 0, "number": ""}
-    assert given.to_json() | named == told | named
+    assert given | named == told | named
     with refused(r"The runs were not paid by arp:k2=2: .*/k2/0\.csv, line \d+: recorded"):
         compare(groups / "base", groups / "k2", proposed_reward="arp:k2=2")
     with refused("No reward 'arpp'"):
@@ -375,36 +374,36 @@ def test_a_given_reward_is_used_and_checked(groups):
 # Traces
 
 
-def write_trace(folder, pay, seed, reward, make_cell, target=0.0):
+@pytest.fixture
+def write_run_as_trace(write_trace):
     """The trace of `write_run`, with its manifest, and `target` paid on top in every third step."""
-    write_run(folder / "as.csv", pay, seed, 60)
-    run = read_run(folder / "as.csv")
-    (folder / "as.csv").unlink()
-    rows, step = np.zeros((len(run), len(SCALARS) + 2)), 0
-    for row, (_, begin, before, distance, start) in zip(rows, run, strict=True):
-        step = 0 if start else step + 1
-        values = {
-            "step": step,
+
+    def write(folder, pay, seed, reward, target=0.0):
+        write_run(folder / "as.csv", pay, seed, 60)
+        run = read_run(folder / "as.csv")
+        (folder / "as.csv").unlink()
+        steps = []
+        for *_, start in run:
+            steps.append(0 if start else steps[-1] + 1)
+        _, begin, before, distance, _ = np.transpose(run)
+        columns = {
+            "step": steps,
             "begin_distance": begin,
             "previous_best": before,
             "distance": distance,
             "delta_distance": distance - before,
-            "reward": 0.0 if start else pay(begin, before, distance),
-            "reward_target": target if step % 3 == 1 else 0.0,
+            "reward": score_run(run, pay),
+            "reward_target": np.where(np.mod(steps, 3) == 1, target, 0.0),
         }
-        for name, value in values.items():
-            row[COLUMN[name]] = value
-    with TraceWriter(folder / "trace.parquet", 1, 1) as writer:
-        writer.append(rows)
-    name, _, k2 = reward.partition(":k2=")
-    Manifest(make_cell(reward=Choice(name, (("k2", k2),) if k2 else (), reward), seed=seed), status="done").write(
-        folder
-    )
+        name, _, k2 = reward.partition(":k2=")
+        write_trace(folder, columns, reward=Choice(name, (("k2", k2),) if k2 else (), reward), seed=seed)
+
+    return write
 
 
-def test_traces_and_csv_files_mix(tmp_path, groups, make_cell):
+def test_traces_and_csv_files_mix(tmp_path, groups, write_run_as_trace):
     """A group may hold both: the trace declares what the files of its group show."""
-    write_trace(groups / "traces", arp(1.5), 3, "arp", make_cell)
+    write_run_as_trace(groups / "traces", arp(1.5), 3, "arp")
     recordings = match_steps([f"{groups}/traces/*.parquet", f"{groups}/k2/*.csv"])
     base = match_steps(f"{groups}/base/*.csv")
     data = compare_logs(base, recordings, load_registry()).to_json()
@@ -412,13 +411,13 @@ def test_traces_and_csv_files_mix(tmp_path, groups, make_cell):
     assert data["eta_N"]["ruler"]["value"] is not None
 
 
-def test_event_terms_are_added_on_demand(tmp_path, make_cell):
+def test_event_terms_are_added_on_demand(tmp_path, write_run_as_trace):
     """Under either ruler the events are paid as they were; files without them are refused by name."""
     for seed in range(2):
-        write_trace(tmp_path / f"b{seed}", arp(1.0), seed, "baseline", make_cell, target=10.0)
-        write_trace(tmp_path / f"k{seed}", arp(1.5), seed, "arp", make_cell, target=10.0)
+        write_run_as_trace(tmp_path / f"b{seed}", arp(1.0), seed, "baseline", target=10.0)
+        write_run_as_trace(tmp_path / f"k{seed}", arp(1.5), seed, "arp", target=10.0)
     patterns = f"{tmp_path}/b*/trace.parquet", f"{tmp_path}/k*/trace.parquet"
-    data = compare(*patterns, with_events=True).to_json()
+    data = compare(*patterns, with_events=True)
     paid = []
     for seed in range(2):
         rows = cell_log(tmp_path / f"b{seed}" / "trace.parquet")
@@ -428,22 +427,22 @@ def test_event_terms_are_added_on_demand(tmp_path, make_cell):
     assert data["baseline"]["I_N"] == pytest.approx(negative, abs=0.0501)
     assert data["with_events"]
     assert data["eta_P"]["ruler"]["value"] is not None
-    assert compare(*patterns).to_json()["baseline"]["I_P"] < positive
+    assert compare(*patterns)["baseline"]["I_P"] < positive
     (tmp_path / "bare.csv").write_text("reward\n1\n")
     with refused(r"bare\.csv has no event terms: leave out --with-events"):
         compare(patterns[0], tmp_path / "bare.csv", with_events=True)
 
 
-def test_runs_of_known_seeds_are_paired(tmp_path, make_cell):
+def test_runs_of_known_seeds_are_paired(tmp_path, write_run_as_trace):
     """Whatever the folders are called, equal seeds meet: a change that is the same in all pairs has no spread."""
     for seed in range(5):
-        write_trace(tmp_path / f"b{seed}", arp(1.0), seed, "baseline", make_cell)
-        write_trace(tmp_path / f"k{9 - seed}", arp(2.0, 2.0), seed, "arp:k2=2", make_cell)
+        write_run_as_trace(tmp_path / f"b{seed}", arp(1.0), seed, "baseline")
+        write_run_as_trace(tmp_path / f"k{9 - seed}", arp(2.0, 2.0), seed, "arp:k2=2")
     patterns = f"{tmp_path}/b*/trace.parquet", f"{tmp_path}/k*/trace.parquet"
-    eta = compare(*patterns).to_json()["eta_N"]["eta"]
+    eta = compare(*patterns)["eta_N"]["eta"]
     assert [eta["value"], eta["low"], eta["high"]] == pytest.approx([2.0, 2.0, 2.0], rel=1e-12)
     (tmp_path / "b0" / "manifest.json").unlink()  # one seed is not known: nothing is paired
-    eta = compare(*patterns).to_json()["eta_N"]["eta"]
+    eta = compare(*patterns)["eta_N"]["eta"]
     assert eta["low"] < 1.9
     assert eta["high"] > 2.1
 
@@ -480,6 +479,7 @@ def register_rewards(register):
 
 def test_both_etas_are_corrected_together(groups):
     """Two claims of one comparison: no corrected p is below its own."""
-    splits = compare(groups / "base", groups / "k2").decomposition.splits.values()
+    logs = (match_steps(f"{groups / name}/*.csv") for name in ("base", "k2"))
+    splits = compare_logs(*logs, load_registry()).decomposition.splits.values()
     assert all(split.corrected >= split.p for split in splits)
     assert any(split.corrected != split.p for split in splits)

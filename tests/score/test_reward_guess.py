@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from harness.hookspecs import PROJECT
-from harness.record import COLUMN, SCALARS, Manifest, TraceWriter
 from harness.registry import Choice, load_registry
 from harness.score import guess_reward
 from harness.score.compare import misfit
@@ -134,31 +133,26 @@ def test_a_reward_that_nobody_registered_cannot_be_checked(tmp_path, registry):
 # Traces
 
 
-def _trace(folder, reward, pays, make_cell):
-    """Two envs that trained together, row by row in turns; each comes 0.1 m closer per step."""
-    rows = np.zeros((8, len(SCALARS) + 2))
-    for number, row in enumerate(rows):
-        step, env = divmod(number, 2)
-        begin, distance = 1.0 + env, 1.0 + env - 0.1 * step
-        before = begin - 0.1 * max(0, step - 1)
-        row[[COLUMN["env"], COLUMN["step"], COLUMN["begin_distance"]]] = env, step, begin
-        row[[COLUMN["previous_best"], COLUMN["distance"]]] = before, distance
-        row[[COLUMN["delta_distance"], COLUMN["reward"]]] = distance - before, pays * (begin - distance)
-    with TraceWriter(folder / "trace.parquet", 1, 1) as writer:
-        writer.append(rows)
-    Manifest(make_cell(reward=reward), status="done").write(folder)
-    return open_steps(folder / "trace.parquet")
-
-
 @pytest.mark.parametrize(
     ("reward", "pays", "choice"),
     [("arp:k2=3", 3.0, "arp:k2=3"), ("sparse", 0.0, "sparse"), ("arp:k2=3", 2.5, None)],
     ids=["it pays", "it pays zeros", "it has changed"],
 )
-def test_a_trace_was_paid_by_what_it_declares(tmp_path, registry, make_cell, reward, pays, choice):
+def test_a_trace_was_paid_by_what_it_declares(tmp_path, registry, write_trace, reward, pays, choice):
     """Also where several envs' rows take turns; a plugin that has changed since cannot score the run again."""
     declared = Choice(reward.partition(":")[0], (), reward)
-    found, reason = guess_reward(_trace(tmp_path, declared, pays, make_cell), registry)
+    step, env = np.divmod(np.arange(8), 2)  # each comes 0.1 m closer per step
+    begin, distance, before = 1.0 + env, 1.0 + env - 0.1 * step, 1.0 + env - 0.1 * np.maximum(0, step - 1)
+    columns = {
+        "env": env,
+        "step": step,
+        "begin_distance": begin,
+        "previous_best": before,
+        "distance": distance,
+        "delta_distance": distance - before,
+        "reward": pays * (begin - distance),
+    }
+    found, reason = guess_reward(open_steps(write_trace(tmp_path, columns, reward=declared)), registry)
     assert found == choice
     assert choice or reason.endswith(f"recorded; not even {reward}, which its manifest declares")
 
