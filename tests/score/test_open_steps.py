@@ -10,7 +10,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from harness.errors import SchemaError, UsageError
-from harness.record import COLUMN, SCALARS, Manifest, TraceWriter
+from harness.record import TraceWriter
 from harness.record.cell_log import cell_of
 from harness.registry import Choice
 from harness.score import EVENTS, StepsCsv, can_be_paid, match_steps, pay_log
@@ -196,42 +196,33 @@ def test_steps_are_counted_from_the_last_start(write):
 # Traces
 
 
-def _rows(env=0):
-    """Three rows of a trace with one joint: start, closer, farther, with event terms."""
-    rows = np.zeros((3, len(SCALARS) + 2))
-    columns = {
-        "env": [env] * 3,
-        "step": [0, 1, 2],
-        "begin_distance": [1.0, 1.0, 1.0],
-        "previous_best": [1.0, 1.0, 0.6],
-        "distance": [1.0, 0.6, 0.7],
-        "delta_distance": [0.0, -0.4, 0.7 - 0.6],
-        "reward": [0.0, 0.4, -(0.7 - 0.6)],
-        "reward_ground": [0.0, 0.0, -1.0],
-        "reward_target": [0.0, 1.0, 0.0],
-        "reward_step": [0.0, -0.25, -0.25],
-    }
-    for name, values in columns.items():
-        rows[:, COLUMN[name]] = values
-    return rows
+ROWS = {
+    "env": [0, 0, 0],
+    "step": [0, 1, 2],
+    "begin_distance": [1.0, 1.0, 1.0],
+    "previous_best": [1.0, 1.0, 0.6],
+    "distance": [1.0, 0.6, 0.7],
+    "delta_distance": [0.0, -0.4, 0.7 - 0.6],
+    "reward": [0.0, 0.4, -(0.7 - 0.6)],
+    "reward_ground": [0.0, 0.0, -1.0],
+    "reward_target": [0.0, 1.0, 0.0],
+    "reward_step": [0.0, -0.25, -0.25],
+}
+"""Of a trace with one joint: start, closer, farther, with event terms."""
 
 
 @pytest.fixture
-def trace(tmp_path, make_cell):
+def trace(tmp_path, write_trace):
     """A trace with its manifest."""
-    path = tmp_path / "trace.parquet"
-    with TraceWriter(path, 1, 1) as writer:
-        writer.append(_rows())
     reward = Choice("arp", (("k1", 1.0), ("k2", 2.0)), "arp:k2=2")
-    Manifest(make_cell(reward=reward, seed=7), status="done").write(tmp_path)
-    return path
+    return write_trace(tmp_path, ROWS, reward=reward, seed=7)
 
 
 def test_a_trace_is_read_as_it_is(trace):
     """Its best distance is the one before the step, exactly; so are its event terms."""
-    rows, written = rows_of(trace), _rows()
+    rows = rows_of(trace)
     for name in ("previous_best", "delta_distance", "reward_target", "reward_step", "step", "env"):
-        np.testing.assert_array_equal(rows[name], written[:, COLUMN[name]])
+        np.testing.assert_array_equal(rows[name], ROWS[name])
     assert open_steps(trace).facts.first_line == 1
 
 
@@ -247,9 +238,8 @@ def test_a_trace_declares_its_reward(trace):
 
 def test_a_trace_as_csv_is_read_as_the_trace(trace, write):
     """A trace's own column names mean in a CSV file what they mean in a trace."""
-    names = [name for name in SCALARS if name.startswith(("env", "step", "begin", "prev", "dist", "delta", "reward"))]
-    lines = [",".join(str(row[COLUMN[name]]) for name in names) for row in _rows()]
-    from_csv, from_trace = rows_of(write(",".join(names), *lines)), rows_of(trace)
+    lines = [",".join(map(str, row)) for row in zip(*ROWS.values(), strict=True)]
+    from_csv, from_trace = rows_of(write(",".join(ROWS), *lines)), rows_of(trace)
     for name in (*EVENTS, *STEPS[1:]):
         np.testing.assert_array_equal(from_csv[name], from_trace[name])
     np.testing.assert_array_equal(from_csv[PAY], from_trace["reward/arp:k2=2"])
