@@ -9,7 +9,6 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import harness
-from harness.errors import UsageError
 from harness.registry import load_registry
 from tests.plugins.simulators.conftest import (
     FALLEN,
@@ -27,6 +26,7 @@ from tests.plugins.simulators.conftest import (
     wander,
     with_urdf,
 )
+from tests.refusals import refused
 
 FASTEST = 0.95 * 0.8 * ROBOT.max_speed
 FOLLOWING = {"kinematic": 1e-9, "physx": 0.05, "pybullet": 0.05}
@@ -237,7 +237,7 @@ def test_pressed_on_arm_touches_the_ground(open_arms, depth):
 def test_urdf_that_cannot_be_read_is_a_usage_error(open_arms, engine):
     """One line names the robot."""
     broken = replace(ROBOT, urdf=ROBOT.urdf.replace('<mass value="', '<mass value="heavy'))
-    with pytest.raises(UsageError, match=f"^{engine} cannot load the URDF of robot 'fd100': [^\\n]*$"):
+    with refused(f"^{engine} cannot load the URDF of robot 'fd100': [^\\n]*$"):
         open_arms(1, broken)
 
 
@@ -245,7 +245,7 @@ def test_urdf_that_cannot_be_read_is_a_usage_error(open_arms, engine):
 @pytest.mark.usefixtures("installed")
 def test_bad_setting_is_a_usage_error(simulator, given):
     """A setting that cannot be is refused, in one line that names it."""
-    with pytest.raises(UsageError, match=given.partition("=")[0]):
+    with refused(given.partition("=")[0]):
         harness.make_env(f"{simulator}:{given}")
 
 

@@ -11,9 +11,9 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import harness
-from harness.errors import UsageError
 from harness_plugins.simulators.kinematic import Kinematic
 from tests.plugins.simulators.conftest import PERIOD, ROBOT, bare_model, lowest_height, random_poses
+from tests.refusals import refused
 
 NEAR = 2e-3
 """Nearer to touching than this the engines may differ [m]."""
@@ -131,5 +131,5 @@ def test_state_does_not_depend_on_the_batch(open_arms):
 def test_rendering_without_pillow_says_what_to_install(open_arms, monkeypatch):
     """`render` draws without an engine, but not without a library."""
     monkeypatch.setitem(sys.modules, "PIL", None)
-    with pytest.raises(UsageError, match=r"fd100-harness\[video\]"):
+    with refused(r"fd100-harness\[video\]"):
         open_arms(1).render(0, np.zeros(3), 64, 48)

@@ -9,8 +9,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 import harness
-from harness.errors import UsageError
 from tests.plugins.simulators.conftest import FALLEN, PERIOD, home, open_simulator, press
+from tests.refusals import refused
 
 pytestmark = pytest.mark.usefixtures("installed")
 
@@ -85,7 +85,7 @@ def test_shape_that_mjx_does_not_know_is_a_usage_error(open_arms, monkeypatch):
         raise NotImplementedError("(plane, cone)\ncollisions not implemented.")
 
     monkeypatch.setattr(mjx, "put_model", refuse)
-    with pytest.raises(UsageError, match=r"robot 'fd100': \(plane, cone\) collisions .* Take the simulator 'mujoco'"):
+    with refused(r"robot 'fd100': \(plane, cone\) collisions .* Take the simulator 'mujoco'"):
         open_arms(1)
 
 

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from harness.errors import UsageError
 from harness.registry import choose
 from harness.robot import read_bodies, read_robot
 from harness.robot.energy import energy
 from harness.simulator import State
 from tests.plugins.simulators.conftest import PERIOD, REGISTRY, ROBOT, open_simulator
+from tests.refusals import refused
 
 STEP = 0.005
 
@@ -184,7 +184,7 @@ def test_new_fields_leave_cells_as_they_were(simulator):
 @with_servos
 def test_robot_without_drives_is_refused(simulator):
     """One line names the robot and what is missing."""
-    with pytest.raises(UsageError, match=r"'fd100' has no drives to simulate: its robot.toml has no table \[servo\]"):
+    with refused(r"'fd100' has no drives to simulate: its robot.toml has no table \[servo\]"):
         driven(simulator, JUMP, replace(ROBOT, servo=None))
 
 

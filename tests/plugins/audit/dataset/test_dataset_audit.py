@@ -7,7 +7,6 @@ import pyarrow.parquet as pq
 import pytest
 
 from harness import load_robot
-from harness.errors import UsageError
 from harness.payoff import of_arm, pay_dataset, step_by_step, write_dataset_scores
 from harness.payoff.dataset import paid_dataset
 from harness.payoff.dataset.rewards import Recorded
@@ -20,6 +19,7 @@ from harness_plugins.audit import audit_dataset
 from harness_plugins.datasets import dataset as sizes
 from tests.payoff.conftest import named
 from tests.record.dataset.written import episode, opened, write_lerobot, write_minari
+from tests.refusals import refused
 
 RANKS, AGAINST, CANNOT_TELL = "RANKS AS SUCCESS DOES", "RANKS AGAINST IT", "CANNOT TELL"
 PLACES = "end_effector=0:3,target=3:6"
@@ -260,7 +260,7 @@ def test_joints_of_a_robot_give_the_end_effector(minari):
 )
 def test_an_arm_s_reward_without_a_map_is_refused(reached, more, told):
     """The message shows one; a robot would not be used either."""
-    with pytest.raises(UsageError, match=told):
+    with refused(told):
         audit_dataset(reached, ["arp"], **more)
 
 

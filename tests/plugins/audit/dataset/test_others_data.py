@@ -10,13 +10,14 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from harness.errors import SchemaError, UsageError
+from harness.errors import SchemaError
 from harness.payoff.dataset.step_by_step import Unseen
 from harness.recorder.sealed import Sealer
 from harness_plugins.audit import audit_dataset
 from tests.plugins.audit.dataset.test_dataset_audit import AGAINST, CANNOT_TELL, RANKS
 from tests.record.dataset.frames import info_of, write_frames
 from tests.record.dataset.written import episode, write_minari
+from tests.refusals import refused
 
 STEPS = 10
 EVEN, LATE = np.arange(40) % 2 == 0, np.arange(20) >= 10
@@ -173,7 +174,7 @@ def test_a_label_that_is_not_known_leaves_the_episode_out(write, unknown):
 def test_a_probability_is_refused_with_what_to_type(write):
     """And read with a threshold."""
     folder = write(labelled(np.arange(40) / 40.0))
-    with pytest.raises(UsageError, match=r"--success 'next\.success>0\.5'"):
+    with refused(r"--success 'next\.success>0\.5'"):
         ask(folder)
     assert [ask(folder, success=f"next.success{it}0.5").successes for it in (">", " >= ")] == [19, 20]
 
@@ -194,7 +195,7 @@ def test_labels_stand_in_a_file(write, tmp_path):
     assert told(found) == (10, 9, 1.0)
     assert "Labels of episodes that are not there: 1 (the first is 99)" in found.notes
     path.write_text("\n".join(["episode,success", *lines, "20,1"]))
-    with pytest.raises(UsageError, match="counts the episodes from 1"):
+    with refused("counts the episodes from 1"):
         ask(folder, labels=path)
 
 
@@ -207,13 +208,13 @@ def test_a_return_may_say_what_succeeds(write):
     assert (own.by_success.value, own.by_success.answer) == (1.0, CANNOT_TELL)
     assert own.by_success.reason == "success is told by this very reward"
     for above in (np.nan, np.inf):
-        with pytest.raises(UsageError, match="give a finite return"):
+        with refused("give a finite return"):
             ask(folder, success_above=above)
 
 
 def test_neither_reward_nor_success_is_one_message(write):
     """That names both."""
-    with pytest.raises(UsageError, match=r"no recorded reward, and nothing says which episodes succeeded.*--labels"):
+    with refused(r"no recorded reward, and nothing says which episodes succeeded.*--labels"):
         ask(write(without_pay(UNTOLD)))
 
 

@@ -7,7 +7,6 @@ from numpy.testing import assert_array_equal
 from harness import RecordRewards
 from harness.authoring.commands import Columns, World as Arm
 from harness.env import kinematics_policy
-from harness.errors import UsageError
 from harness.payoff.rollout import Unpaid
 from harness.reach import ReachTask
 from harness_plugins.audit.search.arm_world import ArmWorld
@@ -16,6 +15,7 @@ from harness_plugins.audit.search.environment_world import of_env
 from harness_plugins.kit import IdealSimulator
 from tests.plugins.audit.search.test_arm_world import ROBOT
 from tests.plugins.audit.search.test_environment_world import LENGTH, Dock
+from tests.refusals import refused
 
 STARTS = np.array([3, 5])
 
@@ -61,7 +61,7 @@ def test_a_function_in_a_file_is_a_policy(tmp_path):
     begun = policy_named(world, f"{file}:stand")
     outcomes, taken = world.act(np.array([0]), begun.act)
     assert (begun.made_by, outcomes.steps[0], taken[0].any()) == ("policy stand", LENGTH, False)
-    with pytest.raises(UsageError, match="has no function 'walk'"):
+    with refused("has no function 'walk'"):
         policy_named(world, f"{file}:walk")
 
 
@@ -77,7 +77,7 @@ def test_what_a_policy_does_wrong_is_its_own_fault(tmp_path, body, text):
     """And not the environment's."""
     (tmp_path / "cheats.py").write_text(f"def walk(observation):\n    {body}\n")
     world = docks()
-    with pytest.raises(UsageError, match=text):
+    with refused(text):
         world.act(np.array([0]), policy_named(world, f"{tmp_path / 'cheats.py'}:walk").act)
 
 
@@ -88,13 +88,13 @@ def test_a_saved_policy_acts(tmp_path):
     begun = policy_named(world, str(tmp_path / "mine"))
     assert begun.made_by == "policy mine"
     assert world.act(STARTS, begun.act)[0].success.all()
-    with pytest.raises(UsageError, match="does not act in Dock"):
+    with refused("does not act in Dock"):
         policy_named(docks(), str(tmp_path / "mine"))
 
 
 def test_nothing_is_no_policy():
     """It says what to write."""
-    with pytest.raises(UsageError, match=r"FILE\.py:NAME"):
+    with refused(r"FILE\.py:NAME"):
         policy_named(docks(), "nowhere")
 
 
@@ -117,7 +117,7 @@ def test_recorded_trainings_tell_what_was_done(tmp_path):
 
 def test_an_empty_folder_is_refused(tmp_path):
     """With what it should hold."""
-    with pytest.raises(UsageError, match="holds no policy and no recorded actions"):
+    with refused("holds no policy and no recorded actions"):
         of_folder(docks(), tmp_path)
 
 
@@ -127,5 +127,5 @@ def test_recordings_of_other_actions_are_left_out(tmp_path):
     env.reset(seed=0)
     env.step(np.zeros(1))
     env.close()
-    with pytest.raises(UsageError, match="holds no policy"):
+    with refused("holds no policy"):
         of_folder(arm(), tmp_path)

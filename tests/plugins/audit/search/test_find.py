@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from gymnasium.spaces import Box, Discrete
 
-from harness.errors import UsageError
 from harness.screen import CANNOT_TELL, FAILING, NOTHING
 from harness_plugins.audit import find_cheats
 from harness_plugins.audit.search.find import Search
+from tests.refusals import refused
 
 
 class Dock(gymnasium.Env):
@@ -136,7 +136,7 @@ def test_starts_are_those_of_no_evaluation():
 )
 def test_what_cannot_be_is_refused(wrong, text):
     """In one sentence."""
-    with pytest.raises(UsageError, match=text):
+    with refused(text):
         find_cheats(Dock, **{"rewards": {"near": near}, **FEW, **wrong})
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from harness.authoring.commands import choose, load_registry, read_given
-from harness.errors import SchemaError, UsageError
+from harness.errors import SchemaError
 from harness.files.sealed import seal, unseal
 from harness_plugins.audit import page_in, read_certificate, replay_file, write_certificate, write_found
 from harness_plugins.audit.search.behaviour import Behaviour, Searched
@@ -17,6 +17,7 @@ from harness_plugins.audit.search.finding import Finding
 from harness_plugins.audit.search.out import certificates_of
 from harness_plugins.audit.search.place import Place, places_in_environment, places_on_task, world_at
 from tests.plugins.audit.search.certified import certificate_of
+from tests.refusals import refused
 
 DOCKING = "tests.plugins.audit.search.docking:Docking"
 IDS = ("Pendulum-v1", "CartPole-v1", "FrozenLake-v1")
@@ -163,7 +164,7 @@ def test_a_link_is_not_followed(tmp_path, docked):
     """Neither when a folder is shown nor when one is written."""
     (tmp_path / "a.json").symlink_to(docked / "near-failure.json")
     assert page_in(tmp_path) is None
-    with pytest.raises(UsageError, match="is a link"):
+    with refused("is a link"):
         write_found(tmp_path, [certificate_of()], load_registry())
 
 
@@ -175,7 +176,7 @@ def test_a_changed_reward_is_refused_at_its_step(tmp_path, no_films):
     (made,), _ = left(tmp_path / "out", [in_environment("gymnasium:id=Pendulum-v1", "calm", registry)], registry)
     path = tmp_path / "out/calm-failure.json"
     assert made.place.plugins[0]["path"] == "calm.py"
-    with pytest.raises(UsageError, match=r"The certificate needs the plugin calm.py \(SHA-256 .*give --plugin calm.py"):
+    with refused(r"The certificate needs the plugin calm.py \(SHA-256 .*give --plugin calm.py"):
         replay_file(path, load_registry())
     file.write_text(REWARDS.replace("-0.1 * ", "-0.125 * "))
     found = replay_file(path, load_registry(given=read_given([str(file)])))
@@ -222,15 +223,15 @@ def test_a_module_is_not_imported_because_a_file_names_it(tmp_path, monkeypatch)
     evil = replace(task, params=tuple((key, "evil:X-v0" if key == "id" else it) for key, it in task.params))
     place = Place(evil, task, gamma=0.9, horizon=20)
     write_certificate(certificate_of(place=place), tmp_path / "c.json")
-    with pytest.raises(UsageError, match="--allow-import evil"):
+    with refused("--allow-import evil"):
         replay_file(tmp_path / "c.json", registry)
 
 
 def test_what_cannot_be_replayed_is_told(tmp_path, docked, registry):
     """No file, and a simulator for an environment."""
-    with pytest.raises(UsageError, match="there is no such file"):
+    with refused("there is no such file"):
         replay_file(tmp_path / "none.json", registry)
-    with pytest.raises(UsageError, match="--sim does not go with"):
+    with refused("--sim does not go with"):
         replay_file(docked / "near-failure.json", registry, "mujoco")
 
 

@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 from gymnasium.spaces import Box, Discrete
 
-import harness
 from harness.errors import UsageError
 from harness_plugins.audit import audit_rewards
+from tests.refusals import refused
 
 TABLE = np.random.default_rng(0).normal(size=(2, 3, 2, 3))
 """Of two rewards, by state, action and next state."""
@@ -139,7 +139,7 @@ def test_same_seed_gives_the_same():
 
 def test_hidden_memory_is_refused():
     """What it pays says nothing: its name, and what to write instead."""
-    with pytest.raises(harness.errors.UsageError, match=r"reward 'odd' failed .* Write a class with reset\(\)"):
+    with refused(r"reward 'odd' failed .* Write a class with reset\(\)"):
         audit({"first": first, "odd": Counting()}, episodes=1, steps=6)
 
 
