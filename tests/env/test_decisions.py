@@ -1,7 +1,6 @@
 """Decisions of several environment steps under one action."""
 
-from collections.abc import Callable
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -13,7 +12,6 @@ from harness.record import TraceWriter, read_trace
 from harness.robot import reach_position
 from harness.score.scorer import pay_log
 
-Call = Callable[..., Any]
 PERIOD = 5
 
 

@@ -1,8 +1,5 @@
 """Discrete actions: one choice of many."""
 
-from collections.abc import Callable
-from typing import Any
-
 import gymnasium
 import numpy as np
 import pytest
@@ -11,7 +8,6 @@ import harness
 from harness.reach import ReachTask
 from harness_plugins.tasks.unity import Arp2021
 
-Call = Callable[..., Any]
 ARM = harness.load_robot("unity-arm")
 
 

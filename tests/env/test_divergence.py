@@ -1,8 +1,5 @@
 """A simulation that leaves the finite numbers."""
 
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -10,8 +7,6 @@ from harness.env import IdealSimulation
 from harness.errors import SimulationDiverged
 from harness.record import TraceWriter
 from harness_plugins.kit import IdealSimulator
-
-Call = Callable[..., Any]
 
 
 class LosesTheEndEffector(IdealSimulation):

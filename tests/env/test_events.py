@@ -2,9 +2,7 @@
 
 import json
 import math
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -14,7 +12,6 @@ from harness.reach import ReachTask
 from harness.robot import forward, reach_position
 from harness_plugins.tasks.unity import Arp2021, UnityReach
 
-Call = Callable[..., Any]
 ARM = harness.load_robot("unity-arm")
 TARGET = np.array([[0.45, -0.45, 0.2]])
 

@@ -1,8 +1,5 @@
 """A task that asks for more than a point that stays, in the env and in its record."""
 
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
 import pytest
 from pydantic.dataclasses import dataclass
@@ -18,7 +15,6 @@ from harness_plugins.tasks.pose import Pose
 from tests.env.conftest import REGISTRY, build
 from tests.refusals import refused
 
-Call = Callable[..., Any]
 ROBOT = harness.load_robot("fd100")
 
 

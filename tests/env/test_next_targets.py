@@ -1,8 +1,5 @@
 """Targets that do not end the episode: a bonus on entering, then the next target."""
 
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -15,7 +12,6 @@ from harness_plugins.kit.trainings import NegativeDistance
 from harness_plugins.tasks.unity import Arp2021, UnityReach
 from tests.env.conftest import CountsSteps
 
-Call = Callable[..., Any]
 ARM = harness.load_robot("unity-arm")
 PLACES = np.array([[0.45, -0.45, 0.2], [0.3, -0.5, 0.3], [0.5, -0.3, 0.5]])
 

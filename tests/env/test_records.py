@@ -1,14 +1,10 @@
 """What the env leaves in a trace."""
 
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
 
 import harness
 from harness.reach import ReachTask
 
-Call = Callable[..., Any]
 ROBOT = harness.load_robot("fd100")
 
 

@@ -1,14 +1,9 @@
 """What an arm meets depends on the seed and its number alone."""
 
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
 
 import harness
 from harness.reach import ReachTask
-
-Call = Callable[..., Any]
 
 
 def test_same_seed_same_starts_under_other_rewards(first_observations):

@@ -1,9 +1,7 @@
 """What a reward is told of an arm's steps, its terms in the trace, and that a trace is paid again bit for bit."""
 
-from collections.abc import Callable
 from functools import partial, reduce
 from operator import add
-from typing import Any
 
 import numpy as np
 import pytest
@@ -20,7 +18,6 @@ from harness_plugins.kit.trainings import NegativeDistance
 from tests.env.conftest import REGISTRY, SHORT_TASK, TASKS, build
 from tests.refusals import refused
 
-Call = Callable[..., Any]
 AIDS = ("joints", "choices", "long decisions", "next targets", "a goal that moves", "worse")
 BEFORE = ("action", "ground", "qpos", "distance", "qvel")
 TOURS = {**TASKS["next targets"], "epsilon": 0.7}

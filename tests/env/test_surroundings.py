@@ -1,8 +1,5 @@
 """Noise, delays, obstacles and varied arms in a batch of envs."""
 
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -13,7 +10,6 @@ from harness.env import ArmObservation, surroundings
 from harness.reach import ReachTask
 from harness_plugins.simulators.kinematic import Kinematic
 
-Call = Callable[..., Any]
 ROBOT = harness.load_robot("fd100")
 DOF = ROBOT.dof
 WORSE = ReachTask(

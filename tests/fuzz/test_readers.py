@@ -7,13 +7,10 @@ inputs each time, as many as can be tried in so many minutes.
 
 import os
 import time
-from collections.abc import Callable
 from random import SystemRandom
 
 import pytest
 from hypothesis import HealthCheck, Phase, given, settings, strategies as st
-
-from tests.fuzz.readers import Reader
 
 NAMES = (
     *("csv", "toml", "experiment", "urdf", "robot", "binary stl", "collada", "glb", "ply", "text stl", "obj"),
@@ -26,7 +23,6 @@ NAMES = (
 )
 EACH = pytest.mark.parametrize("name", NAMES)
 SEEDS = st.integers(0, 2**63)
-Fuzz = Callable[[Reader, int], bool]
 MINUTES = "FUZZ_MINUTES"
 """The environment variable with the minutes of the long run, for all readers together."""
 

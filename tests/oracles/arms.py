@@ -5,12 +5,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from harness.robot.robot import load_robot
 from tests.oracles.trial import Trial, call
 
-Matrix = NDArray[np.float64]
 POSES = 3
 
 

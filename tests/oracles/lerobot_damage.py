@@ -6,7 +6,7 @@ import numpy as np
 import pyarrow as pa
 
 from tests.oracles.lerobot_sets import LEFT_OUT, ask, draw_layout, parts_of, write
-from tests.oracles.recorded_runs import Run, answer_of, draw_runs
+from tests.oracles.recorded_runs import answer_of, draw_runs
 from tests.oracles.trial import Trial
 
 
@@ -147,8 +147,6 @@ DAMAGES = (
 
 # What can be left out, or read around: the episodes of each answer that is right, whether a refusal is too, and what
 # has to be told.
-
-Partly = tuple[Sequence[Sequence[Run]], bool, str]
 
 
 def left_over(parts, runs, rng):

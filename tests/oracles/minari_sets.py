@@ -5,18 +5,15 @@ and ``total_steps``, arrays that can grow, one observation and one info more tha
 """
 
 import json
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from random import Random
-from typing import Any
 
 import h5py
 import numpy as np
 
 from tests.oracles.lerobot_sets import LEFT_OUT, copied, reduced
-from tests.oracles.recorded_runs import MATTERS, NO_MATTER, Run, answer_of, draw_runs
+from tests.oracles.recorded_runs import MATTERS, NO_MATTER, answer_of, draw_runs
 from tests.oracles.trial import Trial, call_json
 
 MAIN, METADATA = Path("data/main_data.hdf5"), Path("data/metadata.json")
@@ -140,12 +137,12 @@ def matters(rng, folder):
     return Trial(change.__name__, lambda: ask(folder), [answer_of(changed)], tells=tells)
 
 
-Change = Callable[[Any, Sequence[Run], Random], tuple[Sequence[Sequence[Run]], bool, str]]
-"""Changes the open file; tells the episodes of each answer that is right, whether a refusal is, and what is told."""
-
-
 def changed(rng, folder):
-    """Something in the file is wrong."""
+    """Something in the file is wrong.
+
+    A change takes the open file, and tells the episodes of each answer that is right, whether a refusal is, and what
+    has to be told.
+    """
     runs = draw_runs(rng)
     change = rng.choice(CHANGES)
     layout = replace(draw_layout(rng), chunks="guessed", compression=None, in_file=False)

@@ -3,7 +3,6 @@
 import itertools
 import json
 from functools import cache
-from typing import Any
 
 import numpy as np
 import safetensors.numpy
@@ -108,9 +107,6 @@ def experiment(rng, folder):
     path = folder / "a.toml"
     path.write_text(text_of(changed, rng), newline="")
     return Trial(change, _asked(lambda: _read_experiment(path)), [cells_of(one) for one in right])
-
-
-Changed = tuple[list[dict[str, Any]], dict[str, Any]]
 
 
 def _other(name, value):

@@ -2,7 +2,6 @@
 
 import importlib
 import itertools
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -22,7 +21,6 @@ from tests.oracles import settings
 from tests.oracles.test_oracles import faults_of
 
 lerobot = importlib.import_module("harness_plugins.logs.lerobot")
-Break = Callable[[pytest.MonkeyPatch], None]
 TRIED = 24
 """So many inputs are tried before a mutant counts as missed."""
 

@@ -8,8 +8,6 @@ import re
 import signal
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from random import Random
 from typing import Any
 
 from harness.cli import main
@@ -55,8 +53,7 @@ class Trial:
     tells: str = ""
 
 
-Oracle = Callable[[Random, Path], Trial]
-"""Makes an input in an empty folder, changes it, and says what is right. All by the random numbers it is given."""
+# An oracle makes an input in an empty folder, changes it, and says what is right, all by random numbers it is given.
 
 
 def fault_of(trial):

@@ -1,13 +1,8 @@
 """The policy of policy gradients where actions are choices."""
 
-from collections.abc import Callable
-
 import numpy as np
 
 from harness.policy import Categorical
-
-Make = Callable[..., Categorical]
-Observations = Callable[..., np.ndarray]
 
 
 def test_draws_have_the_probabilities_of_the_logits(make_network, observations):

@@ -1,15 +1,10 @@
 """The policy of TD3 and DDPG."""
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
 from harness.policy import Deterministic
-
-Make = Callable[..., Deterministic]
-Observations = Callable[..., np.ndarray]
 
 
 @pytest.mark.parametrize("noise", [0.02, 0.1])

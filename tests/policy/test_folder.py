@@ -32,7 +32,6 @@ from harness.policy import (
 from harness.policy.network import ACTIVATIONS
 
 Make = Callable[..., Network]
-Observations = Callable[..., np.ndarray]
 
 EXAMPLES = {
     "squashed": lambda make: make(SquashedGaussian, low=-0.3, high=0.7),

@@ -1,14 +1,9 @@
 """The policy of DQN."""
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 
 from harness.policy import Greedy
-
-Make = Callable[..., Greedy]
-Observations = Callable[..., np.ndarray]
 
 
 @pytest.mark.parametrize("epsilon", [0.0, 0.3, 1.0])

@@ -1,15 +1,11 @@
 """What all networks have in common: layers, normalisation, the batch."""
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 import pytest
 
-from harness.policy import Categorical, Deterministic, Gaussian, Greedy, Network, SquashedGaussian
-
-Make = Callable[..., Network]
-Observations = Callable[..., np.ndarray]
+from harness.policy import Categorical, Deterministic, Gaussian, Greedy, SquashedGaussian
 
 CONTINUOUS = (SquashedGaussian, Gaussian, Deterministic)
 NETWORKS = (*CONTINUOUS, Greedy, Categorical)

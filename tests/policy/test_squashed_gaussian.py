@@ -1,14 +1,9 @@
 """The policy of soft actor-critic."""
 
-from collections.abc import Callable
-
 import numpy as np
 from hypothesis import example, given, strategies as st
 
 from harness.policy import SquashedGaussian
-
-Make = Callable[..., SquashedGaussian]
-Observations = Callable[..., np.ndarray]
 
 
 def test_drawn_actions_have_the_policy_s_distribution(make_network, observations):

@@ -1,14 +1,11 @@
 """The floors: whatever is observed, anything is done."""
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
 from harness.policy import Uniform, UniformChoice
 
-Observations = Callable[..., np.ndarray]
 FLOORS = pytest.mark.parametrize("floor", [Uniform((-1.0, 0.0), (1.0, 4.0)), UniformChoice(5)])
 
 

@@ -3,8 +3,6 @@
 import dataclasses
 import hashlib
 import json
-from collections.abc import Callable
-from pathlib import Path
 
 import pytest
 
@@ -44,7 +42,6 @@ def register_rewards(register):
     register("twin", f"{{__name__}}:MyReward", summary="pays too")
 {REWARD}
 """
-Lay = Callable[..., Path]
 
 
 @pytest.fixture

@@ -4,7 +4,6 @@ import json
 import os
 import sys
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -14,7 +13,6 @@ from harness.registry import given_from_json, given_to_json, load_registry, read
 from harness.registry.given import PluginFile
 from harness.registry.plugin_module import COPIES, OLD, _own_folder, file_behind, import_file
 
-Lay = Callable[[str, str], Path]
 REWARD = '''
 {imports}
 

@@ -2,7 +2,6 @@
 
 import shutil
 import sys
-from collections.abc import Callable
 from importlib.metadata import EntryPoint, metadata
 from typing import NamedTuple
 
@@ -12,8 +11,6 @@ from harness.errors import PluginError, UsageError
 from harness.hookspecs import KINDS
 from harness.registry import OURS, Spec, did_you_mean, load_registry, registry as module, unknown_name
 from harness.registry.registry import VARIABLE, Wanted, installed
-
-Write = Callable[..., EntryPoint]
 
 ONE_OF_EACH = "import harness\n" + "".join(
     f"@harness.hookimpl\ndef register_{kind}(register):\n"

@@ -1,7 +1,6 @@
 """Functions in plugin files: rewards and measures for the steps of any environment."""
 
 import re
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -9,7 +8,6 @@ import pytest
 from harness.errors import UsageError
 from harness.registry import load_registry, read_given, split_measures
 
-Lay = Callable[[str, str], Path]
 ONE = """
 import math
 from math import sqrt

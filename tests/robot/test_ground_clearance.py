@@ -9,7 +9,6 @@ from harness.robot import Chain, Shape, build_solids, forward, link_frames, pars
 from harness.robot.kinematics import build_chain, transform
 from tests.refusals import refused
 
-Shapes = tuple[tuple[Shape, ...], ...]
 CORNERS = np.array(np.meshgrid([-0.1, 0.1], [-0.2, 0.2], [-0.3, 0.3])).reshape(3, -1).T
 """Of a box of 0.2 x 0.4 x 0.6."""
 

@@ -7,11 +7,9 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
 
-from harness.robot import Shape, attach_shapes, parse_urdf, read_shapes
+from harness.robot import attach_shapes, parse_urdf, read_shapes
 from harness.robot.kinematics import transform
 from tests.refusals import refused
-
-Shapes = tuple[tuple[Shape, ...], ...]
 
 
 def test_all_kinds_are_read(arm_text):

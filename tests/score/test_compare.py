@@ -4,7 +4,6 @@ import csv
 import json
 import math
 import random
-from collections.abc import Callable
 from importlib.metadata import entry_points
 from pathlib import Path
 
@@ -18,10 +17,6 @@ from harness.record.cell_log import cell_log
 from harness.registry import Choice, load_registry
 from harness.score import compare_logs, match_steps
 from tests.refusals import refused
-
-Pay = Callable[[float, float, float], float]
-Run = list[tuple[float, ...]]
-"""Rows of (reward, begin distance, best distance before the step, distance, 1 in a start row)."""
 
 HEADER = "t,beginDistance,prevBest,distance,delta_distance,reward"
 BASELINE, K2 = "baseline", "arp:k1=1,k2=1.5"

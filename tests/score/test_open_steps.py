@@ -1,8 +1,6 @@
 """Recorded files of anybody: what each row says, and what is said about a file that cannot be read."""
 
 import os
-from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
@@ -18,8 +16,6 @@ from harness.score.csv_steps import PAY, STEPS
 from harness.score.open_steps import open_steps
 from harness_plugins.rewards.relative import Relative
 from tests.refusals import refused
-
-Write = Callable[..., Path]
 
 HEADER = "t,beginDistance,prevBest,distance,delta_distance,reward,target x,endEff x ,endEff z "
 BASE = (

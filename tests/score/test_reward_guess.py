@@ -1,7 +1,6 @@
 """Which reward paid a recording: told from its rows, to the digits that they have."""
 
 import random
-from collections.abc import Callable
 from importlib.metadata import entry_points
 
 import numpy as np
@@ -13,8 +12,6 @@ from harness.score import guess_reward
 from harness.score.compare import misfit
 from harness.score.open_steps import open_steps
 from tests.refusals import refused
-
-Pay = Callable[[float, float, float], float]
 
 HEADER = "t,beginDistance,prevBest,distance,delta_distance,reward"
 

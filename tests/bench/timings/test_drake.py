@@ -9,7 +9,6 @@ from harness.registry import load_registry
 
 pytestmark = pytest.mark.bench
 SUBSTEPS, PERIOD = 20, 0.1
-Told = list[tuple[str, np.ndarray]]
 
 
 def bare_loop(arm, told):

@@ -1,7 +1,6 @@
 """Cells in an environment that are killed go on from their last checkpoint, to the same end."""
 
 import shutil
-from pathlib import Path
 
 import pytest
 
@@ -12,7 +11,6 @@ from harness.record import LOG, MANIFEST, partial_folder, read_manifest
 from harness.record.folder import evaluation_files
 from harness.record.manifest import digests_in
 
-FOLDER = Path(__file__).parent
 EVERY = 50
 SMALL = "net_arch=8,batch_size=8,learning_starts=40"
 RANDOM = "random:num_envs=2"

@@ -1,7 +1,5 @@
 """Cells that learn in hindsight: on a toy with goals, and where that is not possible."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -10,7 +8,6 @@ from harness.experiment import check_experiment, expand
 from harness.experiment.run_cell import run_cell
 from harness.record import read_recording
 
-FOLDER = Path(__file__).parent
 SMALL = "net_arch=32,batch_size=64,learning_starts=50,learning_rate=0.003"
 
 

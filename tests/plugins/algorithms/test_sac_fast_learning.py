@@ -10,7 +10,6 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 import harness
 from harness.experiment.arm_evaluation import EVALUATION_SEED
@@ -21,9 +20,6 @@ pytestmark = pytest.mark.slow
 EVERY, STEPS = 500, 5_000
 EPISODES = 100
 ENV = {"simulator": "kinematic", "task": "fd100-reach", "reward": "dense"}
-
-Curve = NDArray[np.float64]
-"""Share of successes and mean return at each evaluation, (evaluations, 2)."""
 
 
 def evaluate(act):

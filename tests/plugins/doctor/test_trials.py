@@ -2,7 +2,6 @@
 
 import sys
 import textwrap
-from collections.abc import Callable
 
 import pytest
 
@@ -53,7 +52,6 @@ class Odd:
     def behaviour(self, env):
         return {{}}
 """
-Install = Callable[..., None]
 
 
 @pytest.fixture

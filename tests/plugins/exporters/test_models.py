@@ -1,7 +1,6 @@
 """Exported models: other programs get the actions that the policy gives."""
 
 import json
-from collections.abc import Callable
 from itertools import product
 
 import numpy as np
@@ -10,11 +9,9 @@ import onnxruntime
 import pytest
 from hypothesis import given, strategies as st
 
-from harness.policy import Categorical, Deterministic, Gaussian, Greedy, Network, SquashedGaussian
+from harness.policy import Categorical, Deterministic, Gaussian, Greedy, SquashedGaussian
 from harness_plugins.exporters import onnx_model
 
-Make = Callable[..., Network]
-Act = Callable[[np.ndarray], np.ndarray]
 CARD = {"format": 2, "algorithm": "wander", "cell": {"seed": 3, "reward": "¼ of it"}}
 
 

@@ -5,7 +5,6 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -18,7 +17,7 @@ from harness.policy import WEIGHTS
 from harness.record import EVALUATION, MANIFEST, POLICY, Cell, Store, partial_folder, read_manifest, read_trace
 from harness.record.cell import BROUGHT
 from harness.registry import Choice, choose, load_registry
-from harness.results import Results, load_results
+from harness.results import load_results
 from harness_plugins.transfer import (
     TRANSFER,
     load_transfers,
@@ -32,8 +31,6 @@ from harness_plugins.transfer.jobs import evaluate_elsewhere
 
 EASY = "fd100-reach:epsilon=0.25,horizon=40"
 """Acting at random reaches some targets; an arm that does not move reaches none."""
-
-Train = Callable[..., Results]
 
 
 @pytest.fixture

@@ -1,14 +1,10 @@
 """A player that speaks Unity's protocol, for each test its own; the tests need the extra ``unity``."""
 
-from collections.abc import Callable
-from typing import Any
-
 import psutil
 import pytest
 
 from harness.registry.allowed import PROGRAMS, allow_programs
 
-Start = Callable[..., Any]
 MARK = "HARNESS_TEST_OF_PLAYERS"
 """The environment variable with the folder of the test that started a process."""
 

@@ -1,14 +1,10 @@
 import json
-from collections.abc import Callable
-from pathlib import Path
 
 import pytest
 
 from harness.log.open_log import find_logs
 from harness.registry import load_registry
 from harness.results import sort_logs
-
-Write = Callable[..., Path]
 
 
 @pytest.fixture

@@ -1,7 +1,6 @@
 """Recorded trainings of a bandit whose learner's actions are fixed sequences, so that ruler and behaviour are known."""
 
-from collections.abc import Callable, Mapping
-from pathlib import Path
+from collections.abc import Mapping
 
 import numpy as np
 import pytest
@@ -21,8 +20,6 @@ PAYS = {
 """What pulling an arm, a number from 0 to 1, is paid: `thrice` counts every pull as 3 (arm + 2)."""
 PULLS = 5
 """Of an episode."""
-
-Record = Callable[..., Path]
 
 
 def record(

@@ -13,7 +13,6 @@ from harness.record.blocks import Blocks
 from harness_plugins.watch.hint import hint_of
 
 EPISODES = 500
-Pair = tuple[np.ndarray, np.ndarray]
 
 
 def _noise(rng, stays=0.0):
