@@ -13,13 +13,13 @@ from harness.payoff.dataset.rewards import Recorded
 from harness.record.dataset.labels import FAILURE, SUCCESS, UNKNOWN
 from harness.reward.forms import reward_class
 from harness.reward.terms import sum_of
-from harness.score import ArmPay, distances
 from harness.score.places import parse_places
 from harness_plugins.audit import audit_dataset
 from harness_plugins.datasets import dataset as sizes
 from tests.payoff.conftest import named
 from tests.record.dataset.written import episode, opened, write_lerobot, write_minari
 from tests.refusals import refused
+from tests.score.test_places import pay_episode
 
 RANKS, AGAINST, CANNOT_TELL = "RANKS AS SUCCESS DOES", "RANKS AGAINST IT", "CANNOT TELL"
 PLACES = "end_effector=0:3,target=3:6"
@@ -63,13 +63,6 @@ def near(observation, action, next_observation, info):
 def far(observation, action, next_observation, info):
     """The farther the better."""
     return float(next_observation[0])
-
-
-def pay_episode(reward, end_effector, target):
-    """What an arm's reward pays each step of an episode, by positions before each step and after the last."""
-    pay, far = ArmPay(reward), distances(end_effector, target)
-    pay.begin(far[0])
-    return pay.pay(far[1:]).total
 
 
 def pay(dataset, places=None, **rewards):
