@@ -4,9 +4,8 @@ import json
 import shlex
 import shutil
 import sys
-from collections.abc import Callable, Iterator
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import pytest
 
@@ -20,7 +19,7 @@ SCREENED = find.Search(Cheats().steps, Cheats().starts)
 
 
 @pytest.fixture(scope="package", autouse=True)
-def scripted_policies_act_once() -> Iterator[None]:
+def scripted_policies_act_once():
     """Of a robot and a task, and not for every report: what they do follows from these alone."""
     known, record = {}, rollout.record_rollouts
 
@@ -36,7 +35,7 @@ def scripted_policies_act_once() -> Iterator[None]:
 
 
 @pytest.fixture(scope="package", autouse=True)
-def screens_search_for_a_moment() -> Iterator[None]:
+def screens_search_for_a_moment():
     """Whatever ``--screen`` looks for: what it finds then is tested with the screen."""
     find_in = find.find_in
 
@@ -57,18 +56,18 @@ class Answer(NamedTuple):
     err: str
 
     @property
-    def json(self) -> Any:
+    def json(self):
         """What it printed for programs."""
         return json.loads(self.out)
 
 
 @pytest.fixture
-def harness(toys, tmp_path, monkeypatch, capsys) -> Callable[..., Answer]:
+def harness(toys, tmp_path, monkeypatch, capsys):
     """Run `harness` in an empty folder: the line that one types, and arguments that stand behind it."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "100")
 
-    def call(line: str = "", *arguments: object) -> Answer:
+    def call(line="", *arguments):
         with pytest.raises(SystemExit) as stopped:
             main([*shlex.split(line), *map(str, arguments)])
         out, err = capsys.readouterr()
@@ -78,14 +77,14 @@ def harness(toys, tmp_path, monkeypatch, capsys) -> Callable[..., Answer]:
 
 
 @pytest.fixture
-def refused(harness, tmp_path) -> Callable[..., str]:
+def refused(harness, tmp_path):
     """Type a line that cannot be done, as `harness` does: what is said of it, in one line. Nothing is changed."""
 
-    def contents() -> dict[str, bytes]:
+    def contents():
         found = (it for it in tmp_path.rglob("*") if "derived" not in it.parts)  # what a report reads is kept there
         return {str(it): it.read_bytes() if it.is_file() else b"" for it in found}
 
-    def call(line: str, *arguments: object) -> str:
+    def call(line, *arguments):
         before = contents()
         answer = harness(line, *arguments)
         assert (answer.status, answer.out, answer.err[:9], answer.err.count("\n")) == (2, "", "harness: ", 1)
@@ -99,22 +98,22 @@ QUICK = ("--sim", "ideal", "--algo", "wander", "--steps", "12", "--evaluation-ep
 
 
 @pytest.fixture
-def quick() -> tuple[str, ...]:
+def quick():
     """Flags of a run that takes a moment: an ideal arm that acts at random."""
     return QUICK
 
 
 @pytest.fixture(scope="session")
-def typed() -> dict[str, Answer]:
+def typed():
     """What the lines of `trained` answered."""
     return {}
 
 
 @pytest.fixture
-def trained(harness, tmp_path, tmp_path_factory, typed) -> Callable[..., Answer]:
+def trained(harness, tmp_path, tmp_path_factory, typed):
     """What a line answers that leaves the folder `mine`: it is typed once in a session, and the folder is copied."""
 
-    def copy(line: str, *arguments: object) -> Answer:
+    def copy(line, *arguments):
         whole = shlex.join([line, *map(str, arguments)])
         kept = tmp_path_factory.getbasetemp() / "trained" / str([*typed, whole].index(whole))
         if whole not in typed:
@@ -128,10 +127,10 @@ def trained(harness, tmp_path, tmp_path_factory, typed) -> Callable[..., Answer]
 
 
 @pytest.fixture
-def finished(trained) -> Callable[..., str]:
+def finished(trained):
     """Get a finished experiment of some seeds per reward as the folder `mine`."""
 
-    def copy(seeds: int) -> str:
+    def copy(seeds):
         assert trained(f"run --reward arp --seeds {seeds} --out mine", *QUICK).status == 0
         return "mine"
 
@@ -139,13 +138,13 @@ def finished(trained) -> Callable[..., str]:
 
 
 @pytest.fixture
-def experiment(finished) -> str:
+def experiment(finished):
     """A finished experiment of a seed per reward."""
     return finished(seeds=1)
 
 
 @pytest.fixture
-def rendering(monkeypatch: pytest.MonkeyPatch) -> Callable[[str], None]:
+def rendering(monkeypatch):
     """Let the doctor try to render by the program `true` or `false`, which end at once, and not by Python.
 
     It takes seconds, and is tested with the simulator.

@@ -5,7 +5,6 @@ import os
 import shutil
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -27,7 +26,7 @@ DEEP = 900
 """As deep as JSON is read, and deeper than anything is written."""
 
 
-def write_canary(place: Path) -> None:
+def write_canary(place):
     """A tree with files that a forged folder would like to have moved, changed or run."""
     (place / "cells" / "0123456789abcdef").mkdir(parents=True)
     (place / "victim").write_text("a person's\n")
@@ -39,12 +38,12 @@ def write_canary(place: Path) -> None:
     (place / "program").chmod(0o755)
 
 
-def first_cell(folder: Path) -> Path:
+def first_cell(folder):
     """Of all cells."""
     return sorted((folder / "cells").iterdir())[0]
 
 
-def change(path: Path, by: Callable[[dict[str, Any]], object]) -> None:
+def change(path, by):
     """A sealed file, and its digest after it."""
     content = json.loads(path.read_text())
     del content["digest"]
@@ -52,20 +51,20 @@ def change(path: Path, by: Callable[[dict[str, Any]], object]) -> None:
     path.write_bytes(seal(content))
 
 
-def in_plan(by: Callable[[dict[str, Any]], object]) -> Forge:
+def in_plan(by):
     """Something in the plan."""
     return lambda folder: change(folder / "plan.json", by)
 
 
-def in_manifest(**told: Any) -> Forge:
+def in_manifest(**told):
     """These keys of a cell's manifest."""
     return lambda folder: change(first_cell(folder) / "manifest.json", lambda content: content.update(told))
 
 
-def table(name: str, by: Callable[[pa.Table], pa.Table]) -> Forge:
+def table(name, by):
     """A trace, whose digest the manifest then names."""
 
-    def forge(folder: Path) -> None:
+    def forge(folder):
         cell = first_cell(folder)
         pq.write_table(by(pq.read_table(cell / name)), cell / name)
         _name_digest(cell, name)
@@ -73,10 +72,10 @@ def table(name: str, by: Callable[[pa.Table], pa.Table]) -> Forge:
     return forge
 
 
-def column(name: str, value: float) -> Callable[[pa.Table], pa.Table]:
+def column(name, value):
     """All values of a column."""
 
-    def by(found: pa.Table) -> pa.Table:
+    def by(found):
         place = found.schema.get_field_index(name)
         field = found.schema.field(place)
         return found.set_column(place, field, pa.array(np.full(len(found), value), field.type))
@@ -84,14 +83,14 @@ def column(name: str, value: float) -> Callable[[pa.Table], pa.Table]:
     return by
 
 
-def _name_digest(cell: Path, name: str) -> None:
+def _name_digest(cell, name):
     change(cell / "manifest.json", lambda content: content["files"].update({name: digest_of(cell / name)}))
 
 
-def _listed(place: str, *names: str) -> Forge:
+def _listed(place, *names):
     """A list of digests that names other files than the harness makes."""
 
-    def forge(folder: Path) -> None:
+    def forge(folder):
         target = folder / place.format(cell=first_cell(folder).name)
         lines = [f"{FIRST_LINE}\n", *(f"{'0' * 64}  {name}\n" for name in sorted(names))]
         (target / "SHA256SUMS").write_text("".join(lines), errors="surrogateescape")
@@ -99,25 +98,25 @@ def _listed(place: str, *names: str) -> Forge:
     return forge
 
 
-def _files(*names: str) -> Forge:
+def _files(*names):
     return lambda folder: change(
         first_cell(folder) / "manifest.json", lambda content: content["files"].update(dict.fromkeys(names, "0" * 64))
     )
 
 
-def _every_cell(**told: Any) -> Forge:
+def _every_cell(**told):
     """These keys of every cell of the plan, and of the cells themselves, which move to the names of what they are."""
     return in_plan(lambda content: [cell.update(told) for cell in content["cells"]])
 
 
-def _relabelled(name: str = "", **labels: str) -> Forge:
+def _relabelled(name="", **labels):
     """Other labels, and names, in every cell, which then has another id, and so has its folder."""
 
-    def by(cell: dict[str, Any]) -> None:
+    def by(cell):
         for kind, label in labels.items():
             cell[kind] |= {"label": label, "name": name or cell[kind]["name"]}
 
-    def forge(folder: Path) -> None:
+    def forge(folder):
         shutil.rmtree(folder / "derived")
         for place in sorted((folder / "cells").iterdir()):
             change(place / "manifest.json", lambda content: by(content["cell"]))
@@ -131,28 +130,28 @@ def _relabelled(name: str = "", **labels: str) -> Forge:
     return forge
 
 
-def _experiment(**told: Any) -> Forge:
+def _experiment(**told):
     return in_plan(lambda content: content["experiment"].update(told))
 
 
-def _running(**told: Any) -> Forge:
+def _running(**told):
     return lambda folder: (folder / "running.json").write_text(json.dumps(told))
 
 
-def _table(**columns: Any) -> Forge:
+def _table(**columns):
     """The table of results, with a valid digest."""
 
-    def forge(folder: Path) -> None:
+    def forge(folder):
         pq.write_table(pa.table(columns), folder / "results.parquet")
         note_made(folder / "results.parquet")
 
     return forge
 
 
-def _scores(columns: Callable[[int], dict[str, Any]]) -> Forge:
+def _scores(columns):
     """The scores of a cell, with a valid digest."""
 
-    def forge(folder: Path) -> None:
+    def forge(folder):
         cell = first_cell(folder)
         rows = pq.read_metadata(cell / "trace.parquet").num_rows
         pq.write_table(pa.table(columns(rows)), cell / "scores.parquet")
@@ -161,10 +160,10 @@ def _scores(columns: Callable[[int], dict[str, Any]]) -> Forge:
     return forge
 
 
-def _linked(place: str, to: str = "", hard: bool = False) -> Forge:
+def _linked(place, to="", hard=False):
     """A link in the place of something; `to` is in the canary."""
 
-    def forge(folder: Path) -> None:
+    def forge(folder):
         path = folder / place.format(cell=first_cell(folder).name)
         if path.is_dir() and not path.is_symlink():
             shutil.rmtree(path)
@@ -176,10 +175,10 @@ def _linked(place: str, to: str = "", hard: bool = False) -> Forge:
     return forge
 
 
-def _put(place: str, content: str | None = "x") -> Forge:
+def _put(place, content="x"):
     """A file, or a folder where there is no content, beside what is there or in its place."""
 
-    def forge(folder: Path) -> None:
+    def forge(folder):
         path = folder / place.format(cell=first_cell(folder).name)
         if content is not None:
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -192,8 +191,8 @@ def _put(place: str, content: str | None = "x") -> Forge:
     return forge
 
 
-def _pipe(place: str) -> Forge:
-    def forge(folder: Path) -> None:
+def _pipe(place):
+    def forge(folder):
         path = folder / place.format(cell=first_cell(folder).name)
         path.unlink(missing_ok=True)
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -202,10 +201,10 @@ def _pipe(place: str) -> Forge:
     return forge
 
 
-def _card(**told: Any) -> Forge:
+def _card(**told):
     """The card of a policy, whose digest the manifest then names."""
 
-    def forge(folder: Path) -> None:
+    def forge(folder):
         path = first_cell(folder) / "policy" / "card.json"
         path.write_text(json.dumps({**json.loads(path.read_text()), **told}))
         _name_digest(first_cell(folder), "policy/card.json")
@@ -213,10 +212,10 @@ def _card(**told: Any) -> Forge:
     return forge
 
 
-def _left(name: str, to: str) -> Forge:
+def _left(name, to):
     """A cell that was begun and goes on, with a file that is another one by its second name."""
 
-    def forge(folder: Path) -> None:
+    def forge(folder):
         cell = first_cell(folder)
         partial = cell.with_name(f".{cell.name}.partial")
         shutil.copytree(cell, partial)
@@ -228,36 +227,36 @@ def _left(name: str, to: str) -> Forge:
     return forge
 
 
-def _gaps(rows: int, width: int) -> pa.Array:
+def _gaps(rows, width):
     """Rows without a list, which take no room in a file."""
     return pa.array([None] * rows, pa.list_(pa.float64(), width))
 
 
-def _with_gaps(found: pa.Table) -> pa.Table:
+def _with_gaps(found):
     gaps = _gaps(len(found), 10_000)
     return found.set_column(found.schema.get_field_index("qpos"), pa.field("qpos", gaps.type), gaps)
 
 
-def _nested(depth: int) -> Any:
-    value: Any = 1
+def _nested(depth):
+    value = 1
     for _ in range(depth):
         value = [value]
     return value
 
 
-def _twice(content: dict[str, Any]) -> None:
+def _twice(content):
     content["cells"] *= 3
 
 
-def _swapped(folder: Path) -> None:
+def _swapped(folder):
     one, other = sorted((folder / "cells").iterdir())[:2]
     one.rename(folder / "between")
     other.rename(one)
     (folder / "between").rename(other)
 
 
-def _transfer(cell: str, name: str) -> Forge:
-    def forge(folder: Path) -> None:
+def _transfer(cell, name):
+    def forge(folder):
         place = folder / "transfer" / cell.format(cell=first_cell(folder).name) / name
         place.mkdir(parents=True)
         told = {"format": 2, "status": "done", "reason": "", "started": "", "seconds": 0.0, "environment": {}}
@@ -273,7 +272,7 @@ OUTSIDE = ("..", ".", "../..", f"../{CANARY}", f"../{CANARY}/victim", "/etc/pass
 ODD = ("\0", "x" * 300, ESCAPE, "CELLS", "Plan.json", "cafe\u0301", "\udcff")
 NAMED = {"name": f"../../{CANARY}", "label": ESCAPE, "params": {}}
 
-FORGED: dict[str, Forge] = {
+FORGED = {
     **{f"list: {name!r:.20}": _listed(".", name) for name in (*OUTSIDE, *ODD)},
     **{f"list of a cell: {name!r:.20}": _listed("cells/{cell}", name) for name in (*OUTSIDE[:5], *ODD[2:5])},
     **{

@@ -2,7 +2,6 @@
 
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
@@ -11,7 +10,7 @@ from harness.cli.help import GONE
 
 
 @pytest.fixture
-def logs(tmp_path, monkeypatch) -> Path:
+def logs(tmp_path, monkeypatch):
     """The folder for temporary files."""
     folder = tmp_path / "temporary"
     folder.mkdir()
@@ -19,7 +18,7 @@ def logs(tmp_path, monkeypatch) -> Path:
     return folder
 
 
-def broken(args: list[str]) -> int:
+def broken(args):
     """A program that fails."""
     raise KeyError("\x1b[2Jgone")
 
@@ -41,7 +40,7 @@ def test_what_nobody_foresaw_is_one_line_and_a_log(harness, logs, monkeypatch):
 def test_interruption_before_a_command_runs_is_quiet(harness, monkeypatch):
     """Ctrl-C while plugins are looked for: status 130 and no traceback."""
 
-    def interrupted(args: list[str]) -> int:
+    def interrupted(args):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(app, "_run", interrupted)
@@ -85,7 +84,7 @@ def test_a_long_message_is_cut(harness):
 def test_what_the_system_refuses_is_one_line(harness, monkeypatch):
     """With the file and what to do."""
 
-    def full(args: list[str]) -> int:
+    def full(args):
         raise OSError(28, "No space left on device", "page.html")
 
     monkeypatch.setattr(app, "_run", full)

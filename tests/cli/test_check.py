@@ -2,13 +2,11 @@
 
 import contextlib
 import textwrap
-from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from harness.experiment import Order
 from harness.experiment.workers.order import read_order
 from harness.experiment.workers.workers import News
 from harness.record import partial_folder
@@ -96,7 +94,7 @@ class Here(contextlib.nullcontext[Any]):
     def __init__(self, environment: object) -> None:
         super().__init__(self)
 
-    def run(self, orders: Sequence[Order], at_once: int) -> Iterator[News]:
+    def run(self, orders, at_once):
         for given in orders:
             order, _ = read_order(given.line())
             partial_folder(order.folder).mkdir()
@@ -118,9 +116,9 @@ def mine(install):
     return install("mistakes", HOOKS, made=MADE)
 
 
-def rows(out: str) -> dict[str, tuple[str, str]]:
+def rows(out):
     """Verdict and sentence of each check in a table."""
-    found: dict[str, tuple[str, str]] = {}
+    found = {}
     for line in out.splitlines()[:-1]:
         name, verdict, sentence = line[:28].strip(), line[28:37].strip(), line[37:].strip()
         if name:
@@ -151,7 +149,7 @@ FILES = {
     "dock.py": "def dock(step):\n    return {'reach': -step.distance, 'dock': step.ground}\n",
     "bare/robot.toml": 'urdf = "gone.urdf"',
 }
-CHECKED: dict[str, tuple[int, str, str, str]] = {
+CHECKED = {
     "arp": (0, "reward-long-run", "ok", "reward arp: 19 ok, 0 warnings, 0 errors."),
     "near --plugin near.py": (
         *(0, "reward-numpy", "warning"),
@@ -180,7 +178,7 @@ CHECKED: dict[str, tuple[int, str, str, str]] = {
 
 @pytest.mark.usefixtures("mine")
 @pytest.mark.parametrize("line", CHECKED)
-def test_what_is_checked_is_told_in_rows(harness, tmp_path, line: str):
+def test_what_is_checked_is_told_in_rows(harness, tmp_path, line):
     """A row for each check, and how many there were; what is not of its kind is told alone, before it runs."""
     (tmp_path / "bare").mkdir()
     for name, text in FILES.items():

@@ -1,8 +1,5 @@
 """``harness choose``: the best of several rewards."""
 
-from pathlib import Path
-from typing import Any
-
 import pytest
 
 from tests.registry.test_given import REWARD
@@ -15,7 +12,7 @@ LINE = "choose --plugin 'candidates/*.py' --looks 2,4 --out mine"
 
 
 @pytest.fixture
-def candidates(tmp_path: Path) -> Path:
+def candidates(tmp_path):
     """Two rewards, each in a file."""
     folder = tmp_path / "candidates"
     folder.mkdir()
@@ -25,22 +22,22 @@ def candidates(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def race(trained, quick, candidates: Path):
+def race(trained, quick, candidates):
     """What is said of a race between them."""
     return trained(LINE, *quick)
 
 
 @pytest.fixture
-def troubled(trained, quick, candidates: Path):
+def troubled(trained, quick, candidates):
     """The same beside a file that is broken, and rewards that raise at once, and later."""
     for name, source in {"broken": "def (:", "raises": RAISES, "later": RAISES_LATER}.items():
         (candidates / f"{name}.py").write_text(source)
     return trained(LINE, *quick, "--jobs", 1)
 
 
-def race_of(harness) -> dict[str, Any]:
+def race_of(harness):
     """What the report says of the race."""
-    told: dict[str, Any] = harness("report mine --json").json["looks"]["race"]
+    told = harness("report mine --json").json["looks"]["race"]
     return told
 
 
@@ -84,7 +81,7 @@ def test_rewards_can_be_named(harness, quick):
     assert all(f"{name}: 4 seeds\n" in out for name in ("baseline", "dense", "arp"))
 
 
-def test_the_same_command_goes_on(harness, quick, candidates: Path, tmp_path):
+def test_the_same_command_goes_on(harness, quick, candidates, tmp_path):
     """After a budget has ended it."""
     line = LINE.replace("2,4", "2,3")
     short = (line, *quick, "--budget", "0.001s")
@@ -125,7 +122,7 @@ def test_functions_of_steps_are_screened_by_term(harness, quick, tmp_path):
     assert "The term 'effort' never paid in " in light
 
 
-def test_candidates_of_one_name_are_refused(harness, quick, candidates: Path, tmp_path):
+def test_candidates_of_one_name_are_refused(harness, quick, candidates, tmp_path):
     """Each is a row, so each needs a name of its own."""
     (tmp_path / "more").mkdir()
     (tmp_path / "more" / "one.py").write_text(REWARD)

@@ -1,7 +1,6 @@
 """Commands that plugins bring: listed by name and summary, imported when they are called."""
 
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -21,10 +20,10 @@ def wave(times: int = 1, name: str = typer.Argument("all")) -> int | None:
 
 
 @pytest.fixture
-def add_commands(install: Callable[..., str]) -> Callable[..., None]:
+def add_commands(install):
     """Install a package that registers a command under each of these names."""
 
-    def add(*names: str, package: str = "waving", target: str = "wave") -> None:
+    def add(*names, package="waving", target="wave"):
         lines = [f"    register({name!r}, __name__ + '_command:{target}', summary='waves an arm')\n" for name in names]
         hook = "import harness\n@harness.hookimpl\ndef register_commands(register):\n"
         install(package, hook + "".join(lines), command=COMMAND)
@@ -32,7 +31,7 @@ def add_commands(install: Callable[..., str]) -> Callable[..., None]:
     return add
 
 
-def _imported() -> list[str]:
+def _imported():
     return [name for name in sys.modules if name.startswith("waving") and name.endswith("_command")]
 
 
@@ -68,7 +67,7 @@ def test_command_explains_itself(harness, add_commands):
         ("--times 10", 4, ""),
     ],
 )
-def test_errors_and_status_come_through(harness, add_commands, arguments: tuple, status: int, told: str):
+def test_errors_and_status_come_through(harness, add_commands, arguments, status, told):
     """As those of our own commands, in one line."""
     add_commands("wave")
     answer = harness(f"wave {arguments}")
@@ -138,7 +137,7 @@ def test_bare_harness_shows_the_help_and_says_no_more(harness):
     assert "Usage: harness" in bare.out
 
 
-def test_our_commands_import_no_foreign_plugin(harness, install: Callable[..., str]):
+def test_our_commands_import_no_foreign_plugin(harness, install):
     """One that cannot be imported is no trouble of theirs; a command that cannot be is listed, as any foreign one."""
     raising = "raise SystemExit('no licence')\n"
     hook = "import harness\n@harness.hookimpl\ndef register_commands(register):\n"

@@ -1,7 +1,5 @@
 """What a shell offers."""
 
-import pytest
-
 from harness.cli.flags.shared import names_of
 
 
@@ -22,7 +20,7 @@ def test_names_are_offered_behind_a_comma(toys):
     assert offered("rewards", "no-such") == []
 
 
-def test_bash_completes(harness, monkeypatch, subtests: pytest.Subtests):
+def test_bash_completes(harness, monkeypatch, subtests):
     """As bash asks, by the environment."""
     rows = [
         ("run --sim ide", "ideal"),

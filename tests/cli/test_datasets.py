@@ -1,7 +1,5 @@
 """Data sets as commands take them."""
 
-from pathlib import Path
-
 import pyarrow.parquet as pq
 import pytest
 
@@ -11,7 +9,7 @@ PLACES = "--places end_effector=0:3,target=3:6"
 
 
 @pytest.fixture(autouse=True)
-def sets(tmp_path: Path) -> None:
+def sets(tmp_path):
     """The data sets ``m`` and ``l``, and the file of a reward."""
     episodes = [episode(6, number, number % 2 == 1) for number in range(12)]
     write_minari(tmp_path / "m", episodes)
@@ -21,13 +19,13 @@ def sets(tmp_path: Path) -> None:
     )
 
 
-def rewards_of(answer) -> list[str]:
+def rewards_of(answer):
     """Those that are told of."""
     return [it["reward"] for it in answer.json["rewards"]]
 
 
 @pytest.mark.parametrize("dataset", ["minari:m", "lerobot:l"])
-def test_audit_tells_an_answer_for_each_reward(harness, dataset: str):
+def test_audit_tells_an_answer_for_each_reward(harness, dataset):
     """Recorded, a function, and an arm's."""
     answer = harness(f"audit {dataset} --plugin near.py --reward recorded,near,arp {PLACES}")
     assert answer.status == 0
@@ -39,7 +37,7 @@ def test_audit_without_names_takes_what_is_there(harness):
     assert rewards_of(harness("audit minari:m --plugin near.py --json")) == ["recorded", "near"]
 
 
-def test_audit_writes_a_page(harness, tmp_path: Path):
+def test_audit_writes_a_page(harness, tmp_path):
     """With the flag alone."""
     answer = harness("audit minari:m --html page.html")
     assert (answer.status, answer.err) == (0, "Page: page.html\n")
@@ -54,7 +52,7 @@ def test_audit_writes_a_page(harness, tmp_path: Path):
         ("--success 'success>0.5'", "success>0.5"),
     ],
 )
-def test_success_is_told_by_what_a_user_names(harness, tmp_path: Path, flags: str, told: str):
+def test_success_is_told_by_what_a_user_names(harness, tmp_path, flags, told):
     """And the page says what."""
     (tmp_path / "labels.csv").write_text("episode,success\n0,1\n1,0\n")
     answer = harness(f"audit minari:m --json --html page.html {flags}")
@@ -70,7 +68,7 @@ def test_report_shows_the_recorded_reward(harness):
 
 
 @pytest.mark.parametrize(("dataset", "steps"), [("minari:m", 72), ("lerobot:l", 60)])
-def test_score_writes_what_each_step_is_paid(harness, tmp_path: Path, dataset: str, steps: int):
+def test_score_writes_what_each_step_is_paid(harness, tmp_path, dataset, steps):
     """Beside the data set, which stays as it is; a step after which nothing was seen has a row, and no pay."""
     before = sorted(tmp_path.rglob("*"))
     assert harness(f"score {dataset} --plugin near.py --reward near,arp {PLACES}").status == 0
@@ -81,7 +79,7 @@ def test_score_writes_what_each_step_is_paid(harness, tmp_path: Path, dataset: s
     assert [table[name].null_count for name in ("near", "arp")] == [72 - steps] * 2
 
 
-def test_a_reward_that_fails_is_told_and_the_others_go_on(harness, tmp_path: Path):
+def test_a_reward_that_fails_is_told_and_the_others_go_on(harness, tmp_path):
     """Status 1."""
     (tmp_path / "bad.py").write_text("def bad(observation, action, next_observation, info):\n    return 1 / 0\n")
     answer = harness("audit minari:m --plugin bad.py --plugin near.py --json")
@@ -91,14 +89,14 @@ def test_a_reward_that_fails_is_told_and_the_others_go_on(harness, tmp_path: Pat
 
 @pytest.mark.parametrize("folder", ["minari:m", "lerobot:l"])
 @pytest.mark.parametrize("command", ["audit", "report"])
-def test_a_folder_that_is_a_data_set_needs_no_format(harness, command: str, folder: str):
+def test_a_folder_that_is_a_data_set_needs_no_format(harness, command, folder):
     """It is no training, whose first episodes would stand beside its last ones."""
     named, bare = (harness(f"{command} {it} --json") for it in (folder, folder[-1]))
     assert (bare.status, bare.json) == (0, named.json)
 
 
 @pytest.mark.parametrize(("pays", "status"), [(-1.0, 1), (1.0, 0), (0.0, 3)])
-def test_how_a_reward_ranks_can_be_the_status(harness, tmp_path: Path, pays: float, status: int):
+def test_how_a_reward_ranks_can_be_the_status(harness, tmp_path, pays, status):
     """Against success, as it does, and as a coin would: of an audit, and of a report."""
     episodes = [episode(6, number, number % 2 == 1) for number in range(12)]
     for number, one in enumerate(episodes):

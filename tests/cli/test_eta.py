@@ -1,6 +1,5 @@
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
@@ -11,7 +10,7 @@ K2 += "2,1,0.5,0.5,-0.5,0.75\n3,1,0.25,0.25,-0.25,1.125\n4,1,0.125,0.125,-0.125,
 
 
 @pytest.fixture
-def recorded(harness, tmp_path: Path) -> tuple[str, ...]:
+def recorded(harness, tmp_path):
     """Flags that name two groups of two files each, one of either program."""
     for name, rows in (("base", BASE), ("k2", K2)):
         (tmp_path / name).mkdir()
@@ -54,14 +53,14 @@ def test_the_per_step_curve_is_told_as_such(harness, recorded):
     assert "per-step reward" in harness("eta", *recorded, "--curve", "per-step").out
 
 
-def test_a_flag_may_be_repeated(harness, recorded, tmp_path: Path):
+def test_a_flag_may_be_repeated(harness, recorded, tmp_path):
     """Several patterns make one group; a file that two of them match is one run."""
     (tmp_path / "more.csv").write_text(HEADER + BASE)
     answer = harness("eta", *recorded, "--baseline", "base/0*", "--baseline", "more.csv", "--json")
     assert answer.json["runs"] == {"baseline": 3, "proposed": 2}
 
 
-def test_rows_behind_the_shortest_run_are_told(harness, recorded, tmp_path: Path):
+def test_rows_behind_the_shortest_run_are_told(harness, recorded, tmp_path):
     """A reader sees that not all of every file was compared."""
     with (tmp_path / "base" / "1.csv").open("a") as file:
         file.write(",1,0.25,0.25,,0.75\n")
@@ -71,7 +70,7 @@ def test_rows_behind_the_shortest_run_are_told(harness, recorded, tmp_path: Path
     assert "* All runs are cut to the 5 steps of the shortest, 'base/0.csv'; the longest has 6\n" in out
 
 
-def test_unequal_budgets_are_no_difference(harness, tmp_path: Path):
+def test_unequal_budgets_are_no_difference(harness, tmp_path):
     """Twice as many steps of the same rewards: both are cut to the common ones, eta_N is 1, and it is told."""
     for name, pairs in (("short", 500), ("long", 1000)):
         (tmp_path / name).mkdir()
@@ -95,7 +94,7 @@ def test_unequal_budgets_are_no_difference(harness, tmp_path: Path):
         ([], "minari:a/b-v0", "is a data set, which holds no trainings to compare: harness audit minari:a/b-v0"),
     ],
 )
-def test_what_is_no_folder_of_trainings_is_told_the_command(harness, tmp_path: Path, files, folder, command):
+def test_what_is_no_folder_of_trainings_is_told_the_command(harness, tmp_path, files, folder, command):
     """CSV files, a single one, a data set: one line, with the names filled in."""
     for name in files:
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
@@ -116,7 +115,7 @@ def test_what_is_no_folder_of_trainings_is_told_the_command(harness, tmp_path: P
         (["it/arp_seed0.csv", "it/base_1.csv"], "CSV files: 1 of `base`, the baseline, and 1 of `arp`"),
     ],
 )
-def test_csv_files_of_a_folder_are_sorted_by_their_names(harness, tmp_path: Path, files, told):
+def test_csv_files_of_a_folder_are_sorted_by_their_names(harness, tmp_path, files, told):
     """Two rewards: what is called a baseline is the baseline, and standard error says which files were compared."""
     for name in files:
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
@@ -127,7 +126,7 @@ def test_csv_files_of_a_folder_are_sorted_by_their_names(harness, tmp_path: Path
     assert (data["baseline"]["I_N"], data["proposed"]["I_N"]) == (-3.0, -1.0)
 
 
-def test_the_baseline_of_a_folder_can_be_named(harness, tmp_path: Path):
+def test_the_baseline_of_a_folder_can_be_named(harness, tmp_path):
     """``--baseline`` takes the name of one of the rewards; another name is answered with those that there are."""
     for name, pay in (("base", "-3\n3\n"), ("k2", "-1\n2\n")):
         (tmp_path / name).mkdir()
@@ -136,7 +135,7 @@ def test_the_baseline_of_a_folder_can_be_named(harness, tmp_path: Path):
     assert "There are: base, k2" in harness("eta . --baseline k3").err
 
 
-def test_plot_writes_a_page(harness, recorded, tmp_path: Path):
+def test_plot_writes_a_page(harness, recorded, tmp_path):
     """Where it is told, and says so on standard error; the table goes to standard output as ever."""
     pytest.importorskip("jinja2")
     answer = harness("eta", *recorded, "--plot", "curves.html")
@@ -149,7 +148,7 @@ LOADED = 81
 """Modules of this project, of some 500. Others that open files of a plugin, or of a reward, come with these."""
 
 
-def loaded_by(*arguments: str) -> set[str]:
+def loaded_by(*arguments):
     """The modules of this project that a command loads, in a process of its own."""
     code = (
         "import sys; from harness.cli import main\n"
@@ -160,7 +159,7 @@ def loaded_by(*arguments: str) -> set[str]:
     return set(told.stderr.split())
 
 
-def test_few_modules_are_loaded(tmp_path: Path):
+def test_few_modules_are_loaded(tmp_path):
     """Neither other commands, nor what reads experiments, for two files of rewards; with distances, what pays them."""
     bare, full = tmp_path / "bare.csv", tmp_path / "full.csv"
     bare.write_text("reward\n-1\n1\n2\n")

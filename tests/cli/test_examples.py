@@ -18,7 +18,7 @@ def test_every_command_has_examples():
     assert sorted(EXAMPLES) == sorted({name for names in PANELS.values() for name in names})
 
 
-def test_example_can_be_typed(subtests: pytest.Subtests):
+def test_example_can_be_typed(subtests):
     """Its command, flags and values are those that there are; nothing is run."""
     for line in [*LINES, *FIRST_STEPS]:
         with subtests.test(line=line):
@@ -29,7 +29,7 @@ def test_example_can_be_typed(subtests: pytest.Subtests):
                 command.make_context(name, arguments)
 
 
-def test_help_shows_the_examples(harness, monkeypatch, subtests: pytest.Subtests):
+def test_help_shows_the_examples(harness, monkeypatch, subtests):
     """At its end."""
     for name in EXAMPLES:
         with subtests.test(name=name):

@@ -2,7 +2,6 @@
 
 import shlex
 from itertools import combinations, product
-from pathlib import Path
 
 import pytest
 
@@ -14,7 +13,7 @@ from tests.cli.conftest import QUICK
 from tests.cli.test_logs import write_monitor
 
 
-def said(*words: str, question="pay") -> list[Said]:
+def said(*words, question="pay"):
     """An answer for each word, of rewards that are called by number."""
     return [Said(question, f"reward {number}", word) for number, word in enumerate(words)]
 
@@ -106,7 +105,7 @@ def test_long_answer_is_cut(capsys):
 
 
 @pytest.mark.parametrize(("shares", "status"), [((8, 2), 1), ((2, 8), 0), ((5, 5), 3)])
-def test_report_of_logs_ends_by_its_answer(harness, tmp_path: Path, shares, status):
+def test_report_of_logs_ends_by_its_answer(harness, tmp_path, shares, status):
     """That one hurts, that it helps, and that nothing can be told; standard output is as ever."""
     for reward, share in zip(("base", "prop"), shares, strict=True):
         for seed in range(5):
@@ -138,14 +137,14 @@ ENDED = {
 
 
 @pytest.mark.parametrize("line", ENDED)
-def test_command_ends_by_its_answer(harness, line: str):
+def test_command_ends_by_its_answer(harness, line):
     """Trainings go on after an alarm; scripts do not answer in place of a search that was too short."""
     answer, (status, told) = harness(line), ENDED[line]
     last = answer.err.splitlines()[-1]
     assert (answer.status, told in last, last.endswith(f": status {status}")) == (status, True, True), last
 
 
-def test_run_whose_cells_failed_ends_with_1(harness, quick, tmp_path: Path):
+def test_run_whose_cells_failed_ends_with_1(harness, quick, tmp_path):
     """As without the flag; its report, which fails in nothing, cannot tell."""
     (tmp_path / "odd.py").write_text(
         "def odd(step):\n    if len(step.distance) != 2:\n        raise ValueError\n    return -step.distance\n"
@@ -157,7 +156,7 @@ def test_run_whose_cells_failed_ends_with_1(harness, quick, tmp_path: Path):
     assert harness("report here --plugin odd.py --fail-on hurts").status == 3
 
 
-def test_screen_decides_before_anything_is_trained(harness, quick, tmp_path: Path):
+def test_screen_decides_before_anything_is_trained(harness, quick, tmp_path):
     """Creeping pays more than finishing under `arp`."""
     answer = harness("run --reward arp --screen --fail-on failing --out here --dry-run", *quick)
     assert answer.status == 1

@@ -1,9 +1,6 @@
 """Folders of a stranger with valid digests, through every command: nothing is moved, run or obeyed."""
 
 import shutil
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -11,7 +8,7 @@ from tests.cli.conftest import QUICK
 from tests.cli.forging import CANARY, FORGED, write_canary
 
 RUN = ("run", *QUICK, "--seeds", "1", "--out", "it")
-COMMANDS: dict[str, tuple[str, ...]] = {
+COMMANDS = {
     "verify": ("verify", "it"),
     "repair": ("verify", "it", "--repair"),
     "status": ("status", "it"),
@@ -39,13 +36,13 @@ SOME = {name: FORGED[name] for name in QUICK_ONES}
 
 
 @pytest.fixture(scope="module")
-def sound(tmp_path_factory: pytest.TempPathFactory, toy_folder: Path) -> Path:
+def sound(tmp_path_factory, toy_folder):
     """An experiment that ran, with an evaluation elsewhere, a table and a page."""
     return tmp_path_factory.mktemp("sound") / "it"
 
 
 @pytest.fixture
-def place(harness: Callable[..., Any], sound: Path, tmp_path: Path, transferred_here: object) -> Path:
+def place(harness, sound, tmp_path, transferred_here):
     """A folder for commands, with the experiment as `sound`, and a tree that nobody may touch."""
     if not sound.exists():
         assert harness(*RUN).status == 0
@@ -55,7 +52,7 @@ def place(harness: Callable[..., Any], sound: Path, tmp_path: Path, transferred_
     return tmp_path
 
 
-def tree(folder: Path) -> dict[str, bytes | str]:
+def tree(folder):
     """What stands in a folder and below, byte for byte."""
     return {
         path.relative_to(folder).as_posix(): path.read_bytes() if path.is_file() else "folder"
@@ -63,12 +60,12 @@ def tree(folder: Path) -> dict[str, bytes | str]:
     }
 
 
-def _made(files: dict[str, bytes | str]) -> set[tuple[str, bytes | str]]:
+def _made(files):
     """What commands make again: pages, tables, lists."""
     return {it for it in files.items() if not it[0].startswith(("cells/", "transfer/"))}
 
 
-def forge(place: Path, name: str) -> None:
+def forge(place, name):
     """A new forged folder, and nothing that an earlier command wrote."""
     for left in ("it", "out"):
         shutil.rmtree(place / left, ignore_errors=True)
@@ -76,7 +73,7 @@ def forge(place: Path, name: str) -> None:
     FORGED[name](place / "it")
 
 
-def try_all(harness: Callable[..., Any], place: Path, name: str) -> None:
+def try_all(harness, place, name):
     """Every command over a folder of its own.
 
     Raises:
@@ -97,14 +94,14 @@ def try_all(harness: Callable[..., Any], place: Path, name: str) -> None:
 
 
 @pytest.mark.parametrize("name", SOME)
-def test_a_folder_of_a_stranger_is_read_and_not_believed(harness: Callable[..., Any], place: Path, name: str):
+def test_a_folder_of_a_stranger_is_read_and_not_believed(harness, place, name):
     """One of each kind."""
     try_all(harness, place, name)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(FORGED.keys() - SOME.keys()))
-def test_whatever_a_stranger_writes_moves_and_runs_nothing(harness: Callable[..., Any], place: Path, name: str):
+def test_whatever_a_stranger_writes_moves_and_runs_nothing(harness, place, name):
     """More than a hundred lies that are read, as their digests are right."""
     try_all(harness, place, name)
 
@@ -114,7 +111,7 @@ def test_there_are_a_hundred_folders():
     assert len(FORGED) >= 100
 
 
-def test_the_tree_outside_can_be_touched(place: Path):
+def test_the_tree_outside_can_be_touched(place):
     """What is compared would change: the test sees it."""
     before = tree(place / CANARY)
     (place / CANARY / "victim").write_text("moved")

@@ -2,9 +2,6 @@
 
 import json
 import shutil
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -12,14 +9,14 @@ import pytest
 
 import harness as program
 from harness.files.keyed_file import machine_key, with_key
-from tests.cli.forging import Forge, change, column, first_cell, in_manifest, in_plan, table
+from tests.cli.forging import change, column, first_cell, in_manifest, in_plan, table
 
 ROWS = 1_000_000
 """Of a trace of a cell that took 20 steps."""
 
 
 @pytest.fixture(scope="module")
-def genuine(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def genuine(tmp_path_factory):
     """An experiment that ran: two seeds of two rewards."""
     folder = tmp_path_factory.mktemp("genuine") / "it"
     program.run(
@@ -29,29 +26,29 @@ def genuine(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def folder(genuine: Path, tmp_path: Path) -> Path:
+def folder(genuine, tmp_path):
     """A copy, without what reports keep."""
     return copied(genuine, tmp_path / "it")
 
 
-def copied(genuine: Path, folder: Path) -> Path:
+def copied(genuine, folder):
     """The experiment once more, without what reports keep."""
     return shutil.copytree(genuine, folder, ignore=shutil.ignore_patterns("derived"))
 
 
-def params(of: str, value: Any) -> Forge:
+def params(of, value):
     """The parameters of a plugin of a cell."""
     return lambda folder: change(
         first_cell(folder) / "manifest.json", lambda content: content["cell"][of].update(params=value)
     )
 
 
-def repeated(found: pa.Table) -> pa.Table:
+def repeated(found):
     """Many rows that take next to no room."""
     return found.take(pa.array(np.ones(ROWS, np.int64)))
 
 
-ABSURD: dict[str, Forge] = {
+ABSURD = {
     **{f"started {text}": in_manifest(started=text) for text in ("2026-01-01T00:00:00", "yesterday", "9" * 5000)},
     **{f"{key} 1e15": in_manifest(**{key: 1e15}) for key in ("seconds", "training_seconds")},
     "peak memory 1e30": in_manifest(peak_memory=10**30),
@@ -80,9 +77,7 @@ ABSURD: dict[str, Forge] = {
 }
 
 
-def test_absurd_values_are_foreseen(
-    harness: Callable[..., Any], genuine: Path, tmp_path: Path, subtests: pytest.Subtests
-):
+def test_absurd_values_are_foreseen(harness, genuine, tmp_path, subtests):
     """Damage is one row or one line; no command ends with what nobody foresaw, nor one that reads what another kept."""
     commands = [
         ("verify",),
@@ -104,7 +99,7 @@ def test_absurd_values_are_foreseen(
 @pytest.mark.parametrize(
     "name", ["more rows than steps", "no row", "started yesterday", "reward 1e+308 in trace.parquet"]
 )
-def test_the_other_cells_are_reported(harness: Callable[..., Any], folder: Path, name: str):
+def test_the_other_cells_are_reported(harness, folder, name):
     """Three of the four; the damaged one says why."""
     ABSURD[name](folder)
     cells = harness("report", folder, "--json").json["cells"]
@@ -112,7 +107,7 @@ def test_the_other_cells_are_reported(harness: Callable[..., Any], folder: Path,
     assert next(cell["reason"] for cell in cells if cell["status"] == "damaged")
 
 
-def signed_by_another(path: Path, content: bytes, monkeypatch: pytest.MonkeyPatch, home: Path) -> None:
+def signed_by_another(path, content, monkeypatch, home):
     """A kept result as another machine would have written it, under the key of this one."""
     key = path.read_bytes().split(b"\n")[2].decode()
     with monkeypatch.context() as patch:
@@ -122,9 +117,7 @@ def signed_by_another(path: Path, content: bytes, monkeypatch: pytest.MonkeyPatc
     machine_key.cache_clear()
 
 
-def test_kept_results_of_another_machine_are_not_believed(
-    harness: Callable[..., Any], folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-):
+def test_kept_results_of_another_machine_are_not_believed(harness, folder, tmp_path, monkeypatch):
     """Every number set to 1: the report is what it was."""
     expected = harness("report", folder, "--json").json
     for path in sorted((folder / "derived").glob("*/values")):
@@ -134,9 +127,7 @@ def test_kept_results_of_another_machine_are_not_believed(
     assert harness("report", folder, "--json").json == expected
 
 
-def test_kept_results_of_another_machine_are_not_unpacked(
-    harness: Callable[..., Any], folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-):
+def test_kept_results_of_another_machine_are_not_unpacked(harness, folder, tmp_path, monkeypatch):
     """A small file may unpack to gigabytes."""
     expected = harness("report", folder, "--json").json
     huge = pa.compress(bytes(2**27), codec="zstd", asbytes=True)

@@ -2,8 +2,6 @@
 
 import csv
 import json
-from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,7 +9,7 @@ import pytest
 NO_STEPS = "An index of steps, I_N or I_P, needs the reward of each environment step"
 
 
-def write_monitor(path: Path, returns, lengths, success=None, *, started: float = 1e9) -> None:
+def write_monitor(path, returns, lengths, success=None, *, started=1e9):
     """A file as stable-baselines3's Monitor writes it."""
     path.parent.mkdir(parents=True, exist_ok=True)
     started += 1e5 * sum(map(ord, path.name))  # seeds one after the other
@@ -28,10 +26,10 @@ def write_monitor(path: Path, returns, lengths, success=None, *, started: float 
 
 
 @pytest.fixture
-def monitors(tmp_path: Path) -> Callable[..., dict[tuple[str, int], np.ndarray]]:
+def monitors(tmp_path):
     """Writes trainings of two rewards by shares of success; by reward and seed, success with the step at each end."""
 
-    def write(base: float, prop: float, seeds: int = 5, episodes: int = 200):
+    def write(base, prop, seeds=5, episodes=200):
         rng, told = np.random.default_rng(1), {}
         for reward, share in (("base", base), ("prop", prop)):
             for seed in range(seeds):
@@ -45,7 +43,7 @@ def monitors(tmp_path: Path) -> Callable[..., dict[tuple[str, int], np.ndarray]]
     return write
 
 
-def last_fifth(told: dict[tuple[str, int], np.ndarray]) -> dict[tuple[str, int], float]:
+def last_fifth(told):
     """Success in the episodes that ended in the last fifth of the shortest training."""
     shortest = min(ends[-1] for _, ends in told.values())
     return {
@@ -54,7 +52,7 @@ def last_fifth(told: dict[tuple[str, int], np.ndarray]) -> dict[tuple[str, int],
     }
 
 
-def chance(values: dict[tuple[str, int], float]) -> float:
+def chance(values):
     """How often shuffled names give a difference as large, of 20,000 times."""
     base, prop = ([value for (name, _), value in values.items() if name == reward] for reward in ("base", "prop"))
     rng, both = np.random.default_rng(0), np.array([*base, *prop])
@@ -65,7 +63,7 @@ def chance(values: dict[tuple[str, int], float]) -> float:
 
 
 @pytest.mark.parametrize(("base", "prop", "answer"), [(0.4, 0.7, "helps"), (0.7, 0.4, "hurts")])
-def test_forty_monitor_files_are_answered(harness, monitors, base: float, prop: float, answer: str):
+def test_forty_monitor_files_are_answered(harness, monitors, base, prop, answer):
     """Success by seed is what the test computes itself, and chance alone gives such a difference as rarely."""
     expected = last_fifth(monitors(base, prop, seeds=20, episodes=1_000))
     data = harness("report . --json").json
@@ -108,7 +106,7 @@ def test_eta_of_a_folder_and_of_patterns_say_the_same(harness, monitors):
     assert folder["combinations"] == patterns["combinations"]
 
 
-def test_returns_alone_give_no_verdict(harness, tmp_path: Path):
+def test_returns_alone_give_no_verdict(harness, tmp_path):
     """Two rewards on two scales: no number compares them, and the flags that would help are named."""
     for reward in ("base", "prop"):
         for seed in range(3):
@@ -122,7 +120,7 @@ def test_returns_alone_give_no_verdict(harness, tmp_path: Path):
     assert "The verdict rests" not in out
 
 
-def test_labels_from_outside_decide(harness, tmp_path: Path):
+def test_labels_from_outside_decide(harness, tmp_path):
     """A person watched the policies: what they say of each training is tested like any success."""
     lines = ["run,success"]
     for reward in ("base", "prop"):
@@ -135,7 +133,7 @@ def test_labels_from_outside_decide(harness, tmp_path: Path):
     assert (found["headline"]["answer"], change["baseline"], change["proposed"]) == ("helps", 0.0, 1.0)
 
 
-def test_labels_of_episodes_may_lie_among_the_logs(harness, tmp_path: Path):
+def test_labels_of_episodes_may_lie_among_the_logs(harness, tmp_path):
     """A table of runs, episodes and success looks like a log; it is the one that was named as labels."""
     lines = ["run,episode,success"]
     for reward in ("base", "prop"):
@@ -148,7 +146,7 @@ def test_labels_of_episodes_may_lie_among_the_logs(harness, tmp_path: Path):
     assert shares == [0.0] * 4 + [0.5] * 4
 
 
-def test_lengths_decide_if_the_user_says_which_are_better(harness, tmp_path: Path):
+def test_lengths_decide_if_the_user_says_which_are_better(harness, tmp_path):
     """A shorter episode reaches its target sooner: half as long is better."""
     for reward, length in (("base", 40), ("prop", 20)):
         for seed in range(5):
@@ -157,7 +155,7 @@ def test_lengths_decide_if_the_user_says_which_are_better(harness, tmp_path: Pat
     assert (found["headline"]["answer"], found["headline"]["decided_by"]) == ("helps", "length")
 
 
-def test_tables_of_episodes_are_read_as_episodes(harness, tmp_path: Path):
+def test_tables_of_episodes_are_read_as_episodes(harness, tmp_path):
     """A column ``reward`` with a row for each episode: 5 seeds of each, and no index of steps."""
     for reward, level in (("episode-base", -20), ("episode-prop", -12)):
         for seed in range(5):
@@ -173,7 +171,7 @@ def test_tables_of_episodes_are_read_as_episodes(harness, tmp_path: Path):
     assert any(line.startswith(NO_STEPS) for line in data["notes"])
 
 
-def test_an_exported_chart_holds_several_trainings(harness, tmp_path: Path):
+def test_an_exported_chart_holds_several_trainings(harness, tmp_path):
     """Columns of W&B's export are sorted by the names of their runs, and said to be sampled."""
     runs = [f"{reward}-seed{seed}" for reward in ("base", "prop") for seed in range(3)]
     head = ["Step", *(f"{run} - charts/episodic_return{end}" for run in runs for end in ("", "__MIN", "__MAX"))]
@@ -188,7 +186,7 @@ def test_an_exported_chart_holds_several_trainings(harness, tmp_path: Path):
     assert any("means of returns" in line for line in data["notes"])
 
 
-def test_copies_of_one_table_of_progress_are_one_training(harness, tmp_path: Path):
+def test_copies_of_one_table_of_progress_are_one_training(harness, tmp_path):
     """Three files with the same rows: it is told, and what is left is shown alone."""
     for number in range(3):
         rows = [f"{step},{step},{4000 * step}" for step in range(50)]
@@ -199,7 +197,7 @@ def test_copies_of_one_table_of_progress_are_one_training(harness, tmp_path: Pat
     assert sum("the training counts once" in line for line in data["notes"]) == 2
 
 
-def test_the_page_says_how_logs_were_sorted(harness, monitors, tmp_path: Path):
+def test_the_page_says_how_logs_were_sorted(harness, monitors, tmp_path):
     """Before the answer, as the terminal does."""
     pytest.importorskip("jinja2", reason="needs the extra report")
     monitors(0.2, 0.8)

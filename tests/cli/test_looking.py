@@ -36,7 +36,7 @@ print(json.dumps({"status": status, "heard": heard}), file=sys.stderr)
 
 
 @pytest.fixture(scope="module")
-def ran(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def ran(tmp_path_factory):
     """An experiment of two cells."""
     folder = tmp_path_factory.mktemp("ran") / "it"
     harness.run(
@@ -45,7 +45,7 @@ def ran(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def changes(folder: Path, *words: str) -> list[str]:
+def changes(folder, *words):
     """What a command does to files in the folder, below it, or where links in it lead."""
     environment = {**os.environ, "PYTHONDONTWRITEBYTECODE": "1"}
     command = [sys.executable, "-c", LISTEN, *words]
@@ -58,13 +58,13 @@ def changes(folder: Path, *words: str) -> list[str]:
 
 
 @pytest.mark.parametrize("words", [("status",), ("status", "--json"), ("verify",), ("verify", "--json")])
-def test_looking_writes_nothing(ran: Path, words: tuple[str, ...]):
+def test_looking_writes_nothing(ran, words):
     """Also where the folder has the lock of a run."""
     assert (ran / ".lock").is_file()
     assert changes(ran, words[0], str(ran), *words[1:]) == []
 
 
-def test_a_report_writes_what_it_keeps_alone(ran: Path, tmp_path: Path):
+def test_a_report_writes_what_it_keeps_alone(ran, tmp_path):
     """Below the folder for that."""
     shutil.copytree(ran, tmp_path / "it", ignore=shutil.ignore_patterns("derived"))
     heard = changes(tmp_path / "it", "report", str(tmp_path / "it"))
@@ -72,7 +72,7 @@ def test_a_report_writes_what_it_keeps_alone(ran: Path, tmp_path: Path):
     assert not [line for line in heard if not line.split(maxsplit=1)[1].startswith("derived")]
 
 
-def test_a_lock_that_is_a_link_is_not_followed(ran: Path, tmp_path: Path):
+def test_a_lock_that_is_a_link_is_not_followed(ran, tmp_path):
     """Whoever laid it there may have chosen any file."""
     shutil.copytree(ran, tmp_path / "it")
     precious = tmp_path / "precious"
@@ -83,7 +83,7 @@ def test_a_lock_that_is_a_link_is_not_followed(ran: Path, tmp_path: Path):
     assert precious.read_text() == "mine"
 
 
-def test_two_folders_are_read_in_place(ran: Path, tmp_path: Path):
+def test_two_folders_are_read_in_place(ran, tmp_path):
     """Nothing of them is changed, and nothing is left in the folder for temporary files."""
     shutil.copytree(ran, tmp_path / "other")
     before = {path: path.read_bytes() for path in sorted(ran.rglob("*")) if path.is_file()}

@@ -17,14 +17,14 @@ TINY = (
 )
 
 
-def _answer(encoding: str, *arguments: str) -> subprocess.CompletedProcess[bytes]:
+def _answer(encoding, *arguments):
     """What a process leaves whose streams have an encoding."""
     command = [sys.executable, "-m", "harness", *arguments]
     environment = {**os.environ, "PYTHONIOENCODING": encoding}
     return subprocess.run(command, env=environment, capture_output=True, check=False)
 
 
-def test_no_character_ends_a_command(tmp_path_factory, subtests: pytest.Subtests):
+def test_no_character_ends_a_command(tmp_path_factory, subtests):
     """One that the encoding has not is written out, and what is written is in that encoding."""
     for encoding in ["ascii", "latin-1"]:
         for arguments in [("run", "--help"), ("describe",), ("describe", "arp"), TINY]:
@@ -52,7 +52,7 @@ EVIL = "\x1b]0;title\x07\u202e"
 SHOWN = "\\x1b]0;title\\x07\\u202e"
 
 
-def test_what_libraries_say_by_themselves_is_visible(capsys: pytest.CaptureFixture[str]):
+def test_what_libraries_say_by_themselves_is_visible(capsys):
     """Warnings, log lines that nobody handles, errors of threads; afterwards all is as before."""
     before = warnings.showwarning, threading.excepthook
     logger = logging.getLogger("harness.tests.nobody")
@@ -72,8 +72,8 @@ def test_what_libraries_say_by_themselves_is_visible(capsys: pytest.CaptureFixtu
     assert "\x1b" not in told
 
 
-def _fail_in_thread() -> None:
-    def throw() -> None:
+def _fail_in_thread():
+    def throw():
         raise ValueError(f"threw {EVIL}")
 
     thread = threading.Thread(target=throw)
@@ -89,7 +89,7 @@ def test_export_obeys_no_name(harness, finished):
     assert "\x1b" not in answer.err
 
 
-def test_help_obeys_no_plugin(harness, monkeypatch: pytest.MonkeyPatch):
+def test_help_obeys_no_plugin(harness, monkeypatch):
     """What a plugin says of itself is text."""
     monkeypatch.setattr("harness.cli.help._first_sentence", lambda command: f"Does {EVIL}.")
     out = harness("--help").out

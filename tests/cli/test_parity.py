@@ -126,7 +126,7 @@ def test_html_writes_a_page_beside_the_table(harness, tmp_path):
     assert "high against exact" in (tmp_path / "p.html").read_text(encoding="utf-8")
 
 
-def test_usage_errors_are_one_line(harness, tmp_path, subtests: pytest.Subtests):
+def test_usage_errors_are_one_line(harness, tmp_path, subtests):
     """Status 2, one line that says what was given, nothing on standard output, nothing written."""
     rows = [
         (("--sim", "exct"), "Did you mean 'exact'?"),

@@ -1,8 +1,6 @@
 """What cannot be done is said in one line, before anything is written. Tables that need a folder stand beside it."""
 
 import shutil
-from collections.abc import Callable
-from pathlib import Path
 
 import pytest
 
@@ -12,7 +10,7 @@ from tests.record.dataset.written import episode, write_lerobot, write_minari
 from tests.results.recordings.conftest import record
 
 RUN = "run --sim ideal --algo wander"
-REFUSED: dict[str, dict[str, str]] = {
+REFUSED = {
     "run": {
         "": "harness run FILE.toml",
         "--algo wander": "names no sim",
@@ -154,9 +152,7 @@ REFUSED: dict[str, dict[str, str]] = {
 
 
 @pytest.mark.parametrize("begun", REFUSED)
-def test_what_cannot_be_done_is_said_in_one_line(
-    refused: Callable[..., str], tmp_path: Path, begun: str, subtests: pytest.Subtests
-):
+def test_what_cannot_be_done_is_said_in_one_line(refused, tmp_path, begun, subtests):
     """With what was given, what is allowed, or what to do."""
     (tmp_path / "there").mkdir()
     for name in ("file", "there/thesis.txt"):
@@ -166,7 +162,7 @@ def test_what_cannot_be_done_is_said_in_one_line(
             assert told in refused(f"{begun} {rest}")
 
 
-AMONG: dict[str, dict[str, str]] = {
+AMONG = {
     "audit runs": {
         "--reward arp": "No reward 'arp'. There is: plain, square. Those are recorded in 'runs'",
         "--gamma 0.9": "--gamma does not go with",
@@ -255,7 +251,7 @@ AMONG: dict[str, dict[str, str]] = {
 
 
 @pytest.fixture
-def place(finished: Callable[..., str], tmp_path: Path) -> Path:
+def place(finished, tmp_path):
     """What the lines name."""
     mine = tmp_path / finished(seeds=1)
     shutil.copytree(
@@ -287,7 +283,7 @@ def place(finished: Callable[..., str], tmp_path: Path) -> Path:
 
 
 @pytest.mark.usefixtures("place")
-def test_what_cannot_be_done_with_a_folder_is_said_in_one_line(refused: Callable[..., str], subtests: pytest.Subtests):
+def test_what_cannot_be_done_with_a_folder_is_said_in_one_line(refused, subtests):
     """And the folder stays as it is."""
     for begun, lines in AMONG.items():
         for rest, told in lines.items():

@@ -1,11 +1,8 @@
 """What commands show of what is installed: a line that one types, and what stands in the answer."""
 
-from collections.abc import Callable
-from typing import Any
-
 import pytest
 
-SHOWN: dict[str, tuple[str, ...]] = {
+SHOWN = {
     "describe fd100-reach": (
         *("S, the state: 28 numbers", "A, the actions: MoveJ", "T, the transition", "R, the reward", "s_j6-accel"),
     ),
@@ -59,7 +56,7 @@ NOT_SHOWN = {
 
 
 @pytest.mark.parametrize("line", [*SHOWN, *NOT_SHOWN])
-def test_what_is_shown(harness: Callable[..., Any], line: str):
+def test_what_is_shown(harness, line):
     """Status 0; how wide the columns are does not count."""
     answer = harness(line)
     out = " ".join(answer.out.split())

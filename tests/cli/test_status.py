@@ -24,7 +24,7 @@ def test_failed_cells_are_named_with_their_reason(harness, quick):
     assert "RuntimeError: the arm fell off" in out
 
 
-def note(store: Store, **told: float) -> None:
+def note(store, **told):
     """Write down that the last cell is running, as a run does."""
     (store.folder / "running.json").write_text(json.dumps({store.read_plan().cells[-1].id: told}))
 

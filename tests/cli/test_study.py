@@ -1,5 +1,4 @@
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,7 +9,7 @@ ARMS = np.linspace(0.0, 1.0, 10)
 
 
 @pytest.fixture
-def recorded(harness, tmp_path: Path) -> Path:
+def recorded(harness, tmp_path):
     """Two rewards, three seeds, in the folder ``runs``."""
     for seed in range(3):
         for reward in ("plain", "thrice"):

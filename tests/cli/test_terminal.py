@@ -15,7 +15,7 @@ from harness.executor import Event
 EVIL = "\x1b]0;title\x07[/b]\u202e"
 
 
-def table() -> Table:
+def table():
     """A table that names something in a heading, and in a row."""
     made = Table()
     made.add_column(Text(EVIL), overflow="fold")
@@ -24,7 +24,7 @@ def table() -> Table:
 
 
 @pytest.mark.parametrize("renderable", [Text(EVIL), Group(Text(EVIL)), table()], ids=["text", "group", "table"])
-def test_a_label_is_shown_and_obeyed_by_nothing(renderable: object):
+def test_a_label_is_shown_and_obeyed_by_nothing(renderable):
     """Neither as a command of the terminal nor as markup."""
     terminal = Terminal(file=StringIO(), width=100, force_terminal=True)
     with terminal.capture() as capture:

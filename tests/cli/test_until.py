@@ -1,7 +1,6 @@
 """``harness run --until decided``: trains in looks, and stops where the answer stands."""
 
 import json
-from pathlib import Path
 
 import pytest
 
@@ -9,29 +8,29 @@ LINE = "run --reward dense --until decided --looks 2,4,6 --margin 0.7 --out mine
 
 
 @pytest.fixture
-def folder(trained, quick, tmp_path) -> Path:
+def folder(trained, quick, tmp_path):
     """An arm that acts at random succeeds as often under either reward: below so wide a margin from four seeds on."""
     assert trained(LINE, *quick).status == 0
     return tmp_path / "mine"
 
 
-def done(folder: Path) -> int:
+def done(folder):
     """How many cells are done."""
     return sum(json.loads(it.read_text())["status"] == "done" for it in folder.glob("cells/*/manifest.json"))
 
 
-def test_it_stops_where_the_answer_stands(folder: Path):
+def test_it_stops_where_the_answer_stands(folder):
     """At the second look: four seeds of two rewards, and not six."""
     assert done(folder) == 8
 
 
-def test_looks_margin_and_questions_stand_in_the_plan(folder: Path):
+def test_looks_margin_and_questions_stand_in_the_plan(folder):
     """Written before the first training."""
     terms = json.loads((folder / "plan.json").read_text())["terms"]
     assert (terms["looks"], terms["asked"], terms["margin"]) == ([2, 4, 6], 1, 0.7)
 
 
-def test_the_report_tells_of_the_looks(harness, folder: Path):
+def test_the_report_tells_of_the_looks(harness, folder):
     """In the table, as JSON and on the page."""
     assert "Looks at 2, 4, 6 seeds (trained until decided" in " ".join(harness("report", folder).out.split())
     told = harness("report", folder, "--json").json
@@ -43,7 +42,7 @@ def test_the_report_tells_of_the_looks(harness, folder: Path):
     assert "12 cells: 8 done, 4 not needed" in page
 
 
-def test_status_tells_how_it_stands(harness, folder: Path):
+def test_status_tells_how_it_stands(harness, folder):
     """In words and as JSON."""
     told = harness("status", folder).out
     assert "12 cells: 8 done, 4 not needed\n1 of 1 decided\n" in told
@@ -61,7 +60,7 @@ def test_a_run_that_was_cut_short_goes_on(harness, quick, tmp_path):
     assert all(it.read_bytes() == before for it, before in kept.items())
 
 
-def test_the_experiment_file_repeats_it(harness, folder: Path, tmp_path):
+def test_the_experiment_file_repeats_it(harness, folder, tmp_path):
     """With its looks, and no seeds."""
     assert "seeds" not in (folder / "experiment.toml").read_text()
     assert harness("run", folder / "experiment.toml", "--executor", "here", "--out", "again").status == 0

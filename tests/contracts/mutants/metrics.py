@@ -60,7 +60,7 @@ MUTANTS = {
     ),
     "needs facts": (
         "metric-finite",
-        tells(lambda t: share_reached(t) * t.facts.horizon),
+        tells(lambda t: share_reached(t) * t.facts.episodes.horizon),
         "raised TypeError: unsupported",
     ),
     "counts": ("metric-finite", tells(lambda t: int(t["reached"].sum())), "the value is a int"),
