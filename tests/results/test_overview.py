@@ -89,4 +89,4 @@ def test_what_is_shared_is_said_once():
     mujoco, longer = _comparison("mujoco", 1_000), _comparison("pybullet", 2_000)
     assert shared_text([mujoco, longer]) == "reach · arp · against baseline · 2 seeds"
     odd = _comparison("mujoco", 1_000, (10, 5))
-    assert shared_text([odd]).endswith(" · 10 seeds against 5 seeds")
+    assert shared_text([odd]) == "mujoco · reach · against baseline · 1,000 steps · 10 seeds against 5 seeds"
