@@ -50,7 +50,7 @@ def test_a_fault_at_the_start_refuses_the_program(start, fault):
 @pytest.mark.parametrize("fault", LATER)
 def test_a_fault_later_ends_the_training(start, fault):
     """In the step in which it happens."""
-    env = start("--fault", fault, "--fault-after", "3", patience=1.0 if fault == "hang" else 10.0)
+    env = start("--fault", fault, "--fault-after", "3", patience=4.0 if fault == "hang" else 10.0)
     env.reset()
     with pytest.raises(UnityError, match=LATER[fault]) as told:
         stand_still(env)
@@ -59,7 +59,7 @@ def test_a_fault_later_ends_the_training(start, fault):
 
 def test_an_agent_that_is_gone_is_missed(start):
     """The others go on asking."""
-    env = start("--agents", "2", "--fault", "gone", "--fault-after", "3", patience=1.0)
+    env = start("--agents", "2", "--fault", "gone", "--fault-after", "3", patience=4.0)
     env.reset()
     with pytest.raises(UnityError, match=r"agent 0 of the behaviour .* has asked nothing for 1 s"):
         stand_still(env)
