@@ -11,8 +11,8 @@ from harness_plugins.unity_player.messages import UnityError
 
 FROM_THE_START = {
     "crash": r"the player ended \(exit status 3; its last line: NullReferenceException",
-    "hang": r"it has said nothing for 1 s\. In Unity, Behavior Type has to be Default",
-    "silent": r"it has said nothing for 1 s",
+    "hang": r"it has said nothing for 4 s\. In Unity, Behavior Type has to be Default",
+    "silent": r"it has said nothing for 4 s",
     "old-version": r"speaks version 0\.15\.0 of ML-Agents' protocol, and 1\.5\.0 is understood",
     "doubled": r"agent 0 of the behaviour 'Arm\?team=0' is twice in one message",
     "nan": r"agent 0 of the behaviour .* observes nan at place 2",
@@ -41,7 +41,7 @@ def stand_still(env):
 @pytest.mark.parametrize("fault", FROM_THE_START)
 def test_a_fault_at_the_start_refuses_the_program(start, fault):
     """A usage error that names the program."""
-    patience = 1.0 if fault in ("hang", "silent") else 10.0
+    patience = 4.0 if fault in ("hang", "silent") else 10.0
     with pytest.raises(UsageError, match=FROM_THE_START[fault]) as told:
         start("--fault", fault, patience=patience)
     assert re.match(r"Unity \(.*player\): [^\n]+$", str(told.value))
@@ -61,7 +61,7 @@ def test_an_agent_that_is_gone_is_missed(start):
     """The others go on asking."""
     env = start("--agents", "2", "--fault", "gone", "--fault-after", "3", patience=4.0)
     env.reset()
-    with pytest.raises(UnityError, match=r"agent 0 of the behaviour .* has asked nothing for 1 s"):
+    with pytest.raises(UnityError, match=r"agent 0 of the behaviour .* has asked nothing for 4 s"):
         stand_still(env)
 
 
