@@ -24,13 +24,11 @@ def whole_plan(data: dict[str, Any], experiment: Mapping[str, Any]) -> dict[str,
 
 
 def whole_manifest(data: dict[str, Any], folder: Path) -> dict[str, Any]:
-    """What ``manifest.json`` says. That of 0.1 names no digests: the files count that are there and can be read.
+    """What a ``manifest.json`` of 0.1 says. It names no digests: the files count that are there and can be read.
 
     Raises:
         SchemaError: A trace of a done cell cannot be read.
     """
-    if "files" in data:
-        return data
     from harness.record.trace import read_trace  # here: no manifest of today needs traces to be read
 
     if "id" in data and data.get("status") == "done":

@@ -133,7 +133,8 @@ def read_record(
     path = folder / MANIFEST
     data = read_sealed(path, noun, newest, SEALED_SINCE)
     with reading(path, noun):
-        data = whole_manifest(data, folder)
+        if data["format"] < SEALED_SINCE:
+            data = whole_manifest(data, folder)
         require_form(form, data)
         del data["format"]
         return read(data)

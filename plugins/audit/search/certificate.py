@@ -447,14 +447,15 @@ def array_of(data: Mapping[str, Any]) -> NDArray[Any]:
     kind = np.dtype(data["type"])
     if kind.kind in "iu" and not all(isinstance(it, int) for it in data["numbers"]):
         raise ValueError(f"not all numbers of an array of {kind} are whole")
+    misfit = f"an array of {kind} does not hold its numbers"
     try:
         with np.errstate(over="ignore"):
             array = np.array(data["numbers"]).astype(kind) if kind.kind == "f" else np.array(data["numbers"], kind)
-        if np.isfinite(array).all():
-            return array.reshape(data["shape"])
     except OverflowError:
-        pass
-    raise ValueError(f"an array of {kind} does not hold its numbers")
+        raise ValueError(misfit) from None
+    if not np.isfinite(array).all():
+        raise ValueError(misfit)
+    return array.reshape(data["shape"])
 
 
 def _require_lengths(shown: Shown) -> None:
