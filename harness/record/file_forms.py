@@ -139,7 +139,7 @@ class EndingForm(TypedDict):
     started: Moment
     seconds: Seconds
     environment: EnvironmentForm
-    files: NotRequired[Annotated[dict[FilePath, Digest], Field(max_length=MOST_FILES), AfterValidator(_distinct)]]
+    files: Annotated[dict[FilePath, Digest], Field(max_length=MOST_FILES), AfterValidator(_distinct)]
 
 
 @with_config(EXACT)

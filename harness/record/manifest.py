@@ -133,7 +133,7 @@ def read_record(
     path = folder / MANIFEST
     data = read_sealed(path, noun, newest, SEALED_SINCE)
     with reading(path, noun):
-        if data["format"] < SEALED_SINCE:
+        if "files" not in data and data.get("format", 1) < SEALED_SINCE:
             data = whole_manifest(data, folder)
         require_form(form, data)
         del data["format"]

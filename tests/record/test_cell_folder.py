@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from harness.errors import NewerFormat
+from harness.files.sealed import seal, unseal
 from harness.record import LOG, MANIFEST, TRACE, Manifest, Store, read_manifest
 
 
@@ -42,6 +43,10 @@ def _link(path):
     path.symlink_to(path.with_name("other"))
 
 
+def _name_no_files(path):
+    path.write_bytes(seal({key: value for key, value in unseal(path.read_bytes()).items() if key != "files"}))
+
+
 def _pipe(path):
     path.unlink()
     os.mkfifo(path)
@@ -54,6 +59,7 @@ DAMAGES = {
     "a pipe": (TRACE, _pipe, "is missing"),
     "changed log": (LOG, lambda path: path.write_text("Said\n"), "is not what was written"),
     "cut manifest": (MANIFEST, lambda path: path.write_bytes(path.read_bytes()[:50]), "is no readable manifest"),
+    "manifest without digests": (MANIFEST, _name_no_files, "files"),
     "no manifest": (MANIFEST, Path.unlink, "is no readable manifest"),
     "manifest that is a pipe": (MANIFEST, _pipe, "it is no regular file"),
 }
