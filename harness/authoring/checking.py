@@ -11,9 +11,7 @@ from harness.face import face_of
 
 if TYPE_CHECKING:
     from harness.authoring.closed_motion import closed_motion as closed_motion
-    from harness.env.ideal import IdealSimulator as IdealSimulator
     from harness.env.logged_simulation import LoggedSimulation as LoggedSimulation
-    from harness.env.solid_probes import require_solids as require_solids
     from harness.env.vector_env import Actions as Actions, Infos as Infos
     from harness.experiment.checkpoints.checkpoint import (
         Checkpoint as Checkpoint,
@@ -36,24 +34,16 @@ if TYPE_CHECKING:
     from harness.experiment.workers.worker import print_into as print_into
     from harness.experiment.workers.workers import Pool as Pool
     from harness.log.format import HEAD as HEAD
-    from harness.log.log import BEHAVIOUR as BEHAVIOUR, LARGEST as LARGEST, REWARD as REWARD
-    from harness.record.episode_facts import (
-        NOTHING_KNOWN as NOTHING_KNOWN,
-        EpisodeFacts as EpisodeFacts,
-        with_episode_facts as with_episode_facts,
-    )
+    from harness.record.episode_facts import NOTHING_KNOWN as NOTHING_KNOWN, with_episode_facts as with_episode_facts
     from harness.record.trace import (
         FLAGS as FLAGS,
         INTEGERS as INTEGERS,
         NUMBERS as NUMBERS,
         OBSTACLE as OBSTACLE,
         QVEL as QVEL,
-        trace_of as trace_of,
     )
     from harness.recorder.column import Column as Column, made_columns as made_columns
     from harness.registry.given import PluginFile as PluginFile, is_class_name as is_class_name
-    from harness.registry.parameters import build as build, values_of as values_of
-    from harness.registry.spec import Spec as Spec
     from harness.registry.targets import why_unfit as why_unfit
     from harness.reward.forms import is_plain_function as is_plain_function
     from harness.reward.given import Untold as Untold
@@ -64,13 +54,8 @@ if TYPE_CHECKING:
         rows_of as rows_of,
         step_between as step_between,
     )
-    from harness.robot.energy import energy as energy, read_bodies as read_bodies
-    from harness.robot.ground_clearance import build_solids as build_solids
-    from harness.robot.inverse_kinematics import reach_pose as reach_pose
-    from harness.robot.kinematics import rotation_of_axes as rotation_of_axes
-    from harness.robot.meshes import read_mesh as read_mesh
+    from harness.robot.energy import energy as energy
     from harness.robot.robot import is_path as is_path
-    from harness.robot.servo import Servo as Servo
     from harness.robot.settings import FILE as FILE
 
 else:

@@ -27,11 +27,10 @@ if TYPE_CHECKING:
         Measures as Measures,
         PluginFiles as PluginFiles,
         RobotName as RobotName,
-        SimulatorNames as SimulatorNames,
         TaskName as TaskName,
         names_of as names_of,
     )
-    from harness.cli.foreseen import about as about, left_text as left_text
+    from harness.cli.foreseen import left_text as left_text
     from harness.cli.output import (
         complain as complain,
         kept_when_interrupted as kept_when_interrupted,
@@ -43,12 +42,6 @@ if TYPE_CHECKING:
     from harness.cli.terminal import Terminal as Terminal, show as show
     from harness.cli.unexpected import describe_unexpected as describe_unexpected
     from harness.env import ReachVectorEnv as ReachVectorEnv
-    from harness.env.arm_observation import (
-        kinematics_policy as kinematics_policy,
-        why_not_kinematics as why_not_kinematics,
-    )
-    from harness.env.ideal import IdealSimulator as IdealSimulator
-    from harness.env.make import World as World, build_world as build_world
     from harness.env.solid_probes import (
         Probe as Probe,
         few_points as few_points,
@@ -56,35 +49,11 @@ if TYPE_CHECKING:
         missing_in_words as missing_in_words,
         probes_of as probes_of,
     )
-    from harness.eta.auc import (
-        AGAINST as AGAINST,
-        CANNOT_TELL as CANNOT_TELL,
-        RANKS as RANKS,
-        Auc as Auc,
-        auc_of as auc_of,
-        rounded as rounded,
-        share_of as share_of,
-    )
-    from harness.eta.behaviour_change import Change as Change, with_intervals as with_intervals
-    from harness.eta.curve import GroupCurve as GroupCurve, curve_of as curve_of
-    from harness.eta.headline import SUCCESS as SUCCESS, Answer as Answer
-    from harness.eta.index import NOTHING as NOTHING, Ratio as Ratio
-    from harness.eta.interval import SHARE as SHARE
-    from harness.eta.rescaling import (
-        PayLine as PayLine,
-        Rescaling as Rescaling,
-        line_of as line_of,
-        rescaling_of as rescaling_of,
-    )
-    from harness.eta.seed_mean import (
-        SeedMean as SeedMean,
-        mean_lost_share as mean_lost_share,
-        mean_over_seeds as mean_over_seeds,
-    )
-    from harness.eta.splits import (
-        Split as Split,
-        no_splits as no_splits,
-    )
+    from harness.eta.auc import Auc as Auc, rounded as rounded, share_of as share_of
+    from harness.eta.headline import SUCCESS as SUCCESS
+    from harness.eta.index import NOTHING as NOTHING
+    from harness.eta.rescaling import PayLine as PayLine
+    from harness.eta.seed_mean import mean_lost_share as mean_lost_share
     from harness.experiment.arm_evaluation import record_evaluation as record_evaluation
     from harness.experiment.draft import draft_of as draft_of, leave_record as leave_record
     from harness.experiment.environments.columns import (
@@ -99,19 +68,10 @@ if TYPE_CHECKING:
     )
     from harness.experiment.environments.played_again import PlayedAgain as PlayedAgain
     from harness.experiment.environments.spaces import (
-        Acting as Acting,
         flat_observation as flat_observation,
         flat_observations as flat_observations,
         goal_columns as goal_columns,
         kind_of_actions as kind_of_actions,
-    )
-    from harness.experiment.plan import (
-        Names as Names,
-        Plan as Plan,
-        Seed as Seed,
-        Steps as Steps,
-        check_experiment as check_experiment,
-        expand as expand,
     )
     from harness.experiment.provenance import (
         CHECKOUT as CHECKOUT,
@@ -120,40 +80,19 @@ if TYPE_CHECKING:
         source_commit as source_commit,
         versions_behind as versions_behind,
     )
-    from harness.experiment.workers.order import Order as Order, Report as Report
+    from harness.experiment.workers.order import Report as Report
     from harness.experiment.workers.workers import News as News, run_orders as run_orders, worker_count as worker_count
-    from harness.experiment.world import world_of as world_of
-    from harness.files.bounded import (
-        digest_of as digest_of,
-        parse_json as parse_json,
-        read_bytes as read_bytes,
-        read_json as read_json,
-        read_text as read_text,
-        reading as reading,
-        require_regular as require_regular,
-    )
-    from harness.files.sealed import read_sealed as read_sealed, seal as seal
-    from harness.files.whole_file import (
-        files_in as files_in,
-        is_partial as is_partial,
-        whole_file as whole_file,
-        write_whole as write_whole,
-    )
-    from harness.log.log import BEHAVIOUR as BEHAVIOUR, REWARD as REWARD, ROWS as ROWS
+    from harness.files.bounded import parse_json as parse_json, read_bytes as read_bytes
+    from harness.files.whole_file import files_in as files_in, whole_file as whole_file
+    from harness.log.log import ROWS as ROWS
     from harness.log.open_log import Found as Found, find_logs as find_logs
-    from harness.motion.limits import JointLimits as JointLimits
     from harness.payoff.dataset.arm_pay import places_of as places_of
-    from harness.payoff.dataset.paid_dataset import (
-        Labels as Labels,
-        PaidDataset as PaidDataset,
-        pay_dataset as pay_dataset,
-    )
+    from harness.payoff.dataset.paid_dataset import Labels as Labels, PaidDataset as PaidDataset
     from harness.payoff.dataset.rewards import given_rewards as given_rewards, rewards_of as rewards_of
     from harness.payoff.dataset.steps import Payer as Payer
     from harness.payoff.finishing import (
         Finishing as Finishing,
         Payoff as Payoff,
-        finishing_of as finishing_of,
         on_finishing as on_finishing,
         on_terms as on_terms,
         under_noise as under_noise,
@@ -163,26 +102,14 @@ if TYPE_CHECKING:
         FINISH as FINISH,
         HOLD as HOLD,
         HOVER as HOVER,
-        SCRIPTS as SCRIPTS,
         NoScriptsError as NoScriptsError,
-        Rollout as Rollout,
         States as States,
-        plan_actions as plan_actions,
-        record_rollouts as record_rollouts,
     )
-    from harness.payoff.score import (
-        Score as Score,
-        discounted_sum as discounted_sum,
-        paid_along as paid_along,
-        pay_along as pay_along,
-        pay_distances as pay_distances,
-        score_rollout as score_rollout,
-    )
+    from harness.payoff.score import Score as Score, paid_along as paid_along, pay_along as pay_along
     from harness.policy.continuous import ContinuousNetwork as ContinuousNetwork
     from harness.policy.folder import read_folder as read_folder
     from harness.policy.network import MEAN as MEAN, STD as STD
     from harness.record.blocks import Block as Block, Blocks as Blocks, read_blocks as read_blocks
-    from harness.record.cell import Cell as Cell
     from harness.record.cell_folder import require_files as require_files
     from harness.record.dataset.labels import (
         UNKNOWN as UNKNOWN,
@@ -202,22 +129,8 @@ if TYPE_CHECKING:
         Status as Status,
         require_form as require_form,
     )
-    from harness.record.folder import (
-        EVALUATION as EVALUATION,
-        MANIFEST as MANIFEST,
-        POLICY as POLICY,
-        TRACE as TRACE,
-        TRAINING_RECORDING as TRAINING_RECORDING,
-        WEIGHTS as WEIGHTS,
-        partial_folder as partial_folder,
-    )
-    from harness.record.manifest import (
-        Ending as Ending,
-        Manifest as Manifest,
-        now as now,
-        read_manifest as read_manifest,
-        read_record as read_record,
-    )
+    from harness.record.folder import TRAINING_RECORDING as TRAINING_RECORDING
+    from harness.record.manifest import Ending as Ending, now as now, read_record as read_record
     from harness.record.out_folder import (
         folder_lock as folder_lock,
         is_held as is_held,
@@ -225,9 +138,7 @@ if TYPE_CHECKING:
         refuse_links as refuse_links,
         storage_errors as storage_errors,
     )
-    from harness.record.plan_file import EXPERIMENT as EXPERIMENT, PLAN as PLAN
     from harness.record.recording.facts import (
-        TrainingFacts as TrainingFacts,
         facts_of as facts_of,
         file_column as file_column,
         term_column as term_column,
@@ -243,54 +154,27 @@ if TYPE_CHECKING:
         part_name as part_name,
         part_schema as part_schema,
         read_part as read_part,
-        read_recording as read_recording,
         recorder_numbers as recorder_numbers,
         recordings_in as recordings_in,
     )
     from harness.record.returns import mean_return as mean_return
     from harness.record.scene import Scene as Scene, read_scene as read_scene, write_scene as write_scene
     from harness.record.status import FolderStatus as FolderStatus, read_status as read_status
-    from harness.record.store import Store as Store
-    from harness.record.trace import TERM as TERM, read_trace as read_trace, terms_of as terms_of
+    from harness.record.trace import TERM as TERM, terms_of as terms_of
     from harness.recorder.column import Column as Column, made_columns as made_columns, source_of as source_of
     from harness.recorder.env_facts import versions_of as versions_of
     from harness.recorder.guard import Guard as Guard, Raised as Raised
     from harness.recorder.record_rewards import RecordRewards as RecordRewards
     from harness.recorder.recorder import differs as differs
     from harness.recorder.sealed import KeepWalks as KeepWalks, Walk as Walk
-    from harness.registry.choice import (
-        Choice as Choice,
-        choose as choose,
-        parse as parse,
-        split_list as split_list,
-    )
-    from harness.registry.given import (
-        Given as Given,
-        given_from_json as given_from_json,
-        given_to_json as given_to_json,
-        plugin_flags as plugin_flags,
-        read_given as read_given,
-        require_given as require_given,
-        split_measures as split_measures,
-    )
+    from harness.registry.given import plugin_flags as plugin_flags, read_given as read_given
     from harness.registry.libraries import is_met as is_met
-    from harness.registry.names import did_you_mean as did_you_mean, unknown_name as unknown_name
-    from harness.registry.parameters import build as build
     from harness.registry.plugin_module import import_file as import_file
-    from harness.registry.registry import Plugin as Plugin, Registry as Registry, load_registry as load_registry
-    from harness.registry.sources import source_hash as source_hash
-    from harness.registry.spec import OURS as OURS, PLANNED as PLANNED, blamed_on as blamed_on
+    from harness.registry.registry import load_registry as load_registry
+    from harness.registry.spec import PLANNED as PLANNED, blamed_on as blamed_on
     from harness.registry.targets import examined as examined
-    from harness.report.rows.payoff import Payoffs as Payoffs
     from harness.results.alone import Alone as Alone
-    from harness.results.cell_results import PAID as PAID
-    from harness.results.comparison import (
-        Behaviour as Behaviour,
-        Comparison as Comparison,
-        Group as Group,
-        Number as Number,
-        deciding_manner as deciding_manner,
-    )
+    from harness.results.comparison import deciding_manner as deciding_manner
     from harness.results.learning import Learning as Learning
     from harness.results.load import read_results as read_results
     from harness.results.logs.read_logs import (
@@ -299,8 +183,6 @@ if TYPE_CHECKING:
         require_comparable as require_comparable,
         without_short as without_short,
     )
-    from harness.results.logs.trainings import sort_logs as sort_logs
-    from harness.results.measured import value_of as value_of
     from harness.results.overview import (
         decided_by_text as decided_by_text,
         line_names as line_names,
@@ -309,12 +191,7 @@ if TYPE_CHECKING:
         short_name as short_name,
         values_text as values_text,
     )
-    from harness.results.recordings.episodes import (
-        Episodes as Episodes,
-        Part as Part,
-        count_text as count_text,
-        episodes_of as episodes_of,
-    )
+    from harness.results.recordings.episodes import Episodes as Episodes, Part as Part, count_text as count_text
     from harness.results.recordings.read_runs import (
         env_of as env_of,
         has_recordings as has_recordings,
@@ -327,16 +204,7 @@ if TYPE_CHECKING:
         NO_NAME as NO_NAME,
         Run as Run,
     )
-    from harness.results.replay import (
-        Episode as Episode,
-        Show as Show,
-        Side as Side,
-        find_done as find_done,
-        first_show as first_show,
-        show_cells as show_cells,
-        shows_of as shows_of,
-    )
-    from harness.results.standing import told_manifests as told_manifests
+    from harness.results.replay import Episode as Episode, Show as Show, Side as Side, find_done as find_done
     from harness.results.table import RANDOM as RANDOM
     from harness.results.verdicts import ENDED as ENDED
     from harness.reward.given import (
@@ -355,22 +223,14 @@ if TYPE_CHECKING:
         step_between as step_between,
         steps_type as steps_type,
     )
-    from harness.robot.ground_clearance import Solids as Solids, build_solids as build_solids
-    from harness.robot.kinematics import end_effector_position as end_effector_position
-    from harness.robot.robot import load_robot as load_robot
     from harness.scene.picture import (
         BACKGROUND as BACKGROUND,
         TARGET as TARGET,
-        Camera as Camera,
-        camera_for as camera_for,
         chain_of as chain_of,
         corners_of as corners_of,
         draw_arm as draw_arm,
         require_pillow as require_pillow,
     )
-    from harness.scene.scene import scene_of as scene_of
-    from harness.score.csv_steps import EVENTS as EVENTS
-    from harness.score.installed_reward import InstalledReward as InstalledReward
     from harness.score.places import ArmPlaces as ArmPlaces
 
 else:

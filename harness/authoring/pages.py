@@ -8,21 +8,12 @@ from harness.face import face_of
 
 if TYPE_CHECKING:
     from harness.report.apart import tell_apart as tell_apart
-    from harness.report.document import report_text as report_text
-    from harness.report.facts import Fact as Fact, shared_facts as shared_facts
+    from harness.report.facts import Fact as Fact
     from harness.report.figures.accumulated import draw_both as draw_both
-    from harness.report.figures.chart import (
-        Axis as Axis,
-        Chart as Chart,
-        Dots as Dots,
-        Line as Line,
-        Mark as Mark,
-        linear_axis as linear_axis,
-    )
+    from harness.report.figures.chart import Mark as Mark
     from harness.report.figures.draw import (
         CHARACTER as CHARACTER,
         SAMPLE as SAMPLE,
-        draw_chart as draw_chart,
         draw_figure as draw_figure,
         draw_sample as draw_sample,
         figure_height as figure_height,
@@ -32,8 +23,6 @@ if TYPE_CHECKING:
         width_of as width_of,
     )
     from harness.report.figures.learning import (
-        describe_learning as describe_learning,
-        draw_learning as draw_learning,
         flat_text as flat_text,
         learning_heading as learning_heading,
         learning_names as learning_names,
@@ -45,23 +34,22 @@ if TYPE_CHECKING:
     )
     from harness.report.figures.panel import (
         CurvePanel as CurvePanel,
-        Drawn as Drawn,
         panels_of as panels_of,
         reward_range as reward_range,
     )
     from harness.report.figures.points import FEWEST as FEWEST, POINTS as POINTS, select_points as select_points
     from harness.report.figures.race import draw_race as draw_race
-    from harness.report.figures.ratio_axis import is_drawable as is_drawable, ticks as ticks
+    from harness.report.figures.ratio_axis import is_drawable as is_drawable
     from harness.report.figures.split import (
         draw_ratio as draw_ratio,
         draw_split as draw_split,
         number_of as number_of,
         ratio_axis as ratio_axis,
     )
-    from harness.report.figures.split_rows import SplitRow as SplitRow, describe_split as describe_split
+    from harness.report.figures.split_rows import SplitRow as SplitRow
     from harness.report.page.matrix import plain_text as plain_text
     from harness.report.page.page import render_page as render_page, write_page as write_page
-    from harness.report.replay.section import Replay as Replay, replay_of as replay_of
+    from harness.report.replay.section import Replay as Replay
     from harness.report.rows.alone import (
         ALONE as ALONE,
         alone_grid as alone_grid,
@@ -69,25 +57,19 @@ if TYPE_CHECKING:
         story as story,
     )
     from harness.report.rows.behaviour import (
-        along_grid as along_grid,
-        behaviour_grids as behaviour_grids,
         behaviour_row as behaviour_row,
         percentage as percentage,
         text_of as text_of,
     )
     from harness.report.rows.comparison import (
         answer_text as answer_text,
-        basis_text as basis_text,
-        beside_answer as beside_answer,
         compared_text as compared_text,
         count_cells as count_cells,
         interim_line as interim_line,
         interim_text as interim_text,
-        question as question,
         remarks_on_cells as remarks_on_cells,
         rewards_text as rewards_text,
         seeds_text as seeds_text,
-        what_decides as what_decides,
     )
     from harness.report.rows.numbers import number_grids as number_grids, splits_of as splits_of
     from harness.report.rows.pools import (
@@ -95,26 +77,16 @@ if TYPE_CHECKING:
         POOLED_TITLE as POOLED_TITLE,
         pooled_answers as pooled_answers,
     )
-    from harness.report.rows.race import (
-        RACE as RACE,
-        RACE_TITLE as RACE_TITLE,
-        RaceTold as RaceTold,
-        race_told as race_told,
-    )
+    from harness.report.rows.race import RACE as RACE, RACE_TITLE as RACE_TITLE, RaceTold as RaceTold
     from harness.report.rows.ratios import (
         BETTER as BETTER,
-        SPLIT as SPLIT,
-        Grid as Grid,
-        format_number as format_number,
         ratio_text as ratio_text,
         ratio_with_interval as ratio_with_interval,
-        scales_text as scales_text,
     )
     from harness.report.rows.returns import PAY as PAY
-    from harness.report.rows.terms import terms_grid as terms_grid, terms_of as terms_of
+    from harness.report.rows.terms import terms_of as terms_of
     from harness.report.tables.grid import show_grid as show_grid
     from harness.report.tables.overview import WideOrNarrow as WideOrNarrow
-    from harness.report.typography import typeset as typeset
 
 else:
     __all__, __getattr__ = face_of(__name__, __file__)

@@ -15,9 +15,9 @@ if TYPE_CHECKING:
     from harness.eta.curve import GroupCurve as GroupCurve, Kind as Kind, curve_of as curve_of
     from harness.eta.decomposition import decompose as decompose
     from harness.eta.equal import equal_sentences as equal_sentences, equal_trainings as equal_trainings
-    from harness.eta.headline import UNMEASURED as UNMEASURED, Answer as Answer, Headline as Headline
+    from harness.eta.headline import UNMEASURED as UNMEASURED, Answer as Answer
     from harness.eta.index import Index as Index, Ratio as Ratio
-    from harness.eta.interval import SHARE as SHARE, UNBOUNDED as UNBOUNDED, Bounds as Bounds
+    from harness.eta.interval import SHARE as SHARE, UNBOUNDED as UNBOUNDED
     from harness.eta.judgement import judge as judge
     from harness.eta.lead import lead_of as lead_of
     from harness.eta.number import number_sentence as number_sentence, return_sentence as return_sentence
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from harness.eta.swaps import Swaps as Swaps, corrected_p as corrected_p, p_of as p_of, swaps_of as swaps_of
     from harness.eta.verdict.looks import LookRuling as LookRuling, Looks as Looks, rule_in_looks as rule_in_looks
     from harness.eta.verdict.question import Question as Question
-    from harness.eta.verdict.race import RACE as RACE, Race as Race, race as race
+    from harness.eta.verdict.race import RACE as RACE, race as race
     from harness.eta.verdict.ruling import Ruling as Ruling, rule as rule
 else:
     __all__, __getattr__ = face_of(__name__, __file__)

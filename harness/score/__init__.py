@@ -6,7 +6,6 @@ from harness.face import face_of
 
 if TYPE_CHECKING:
     from harness.score.compare import (
-        ComparedRuns as ComparedRuns,
         compare_logs as compare_logs,
         guess_reward as guess_reward,
     )

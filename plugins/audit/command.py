@@ -48,7 +48,7 @@ from .flags import (
 )
 
 if TYPE_CHECKING:
-    from harness.authoring.commands import Choice, Registry
+    from harness.registry import Choice, Registry
 
     from .audit import Audit
     from .dataset.dataset_audit import DatasetAudit
@@ -130,7 +130,7 @@ def audit(
     if replay is not None:
         beside = subject or task or reward or ("--fail-on" if fail_on else None)
         return _replayed(replay, sim, plugin, measure, as_json, beside)
-    from harness.authoring.commands import split_list
+    from harness.registry import split_list
 
     failing = _named_answers(fail_on)
     if subject is not None and task is not None:
@@ -148,7 +148,7 @@ def audit(
     }  # fmt: skip
     if named is not None and names_dataset(named):
         _refuse_others(DATASET, named, others, {})
-        from harness.authoring.commands import load_registry, read_given
+        from harness.registry import load_registry, read_given
 
         from .dataset.audit_dataset import audit_dataset
 
@@ -166,7 +166,7 @@ def audit(
             registry=load_registry(given=read_given(plugin)),
         )
         return _ended(failing, [found], _show_answer(found, as_json, html))
-    from harness.authoring.commands import choose, load_registry, read_given, split_measures
+    from harness.registry import choose, load_registry, read_given, split_measures
 
     from .search.place import GAMMA_OF_ARM, places_in_environment
 
@@ -234,7 +234,8 @@ def _kind_of(subject: str | None, task: str | None, registry: "Registry") -> str
     Raises:
         UsageError: There is nothing of that name.
     """
-    from harness.authoring.commands import Store, has_recordings, kind_of_task, require_known
+    from harness.authoring.commands import has_recordings, kind_of_task, require_known
+    from harness.record import Store
 
     if subject is not None and Path(subject).exists():
         folder = Path(subject)
@@ -383,7 +384,7 @@ def _replayed(
     """
     if other is not None:
         raise UsageError(f"--replay {path} says itself what is played: leave out '{other}'")
-    from harness.authoring.commands import load_registry, read_given, split_measures
+    from harness.registry import load_registry, read_given, split_measures
 
     from .search.out import replay_file
 
@@ -447,7 +448,7 @@ def _of_folder(
     sort: str | None,
 ) -> "Audit":
     """What lies in a folder: recordings of an experiment or loose ones, cells of an arm, or logs of other programs."""
-    from harness.authoring.commands import split_list
+    from harness.registry import split_list
 
     from .recorded.recordings import audit_logs, audit_recordings
 
@@ -489,7 +490,8 @@ def _of_task(
     needs_scripts: bool,
 ) -> "tuple[list[Audit], list[Place]]":
     """An audit of each reward by scripts, where they can do the task, and where a search looks."""
-    from harness.authoring.commands import NoScriptsError, choose, split_list
+    from harness.authoring.commands import NoScriptsError
+    from harness.registry import choose, split_list
 
     from .search.place import places_on_task
 
@@ -516,13 +518,9 @@ def _on_scripts(
     gamma: float,
 ) -> "list[Audit]":
     """An audit of each reward."""
-    from harness.authoring.commands import (
-        IdealSimulator,
-        choose,
-        record_rollouts,
-        score_rollout,
-        split_list,
-    )
+    from harness.env import IdealSimulator
+    from harness.payoff import record_rollouts, score_rollout
+    from harness.registry import choose, split_list
     from harness.task import choose_task
 
     from .scripts import audit_reward

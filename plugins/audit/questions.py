@@ -7,7 +7,8 @@ from collections.abc import Hashable, Mapping, Sequence
 
 import numpy as np
 
-from harness.authoring.commands import Auc, Episodes, auc_of
+from harness.authoring.commands import Auc, Episodes
+from harness.eta import auc_of
 from harness.log import SUCCESS
 
 from .recorded.earned import Earned, best_paid

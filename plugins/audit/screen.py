@@ -12,7 +12,9 @@ from harness.errors import reason_of
 from harness.screen import CANNOT_TELL, FAILING, Screened
 
 if TYPE_CHECKING:
-    from harness.authoring.commands import Cell, Payoffs, Registry
+    from harness.record import Cell
+    from harness.registry import Registry
+    from harness.report import Payoffs
 
     from .search.finding import Finding
 

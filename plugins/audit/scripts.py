@@ -18,18 +18,16 @@ from harness.authoring.commands import (
     Episodes,
     Finishing,
     Payoff,
-    Rollout,
     Score,
-    finishing_of,
     on_finishing,
     on_terms,
     paid_along,
     rows_of,
-    score_rollout,
     step_between,
     under_noise,
 )
 from harness.log import REWARD, SUCCESS, Log, LogFacts, in_memory
+from harness.payoff import Rollout, finishing_of, score_rollout
 from harness.reward import Carry, Reward, Steps, pay
 from harness.text import number
 

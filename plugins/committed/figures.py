@@ -9,7 +9,7 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from harness.authoring.commands import Comparison, Learning, Split, no_splits
+from harness.authoring.commands import Learning
 from harness.authoring.pages import (
     BETTER,
     CHARACTER,
@@ -17,24 +17,16 @@ from harness.authoring.pages import (
     PAY,
     POINTS,
     RACE_TITLE,
-    Axis,
-    Chart,
     CurvePanel,
-    Dots,
-    Line,
     Mark,
     RaceTold,
     SplitRow,
     compared_text,
-    describe_learning,
-    describe_split,
     draw_both,
-    draw_learning,
     draw_race,
     draw_ratio,
     draw_split,
     flat_text,
-    format_number,
     is_drawable,
     learning_heading,
     learning_names,
@@ -44,12 +36,24 @@ from harness.authoring.pages import (
     ratio_axis,
     reward_range,
     rewards_text,
-    scales_text,
     seeds_text,
     splits_of,
     tell_apart,
     text_of,
 )
+from harness.eta import Split, no_splits
+from harness.report import (
+    Axis,
+    Chart,
+    Dots,
+    Line,
+    describe_learning,
+    describe_split,
+    draw_learning,
+    format_number,
+    scales_text,
+)
+from harness.results import Comparison
 
 from .svg import INTERVALS, TitledChart, draw_svg
 

@@ -6,54 +6,47 @@ from collections.abc import Iterable, Mapping, Sequence
 from datetime import datetime, timedelta
 from typing import Final, NamedTuple, TypeAlias
 
-from harness.authoring.commands import (
-    EXPERIMENT,
-    NOTHING,
-    Alone,
-    Comparison,
-    Group,
-    Manifest,
-    Split,
-    Status,
-    overview_of,
-    told_manifests,
-)
+from harness.authoring.commands import NOTHING, Alone, Status, overview_of
 from harness.authoring.pages import (
     ALONE,
     POOLED,
     POOLED_TITLE,
     RACE,
     RACE_TITLE,
-    SPLIT,
     Fact,
-    Grid,
     alone_grid,
-    along_grid,
     answer_text,
-    basis_text,
-    behaviour_grids,
     behaviour_row,
-    beside_answer,
     count_cells,
-    format_number,
     interim_text,
     number_grids,
     pooled_answers,
-    question,
-    race_told,
     ratio_text,
     ratio_with_interval,
     remarks_on_cells,
     rewards_text,
-    scales_text,
     setting_of,
-    shared_facts,
     story,
-    terms_grid,
     terms_of,
+)
+from harness.eta import Split
+from harness.record import EXPERIMENT, Manifest
+from harness.report import (
+    SPLIT,
+    Grid,
+    along_grid,
+    basis_text,
+    behaviour_grids,
+    beside_answer,
+    format_number,
+    question,
+    race_told,
+    scales_text,
+    shared_facts,
+    terms_grid,
     what_decides,
 )
-from harness.results import Results
+from harness.results import Comparison, Group, Results, told_manifests
 from harness.text import visible
 
 SIDES = ("baseline", "proposed", "random")

@@ -11,23 +11,23 @@ from typing_extensions import TypedDict
 
 from harness.authoring.commands import (
     ENDED,
-    EXPERIMENT,
     NOTHING,
-    PLAN,
     SUCCESS,
-    Answer,
     Status,
     decided_by_text,
     deciding_manner,
     parse_json,
     read_bytes,
-    reading,
     require_form,
     short_name,
     values_text,
 )
-from harness.authoring.pages import Grid, WideOrNarrow, format_number, interim_line
+from harness.authoring.pages import WideOrNarrow, interim_line
 from harness.errors import UsageError
+from harness.eta import Answer
+from harness.files import reading
+from harness.record import EXPERIMENT, PLAN
+from harness.report import Grid, format_number
 from harness.text import command_text
 
 RECORD, SUMMARY = "results.json", "summary.md"

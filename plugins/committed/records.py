@@ -18,10 +18,12 @@ from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
-from harness.authoring.commands import EXPERIMENT, PLAN, Comparison, Records
-from harness.authoring.pages import RACE_TITLE, race_told, report_text
+from harness.authoring.commands import Records
+from harness.authoring.pages import RACE_TITLE
 from harness.errors import UsageError
-from harness.results import Results
+from harness.record import EXPERIMENT, PLAN
+from harness.report import race_told, report_text
+from harness.results import Comparison, Results
 from harness.text import file_stems
 
 from .figures import draw_overview, flat_words, learning_file, measures_of, race_file, runs_file, split_file

@@ -9,9 +9,6 @@ from xml.etree.ElementTree import Element, SubElement
 from harness.authoring.pages import (
     CHARACTER,
     SAMPLE,
-    Chart,
-    Dots,
-    Line,
     chart_style,
     draw_figure,
     draw_sample,
@@ -19,9 +16,9 @@ from harness.authoring.pages import (
     legend_of,
     panel_left,
     set_text,
-    typeset,
     width_of,
 )
+from harness.report import Chart, Dots, Line, typeset
 from harness.text import visible
 
 CREATOR = "harness report --summary"

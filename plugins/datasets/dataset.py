@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float, Mask
-from harness.authoring.commands import UNKNOWN, SuccessRule, did_you_mean, parse_success
+from harness.authoring.commands import UNKNOWN, SuccessRule, parse_success
 from harness.errors import SchemaError, UsageError
 from harness.log import RECORDED
+from harness.registry import did_you_mean
 from harness.text import shortened
 
 SHOWN = 5

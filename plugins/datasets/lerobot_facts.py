@@ -9,8 +9,9 @@ from typing import Any, NamedTuple
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from harness.authoring.commands import MOST_EPISODES, parse_json, read_bytes, read_json, require_regular
+from harness.authoring.commands import MOST_EPISODES, parse_json, read_bytes
 from harness.errors import NewerFormat, SchemaError
+from harness.files import read_json, require_regular
 from harness.text import shortened
 
 from .dataset import MOST_KEYS, MOST_NUMBERS, Declared, whole

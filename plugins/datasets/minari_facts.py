@@ -8,8 +8,8 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from harness.authoring.commands import read_json, reading
 from harness.errors import NewerFormat, SchemaError, UsageError
+from harness.files import read_json, reading
 from harness.text import shortened
 
 from .dataset import MOST_NUMBERS

@@ -12,20 +12,17 @@ from typing import TYPE_CHECKING
 
 from harness.authoring.commands import (
     CHECKOUT,
-    OURS,
-    Plugin,
-    Registry,
     describe_machine,
     examined,
     example_run,
     hidden_commands,
-    load_registry,
     say,
     source_commit,
     usable,
     versions_behind,
 )
 from harness.hookspecs import NOUNS
+from harness.registry import OURS, Plugin, Registry, load_registry
 
 from .trials import half_installed, try_all
 

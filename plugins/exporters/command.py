@@ -8,20 +8,11 @@ from typing import Annotated, Any
 
 import typer
 
-from harness.authoring.commands import (
-    POLICY,
-    Store,
-    files_in,
-    folder_lock,
-    is_partial,
-    make_folder,
-    read_folder,
-    say,
-    storage_errors,
-    write_whole,
-)
+from harness.authoring.commands import files_in, folder_lock, make_folder, read_folder, say, storage_errors
 from harness.errors import UsageError
+from harness.files import is_partial, write_whole
 from harness.policy import CARD, Network, load_policy
+from harness.record import POLICY, Store
 from harness.text import command_text
 
 UNFINISHED = ".export.partial"

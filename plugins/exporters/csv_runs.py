@@ -9,25 +9,22 @@ import pyarrow.csv
 
 from harness.arrays import Float
 from harness.authoring.commands import (
-    EVENTS,
     FLAGS,
     INTEGERS,
     ROWS,
     TERM,
     TICK,
     TICK_IN_FILE,
-    TRACE,
     TRAINING_RECORDING,
-    Group,
     facts_of,
     file_column,
     is_recording,
-    read_recording,
-    read_trace,
     recordings_in,
     whole_file,
 )
-from harness.results import Results
+from harness.record import TRACE, read_recording, read_trace
+from harness.results import Group, Results
+from harness.score import EVENTS
 from harness.text import file_stems
 
 

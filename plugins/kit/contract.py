@@ -8,8 +8,8 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
 
-from harness.authoring.checking import build, values_of
 from harness.errors import ContractViolation, one_line
+from harness.registry import build, values_of
 
 Level: TypeAlias = Literal["error", "warning"]
 """``error``: the contract is broken. ``warning``: it is kept, but something is slow, or was not tried."""

@@ -15,9 +15,10 @@ from typing import Annotated
 
 import typer
 
-from harness.authoring.commands import Registry, load_registry, say, unknown_name
+from harness.authoring.commands import say
 from harness.errors import UsageError
 from harness.hookspecs import NOUNS, WORDS
+from harness.registry import Registry, load_registry, unknown_name
 from harness.text import command_text
 
 _NAME = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")

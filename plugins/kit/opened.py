@@ -10,9 +10,11 @@ import numpy as np
 from harness import load_robot
 from harness.authoring import run_job
 from harness.authoring.checking import closed_motion
-from harness.authoring.commands import Manifest, check_experiment, choose, expand, load_registry
 from harness.errors import UsageError
 from harness.executor import Job
+from harness.experiment import check_experiment, expand
+from harness.record import Manifest
+from harness.registry import choose, load_registry
 from harness.robot import Robot
 from harness.simulator import Simulation
 

@@ -11,8 +11,8 @@ import pytest
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from harness.authoring.commands import Manifest
     from harness.env import ReachVectorEnv
+    from harness.record import Manifest
     from harness.simulator import Simulation
 
 

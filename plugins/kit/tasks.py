@@ -8,10 +8,9 @@ import numpy as np
 from harness import load_robot
 from harness.arrays import Float, Float32, Mask
 from harness.authoring import reach_position
-from harness.authoring.checking import IdealSimulator, reach_pose, rotation_of_axes
-from harness.env import ReachVectorEnv
+from harness.env import IdealSimulator, ReachVectorEnv
 from harness.goal import Goal, Situation
-from harness.robot import Robot
+from harness.robot import Robot, reach_pose, rotation_of_axes
 from harness.task import Task, goal_of, varies
 
 from .contract import check, raise_first, require, settings_are_frozen, settings_survive_json

@@ -48,7 +48,7 @@ def parity(
 ) -> None:
     """Drive the same motions through several simulators and show how far they differ. Trains nothing."""
     from harness import load_robot
-    from harness.authoring.commands import load_registry, read_given
+    from harness.registry import load_registry, read_given
 
     from .contenders import choose_contenders
     from .orders import Setting

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from harness.authoring.commands import Choice, Registry, choose, split_list
 from harness.errors import PluginError, UsageError
+from harness.registry import Choice, Registry, choose, split_list
 from harness.simulator import Simulator
 
 from .performance import Failure

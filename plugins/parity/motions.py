@@ -8,8 +8,8 @@ import numpy as np
 
 from harness.arrays import Float, Mask
 from harness.authoring import link_frames
-from harness.authoring.commands import Solids, build_solids, few_points
-from harness.robot import Robot
+from harness.authoring.commands import few_points
+from harness.robot import Robot, Solids, build_solids
 
 CLEARANCE = 0.1
 """Height that the tip and each joint keep above the ground, as a share of the arm's reach."""

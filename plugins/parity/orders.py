@@ -8,8 +8,8 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.authoring import link_frames, reach_position
-from harness.authoring.commands import Probe, Solids, build_solids, few_points, probes_of
-from harness.robot import Robot
+from harness.authoring.commands import Probe, few_points, probes_of
+from harness.robot import Robot, Solids, build_solids
 
 from .classes import CONTACT, SMOOTH, class_motions, in_order
 from .motions import ACCELERATION, SPEED, Held, draw_start, smooth_motions

@@ -11,18 +11,8 @@ from rich.text import Text
 
 from harness.arrays import Float
 from harness.authoring.commands import NOTHING, missing_in_words
-from harness.authoring.pages import (
-    Axis,
-    Chart,
-    Grid,
-    Line,
-    draw_chart,
-    linear_axis,
-    render_page,
-    select_points,
-    show_grid,
-    write_page,
-)
+from harness.authoring.pages import render_page, select_points, show_grid, write_page
+from harness.report import Axis, Chart, Grid, Line, draw_chart, linear_axis
 from harness.text import number
 
 from .classes import CONTACT, CREEP, FAST, NEAR, SINGULAR, SLOW, SMOOTH, Told

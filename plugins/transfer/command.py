@@ -36,7 +36,8 @@ def transfer(
 
     Trains nothing. What is evaluated already is not evaluated again.
     """
-    from harness.authoring.commands import load_registry, read_given, read_results, worker_count
+    from harness.authoring.commands import read_results, worker_count
+    from harness.registry import load_registry, read_given
 
     from .jobs import plan_transfers, run_transfers
     from .matrix import load_transfers

@@ -9,38 +9,36 @@ from typing import Any, ClassVar, Literal, NamedTuple, Self, TypeAlias
 
 from harness import load_robot
 from harness.authoring.commands import (
-    EVALUATION,
     PLANNED,
-    POLICY,
-    Cell,
-    Choice,
-    Given,
     News,
-    Order,
-    Registry,
     Report,
-    Store,
     blamed_on,
-    build_world,
-    choose,
     describe_environment,
     draft_of,
-    given_from_json,
-    given_to_json,
     leave_record,
-    load_registry,
     now,
-    read_given,
-    read_manifest,
     read_results,
     record_evaluation,
     run_orders,
-    split_list,
     storage_errors,
     worker_count,
 )
+from harness.env import build_world
 from harness.errors import HarnessError, UsageError
+from harness.experiment import Order
 from harness.policy import load_policy
+from harness.record import EVALUATION, POLICY, Cell, Store, read_manifest
+from harness.registry import (
+    Choice,
+    Given,
+    Registry,
+    choose,
+    given_from_json,
+    given_to_json,
+    load_registry,
+    read_given,
+    split_list,
+)
 from harness.results import Results
 from harness.simulator import require_drives
 from harness.text import command_text

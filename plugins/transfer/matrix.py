@@ -4,19 +4,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple, TypeAlias
 
-from harness.authoring.commands import (
-    EVALUATION,
-    SUCCESS,
-    Cell,
-    Choice,
-    Group,
-    SeedMean,
-    mean_lost_share,
-    mean_over_seeds,
-    mean_return,
-    read_trace,
-)
-from harness.results import Results
+from harness.authoring.commands import SUCCESS, mean_lost_share, mean_return
+from harness.eta import SeedMean, mean_over_seeds
+from harness.record import EVALUATION, Cell, read_trace
+from harness.registry import Choice
+from harness.results import Group, Results
 
 from .record import TRANSFER, TransferRecord, policy_digest, read_transfer, simulator_id
 

@@ -14,19 +14,12 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import ConfigDict, StringConstraints, TypeAdapter, with_config
 
-from harness.authoring.commands import (
-    MANIFEST,
-    POLICY,
-    WEIGHTS,
-    Choice,
-    ChoiceForm,
-    Ending,
-    EndingForm,
-    digest_of,
-    read_record,
-    require_files,
-)
+from harness.authoring.commands import ChoiceForm, Ending, EndingForm, read_record, require_files
 from harness.errors import NewerFormat, SchemaError
+from harness.files import digest_of
+from harness.policy import WEIGHTS
+from harness.record import MANIFEST, POLICY
+from harness.registry import Choice
 
 TRANSFER = "transfer"
 """The folder in that of the experiment."""

@@ -6,8 +6,10 @@ from typing import NamedTuple
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from harness.authoring.commands import NOTHING, SeedMean
-from harness.authoring.pages import Grid, format_number, show_grid
+from harness.authoring.commands import NOTHING
+from harness.authoring.pages import show_grid
+from harness.eta import SeedMean
+from harness.report import Grid, format_number
 
 from .matrix import Failure, TransferMatrix, Transfers
 

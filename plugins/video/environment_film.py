@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from harness.authoring.commands import BACKGROUND, Cell, PlayedAgain, find_done, require_pillow
+from harness.authoring.commands import BACKGROUND, PlayedAgain, find_done, require_pillow
 from harness.errors import UsageError
+from harness.record import Cell
 from harness.results import Results
 
 from .film import COLOURS, HEIGHT, WIDTH, Frame, clock_of, frame_of, view_of

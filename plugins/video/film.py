@@ -16,21 +16,20 @@ from harness.arrays import Float
 from harness.authoring.commands import (
     BACKGROUND,
     TARGET,
-    Camera,
     Episode,
     Scene,
     Show,
     Side,
-    camera_for,
     chain_of,
     corners_of,
     draw_arm,
-    end_effector_position,
     require_pillow,
     whole_file,
 )
 from harness.authoring.pages import SIDES, light_colours
 from harness.errors import UsageError
+from harness.robot import end_effector_position
+from harness.scene import Camera, camera_for
 from harness.text import visible
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from harness.authoring.pages import Axis, Chart, Dots, Line, draw_chart, linear_axis
+from harness.report import Axis, Chart, Dots, Line, draw_chart, linear_axis
 
 from .hint import hint_of
 from .trainings import Training

@@ -10,12 +10,9 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float
 from harness.authoring.commands import (
-    EVENTS,
     FLAGS,
-    REWARD,
     TICK_IN_FILE,
     Blocks,
-    TrainingFacts,
     facts_name,
     file_column,
     is_held,
@@ -23,12 +20,13 @@ from harness.authoring.commands import (
     part_name,
     part_schema,
     read_part,
-    read_trace,
     recorder_numbers,
     term_column,
     terms_of,
 )
-from harness.log import BEHAVIOUR, SUCCESS
+from harness.log import BEHAVIOUR, REWARD, SUCCESS
+from harness.record import TrainingFacts, read_trace
+from harness.score import EVENTS
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,20 +7,17 @@ from pathlib import Path
 from typing import Literal, Protocol, TypeAlias
 
 from harness.authoring.commands import (
-    TRACE,
     TRAINING_RECORDING,
     Block,
     Blocks,
-    Cell,
     FolderStatus,
-    Store,
     left_text,
-    partial_folder,
     read_blocks,
     read_status,
     recordings_in,
 )
 from harness.errors import HarnessError, SchemaError, UsageError, one_line
+from harness.record import TRACE, Cell, Store, partial_folder
 
 from .recorded import Recording, blocks_of_trace, measure_of
 

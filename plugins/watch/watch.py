@@ -10,19 +10,13 @@ from pathlib import Path
 from threading import Lock, Thread
 from typing import TYPE_CHECKING
 
-from harness.authoring.commands import (
-    Store,
-    complain,
-    describe_unexpected,
-    line_names,
-    load_registry,
-    overview_of,
-    overview_row,
-    shows_of,
-)
-from harness.authoring.pages import question, render_page, replay_of
+from harness.authoring.commands import complain, describe_unexpected, line_names, overview_of, overview_row
+from harness.authoring.pages import render_page
 from harness.errors import HarnessError, UsageError, one_line
-from harness.results import Results, load_results
+from harness.record import Store
+from harness.registry import load_registry
+from harness.report import question, replay_of
+from harness.results import Results, load_results, shows_of
 
 from .cards import rows_of
 from .trainings import ExperimentSource, Shown, Training, source_of

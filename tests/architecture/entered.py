@@ -1,10 +1,9 @@
 """Which files of `harness` and `plugins` a command enters, and how often it goes back to one.
 
 A file is entered when a function in it is called. What runs at import, modules, class bodies and decorators, and what
-they call, does not count; nor does a room that looks up a name of its own. A hop is a call from one of our files to
-another: Python's and other libraries' frames between them are looked through. Each pair of files counts once. A hop
-goes back if the process had entered the other file before. The processes that a command starts count: their files,
-hops and ways back are united with its own.
+they call, does not count. A hop is a call from one of our files to another: Python's and other libraries' frames
+between them are looked through. Each pair of files counts once. A hop goes back if the process had entered the other
+file before. The processes that a command starts count: their files, hops and ways back are united with its own.
 """
 
 import json

@@ -12,27 +12,24 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float, Mask
 from harness.authoring.commands import (
-    CANNOT_TELL,
     Auc,
     Labels,
     PaidDataset,
     Payer,
-    Registry,
-    auc_of,
     dataset_facts,
     given_rewards,
-    line_of,
-    load_registry,
     open_dataset,
     parse_success,
-    pay_dataset,
     read_labels,
     rewards_of,
     rounded,
     share_of,
 )
 from harness.errors import UsageError
+from harness.eta import CANNOT_TELL, auc_of, line_of
 from harness.log import RECORDED, Log
+from harness.payoff import pay_dataset
+from harness.registry import Registry, load_registry
 
 from ..recorded.pair import Paid, Pair, compare_paid, pair_of
 from .dataset_audit import DatasetAudit, PaidStep, RewardAnswer, WrongPair

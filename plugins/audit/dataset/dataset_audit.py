@@ -8,7 +8,8 @@ from rich.console import Group, RenderableType
 from rich.text import Text
 
 from harness.arrays import Float
-from harness.authoring.commands import AGAINST, CANNOT_TELL, RANKS, Auc, DatasetFacts, SeedMean
+from harness.authoring.commands import Auc, DatasetFacts
+from harness.eta import AGAINST, CANNOT_TELL, RANKS, SeedMean
 from harness.text import number
 
 from ..recorded.pair import Pair, mean_json

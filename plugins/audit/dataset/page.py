@@ -5,8 +5,10 @@ from pathlib import Path
 import numpy as np
 
 from harness.arrays import Float
-from harness.authoring.commands import AGAINST, CANNOT_TELL, RANKS, Auc
-from harness.authoring.pages import Chart, Grid, Line, draw_chart, linear_axis, render_page, write_page
+from harness.authoring.commands import Auc
+from harness.authoring.pages import render_page, write_page
+from harness.eta import AGAINST, CANNOT_TELL, RANKS
+from harness.report import Chart, Grid, Line, draw_chart, linear_axis
 from harness.text import number
 
 from ..recorded.pair_grid import MISSING, distance_text, share_text

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from harness.arrays import Float
-from harness.authoring.commands import SeedMean, mean_over_seeds
+from harness.eta import SeedMean, mean_over_seeds
 
 from .pair import mean_json
 

@@ -4,20 +4,13 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
-from harness.authoring.commands import (
-    SUCCESS,
-    TRACE,
-    Cell,
-    Choice,
-    Episodes,
-    InstalledReward,
-    Part,
-    count_text,
-    read_trace,
-)
+from harness.authoring.commands import SUCCESS, Episodes, Part, count_text
 from harness.errors import Unscored, UsageError
 from harness.log import REWARD, START, Log, LogFacts, in_memory
+from harness.record import TRACE, Cell, read_trace
+from harness.registry import Choice
 from harness.results import Results
+from harness.score import InstalledReward
 
 from ..audit import Audit
 from ..questions import NO_FORMS, NOT_RANKED, on_best

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from harness.arrays import Float
-from harness.authoring.commands import SHARE, PayLine, Rescaling, SeedMean, line_of, mean_over_seeds, rescaling_of
+from harness.authoring.commands import PayLine
+from harness.eta import SHARE, Rescaling, SeedMean, line_of, mean_over_seeds, rescaling_of
 from harness.log import BEHAVIOUR, EPISODES, REWARD, Log
 
 from ..distance import Distance, Form, centred_unit, compare_forms, distance_between
@@ -40,7 +41,7 @@ def paid_in(log: Log) -> Paid:
     Args:
         log: Of steps, of episodes, or of points, which are taken for episodes. Its start rows are no steps.
     """
-    from harness.authoring.commands import episodes_of
+    from harness.results import episodes_of
 
     episodes, unknown = episodes_of(log), {}
     pays = {name: np.asarray(log[f"{REWARD}{name}"], np.float64) for name in episodes.returns}

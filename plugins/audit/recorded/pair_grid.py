@@ -8,7 +8,7 @@ from rich.console import Console, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from harness.authoring.commands import SeedMean
+from harness.eta import SeedMean
 from harness.text import number
 
 from ..distance import DARD, EPIC, STARC

@@ -16,12 +16,12 @@ from harness.authoring.commands import (
     read_all,
     read_trainings,
     require_comparable,
-    sort_logs,
-    unknown_name,
     whole_runs,
     without_short,
 )
 from harness.errors import UsageError
+from harness.registry import unknown_name
+from harness.results import sort_logs
 
 from ..audit import Audit
 from ..questions import (

@@ -11,7 +11,8 @@ from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
 from harness.arrays import Float, Mask
-from harness.authoring.commands import TERM, ReachVectorEnv, World as Arm
+from harness.authoring.commands import TERM, ReachVectorEnv
+from harness.env import World as Arm
 from harness.errors import UsageError
 from harness.log import SUCCESS
 

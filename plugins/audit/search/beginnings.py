@@ -8,25 +8,15 @@ from typing import Any
 import numpy as np
 from gymnasium.spaces import Discrete
 
-from harness.authoring.commands import (
-    POLICY,
-    SCRIPTS,
-    TRAINING_RECORDING,
-    Store,
-    facts_of,
-    flat_observation,
-    import_file,
-    kinematics_policy,
-    plan_actions,
-    read_given,
-    read_recording,
-    recordings_in,
-    why_not_kinematics,
-)
+from harness.authoring.commands import TRAINING_RECORDING, facts_of, flat_observation, import_file, recordings_in
+from harness.env import kinematics_policy, why_not_kinematics
 from harness.errors import UsageError, reason_of
 from harness.log import ACTION, BEHAVIOUR, REWARD, SUCCESS
 from harness.motion import MoveJ
+from harness.payoff import SCRIPTS, plan_actions
 from harness.policy import CARD, Policy, load_policy
+from harness.record import POLICY, Store, read_recording
+from harness.registry import read_given
 from harness.task import goal_of
 
 from .arm_world import ArmWorld

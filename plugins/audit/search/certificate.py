@@ -15,7 +15,8 @@ from pydantic import ConfigDict, Field, StringConstraints, TypeAdapter, with_con
 from typing_extensions import TypedDict
 
 from harness.arrays import Float, Mask
-from harness.authoring.commands import ChoiceForm, read_sealed, reading, require_form, seal, write_whole
+from harness.authoring.commands import ChoiceForm, require_form
+from harness.files import read_sealed, reading, seal, write_whole
 from harness.text import file_stems, number
 
 from .film import MOST_BYTES as MOST_PICTURES, Film

@@ -16,13 +16,11 @@ from gymnasium.wrappers import TimeLimit
 from harness.arrays import Float, Mask
 from harness.authoring.commands import (
     Before,
-    Choice,
     Column,
     Columns,
     Guard,
     Now,
     Raised,
-    Registry,
     Untold,
     blamed_on,
     columns_of,
@@ -33,13 +31,13 @@ from harness.authoring.commands import (
     made_columns,
     parse_success,
     told_under,
-    unknown_name,
     weighing,
     zeros_of,
 )
 from harness.environment import AnyEnv, Environment
 from harness.errors import UsageError, reason_of
 from harness.log import SUCCESS
+from harness.registry import Choice, Registry, unknown_name
 
 from ..transitions.audit_rewards import opened_env
 from .world import Act, Actions, Outcomes, Shown, Whole

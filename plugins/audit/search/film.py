@@ -15,15 +15,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import gymnasium
 import numpy as np
 
-from harness.authoring.commands import (
-    Registry,
-    given_from_json,
-    given_to_json,
-    load_registry,
-    require_pillow,
-)
+from harness.authoring.commands import require_pillow
 from harness.environment import AnyEnv
 from harness.errors import HarnessError, UsageError, reason_of
+from harness.registry import Registry, given_from_json, given_to_json, load_registry
 from harness.text import one_line_of
 
 from .place import Place

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from harness.authoring.commands import Columns, Registry
+from harness.authoring.commands import Columns
 from harness.environment import AnyEnv
 from harness.errors import UsageError
+from harness.registry import Registry
 from harness.reward import Given
 from harness.text import number
 

@@ -9,23 +9,14 @@ from pathlib import Path
 import gymnasium
 import numpy as np
 
-from harness.authoring.commands import (
-    Registry,
-    Scene,
-    Store,
-    choose,
-    load_robot,
-    make_folder,
-    read_scene,
-    refuse_links,
-    require_given,
-    scene_of,
-    storage_errors,
-    write_scene,
-    write_whole,
-)
+from harness.authoring.commands import Scene, make_folder, read_scene, refuse_links, storage_errors, write_scene
 from harness.authoring.pages import write_page
 from harness.errors import SchemaError, UsageError, one_line
+from harness.files import write_whole
+from harness.record import Store
+from harness.registry import Registry, choose, require_given
+from harness.robot import load_robot
+from harness.scene import scene_of
 
 from .certificate import BEGINS, NOUN, ROLES, Certificate, file_names, read_certificate, write_certificate
 from .film import films_of

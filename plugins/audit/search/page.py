@@ -10,18 +10,8 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.authoring.commands import Episode, Scene, Show, Side, plugin_flags
-from harness.authoring.pages import (
-    Axis,
-    Chart,
-    Dots,
-    Grid,
-    Line,
-    draw_chart,
-    linear_axis,
-    render_page,
-    replay_of,
-    select_points,
-)
+from harness.authoring.pages import render_page, select_points
+from harness.report import Axis, Chart, Dots, Grid, Line, draw_chart, linear_axis, replay_of
 from harness.text import number, visible
 
 from .certificate import Certificate, file_names

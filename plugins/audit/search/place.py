@@ -9,25 +9,20 @@ from pathlib import Path
 from typing import Any
 
 from harness.authoring.commands import (
-    Choice,
-    IdealSimulator,
-    Registry,
-    World as Arm,
     blamed_on,
-    choose,
     columns_of,
     describe_machine,
-    load_robot,
     look_at,
-    source_hash,
     source_of,
-    split_list,
     usable,
     versions_behind,
     versions_of,
     weighing,
 )
+from harness.env import IdealSimulator, World as Arm
 from harness.environment import Environment
+from harness.registry import Choice, Registry, choose, source_hash, split_list
+from harness.robot import load_robot
 from harness.task import choose_task
 
 from ..transitions.audit_rewards import GAMMA

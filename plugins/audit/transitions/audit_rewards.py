@@ -9,19 +9,11 @@ import gymnasium
 import numpy as np
 from gymnasium.wrappers import TimeLimit
 
-from harness.authoring.commands import (
-    OWN,
-    Episodes,
-    KeepWalks,
-    RecordRewards,
-    Walk,
-    count_text,
-    episodes_of,
-    facts_of,
-    read_recording,
-)
+from harness.authoring.commands import OWN, Episodes, KeepWalks, RecordRewards, Walk, count_text, facts_of
 from harness.errors import UsageError
 from harness.log import REWARD, Log
+from harness.record import read_recording
+from harness.results import episodes_of
 from harness.reward import Given
 
 from ..audit import Audit

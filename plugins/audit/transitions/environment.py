@@ -2,8 +2,9 @@
 
 from contextlib import closing
 
-from harness.authoring.commands import Choice, Registry, blamed_on, columns_of, look_at, split_list, weighing
+from harness.authoring.commands import blamed_on, columns_of, look_at, weighing
 from harness.environment import Environment
+from harness.registry import Choice, Registry, split_list
 
 from ..audit import Audit
 from .audit_rewards import EPISODES, GAMMA, audit_rewards

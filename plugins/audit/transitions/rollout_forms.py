@@ -19,7 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float, read_only
-from harness.authoring.commands import Rollout, States, Walk, paid_along, step_between
+from harness.authoring.commands import States, Walk, paid_along, step_between
+from harness.payoff import Rollout
 from harness.reward import Carry, Reward, pay, take
 
 from ..distance import Form

@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass
 from typing import Any, Literal, NamedTuple, Self, TypeAlias
 
 from harness.authoring.checking import PluginFile, is_class_name
-from harness.authoring.commands import read_given
+from harness.registry import read_given
 
 
 @dataclass(frozen=True)

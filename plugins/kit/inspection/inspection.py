@@ -13,9 +13,11 @@ from pathlib import Path
 from typing import Any, ClassVar, NamedTuple, Self
 
 from harness.authoring.checking import Offspring, Pool, print_into
-from harness.authoring.commands import Order, Report, partial_folder
+from harness.authoring.commands import Report
 from harness.errors import UsageError
 from harness.executor import Limits
+from harness.experiment import Order
+from harness.record import partial_folder
 
 from .ending import ending_in_words, place_in, split_output
 from .finding import TARGET, Asked, Finding, Outline, PlannedCheck

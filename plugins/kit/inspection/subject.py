@@ -17,10 +17,10 @@ from typing import Any, TypeAlias
 import typer
 
 from harness import load_robot
-from harness.authoring.checking import PluginFile, Spec, is_path, why_unfit
-from harness.authoring.commands import Given, Registry, choose, load_registry, parse, read_given, unknown_name
+from harness.authoring.checking import PluginFile, is_path, why_unfit
 from harness.errors import HarnessError, PluginError, UsageError, one_line
 from harness.hookspecs import KINDS, NOUNS, WORDS
+from harness.registry import Given, Registry, Spec, choose, load_registry, parse, read_given, unknown_name
 from harness.robot import Robot
 from harness.task import choose_task
 

@@ -11,9 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.authoring.checking import BEHAVIOUR, LARGEST, REWARD
 from harness.errors import SchemaError, UsageError, one_line
-from harness.log import Log, LogFacts, LogFormat, Rows
+from harness.log import BEHAVIOUR, LARGEST, REWARD, Log, LogFacts, LogFormat, Rows
 
 from ..contract import check, raise_first, require, settings_are_frozen, settings_survive_json
 from .examples import (

@@ -21,9 +21,8 @@ from mlagents_envs.side_channel.side_channel_manager import SideChannelManager
 
 from harness import load_robot
 from harness.arrays import Float, Float32
-from harness.authoring.checking import IdealSimulator
-from harness.authoring.commands import choose, load_registry
-from harness.env import ReachVectorEnv
+from harness.env import IdealSimulator, ReachVectorEnv
+from harness.registry import choose, load_registry
 
 from . import write_unity_player
 

@@ -24,10 +24,9 @@ def _is_ours(frame):
 
 
 def _at_import(frame):
-    """Whether a module is being imported, with what it calls, or a name of a room that looks its names up."""
+    """Whether a module is being imported, with what it calls."""
     while frame is not None:
-        is_module = frame.f_code.co_name == "<module>" and frame.f_globals["__name__"] != "__main__"
-        if _is_ours(frame) and (is_module or frame.f_code.co_qualname == "__getattr__"):
+        if _is_ours(frame) and frame.f_code.co_name == "<module>" and frame.f_globals["__name__"] != "__main__":
             return True
         frame = frame.f_back
     return False

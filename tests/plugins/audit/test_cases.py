@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 import harness
-from harness.authoring.commands import choose, columns_of, load_registry, read_given
+from harness.authoring.commands import columns_of
 from harness.payoff import payoff_of, score_rollout
 from harness.record import read_recording
+from harness.registry import choose, load_registry, read_given
 from tests.plugins.audit.cases.policies import POLICIES
 from tests.plugins.audit.cases.run import SEEDS, answer_of, search
 from tests.plugins.audit.cases.table import ARM, HACKED, HONEST, SLIPPERY

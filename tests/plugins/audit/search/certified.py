@@ -7,7 +7,7 @@ import numpy as np
 from gymnasium.spaces import Box
 from PIL import Image
 
-from harness.authoring.commands import Choice
+from harness.registry import Choice
 from harness_plugins.audit.search.behaviour import Behaviour, Searched, Three
 from harness_plugins.audit.search.certificate import Answer, Certificate, Found, Rating
 from harness_plugins.audit.search.film import Film

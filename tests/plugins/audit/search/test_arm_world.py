@@ -10,9 +10,9 @@ from gymnasium.vector import AutoresetMode
 from numpy.testing import assert_allclose, assert_array_equal
 
 import harness
-from harness.authoring.commands import World as Arm, choose, load_registry
-from harness.env import ReachVectorEnv
+from harness.env import ReachVectorEnv, World as Arm
 from harness.reach import ReachTask
+from harness.registry import choose, load_registry
 from harness_plugins.audit.search.arm_world import ArmWorld
 from harness_plugins.audit.search.beginnings import scripts_of
 from harness_plugins.audit.search.place import places_on_task, world_at

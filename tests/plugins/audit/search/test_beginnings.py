@@ -5,8 +5,8 @@ import pytest
 from numpy.testing import assert_array_equal
 
 from harness import RecordRewards
-from harness.authoring.commands import Columns, World as Arm
-from harness.env import kinematics_policy
+from harness.authoring.commands import Columns
+from harness.env import World as Arm, kinematics_policy
 from harness.payoff.rollout import Unpaid
 from harness.reach import ReachTask
 from harness_plugins.audit.search.arm_world import ArmWorld

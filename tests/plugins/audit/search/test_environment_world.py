@@ -7,7 +7,8 @@ from gymnasium.spaces import Box, Dict, Discrete, MultiDiscrete
 from numpy.testing import assert_allclose, assert_array_equal, assert_equal
 
 from harness import RecordRewards
-from harness.authoring.commands import Columns, choose, load_registry
+from harness.authoring.commands import Columns
+from harness.registry import choose, load_registry
 from harness_plugins.audit.search.environment_world import of_env
 from harness_plugins.audit.search.place import places_in_environment, world_at
 from tests.refusals import refused

@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.authoring.commands import choose, load_registry, read_given
 from harness.errors import SchemaError
 from harness.files.sealed import seal, unseal
+from harness.registry import choose, load_registry, read_given
 from harness_plugins.audit import page_in, read_certificate, replay_file, write_certificate, write_found
 from harness_plugins.audit.search.behaviour import Behaviour, Searched
 from harness_plugins.audit.search.finding import Finding
