@@ -1,0 +1,243 @@
+"""The laws that hold for every training, whatever kept it: an own experiment, a recording, a log of another program.
+
+Each stands here once, and every door calls it.
+
+* **Direction**, `direction_of`: a measure says better or worse only where somebody said which is better, or where it is
+  0 or 1. One that decides has to have a direction before anything is trained or read.
+* **Missing is an outcome**, `counted`: a training that failed, stopped early or cannot be read stays in the count. A
+  verdict waits for it, unless the user leaves it out by name.
+* **Times, not rows**, `Curve.mean`, `common_span`, `latest_shared`: what is compared stands on one span of environment
+  steps, or at one moment, however often somebody logged.
+* **Support**, `Curve.since`, `within`: a value knows which steps it averages. Where values say too little of a span,
+  nothing is said of it.
+* **Units**, `require_share`: a share lies from 0 to 1 in all trainings, or is refused for all of them.
+"""
+
+from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Generic, Literal, NamedTuple, TypeAlias, TypeVar
+
+import numpy as np
+
+from harness.arrays import Float
+from harness.errors import UsageError
+
+Better: TypeAlias = Literal["higher", "lower", ""]
+"""Which values of a measure are better; empty where nobody said it."""
+T = TypeVar("T", bound=Hashable)
+NEARLY_ALL = 0.95
+"""A training that has this share of its steps is whole: its last episode need not have ended."""
+NEAR = 0.01
+"""Evaluations at most this share of their steps apart are of one moment."""
+LEAST_KNOWN = 0.5
+"""The share of a span of which values have to tell; of less nothing is said."""
+LEAST_POINTS = 3
+"""So many values have to stand in a span of each training; fewer tell more of the grid than of the training."""
+
+
+# Direction
+
+
+def direction_of(name: str, lower: Collection[str], higher: Collection[str], *, is_flag: bool) -> Better:
+    """Which values of a measure are better.
+
+    Args:
+        name: The measure.
+        lower: Measures of which somebody said that less is better.
+        higher: The same of more.
+        is_flag: Whether it is 0 or 1 in every episode, as success is: more is better then, unless somebody said else.
+    """
+    if name in lower:
+        return "lower"
+    return "higher" if name in higher or is_flag else ""
+
+
+def require_direction(name: str, better: str, how: str) -> None:
+    """Check that it is known of a measure that decides which values are better.
+
+    Raises:
+        UsageError: It is not; `how` says what to type.
+    """
+    if not better:
+        raise UsageError(f"Measure '{name}' decides, and nobody says whether less or more of it is better: {how}")
+
+
+# Missing is an outcome
+
+
+class Missing(NamedTuple):
+    """A training that was begun and has no value which could be compared."""
+
+    path: Path
+    """Its file or folder."""
+    why: str
+
+
+class Account(NamedTuple, Generic[T]):
+    """All trainings that were begun."""
+
+    whole: tuple[T, ...]
+    missing: tuple[Missing, ...]
+    """A verdict waits for them."""
+    left_out: tuple[Missing, ...]
+    """Those that the user left out."""
+
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """What to tell of those that are not whole."""
+        typed = (f"'{it.path}' is left out, as --leave-out says: {it.why}" for it in self.left_out)
+        told = [f"'{it.path}' is missing: {it.why}" for it in self.missing]
+        flags = " ".join(f"--leave-out '{it.path}'" for it in self.missing)
+        remedy = [f"No verdict without them: how they ended is an outcome too. To leave them out: {flags}"]
+        return (*typed, *told, *(remedy if told else ()))
+
+
+def counted(trainings: Iterable[tuple[T | None, Path, str]], leave_out: Collection[Path] = ()) -> Account[T]:
+    """The account of all trainings that were begun.
+
+    Args:
+        trainings: Each with its file or folder, and why it is not whole, empty if it is; None of one that cannot be
+            read.
+        leave_out: The files and folders that the user leaves out; a folder with all that lies in it.
+
+    Raises:
+        UsageError: No training lies at one of these.
+    """
+    out = {path.absolute(): False for path in leave_out}
+    whole, missing, left = list[T](), list[Missing](), list[Missing]()
+    for training, path, why in trainings:
+        named = {path.absolute(), *path.absolute().parents} & out.keys()
+        out |= dict.fromkeys(named, True)
+        if named:
+            left.append(Missing(path, why or "it is whole"))
+        elif why or training is None:
+            missing.append(Missing(path, why))
+        else:
+            whole.append(training)
+    unused = [path for path, is_used in out.items() if not is_used]
+    if unused:
+        raise UsageError(f"--leave-out '{unused[0]}': no training lies there")
+    return Account(tuple(whole), tuple(missing), tuple(left))
+
+
+def shortfall_beside(done: Mapping[T, tuple[float, int]], reward_of: Callable[[T], str], noun: str) -> dict[T, str]:
+    """Why trainings are not whole that stopped before others of their reward did, which followed one plan.
+
+    Args:
+        done: How much of each was done, counted in `noun`, and in rows: a plan may be of either.
+        reward_of: The reward that taught it.
+        noun: What the first number counts, ``steps``.
+    """
+    most: dict[str, tuple[float, int]] = {}
+    for it, (length, rows) in done.items():
+        longest, fullest = most.get(reward_of(it), (0.0, 0))
+        most[reward_of(it)] = max(longest, length), max(fullest, rows)
+    found = {}
+    for it, (length, rows) in done.items():
+        longest, fullest = most[reward_of(it)]
+        if length < NEARLY_ALL * longest and rows < NEARLY_ALL * fullest:
+            found[it] = f"it ends after {length:,.0f} {noun}, and another one of {reward_of(it)} after {longest:,.0f}"
+    return found
+
+
+# Times, and the steps that a value averages
+
+
+class Span(NamedTuple):
+    """A part of a training, in environment steps."""
+
+    begin: float
+    end: float
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """Where the values of one training stand in its environment steps, (points,) each, rising.
+
+    Attributes:
+        after: Steps that were taken when each value was told.
+        since: Steps before the first of what a value averages; `after` itself of one that averages no steps, such as an
+            evaluation; NaN where nobody knows.
+    """
+
+    after: Float
+    since: Float
+
+    @property
+    def at(self) -> Float:
+        """The steps for which each value stands: the middle of what it averages."""
+        return np.maximum.accumulate((self.after + self.since) / 2.0)
+
+    @property
+    def known(self) -> Span:
+        """From where to where values stand; begins after its end where there is none."""
+        return Span(float(self.at[0]), float(self.at[-1])) if len(self.after) else Span(np.inf, -np.inf)
+
+    def count(self, over: Span) -> int:
+        """How many values stand in a span."""
+        return int(((self.at >= over.begin) & (self.at <= over.end)).sum())
+
+    def mean(self, values: Float, over: Span) -> float | None:
+        """The mean over the steps of a span, of straight lines between values, (points,); None where one is NaN.
+
+        Points that are shifted, left out or added on the lines tell the same mean.
+        """
+        at = self.at
+        if not len(at) or np.isnan(values).any():
+            return None
+        if over.end <= over.begin:
+            return float(np.interp(over.begin, at, values))
+        inside = at[(at > over.begin) & (at < over.end)]
+        knots = np.concatenate([[over.begin], inside, [over.end]])
+        return float(np.trapezoid(np.interp(knots, at, values), knots) / (over.end - over.begin))
+
+
+def common_span(curves: Iterable[Curve]) -> Span:
+    """Where the values of all curves stand, of which there is at least one."""
+    begins, ends = zip(*(it.known for it in curves), strict=True)
+    return Span(max(begins), min(ends))
+
+
+def within(asked: Span, known: Span) -> Span | None:
+    """What is known of a span that is asked for; None where that is less than `LEAST_KNOWN` of it."""
+    found = Span(max(asked.begin, known.begin), min(asked.end, known.end))
+    length = asked.end - asked.begin
+    return found if 0.0 <= found.end - found.begin >= LEAST_KNOWN * length * (1 - 1e-9) else None
+
+
+def latest_shared(times: Sequence[Sequence[float]]) -> list[int] | None:
+    """For each training the place of its evaluation at the latest moment at which all were evaluated; None without one.
+
+    Args:
+        times: Steps before each evaluation of each training, rising.
+    """
+    for moment in sorted(times[0], reverse=True):
+        places = [int(np.argmin(np.abs(np.asarray(of) - moment))) for of in times]
+        if all(abs(of[place] - moment) <= NEAR * moment for of, place in zip(times, places, strict=True)):
+            return places
+    return None
+
+
+# Units
+
+
+def require_share(name: str, values: Mapping[T, Float], shown: Callable[[T], str]) -> None:
+    """Check that a share lies from 0 to 1 in all trainings; NaN says that it is not known.
+
+    Args:
+        name: What the share is called.
+        values: Of each training, (rows,).
+        shown: What a training is called in words.
+
+    Raises:
+        UsageError: It lies beyond in some: they may be told in percent, and a look at those that fit would lie.
+    """
+    beyond = {it: of[(of < 0.0) | (of > 1.0)] for it, of in values.items()}
+    wrong = {it: of for it, of in beyond.items() if len(of)}
+    if wrong:
+        first, of = next(iter(wrong.items()))
+        raise UsageError(
+            f"{name} is a share from 0 to 1, and is {of[0]:g} in {shown(first)}, one of {len(wrong)} of {len(values)} "
+            "trainings. If it is told in percent, divide it by 100 in all of them"
+        )
