@@ -178,10 +178,10 @@ if TYPE_CHECKING:
     from harness.results.learning import Learning as Learning
     from harness.results.load import read_results as read_results
     from harness.results.logs.read_logs import (
+        account_of as account_of,
         facts_notes as facts_notes,
         read_trainings as read_trainings,
         require_comparable as require_comparable,
-        without_short as without_short,
     )
     from harness.results.overview import (
         decided_by_text as decided_by_text,

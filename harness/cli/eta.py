@@ -68,6 +68,7 @@ def eta(
     as_format: logs.AsFormat = None,
     measure: logs.DecidedBy = None,
     labels: logs.LabelsFile = None,
+    leave_out: logs.LeftOut = None,
 ) -> int:
     """Compare recorded trainings, such as anybody's CSV files.
 
@@ -94,10 +95,12 @@ def eta(
         "--with-events": with_events, "--baseline-reward": baseline_reward,
         "--proposed-reward": proposed_reward, "--plugin": plugin,
     }  # fmt: skip
-    of_logs = {"--sort": sort, "--as": as_format, "--measure": measure, "--labels": labels}
+    of_logs = {
+        "--sort": sort, "--as": as_format, "--measure": measure, "--labels": labels, "--leave-out": leave_out,
+    }  # fmt: skip
     registry = load_registry(given=read_given(plugin))
     named = _only(baseline) if folder else None
-    told_of = partial(told_of_logs, as_format, sort, named, [measure] if measure else None, labels)
+    told_of = partial(told_of_logs, as_format, sort, named, [measure] if measure else None, labels, leave_out)
     if folder is not None:
         opened = _open_folder(folder, registry, told_of(), curve, of_logs)
     else:
@@ -106,7 +109,7 @@ def eta(
         refuse_flags(of_steps)
         everything = command_text("harness", "report", opened.folder, "--details")
         return show_results(opened, everything, as_json=as_json, html=plot, details=True)
-    refuse_flags({"--as": as_format, "--measure": measure, "--labels": labels}, "files of steps")
+    refuse_flags({flag: given for flag, given in of_logs.items() if flag != "--sort"}, "files of steps")
     from harness.score.compare import compare_logs
     from harness.score.open_steps import match_steps
 

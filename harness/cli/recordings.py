@@ -59,6 +59,7 @@ def told_of_logs(
     baseline: str | None,
     measure: Sequence[str] | None,
     labels: Path | None,
+    leave_out: Sequence[Path] | None = None,
 ) -> "Told":
     """What the flags say of logs.
 
@@ -71,4 +72,5 @@ def told_of_logs(
         raise UsageError(
             f"--measure {measure[1]}: one measure of the logs decides, and --measure {measure[0]} names it"
         )
-    return Told(as_format or "", sort or "", baseline or "", parse_deciding(measure[0] if measure else ""), labels)
+    deciding = parse_deciding(measure[0] if measure else "")
+    return Told(as_format or "", sort or "", baseline or "", deciding, labels, tuple(leave_out or ()))

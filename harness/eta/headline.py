@@ -39,7 +39,7 @@ class Answer(StrEnum):
     NEITHER_LEARNS = "neither learns"
     CANNOT_TELL = "cannot tell"
     INTERIM = "interim"
-    """Trainings of the plan are still to come, and no plan of looks says what may be concluded before."""
+    """Trainings are missing, and no plan of looks says what may be concluded without them."""
     RACED = "the race decides"
     """In a race for the best of several rewards no comparison with the baseline is a test."""
 

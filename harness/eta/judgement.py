@@ -30,7 +30,7 @@ from harness.eta.swaps import p_text
 from harness.eta.verdict.ruling import Ruling
 
 TRAIN_LONGER = "Train longer, or with another algorithm."
-LOOK_ON = "No test is made before they have ended; harness run --until decided plans for looks on the way."
+NO_TEST = "No test is made without them."
 UNSEEN_SUCCESS = "also where trainings succeed that were not seen"
 DECIDED = (Answer.HELPS, Answer.HURTS, Answer.LEARNS_FASTER, Answer.LEARNS_SLOWER, Answer.MIXED)
 """Answers that a test of a difference gave."""
@@ -127,9 +127,9 @@ def is_little(deciding: Sequence[Compared], ruling: Ruling, answer: Answer) -> b
 
 
 def progress_text(deciding: Sequence[Compared], ruling: Ruling) -> str:
-    """How many trainings there are, and how many are still to come."""
+    """How many trainings there are, and how many are missing."""
     verb = "is" if ruling.missing == 1 else "are"
-    return f"{sum(deciding[0].counts):,} trainings are compared, {ruling.missing:,} of the plan {verb} still to come."
+    return f"{sum(deciding[0].counts):,} trainings are compared, {ruling.missing:,} {verb} missing."
 
 
 def crossing_text(deciding: Sequence[Compared], ruling: Ruling) -> str:
@@ -265,7 +265,7 @@ def _untold(names: Names, deciding: Sequence[Compared], ruling: Ruling, answer: 
     if answer is Answer.RACED:
         return f"{seen} {ruling.instead}"
     if answer is Answer.INTERIM:
-        return f"Interim: {progress_text(deciding, ruling)} {seen} {LOOK_ON}"
+        return f"Interim: {progress_text(deciding, ruling)} {seen} {NO_TEST}"
     if answer is Answer.NEITHER_LEARNS:
         return f"{seen} {_neither_learns(names, deciding, ruling, there)} {TRAIN_LONGER}"
     told = _small(names, deciding, ruling.small, there) if ruling.small else _no_difference(names, deciding, there)

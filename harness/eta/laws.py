@@ -22,6 +22,7 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.errors import UsageError
+from harness.text import command_text
 
 Better: TypeAlias = Literal["higher", "lower", ""]
 """Which values of a measure are better; empty where nobody said it."""
@@ -86,11 +87,16 @@ class Account(NamedTuple, Generic[T]):
     @property
     def lines(self) -> tuple[str, ...]:
         """What to tell of those that are not whole."""
-        typed = (f"'{it.path}' is left out, as --leave-out says: {it.why}" for it in self.left_out)
+        typed = (f"'{it.path}' is left out, as --leave-out says{': ' * bool(it.why)}{it.why}" for it in self.left_out)
         told = [f"'{it.path}' is missing: {it.why}" for it in self.missing]
-        flags = " ".join(f"--leave-out '{it.path}'" for it in self.missing)
-        remedy = [f"No verdict without them: how they ended is an outcome too. To leave them out: {flags}"]
+        flags = command_text(*(word for it in self.missing for word in ("--leave-out", it.path)))
+        remedy = [f"No verdict without what is missing: how it ended is an outcome too. {flags} leaves it out"]
         return (*typed, *told, *(remedy if told else ()))
+
+
+def is_left_out(path: Path, leave_out: Collection[Path]) -> bool:
+    """Whether a file or a folder is among those that the user leaves out; a folder with all that lies in it."""
+    return not {path.absolute(), *path.absolute().parents}.isdisjoint(it.absolute() for it in leave_out)
 
 
 def counted(trainings: Iterable[tuple[T | None, Path, str]], leave_out: Collection[Path] = ()) -> Account[T]:
@@ -99,25 +105,23 @@ def counted(trainings: Iterable[tuple[T | None, Path, str]], leave_out: Collecti
     Args:
         trainings: Each with its file or folder, and why it is not whole, empty if it is; None of one that cannot be
             read.
-        leave_out: The files and folders that the user leaves out; a folder with all that lies in it.
+        leave_out: See `is_left_out`.
 
     Raises:
         UsageError: No training lies at one of these.
     """
-    out = {path.absolute(): False for path in leave_out}
+    begun = list(trainings)
+    unused = [out for out in leave_out if not any(is_left_out(path, [out]) for _, path, _ in begun)]
+    if unused:
+        raise UsageError(f"--leave-out {unused[0]}: no training lies there")
     whole, missing, left = list[T](), list[Missing](), list[Missing]()
-    for training, path, why in trainings:
-        named = {path.absolute(), *path.absolute().parents} & out.keys()
-        out |= dict.fromkeys(named, True)
-        if named:
-            left.append(Missing(path, why or "it is whole"))
+    for training, path, why in begun:
+        if is_left_out(path, leave_out):
+            left.append(Missing(path, why))
         elif why or training is None:
             missing.append(Missing(path, why))
         else:
             whole.append(training)
-    unused = [path for path, is_used in out.items() if not is_used]
-    if unused:
-        raise UsageError(f"--leave-out '{unused[0]}': no training lies there")
     return Account(tuple(whole), tuple(missing), tuple(left))
 
 

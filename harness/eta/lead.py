@@ -20,7 +20,7 @@ from harness.eta.headline import (
     size_text,
 )
 from harness.eta.judgement import (
-    LOOK_ON,
+    NO_TEST,
     TRAIN_LONGER,
     allowance_text,
     below_text,
@@ -73,7 +73,7 @@ def _untold(answer: Answer, deciding: Sequence[Compared], ruling: Ruling, where:
     if answer is Answer.RACED:
         return "The race decides; this comparison by itself is no test."
     if answer is Answer.INTERIM:
-        return f"{progress_text(deciding, ruling)} {LOOK_ON}"
+        return f"{progress_text(deciding, ruling)} {NO_TEST}"
     return TRAIN_LONGER if is_hardly_learned(deciding[0]) else _not_enough(deciding, where)
 
 

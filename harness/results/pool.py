@@ -78,7 +78,7 @@ class Pool:
         """The answer where no measure is that of all places."""
         ruling = self.ruling
         if ruling.missing:
-            told = f"Interim: {ruling.missing:,} trainings of the plan are still to come {self.where}."
+            told = f"Interim: {ruling.missing:,} trainings are missing {self.where}."
             return Headline(Answer.INTERIM, told, "")
         if not ruling.is_decided:
             return Headline(Answer.CANNOT_TELL, f"Cannot tell {self.where}: each place measures something else.", "")

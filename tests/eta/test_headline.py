@@ -353,14 +353,14 @@ def test_a_p_that_was_raised_says_why():
 
 
 def test_a_plan_that_is_not_trained_to_its_end_has_no_word():
-    """Neither of better or worse, nor a p; how many are to come stands first, and how to look on the way."""
+    """Neither of better or worse, nor a p; how many are missing stands first."""
     found = ruled(moved(0.5, 0.9, p=None), missing=12)
     assert (found.answer, found.decided_by, found.seeds_to_decide) == (Answer.INTERIM, None, None)
-    assert found.robot.startswith("Interim: 20 trainings are compared, 12 of the plan are still to come. Success +40.0")
-    assert found.robot.endswith("harness run --until decided plans for looks on the way.")
+    assert found.robot.startswith("Interim: 20 trainings are compared, 12 are missing. Success +40.0")
+    assert found.robot.endswith("No test is made without them.")
     assert not CLAIM.search(found.robot)
     assert not re.search(r"\bp\b", found.robot)
-    assert "1 of the plan is still to come" in ruled(moved(0.5, 0.9), missing=1).robot
+    assert "1 is missing" in ruled(moved(0.5, 0.9), missing=1).robot
 
 
 def test_another_test_that_decides_is_named():

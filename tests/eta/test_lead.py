@@ -92,7 +92,7 @@ SAID = {
     "a plan that is not trained to its end has no word": (
         ([MORE], Ruling(missing=4)),
         Answer.INTERIM,
-        "6 trainings are compared, 4 of the plan are still to come. No test is made before ",
+        "6 trainings are compared, 4 are missing. No test is made without ",
     ),
     "equal steps are equal by no test": (
         ([SAME], ruled((0, 1.0)), "robot", "", True),

@@ -123,4 +123,4 @@ def test_there_is_no_order_before_the_plan_is_trained_to_its_end(tmp_path):
     reached = {"baseline": reaching(0), ("baseline", "pybullet"): reaching(4), ("arp", "pybullet"): reaching(0)}
     given = {"simulators": ("mujoco", "pybullet"), "reached": {**reached, "arp": reaching(4)}, "engines": ENGINES}
     found = ranking_of(build_results(tmp_path, seeds=5, ended={("arp", 4): ("pending", "")}, **given))
-    assert found == Ranking((), "2 trainings of the plan are still to come, and an order may change until then")
+    assert found == Ranking((), "2 trainings are missing, and an order may change with them")

@@ -35,6 +35,16 @@ LabelsFile = Annotated[
         name="--labels",
     ),
 ]
+LeftOut = Annotated[
+    list[Path] | None,
+    flag(
+        "PATH",
+        "A training that is left out, by its file or folder; can be repeated. A verdict waits for every other one that "
+        "failed or stopped early.",
+        False,
+        name="--leave-out",
+    ),
+]
 DecidedBy = Annotated[
     str | None,
     flag(

@@ -39,7 +39,7 @@ class Ruling:
             that; None where it did not.
         instead: Where another test decides, which: a sentence; else empty.
         has_plan: Whether a plan of looks says when to ask again. Then nobody has to be told how many seeds are too few.
-        missing: How many planned trainings are still to come. Before they ended no test is made.
+        missing: How many trainings that were planned or begun have no value. Without them no test is made.
         is_floored: Whether `p` is larger than the share of dealt labels, because all trainings of one reward succeed
             or fail, see `harness.eta.verdict.least_p`.
         is_held: Whether this is one of several places, and not told because the answer over all of them is open.

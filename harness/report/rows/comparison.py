@@ -26,9 +26,9 @@ TESTS = (
     "95% confidence interval is over seeds, and holds by itself."
 )
 INTERIM_TESTS = (
-    "The plan is not trained to its end, so nothing is tested about the {subject}: to look at results again and again "
-    "gives luck more chances. Every p on the way is exploratory. Each 95% confidence interval is over seeds, and holds "
-    "by itself."
+    "Trainings are missing, so nothing is tested about the {subject}: how they end is an outcome too, and to look at "
+    "results again and again gives luck more chances. Every p on the way is exploratory. Each 95% confidence interval "
+    "is over seeds, and holds by itself."
 )
 
 
@@ -57,20 +57,21 @@ def answer_text(headline: Headline) -> str:
 
 
 def what_decides(results: Results) -> str:
-    """What the tests hold for; of a plan that is not trained to its end that there are none."""
+    """What the tests hold for; where trainings are missing that there are none."""
     return (INTERIM_TESTS if still_to_come(results.combinations) else TESTS).format(subject=results.subject)
 
 
 def interim_text(results: Results) -> str:
-    """A line that the plan is not trained to its end, which stands before everything else; empty where it is."""
+    """A line that trainings are missing, which stands before everything else; empty where none is."""
     missing = still_to_come(results.combinations)
-    return interim_line(missing) if missing else ""
+    looks = " harness run --until decided plans for looks on the way." if results.is_experiment else ""
+    return f"{interim_line(missing)}{looks}" if missing else ""
 
 
 def interim_line(missing: int) -> str:
-    """The same, of so many trainings that are still to come."""
-    noun = f"training{'s' * (missing != 1)} of the plan {'are' if missing != 1 else 'is'}"
-    return f"Interim: {missing:,} {noun} still to come. Nothing here says yet what is better or worse."
+    """The same, of so many trainings."""
+    told = f"training{'s are' if missing != 1 else ' is'} missing"
+    return f"Interim: {missing:,} {told}. Nothing here says yet what is better or worse."
 
 
 def beside_answer(comparison: Comparison) -> list[str]:

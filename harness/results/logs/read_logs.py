@@ -3,8 +3,7 @@
 from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from statistics import median
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -12,6 +11,7 @@ from harness.arrays import Float
 from harness.errors import SchemaError, UsageError
 from harness.eta.amounts import listed
 from harness.eta.equal import equal_sentences, equal_trainings
+from harness.eta.laws import NEARLY_ALL, Account, counted, shortfall_beside
 from harness.log import Log, LogFacts, Unit, in_memory
 from harness.log.log import BEHAVIOUR, RECORDED, REWARD, SUCCESS, TIME
 from harness.record.cell import BROUGHT, UNKNOWN_ALGORITHM
@@ -30,11 +30,11 @@ NO_STEPS = (
     "harness.RecordRewards records it"
 )
 KEPT = {"episode": "returns of episodes", "point": "means of returns"}
-NEARLY_ALL = 0.95
-"""The last row of a log may stand this share of the steps before the training's end, as an episode had not ended."""
 MOST_TOLD = 8
 """Lines of what logs tell of themselves."""
 ROW_IS = {"step": "a step", "episode": "an episode", "point": "a point of a curve"}
+Other: TypeAlias = tuple[Path, str]
+"""A file or a folder of a training of which nothing is read, and why; empty if the user leaves it out."""
 FLAG = "--sort '{reward}/{seed}' says how their names are made, --as FORMAT reads one format alone"
 
 
@@ -89,32 +89,55 @@ def _require_one(trainings: Iterable[Training], value_of: Callable[[Training], s
         raise UsageError(f"The folder {problem}: {told}. {remedy}")
 
 
-def without_short(found: Sorted) -> Sorted:
-    """The trainings of which all rows are there that their logs declare; and a line for each other one.
+def account_of(
+    trainings: Sequence[Training], other: Iterable[Other] = (), leave_out: Collection[Path] = (), measure: str = ""
+) -> Account[Training]:
+    """Which trainings are whole, and which are missing; see `harness.eta.laws`.
+
+    Args:
+        trainings: Those of which a log was read.
+        other: Files and folders of others, and why nothing is read of them.
+        leave_out: What the user leaves out.
+        measure: What decides, if it is a measure of the logs.
 
     Raises:
-        UsageError: None is left.
+        UsageError: None is whole.
     """
-    told = {training: _shortfall(training) for training in found.trainings}
-    whole = tuple(training for training, short in told.items() if not short)
-    lines = [f"{training.shown} is left out: it has {short}" for training, short in told.items() if short]
-    if not whole:
-        raise UsageError(f"No training has all of its rows: {'. '.join(lines[:3])}")
-    return found._replace(trainings=whole, notes=(*found.notes, *lines))
+    short = {it: why for it in trainings if (why := _shortfall(it) or _diverged(it, measure))}
+    ran = [it for it in trainings if it not in short]
+    if ran:
+        axis = _axis_of(ran)
+        done = {it: (_steps(it, axis), sum(map(len, it.logs))) for it in ran}
+        short |= shortfall_beside(done, lambda it: it.reward, axis.noun)
+    begun = [*((it, it.place, short.get(it, "")) for it in trainings), *((None, *it) for it in other)]
+    account = counted(begun, leave_out)
+    if not account.whole:
+        raise UsageError(f"No training has all of its rows: {'. '.join(account.lines[:3])}")
+    return account
+
+
+def _diverged(training: Training, measure: str) -> str:
+    """Why nothing is known of its end: from some row on the measure that decides is no number."""
+    column, evaluated = f"{BEHAVIOUR}{measure}", training.evaluated
+    for log in [evaluated] if evaluated is not None and column in evaluated else training.logs:
+        known = np.flatnonzero(~np.isnan(log[column])).tolist() if column in log else []
+        if known and known[-1] < len(log) - 1:
+            return f"{measure} is no number in row {known[-1] + 2:,}, nor in any after it"
+    return ""
 
 
 def _shortfall(training: Training) -> str:
     rows = [len(log) for log in training.logs]
     if not sum(rows):
-        return f"no {training.logs[0].facts.unit}"
+        return f"it has no {training.logs[0].facts.unit}"
     for log, count in zip(training.logs, rows, strict=True):
         declared = log.facts.declared.get(f"{log.facts.unit}s", count)
         if count != declared:
-            return f"{count:,} {log.facts.unit}s, and declares {declared:,}"
+            return f"it has {count:,} {log.facts.unit}s, and declares {declared:,}"
         steps = int(log["time"].max()) * len(training.logs) if "time" in log else 0
         asked = max(log.facts.asked, log.facts.declared.get("steps", 0))
         if steps and steps < NEARLY_ALL * asked:
-            return f"{steps:,} of {asked:,} steps"
+            return f"it has {steps:,} of {asked:,} steps"
     return ""
 
 
@@ -128,14 +151,9 @@ def budget_notes(trainings: Sequence[Training], steps: Sequence[int], noun: str)
     """
     shortest = min(steps)
     longer = [it for it in steps if it > shortest]
-    if not longer:
-        return []
     last = trainings[steps.index(shortest)]
-    broke_off = ". Leave it out if it broke off" if 2 * shortest < median(steps) else ""
-    return [
-        f"All are cut to the {shortest:,} {noun} of the shortest, {last.shown}: {len(longer)} of {len(steps)} went on, "
-        f"to {max(longer):,} at most{broke_off}"
-    ]
+    told = f"All are cut to the {shortest:,} {noun} of the shortest, {last.shown}"
+    return [f"{told}: {len(longer)} of {len(steps)} went on, to {max(longer):,} at most"] if longer else []
 
 
 def facts_notes(logs: Sequence[Log]) -> list[str]:
@@ -165,12 +183,21 @@ OWN_ALONE = (
 )
 
 
-def runs_of(found: Sorted, deciding: Deciding = SUCCESS_DECIDES, *, is_told: bool = False) -> Runs:
+def runs_of(
+    found: Sorted,
+    deciding: Deciding = SUCCESS_DECIDES,
+    other: Iterable[Other] = (),
+    leave_out: Collection[Path] = (),
+    *,
+    is_told: bool = False,
+) -> Runs:
     """Sorted trainings that can be compared.
 
     Args:
         found: The trainings.
         deciding: What decides; ``success`` where it is told, if the user says nothing.
+        other: See `account_of`.
+        leave_out: What the user leaves out.
         is_told: Whether the user said which trainings there are.
 
     Raises:
@@ -178,14 +205,15 @@ def runs_of(found: Sorted, deciding: Deciding = SUCCESS_DECIDES, *, is_told: boo
         SchemaError: A log is damaged.
     """
     require_comparable(found, is_told=is_told)
-    found = without_short(found)
-    trainings = found.trainings
-    for training in trainings:
+    for training in found.trainings:
         require_ends(training.logs[0])
-    logs = [log for it in trainings for log in it.all_logs]
+    logs = [log for it in found.trainings for log in it.all_logs]
     lower = {name for log in logs for name in log.facts.lower_is_better}
     told = list(dict.fromkeys(name for log in logs for name in log.measures))
     measures = _measures(told, lower, deciding)
+    account = account_of(found.trainings, other, leave_out, next(iter(measures), ""))
+    found = found._replace(trainings=account.whole)
+    trainings = found.trainings
     runs, steps, axis = read_trainings(trainings, measures)
     members = {(run.reward, run.seed): run for run in runs}
     every, episodes = _rhythm(runs)
@@ -205,6 +233,7 @@ def runs_of(found: Sorted, deciding: Deciding = SUCCESS_DECIDES, *, is_told: boo
         {},
         said=(
             found.sentence + _deciding_text(measures, told, trainings),
+            *account.lines,
             *found.notes,
             *facts_notes([log for log in logs if log.facts.format != LABELS]),
             *budget_notes(trainings, steps, axis.noun),
@@ -212,6 +241,7 @@ def runs_of(found: Sorted, deciding: Deciding = SUCCESS_DECIDES, *, is_told: boo
             *equal_sentences(equal),
         ),
         counted=_counted(trainings),
+        missing=account.missing,
         returns_apart="" if _share_pay(runs) else OWN_ALONE,
     )
 

@@ -2,17 +2,19 @@
 
 import glob
 import os
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from harness.errors import UsageError
 from harness.eta.curve import Kind
+from harness.eta.laws import is_left_out
 from harness.log import Log
 from harness.log.open_log import LOGS, Found, find_logs
 from harness.registry.registry import Registry
 from harness.results.logs.labels import labelled
-from harness.results.logs.read_logs import runs_of
+from harness.results.logs.read_logs import Other, runs_of
 from harness.results.logs.told import FOUND_OUT, Told
 from harness.results.logs.trainings import Sorted, sort_files, sort_logs, with_reward
 from harness.results.recordings.read_runs import LooseStore
@@ -46,17 +48,50 @@ def results_of_logs(
         SchemaError: A log is damaged.
     """
     found = _without_labels(find_logs(folder, registry, told.format), told.labels)
-    if not found.logs:
+    logs, other = _kept(found.logs, told)
+    if not logs:
         raise _nothing(folder, registry, [f"{path}: {reason}" for path, reason in found.left_out])
-    if not any(map(_tells_episodes, found.logs)):
+    if not any(map(_tells_episodes, logs)):
         raise UsageError(
             f"'{folder}' holds steps that do not tell where episodes end: {_command_of_steps(folder)} compares CSV "
             "files of steps"
         )
     place = folder if folder.is_dir() else folder.parent
-    sorted_ = sort_logs(place, found.logs, told.sort, told.baseline)
-    lines = [f"'{path}' is left out: {reason}" for path, reason in found.left_out]
-    return _results(place, registry, sorted_._replace(notes=(*sorted_.notes, *lines)), told, kind, metrics, pairs=pairs)
+    sorted_ = sort_logs(place, logs, told.sort, told.baseline)
+    unread, lines = _unread(folder, found, sorted_)
+    sorted_ = sorted_._replace(notes=(*sorted_.notes, *lines))
+    return _results(place, registry, sorted_, told, kind, [*other, *unread], metrics, pairs=pairs)
+
+
+def _kept(logs: Iterable[Log], told: Told) -> tuple[list[Log], list[Other]]:
+    """The logs that the user does not leave out, and the others."""
+    out = {id(log) for log in logs if is_left_out(log.facts.path / log.facts.run, told.leave_out)}
+    return [log for log in logs if id(log) not in out], [(log.facts.path, "") for log in logs if id(log) in out]
+
+
+def _unread(folder: Path, found: Found, of: Sorted) -> tuple[list[Other], list[str]]:
+    """Trainings that left no log, or one that cannot be read; and a line for what cannot be read beside a log of one.
+
+    A file or folder without a log is of a training if logs, or folders of logs, are called as it is, but for numbers
+    and for names of rewards.
+    """
+    words = re.compile(f"({'|'.join(map(re.escape, sorted(of.rewards, key=len, reverse=True)))})|[0-9]+")
+
+    def shape(path: Path) -> str:
+        return words.sub(lambda word: "reward" if word[1] else "0", path.relative_to(folder).as_posix())
+
+    kept = [log.facts.path for it in of.trainings for log in it.logs]
+    homes = {it.parent for it in kept}
+    named = {shape(it) for path in kept for it in (path, *path.parents) if it.is_relative_to(folder)}
+    seen = [*(log.facts.path for log in found.logs), *dict(found.left_out)]
+    full = {it for path in seen for it in (path, *path.parents)}
+    silent = dict[Path, str]()
+    for path in sorted(folder.rglob("*")):
+        if path not in full and shape(path) in named and silent.keys().isdisjoint(path.parents):
+            silent[path] = "nothing in it is a log" if path.is_dir() else "it is no log"
+    is_lost = {path: path.parent not in homes or shape(path) in named for path, _ in found.left_out}
+    lines = [f"'{path}' is left out: {why}" for path, why in found.left_out if not is_lost[path]]
+    return [*((path, why) for path, why in found.left_out if is_lost[path]), *silent.items()], lines
 
 
 def results_of_groups(
@@ -73,6 +108,8 @@ def results_of_groups(
     Raises:
         UsageError: As `results_of_logs`; or a file is in both groups, or none is a log.
     """
+    dropped = [(path, "") for paths in groups for path in paths if is_left_out(path, told.leave_out)]
+    groups = [[path for path in paths if (path, "") not in dropped] for paths in groups]
     opened = {path: _opened(path, registry, told.format) for paths in groups for path in paths}
     both = [path for path in groups[0] if path in groups[1]]
     if both:
@@ -84,8 +121,9 @@ def results_of_groups(
         for name, paths in zip(names, groups, strict=True)
         for log in with_reward((log for path in paths for log in opened[path]), name)
     ]
-    found = sort_logs(place, _absolute(logs), told.sort, names[0])
-    return _results(place, registry, found, told, kind, is_told=True)
+    kept, other = _kept(logs, told)
+    found = sort_logs(place, _absolute(kept), told.sort, names[0])
+    return _results(place, registry, found, told, kind, [*dropped, *other], is_told=True)
 
 
 def _opened(path: Path, registry: Registry, named: str) -> tuple[Log, ...]:
@@ -114,6 +152,7 @@ def _results(
     found: Sorted,
     told: Told,
     kind: Kind,
+    other: Iterable[Other] = (),
     metrics: Iterable[str] | None = None,
     *,
     pairs: bool = False,
@@ -121,7 +160,7 @@ def _results(
 ) -> Results:
     if told.labels is not None:
         found = labelled(found, place, told.labels)
-    runs = runs_of(found, told.deciding, is_told=is_told or bool(told.sort))
+    runs = runs_of(found, told.deciding, other, told.leave_out, is_told=is_told or bool(told.sort))
     return Results(place, registry, kind, metrics=metrics, store=LooseStore(place, runs), pairs=pairs)
 
 

@@ -36,6 +36,7 @@ class Told:
         baseline: The reward that the others are compared with.
         deciding: What decides.
         labels: A file that says which trainings, or episodes, were successes.
+        leave_out: Files and folders of trainings that are left out.
     """
 
     format: str = ""
@@ -43,6 +44,7 @@ class Told:
     baseline: str = ""
     deciding: Deciding = SUCCESS_DECIDES
     labels: Path | None = None
+    leave_out: tuple[Path, ...] = ()
 
     @property
     def flags(self) -> list[str]:
@@ -53,7 +55,8 @@ class Told:
             "--as": self.format, "--sort": self.sort, "--baseline": self.baseline, "--measure": measure,
             "--labels": str(self.labels or ""),
         }  # fmt: skip
-        return [text for flag, value in given.items() if value for text in (flag, value)]
+        left_out = (("--leave-out", str(path)) for path in self.leave_out)
+        return [text for flag, value in (*given.items(), *left_out) if value for text in (flag, value)]
 
 
 FOUND_OUT = Told()

@@ -51,8 +51,13 @@ class Training:
         return self.logs[0].facts.path if len(self.logs) == 1 else self.logs[0].facts.path.parent
 
     @property
+    def place(self) -> Path:
+        """The same with what a file that holds several calls it."""
+        return self.path / self.logs[0].facts.run
+
+    @property
     def shown(self) -> str:
-        """The same in words, with what the file calls the training."""
+        """The path in words, with what the file calls the training."""
         run = self.logs[0].facts.run
         return f"'{self.path}'{f' ({run})' if run else ''}"
 

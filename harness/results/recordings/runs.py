@@ -11,6 +11,7 @@ from harness.arrays import Float
 from harness.errors import Unscored, UsageError
 from harness.eta.behaviour_change import WHOLE, Quantity
 from harness.eta.interval import SHARE, UNBOUNDED, Bounds
+from harness.eta.laws import Missing
 from harness.eta.rescaling import Rescaling, rescaling_of
 from harness.log import Log
 from harness.log.log import RECORDED, REWARD, SUCCESS, TIME
@@ -231,6 +232,8 @@ class Runs(NamedTuple):
     """How what was found was sorted and read, a line each; a reader has to know it before the first number."""
     counted: Mapping[str, str] = MappingProxyType({})
     """By manner, what stands for episodes: a log of curves has a ``point``, which is a mean over some."""
+    missing: tuple[Missing, ...] = ()
+    """Trainings that were begun and have no value: no test is made without them."""
     returns_apart: str = ""
     """Why mean returns are not compared; empty where they are."""
 

@@ -229,7 +229,7 @@ def study_of_loose(
     if shown is not None:
         require_measures(shown, runs.measures)
         runs = runs.showing(shown)
-    (study,) = studies_of_runs(folder, [runs], kind, pairs=pairs)
+    (study,) = studies_of_runs(folder, [runs], kind, to_come=len(runs.missing), pairs=pairs)
     return PlaceStudy(runs.group, tuple(cells), study, "")
 
 

@@ -10,6 +10,7 @@ from harness.authoring.commands import (
     NO_NAME,
     Found,
     Run,
+    account_of,
     count_text,
     env_of,
     facts_notes,
@@ -17,7 +18,6 @@ from harness.authoring.commands import (
     read_trainings,
     require_comparable,
     whole_runs,
-    without_short,
 )
 from harness.errors import UsageError
 from harness.registry import unknown_name
@@ -85,10 +85,11 @@ def audit_logs(path: Path, found: Found, only: Sequence[str] = (), sort: str = "
     folder = path if path.is_dir() else path.parent
     sorted_ = sort_logs(folder, found.logs, sort)
     require_comparable(sorted_, is_told=True)
-    sorted_ = without_short(sorted_)
-    logs = [log for it in sorted_.trainings for log in (*it.logs, it.evaluation) if log is not None]
+    account = account_of(sorted_.trainings)
+    left += [f"'{it.path}' is left out: {it.why}" for it in account.missing]
+    logs = [log for it in account.whole for log in (*it.logs, it.evaluation) if log is not None]
     measures = list(dict.fromkeys(name for log in logs for name in log.measures))
-    runs, _, _ = read_trainings(sorted_.trainings, measures)
+    runs, _, _ = read_trainings(account.whole, measures)
     everything = [it for run in runs for it in (run, run.evaluation) if it is not None and len(it.recorded.log)]
     env = next((log.facts.env for log in logs if log.facts.env), NO_NAME)
     notes = [sorted_.sentence, *sorted_.notes, *facts_notes(logs), *left]

@@ -360,7 +360,7 @@ def test_a_plan_that_is_not_trained_to_its_end_promises_nothing(build, write):
     reached = {"arp": lambda seed: (5, 6, 7, 8), "baseline": lambda seed: (8, 9)}
     page = write(build(seeds=6, reached=reached, ended={("arp", 5): ("pending", "")}))
     text = page.text
-    assert text.index("Interim: 1 training of the plan is still to come.") < text.index("INTERIM")
+    assert text.index("Interim: 1 training is missing.") < text.index("INTERIM")
     assert "would raise a false alarm" not in text
     assert "harness run --until decided plans for looks on the way." in text
     assert "HELPS" not in text

@@ -235,9 +235,9 @@ def test_what_so_few_seeds_can_show_is_said(build):
 def test_a_plan_that_is_not_trained_to_its_end_says_so_first(build):
     """With what that does to every p; where all trainings ended there is no such line."""
     interim = build(ended={("arp", 2): ("pending", "")})
-    line = "Interim: 1 training of the plan is still to come. Nothing here says yet what is better or worse."
+    line = "Interim: 1 training is missing. Nothing here says yet what is better or worse."
     assert told(interim).startswith(line)
-    assert "The plan is not trained to its end, so nothing is tested about the robot:" in told(interim)
+    assert "Trainings are missing, so nothing is tested about the robot:" in told(interim)
     assert " no p can be below " not in told(interim)
     ended = told(build())
     assert "Interim" not in ended
@@ -255,4 +255,4 @@ def test_a_reward_that_has_not_begun_makes_no_test_of_an_unfinished_plan(build):
     """One reward is compared, the other one has no training yet."""
     begun = build(ended={("arp", seed): ("pending", "") for seed in range(3)})
     assert told(begun).startswith("Interim: 3 trainings")
-    assert what_decides(begun).startswith("The plan is not trained to its end")
+    assert what_decides(begun).startswith("Trainings are missing, so nothing is tested")

@@ -169,12 +169,38 @@ def test_one_training_of_a_reward_is_refused_unless_it_was_named():
     assert len(runs(*found, is_told=True).members) == 2
 
 
-@pytest.mark.parametrize("short", [{"declared": {"episodes": 12}}, {"asked": 100}, {"declared": {"steps": 100}}])
-def test_a_training_that_lacks_what_it_declares_is_left_out(short):
-    """Twelve episodes are promised and ten are there, or half of the steps: it is told, and not compared."""
-    found = runs(of("base", 0), of("base", 1), of("base", 2, **short))
+@pytest.mark.parametrize(
+    "short",
+    [
+        {"declared": {"episodes": 12}},
+        {"asked": 100},
+        {"declared": {"steps": 100}},
+        {"count": 9},
+        {SUCCESS: np.array([*[1.0] * 9, np.nan])},
+    ],
+)
+def test_a_training_that_lacks_what_it_declares_is_missing(short):
+    """Twelve episodes are promised and ten are there, or fewer than beside it; or its success is no number at last."""
+    told = {SUCCESS: np.ones(10)}
+    found = runs(
+        of("base", 0, **told),
+        of("base", 1, **told),
+        of("base", 2, **{**told, **short, SUCCESS: short.get(SUCCESS, np.ones(short.get("count", 10)))}),
+    )
     assert [seed for _, seed in found.members] == [0, 1]
-    assert any("'/runs/base2' is left out: it has" in line for line in found.said)
+    assert [it.path.name for it in found.missing] == ["base2"]
+    assert any(line.startswith("'/runs/base2' is missing: ") for line in found.said)
+    assert any("--leave-out /runs/base2 leaves it out" in line for line in found.said)
+
+
+def test_trainings_that_the_user_leaves_out_are_told_and_miss_nothing():
+    """Whatever became of them; a path at which no training lies is refused."""
+    them = [of("base", 0), of("base", 1), of("base", 2, count=3)]
+    found = runs(*them, leave_out=[Path("/runs/base2")])
+    assert (len(found.members), found.missing) == (2, ())
+    assert any("'/runs/base2' is left out, as --leave-out says: it ends after" in line for line in found.said)
+    with pytest.raises(UsageError, match="--leave-out /runs/elsewhere: no training lies there"):
+        runs(*them, leave_out=[Path("/runs/elsewhere")])
 
 
 def test_the_last_episode_need_not_end_with_the_training():
@@ -190,12 +216,12 @@ def test_rows_out_of_order_are_damage():
 
 
 def test_logs_without_steps_are_counted_in_episodes():
-    """Nobody told lengths: the budget is a number of episodes."""
+    """Nobody told lengths: the budget is a number of episodes. One that has fewer than another one is missing."""
     facts = LogFacts(path=Path("/runs/x"), format="T", unit="episode")
     logs = [in_memory(facts, {PAY: np.arange(float(count))}) for count in (4, 6)]
     found = runs(*(Training("base", seed, (log,)) for seed, log in enumerate(logs)))
-    assert found.steps == 4
-    assert any("All are cut to the 4 episodes of the shortest" in line for line in found.said)
+    assert found.steps == 6
+    assert [it.why for it in found.missing] == ["it ends after 4 episodes, and another one of base after 6"]
 
 
 def test_evaluations_alone_are_trainings():
