@@ -11,14 +11,16 @@ import numpy as np
 from harness.arrays import Float, Ints
 from harness.errors import SchemaError, UsageError
 from harness.log import Log, LogFacts, in_memory
-from harness.log.log import BEHAVIOUR, LARGEST, RECORDED, REWARD, SUCCESS
+from harness.log.log import BEHAVIOUR, LARGEST, RECORDED, REWARD, SINCE, SUCCESS
 from harness.log.text_table import require_columns
 from harness.progress import RETURN, SUCCESS as TRAINING_SUCCESS
 from harness.text import shortened
 
 ENV_STEPS = "environment steps"
 LAST_100 = "a mean over the last 100 episodes"
-SINCE = "a mean over the episodes that ended since the point before"
+ONE = "that of an episode"
+NEW = "a mean over the episodes that ended since the point before"
+LAST_100_OR_NEW = "a mean over the episodes of an iteration, or over the last 100"
 EVALUATED = "a mean over the episodes of an evaluation"
 TIME, ITERATION = "time", "iteration"
 MOST_RESTARTS = 100
@@ -78,7 +80,7 @@ RLLIB = tuple(
         f"{prefix}{of}{length}",
         tuple(f"{prefix}{name}" for name in RLLIB_STEPS),
         "environment steps or iterations, by its version",
-        "a mean over the episodes of an iteration, or over the last 100",
+        LAST_100_OR_NEW,
         bool(of),
     )
     for prefix in ("", "ray/tune/")
@@ -106,7 +108,7 @@ CURVES = (
         point=EVALUATED,
         evaluation=True,
     ),
-    Curve("CleanRL", "charts/episodic_return", (), "charts/episodic_length", point=""),
+    Curve("CleanRL", "charts/episodic_return", (), "charts/episodic_length", point=ONE),
     Curve("this project's tracker", RETURN, (TRAINING_SUCCESS,), time=("steps",)),
     Curve(
         "this project's tracker, evaluations",
@@ -116,7 +118,7 @@ CURVES = (
         point=EVALUATED,
         evaluation=True,
     ),
-    Curve("Unity ML-Agents", "Environment/Cumulative Reward", (), "Environment/Episode Length", point=SINCE),
+    Curve("Unity ML-Agents", "Environment/Cumulative Reward", (), "Environment/Episode Length", point=NEW),
     Curve(
         "rsl_rl, as in Isaac Lab",
         "Train/mean_reward",
@@ -133,7 +135,7 @@ CURVES = (
         counts="steps of each of its envs",
     ),
     *RLLIB,
-    Curve("Spinning Up", "AverageEpRet", (), "EpLen", ("TotalEnvInteracts",), point=SINCE),
+    Curve("Spinning Up", "AverageEpRet", (), "EpLen", ("TotalEnvInteracts",), point=NEW),
     Curve(
         "Spinning Up, tests",
         "AverageTestEpRet",
@@ -169,6 +171,8 @@ class CurveSettings:
         length: That of mean lengths; found by its name if empty.
         measure: That of one more measure, which no reward enters.
         per_step: Environment steps of one of its steps, where these are iterations; 0 if nobody says.
+        episode: Steps of an episode at most, where values average so many episodes and no lengths stand beside them; 0
+            if nobody says.
     """
 
     reward: str = ""
@@ -176,6 +180,7 @@ class CurveSettings:
     length: str = ""
     measure: str = ""
     per_step: int = 0
+    episode: int = 0
 
     def chosen(self, path: Path, names: Sequence[str]) -> Curve:
         """The curve to read among the names of a log.
@@ -214,7 +219,9 @@ def is_history(names: Iterable[str]) -> bool:
     return {"_step", "_timestamp"} <= set(names)
 
 
-def curve_log(facts: LogFacts, curve: Curve, names: Sequence[str], columns: Mapping[str, Float], per_step: int) -> Log:
+def curve_log(
+    facts: LogFacts, curve: Curve, names: Sequence[str], columns: Mapping[str, Float], settings: CurveSettings
+) -> Log:
     """The log of one curve.
 
     Args:
@@ -222,13 +229,13 @@ def curve_log(facts: LogFacts, curve: Curve, names: Sequence[str], columns: Mapp
         curve: Which of its names to read, see `CurveSettings.chosen`.
         names: All that the log has, to tell what else is there.
         columns: By name, (points,) each, and ``step``, what its own steps count; NaN where a point lacks a value.
-        per_step: See `CurveSettings`.
+        settings: What a user said.
 
     Raises:
         UsageError: The log tells environment steps itself, and a user says how many one of its steps is.
         SchemaError: No point has all of its values, one is beyond what it can be, or its steps go back too often.
     """
-    counter = _counter(curve, columns)
+    per_step, counter = settings.per_step, _counter(curve, columns)
     if per_step and counter != "step":
         raise UsageError(f"{facts.path} counts environment steps in '{counter}': leave per_step out")
     is_time = counter != "step" or curve.counts == ENV_STEPS or per_step > 0
@@ -242,6 +249,13 @@ def curve_log(facts: LogFacts, curve: Curve, names: Sequence[str], columns: Mapp
     found = {column: columns[name][rows] for column, name in read.items()}
     if per_step:
         found[axis] = found[axis] * per_step
+    steps = columns[curve.length][rows] if curve.length else np.full(len(rows), np.nan)
+    is_told = ~np.isnan(steps)
+    if is_told.any():
+        steps = np.interp(found[axis], found[axis][is_told], steps[is_told])
+    elif settings.episode:
+        steps = np.full(len(rows), float(settings.episode))
+    found[SINCE] = _since(curve.point, found[axis], steps if is_time else np.full(len(rows), np.nan))
     _require_possible(facts.path, found)
     told = ", ".join(f"{column} from '{name}'" for column, name in read.items() if column != axis)
     others = [it.reward for it in CURVES if it.reward in names and it.reward != curve.reward]
@@ -253,7 +267,7 @@ def curve_log(facts: LogFacts, curve: Curve, names: Sequence[str], columns: Mapp
         f"{restarts} times it goes back: what was logged again later counts": restarts,
         f"there are also curves of {', '.join(others)}": others,
     }
-    point = f"each value is {curve.point}" if curve.point else ""
+    point = f"each value is {curve.point}" if curve.point not in ("", ONE) else ""
     facts = replace(
         facts,
         unit="point",
@@ -281,6 +295,25 @@ def _read(curve: Curve, columns: Mapping[str, Float]) -> dict[str, str]:
     if length and not np.isnan(columns[length][whole]).any():
         read["length"] = length
     return read
+
+
+def _since(point: str, after: Float, length: Float) -> Float:
+    """Steps before the first episode that each value averages, (points,); NaN where nobody knows.
+
+    Args:
+        point: What a value is.
+        after: Steps when each was told.
+        length: Mean lengths of the episodes; NaN where nobody knows.
+    """
+    before = np.concatenate([[0.0], after[:-1]])
+    last_100: Float = np.maximum(after - 100.0 * length, 0.0)
+    known: dict[str, Float] = {
+        EVALUATED: after,
+        NEW: before,
+        ONE: np.where(np.isnan(length), before, np.maximum(after - length, 0.0)),
+        LAST_100_OR_NEW: np.minimum(before, last_100),
+    }
+    return known.get(point, last_100)
 
 
 def _last_attempt(path: Path, rows: Ints, steps: Float) -> tuple[Ints, int]:

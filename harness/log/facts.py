@@ -34,6 +34,7 @@ class LogFacts:
     Attributes:
         path: The file or the folder that was read.
         format: Format and version, in words, ``Monitor of stable-baselines3``.
+        reader: The name under which the format is registered, to type ``--as NAME:...``; `harness.log.open_log` knows.
         unit: What a row is.
         first_line: Where the first row stands in its file, for what is said of a row: the line of a text.
         run: What the file itself calls the training, where it holds several.
@@ -54,6 +55,7 @@ class LogFacts:
 
     path: Path
     format: str
+    reader: str = ""
     unit: Unit = "step"
     first_line: int = 1
     run: str = ""

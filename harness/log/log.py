@@ -10,6 +10,8 @@ terminated, truncated          whether the step ended the episode, or cut it
 time                           environment steps of the training, over all its envs, that were taken when the row ended
 iteration                      of a point, instead of time where nobody says how many environment steps its counter
                                counts as one, such as updates of the learner
+since                          of a point: steps before the first episode that its values average, in what ``time`` or
+                               ``iteration`` counts; the same as that of an evaluation, NaN where nobody knows
 seconds                        since the log was begun, by a clock, when the row ended
 length                         of an episode: its steps; of a point: the mean of some episodes'
 reward/NAME                    what a reward paid for the row: a step's pay, an episode's return, a point's mean return.
@@ -56,7 +58,7 @@ MOST_ROWS = 200_000_000
 """The most rows that a log may have."""
 LARGEST = 1e150
 """The largest number, whose square is still finite."""
-TIME, START, REWARD, BEHAVIOUR = "time", "start", "reward/", "behaviour/"
+TIME, SINCE, START, REWARD, BEHAVIOUR = "time", "since", "start", "reward/", "behaviour/"
 BEFORE, INFO = "before/", "info/"
 OBSERVATION, ACTION, SEEN = "observation", "action", "seen"
 OPERATOR, TASK, FILE = "operator", "task", "file"

@@ -145,7 +145,7 @@ def _read(path: Path, name: str, registry: Registry, settings: Mapping[str, Any]
     reader = replace(reader, **settings)
     with blamed_on(spec, "it read a log"):
         try:
-            logs = tuple(reader.read(path))
+            logs = tuple(replace(log, facts=replace(log.facts, reader=spec.name)) for log in reader.read(path))
         except HarnessError:
             raise
         except (OSError, ValueError) as error:

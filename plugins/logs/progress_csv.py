@@ -52,7 +52,7 @@ class ProgressCsv(CurveSettings):
             seed=seed if is_seed else None,
             notes=table.notes,
         )
-        return (curve_log(facts, curve, table.names, {**columns, "step": step}, self.per_step),)
+        return (curve_log(facts, curve, table.names, {**columns, "step": step}, self),)
 
     def write_example(self, folder: Path) -> Path:
         """Three reports by stable-baselines3's own logger; the same lines where it is not installed."""

@@ -115,7 +115,7 @@ class TensorBoard(CurveSettings):
             asked=int(told["total_timesteps"]) if told.get("total_timesteps", "").isdecimal() else 0,
             notes=tuple(notes),
         )
-        return curve_log(facts, curve, list(joined), _aligned(joined, curve), self.per_step)
+        return curve_log(facts, curve, list(joined), _aligned(joined, curve), self)
 
 
 def _event_files(path: Path) -> list[Path]:

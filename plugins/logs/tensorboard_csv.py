@@ -43,7 +43,7 @@ class TensorBoardCsv(CurveSettings):
             notes=table.notes,
         )
         columns = {curve.main: table.numbers("Value", may_lack=True), "step": table.numbers("Step")}
-        return (curve_log(facts, curve, names, columns, self.per_step),)
+        return (curve_log(facts, curve, names, columns, self),)
 
     def write_example(self, folder: Path) -> Path:
         """Three points."""

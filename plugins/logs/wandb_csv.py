@@ -82,7 +82,7 @@ class WandBCsv(CurveSettings):
             thinned="; ".join([SAMPLED, *([JOINED] if joined else [])]),
             notes=table.notes,
         )
-        return curve_log(facts, curve, list(tags), columns, self.per_step)
+        return curve_log(facts, curve, list(tags), columns, self)
 
 
 def _differ(table: TextTable, name: str) -> bool:

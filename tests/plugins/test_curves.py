@@ -2,10 +2,12 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from harness.errors import UsageError
-from harness_plugins.curves import CURVES, CurveSettings, is_history, is_known
+from harness.log import LogFacts
+from harness_plugins.curves import CURVES, CurveSettings, curve_log, is_history, is_known
 
 PATH = Path("log")
 
@@ -52,3 +54,28 @@ def test_a_history_of_weights_and_biases_is_known_by_its_own_columns():
     """Whatever else logged into it."""
     assert is_history(["_step", "_timestamp", "rollout/ep_rew_mean"])
     assert not is_history(["rollout/ep_rew_mean"])
+
+
+@pytest.mark.parametrize(
+    ("names", "settings", "since"),
+    [
+        (["rollout/ep_rew_mean", "rollout/ep_len_mean"], {}, [0, 0, 900]),
+        (["rollout/ep_rew_mean"], {}, [np.nan] * 3),
+        (["rollout/ep_rew_mean"], {"episode": 10}, [0, 500, 1500]),
+        (["eval/mean_reward"], {}, [500, 1500, 2500]),
+        (["Environment/Cumulative Reward"], {}, [0, 500, 1500]),
+        (["charts/episodic_return", "charts/episodic_length"], {}, [484, 1484, 2484]),
+        (["charts/episodic_return"], {}, [0, 500, 1500]),
+        (["episode_reward_mean", "episode_len_mean"], {}, [0, 0, 900]),
+        (["mine"], {"reward": "mine"}, [np.nan] * 3),
+    ],
+)
+def test_a_point_tells_from_where_on_it_averages(names, settings, since):
+    """A mean over the last 100 episodes spans a hundred lengths; an evaluation spans no steps; else nobody knows."""
+    told, steps = CurveSettings(**settings), np.array([500.0, 1500.0, 2500.0])
+    columns = {
+        **dict.fromkeys(["global_step", "timesteps_total", "step"], steps),
+        **dict.fromkeys(names, np.full(3, 16.0)),
+    }
+    log = curve_log(LogFacts(path=PATH, format="it"), told.chosen(PATH, names), names, columns, told)
+    np.testing.assert_array_equal(log["since"], since)

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from harness.errors import SchemaError, UsageError, one_line
-from harness.log import BEHAVIOUR, LARGEST, REWARD, Log, LogFacts, LogFormat, Rows
+from harness.log import BEHAVIOUR, LARGEST, REWARD, SINCE, Log, LogFacts, LogFormat, Rows
 
 from ..contract import check, raise_first, require, settings_are_frozen, settings_survive_json
 from .examples import (
@@ -345,7 +345,8 @@ def rows_are_in_order(reader: LogFormat, folder: Path) -> None:
 def values_are_finite(reader: LogFormat, folder: Path) -> None:
     """Nothing is infinite, and pay and times are never NaN, but for what the facts say has failed.
 
-    Any other column may be NaN in rows of which it is not known. A measure is known in some row, and within its bounds.
+    Any other column may be NaN in rows of which it is not known, and ``since`` in all. A measure is known in some row,
+    and within its bounds.
     """
     for log in read_example(reader, folder):
         failed, rows = {it.column for it in log.facts.failed}, log.rows()
@@ -353,7 +354,7 @@ def values_are_finite(reader: LogFormat, folder: Path) -> None:
             if values.dtype.kind == "f":
                 unknown = np.isnan(values)
                 require((np.abs(values[~unknown].astype(float)) < LARGEST).all(), f"{name} is not below {LARGEST:g}")
-                may_lack = name in failed or not (name.startswith(KNOWN) or unknown.all())
+                may_lack = name in (*failed, SINCE) or not (name.startswith(KNOWN) or unknown.all())
                 require(may_lack or not unknown.any(), f"the column {name} is NaN, and facts.failed has no word of it")
         for measure, (least, greatest) in log.facts.bounds.items():
             values = rows[f"{BEHAVIOUR}{measure}"]

@@ -47,7 +47,7 @@ def test_what_the_page_itself_exports_is_read_and_said_to_be_a_sample(tmp_path):
 def test_a_curve_of_success_is_success(tmp_path):
     """By the name of the file."""
     log = read(written(tmp_path, "run_prop_3-tag-rollout_success_rate.csv"))
-    assert log.columns == ("time", "behaviour/success")
+    assert log.columns == ("time", "behaviour/success", "since")
     assert log.facts.run == "prop_3"
 
 
