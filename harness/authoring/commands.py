@@ -52,6 +52,7 @@ if TYPE_CHECKING:
     from harness.eta.auc import Auc as Auc, rounded as rounded, share_of as share_of
     from harness.eta.headline import SUCCESS as SUCCESS
     from harness.eta.index import NOTHING as NOTHING
+    from harness.eta.manner import ACTED_AT_RANDOM as ACTED_AT_RANDOM
     from harness.eta.rescaling import PayLine as PayLine
     from harness.eta.seed_mean import mean_lost_share as mean_lost_share
     from harness.experiment.arm_evaluation import record_evaluation as record_evaluation
@@ -199,7 +200,6 @@ if TYPE_CHECKING:
         whole_runs as whole_runs,
     )
     from harness.results.recordings.runs import (
-        ACTED_AT_RANDOM as ACTED_AT_RANDOM,
         LAST_SHARE as LAST_SHARE,
         NO_NAME as NO_NAME,
         Run as Run,

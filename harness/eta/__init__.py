@@ -7,7 +7,6 @@ from harness.face import face_of
 if TYPE_CHECKING:
     from harness.eta.auc import AGAINST as AGAINST, CANNOT_TELL as CANNOT_TELL, RANKS as RANKS, auc_of as auc_of
     from harness.eta.behaviour_change import (
-        TRAINING as TRAINING,
         Change as Change,
         Quantity as Quantity,
         change_of as change_of,
@@ -20,6 +19,7 @@ if TYPE_CHECKING:
     from harness.eta.interval import SHARE as SHARE, UNBOUNDED as UNBOUNDED
     from harness.eta.judgement import judge as judge
     from harness.eta.lead import lead_of as lead_of
+    from harness.eta.manner import TRAINING as TRAINING
     from harness.eta.number import number_sentence as number_sentence, return_sentence as return_sentence
     from harness.eta.ranking import (
         Agreement as Agreement,

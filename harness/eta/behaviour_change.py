@@ -19,11 +19,10 @@ from harness.eta.interval import (
     variance_of,
     why_no_interval,
 )
+from harness.eta.manner import TRAINING, WHOLE
 from harness.eta.swaps import ALPHA, Swaps, p_of
 from harness.eta.unseen import difference_bounds, mean_bounds
 
-TRAINING, WHOLE = "while training", "over the training"
-"""The manners of the episodes of a training itself: of an arm, and of a recorded training."""
 NO_WORD = 0.0
 """The level of an experiment that is not trained to its end: no p is so small."""
 FAILED = 0.5

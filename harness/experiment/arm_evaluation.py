@@ -16,9 +16,9 @@ from harness.conditions.varied_robot import Factors, draw_factors
 from harness.env.arm_observation import kinematics_policy, why_not_kinematics
 from harness.env.make import World
 from harness.errors import SimulationDiverged
+from harness.eta.manner import ACTED_AT_RANDOM, DETERMINISTIC, Acted
 from harness.policy import Policy
 from harness.record.episode_facts import EpisodeFacts
-from harness.record.recording.facts import Acted
 from harness.record.trace import COLUMN, SCALARS, Recorder, Rows, TraceWriter
 from harness.registry.sources import description
 from harness.robot import Robot
@@ -86,9 +86,9 @@ def _arms(task: Task, robot: Robot) -> tuple[Factors, ...] | None:
 
 def act_of(policy: Policy, acted: Acted) -> Act:
     """How `policy` acts in an evaluation. What it draws there does not depend on earlier draws."""
-    if acted == "deterministic":
+    if acted == DETERMINISTIC:
         return policy.act
-    return partial(policy.act, rng=np.random.default_rng([EVALUATION_SEED, 1 if acted == "random" else 2]))
+    return partial(policy.act, rng=np.random.default_rng([EVALUATION_SEED, 1 if acted == ACTED_AT_RANDOM else 2]))
 
 
 def record_evaluation(
@@ -115,7 +115,7 @@ def record_evaluation(
     if seed is not None:
         evaluate(world, act_of(policy, acted), episodes, path, seed)
         return
-    count = episodes if varies(world.task) or acted != "deterministic" else 1
+    count = episodes if varies(world.task) or acted != DETERMINISTIC else 1
     steps = ik_steps(world, episodes, EVALUATION_SEED)
     evaluate(world, act_of(policy, acted), count, path, ik_steps=steps, on_step=on_step)
 

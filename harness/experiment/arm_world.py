@@ -15,6 +15,7 @@ from harness.arrays import Float
 from harness.env import ReachVectorEnv
 from harness.env.make import World, build_world
 from harness.env.solid_probes import require_solids
+from harness.eta.manner import Acted
 from harness.executor import NO_SCALARS
 from harness.experiment.arm_evaluation import facts_of, record_evaluation
 from harness.experiment.checkpoints.checkpoint import Attempt
@@ -29,7 +30,6 @@ from harness.progress import LAST_EPISODES, RETURN, SPEED, SUCCESS, TERMS, Train
 from harness.record.blocks import BEHAVIOUR, Blocks, read_blocks
 from harness.record.cell import Cell
 from harness.record.folder import SUFFIX, TRACE
-from harness.record.recording.facts import Acted
 from harness.record.returns import PAID, mean_over_episodes, mean_return
 from harness.record.scene import write_scene
 from harness.record.trace import COLUMN, SCALARS, TERM, Recorder, Rows, read_trace, terms_of

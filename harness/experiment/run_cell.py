@@ -12,6 +12,7 @@ from typing import ClassVar
 import numpy as np
 
 from harness.algorithm import Algorithm
+from harness.eta.manner import ACTED_AT_RANDOM, OWN_AND_OTHER
 from harness.executor import CellOptions, Word
 from harness.experiment.checkpoints.checkpoint import Attempt, Checkpoint, begin_attempt, store
 from harness.experiment.checkpoints.stored_rings import discard_rings
@@ -33,11 +34,9 @@ from harness.record.folder import (
     RANDOM,
     TRACE,
     evaluation_files,
-    other_manner,
     recording_of,
 )
 from harness.record.manifest import Manifest
-from harness.record.recording.facts import Acted
 from harness.registry.registry import Registry, load_registry
 
 
@@ -83,12 +82,11 @@ class CellEvaluations:
 
     def finish(self, policy: Policy, floor: bool) -> None:
         """Evaluate the trained policy, as the cell says and in the other manner; for a `floor` random actions too."""
-        is_so, episodes = self._cell.deterministic, self._cell.evaluation_episodes
+        (_, other), episodes = OWN_AND_OTHER[self._cell.deterministic], self._cell.evaluation_episodes
         self._evaluate(policy, self._named(EVALUATION))
-        other: Acted = "stochastic" if is_so else "deterministic"
-        self._world.evaluate(policy, other, episodes, self._named(other_manner(is_so)))
+        self._world.evaluate(policy, other, episodes, self._named(other))
         if floor:
-            self._world.evaluate(policy.floor(), "random", episodes, self._named(RANDOM))
+            self._world.evaluate(policy.floor(), ACTED_AT_RANDOM, episodes, self._named(RANDOM))
 
     def _named(self, trace: str) -> Path:
         return self._folder / f"{recording_of(trace)}{self._world.suffix}"

@@ -14,8 +14,8 @@ from harness.record.cell import Cell
 from harness.registry.registry import Registry
 
 if TYPE_CHECKING:
+    from harness.eta.manner import Acted
     from harness.experiment.trials.tried import Tried
-    from harness.record.recording.facts import Acted
     from harness.registry.choice import Choice
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Literal, NamedTuple
 
+from harness.eta.manner import OWN_AND_OTHER
 from harness.registry.choice import Choice
 
 
@@ -84,7 +85,7 @@ class Cell:
     @property
     def acted(self) -> Literal["deterministic", "stochastic"]:
         """How evaluated policies act."""
-        return "deterministic" if self.deterministic else "stochastic"
+        return OWN_AND_OTHER[self.deterministic][0]
 
     @property
     def cut_after(self) -> int | None:

@@ -8,9 +8,9 @@ from harness.files.whole_file import sync
 
 MANIFEST, LOG = "manifest.json", "log.txt"
 TRACE, EVALUATION, RANDOM = "trace.parquet", "evaluation.parquet", "random.parquet"
-STOCHASTIC, DETERMINISTIC = "stochastic.parquet", "deterministic.parquet"
-"""The final evaluation in the other manner than that of `EVALUATION`; folders of version 0.1 have neither."""
 SUFFIX = ".parquet"
+"""Ends the names of traces. That of the final evaluation in the other manner than that of `EVALUATION` begins as
+`harness.eta.manner.OWN_AND_OTHER` says; folders of version 0.1 have none."""
 EVALUATIONS = "evaluations"
 """Folder of what the policy did before its training ended, a trace per evaluation, named by the environment steps."""
 SCENE = "scene.json"
@@ -39,11 +39,6 @@ def digests_in(folder: Path) -> dict[str, str]:
     """SHA-256 of every file in a folder but its manifest, by its path there; links are left out."""
     paths = [path for path in sorted(folder.rglob("*")) if path.is_file() and not path.is_symlink()]
     return {str(path.relative_to(folder).as_posix()): digest_of(path) for path in paths if path != folder / MANIFEST}
-
-
-def other_manner(deterministic: bool) -> str:
-    """Name of the final evaluation in the other manner, of a cell that is evaluated in this one."""
-    return STOCHASTIC if deterministic else DETERMINISTIC
 
 
 def recording_of(trace: str) -> str:

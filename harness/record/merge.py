@@ -24,10 +24,9 @@ from harness.record.folder import (
 )
 from harness.record.manifest import Manifest
 from harness.record.out_folder import refuse_links, storage_errors
-from harness.record.plan_file import StoredPlan
+from harness.record.plan_file import StoredPlan, unite
 from harness.record.recording.recorded_training import STEPS
 from harness.record.store import Store
-from harness.record.united_plan import unite
 
 RANKS: tuple[Status, ...] = ("done", "failed", "skipped")
 """The states of a cell that is in several folders: the one with the first of these is taken."""

@@ -17,7 +17,7 @@ from gymnasium.vector import SyncVectorEnv
 import harness
 from harness.errors import UsageError
 from harness.eta.interval import Bounds, are_bounds
-from harness.record.recording.facts import ACTED, Acted
+from harness.eta.manner import ACTED, Acted
 from harness.reward.given import OWN, Given
 
 LEARNERS = ("stable_baselines3", "sb3_contrib", "sbx", "torch", "jax", "ray")

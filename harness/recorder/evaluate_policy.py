@@ -12,9 +12,10 @@ from filelock import FileLock, Timeout
 
 from harness.errors import StorageError, UsageError
 from harness.eta.interval import Bounds
+from harness.eta.manner import Acted
 from harness.record.cell import EVALUATION_HORIZON
 from harness.record.folder import partial_folder, publish
-from harness.record.recording.facts import Acted, TrainingFacts
+from harness.record.recording.facts import TrainingFacts
 from harness.record.recording.recorded_training import facts_name, is_recording, recording_files
 from harness.recorder.env_facts import LEARNERS, OnError
 from harness.recorder.record_rewards import RecordRewards

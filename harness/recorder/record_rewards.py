@@ -13,7 +13,7 @@ from numpy import float64
 
 from harness.errors import reason_of
 from harness.eta.interval import Bounds
-from harness.record.recording.facts import Acted
+from harness.eta.manner import Acted
 from harness.recorder.calls import CHECKED, action_facts
 from harness.recorder.column import as_number
 from harness.recorder.env_facts import LEARNERS, Asked, OnError

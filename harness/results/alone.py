@@ -4,8 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from harness.eta.behaviour_change import TRAINING, Quantity
+from harness.eta.behaviour_change import Quantity
 from harness.eta.headline import SUCCESS
+from harness.eta.manner import TRAINING
 from harness.eta.seed_mean import SeedMean, mean_over_seeds
 from harness.results.comparison import Group
 from harness.results.learning import LearningCurve

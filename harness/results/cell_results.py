@@ -11,21 +11,21 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.errors import Unmeasured
-from harness.eta.behaviour_change import TRAINING
+from harness.eta.manner import OWN_AND_OTHER, TRAINING
 from harness.log import Log
 from harness.measure import Measure
 from harness.record.cell import Cell
 from harness.record.cell_folder import is_named
 from harness.record.episode_facts import episode_facts, with_episode_facts
 from harness.record.floor import Floor, floors_in
-from harness.record.folder import EVALUATION, EVALUATIONS, RANDOM, TRACE, evaluation_files, other_manner
+from harness.record.folder import EVALUATION, EVALUATIONS, RANDOM, SUFFIX, TRACE, evaluation_files
 from harness.record.manifest import Manifest
 from harness.record.returns import EVENTS, episode_sums, events_of, mean_over_episodes, mean_return
 from harness.record.store import Store
 from harness.record.trace import FLAGS, INTEGERS, read_trace, require_plausible, term_names, terms_of
 from harness.results.by_term import ByTerm, by_term, part_of
 from harness.results.kept import Kept
-from harness.results.measured import DETERMINISTIC, STOCHASTIC, Measured, Moment, Values, value_of
+from harness.results.measured import Measured, Moment, Values, value_of
 from harness.results.metrics import Unmeasurable
 from harness.reward import Paid
 from harness.score.installed_reward import InstalledReward
@@ -68,7 +68,7 @@ class CellResults:
     def require_plausible(self) -> None:
         """See whether every trace of an arm's cell is one that the cell can have left, without reading its rows."""
         others = (f"{EVALUATIONS}/{path.name}" for path in evaluation_files(self._files).values())
-        named = [EVALUATION, other_manner(self.cell.deterministic), RANDOM, *others, TRACE]
+        named = [EVALUATION, f"{OWN_AND_OTHER[self.cell.deterministic][1]}{SUFFIX}", RANDOM, *others, TRACE]
         there = [name for name in named if self._is_there(name)]
 
         def look() -> bool:
@@ -89,8 +89,8 @@ class CellResults:
 
     def measured(self, floor: Values) -> Measured:
         """Every metric of the policy in both manners, of the training, and of random actions."""
-        own, other = (DETERMINISTIC, STOCHASTIC) if self.cell.deterministic else (STOCHASTIC, DETERMINISTIC)
-        files = {own: EVALUATION, other: other_manner(self.cell.deterministic), TRAINING: TRACE}
+        own, other = OWN_AND_OTHER[self.cell.deterministic]
+        files = {own: EVALUATION, other: f"{other}{SUFFIX}", TRAINING: TRACE}
         there = {name: file for name, file in files.items() if name != other or self._is_there(file)}
         return Measured(
             {manner: self._measure(file) for manner, file in there.items()},

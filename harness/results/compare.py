@@ -11,6 +11,7 @@ from harness.eta.behaviour_change import Change, Quantity, change_of
 from harness.eta.curve import GroupCurve
 from harness.eta.decomposition import decompose
 from harness.eta.interval import SHARE
+from harness.eta.manner import LAST, LEARNING
 from harness.eta.paid_at_random import PaidAtRandom, paid_at_random
 from harness.eta.return_split import ReturnSplit, split_returns
 from harness.eta.scored_sums import BB, BK, KB, KK, Pair
@@ -20,8 +21,6 @@ from harness.record.terms import FIRST, Terms
 from harness.results.comparison import Behaviour, Comparison, Group, Number, StepChange
 from harness.results.measured import (
     AREA,
-    LAST,
-    LEARNING,
     STEPS_TO_GOAL,
     Measured,
     Moment,

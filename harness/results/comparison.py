@@ -8,12 +8,13 @@ from itertools import zip_longest
 from typing import Any, Literal, NamedTuple
 
 from harness.arrays import Float
-from harness.eta.behaviour_change import NO_WORD, TRAINING, WHOLE, Change
+from harness.eta.behaviour_change import NO_WORD, Change
 from harness.eta.curve import GroupCurve
 from harness.eta.headline import DECIDING, SUCCESS, UNMEASURED, Answer, Headline
 from harness.eta.index import Ratio
 from harness.eta.judgement import judge
 from harness.eta.lead import lead_of
+from harness.eta.manner import DETERMINISTIC, LAST, OWN_AND_OTHER, STOCHASTIC, TRAINING, WHOLE
 from harness.eta.number import number_sentence, return_sentence
 from harness.eta.paid_at_random import PaidAtRandom
 from harness.eta.rescaling import Rescaling
@@ -25,7 +26,7 @@ from harness.eta.verdict.deals import smallest_p
 from harness.eta.verdict.ruling import Ruling
 from harness.record.cell import BROUGHT, DISCOUNT, EVALUATION_HORIZON, UNKNOWN_ALGORITHM, Cell
 from harness.registry.choice import Choice
-from harness.results.measured import DETERMINISTIC, LAST, STOCHASTIC, Mixture
+from harness.results.measured import Mixture
 from harness.results.pool import Pool
 from harness.text import visible
 
@@ -106,7 +107,7 @@ def deciding_manner(deterministic: bool, episodes: Mapping[str, int]) -> str:
         deterministic: How the cells say that policies act.
         episodes: The number of episodes in each manner in which they were evaluated.
     """
-    own = DETERMINISTIC if deterministic else STOCHASTIC
+    own = OWN_AND_OTHER[deterministic][0]
     acted = {manner: episodes[manner] for manner in (DETERMINISTIC, STOCHASTIC) if manner in episodes}
     return max(acted, key=lambda manner: (acted[manner], manner == own), default=own)
 
@@ -406,7 +407,7 @@ class Comparison:
     @property
     def own_manner(self) -> str:
         """The manner of acting that the cells name. Evaluations along the budget have only this manner."""
-        named = DETERMINISTIC if self.group.deterministic else STOCHASTIC
+        named = OWN_AND_OTHER[self.group.deterministic][0]
         return named if named in self.measured.episodes else self.manner
 
     @property

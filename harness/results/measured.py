@@ -18,11 +18,6 @@ Values: TypeAlias = dict[str, float | None]
 """Values by metric. A value is None if it is not defined, or if the metric fails."""
 Asked = TypeVar("Asked")
 
-EVALUATION = "in evaluations"
-"""The manner of the evaluations of recorded trainings."""
-DETERMINISTIC, STOCHASTIC, LEARNING = "deterministic", "stochastic", "while learning"
-LAST = "in the last evaluations"
-"""The manner of the mean over the last evaluations, see `last_values`."""
 LAST_PART = 0.75
 """Evaluations after this part of the training count for the final policy."""
 AREA, STEPS_TO_GOAL = "success_area", "steps_to_goal"

@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float
 from harness.errors import SchemaError, UsageError
+from harness.eta.manner import OWN_AND_OTHER
 from harness.log import Log
 from harness.record.cell import Cell
 from harness.record.episode_facts import episode_facts, with_episode_facts
-from harness.record.folder import EVALUATION, SCENE, other_manner
+from harness.record.folder import EVALUATION, SCENE, SUFFIX
 from harness.record.scene import Scene, read_scene
 from harness.record.trace import OBSTACLE, OBSTACLES, read_trace
 from harness.results.comparison import Comparison, Group
@@ -217,7 +218,7 @@ class ShownCells(NamedTuple):
         told = self.comparison
         if told is None or told.manner == told.own_manner:
             return [EVALUATION] * len(self.cells)
-        return [other_manner(cells[0].deterministic) for cells in self.cells]
+        return [f"{OWN_AND_OTHER[cells[0].deterministic][1]}{SUFFIX}" for cells in self.cells]
 
 
 def _pairs(results: Results) -> Iterator[ShownCells]:

@@ -10,13 +10,14 @@ import numpy as np
 from harness.arrays import Float
 from harness.eta.behaviour_change import Change
 from harness.eta.interval import UNBOUNDED, Bounds
+from harness.eta.manner import LAST
 from harness.eta.verdict.looks import LookRuling
 from harness.eta.verdict.race import Race, race
 from harness.record.cell import Cell
 from harness.record.manifest import Manifest
 from harness.record.terms import Terms
 from harness.results.comparison import Comparison
-from harness.results.measured import LAST, last_values
+from harness.results.measured import last_values
 from harness.results.results import Results
 from harness.results.verdicts import Seen
 

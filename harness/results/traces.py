@@ -9,10 +9,11 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.errors import NewerFormat, SchemaError, Unscored
-from harness.eta.behaviour_change import TRAINING, Quantity
+from harness.eta.behaviour_change import Quantity
 from harness.eta.curve import GroupCurve, stream_curve
 from harness.eta.headline import DECIDING, SUCCESS
 from harness.eta.interval import SHARE
+from harness.eta.manner import DETERMINISTIC, OWN_AND_OTHER, STOCHASTIC, TRAINING
 from harness.eta.scored_sums import Pair
 from harness.measure import Measure, bounds_of, is_share
 from harness.record.cell import Cell
@@ -26,7 +27,7 @@ from harness.results.compare import compare_all
 from harness.results.comparison import Comparison, Group
 from harness.results.done_cells import DoneCells
 from harness.results.learning import Learning, LearningCurve, LearningRun, learning_points, mean_point, stretches
-from harness.results.measured import DETERMINISTIC, STOCHASTIC, Measured, Mixture, Moment, Values, mixtures_of
+from harness.results.measured import Measured, Mixture, Moment, Values, mixtures_of
 from harness.results.metrics import measure_of
 from harness.results.records import Records
 from harness.results.return_matrix import ReturnMatrix, return_matrices
@@ -256,7 +257,7 @@ class TraceTrainings:
 
     def return_manners(self, episodes: Mapping[str, int]) -> Sequence[str]:
         """See `Trainings`: the final evaluation alone."""
-        return [DETERMINISTIC if self.group.deterministic else STOCHASTIC]
+        return [*OWN_AND_OTHER[self.group.deterministic][:1]]
 
     def returned(self, match: Match[Cell], pair: Pair, manner: str) -> list[float]:
         """See `Trainings`: of an episode, its events left out."""

@@ -14,6 +14,7 @@ import numpy as np
 
 from harness.algorithm import Algorithm, TrainingEnv, needs_goals
 from harness.environment import AnyEnv, Environment, envs_together, goal_rewards
+from harness.eta.manner import ACTED_AT_RANDOM, DETERMINISTIC, Acted
 from harness.executor import NO_SCALARS, Word
 from harness.experiment.checkpoints.checkpoint import Attempt
 from harness.experiment.environments.batch import EnvironmentBatch
@@ -28,7 +29,7 @@ from harness.policy import Policy
 from harness.progress import RETURN, SPEED, SUCCESS, TrainingState
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATIONS, TRAINING_RECORDING
-from harness.record.recording.facts import Acted, TrainingFacts
+from harness.record.recording.facts import TrainingFacts
 from harness.record.recording.recorded_training import (
     facts_name,
     read_recording,
@@ -115,7 +116,7 @@ class EnvironmentWorld:
         """
         if path.exists():  # of a process that was killed
             shutil.rmtree(path)
-        rng = None if acted == "deterministic" else np.random.default_rng([FIRST_SEED, *[1] * (acted == "random")])
+        rng = None if acted == DETERMINISTIC else np.random.default_rng([FIRST_SEED, *[1] * (acted == ACTED_AT_RANDOM)])
         with self._blamed("an env was made"):
             made = self._environment.make()
         with closing(made) as env:

@@ -5,11 +5,12 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from types import MappingProxyType
-from typing import Annotated, Any, Literal, NotRequired, Self, TypeAlias, get_args
+from typing import Annotated, Any, Literal, NotRequired, Self
 
 from pydantic import Field, TypeAdapter, with_config
 from typing_extensions import TypedDict
 
+from harness.eta.manner import Acted
 from harness.files.bounded import reading
 from harness.files.sealed import read_sealed, seal
 from harness.log import Failed, Log, LogFacts
@@ -34,9 +35,6 @@ FILE_REWARD, FILE_BEHAVIOUR = "reward_", "behaviour_"
 IN_FILES = {REWARD: FILE_REWARD, BEHAVIOUR: FILE_BEHAVIOUR}
 RECORDER = "recording of harness"
 """The format of the facts of recordings."""
-Acted: TypeAlias = Literal["", "deterministic", "stochastic", "random"]
-"""How the policy of an evaluation chose its actions: the best one, drawn, or without a policy; empty: nobody told."""
-ACTED: tuple[Acted, ...] = get_args(Acted)
 LATER: Mapping[str, Any] = MappingProxyType(
     {
         **{"pay": False, "bounds": {}, "horizon": 0, "cut": 0, "acted": "", "after": 0},

@@ -8,11 +8,11 @@ from harness.eta.behaviour_change import Change, Quantity
 from harness.eta.headline import count_seeds
 from harness.eta.index import NOTHING
 from harness.eta.interval import SHARE
+from harness.eta.manner import DETERMINISTIC, STOCHASTIC
 from harness.eta.swaps import p_text
 from harness.report.rows.comparison import count_of
 from harness.report.rows.ratios import Grid, format_number
 from harness.results.comparison import Comparison, StepChange
-from harness.results.measured import DETERMINISTIC, STOCHASTIC
 from harness.text import shortened
 
 SAME_STEPS = "0, same steps"

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from harness.eta.amounts import trainings_text
 from harness.eta.equal import equal_sentences
 from harness.eta.headline import Answer, Headline
+from harness.eta.manner import DETERMINISTIC, EVALUATION, STOCHASTIC
 from harness.eta.verdict.deals import smallest_p
 from harness.record.file_forms import Status
 from harness.record.plan_file import EXPERIMENT
@@ -13,7 +14,6 @@ from harness.report.answers import word_of
 from harness.report.rows.pools import grown_text, joined_text, looks_text
 from harness.results import Results
 from harness.results.comparison import Comparison, still_to_come
-from harness.results.measured import DETERMINISTIC, EVALUATION, STOCHASTIC
 from harness.results.standing import told_manifests
 from harness.text import command_text
 

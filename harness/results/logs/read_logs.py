@@ -12,6 +12,7 @@ from harness.errors import SchemaError, UsageError
 from harness.eta.amounts import listed
 from harness.eta.equal import equal_sentences, equal_trainings
 from harness.eta.laws import NEARLY_ALL, Account, counted, shortfall_beside
+from harness.eta.manner import EVALUATION, LAST_FIFTH, WHOLE
 from harness.log import Log, LogFacts, Unit, in_memory
 from harness.log.log import BEHAVIOUR, RECORDED, REWARD, SUCCESS, TIME
 from harness.record.cell import BROUGHT, UNKNOWN_ALGORITHM
@@ -20,10 +21,9 @@ from harness.results.comparison import Group
 from harness.results.logs.labels import LABELS
 from harness.results.logs.told import LENGTH, RETURN, SUCCESS_DECIDES, Deciding
 from harness.results.logs.trainings import Sorted, Training, digest_of
-from harness.results.measured import EVALUATION
 from harness.results.recordings.episodes import require_ends
 from harness.results.recordings.recording_results import NOTHING_ALIKE
-from harness.results.recordings.runs import LAST, NO_NAME, TRAINING, Run, Runs, run_of
+from harness.results.recordings.runs import NO_NAME, Run, Runs, run_of
 
 NO_STEPS = (
     "An index of steps, I_N or I_P, needs the reward of each environment step, and these logs keep {}. "
@@ -261,7 +261,7 @@ def _counted(trainings: Sequence[Training]) -> dict[str, str]:
     """The manners in which points of a curve stand for episodes."""
     trained = {log.facts.unit for it in trainings for log in it.logs if not it.is_evaluated_alone}
     evaluated = {log.facts.unit for it in trainings if (log := it.evaluated) is not None}
-    manners = [*((TRAINING, LAST) if "point" in trained else ()), *([EVALUATION] if "point" in evaluated else [])]
+    manners = [*((WHOLE, LAST_FIFTH) if "point" in trained else ()), *([EVALUATION] if "point" in evaluated else [])]
     return dict.fromkeys(manners, "point")
 
 

@@ -9,6 +9,7 @@ from typing import Any
 
 from harness.errors import SchemaError, UsageError
 from harness.eta.equal import equal_sentences, equal_trainings
+from harness.eta.manner import ACTED_AT_RANDOM, OWN_AND_OTHER
 from harness.eta.rescaling import Rescaling
 from harness.record.cell import BROUGHT, EVALUATION_HORIZON, UNKNOWN_ALGORITHM, Cell
 from harness.record.manifest import Manifest
@@ -18,11 +19,9 @@ from harness.record.recording.recorded_training import facts_name, recordings_in
 from harness.record.store import MOST_NAMED, Store
 from harness.registry.choice import Choice
 from harness.results.comparison import Group
-from harness.results.measured import DETERMINISTIC, STOCHASTIC
 from harness.results.recordings.episodes import count_text, cut_text
 from harness.results.recordings.recording_results import RecordingResults
 from harness.results.recordings.runs import (
-    ACTED_AT_RANDOM,
     NO_CONTROL,
     NO_NAME,
     Run,
@@ -407,7 +406,7 @@ def _evaluations(
         trainings: The trainings.
         deterministic: How policies act in the evaluations that decide.
     """
-    other = STOCHASTIC if deterministic else DETERMINISTIC
+    _, other = OWN_AND_OTHER[deterministic]
     by_policies = [run for run in runs if run.facts.acted != ACTED_AT_RANDOM]
     final = [run for run in by_policies if not run.facts.after]
     own = _keyed(run for run in final if run.facts.acted != other)

@@ -9,15 +9,16 @@ from harness.arrays import Float
 from harness.errors import Unscored
 from harness.eta.behaviour_change import Quantity
 from harness.eta.curve import GroupCurve, Kind, stream_curve
+from harness.eta.manner import EVALUATION, MANNERS
 from harness.eta.rescaling import Rescaling
 from harness.eta.scored_sums import Pair
 from harness.log.log import REWARD
 from harness.results.by_term import ByTerm, part_of
 from harness.results.comparison import Comparison
 from harness.results.learning import Learning, LearningCurve, Point, mean_point, stretches
-from harness.results.measured import EVALUATION, Measured, Mixture, Moment
+from harness.results.measured import Measured, Mixture, Moment
 from harness.results.recordings.episodes import Part
-from harness.results.recordings.runs import MANNERS, Run, Runs, meet_same_starts, rescaling_between
+from harness.results.recordings.runs import Run, Runs, meet_same_starts, rescaling_between
 from harness.results.trainings import Ends, Match, TermsOfTraining
 
 UNKNOWN = "a reward is not known in all trainings"

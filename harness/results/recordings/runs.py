@@ -5,31 +5,26 @@ from dataclasses import dataclass
 from itertools import combinations
 from pathlib import Path
 from types import MappingProxyType
-from typing import Final, NamedTuple, Protocol, Self
+from typing import NamedTuple, Protocol, Self
 
 from harness.arrays import Float
 from harness.errors import Unscored, UsageError
-from harness.eta.behaviour_change import WHOLE, Quantity
+from harness.eta.behaviour_change import Quantity
 from harness.eta.interval import SHARE, UNBOUNDED, Bounds
 from harness.eta.laws import Missing
+from harness.eta.manner import EVALUATION, LAST_FIFTH, WHOLE
 from harness.eta.rescaling import Rescaling, rescaling_of
 from harness.log import Log
 from harness.log.log import RECORDED, REWARD, SUCCESS, TIME
 from harness.record.recording.facts import TrainingFacts, facts_of
 from harness.results.by_term import ByTerm
 from harness.results.comparison import Group
-from harness.results.measured import DETERMINISTIC, EVALUATION, STOCHASTIC, Moment
+from harness.results.measured import Moment
 from harness.results.recordings.episodes import Episodes, Part, episodes_of
 from harness.results.recordings.recording_results import NOTHING_ALIKE, Likeness, likeness_of, terms_in
 
 LAST_SHARE = 0.2
 """The last part of a training, as a share of its steps."""
-TRAINING, LAST = WHOLE, "in its last fifth"
-"""Where episodes are taken from."""
-MANNERS = (EVALUATION, *(f"{EVALUATION}, {acted}" for acted in (DETERMINISTIC, STOCHASTIC)), LAST, TRAINING)
-"""What says most about the final policies comes first. Evaluations in the other manner say how their policies acted."""
-ACTED_AT_RANDOM: Final = "random"
-"""How actions were chosen without a policy; see `harness.record.recording.facts.Acted`."""
 NO_NAME = "an env without a name"
 
 
@@ -120,8 +115,8 @@ class Run:
     def parts(self, steps: int) -> dict[str, Part]:
         """By manner, the training cut to so many steps."""
         found = {
-            LAST: self.episodes.part(round((1.0 - LAST_SHARE) * steps), steps),
-            TRAINING: self.episodes.part(0, steps),
+            LAST_FIFTH: self.episodes.part(round((1.0 - LAST_SHARE) * steps), steps),
+            WHOLE: self.episodes.part(0, steps),
         }
         if self.other is not None:
             found = {f"{EVALUATION}, {self.other.facts.acted}": self.other.whole, **found}

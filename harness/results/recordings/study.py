@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 from harness.errors import UsageError
 from harness.eta.curve import Kind
 from harness.eta.equal import key_to_json
+from harness.eta.manner import MANNERS
 from harness.eta.seed_mean import SeedMean, mean_over_seeds
 from harness.eta.verdict.deals import smallest_p
 from harness.record.cell import Cell
@@ -24,7 +25,7 @@ from harness.results.metrics import require_measures
 from harness.results.overview import overview_html
 from harness.results.recordings.read_runs import read_runs
 from harness.results.recordings.run_trainings import RunTrainings
-from harness.results.recordings.runs import MANNERS, Runs
+from harness.results.recordings.runs import Runs
 from harness.results.records import Records
 from harness.results.verdicts import LookOf, Seen
 

@@ -10,7 +10,7 @@ from harness.executor import CellOptions, Event, Job, Word
 from harness.experiment import check_experiment, expand
 from harness.experiment.run_cell import run_cell
 from harness.record import EVALUATION_RECORDING, LOG, MANIFEST, POLICY, RANDOM
-from harness.record.folder import STOCHASTIC, TRAINING_RECORDING, recording_of
+from harness.record.folder import TRAINING_RECORDING, recording_of
 from harness.record.manifest import digests_in
 from harness.registry import choose, load_registry, read_given
 from harness_plugins.ray_cluster.node import Ended, Slot
@@ -48,7 +48,7 @@ def test_a_node_of_ray_sends_its_recordings(job, expected, tmp_path):
     assert _files(tmp_path / "sent") == expected
     assert {name.split("/")[0] for name in expected} == {
         *(TRAINING_RECORDING, EVALUATION_RECORDING, POLICY),
-        *map(recording_of, (STOCHASTIC, RANDOM)),
+        *map(recording_of, ("stochastic", RANDOM)),
     }
 
 
