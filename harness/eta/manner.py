@@ -18,8 +18,8 @@ LAST, LEARNING = "in the last evaluations", "while learning"
 TRAINING, WHOLE, LAST_FIFTH = "while training", "over the training", "in its last fifth"
 """The episodes of a training itself: of an arm's, of a recorded one, and of the end of a recorded one."""
 MANNERS = (EVALUATION, *(f"{EVALUATION}, {acted}" for acted in (DETERMINISTIC, STOCHASTIC)), LAST_FIFTH, WHOLE)
-"""Of a recorded training. What says most about the final policies comes first. Evaluations in the other manner say how
-their policies acted."""
+"""Those of a recorded training. What says most about the final policies comes first. Evaluations in the other manner
+say how their policies acted."""
 OWN_AND_OTHER: Mapping[bool, tuple[Manner, Manner]] = MappingProxyType(
     {True: (DETERMINISTIC, STOCHASTIC), False: (STOCHASTIC, DETERMINISTIC)}
 )

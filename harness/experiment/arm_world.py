@@ -27,10 +27,10 @@ from harness.experiment.workers.order import Report
 from harness.log import Log
 from harness.policy import Policy
 from harness.progress import LAST_EPISODES, RETURN, SPEED, SUCCESS, TERMS, TrainingState
-from harness.record.blocks import BEHAVIOUR, Blocks, read_blocks
+from harness.record.blocks import BEHAVIOUR, OWN, Blocks, read_blocks
 from harness.record.cell import Cell
 from harness.record.folder import SUFFIX, TRACE
-from harness.record.returns import PAID, mean_over_episodes, mean_return
+from harness.record.returns import PAID, OpenEpisodes, mean_over_episodes, mean_return
 from harness.record.scene import write_scene
 from harness.record.trace import COLUMN, SCALARS, TERM, Recorder, Rows, read_trace, terms_of
 from harness.registry.choice import Choice
@@ -172,9 +172,9 @@ class LearningSoFar:
         """
         self._recorder, self._now, self._terms = recorder, now, [f"{TERMS}/{name}" for name in terms]
         self._block, self._filled = np.empty((self.BLOCK, len(SCALARS) + len(terms))), 0
-        # By env: the episode, what it was paid, the total and then its terms, and whether it reached.
-        self._open: dict[int, tuple[int, Float, bool]] = {}
-        self._ended: deque[tuple[Float, bool]] = deque(maxlen=LAST_EPISODES)
+        # Of each episode that goes on: its numbers as `Blocks` has them, and whether its start was seen.
+        self._open = OpenEpisodes.none(OWN + len(terms) + 1)
+        self._ended: deque[Float] = deque(maxlen=LAST_EPISODES)
         self._steps, self._told, self._taken = begun_from, now(), begun_from
         self.blocks = before.until(begun_from) if before and before.terms == tuple(terms) else Blocks.none(terms)
 
@@ -205,41 +205,21 @@ class LearningSoFar:
             found[SPEED] = (steps - self._steps) / (now - self._told)
         self._steps, self._told = steps, now
         if self._ended:
-            paid, reached = zip(*self._ended, strict=True)
-            total, *terms = (sum(paid) / len(paid)).tolist()
-            found |= {SUCCESS: sum(reached) / len(reached), RETURN: total, **dict(zip(self._terms, terms, strict=True))}
+            found |= zip([RETURN, SUCCESS, *self._terms], np.mean(self._ended, axis=0).tolist(), strict=True)
         return found
 
     def _add_up(self) -> None:
         rows = self._block[: self._filled]
         self._filled = 0
-        keys = rows[:, ENV].astype(np.int64) << 32 | rows[:, EPISODE].astype(np.int64)
-        episodes, where = np.unique(keys, return_inverse=True)  # by env, and in order
-        columns = (rows[:, PAYMENTS].sum(axis=1), *rows[:, len(SCALARS) :].T)
-        paid = np.stack([np.bincount(where, column, len(episodes)) for column in columns], axis=1)
-        reached = np.bincount(where, rows[:, REACHED], len(episodes)) > 0
-        begins = np.bincount(where, rows[:, STEP] == 0, len(episodes)) > 0
-        last_rows = np.full(len(episodes), -1)
-        ends = np.flatnonzero(rows[:, ENDS].any(axis=1))
-        last_rows[where[ends]] = ends
-        ended, nothing = list[tuple[int, tuple[Float, bool]]](), np.zeros(len(columns))
-        for index, key in enumerate(episodes.tolist()):
-            env, episode = divmod(key, 2**32)
-            number, before, was_reached = (
-                (episode, nothing, False) if begins[index] else self._open.get(env, (-1, nothing, False))
-            )
-            if number != episode:
-                continue
-            total = episode, before + paid[index], was_reached or bool(reached[index])
-            if last_rows[index] < 0:
-                self._open[env] = total
-            else:
-                self._open.pop(env, None)
-                ended.append((int(last_rows[index]), total[1:]))
-        ended.sort(key=lambda it: it[0])
-        self._ended.extend(episode for _, episode in ended)
+        paid, terms = rows[:, PAYMENTS].sum(axis=1), rows[:, len(SCALARS) :].T
+        summed = [paid, rows[:, REACHED], *terms, rows[:, STEP] == 0]
+        self._open, ends, sums = self._open.after(
+            rows[:, ENV], rows[:, EPISODE], np.logical_or.reduce(rows[:, ENDS].T), summed
+        )
         steps = self._taken + np.cumsum(rows[:, STEP] > 0)  # a start is no step
         self._taken = int(steps[-1]) if len(steps) else self._taken
-        if ended:
-            numbers = [np.insert(paid, BEHAVIOUR, was_reached) for _, (paid, was_reached) in ended]
-            self.blocks = self.blocks.followed_by(steps[[row for row, _ in ended]], np.array(numbers))
+        sums[BEHAVIOUR] = sums[BEHAVIOUR] > 0
+        *numbers, is_whole = sums
+        ended = np.array(numbers).T[is_whole > 0]
+        self._ended.extend(ended)
+        self.blocks = self.blocks.followed_by(steps[ends[is_whole > 0]], ended)

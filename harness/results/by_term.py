@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float, Mask
+from harness.record.returns import episode_sums
 
 PART = 0.1
 """The first and the last episodes of a training, as a share of them; at least one."""
@@ -66,7 +67,6 @@ def _means(values: Float, episodes: Sequence[NDArray[np.int64]]) -> TermMeans:
     pays = bool((values != 0.0).any())
     if not episodes:
         return TermMeans(None, None, None, pays)
-    begins = np.cumsum([0, *map(len, episodes[:-1])])
-    sums = np.add.reduceat(values[np.concatenate(episodes)], begins)
+    sums = episode_sums(values, episodes)
     part = part_of(len(sums))
     return TermMeans(float(sums[:part].mean()), float(sums[-part:].mean()), float(sums.mean()), pays)

@@ -20,7 +20,7 @@ from harness.record.episode_facts import episode_facts, with_episode_facts
 from harness.record.floor import Floor, floors_in
 from harness.record.folder import EVALUATION, EVALUATIONS, RANDOM, SUFFIX, TRACE, evaluation_files
 from harness.record.manifest import Manifest
-from harness.record.returns import EVENTS, episode_sums, events_of, mean_over_episodes, mean_return
+from harness.record.returns import EVENTS, episode_sums, mean_over_episodes, mean_return, paid_in
 from harness.record.store import Store
 from harness.record.trace import FLAGS, INTEGERS, read_trace, require_plausible, term_names, terms_of
 from harness.results.by_term import ByTerm, by_term, part_of
@@ -124,9 +124,9 @@ class CellResults:
 
     def _learned(self) -> Float:
         trace = self._trace(TRACE)
-        reached, paid = trace["reached"], trace["reward"]
-        told = [(rows[-1], reached[rows].any(), paid[rows].sum()) for rows in trace.episodes]
-        return np.array(sorted(told), np.float64).reshape(-1, 3).T.ravel()
+        reached, paid = (episode_sums(trace[name], trace.episodes) for name in ("reached", "reward"))
+        last = np.array([rows[-1] for rows in trace.episodes], np.int64)
+        return np.array([last, reached > 0, paid])[:, np.argsort(last)].ravel()
 
     @property
     def has_read(self) -> bool:
@@ -223,9 +223,9 @@ class CellResults:
             Unscored: It cannot.
         """
 
-        def make() -> list[float]:
-            paid, trace = self._paid(RANDOM, reward).total, self._trace(RANDOM)
-            return episode_sums(paid + events_of(trace), trace)
+        def make() -> Any:
+            trace = self._trace(RANDOM)
+            return episode_sums(self._paid(RANDOM, reward).total + paid_in(trace, EVENTS), trace.episodes).tolist()
 
         what = f"{RANDOM} returns {reward.choice.label}"
         return np.array(self._kept.told(what, self._made_of(RANDOM, reward), make), np.float64)

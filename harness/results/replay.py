@@ -15,6 +15,7 @@ from harness.log import Log
 from harness.record.cell import Cell
 from harness.record.episode_facts import episode_facts, with_episode_facts
 from harness.record.folder import EVALUATION, SCENE, SUFFIX
+from harness.record.returns import PAID, paid_in
 from harness.record.scene import Scene, read_scene
 from harness.record.trace import OBSTACLE, OBSTACLES, read_trace
 from harness.results.comparison import Comparison, Group
@@ -30,7 +31,6 @@ FRAMES = 150
 ROOM = 16_000
 """About how many frames a page has room for, in all of its shows: some 700 kB."""
 AXES = "xyz"
-PAID = ("reward", "reward_ground", "reward_target", "reward_step")
 SHOWN, LARGEST = ("qpos", "distance", *PAID, *(f"target_{axis}" for axis in AXES)), 1e9
 """The columns that are shown, and the largest number that they may hold."""
 NO_OBSTACLES: Float = np.empty((0, 7))
@@ -374,7 +374,7 @@ def _episode(results: Results, way: Way, is_measured: bool) -> Episode:
     trace, rows = way.trace, way.rows
     steps = np.unique(np.linspace(0, len(rows) - 1, min(FRAMES, len(rows))).round().astype(np.int64))
     kept = rows[steps]
-    paid = np.cumsum(np.sum([trace[name][rows] for name in PAID], axis=0))
+    paid = np.cumsum(paid_in(trace)[rows])
     target = np.stack([trace[f"target_{axis}"][kept] for axis in AXES], axis=1)
     return Episode(
         steps,

@@ -1,9 +1,8 @@
 """The episodes of trainings, read from what is being written: of a recording only what is new since the last time."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple, Self
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,46 +24,7 @@ from harness.authoring.commands import (
     terms_of,
 )
 from harness.log import BEHAVIOUR, REWARD, SUCCESS
-from harness.record import TrainingFacts, read_trace
-from harness.score import EVENTS
-
-
-@dataclass(frozen=True, eq=False)
-class OpenEpisodes:
-    """Sums over episodes that have not ended, of steps that come in pieces.
-
-    Attributes:
-        keys: Which episodes, by env and then number, (episodes,).
-        sums: Of each column, (episodes, columns).
-    """
-
-    keys: NDArray[np.int64]
-    sums: Float
-
-    @classmethod
-    def none(cls, columns: int) -> Self:
-        """Before the first step."""
-        return cls(np.empty(0, np.int64), np.empty((0, columns)))
-
-    def after(
-        self, keys: NDArray[np.int64], values: Float, ends: NDArray[np.bool_]
-    ) -> tuple[Self, NDArray[np.int64], Float]:
-        """What is open after more steps; rows of the steps that ended an episode, and the sums over these episodes.
-
-        Args:
-            keys: The episode of each step, (steps,): the env's number times 2^32, and the episode's.
-            values: What is added up, (steps, columns).
-            ends: Whether the step is the last of its episode, (steps,).
-        """
-        episodes, where = np.unique(np.concatenate([self.keys, keys]), return_inverse=True)
-        sums = np.zeros((len(episodes), self.sums.shape[1]))
-        np.add.at(sums, where, np.concatenate([self.sums, values]))
-        rows = np.flatnonzero(ends)
-        ended = where[len(self.keys) :][rows]
-        # An env has one open episode at most: its last one, if it has not ended.
-        is_open = np.append(np.diff(episodes >> 32) != 0, True)[: len(episodes)]
-        is_open[ended] = False
-        return type(self)(episodes[is_open], sums[is_open]), rows, sums[ended]
+from harness.record import OpenEpisodes, TrainingFacts, paid_in, read_trace
 
 
 class Ended(NamedTuple):
@@ -126,12 +86,10 @@ class Recorder:
         names = [TICK_IN_FILE, "env", "episode", *FLAGS, *summed, *measured]
         table = read_part(self._folder / part_name(self._number, part), part_schema(facts), names)
         told: dict[str, NDArray[Any]] = {it: np.asarray(table.column(it).to_numpy()) for it in names}
-        keys = told["env"].astype(np.int64) << 32 | told["episode"].astype(np.int64)
-        paid = np.stack([told[it] for it in summed], axis=1)
-        before = self._open or OpenEpisodes.none(len(summed))
-        after, rows, sums = before.after(keys, paid, np.logical_or.reduce([told[it] for it in FLAGS]))
-        did = told[measured[0]][rows] if measured else np.full(len(rows), np.nan)
-        return after, Ended(told[TICK_IN_FILE][rows], np.insert(sums, 1, did, axis=1)), len(table)
+        before, ends = self._open or OpenEpisodes.none(len(summed)), np.logical_or.reduce([told[it] for it in FLAGS])
+        after, rows, sums = before.after(told["env"], told["episode"], ends, [told[it] for it in summed])
+        did = told[measured[0]][rows] if measured else np.nan
+        return after, Ended(told[TICK_IN_FILE][rows], np.insert(sums, 1, did, axis=0).T), len(table)
 
 
 class Recording:
@@ -211,11 +169,9 @@ def blocks_of_trace(path: Path) -> Blocks:
     """
     trace = read_trace(path)
     terms = terms_of(trace)
-    paid = np.sum([trace[name] for name in ("reward", *EVENTS)], axis=0)
-    values = np.stack([paid, trace["reached"].astype(float), *terms.values()], axis=1)
-    keys = trace["env"].astype(np.int64) << 32 | trace["episode"].astype(np.int64)
-    nothing = OpenEpisodes.none(values.shape[1])
-    _, rows, sums = nothing.after(keys, values, trace["terminated"] | trace["truncated"])
-    sums[:, 1] = sums[:, 1] > 0
+    values = [paid_in(trace), trace["reached"], *terms.values()]
+    ends = trace["terminated"] | trace["truncated"]
+    _, rows, sums = OpenEpisodes.none(len(values)).after(trace["env"], trace["episode"], ends, values)
+    sums[1] = sums[1] > 0
     steps: NDArray[np.int64] = np.cumsum(trace["step"] > 0, dtype=np.int64)
-    return Blocks.none(tuple(terms)).followed_by(steps[rows], sums)
+    return Blocks.none(tuple(terms)).followed_by(steps[rows], sums.T)

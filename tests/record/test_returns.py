@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from harness.record import trace_of
+from harness.record import OpenEpisodes, trace_of
 from harness.record.returns import mean_return
 
 
@@ -37,3 +37,25 @@ def test_no_finished_episode_has_no_return(trace):
     """None, not NaN."""
     unfinished = trace.part(slice(4, None))
     assert mean_return(unfinished) is None
+
+
+def test_sums_do_not_depend_on_pieces():
+    """Of random episodes of three envs: by hand, for every length of a piece."""
+    rng = np.random.default_rng(3)
+    env = rng.integers(0, 3, 500)
+    ends = rng.random(500) < 0.1
+    number = np.zeros(3, np.int64)
+    episode = np.empty(500, np.int64)
+    for row in range(500):
+        episode[row] = number[env[row]]
+        number[env[row]] += ends[row]
+    values, keys = rng.normal(size=(500, 2)), env << 32 | episode
+    expected = [values[(keys == keys[row]) & (np.arange(500) <= row)].sum(axis=0) for row in np.flatnonzero(ends)]
+    for size in (1, 7, 500):
+        now, found = OpenEpisodes.none(2), []
+        for begin in range(0, 500, size):
+            part = slice(begin, begin + size)
+            now, _, sums = now.after(env[part], episode[part], ends[part], values[part].T)
+            found += [*sums.T]
+        np.testing.assert_allclose(found, expected)
+        assert len(now.keys) <= 3

@@ -13,6 +13,7 @@ from harness.eta.interval import Bounds, are_within
 from harness.log import Log, LogFacts
 from harness.log.log import BEHAVIOUR, REWARD, TIME
 from harness.record.recording.facts import TrainingFacts, facts_of
+from harness.record.returns import OpenEpisodes
 
 UNKNOWN = "not a number in some episodes"
 ENDS = ("terminated", "truncated")
@@ -152,25 +153,14 @@ def _of_steps(log: Log, facts: TrainingFacts) -> Float:
         log, ends = log.add({ENDS[1]: _followed(log)}), [ENDS[1]]
     place = [name for name in ("env", "episode") if name in log]
     paid = [f"{REWARD}{name}" for name in facts.rewards]
-    open_keys, open_sums, taken = np.empty(0, np.int64), [np.empty(0) for _ in paid], 0
+    going, taken = OpenEpisodes.none(len(paid)), 0
     found: list[Float] = [np.empty((1 + len(facts.numbers), 0))]
     for steps in log.pieces([*place, *ends, *facts.numbers]):
-        zeros = np.zeros(len(steps), np.int64)
-        env, episode = (steps[name].astype(np.int64) if name in place else zeros for name in ("env", "episode"))
-        keys = np.concatenate([open_keys, env << 32 | episode])
-        episodes, numbers = np.unique(keys, return_inverse=True)
-        ended = np.flatnonzero(np.logical_or.reduce([steps[name] for name in ends]))
-        sums = [
-            np.bincount(numbers, np.concatenate([before, steps[name]]), len(episodes))
-            for name, before in zip(paid, open_sums, strict=True)
-        ]
-        at = numbers[len(open_keys) :][ended]
-        did = [steps[f"{BEHAVIOUR}{name}"][ended] for name in facts.behaviour]
-        found.append(np.array([ended + taken, *(it[at] for it in sums), *did], dtype=np.float64))
-        # An env has one open episode at most: its last one, if it has not ended.
-        is_open = np.append(np.diff(episodes >> 32) != 0, True)[: len(episodes)]
-        is_open[at] = False
-        open_keys, open_sums = episodes[is_open], [it[is_open] for it in sums]
+        env, episode = (steps[name] if name in place else np.zeros(len(steps)) for name in ("env", "episode"))
+        is_last = np.logical_or.reduce([steps[name] for name in ends])
+        going, rows, sums = going.after(env, episode, is_last, [steps[name] for name in paid])
+        did = [steps[f"{BEHAVIOUR}{name}"][rows] for name in facts.behaviour]
+        found.append(np.array([rows + taken, *sums, *did], dtype=np.float64))
         taken += len(steps)
     return np.concatenate(found, axis=1)
 

@@ -5,7 +5,7 @@ import numpy as np
 from harness.record import read_recording
 from harness.results import episodes_of
 from harness_plugins.watch import recorded
-from harness_plugins.watch.recorded import OpenEpisodes, Recording
+from harness_plugins.watch.recorded import Recording
 
 
 def test_it_says_what_the_whole_recording_says(record, step):
@@ -47,25 +47,3 @@ def test_several_recorders_are_one_training(record, step):
     recording.look()
     assert recording.steps == 12
     assert recording.blocks.steps.tolist() == [6, 6, 12, 12]
-
-
-def test_sums_do_not_depend_on_pieces():
-    """Of random episodes of three envs: by hand, for every length of a piece."""
-    rng = np.random.default_rng(3)
-    env = rng.integers(0, 3, 500)
-    ends = rng.random(500) < 0.1
-    number = np.zeros(3, np.int64)
-    episode = np.empty(500, np.int64)
-    for row in range(500):
-        episode[row] = number[env[row]]
-        number[env[row]] += ends[row]
-    values, keys = rng.normal(size=(500, 2)), env << 32 | episode
-    expected = [values[(keys == keys[row]) & (np.arange(500) <= row)].sum(axis=0) for row in np.flatnonzero(ends)]
-    for size in (1, 7, 500):
-        now, found = OpenEpisodes.none(2), []
-        for begin in range(0, 500, size):
-            part = slice(begin, begin + size)
-            now, _, sums = now.after(keys[part], values[part], ends[part])
-            found += [*sums]
-        np.testing.assert_allclose(found, expected)
-        assert len(now.keys) <= 3
