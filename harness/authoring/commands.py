@@ -192,7 +192,12 @@ if TYPE_CHECKING:
         short_name as short_name,
         values_text as values_text,
     )
-    from harness.results.recordings.episodes import Episodes as Episodes, Part as Part, count_text as count_text
+    from harness.results.recordings.episodes import (
+        LAST_SHARE as LAST_SHARE,
+        Episodes as Episodes,
+        Part as Part,
+        count_text as count_text,
+    )
     from harness.results.recordings.read_runs import (
         env_of as env_of,
         has_recordings as has_recordings,
@@ -200,7 +205,6 @@ if TYPE_CHECKING:
         whole_runs as whole_runs,
     )
     from harness.results.recordings.runs import (
-        LAST_SHARE as LAST_SHARE,
         NO_NAME as NO_NAME,
         Run as Run,
     )

@@ -23,6 +23,7 @@ from harness.eta.headline import (
     name_with_article,
     size_text,
 )
+from harness.eta.manner import WHOLE
 from harness.eta.needed import Needed, needed_of, needed_text
 from harness.eta.power import fewest_seeds
 from harness.eta.splits import Names
@@ -105,10 +106,17 @@ def _answer_of_decided(deciding: Sequence[Compared], ruling: Ruling, is_opposed:
         return Answer.MIXED
     is_better = ruling.sign > 0
     passing = [change for at, change in enumerate(deciding) if ruling.passes(at)]
-    has_end = not all(change.measure.is_while_training for change in deciding)
-    if has_end and all(change.measure.is_while_training for change in passing):
+    if asks_end(deciding) and all(change.measure.is_while_training for change in passing):
         return Answer.LEARNS_FASTER if is_better else Answer.LEARNS_SLOWER
     return Answer.HELPS if is_better else Answer.HURTS
+
+
+def asks_end(deciding: Sequence[Compared]) -> bool:
+    """Whether the end was asked about: it was measured, or a training is judged over all its steps as nobody knows it.
+
+    An experiment may measure success while training alone: then that is its answer.
+    """
+    return any(not it.measure.is_while_training or it.measure.manner == WHOLE for it in deciding)
 
 
 def decider_of(deciding: Sequence[Compared], ruling: Ruling, answer: Answer) -> int:
@@ -155,6 +163,8 @@ def _crossing(names: Sequence[str], why: str) -> str:
 
 def end_text(ends: Sequence[Compared]) -> str:
     """What is said of the end where success while training alone decided."""
+    if not ends:
+        return "what it does at the end is not known"
     if any(map(leaves_out_zero, ends)):
         return "whether the end differs too cannot be told"
     return "at the end no difference was found"

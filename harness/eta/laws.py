@@ -6,7 +6,7 @@ Each stands here once, and every door calls it.
   0 or 1. One that decides has to have a direction before anything is trained or read.
 * **Missing is an outcome**, `counted`: a training that failed, stopped early or cannot be read stays in the count. A
   verdict waits for it, unless the user leaves it out by name.
-* **Times, not rows**, `Curve.mean`, `common_span`, `latest_shared`: what is compared stands on one span of environment
+* **Times, not rows**, `Curve.mean`, `Curves.known`, `latest_shared`: what is compared stands on one span of environment
   steps, or at one moment, however often somebody logged.
 * **Support**, `Curve.since`, `within`: a value knows which steps it averages. Where values say too little of a span,
   nothing is said of it.
@@ -14,7 +14,8 @@ Each stands here once, and every door calls it.
 """
 
 from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Generic, Literal, NamedTuple, TypeAlias, TypeVar
 
@@ -22,15 +23,14 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.errors import UsageError
-from harness.text import command_text
 
 Better: TypeAlias = Literal["higher", "lower", ""]
 """Which values of a measure are better; empty where nobody said it."""
 T = TypeVar("T", bound=Hashable)
 NEARLY_ALL = 0.95
 """A training that has this share of its steps is whole: its last episode need not have ended."""
-NEAR = 0.01
-"""Evaluations at most this share of their steps apart are of one moment."""
+NEAR = 0.002
+"""Evaluations at most this share of their steps apart are of one moment, as of 3 environments that step together."""
 LEAST_KNOWN = 0.5
 """The share of a span of which values have to tell; of less nothing is said."""
 LEAST_POINTS = 3
@@ -89,7 +89,7 @@ class Account(NamedTuple, Generic[T]):
         """What to tell of those that are not whole."""
         typed = (f"'{it.path}' is left out, as --leave-out says{': ' * bool(it.why)}{it.why}" for it in self.left_out)
         told = [f"'{it.path}' is missing: {it.why}" for it in self.missing]
-        flags = command_text(*(word for it in self.missing for word in ("--leave-out", it.path)))
+        flags = " ".join("--leave-out '" + str(it.path).replace("'", "'\\''") + "'" for it in self.missing)
         remedy = [f"No verdict without what is missing: how it ended is an outcome too. {flags} leaves it out"]
         return (*typed, *told, *(remedy if told else ()))
 
@@ -188,19 +188,34 @@ class Curve:
         Points that are shifted, left out or added on the lines tell the same mean.
         """
         at = self.at
-        if not len(at) or np.isnan(values).any():
+        if not len(at):
             return None
-        if over.end <= over.begin:
-            return float(np.interp(over.begin, at, values))
         inside = at[(at > over.begin) & (at < over.end)]
         knots = np.concatenate([[over.begin], inside, [over.end]])
-        return float(np.trapezoid(np.interp(knots, at, values), knots) / (over.end - over.begin))
+        heights = np.interp(knots, at, values)
+        length = over.end - over.begin
+        found = float(np.trapezoid(heights, knots) / length) if length > 0.0 else float(heights[0])
+        return None if np.isnan(found) else found
 
 
-def common_span(curves: Iterable[Curve]) -> Span:
-    """Where the values of all curves stand, of which there is at least one."""
-    begins, ends = zip(*(it.known for it in curves), strict=True)
-    return Span(max(begins), min(ends))
+@dataclass(frozen=True, eq=False)
+class Curves:
+    """Learning curves that are compared: none is asked about a span of which another one says too little."""
+
+    curves: tuple[Curve, ...]
+    _counts: dict[Span, int] = field(default_factory=dict)
+
+    @cached_property
+    def known(self) -> Span:
+        """Where the values of all of them stand."""
+        begins, ends = zip(*(it.known for it in self.curves), strict=True)
+        return Span(max(begins), min(ends))
+
+    def fewest(self, over: Span) -> int:
+        """How many values stand in a span, of the curve that has the fewest there."""
+        if over not in self._counts:
+            self._counts[over] = min(it.count(over) for it in self.curves)
+        return self._counts[over]
 
 
 def within(asked: Span, known: Span) -> Span | None:
@@ -210,13 +225,14 @@ def within(asked: Span, known: Span) -> Span | None:
     return found if 0.0 <= found.end - found.begin >= LEAST_KNOWN * length * (1 - 1e-9) else None
 
 
-def latest_shared(times: Sequence[Sequence[float]]) -> list[int] | None:
+def latest_shared(times: Sequence[Sequence[float]], begin: float = 0.0) -> list[int] | None:
     """For each training the place of its evaluation at the latest moment at which all were evaluated; None without one.
 
     Args:
         times: Steps before each evaluation of each training, rising.
+        begin: No moment before this counts.
     """
-    for moment in sorted(times[0], reverse=True):
+    for moment in sorted((it for it in times[0] if it >= begin), reverse=True):
         places = [int(np.argmin(np.abs(np.asarray(of) - moment))) for of in times]
         if all(abs(of[place] - moment) <= NEAR * moment for of, place in zip(times, places, strict=True)):
             return places

@@ -371,22 +371,22 @@ CLEANRL = "--as tensorboard:success=charts/success"
 OWN = {"trainings": (5, 5), "shares": (36.6, 82.1), "knows": OF_50, "is_asked": True}
 LATE = {"words": NO_DIFFERENCE, "shares": (82.1, 82.1), "is_asked": True, "knows": OF_50}
 CALLS = LATE | {"knows": {"N": "50", "base=N": "2500", "prop=N": "1250"}}
-GONE = {"words": NO_VERDICT, "without": (6, 3)}
+GONE = {"words": NO_VERDICT, "trainings": (6, 3), "without": (6, 3), "is_asked": True, "knows": OF_50}
 CASES = [
     Case("grid-same", grids((10, 10)), "report grid-same", **LATE),
-    Case("grid-plus-8", grids((10, 10), 8), "report grid-plus-8", **LATE, law="times"),
-    Case("grid-minus-8", grids((10, 10), -8), "report grid-minus-8", **LATE, law="times"),
-    Case("grid-every-8th", grids((40, 5)), "report grid-every-8th", **LATE, law="times"),
+    Case("grid-plus-8", grids((10, 10), 8), "report grid-plus-8", **LATE),
+    Case("grid-minus-8", grids((10, 10), -8), "report grid-minus-8", **LATE),
+    Case("grid-every-8th", grids((40, 5)), "report grid-every-8th", **LATE),
     Case("eval-same", evaluated((10_000, 10_000)), "report eval-same", NO_DIFFERENCE, (100, 100), (8, 8)),
     Case(
-        "eval-3-envs", evaluated((9_999, 10_000)), "report eval-3-envs", NO_DIFFERENCE, (100, 100), (8, 8), law="times"
+        "eval-3-envs", evaluated((9_999, 10_000)), "report eval-3-envs", NO_DIFFERENCE, (100, 100), (8, 8)
     ),
     Case("diverged-finite", failing(-50.0), "report diverged-finite", NO_DIFFERENCE, (45.4, 38.5)),
     Case("diverged-nan", failing(np.nan), "report diverged-nan", NO_DIFFERENCE, (45.4, 38.5), law="missing"),
-    Case("crashed-at-once", failing(-50.0, 0), "report crashed-at-once", **GONE, law="missing"),
-    Case("crashed-cleanrl", crashed_cleanrl, f"report crashed-cleanrl {CLEANRL}", **GONE, law="missing"),
-    Case("empty-file", empty(lambda path: path.write_text("")), "report empty-file", **GONE, law="missing"),
-    Case("empty-folder", empty(Path.unlink), "report empty-folder", **GONE, law="missing"),
+    Case("crashed-at-once", failing(-50.0, 0), "report crashed-at-once", **GONE),
+    Case("crashed-cleanrl", crashed_cleanrl, f"report crashed-cleanrl {CLEANRL}", **GONE),
+    Case("empty-file", empty(lambda path: path.write_text("")), "report empty-file", **GONE),
+    Case("empty-folder", empty(Path.unlink), "report empty-folder", **GONE),
     Case("percent", percent, "report percent", is_refused=True, says="percent", law="units"),
     Case("audit-finite", d4rl, "audit audit-finite/finite.hdf5", NO_DIFFERENCE, (50,), ()),
     Case("audit-nan", d4rl, "audit audit-nan/nan.hdf5", NO_DIFFERENCE, (50,), (), law="missing"),

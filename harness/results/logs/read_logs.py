@@ -11,17 +11,17 @@ from harness.arrays import Float
 from harness.errors import SchemaError, UsageError
 from harness.eta.amounts import listed
 from harness.eta.equal import equal_sentences, equal_trainings
-from harness.eta.laws import NEARLY_ALL, Account, counted, shortfall_beside
+from harness.eta.laws import NEAR, NEARLY_ALL, Account, Curves, counted, latest_shared, shortfall_beside
 from harness.eta.manner import EVALUATION, LAST_FIFTH, WHOLE
 from harness.log import Log, LogFacts, Unit, in_memory
-from harness.log.log import BEHAVIOUR, RECORDED, REWARD, SUCCESS, TIME
+from harness.log.log import BEHAVIOUR, RECORDED, REWARD, SINCE, SUCCESS, TIME
 from harness.record.cell import BROUGHT, UNKNOWN_ALGORITHM
 from harness.registry.choice import Choice
 from harness.results.comparison import Group
 from harness.results.logs.labels import LABELS
 from harness.results.logs.told import LENGTH, RETURN, SUCCESS_DECIDES, Deciding
 from harness.results.logs.trainings import Sorted, Training, digest_of
-from harness.results.recordings.episodes import require_ends
+from harness.results.recordings.episodes import LAST_SHARE, Points, require_ends
 from harness.results.recordings.recording_results import NOTHING_ALIKE
 from harness.results.recordings.runs import NO_NAME, Run, Runs, run_of
 
@@ -215,6 +215,8 @@ def runs_of(
     found = found._replace(trainings=account.whole)
     trainings = found.trainings
     runs, steps, axis = read_trainings(trainings, measures)
+    if measures and len(found.rewards) > 1:
+        _require_steps(trainings, axis)
     members = {(run.reward, run.seed): run for run in runs}
     every, episodes = _rhythm(runs)
     equal = equal_trainings({key: run.likeness.digest for key, run in members.items()})
@@ -240,7 +242,7 @@ def runs_of(
             *_final_notes(runs, min(steps), axis.noun),
             *equal_sentences(equal),
         ),
-        counted=_counted(trainings),
+        counted=_counted(trainings, runs),
         missing=account.missing,
         returns_apart="" if _share_pay(runs) else OWN_ALONE,
     )
@@ -254,14 +256,75 @@ def read_trainings(trainings: Sequence[Training], measures: Sequence[str]) -> tu
     """
     axis = _axis_of(trainings)
     steps = [_steps(it, axis) for it in trainings]
-    return [_run(it, of, min(steps), measures, axis) for it, of in zip(trainings, steps, strict=True)], steps, axis
+    runs = [_run(it, of, min(steps), measures, axis) for it, of in zip(trainings, steps, strict=True)]
+    runs = _at_one_moment(runs, min(steps))
+    beside = Curves(tuple(it.episodes.curve for it in runs if isinstance(it.episodes, Points)))
+    found = [
+        replace(it, episodes=replace(it.episodes, beside=beside)) if isinstance(it.episodes, Points) else it
+        for it in runs
+    ]
+    return found, steps, axis
 
 
-def _counted(trainings: Sequence[Training]) -> dict[str, str]:
+def _at_one_moment(runs: list[Run], steps: int) -> list[Run]:
+    """The same, each with the evaluation as its last that was made when those of all others were.
+
+    Where there is no such moment in the last fifth, evaluations are points of a curve, unless the training itself tells
+    more.
+    """
+    evaluated = [[*it.before, it.evaluation] for it in runs if it.evaluation is not None]
+    if len(evaluated) < len(runs):
+        return runs
+    last = latest_shared([[it.facts.after for it in of] for of in evaluated], (1.0 - LAST_SHARE) * steps)
+    if last is None:
+        return [
+            replace(it, episodes=it.episodes if len(it.episodes.last) else _curve_of(of), evaluation=None, before=())
+            for it, of in zip(runs, evaluated, strict=True)
+        ]
+    return [
+        replace(it, evaluation=of[place], before=tuple(of[:place]))
+        for it, of, place in zip(runs, evaluated, last, strict=True)
+    ]
+
+
+def _curve_of(evaluated: Sequence[Run]) -> Points:
+    """Evaluations as points of a curve, each at its moment."""
+    after, parts = np.array([float(it.facts.after) for it in evaluated]), [it.whole for it in evaluated]
+    returns = {name: np.array([it.returns[name] for it in parts], np.float64) for name in parts[0].returns}
+    behaviour = {name: np.array([it.behaviour[name] for it in parts], np.float64) for name in parts[0].behaviour}
+    return Points(after.astype(np.int64) - 1, returns, behaviour, {}, since=after, beside=Curves(()))
+
+
+def _require_steps(trainings: Sequence[Training], axis: "Axis") -> None:
+    """Check that every value of a curve knows which environment steps it averages.
+
+    Raises:
+        UsageError: Nobody knows it of one; says what to type.
+    """
+    if axis.noun == "iterations":
+        facts = trainings[0].logs[0].facts
+        each = "+".join(f"{name}=N" for name in dict.fromkeys(it.reward for it in trainings))
+        raise UsageError(
+            f"'{facts.path}' counts iterations of the learner, or calls of a logger, and no environment steps, and two "
+            f"rewards may have taken different steps in each. --as {facts.reader}:per_step={each} says how many one is"
+        )
+    if all(it.evaluated for it in trainings):
+        return
+    logs = [log for it in trainings for log in it.logs if SINCE in log]
+    unknown = next((log for log in logs if np.isnan(log[SINCE]).any()), None)
+    if unknown is not None:
+        raise UsageError(
+            f"'{unknown.facts.path}': a value is a mean over the last 100 episodes, and nothing tells how many steps "
+            f"these took, so that nobody knows what was at the end. --as {unknown.facts.reader}:episode=N says how "
+            "many steps an episode has at most"
+        )
+
+
+def _counted(trainings: Sequence[Training], runs: Sequence[Run]) -> dict[str, str]:
     """The manners in which points of a curve stand for episodes."""
-    trained = {log.facts.unit for it in trainings for log in it.logs if not it.is_evaluated_alone}
+    trained = any(isinstance(it.episodes, Points) for it in runs)
     evaluated = {log.facts.unit for it in trainings if (log := it.evaluated) is not None}
-    manners = [*((WHOLE, LAST_FIFTH) if "point" in trained else ()), *([EVALUATION] if "point" in evaluated else [])]
+    manners = [*((WHOLE, LAST_FIFTH) if trained else ()), *([EVALUATION] if "point" in evaluated else [])]
     return dict.fromkeys(manners, "point")
 
 
@@ -394,7 +457,7 @@ def _evaluations(training: Training, log: Log, measures: Sequence[str], axis: Ax
         raise UsageError(f"'{log.facts.path}' does not tell the {axis.noun} at which it evaluated: move it elsewhere")
     columns = _columns(training, log, ends, measures)
     runs = []
-    for after in np.unique(columns[TIME][columns[TIME] <= until]):
+    for after in np.unique(columns[TIME][columns[TIME] <= until * (1.0 + NEAR)]):
         rows = {name: values[columns[TIME] == after] for name, values in columns.items()}
         rows[TIME] = np.arange(1.0, len(rows[TIME]) + 1)
         run = run_of(in_memory(replace(_facts(training, log.facts.path), evaluation=True), rows))
@@ -436,6 +499,8 @@ def _columns(training: Training, log: Log, ends: Float, measures: Sequence[str])
     """
     unknown = np.full(len(ends), np.nan)
     found: dict[str, Float] = {TIME: np.maximum(ends, 1.0), f"{REWARD}{training.reward}": unknown}
+    if SINCE in log:
+        found[SINCE] = np.where(np.isnan(log[SINCE]), ends, log[SINCE])
     for name in log.rewards:
         own = training.reward if name == RECORDED else name
         found[f"{REWARD}{own}"] = np.asarray(log[f"{REWARD}{name}"], np.float64)

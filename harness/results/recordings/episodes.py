@@ -10,13 +10,16 @@ from numpy.typing import NDArray
 from harness.arrays import Float, Mask
 from harness.errors import SchemaError, UsageError
 from harness.eta.interval import Bounds, are_within
+from harness.eta.laws import LEAST_POINTS, Curve, Curves, Span, within
 from harness.log import Log, LogFacts
-from harness.log.log import BEHAVIOUR, REWARD, TIME
+from harness.log.log import BEHAVIOUR, REWARD, SINCE, TIME
 from harness.record.recording.facts import TrainingFacts, facts_of
 from harness.record.returns import OpenEpisodes
 
 UNKNOWN = "not a number in some episodes"
 ENDS = ("terminated", "truncated")
+LAST_SHARE = 0.2
+"""The last part of a training, as a share of its steps."""
 
 
 class Part(NamedTuple):
@@ -85,6 +88,10 @@ class Episodes:
         }
         return Part(count, returns, behaviour, reasons)
 
+    def end(self, steps: int) -> Part:
+        """The last fifth of so many steps, in rows."""
+        return self.part(round((1.0 - LAST_SHARE) * steps), steps)
+
     @property
     def whole(self) -> Part:
         """All of them."""
@@ -113,8 +120,50 @@ class Episodes:
         return values[~np.isnan(values)]
 
 
+@dataclass(frozen=True, eq=False)
+class Points(Episodes):
+    """The points of a learning curve. What they come to is a mean over steps and never over rows.
+
+    Attributes:
+        since: Steps before the first that each averages, (points,); see `harness.eta.laws.Curve`.
+        beside: The curves that it is compared with, and its own.
+    """
+
+    since: Float
+    beside: Curves
+
+    @property
+    def curve(self) -> Curve:
+        """Where they stand."""
+        return Curve((self.last + 1).astype(np.float64), self.since)
+
+    def part(self, begin: int, end: int) -> Part:
+        """What is known of the steps from `begin` to `end`, where all curves stand."""
+        over = within(Span(begin, end), self.beside.known)
+        if over is None:
+            known = self.beside.known
+            return self._unknown(f"all curves stand from {known.begin:,.0f} to {known.end:,.0f} steps only")
+        returns, behaviour = (
+            {name: self.curve.mean(values, over) for name, values in side.items()}
+            for side in (self.returns, self.behaviour)
+        )
+        reasons = {name: UNKNOWN for side in (returns, behaviour) for name, value in side.items() if value is None}
+        return Part(max(1, self.curve.count(over)), returns, behaviour, reasons)
+
+    def end(self, steps: int) -> Part:
+        """The last fifth, where at least `LEAST_POINTS` of each curve stand in it: fewer tell more of the grid."""
+        over = within(Span(round((1.0 - LAST_SHARE) * steps), steps), self.beside.known)
+        if over is None or self.beside.fewest(over) >= LEAST_POINTS:
+            return super().end(steps)
+        return self._unknown(f"fewer than {LEAST_POINTS} points of a curve stand in its last fifth")
+
+    def _unknown(self, reason: str) -> Part:
+        names = (*self.returns, *self.behaviour)
+        return Part(0, dict.fromkeys(self.returns), dict.fromkeys(self.behaviour), dict.fromkeys(names, reason))
+
+
 def episodes_of(log: Log) -> Episodes:
-    """The episodes of a log; one that had not ended is left out. Each point of a curve counts as one.
+    """The episodes of a log, or its points; an episode that had not ended is left out.
 
     Where no column tells when episodes end, one has ended if another follows in its env. Where none tells how many
     steps were taken before the rows of episodes or points, the rows are counted.
@@ -124,7 +173,12 @@ def episodes_of(log: Log) -> Episodes:
     """
     facts = facts_of(log)
     numbers = _of_steps(log.without_starts(), facts) if facts.unit == "step" else _of_rows(log, facts)
-    return Episodes.of(facts, facts.rewards, facts.behaviour, numbers)
+    found = Episodes.of(facts, facts.rewards, facts.behaviour, numbers)
+    if facts.unit != "point":
+        return found
+    after = (found.last + 1).astype(np.float64)
+    since: Float = np.asarray(log[SINCE], np.float64) if SINCE in log else after
+    return Points(**vars(found), since=since, beside=Curves((Curve(after, since),)))
 
 
 def require_ends(log: Log) -> None:

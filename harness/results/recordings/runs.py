@@ -23,8 +23,6 @@ from harness.results.measured import Moment
 from harness.results.recordings.episodes import Episodes, Part, episodes_of
 from harness.results.recordings.recording_results import NOTHING_ALIKE, Likeness, likeness_of, terms_in
 
-LAST_SHARE = 0.2
-"""The last part of a training, as a share of its steps."""
 NO_NAME = "an env without a name"
 
 
@@ -115,7 +113,7 @@ class Run:
     def parts(self, steps: int) -> dict[str, Part]:
         """By manner, the training cut to so many steps."""
         found = {
-            LAST_FIFTH: self.episodes.part(round((1.0 - LAST_SHARE) * steps), steps),
+            LAST_FIFTH: self.episodes.end(steps),
             WHOLE: self.episodes.part(0, steps),
         }
         if self.other is not None:

@@ -190,7 +190,7 @@ def test_a_training_that_lacks_what_it_declares_is_missing(short):
     assert [seed for _, seed in found.members] == [0, 1]
     assert [it.path.name for it in found.missing] == ["base2"]
     assert any(line.startswith("'/runs/base2' is missing: ") for line in found.said)
-    assert any("--leave-out /runs/base2 leaves it out" in line for line in found.said)
+    assert any("--leave-out '/runs/base2' leaves it out" in line for line in found.said)
 
 
 def test_trainings_that_the_user_leaves_out_are_told_and_miss_nothing():
