@@ -22,7 +22,7 @@ class Environment(Protocol):
 
     It may also have these members:
 
-    * ``lower_is_better``: names of the measures of which less is better, see `lower_is_better`.
+    * ``lower_is_better`` and ``higher_is_better``: names of measures, see `lower_is_better`.
     * ``bounds``: by name of a measure, the least and the greatest value that it can have, see `bounds_of`.
     * ``baseline``: the name of the reward that the others are compared with, see `baseline_of`.
     * ``examples()``: parameters to try it with, if some have no default, see `examples_of`.
@@ -73,8 +73,17 @@ def announce_all(envs: Sequence[AnyEnv], actions: Sequence[Any]) -> None:
 
 
 def lower_is_better(environment: Environment) -> frozenset[str]:
-    """Names of the measures of which less is better; none if the environment does not name any."""
+    """Names of the measures of which less is better; none if the environment does not name any.
+
+    A measure that is not 0 or 1 and stands neither here nor in `higher_is_better` decides nothing: its numbers are
+    shown without a word.
+    """
     return frozenset(getattr(environment, "lower_is_better", ()))
+
+
+def higher_is_better(environment: Environment) -> frozenset[str]:
+    """Names of the measures of which more is better; none if the environment does not name any."""
+    return frozenset(getattr(environment, "higher_is_better", ()))
 
 
 def bounds_of(environment: Environment) -> dict[str, Bounds]:

@@ -32,7 +32,7 @@ class Measure(Protocol):
 
     @property
     def better(self) -> str:
-        """``higher`` or ``lower``."""
+        """``higher`` or ``lower``; empty where nobody says it."""
 
     def __call__(self, trace: Log) -> float | None:
         """The value over all finished episodes of a trace; None where it is not defined."""

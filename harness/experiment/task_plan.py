@@ -9,11 +9,13 @@ from typing import Any, NamedTuple, Protocol, TypeAlias
 
 from harness.algorithm import IN_ENVIRONMENTS, ActionSpace, Algorithm, needs_goals, why_not
 from harness.errors import UsageError, sentence
+from harness.eta.laws import require_direction
 from harness.experiment.environments.plan import kind_of_task, look_at, refuse_places, require_known, why_not_in
+from harness.measure import Measure
 from harness.motion import Discrete
 from harness.record.cell import BROUGHT, EVALUATION_HORIZON
 from harness.registry.choice import Choice, choose, split_list
-from harness.registry.measure_functions import EPISODE, SUCCESS
+from harness.registry.measure_functions import EPISODE, HIGHER, LOWER, SUCCESS
 from harness.registry.names import unknown_name
 from harness.registry.registry import Registry
 from harness.registry.spec import PLANNED, blamed_on
@@ -227,6 +229,11 @@ def _measures_of_arm(asked: Asked, registry: Registry) -> tuple[tuple[str, ...],
     for name in asked.measure:
         if name not in known:
             raise UsageError(untaken.get(name) or unknown_name("measure", name, known))
+    for name in asked.measure[:1]:
+        measure: Measure = Choice(name).build(registry, "metrics")
+        where = f"'{functions[name].file.path}'" if name in functions else "its class as `better`"
+        how = f"write {LOWER} = ['{name}'] or {HIGHER} = ['{name}'] into {where}"
+        require_direction(name, measure.better, how)
     given = [SUCCESS] if SUCCESS in functions and functions[SUCCESS].spec else []
     return tuple(asked.measure or given), list(untaken.values())
 
@@ -263,6 +270,8 @@ def _in_environment(asked: Asked, given: Given, registry: Registry) -> TaskPlan:
         if name not in looked.measures:
             told = f"{looked.label}: {unknown_name('measure', name, looked.measures)}"
             raise UsageError(f"{told} A key of info becomes a measure by --task gymnasium:id=...,tells={name}")
+    for name in (*asked.measure, *looked.measures)[:1]:
+        looked.require_direction(name)
     baseline, rewards = looked.rewards_asked(asked.baseline, asked.reward)
 
     def fit(algorithm: Choice, reward: Choice) -> Fit:

@@ -47,6 +47,7 @@ class LogFacts:
         asked: Environment steps that the training was to take; 0 if nobody said.
         declared: Totals that the file tells of itself, by ``steps``, ``episodes``, ``tasks``.
         lower_is_better: Measures of which less is better.
+        higher_is_better: Those of which somebody said that more is.
         bounds: By measure, the least and the greatest value that it can have; either may be infinite.
         thinned: Why the rows are not all that there were, or not as they were measured, as ``TensorBoard keeps ...``.
         failed: Rewards and measures that were given up on the way.
@@ -68,6 +69,7 @@ class LogFacts:
     asked: int = 0
     declared: Mapping[str, int] = field(default_factory=dict)
     lower_is_better: tuple[str, ...] = ()
+    higher_is_better: tuple[str, ...] = ()
     bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     thinned: str = ""
     failed: tuple[Failed, ...] = ()

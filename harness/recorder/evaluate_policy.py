@@ -37,6 +37,7 @@ def evaluate_policy(
     rewards: Mapping[str, Given],
     behaviour: Mapping[str, Given] | None = None,
     lower_is_better: Collection[str] = (),
+    higher_is_better: Collection[str] = (),
     bounds: Mapping[str, Bounds] | None = None,
     episodes: int = EPISODES,
     on_error: OnError = "warn",
@@ -65,6 +66,7 @@ def evaluate_policy(
         rewards: Those that the training recorded; `trained_with` is one of them.
         behaviour: Its measures.
         lower_is_better: Names of measures of which less is better.
+        higher_is_better: Names of those of which more is.
         bounds: The least and the greatest value of measures.
         episodes: How many.
         on_error: As of `RecordRewards`.
@@ -91,6 +93,7 @@ def evaluate_policy(
                 rewards=rewards,
                 behaviour=behaviour,
                 lower_is_better=lower_is_better,
+                higher_is_better=higher_is_better,
                 bounds=bounds,
                 seed=seed,
                 evaluation=True,

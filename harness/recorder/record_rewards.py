@@ -68,6 +68,7 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         rewards: Mapping[str, Given],
         behaviour: Mapping[str, Given] | None = None,
         lower_is_better: Collection[str] = (),
+        higher_is_better: Collection[str] = (),
         bounds: Mapping[str, Bounds] | None = None,
         seed: int | None = None,
         evaluation: bool = False,
@@ -93,6 +94,7 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
             rewards: By name, at least one.
             behaviour: Measures of what the robot does, by name; reports judge it by the first.
             lower_is_better: Names of measures of which less is better, such as a distance.
+            higher_is_better: Names of those of which more is, such as a height. A measure that is 0 or 1 needs neither.
             bounds: By name of a measure, the least and the greatest value that it can have: ``(0.0, math.inf)`` of a
                 distance. No interval in a report leaves them; a measure that is 0 or 1 in every episode needs none.
             seed: Of the training: reports compare trainings of one seed. By default the first that the env is reset
@@ -127,6 +129,7 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
             path, trained_with, rewards, behaviour or {}, lower_is_better, seed, evaluation, pay, number, resume,
             on_error, bounds=bounds or {}, learners=learners, horizon=horizon,
             acted=acted, after=after, steps_asked=steps_asked, episodes_asked=episodes_asked, watch=watch,
+            higher_is_better=higher_is_better,
         )  # fmt: skip
         self._recorder = Recorder(env, asked, num_envs=1, actions=action_facts(env.action_space))
         self._columns, self._guard = self._recorder.columns, self._recorder.guard
@@ -236,6 +239,8 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
             told[index] = value if is_known else self._number(index, value, given, terminated or truncated)
         if self._asked:
             self._ask(told, given)
+        if self._recorder.undirected:
+            self._recorder.learn_direction([told])
         if self._has_terms:
             told += self._terms_of_step()
         row: list[Any] = [self._time, 0, self._episode, self._step, *told]

@@ -262,6 +262,7 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
         rewards: Mapping[str, Given],
         behaviour: Mapping[str, Given] | None = None,
         lower_is_better: Collection[str] = (),
+        higher_is_better: Collection[str] = (),
         bounds: Mapping[str, Bounds] | None = None,
         seed: int | None = None,
         evaluation: bool = False,
@@ -283,6 +284,7 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
             rewards: By name, at least one.
             behaviour: Measures of what the robot does, by name; reports judge it by the first.
             lower_is_better: Names of measures of which less is better, such as a distance.
+            higher_is_better: Names of those of which more is, such as a height. A measure that is 0 or 1 needs neither.
             bounds: By name of a measure, the least and the greatest value that it can have.
             seed: Of the training; by default the first that the envs are reset with.
             evaluation: A finished policy acts, and nothing is trained.
@@ -305,7 +307,7 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
         asked = Asked(
             path, trained_with, rewards, behaviour or {}, lower_is_better, seed, evaluation, pay, number, resume,
             on_error, batched, bounds or {}, steps_asked=steps_asked, episodes_asked=episodes_asked,
-            watch=watch,
+            watch=watch, higher_is_better=higher_is_better,
         )  # fmt: skip
         self._recorder = Recorder(env, asked, env.num_envs, _action_facts(env))
         self._guard = self._recorder.guard
@@ -432,6 +434,8 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
         for index, column in (*read, *asked):
             if not column.given_up:
                 self._measure(column, step, numbers[:, index])
+        if self._recorder.undirected:
+            self._recorder.learn_direction(numbers)
         if self._recorder.with_terms is None:
             self._recorder.learn_terms()
         terms = [self._terms_of(self._recorder.columns[index]) for index in self._recorder.with_terms or ()]

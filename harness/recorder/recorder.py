@@ -3,8 +3,9 @@
 import os
 import sys
 import warnings
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from math import isnan
 from pathlib import Path
 from time import monotonic
 from typing import Any, TypeAlias
@@ -44,6 +45,7 @@ class Recorder:
         calls: Notes what each env is told; None where its actions are not recorded.
         with_terms: Indices of the columns that pay terms, whose numbers follow on those of all columns; None before the
             first step, which tells them.
+        undirected: Whether the measure that decides has told no number so far; never of an evaluation.
         next_time: Of the next step.
         next_episodes: Numbers of the next episodes, (num_envs,).
     """
@@ -81,6 +83,7 @@ class Recorder:
             trained_with=asked.trained_with,
             behaviour=tuple(asked.behaviour),
             lower_is_better=tuple(name for name in asked.behaviour if name in asked.lower_is_better),
+            higher_is_better=tuple(name for name in asked.behaviour if name in asked.higher_is_better),
             pay=asked.pay,
             bounds={name: (float(low), float(high)) for name, (low, high) in asked.bounds.items()},
             evaluation=asked.evaluation,
@@ -96,6 +99,7 @@ class Recorder:
             asked=asked.steps_asked,
             episodes_asked=asked.episodes_asked,
         )
+        self.undirected, self._asked = bool(asked.behaviour) and not asked.evaluation, asked
         self._sums_starts = asked.evaluation and num_envs == 1 and not normalises(facts.spec)
         try:
             self._writer = RecordingWriter(self._path, facts, asked.number, asked.resume)
@@ -238,6 +242,21 @@ class Recorder:
             f"the learner is not paid by trained_with={name!r}: {where}",
             f'What it is paid can be recorded too: rewards={{..., "{OWN}": "{OWN}"}}, trained_with="{OWN}"',
         )
+
+    def learn_direction(self, rows: Iterable[Sequence[float]]) -> None:
+        """Look whether the measure that decides tells a number: it has to be known what is better.
+
+        Args:
+            rows: What the columns say of steps.
+
+        Raises:
+            UsageError: It is not known. Hardly anything has been learned so far, and it would be in vain.
+        """
+        for row in rows:
+            value = row[len(self._asked.all_rewards)]
+            if self.undirected and not isnan(value):  # NaN where only the end of an episode tells it
+                self._asked.require_direction(value)
+                self.undirected = False
 
     def add(self, row: list[float]) -> None:
         """Take a row of a single env, which is the recorder's from now on. What `calls` has noted of it follows in it.

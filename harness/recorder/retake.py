@@ -49,11 +49,13 @@ class Later:
         rewards: By name.
         behaviour: By name.
         lower_is_better: Names of the measures among them of which less is better.
+        higher_is_better: The same of more.
     """
 
     rewards: Mapping[str, Given]
     behaviour: Mapping[str, Given]
     lower_is_better: Collection[str] = ()
+    higher_is_better: Collection[str] = ()
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -160,6 +162,8 @@ class Retake:
                     rewards=later.rewards,
                     behaviour=later.behaviour,
                     lower_is_better=later.lower_is_better,
+                    higher_is_better=later.higher_is_better,
+                    evaluation=True,  # nothing is trained, and none of these measures has to decide
                     horizon=facts.horizon or None,  # episodes were cut, and are cut again
                 )
                 try:
@@ -180,6 +184,7 @@ class Retake:
             told.lower_is_better,
             {name: told.sources[name] for name in later.columns},
             tuple(replace(failure, env=number) for failure in told.failures),
+            told.higher_is_better,
         )
 
 

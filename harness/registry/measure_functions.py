@@ -17,7 +17,7 @@ episode. The measure is the mean over the finished episodes. A function that say
 
 import dataclasses
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from functools import cache, partial
 from typing import Any, NamedTuple
 
@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 
 from harness.errors import Unmeasured, UsageError
 from harness.eta.interval import SHARE, UNBOUNDED, Bounds, are_bounds
+from harness.eta.laws import Better, direction_of
 from harness.reward.forms import STEP, takes_alone
 from harness.reward.needs import ROWS, Noting, of_made_up
 from harness.reward.row_steps import has_field, steps_of_run
@@ -35,9 +36,9 @@ EPISODE = "episode"
 """What the one argument of a function of episodes is called."""
 SUCCESS = "success"
 """The measure that decides, if a user gives one of this name; it is a share."""
-LOWER, BOUNDS, UNITS = "lower_is_better", "bounds", "units"
-"""Names in a file of measures: a list of those of which less is better; by name of a measure what a value can be, and
-its unit."""
+LOWER, HIGHER, BOUNDS, UNITS = "lower_is_better", "higher_is_better", "bounds", "units"
+"""Names in a file of measures: lists of those of which less and of which more is better; by name of a measure what a
+value can be, and its unit."""
 FIELDS = tuple(field.name for field in ARM)
 MADE_UP_STEPS = 16
 
@@ -46,7 +47,7 @@ class Said(NamedTuple):
     """What a file says of one of its measures."""
 
     unit: str = ""
-    is_lower_better: bool = False
+    better: Better = ""
     bounds: Bounds = UNBOUNDED
 
 
@@ -60,28 +61,38 @@ def is_measure_function(found: Any) -> bool:
     return takes_alone(found, STEP) or takes_alone(found, EPISODE)
 
 
-def said_of(module: Any, names: Iterable[str], *, all_of_it: bool = True) -> dict[str, Said]:
+def said_of(
+    module: Any, names: Iterable[str], *, flags: Collection[str] = (), all_of_it: bool = True
+) -> dict[str, Said]:
     """What a file says of its measures.
 
     Args:
         module: The file, imported.
         names: Its measures.
+        flags: Those of them that say true or false.
         all_of_it: Whether `BOUNDS` and `UNITS` count. Files for environments alone may hold anything there.
 
     Raises:
         UsageError: It says something of another name, or what cannot be said.
     """
-    given, known = getattr(module, LOWER, ()), list(names)
-    lower = {given} if isinstance(given, str) else {*given}
+    known = list(names)
+    lower, higher = ({it} if isinstance(it := getattr(module, what, ()), str) else {*it} for what in (LOWER, HIGHER))
     bounds, units = ((_by_name(module, what) if all_of_it else {}) for what in (BOUNDS, UNITS))
-    for what, named in ((LOWER, lower), (BOUNDS, bounds), (UNITS, units)):
+    for what, named in ((LOWER, lower), (HIGHER, higher), (BOUNDS, bounds), (UNITS, units)):
         for name in named:
             if name not in known:
                 raise UsageError(f"{what} names {name!r}, which is none of {', '.join(known)}")
     for name, ends in bounds.items():
         if not are_bounds(ends):
             raise UsageError(f"{BOUNDS}[{name!r}] is {ends!r}: write two numbers, the lower one first")
-    return {name: Said(str(units.get(name, "")), name in lower, tuple(bounds.get(name, UNBOUNDED))) for name in known}
+    return {
+        name: Said(
+            str(units.get(name, "")),
+            direction_of(name, lower, higher, is_flag=name in flags),
+            tuple(bounds.get(name, UNBOUNDED)),
+        )
+        for name in known
+    }
 
 
 def _by_name(module: Any, what: str) -> dict[str, Any]:
@@ -104,8 +115,8 @@ def measure_class(function: Callable[[Steps], Any]) -> type[Any]:
     name, module = function.__name__, sys.modules[function.__module__]
     of_episode = is_function_of_episodes(function)
     try:
-        said = said_of(module, vars(module))[name]
         needs, is_flag = of_made_up(partial(_tried, function, of_episode))
+        said = said_of(module, vars(module), flags=[name] if is_flag or name == SUCCESS else ())[name]
     except UsageError as error:
         raise UsageError(f"Measure '{name}': {error}") from error
     is_share = is_flag or said.bounds == SHARE or (name == SUCCESS and said.bounds == UNBOUNDED)
@@ -128,7 +139,7 @@ def measure_class(function: Callable[[Steps], Any]) -> type[Any]:
         "__doc__": function.__doc__,
         "__call__": call,
         "unit": said.unit,
-        "better": "lower" if said.is_lower_better else "higher",
+        "better": said.better,
         "bounds": bounds,
         "is_share": is_share,
         "needs": needs,

@@ -17,8 +17,10 @@ from typing import Any
 
 from harness.errors import UsageError
 from harness.eta.interval import UNBOUNDED, Bounds
+from harness.eta.laws import Better
 from harness.registry.given import PluginFile
 from harness.registry.measure_functions import (
+    HIGHER,
     LOWER,
     Said,
     is_function_of_episodes,
@@ -46,7 +48,7 @@ class StepFunction:
         name: What users type.
         attribute: Its name in the file.
         file: Where it stands.
-        lower_is_better: Of a measure, whether less is better.
+        better: Of a measure, which values are, ``higher`` or ``lower``; empty if the file does not say it.
         bounds: Of a measure, what it can be, if the file says so.
         summary: The first line of its docstring.
         is_of_steps: Whether it takes ``step``, so that it can pay or measure an arm too.
@@ -56,7 +58,7 @@ class StepFunction:
     name: str
     attribute: str
     file: PluginFile
-    lower_is_better: bool = False
+    better: Better = ""
     bounds: Bounds = UNBOUNDED
     summary: str = ""
     is_of_steps: bool = False
@@ -121,7 +123,7 @@ def functions_of_file(file: PluginFile, module: ModuleType) -> list[StepFunction
             name,
             it,
             file,
-            said[it].is_lower_better,
+            said[it].better,
             said[it].bounds,
             _summary(getattr(module, it)),
             is_function_of_steps(getattr(module, it)),
@@ -198,6 +200,8 @@ def _said(file: PluginFile, module: ModuleType, names: Sequence[str]) -> dict[st
         said = said_of(module, names, all_of_it=is_of_arms)
     except UsageError as error:
         raise UsageError(f"Plugin file '{file.path}': {error}") from None
-    if not file.measures and any(it.is_lower_better for it in said.values()):
-        raise UsageError(f"Plugin file '{file.path}': {LOWER} goes with measures, and these functions are rewards")
+    if not file.measures and any(it.better for it in said.values()):
+        raise UsageError(
+            f"Plugin file '{file.path}': {LOWER} and {HIGHER} go with measures, and these functions are rewards"
+        )
     return said

@@ -18,7 +18,7 @@ from harness.registry.registry import Registry
 from harness.registry.sources import fingerprint
 from harness.results.measured import unmeasured_if_it_raises
 
-BETTER = ("higher", "lower")
+BETTER = ("higher", "lower", "")
 
 
 @dataclass(frozen=True)
@@ -130,7 +130,7 @@ def _usable(registry: Registry, name: str) -> Measure:
 def _build(registry: Registry, name: str) -> Measure:
     metric: Measure = Choice(name).build(registry, "metrics")
     if metric.better not in BETTER:
-        raise Unmeasured(f"its 'better' is {metric.better!r}: allowed are {' and '.join(BETTER)}")
+        raise Unmeasured(f"its 'better' is {metric.better!r}: allowed are higher, lower and nothing")
     if not are_bounds(bounds_of(metric)):
         raise Unmeasured(f"its 'bounds' are {bounds_of(metric)!r}: allowed are two numbers, the lower one first")
     return metric

@@ -44,6 +44,7 @@ class AnyGymnasium:
         str, Field(description="keys of the env's info that measure behaviour, joined by +: success+distance")
     ] = ""
     lower: Annotated[str, Field(description="keys in `tells` for which a lower value is better, joined by +")] = ""
+    higher: Annotated[str, Field(description="keys in `tells` for which a higher value is better, joined by +")] = ""
     made_with: Annotated[
         str, Field(description="arguments for gymnasium.make, joined by +: frame_skip=4+reset_noise_scale=0.1")
     ] = ""
@@ -52,6 +53,11 @@ class AnyGymnasium:
     def lower_is_better(self) -> frozenset[str]:
         """See `harness.environment.lower_is_better`."""
         return frozenset(_split(self.lower))
+
+    @property
+    def higher_is_better(self) -> frozenset[str]:
+        """See `harness.environment.lower_is_better`."""
+        return frozenset(_split(self.higher))
 
     @staticmethod
     def examples() -> Mapping[str, Sequence[str]]:

@@ -24,6 +24,7 @@ class InvertedDoublePendulum:
     step of the fall too, v5 does not. Both rewards pay for the same steps, which are those of version 5.
     """
 
+    higher_is_better: ClassVar[frozenset[str]] = frozenset({"steps_balanced"})
     lower_is_better: ClassVar[frozenset[str]] = frozenset({"tip_distance"})
     bounds: ClassVar[Mapping[str, tuple[float, float]]] = {
         "steps_balanced": (1.0, 1000.0),

@@ -110,6 +110,11 @@ class Unity:
         return frozenset(DISTANCES) if self.places else frozenset()
 
     @property
+    def higher_is_better(self) -> frozenset[str]:
+        """See `harness.environment.lower_is_better`."""
+        return frozenset({"targets"} if self.places and RENEWED in self._observed.places else ())
+
+    @property
     def bounds(self) -> Mapping[str, tuple[float, float]]:
         targets = ("targets",) if self.places and (RENEWED in self._observed.places) else ()
         return dict.fromkeys((*DISTANCES, *targets) if self.places else (), (0.0, math.inf))

@@ -22,7 +22,15 @@ from harness.authoring.checking import (
     random_steps,
     value_of,
 )
-from harness.environment import AnyEnv, Environment, baseline_of, bounds_of, goal_rewards, lower_is_better
+from harness.environment import (
+    AnyEnv,
+    Environment,
+    baseline_of,
+    bounds_of,
+    goal_rewards,
+    higher_is_better,
+    lower_is_better,
+)
 from harness.errors import UsageError
 
 from .contract import check, raise_first, require, settings_are_frozen, settings_survive_json
@@ -72,9 +80,27 @@ def names_are_known(environment: Environment) -> None:
     require(bool(rewards), "it names no reward")
     baseline = baseline_of(environment, rewards)
     require(baseline in rewards, f"its baseline '{baseline}' is none of its rewards {sorted(rewards)}")
-    for member, named in (("lower_is_better", lower_is_better(environment)), ("bounds", bounds_of(environment))):
+    for member, named in (
+        ("lower_is_better", lower_is_better(environment)),
+        ("higher_is_better", higher_is_better(environment)),
+        ("bounds", bounds_of(environment)),
+    ):
         for name in named:
             require(name in measures, f"{member} names '{name}', which is none of the measures {sorted(measures)}")
+
+
+@check("environment-directions")
+def every_number_has_a_direction(environment: Environment) -> None:
+    """A measure that is neither 0 nor 1 in some step stands in `lower_is_better` or in `higher_is_better`."""
+    said = lower_is_better(environment) | higher_is_better(environment)
+    with closing(environment.make()) as env:
+        columns = made_columns(env, {}, environment.behaviour(env), 1, frozenset())
+        for step in random_steps(env, 0, STEPS, columns):
+            for column, value in _told(columns, step):
+                name = column.name.partition("_")[2]
+                number = 0.0 if value is None else _number_or_nan(column, value)
+                is_known = name in said or number in {0.0, 1.0} or math.isnan(number)  # another check tells of the last
+                require(is_known, f"its measure '{name}' is {number:g}, and nobody says whether less or more is better")
 
 
 @check("environment-finite")
@@ -195,6 +221,7 @@ ENVIRONMENT_CHECKS = (
     the_env_is_one_of_gymnasium,
     algorithms_can_take_it,
     names_are_known,
+    every_number_has_a_direction,
     numbers_are_finite,
     a_seed_decides_everything,
     rewards_change_nothing,

@@ -82,9 +82,9 @@ def check_metric(metric: Measure) -> None:
 
 @check("metric-unit")
 def unit_and_better_are_declared(metric: Measure) -> None:
-    """`unit` is a text, empty where there is none, and `better` is ``higher`` or ``lower``."""
+    """`unit` is a text, empty where there is none; `better` is ``higher``, ``lower``, or empty where nobody says it."""
     require(isinstance(metric.unit, str), f"unit is {metric.unit!r}, not a text")
-    require(metric.better in ("higher", "lower"), f"better is {metric.better!r}, neither 'higher' nor 'lower'")
+    require(metric.better in ("higher", "lower", ""), f"better is {metric.better!r}, neither 'higher' nor 'lower'")
 
 
 @check("metric-finite")

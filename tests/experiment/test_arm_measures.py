@@ -56,7 +56,7 @@ def test_fields_that_measures_need_have_their_names(lay):
     [
         (CALM + SUCCESS, [], ["success"]),
         (CALM + NEAR, ["near"], ["near"]),
-        (CALM + SUCCESS, ["calm"], ["calm"]),
+        ("lower_is_better = ['calm']\n" + CALM + SUCCESS, ["calm"], ["calm"]),
         (CALM, ["work"], ["work"]),
         (CALM, [], None),
     ],
@@ -64,6 +64,13 @@ def test_fields_that_measures_need_have_their_names(lay):
 def test_experiment_keeps_what_decides(lay, source, asked, kept):
     """What is named, else a measure called success; else nothing, and success_rate decides as before."""
     assert _plan(lay(source), measure=asked).resolved.get("measure") == kept
+
+
+def test_a_measure_decides_only_where_it_is_known_what_is_better(lay):
+    """Else it is refused before anything is trained, with what to write; then it decides."""
+    with pytest.raises(UsageError, match=r"'calm' decides.*write lower_is_better = \['calm'\] or higher_is_better"):
+        _plan(lay(CALM), measure=["calm"])
+    assert _plan(lay("higher_is_better = ['calm']\n" + CALM), measure=["calm"]).resolved["measure"] == ["calm"]
 
 
 def test_name_of_no_measure_is_refused(lay):

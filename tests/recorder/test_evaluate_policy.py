@@ -94,12 +94,14 @@ def test_the_training_tells_its_seed(counting, tmp_path):
     assert read_recording(tmp_path).facts.seed == 3
 
 
-def test_measures_of_which_less_is_better_are_recorded(counting, tmp_path):
+def test_what_is_better_of_measures_is_recorded(counting, tmp_path):
     """In the order of the measures."""
-    behaviour = {"left": "left", "speed": lambda *step: 1.0, "success": lambda *step: 0.0}
+    behaviour = {"left": "left", "speed": lambda *step: 1.0, "height": lambda *step: 0.0, "success": "success"}
+    told = {"lower_is_better": {"speed", "left"}, "higher_is_better": {"height"}}
     env = gymnasium.Wrapper(counting())
-    harness.RecordRewards(env, tmp_path, behaviour=behaviour, lower_is_better={"speed", "left"}, **GIVEN).close()
-    assert read_recording(tmp_path).facts.lower_is_better == ("left", "speed")
+    harness.RecordRewards(env, tmp_path, behaviour=behaviour, **told, **GIVEN).close()
+    facts = read_recording(tmp_path).facts
+    assert (facts.lower_is_better, facts.higher_is_better) == (("left", "speed"), ("height",))
 
 
 def test_the_learner_can_be_paid_by_a_recorded_reward(counting, tmp_path):

@@ -62,7 +62,7 @@ def _recorded(env, steps, tmp_path, seed=None):
 
 def test_steps_are_recorded(record, tmp_path):
     """Each with its time, its place in the episode, what every reward pays, and how it ended."""
-    found = _recorded(record(behaviour={"left": "left"}), 5, tmp_path)
+    found = _recorded(record(behaviour={"left": "left"}, lower_is_better=["left"]), 5, tmp_path)
     assert found["tick"].tolist() == [0, 1, 2, 3, 4]
     assert found["episode"].tolist() == [0, 0, 0, 1, 1]
     assert found["step"].tolist() == [0, 1, 2, 0, 1]
@@ -426,3 +426,19 @@ def test_what_was_asked_for_stands_in_the_record(record, tmp_path):
     for asked, told in (({"steps_asked": 30}, 30), ({}, 30), ({"steps_asked": 60}, 60)):
         record(resume=True, **asked).close()
         assert read_recording(tmp_path / "run").facts.asked == told
+
+
+@pytest.mark.parametrize("better", ["lower_is_better", "higher_is_better"])
+def test_a_measure_decides_only_where_it_is_known_what_is_better(record, tmp_path, better):
+    """The first step refuses it, before anything is learned; what the message says to give is taken."""
+    with pytest.raises(UsageError, match=rf"'left' decides.*{better}=\['left'\]"):
+        _act(record(path="refused", behaviour={"left": "left"}), 1)
+    found = _recorded(record(behaviour={"left": "left"}, **{better: ["left"]}), 5, tmp_path)
+    assert getattr(found.facts, better) == ("left",)
+
+
+def test_a_flag_and_an_evaluation_need_no_direction(record, tmp_path):
+    """Of what is 0 or 1 more is better, and reports ask for what else a finished policy does."""
+    flag = {"fell": lambda step: step.observation[0] > 1.0}
+    assert len(_recorded(record(behaviour=flag), 5, tmp_path)) == 5
+    _act(record(path="evaluation", behaviour={"left": "left"}, evaluation=True), 3)

@@ -53,6 +53,7 @@ GIVEN = {
     "trained_with": "own",
     "rewards": {"sum": Remembering()},
     "behaviour": {"left": "left", "final": "final"},
+    "lower_is_better": ["left"],
 }
 
 
@@ -194,6 +195,7 @@ def test_batch_that_tells_of_the_last_step_itself(tmp_path):
         trained_with="own",
         rewards={"far": lambda before, action, after, info: info["distance"]},
         behaviour={"distance": "distance"},
+        lower_is_better=["distance"],
     )
     recorded.reset(seed=0)
     recorded.action_space.seed(0)

@@ -59,19 +59,21 @@ def _record(path, name="Pendulum-v1", steps=250, **given):
 
 
 def _retake(name="Pendulum-v1", **given):
-    return Retake(lambda: gymnasium.make(name, **given), lambda env: Later(REWARDS, MEASURES, ["worst"]))
+    return Retake(lambda: gymnasium.make(name, **given), lambda env: Later(REWARDS, MEASURES, (), ["worst"]))
 
 
 def test_reward_pays_what_it_would_have_paid(tmp_path):
     """The same numbers as if it had been recorded at once, to the last bit; what was recorded stays."""
-    at_once = _record(tmp_path / "at-once", rewards={"own": "own", **REWARDS}, behaviour=MEASURES)
+    at_once = _record(
+        tmp_path / "at-once", rewards={"own": "own", **REWARDS}, behaviour=MEASURES, higher_is_better=["worst"]
+    )
     before = _record(tmp_path / "later")
     assert _retake().score(tmp_path / "later") == ()
     later = read_recording(tmp_path / "later")
     assert np.array_equal(later["reward/low"], at_once["reward/low"])
     assert np.array_equal(later["behaviour/worst"], at_once["behaviour/worst"])
     assert np.array_equal(later["reward/own"], before["reward/own"])
-    assert (later.facts.lower_is_better, later.facts.sources["reward/low"]) == (
+    assert (later.facts.higher_is_better, later.facts.sources["reward/low"]) == (
         ("worst",),
         at_once.facts.sources["reward/low"],
     )
@@ -101,7 +103,7 @@ def test_envs_of_a_batch_are_paid_one_by_one(tmp_path, mode):
         recorded.close()
         return read_recording(path)
 
-    at_once = record(tmp_path / "at-once", rewards=REWARDS, behaviour=MEASURES)
+    at_once = record(tmp_path / "at-once", rewards=REWARDS, behaviour=MEASURES, higher_is_better=["worst"])
     record(tmp_path / "later", rewards={})
     _retake("CartPole-v1").score(tmp_path / "later")
     later = read_recording(tmp_path / "later")

@@ -97,10 +97,19 @@ def test_file_says_unit_direction_and_bounds(made):
     assert (measure.unit, measure.better, bounds_of(measure)) == ("m", "lower", (0, 9.0))
 
 
-def test_without_a_word_more_is_better(made):
+@pytest.mark.parametrize(
+    ("source", "better"),
+    [
+        ("def calm(step):\n    return step.distance", ""),
+        ("higher_is_better = ['calm']\ndef calm(step):\n    return step.distance", "higher"),
+        ("def calm(step):\n    return step.distance < 1.0", "higher"),
+        ("lower_is_better = ['calm']\ndef calm(step):\n    return step.distance < 1.0", "lower"),
+    ],
+)
+def test_without_a_word_only_what_is_true_or_false_has_a_direction(made, source, better):
     """And there is no unit."""
-    measure = made("def calm(step):\n    return step.distance")
-    assert (measure.unit, measure.better) == ("", "higher")
+    measure = made(source)
+    assert (measure.unit, measure.better) == ("", better)
 
 
 @pytest.mark.parametrize(

@@ -73,7 +73,7 @@ def test_class_with_a_memory_makes_an_object_for_each_env(lay):
 def test_functions_of_a_file_called_behaviour_are_measures(lay, name):
     """Each under its own name, one alone too; the file says of which less is better."""
     (effort,) = _registry(lay(name, MEMORY + "lower_is_better = ['effort']")).functions
-    assert (effort.name, effort.noun, effort.lower_is_better) == ("effort", "measure", True)
+    assert (effort.name, effort.noun, effort.better) == ("effort", "measure", "lower")
 
 
 def test_any_file_may_be_one_of_measures(lay):
@@ -94,7 +94,10 @@ BAD = {
     "other arguments": ("def pay(state):\n    return 1", "it has pay(state), and a reward or a measure takes (step)"),
     "a capital": (ONE.replace("def pays", "def Pays") + MEMORY, "the name 'Pays' must be lower-case letters"),
     "lower of nothing": ("lower_is_better = ['x']\n" + ONE, "lower_is_better names 'x', which is none of pays"),
-    "lower of a reward": ("lower_is_better = ['pays']\n" + ONE, "lower_is_better goes with measures"),
+    "lower of a reward": (
+        "lower_is_better = ['pays']\n" + ONE,
+        "lower_is_better and higher_is_better go with measures",
+    ),
     "a class that is half a plugin": (ONE + "class Other:\n    def train(self): ...", "Other has no "),
     "a class that is nothing": ("class Other: ...", "Other has no "),
 }

@@ -8,6 +8,7 @@ from harness.environment import (
     AnyEnv,
     Environment,
     bounds_of,
+    higher_is_better,
     lower_is_better,
     rewards_of,
 )
@@ -28,12 +29,14 @@ class Columns:
         rewards: By name; the environment's own first.
         behaviour: By name; the measure that decides first.
         lower_is_better: Names of the measures of which less is better.
+        higher_is_better: The same of more.
         bounds: By name of a measure, the least and the greatest value that it can have.
     """
 
     rewards: Mapping[str, Given]
     behaviour: Mapping[str, Given]
     lower_is_better: Collection[str]
+    higher_is_better: Collection[str] = ()
     bounds: Mapping[str, Bounds] = field(default_factory=dict)
 
 
@@ -59,7 +62,8 @@ def columns_of(environment: Environment, env: AnyEnv, registry: Registry) -> Col
     return Columns(
         {**own, **_made(rewards)},
         {**{name: behaviour[name] for name in behaviour if name == SUCCESS}, **behaviour},
-        {*lower_is_better(environment), *(it.name for it in measures.values() if it.lower_is_better)},
+        {*lower_is_better(environment), *(it.name for it in measures.values() if it.better == "lower")},
+        {*higher_is_better(environment), *(it.name for it in measures.values() if it.better == "higher")},
         {
             **bounds_of(environment),
             **{it.name: it.bounds for it in measures.values() if it.bounds != UNBOUNDED},

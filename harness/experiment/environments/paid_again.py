@@ -160,7 +160,8 @@ class PayAgain:
         return Columns(
             {name: it.make() for name, it in rewards.items()},
             {name: it.make() for name, it in measures.items()},
-            {name for name, it in measures.items() if it.lower_is_better},
+            {name for name, it in measures.items() if it.better == "lower"},
+            {name for name, it in measures.items() if it.better == "higher"},
         )
 
     def _missing(self, facts: TrainingFacts, columns: Columns) -> Later:
@@ -206,7 +207,7 @@ def _chosen(columns: Columns, rewards: Collection[str], behaviour: Collection[st
     return Later(
         {name: columns.rewards[name] for name in rewards},
         {name: columns.behaviour[name] for name in behaviour},
-        [name for name in behaviour if name in columns.lower_is_better],
+        *([it for it in behaviour if it in of] for of in (columns.lower_is_better, columns.higher_is_better)),
     )
 
 

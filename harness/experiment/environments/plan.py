@@ -13,6 +13,7 @@ from harness.experiment.environments.columns import columns_of
 from harness.experiment.environments.random_steps import random_steps, value_of
 from harness.experiment.environments.spaces import flat_observations, goal_columns, kind_of_actions
 from harness.recorder.column import made_columns
+from harness.recorder.env_facts import require_decider
 from harness.registry.choice import Choice, label_of, parse
 from harness.registry.names import unknown_name
 from harness.registry.registry import Registry
@@ -40,6 +41,7 @@ class Looked:
         goalless: Why no reward can be paid again for other goals; empty if observations tell of goals.
         terms_of: The terms that a reward pays, learned by one step of the env.
         why_no_reward: Why a name is that of a function in a file and of no reward; empty if it is no such name.
+        require_direction: Raises UsageError if nobody says which values of a measure are better, and it is no flag.
     """
 
     label: str
@@ -52,6 +54,7 @@ class Looked:
     goalless: str = ""
     terms_of: Callable[[str], tuple[str, ...]] = field(default=lambda name: (), compare=False)
     why_no_reward: Callable[[str], str] = field(default=lambda name: "", compare=False)
+    require_direction: Callable[[str], None] = field(default=lambda name: None, compare=False)
 
     def why_not_in_hindsight(self, reward: str) -> str:
         """Why steps that are paid by a reward cannot be paid again for other goals; empty if they can."""
@@ -158,8 +161,8 @@ def look_at(task: Choice, registry: Registry) -> Looked:
     with blamed_on(registry.get("environments", task.name), PLANNED), closing(environment.make()) as env:
         columns = columns_of(environment, env, registry)
         names, measures = tuple(columns.rewards), tuple(columns.behaviour)
-        for member, named in (("lower_is_better", columns.lower_is_better), ("bounds", columns.bounds)):
-            for measure in set(named).difference(measures):
+        for member in ("lower_is_better", "higher_is_better", "bounds"):
+            for measure in set(getattr(columns, member)).difference(measures):
                 raise UsageError(f"{task.label}: {member} names '{measure}', which is none of {sorted(measures)}")
         baseline = baseline_of(environment, dict.fromkeys(names, ""))
         if baseline not in names:
@@ -181,7 +184,24 @@ def look_at(task: Choice, registry: Registry) -> Looked:
             _goalless(env),
             lambda name: _terms_of(environment, name, registry),
             registry.why_no_reward,
+            lambda name: _require_direction(environment, name, registry),
         )
+
+
+def _require_direction(environment: Environment, name: str, registry: Registry) -> None:
+    """Raise UsageError if it is not known of a measure what is better, and a step of random actions shows no flag."""
+    given = registry.functions_of("measure").get(name)
+    where = f"in '{given.file.path}'" if given else f"in the environment; gymnasium takes lower={name} or higher={name}"
+    with closing(environment.make()) as env:
+        columns = columns_of(environment, env, registry)
+        (column,) = made_columns(env, {}, {name: columns.behaviour[name]}, 1, frozenset())
+        for step in random_steps(env, 0, 1, [column]):
+            try:
+                (value,) = column.numbers(value_of(column, step))
+            except (Exception, SystemExit):  # the trial tells what fails; the end of an episode may tell a key of info
+                return
+            how = f"write lower_is_better = ['{name}'] or higher_is_better = ['{name}'] {where}"
+            require_decider(name, value, columns.lower_is_better, columns.higher_is_better, how)
 
 
 def _terms_of(environment: Environment, name: str, registry: Registry) -> tuple[str, ...]:

@@ -39,6 +39,7 @@ LATER: Mapping[str, Any] = MappingProxyType(
     {
         **{"pay": False, "bounds": {}, "horizon": 0, "cut": 0, "acted": "", "after": 0},
         **{"notes": (), "steps_asked": 0, "episodes_asked": 0, "starts": 0, "terms": {}},
+        "higher_is_better": (),
     }
 )
 """Facts that the first recordings did not have. At these values they are left out of the file."""
@@ -349,6 +350,7 @@ class RecordingForm(TypedDict):
     steps_asked: NotRequired[Whole]
     episodes_asked: NotRequired[Whole]
     starts: NotRequired[Whole]
+    higher_is_better: NotRequired[Annotated[list[Name], Field(max_length=MOST_NAMES)]]
     terms: NotRequired[dict[Name, Annotated[list[Name], Field(min_length=1, max_length=MOST_NAMES)]]]
 
 

@@ -8,7 +8,7 @@ import json
 from collections.abc import Callable, Container, Iterable, Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, NotRequired
 
 import numpy as np
 import pyarrow as pa
@@ -48,6 +48,7 @@ class Scores:
         columns: By column of a log (``reward/calm``, ``behaviour/height``): its value for each step, (steps,). NaN
             from where it was given up.
         lower_is_better: Names of the measures among them of which less is better.
+        higher_is_better: The same of more.
         sources: By column: the code behind it.
         failures: Columns that were given up, and where.
     """
@@ -56,6 +57,7 @@ class Scores:
     lower_is_better: tuple[str, ...]
     sources: Mapping[str, Source]
     failures: tuple[Failure, ...] = ()
+    higher_is_better: tuple[str, ...] = ()
 
     @property
     def terms(self) -> dict[str, tuple[str, ...]]:
@@ -77,6 +79,7 @@ class Scores:
             rewards=_with(facts.rewards, whole, REWARD),
             behaviour=_with(facts.behaviour, whole, BEHAVIOUR),
             lower_is_better=tuple(dict.fromkeys([*facts.lower_is_better, *self.lower_is_better])),
+            higher_is_better=tuple(dict.fromkeys([*facts.higher_is_better, *self.higher_is_better])),
             sources={**facts.sources, **self.sources},
             failed=(*kept, *self.failures),
             terms={**terms, **self.terms},
@@ -93,6 +96,7 @@ class Scores:
             tuple(dict.fromkeys([*earlier.lower_is_better, *self.lower_is_better])),
             {**{name: it for name, it in earlier.sources.items() if name in kept}, **self.sources},
             (*(failure for failure in earlier.failures if failure.column in kept), *self.failures),
+            tuple(dict.fromkeys([*earlier.higher_is_better, *self.higher_is_better])),
         )
 
 
@@ -120,6 +124,7 @@ def write_scores(path: Path, scores: Scores) -> None:
     facts = {
         "format": FORMAT,
         "lower_is_better": list(scores.lower_is_better),
+        "higher_is_better": list(scores.higher_is_better),
         "sources": {file_column(column): asdict(source) for column, source in scores.sources.items()},
         "failures": [failure.to_json() for failure in scores.failures],
     }
@@ -169,6 +174,7 @@ def read_scores(path: Path, count_steps: Callable[[], int]) -> Scores | None:
             tuple(facts["lower_is_better"]),
             {log_column(column): Source(**source) for column, source in facts["sources"].items()},
             tuple(map(Failure.from_json, facts["failures"])),
+            tuple(facts.get("higher_is_better", ())),
         )
 
 
@@ -191,6 +197,7 @@ class ScoresForm(TypedDict):
 
     format: int
     lower_is_better: Annotated[list[Name], Field(max_length=MOST_NAMES)]
+    higher_is_better: NotRequired[Annotated[list[Name], Field(max_length=MOST_NAMES)]]
     sources: Annotated[dict[Name, SourceForm], Field(max_length=2 * MOST_NAMES)]
     failures: Annotated[list[FailureForm], Field(max_length=2 * MOST_NAMES)]
 

@@ -109,9 +109,8 @@ class EnvironmentWorld:
         self.horizon = horizon or _limit_of(self._env) or CUT_AT
         self._rule, self._more = parse_success(success), dict[str, str]()
         given = columns(self._env)
-        self._direction_of = {name: -1 if name in given.lower_is_better else 1 for name in (
-            *given.lower_is_better, *given.bounds
-        )}  # fmt: skip
+        higher, lower = dict.fromkeys(given.higher_is_better, 1), dict.fromkeys(given.lower_is_better, -1)
+        self._direction_of = {**higher, **lower}
         if self._rule.key and self._rule.key not in given.behaviour:
             self._more = {self._rule.key: self._rule.key}
         self._asked = self._asking(self._env)
@@ -148,7 +147,7 @@ class EnvironmentWorld:
 
     @cached_property
     def directions(self) -> Mapping[str, int]:
-        """Those of the measures of which less is better, 1 for others whose bounds are known; and what success says."""
+        """Those of the measures of which somebody said it, 1 where more is better; and what success says."""
         found = {name: self._direction_of[name] for name in self._asked.measures if name in self._direction_of}
         return {**found, self._rule.key: -1 if self._rule.sign.startswith("<") else 1} if self._rule.key else found
 

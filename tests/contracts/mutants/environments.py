@@ -153,6 +153,11 @@ MUTANTS = {
         mutant(Sound, rewards=lambda self, env: {"own": "own", "half": 0.5}),
         "'half' is 0.5",
     ),
+    "says of a number nothing": (
+        "environment-directions",
+        mutant(Sound, lower_is_better=frozenset()),
+        "nobody says whether less or more is better",
+    ),
     "pays nothing known": (
         "environment-finite",
         pays(lambda walk: np.inf if walk.steps == 5 else 0.0),

@@ -36,6 +36,7 @@ class crashes:
 """
 BEHAVIOUR = """
 lower_is_better = ["effort"]
+higher_is_better = ["height"]
 
 
 def height(observation, action, next_observation, info):

@@ -26,11 +26,16 @@ def test_every_step_is_recorded_as_a_wrapper_records_it(learner, tmp_path):
     from harness import RecordRewards
 
     wrapped = RecordRewards(
-        gymnasium.make("CartPole-v1"), tmp_path / "wrapped", trained_with="own", rewards={}, behaviour=LEAN
+        gymnasium.make("CartPole-v1"),
+        tmp_path / "wrapped",
+        trained_with="own",
+        rewards={},
+        behaviour=LEAN,
+        lower_is_better=["lean"],
     )
     learner("MlpPolicy", wrapped, seed=0).learn(300)
     wrapped.close()
-    callback = WatchCallback(tmp_path / "called", behaviour=LEAN, watch=False)
+    callback = WatchCallback(tmp_path / "called", behaviour=LEAN, lower_is_better=["lean"], watch=False)
     learner("MlpPolicy", gymnasium.make("CartPole-v1"), seed=0).learn(300, callback=callback)
     (_, expected), (training, found) = recorded(tmp_path / "wrapped"), recorded(tmp_path / "called")
     assert training.facts.seed == 0
@@ -43,7 +48,9 @@ def test_every_step_is_recorded_as_a_wrapper_records_it(learner, tmp_path):
 def test_normalised_training_is_recorded_in_the_units_of_its_environment(tmp_path):
     """CartPole pays 1 a step; the learner is given something else."""
     envs = VecNormalize(VecMonitor(DummyVecEnv([lambda: gymnasium.make("CartPole-v1")] * 2)))
-    A2C("MlpPolicy", envs, seed=0).learn(400, callback=WatchCallback(tmp_path, behaviour=LEAN, watch=False))
+    A2C("MlpPolicy", envs, seed=0).learn(
+        400, callback=WatchCallback(tmp_path, behaviour=LEAN, lower_is_better=["lean"], watch=False)
+    )
     training, rows = recorded(tmp_path)
     assert training.facts.num_envs == 2
     assert set(rows["reward/own"]) == {1.0}
@@ -54,7 +61,7 @@ def test_normalised_training_is_recorded_in_the_units_of_its_environment(tmp_pat
 
 def test_learning_that_goes_on_is_recorded_into_the_same_folder(tmp_path):
     """A second call of learn follows on the first."""
-    callback = WatchCallback(tmp_path, behaviour=LEAN, watch=False)
+    callback = WatchCallback(tmp_path, behaviour=LEAN, lower_is_better=["lean"], watch=False)
     model = A2C("MlpPolicy", gymnasium.make("CartPole-v1"), seed=0)
     model.learn(100, callback=callback)
     model.learn(100, callback=callback, reset_num_timesteps=False)
