@@ -202,7 +202,7 @@ if TYPE_CHECKING:
         env_of as env_of,
         has_recordings as has_recordings,
         read_all as read_all,
-        whole_runs as whole_runs,
+        why_short as why_short,
     )
     from harness.results.recordings.runs import (
         NO_NAME as NO_NAME,
@@ -210,7 +210,7 @@ if TYPE_CHECKING:
     )
     from harness.results.replay import Episode as Episode, Show as Show, Side as Side, find_done as find_done
     from harness.results.table import RANDOM as RANDOM
-    from harness.results.verdicts import ENDED as ENDED
+    from harness.results.verdicts import COUNTED as COUNTED
     from harness.reward.given import (
         FIELDS as FIELDS,
         OWN as OWN,

@@ -3,6 +3,7 @@
 import tempfile
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -123,7 +124,7 @@ def report(
     records = records_in(folders)
     if records is not None:
         return _show_records(records, folders, as_json, [name for name, value in beside.items() if value])
-    of_logs = {"--sort": sort, "--as": as_format, "--labels": labels, "--leave-out": leave_out}
+    of_logs = {"--sort": sort, "--as": as_format, "--labels": labels}
     told = None
     if not any(map(is_experiment, folders)) and (as_format or not holds_recordings(folders)):
         require_one_folder(folders, "logs of trainings")
@@ -131,9 +132,10 @@ def report(
         told, measure = told_of_logs(as_format, sort, baseline, measure, labels, leave_out), None
     elif holds_recordings(folders):
         refuse_flags({"--plugin": plugin, "--measure": measure, **of_logs})
-        told = told_of_logs(None, None, baseline, None, None)
+        told = told_of_logs(None, None, baseline, None, None, leave_out)
     else:
         refuse_flags({"--baseline": baseline, **of_logs}, "an experiment, whose plan says it")
+        told = told_of_logs(None, None, None, None, None, leave_out)
     show = partial(show_results, as_json=as_json, html=html, details=details, summary=summary)
     if len(folders) == 1:
         results = load_results(folders[0], curve, metric, plugin or (), pairs=pairs, measures=measure or (), told=told)
@@ -144,8 +146,8 @@ def report(
         return status_of(named, said_of(results) if named else (), 1 if results.damaged else status)
     with ExitStack() as stack:
         together = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="harness-report-")))
-        results, left_out = _read_together(folders, together, curve, metric, read_given(plugin, measure), pairs)
-        show(results, _details(results, folders))
+        results, left_out = _read_together(folders, together, curve, metric, read_given(plugin, measure), pairs, told)
+        show(results, _details(results, folders, told))
         said = said_of(results) if named else []
     for path, reason in left_out:
         complain(f"left out: {path}: {reason}")
@@ -176,16 +178,28 @@ def _show_records(records: Records, folders: Sequence[Path], as_json: bool, besi
 
 
 def _read_together(
-    folders: Sequence[Path], out: Path, curve: "Kind", metric: Names, given: "Sequence[Given]", pairs: bool
+    folders: Sequence[Path],
+    out: Path,
+    curve: "Kind",
+    metric: Names,
+    given: "Sequence[Given]",
+    pairs: bool,
+    told: "Told",
 ) -> "tuple[Results, list[LeftOut]]":
     """All folders as one, in a folder that is soon gone; and what is damaged."""
+    from harness.eta.laws import is_left_out
     from harness.record.merge import merge
     from harness.registry.registry import load_registry
     from harness.results.load import read_results
 
     merged = merge(folders, out, is_temporary=True)
     registry = load_registry(given=given)
-    return read_results(out, registry, curve, metric, is_temporary=True, pairs=pairs), merged.left_out
+    homes = [(path, folder) for path in told.leave_out for folder in folders if is_left_out(path, [folder])]
+    there = dict.fromkeys(told.leave_out) | {
+        path: out / path.absolute().relative_to(folder.absolute()) for path, folder in homes
+    }
+    told = replace(told, leave_out=tuple(place or path for path, place in there.items()))
+    return read_results(out, registry, curve, metric, is_temporary=True, pairs=pairs, told=told), merged.left_out
 
 
 def _details(results: "Results", folders: Sequence[Path], told: "Told | None" = None) -> str:

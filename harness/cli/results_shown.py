@@ -51,7 +51,7 @@ def show_results(
     elif details or (html is None and summary is None):
         _print_tables(results, details, command)
     for line in results.damaged_recordings:
-        complain(f"left out, damaged: {line}")
+        complain(f"damaged: {line}")
     return 1 if results.damaged_recordings else 0
 
 

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -37,7 +37,7 @@ class Quantity(NamedTuple):
     unit: str
     """The unit of its values; empty if it has none."""
     better: str
-    """``higher`` or ``lower``."""
+    """``higher`` or ``lower``; empty where nobody said it: then numbers are shown, and no word."""
     manner: str
     """How the policies acted, or when: ``deterministic``, ``stochastic``, ``while training``, ``while learning``."""
     episodes: int | None = None
@@ -181,8 +181,8 @@ class Change:
 
     @property
     def direction(self) -> str:
-        """``better`` or ``worse`` if the corrected test says so, else empty."""
-        if self.corrected is None or self.corrected > self.level or not self.difference:
+        """``better`` or ``worse`` if the corrected test says so, and somebody said which is better; else empty."""
+        if not self.measure.better or self.corrected is None or self.corrected > self.level or not self.difference:
             return ""
         return "better" if (self.difference > 0.0) == (self.measure.better == "higher") else "worse"
 
@@ -300,14 +300,13 @@ def interquartile_mean(values: Sequence[float]) -> float | None:
     return float(np.mean(ordered[out : count - out]))
 
 
-def probability_of_improvement(
-    baseline: Sequence[float], proposed: Sequence[float], better: Literal["higher", "lower"] | str
-) -> float | None:
+def probability_of_improvement(baseline: Sequence[float], proposed: Sequence[float], better: str) -> float | None:
     """Chance that a run of the proposed reward is better than one of the baseline, any against any; ties count half.
 
-    0.5 where neither is better. The Mann-Whitney U over the number of pairs; None without a value on both sides.
+    0.5 where neither is better. The Mann-Whitney U over the number of pairs; None without a value on both sides, and
+    where `better` is empty.
     """
-    if not len(baseline) or not len(proposed):
+    if not better or not len(baseline) or not len(proposed):
         return None
     gains = np.subtract.outer(np.asarray(proposed), np.asarray(baseline))
     share = float(np.mean(gains > 0.0) + 0.5 * np.mean(gains == 0.0))

@@ -89,9 +89,13 @@ class Account(NamedTuple, Generic[T]):
         """What to tell of those that are not whole."""
         typed = (f"'{it.path}' is left out, as --leave-out says{': ' * bool(it.why)}{it.why}" for it in self.left_out)
         told = [f"'{it.path}' is missing: {it.why}" for it in self.missing]
+        return (*typed, *told, *([self.remedy] if told else ()))
+
+    @property
+    def remedy(self) -> str:
+        """The flags that leave out what is missing."""
         flags = " ".join("--leave-out '" + str(it.path).replace("'", "'\\''") + "'" for it in self.missing)
-        remedy = [f"No verdict without what is missing: how it ended is an outcome too. {flags} leaves it out"]
-        return (*typed, *told, *(remedy if told else ()))
+        return f"No verdict without what is missing: how it ended is an outcome too. {flags} leaves it out"
 
 
 def is_left_out(path: Path, leave_out: Collection[Path]) -> bool:

@@ -35,7 +35,7 @@ def load_results(
         pairs: Whether every two rewards are compared, and not each with the baseline alone. All claims are corrected
             together, so more of them have larger p-values.
         measures: Files whose functions measure what an arm does.
-        told: What the user says of logs; see `harness.results.logs.told.Told`.
+        told: What the user says of logs, and which trainings are left out; see `harness.results.logs.told.Told`.
 
     Raises:
         UsageError: The folder holds no results, or a named metric is not registered.
@@ -70,8 +70,8 @@ def read_results(
     """
     told = told or FOUND_OUT
     if Store.is_experiment(folder):
-        return Results(folder, registry, kind, metrics=metrics, is_temporary=is_temporary, pairs=pairs)
+        return Results(folder, registry, kind, metrics=metrics, is_temporary=is_temporary, pairs=pairs, told=told)
     if told.format or not has_recordings(folder):
         return results_of_logs(folder, registry, told, kind, metrics, pairs=pairs)
-    loose = LooseStore(folder, baseline=told.baseline)
+    loose = LooseStore(folder, baseline=told.baseline, leave_out=told.leave_out)
     return Results(folder, registry, kind, metrics=metrics, is_temporary=is_temporary, store=loose, pairs=pairs)

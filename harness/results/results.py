@@ -3,7 +3,8 @@
 import html
 import importlib.util
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ from harness.arrays import Float
 from harness.errors import UsageError
 from harness.eta.curve import Kind
 from harness.eta.equal import key_to_json
+from harness.eta.laws import Account, counted, is_left_out
 from harness.log import Log
 from harness.measure import Measure
 from harness.record.cell import Cell
@@ -24,6 +26,7 @@ from harness.results.alone import Alone, alone_of
 from harness.results.comparison import Comparison, Group, pools_of
 from harness.results.frames import Frames
 from harness.results.learning import Learning
+from harness.results.logs.told import FOUND_OUT, Told
 from harness.results.measured import Measured, Moment, Values, measure
 from harness.results.overview import overview_html
 from harness.results.pool import Pool
@@ -38,6 +41,8 @@ from harness.results.trainings import Trainings
 
 FORMAT = 1
 """The version of what reports say as JSON; docs/json.md explains it."""
+LEFT_SOMETHING = ("done", "failed", "damaged")
+"""How cells end that were begun."""
 
 
 class Results(Records):
@@ -53,6 +58,7 @@ class Results(Records):
         is_temporary: bool = False,
         store: Store | None = None,
         pairs: bool = False,
+        told: Told = FOUND_OUT,
     ) -> None:
         """Read the plan and all manifests; see `Records` for what is not told here.
 
@@ -65,9 +71,11 @@ class Results(Records):
             is_temporary: See `Records`.
             store: See `Records`.
             pairs: See `Records`.
+            told: What the user says: which cells of an experiment are left out.
 
         Raises:
-            UsageError: It mixes cells of an arm with others, or a named metric is not registered.
+            UsageError: It mixes cells of an arm with others, a named metric is not registered, or what is to be left
+                out is no cell that ended.
             PluginError: A named metric is broken.
         """
         super().__init__(folder, registry, kind, is_temporary=is_temporary, store=store, pairs=pairs)
@@ -79,6 +87,21 @@ class Results(Records):
         self.recordings = Recordings(self, metrics) if self.in_environment else None
         self.source: Traces | Recordings = self.recordings or self.traces
         self.manifests = list(map(self.source.examine, self.manifests))
+        self.account = self._counted(told.leave_out if self.is_experiment else ())
+
+    def _counted(self, leave_out: Collection[Path]) -> Account[Manifest]:
+        """The account of all cells that ended; those that the user leaves out are skipped from here on."""
+        ended = {self.store.cell_folder(it.cell): it for it in self.manifests if it.status in LEFT_SOMETHING}
+        named = [next((folder for folder in ended if is_left_out(path, [folder])), path) for path in leave_out]
+        account = counted(((it, folder, it.reason) for folder, it in ended.items()), named)
+        out = {
+            ended[it.path].cell: f"left out, as --leave-out says{': ' * bool(it.why)}{it.why}"
+            for it in account.left_out
+        }
+        self.manifests = [
+            replace(it, status="skipped", reason=out[it.cell]) if it.cell in out else it for it in self.manifests
+        ]
+        return account
 
     @property
     def subject(self) -> str:
@@ -123,8 +146,9 @@ class Results(Records):
 
     @cached_property
     def notes(self) -> tuple[str, ...]:
-        """What to keep in mind of the trainings, a line each."""
-        return tuple(self.source.notes)
+        """What to keep in mind of the trainings, a line each; a plan of looks waits for no cell that failed."""
+        is_told = self.account.missing and not self.plan.terms.looks and not self.is_temporary
+        return (*self.source.notes, *([self.account.remedy] if is_told else ()))
 
     @property
     def said(self) -> tuple[str, ...]:

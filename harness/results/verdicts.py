@@ -76,8 +76,8 @@ def with_verdicts(
         found: All comparisons of an experiment.
         terms: What was agreed on before the first training.
         look_of: In an experiment with looks: tells them.
-        to_come: In one without looks: how many planned trainings are still to come. Before they ended nothing is
-            tested, since whoever looks again and again gives luck more chances.
+        to_come: In one without looks: how many trainings are missing. Without them nothing is tested: how they end is
+            an outcome too, and whoever looks again and again gives luck more chances.
     """
     of_rewards = [it for it in found if not it.is_control]
     to_come = 0 if terms.looks else to_come
@@ -162,6 +162,8 @@ def _in_all(members: Sequence[Comparison]) -> tuple[tuple[Change, ...], ...]:
 
 
 ENDED = ("done", "failed", "damaged", "skipped")
+COUNTED = ("done", "skipped")
+"""How cells end that no answer waits for. How one ends that failed is an outcome too, which nobody measured."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,8 +190,11 @@ class Seen:
 
     @property
     def to_come(self) -> int:
-        """How many trainings have not ended yet."""
-        return sum(status not in ENDED for cells in self.status.values() for status in cells.values())
+        """How many trainings are missing: they have not ended, failed, or left files that cannot be read.
+
+        A plan of looks counts those that ended, however they did: whoever fails does not hold up a look for ever.
+        """
+        return sum(status not in COUNTED for cells in self.status.values() for status in cells.values())
 
     @property
     def groups(self) -> tuple[Group, ...]:

@@ -10,7 +10,7 @@ from rich.text import Text
 from typing_extensions import TypedDict
 
 from harness.authoring.commands import (
-    ENDED,
+    COUNTED,
     NOTHING,
     SUCCESS,
     Status,
@@ -307,7 +307,7 @@ def _interim(record: RecordForm | None) -> list[RenderableType]:
     answers = {it["headline"]["answer"] for it in record["combinations"]} if record else set[str]()
     if record is None or Answer.INTERIM not in answers:
         return []
-    return [Text(interim_line(sum(cell["status"] not in ENDED for cell in record["cells"])))]
+    return [Text(interim_line(sum(cell["status"] not in COUNTED for cell in record["cells"])))]
 
 
 def _ratio(ratio: RatioForm, with_intervals: bool) -> str:

@@ -77,8 +77,12 @@ def test_a_damaged_recording_is_told(harness, recorded):
     (recorded / "plain-2" / "recording-0.json").write_text("{}")
     answer = harness("report runs")
     assert (answer.status, answer.err.count("\n")) == (1, 1)
-    assert "left out, damaged" in answer.err
-    assert "2 seeds" in answer.out
+    assert answer.err.startswith("harness: damaged: ")
+    assert "INTERIM" in answer.out
+    assert "report runs --details --leave-out runs/plain-2" in harness("report runs --leave-out runs/plain-2").out
+    without = harness("report runs --leave-out runs/plain-2 --json")
+    assert (without.status, without.json["combinations"][0]["headline"]["answer"]) == (0, "cannot tell")
+    assert without.json["combinations"][0]["trained"] == {"baseline": [0, 1], "proposed": [0, 1, 2]}
 
 
 def test_one_reward_alone_is_told(harness, recorded):

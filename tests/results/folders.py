@@ -6,6 +6,8 @@ import numpy as np
 
 from harness.record import COLUMN, SCALARS, Manifest, TraceWriter
 from harness.registry import Choice
+from harness.results import load_results
+from harness.results.logs.told import Told
 
 BASELINE = Choice("baseline", (), "baseline")
 ARP = Choice("arp", (("k1", 1.0), ("k2", 1.5)), "arp")
@@ -35,6 +37,11 @@ def fail(store, cell, reason):
     """As if the cell had failed, whatever it did."""
     store.cell_folder(cell).mkdir(exist_ok=True)
     Manifest(cell, status="failed", reason=reason).write(store.cell_folder(cell))
+
+
+def load_without(store, *cells):
+    """The results without some cells, as the user says."""
+    return load_results(store.folder, told=Told(leave_out=tuple(map(store.cell_folder, cells))))
 
 
 def finish(

@@ -17,8 +17,8 @@ EXPLANATION = (
 
 
 def draw_strip(change: Change) -> str:
-    """A row of the forest plot as an SVG element; empty if there is no difference to show."""
-    if change.difference is None:
+    """A row of the forest plot as an SVG element; empty if there is no difference to show, or nobody says its sides."""
+    if change.difference is None or not change.measure.better:
         return ""
     return draw_interval(change.difference, change.low, change.high, change.measure.better, change.direction)
 

@@ -9,7 +9,8 @@ from typing import Any
 
 from harness.errors import SchemaError, UsageError
 from harness.eta.equal import equal_sentences, equal_trainings
-from harness.eta.manner import ACTED_AT_RANDOM, OWN_AND_OTHER
+from harness.eta.laws import Account, Missing, counted, shortfall_beside
+from harness.eta.manner import ACTED_AT_RANDOM, DETERMINISTIC, OWN_AND_OTHER
 from harness.eta.rescaling import Rescaling
 from harness.record.cell import BROUGHT, EVALUATION_HORIZON, UNKNOWN_ALGORITHM, Cell
 from harness.record.manifest import Manifest
@@ -35,6 +36,7 @@ UNLIKE_STARTS = (
     "the starts is part of every difference. An env has to draw everything random from the generator that reset(seed) "
     "seeds, and every evaluation has to begin with the same seed"
 )
+GOES_ON = "it is still going on, or was killed"
 
 
 def notes_on(everything: Sequence[Run], trained: Sequence[str], members: Mapping[tuple[str, int], Run]) -> list[str]:
@@ -47,22 +49,11 @@ def notes_on(everything: Sequence[Run], trained: Sequence[str], members: Mapping
     """
     runs = list(members.values())
     return [
-        *_unclosed(it for it in everything if it.facts.evaluation),
         *_length_notes(runs, min(run.steps for run in runs)),
         *([] if meet_same_starts(runs) else [UNLIKE_STARTS]),
         *_end_notes(trained, members),
         *_code_notes(everything),
         *_bounds_notes(everything),
-    ]
-
-
-def _unclosed(evaluations: Iterable[Run]) -> list[str]:
-    """Evaluations that were cut off before recordings told how much was asked for."""
-    return [
-        f"'{run.path}' is no whole evaluation, perhaps: it is still going on, or was killed, after "
-        f"{count_text(len(run.episodes.last), 'episode')}. How many were asked for is not recorded"
-        for run in evaluations
-        if not run.facts.closed and not run.facts.episodes_asked
     ]
 
 
@@ -75,9 +66,6 @@ def _length_notes(runs: Iterable[Run], shortest: int) -> list[str]:
     )
     if longer and any(run.evaluation for run in runs):
         notes.append("Evaluations are of policies at the end of their trainings, which were not of one length")
-    going = [run for run in runs if not run.facts.closed]
-    if going:
-        notes.append(f"Still going on, or ended before the recording was closed: {', '.join(map(_quoted, going))}")
     return notes
 
 
@@ -130,10 +118,6 @@ def _bounds_notes(runs: Iterable[Run]) -> list[str]:
     ]
 
 
-def _quoted(run: Run) -> str:
-    return f"'{run.path}'"
-
-
 def has_recordings(folder: Path) -> bool:
     """Whether a recorded training lies somewhere in a folder."""
     return next(recordings_in(folder), None) is not None
@@ -147,6 +131,7 @@ def read_runs(
     group: Group | None = None,
     random: Path | None = None,
     control: Mapping[int, int] = NO_CONTROL,
+    leave_out: Collection[Path] = (),
 ) -> Runs:
     """All recorded trainings in a folder, at any depth; see `runs_of` for what is not told here.
 
@@ -158,60 +143,63 @@ def read_runs(
         group: What the trainings share.
         random: The recording of random actions in the same env, if it lies somewhere else.
         control: Seeds of the null control.
+        leave_out: The trainings that the user leaves out.
 
     Raises:
         UsageError: There are none, or none has all of its steps.
     """
     everything, damaged = read_all(folder, only)
     if not everything:
-        told = f" Damaged: {'; '.join(damaged)}" if damaged else ""
+        told = f" Damaged: {'; '.join(it.why for it in damaged)}" if damaged else ""
         raise UsageError(f"'{folder}' holds no recorded training: harness.RecordRewards makes one.{told}")
     at_random = _read(folder, random, _weighed([it.path for it in everything])) if random else None
-    return runs_of(folder, everything, damaged, baseline, deciding, group, at_random, control)
+    return runs_of(folder, everything, damaged, baseline, deciding, group, at_random, control, leave_out)
 
 
 def runs_of(
     folder: Path,
     everything: Sequence[Run],
-    damaged: Sequence[str] = (),
+    damaged: Sequence[Missing] = (),
     baseline: str = "",
     deciding: Sequence[str] = (),
     group: Group | None = None,
     random: Run | None = None,
     control: Mapping[int, int] = NO_CONTROL,
+    leave_out: Collection[Path] = (),
 ) -> Runs:
-    """Trainings and evaluations, sorted into what is compared and what is left out.
+    """Trainings and evaluations, sorted into what is compared and what is missing.
 
     Args:
         folder: Where they lie.
         everything: All of them. The seed of one that nobody told is -1.
-        damaged: What could not be read, a line each.
+        damaged: What could not be read.
         baseline: The reward that the others are compared with; by default the one that was given first.
         deciding: Measures that come before the others, the one that decides first.
         group: What the trainings share, if they are known to be of one group of cells.
         random: Random actions in the same env, if they are not among them.
         control: By each seed the other seed that the baseline was trained with again, for the null control.
+        leave_out: The trainings that the user leaves out.
 
     Raises:
         UsageError: They are of several envs, two have the same reward and seed, or none has all of its steps.
     """
     env, env_notes = env_of(folder, everything) if group is None else (group.task.label, [])
-    whole, short = whole_runs(everything)
+    account, whole, short = account_of(everything, damaged, leave_out)
     seeds, seed_notes = _with_seeds([it for it in whole if not it.facts.evaluation])
     evaluated = [it for it in whole if it.facts.evaluation]
     evaluations, evaluation_notes = _evaluations(folder, evaluated, seeds, group is None or group.deterministic)
-    members = {key: replace(run, **evaluations.get(key, {})) for key, run in _by_key(seeds).items() if run.steps}
+    members = {key: replace(run, **evaluations.get(key, {})) for key, run in _by_key(seeds).items()}
     others = {other: seed for seed, other in control.items() if other not in control}
     again = {others[key[1]]: members.pop(key) for key in list(members) if key[0] == baseline and key[1] in others}
-    empty = [f"'{run.path}' is left out: it has no steps" for run in seeds if not run.steps]
     named = _in_order(run.facts.rewards for run in members.values())
     rewards = tuple(sorted(named, key=lambda name: name != baseline))  # all others stay in their order
     trained = tuple(name for name in rewards if any(name == reward for reward, _ in members))
     if not trained:
-        told = "".join(f". {line}" for line in short[:MOST_NAMED])
+        told = "".join(f". {line}" for line in account.lines[:MOST_NAMED])
         raise UsageError(f"'{folder}' has nothing to report: no training in it has a step, or all of its steps{told}")
     shortest = min(run.steps for run in members.values())
-    notes = [*short, *env_notes, *seed_notes, *evaluation_notes, *empty, *notes_on(everything, trained, members)]
+    notes = [*account.lines, *short, *env_notes, *seed_notes, *evaluation_notes]
+    notes += notes_on(everything, trained, members)
     equal = equal_trainings({key: run.likeness.digest for key, run in members.items()})
     rescaled = _rescaled(rewards, members.values())
     notes += [*equal_sentences(equal), *(it.sentence(name, other) for (name, other), it in rescaled.items())]
@@ -228,11 +216,12 @@ def runs_of(
         members,
         shortest,
         tuple(notes),
-        tuple(damaged),
+        tuple(it.why for it in damaged if it in account.missing),
         equal,
         rescaled,
         at_random,
         again,
+        missing=account.missing,
     )
 
 
@@ -255,8 +244,8 @@ def _rescaled(rewards: Sequence[str], runs: Collection[Run]) -> dict[tuple[str, 
     return found
 
 
-def read_all(folder: Path, only: Sequence[Path] | None = None) -> tuple[list[Run], list[str]]:
-    """Every recording in a folder, at any depth, evaluations too, by its path; and what could not be read, a line each.
+def read_all(folder: Path, only: Sequence[Path] | None = None) -> tuple[list[Run], list[Missing]]:
+    """Every recording in a folder, at any depth, evaluations too, by its path; and what could not be read.
 
     The seed of one that was recorded without is -1. With `only` it reads these folders alone.
 
@@ -272,29 +261,70 @@ def read_all(folder: Path, only: Sequence[Path] | None = None) -> tuple[list[Run
         try:
             runs.append(_read(folder, path, weighed))
         except SchemaError as error:
-            damaged.append(str(error))
+            damaged.append(Missing(path, str(error)))
     paid = {(run.reward, run.seed) for run in runs if run.facts.pay}
     return [run if (run.reward, run.seed) in paid else _without_mistaken(run) for run in runs], damaged
 
 
-def whole_runs(runs: Sequence[Run]) -> tuple[list[Run], list[str]]:
-    """Those of which all is there that was asked for, as far as it is known; and a line for each other one.
+def account_of(
+    runs: Sequence[Run], damaged: Iterable[Missing] = (), leave_out: Collection[Path] = ()
+) -> tuple[Account[Run], list[Run], list[str]]:
+    """Which trainings count, then the same with the evaluations that count, then lines on those that others replace.
 
-    What evaluates a training that is left out is left out with it.
+    A training is missing with its evaluation. One that was repeated with the same seed is no outcome of its own.
+
+    Args:
+        runs: Trainings and evaluations.
+        damaged: Those that could not be read.
+        leave_out: What the user leaves out.
+
+    Raises:
+        UsageError: Nothing lies at one of these.
     """
-    lines = [f"'{run.path}' is left out: it has {run.shortfall}. {_why_short(run)}" for run in runs if run.shortfall]
-    trained = {(run.reward, run.seed) for run in runs if not run.facts.evaluation and not run.shortfall}
-    short = {(run.reward, run.seed) for run in runs if not run.facts.evaluation and run.shortfall} - trained
-    whole = [
-        run
-        for run in runs
-        if not run.shortfall and not (run.facts.evaluation and run.seed >= 0 and (run.reward, run.seed) in short)
+    why = {run: why_short(run) for run in runs}
+    trainings = [run for run in runs if not run.facts.evaluation]
+    untold = {it: (it.steps, len(it.episodes.last)) for it in trainings if not (why[it] or it.facts.asked > 0)}
+    why |= shortfall_beside(untold, lambda it: it.reward, "steps")
+    whole = {_place(run): run for run in runs if not why[run]}
+    replaced = [run for run in runs if why[run] and (_place(run) in whole or run.facts.acted == ACTED_AT_RANDOM)]
+    lines = [f"'{run.path}' is left out: {why[run]}" for run in replaced]
+    begun = [run for run in trainings if run not in replaced]
+    by_key, by_path = {(run.reward, run.seed): run for run in begun}, {run.path: run for run in begun}
+    evaluations = [it for it in runs if it.facts.evaluation and why[it] and it not in replaced]
+    parts = [(by_key.get((it.reward, it.seed)), Missing(it.path, why[it])) for it in evaluations]
+    parts += [(by_path.get(it.path.parent), it) for it in damaged]
+    for home, part in parts:
+        if home is not None:
+            why[home] = why[home] or f"its evaluation '{part.path}': {part.why}"
+    lone = [part for home, part in parts if home is None]
+    account = counted([*((run, run.path, why[run]) for run in begun), *((None, *it) for it in lone)], leave_out)
+    out = {(run.reward, run.seed) for run in begun} - {(run.reward, run.seed) for run in account.whole}
+    kept = [
+        it for it in runs if it.facts.evaluation and not why[it] and (it.seed < 0 or (it.reward, it.seed) not in out)
     ]
-    return whole, lines
+    return account, [*account.whole, *kept], lines
 
 
-def _why_short(run: Run) -> str:
-    return "It ended early" if run.facts.closed else "It is still going on, or was killed"
+def why_short(run: Run) -> str:
+    """Why a recording is not whole by what it says of itself; empty if it is."""
+    facts = run.facts
+    if run.shortfall:
+        return f"it has {run.shortfall}. {'It ended early' if facts.closed else GOES_ON.capitalize()}"
+    if not run.steps:
+        return "it has no steps"
+    return "" if facts.closed or facts.asked or facts.episodes_asked else GOES_ON
+
+
+def _place(run: Run) -> tuple[object, ...]:
+    """What a repetition has in common with the run that it replaces."""
+    facts = run.facts
+    return (
+        facts.evaluation,
+        run.reward,
+        run.seed if run.seed >= 0 else run.path,
+        facts.after,
+        facts.acted or DETERMINISTIC,
+    )
 
 
 def _refuse_experiments(folder: Path) -> None:
@@ -442,20 +472,23 @@ class LooseStore(Store):
         runs: The trainings.
     """
 
-    def __init__(self, folder: Path, runs: Runs | None = None, baseline: str = "") -> None:
+    def __init__(
+        self, folder: Path, runs: Runs | None = None, baseline: str = "", leave_out: Collection[Path] = ()
+    ) -> None:
         """Read all recordings, unless they were read already.
 
         Args:
             folder: Where they lie.
             runs: What was read of them; None if nothing was.
             baseline: The reward that the others are compared with; by default the one that was given first.
+            leave_out: The trainings that the user leaves out.
 
         Raises:
             UsageError: There are none, none that can be compared, or whole experiments lie among them; or no training
                 was taught by the baseline.
         """
         super().__init__(folder)
-        self.runs: Runs = read_runs(folder, baseline=baseline) if runs is None else runs
+        self.runs: Runs = read_runs(folder, baseline=baseline, leave_out=leave_out) if runs is None else runs
         if baseline and baseline not in self.runs.trained:
             told = ", ".join(self.runs.trained)
             raise UsageError(f"--baseline {baseline}: no training was taught by it. There are: {told}")

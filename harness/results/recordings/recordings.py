@@ -76,7 +76,7 @@ class Recordings:
         for it in self.studies:
             lines = it.study.runs.notes if it.study else (it.reason, *it.notes)
             told |= dict.fromkeys(f"{it.title}: {line}" if several or not it.study else line for line in lines)
-        return [*told, *self.damaged]
+        return [*told]
 
     @property
     def said(self) -> list[str]:

@@ -249,7 +249,15 @@ def studies_of(results: Records, shown: Sequence[str] | None = None) -> tuple[Pl
         compared = {group: runs.showing(shown) for group, runs in compared.items()}
     terms, runs = results.plan.terms, list(compared.values())
     seen = Seen.of(results.manifests, terms.looks)
-    found = studies_of_runs(results.folder, runs, results.kind, terms, seen.look_of, seen.to_come, pairs=results.pairs)
+    found = studies_of_runs(
+        results.folder,
+        runs,
+        results.kind,
+        terms,
+        seen.look_of,
+        seen.to_come + sum(len(it.missing) for it in runs),
+        pairs=results.pairs,
+    )
     studies = dict(zip(compared, found, strict=True))
     return tuple(
         PlaceStudy(group, tuple(cells), studies[group], "")

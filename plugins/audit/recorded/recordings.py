@@ -17,7 +17,7 @@ from harness.authoring.commands import (
     read_all,
     read_trainings,
     require_comparable,
-    whole_runs,
+    why_short,
 )
 from harness.errors import UsageError
 from harness.registry import unknown_name
@@ -57,9 +57,8 @@ def audit_recordings(folder: Path, random: Path | None = None, only: Sequence[st
     paths = {run.path.resolve() for run in apart}  # they may lie in the same folder
     found = [run for run in found if run.path.resolve() not in paths]
     env, notes = env_of(folder, [*found, *apart])
-    _, short = whole_runs(found)
+    notes += [f"'{run.path}' is left out: {why}" for run in found if (why := why_short(run))]
     found = [run for run in found if not (run.facts.evaluation and run.shortfall)]
-    notes += [*short, *(f"'{run.path}' is left out: it has no steps" for run in found if not run.steps)]
     # Evaluations before the training ended are of other policies than the one that it left.
     final = [run for run in (*apart, *found) if run.steps and (not run.facts.after or _is_random(run))]
     audit = _audit(folder, f"'{folder}'", env, "recorded", final, only, notes)
@@ -98,7 +97,8 @@ def audit_logs(path: Path, found: Found, only: Sequence[str] = (), sort: str = "
 
 
 def _read(folder: Path) -> tuple[list[Run], list[str]]:
-    found, damaged = read_all(folder)
+    found, unread = read_all(folder)
+    damaged = [it.why for it in unread]
     if not found:
         told = f" Damaged: {'; '.join(damaged)}" if damaged else ""
         raise UsageError(f"'{folder}' holds no recorded training: harness.RecordRewards makes one.{told}")

@@ -126,7 +126,7 @@ def test_records_of_an_unfinished_plan_say_so_first(build, commit):
     """As the report that they were written with did."""
     first, second, *_ = lines_of(commit(build(ended={("arp", 2): ("pending", ""), ("arp", 1): ("failed", "x")})))
     assert first == "Committed records of 6 cells, 4 done."
-    assert second.startswith("Interim: 1 training is missing.")
+    assert second.startswith("Interim: 2 trainings are missing.")
 
 
 def test_records_count_the_trainings_of_each_reward(build, commit):

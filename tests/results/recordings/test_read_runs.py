@@ -8,7 +8,7 @@ from harness.errors import UsageError
 from harness.record import TrainingFacts
 from harness.record.recording.recorded_training import facts_name
 from harness.results.recordings.read_runs import read_all, read_runs
-from tests.results.recordings.conftest import PAYS, record
+from tests.results.recordings.conftest import PAYS, PULLS, record
 
 
 def evaluated(folder, acted, after):
@@ -66,17 +66,20 @@ def test_an_evaluation_that_was_cut_off_does_not_count(tmp_path):
     assert f"'{cut}' is left out: it has 3 of 20 episodes. It ended early" in told(tmp_path)
     assert read_runs(tmp_path).members["plain", 0].evaluation is not None
     record(tmp_path / "thrice" / "killed", "thrice", 0, [0.5], evaluation=True, episodes_asked=2, after=5)
-    assert not read_runs(tmp_path).members["thrice", 0].before
+    (missing,) = read_runs(tmp_path).missing
+    assert (missing.path, "it has 1 of 2 episodes" in missing.why) == (tmp_path / "thrice", True)
     whole = record(tmp_path / "thrice" / "whole", "thrice", 0, [0.5] * 2, evaluation=True, episodes_asked=2, after=5)
     assert [run.path for run in read_runs(tmp_path).members["thrice", 0].before] == [whole]
 
 
 def test_a_training_that_was_cut_off_is_not_compared(tmp_path):
-    """Nor is its evaluation; a repetition with the same seed takes its place."""
+    """Nor is its evaluation, and it is missing; a repetition with the same seed takes its place."""
     evaluated(tmp_path, "deterministic", 0)
-    record(tmp_path / "thrice" / "2", "thrice", 2, [0.1], asked=15)
+    short = record(tmp_path / "thrice" / "2", "thrice", 2, [0.1], asked=15)
     record(tmp_path / "thrice" / "2" / "evaluation", "thrice", 2, [0.5], evaluation=True)
-    assert f"'{tmp_path / 'thrice' / '2'}' is left out: it has 5 of 15 steps" in told(tmp_path)
+    assert f"'{short}' is missing: it has 5 of 15 steps" in told(tmp_path)
+    assert [it.path for it in read_runs(tmp_path).missing] == [short]
+    assert not read_runs(tmp_path, leave_out=[short]).missing
     assert ("thrice", 2) not in read_runs(tmp_path).members
     record(tmp_path / "thrice" / "again", "thrice", 2, [0.1] * 3, asked=15)
     assert read_runs(tmp_path).members["thrice", 2].evaluation is not None
@@ -90,19 +93,29 @@ def test_where_nothing_whole_is_left_the_reasons_are_told(tmp_path):
         read_runs(tmp_path)
 
 
-def test_an_old_evaluation_that_was_never_closed_is_told(tmp_path):
-    """How many episodes it was to have is not known, so that it counts."""
+def test_an_old_evaluation_that_was_never_closed_is_missing(tmp_path):
+    """How many episodes it was to have is not known."""
     evaluated(tmp_path, "deterministic", 0)
     facts = tmp_path / "plain" / "evaluation" / facts_name(0)
     replace(TrainingFacts.read(facts), closed=False).write(facts)
-    assert "evaluation' is no whole evaluation, perhaps" in told(tmp_path)
-    assert "after 3 episodes" in told(tmp_path)
+    assert "evaluation': it is still going on, or was killed" in told(tmp_path)
+
+
+def test_one_that_stopped_before_others_of_its_reward_is_missing(tmp_path):
+    """An exception closes a recording too; how much was asked for nobody told."""
+    for seed, episodes in enumerate((3, 3, 1)):
+        record(tmp_path / f"plain-{seed}", "plain", seed, [0.1] * episodes)
+    (missing,) = read_runs(tmp_path).missing
+    assert missing == (tmp_path / "plain-2", "it ends after 5 steps, and another one of plain after 15")
 
 
 def test_trainings_of_unequal_length_are_told_with_what_evaluates_them(tmp_path):
     """They are cut to the shortest, and their evaluations cannot be."""
     evaluated(tmp_path, "deterministic", 0)
-    record(tmp_path / "longer", "plain", 1, [0.1] * 4, asked=20)
+    for seed, episodes in ((0, 3), (1, 4)):  # each has all that was asked for
+        record(tmp_path / f"long-{seed}", "plain", 1 + seed, [0.1] * episodes, asked=episodes * PULLS)
+    facts = tmp_path / "plain" / facts_name(0)
+    replace(TrainingFacts.read(facts), asked=15).write(facts)
     assert "All are cut to the 15 steps of the shortest" in told(tmp_path)
     assert "which were not of one length" in told(tmp_path)
 

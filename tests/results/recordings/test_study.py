@@ -75,13 +75,12 @@ def test_evaluations_that_are_not_there_for_all_do_not_decide(study_folder):
             ("endless", "plain", 2, {"ends": False}),
             "No episode ended in 1 of 3 trainings by plain: give the environment a",
         ),
-        (("empty", "plain", 5, {"arms": []}), "empty' is left out: it has no steps"),
         (
             ("other", "plain", 5, {"spec": {"id": "Bandit-v0", "kwargs": {"reward": "plain"}}}),
             "different arguments: {'reward': 'plain'} and {}",
         ),
     ],
-    ids=["its training is gone", "no end of an episode", "an empty one cuts nobody", "other arguments"],
+    ids=["its training is gone", "no end of an episode", "other arguments"],
 )
 def test_an_odd_recording_is_told(study_of, facts, told):
     """In one line, and the others are compared."""
@@ -200,7 +199,7 @@ def test_one_seed_has_values_and_no_interval(study_of):
 
 def test_longer_trainings_are_cut_to_the_shortest(study_of):
     """It is told which that is."""
-    study = study_of(("short", "plain", 9, {"arms": RISING[:10]}), ("long", "thrice", 9, {}))
+    study = study_of(("short", "plain", 9, {"arms": RISING[:10], "asked": 10 * PULLS}), ("long", "thrice", 9, {}))
     assert study.runs.steps == 10 * PULLS
     assert study.runs.members["thrice", 9].parts(study.runs.steps)[TRAINING].episodes == 10
     assert any("cut to the 50 steps of the shortest" in note and "short" in note for note in study.runs.notes)
@@ -330,21 +329,24 @@ def test_a_folder_without_recordings_is_refused(study_of):
         study_of(seeds=0)
 
 
-def test_a_damaged_recording_is_left_out(study_of, tmp_path):
-    """The others are compared."""
+def test_a_damaged_recording_is_missing(study_of, tmp_path):
+    """The others are compared, and no verdict is given without it."""
     study_of()
     (tmp_path / "plain-1" / "recording-0.json").write_text("{}")
     study = load_study(tmp_path)
     assert study.comparisons[0].seeds == (0,)
     assert "plain-1" in "".join(study.runs.damaged)
+    assert study.comparisons[0].headline.answer == "interim"
 
 
-def test_a_training_that_goes_on_is_told(study_of, tmp_path):
+def test_a_training_that_goes_on_is_missing(study_of, tmp_path):
     """Its recording was not closed."""
     study_of()
     facts = tmp_path / "plain-0" / "recording-0.json"
     replace(TrainingFacts.read(facts), closed=False).write(facts)
-    assert any(note.startswith("Still going on") and "plain-0" in note for note in load_study(tmp_path).runs.notes)
+    study = load_study(tmp_path)
+    assert f"'{tmp_path / 'plain-0'}' is missing: it is still going on, or was killed" in study.runs.notes
+    assert [comparison.headline.answer for comparison in study.comparisons] == ["interim"] * len(study.comparisons)
 
 
 def test_learning_curves_of_every_measure_and_every_reward(study_folder):
