@@ -69,6 +69,7 @@ def eta(
     measure: logs.DecidedBy = None,
     labels: logs.LabelsFile = None,
     leave_out: logs.LeftOut = None,
+    per_step: logs.StepsOfEach = None,
 ) -> int:
     """Compare recorded trainings, such as anybody's CSV files.
 
@@ -97,10 +98,11 @@ def eta(
     }  # fmt: skip
     of_logs = {
         "--sort": sort, "--as": as_format, "--measure": measure, "--labels": labels, "--leave-out": leave_out,
+        "--per-step": per_step,
     }  # fmt: skip
     registry = load_registry(given=read_given(plugin))
     named = _only(baseline) if folder else None
-    told_of = partial(told_of_logs, as_format, sort, named, [measure] if measure else None, labels, leave_out)
+    told_of = partial(told_of_logs, as_format, sort, named, [measure] if measure else None, labels, leave_out, per_step)
     if folder is not None:
         opened = _open_folder(folder, registry, told_of(), curve, of_logs)
     else:

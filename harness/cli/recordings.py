@@ -60,6 +60,7 @@ def told_of_logs(
     measure: Sequence[str] | None,
     labels: Path | None,
     leave_out: Sequence[Path] | None = None,
+    per_step: str | None = None,
 ) -> "Told":
     """What the flags say of logs.
 
@@ -73,4 +74,4 @@ def told_of_logs(
             f"--measure {measure[1]}: one measure of the logs decides, and --measure {measure[0]} names it"
         )
     deciding = parse_deciding(measure[0] if measure else "")
-    return Told(as_format or "", sort or "", baseline or "", deciding, labels, tuple(leave_out or ()))
+    return Told(as_format or "", sort or "", baseline or "", deciding, labels, tuple(leave_out or ()), per_step or "")

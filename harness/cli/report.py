@@ -86,6 +86,7 @@ def report(
     as_format: logs.AsFormat = None,
     labels: logs.LabelsFile = None,
     leave_out: logs.LeftOut = None,
+    per_step: logs.StepsOfEach = None,
     fail_on: FailOn = None,
 ) -> int:
     """Show the results of an experiment. Trains nothing.
@@ -113,6 +114,7 @@ def report(
                 "--sort": sort,
                 "--as": as_format,
                 "--leave-out": leave_out,
+                "--per-step": per_step,
             },
             "a data set",
         )
@@ -124,12 +126,12 @@ def report(
     records = records_in(folders)
     if records is not None:
         return _show_records(records, folders, as_json, [name for name, value in beside.items() if value])
-    of_logs = {"--sort": sort, "--as": as_format, "--labels": labels}
+    of_logs = {"--sort": sort, "--as": as_format, "--labels": labels, "--per-step": per_step}
     told = None
     if not any(map(is_experiment, folders)) and (as_format or not holds_recordings(folders)):
         require_one_folder(folders, "logs of trainings")
         refuse_flags({"--plugin": plugin, "--summary": summary}, "a folder of logs")
-        told, measure = told_of_logs(as_format, sort, baseline, measure, labels, leave_out), None
+        told, measure = told_of_logs(as_format, sort, baseline, measure, labels, leave_out, per_step), None
     elif holds_recordings(folders):
         refuse_flags({"--plugin": plugin, "--measure": measure, **of_logs})
         told = told_of_logs(None, None, baseline, None, None, leave_out)

@@ -141,7 +141,9 @@ def _read(path: Path, name: str, registry: Registry, settings: Mapping[str, Any]
     reader = chosen.build(registry, LOGS)
     for setting in settings:
         if setting not in {field.name for field in fields(reader)}:
-            raise UsageError(f"--{setting} says nothing of '{path}': a log of the format {chosen.name} has none")
+            raise UsageError(
+                f"--{setting.replace('_', '-')} says nothing of '{path}': a log of the format {chosen.name} has none"
+            )
     reader = replace(reader, **settings)
     with blamed_on(spec, "it read a log"):
         try:

@@ -45,6 +45,15 @@ LeftOut = Annotated[
         name="--leave-out",
     ),
 ]
+StepsOfEach = Annotated[
+    str | None,
+    flag(
+        "REWARD=N,...",
+        "Of logs that count iterations: how many environment steps one is, for each reward.",
+        False,
+        name="--per-step",
+    ),
+]
 DecidedBy = Annotated[
     str | None,
     flag(

@@ -11,7 +11,7 @@ from harness.arrays import Float
 from harness.errors import SchemaError, UsageError
 from harness.eta.amounts import listed
 from harness.eta.equal import equal_sentences, equal_trainings
-from harness.eta.laws import NEAR, NEARLY_ALL, Account, Curves, counted, latest_shared, shortfall_beside
+from harness.eta.laws import NEAR, NEARLY_ALL, Account, Curves, counted, latest_shared, require_share, shortfall_beside
 from harness.eta.manner import EVALUATION, LAST_FIFTH, WHOLE
 from harness.log import Log, LogFacts, Unit, in_memory
 from harness.log.log import BEHAVIOUR, RECORDED, REWARD, SINCE, SUCCESS, TIME
@@ -208,6 +208,8 @@ def runs_of(
     for training in found.trainings:
         require_ends(training.logs[0])
     logs = [log for it in found.trainings for log in it.all_logs]
+    shares = {it.facts.path / it.facts.run: it[f"{BEHAVIOUR}{SUCCESS}"] for it in logs if SUCCESS in it.measures}
+    require_share("Success", shares, lambda place: f"'{place}'")
     lower = {name for log in logs for name in log.facts.lower_is_better}
     told = list(dict.fromkeys(name for log in logs for name in log.measures))
     measures = _measures(told, lower, deciding)
@@ -303,10 +305,10 @@ def _require_steps(trainings: Sequence[Training], axis: "Axis") -> None:
     """
     if axis.noun == "iterations":
         facts = trainings[0].logs[0].facts
-        each = "+".join(f"{name}=N" for name in dict.fromkeys(it.reward for it in trainings))
+        each = ",".join(f"{name}=N" for name in dict.fromkeys(it.reward for it in trainings))
         raise UsageError(
             f"'{facts.path}' counts iterations of the learner, or calls of a logger, and no environment steps, and two "
-            f"rewards may have taken different steps in each. --as {facts.reader}:per_step={each} says how many one is"
+            f"rewards may have taken different steps in each. --per-step {each} says how many one is"
         )
     if all(it.evaluated for it in trainings):
         return

@@ -11,7 +11,7 @@ from harness.errors import UsageError
 from harness.eta.curve import Kind
 from harness.eta.laws import is_left_out
 from harness.log import Log
-from harness.log.open_log import LOGS, Found, find_logs
+from harness.log.open_log import LOGS, Found, find_logs, open_logs
 from harness.registry.registry import Registry
 from harness.results.logs.labels import labelled
 from harness.results.logs.read_logs import Other, runs_of
@@ -158,10 +158,26 @@ def _results(
     pairs: bool = False,
     is_told: bool = False,
 ) -> Results:
+    found = _in_steps(found, registry, told)
     if told.labels is not None:
         found = labelled(found, place, told.labels)
     runs = runs_of(found, told.deciding, other, told.leave_out, is_told=is_told or bool(told.sort))
     return Results(place, registry, kind, metrics=metrics, store=LooseStore(place, runs), pairs=pairs)
+
+
+def _in_steps(found: Sorted, registry: Registry, told: Told) -> Sorted:
+    """The same, read again by formats that are told how many steps an iteration is, where the user says it."""
+    steps = told.steps_of(found.rewards)
+
+    def again(log: Log, per_step: int) -> Log:
+        logs = open_logs(log.facts.path, registry, told.format or log.facts.reader, per_step=per_step)
+        return next(it for it in logs if it.facts.run == log.facts.run)
+
+    trainings = (
+        replace(it, logs=tuple(again(log, steps[it.reward]) for log in it.logs)) if steps else it
+        for it in found.trainings
+    )
+    return found._replace(trainings=tuple(trainings))
 
 
 def _without_labels(found: Found, labels: Path | None) -> Found:

@@ -1,5 +1,6 @@
 """What a user says of logs; everything else is found out."""
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -37,6 +38,7 @@ class Told:
         deciding: What decides.
         labels: A file that says which trainings, or episodes, were successes.
         leave_out: Files and folders of trainings that are left out.
+        per_step: How many environment steps an iteration of each reward is, ``base=98304,prop=49152``.
     """
 
     format: str = ""
@@ -45,6 +47,7 @@ class Told:
     deciding: Deciding = SUCCESS_DECIDES
     labels: Path | None = None
     leave_out: tuple[Path, ...] = ()
+    per_step: str = ""
 
     @property
     def flags(self) -> list[str]:
@@ -53,10 +56,23 @@ class Told:
         measure = f"{name}:better={better}" if better else name
         given = {
             "--as": self.format, "--sort": self.sort, "--baseline": self.baseline, "--measure": measure,
-            "--labels": str(self.labels or ""),
+            "--labels": str(self.labels or ""), "--per-step": self.per_step,
         }  # fmt: skip
         left_out = (("--leave-out", str(path)) for path in self.leave_out)
         return [text for flag, value in (*given.items(), *left_out) if value for text in (flag, value)]
+
+    def steps_of(self, rewards: Collection[str]) -> dict[str, int]:
+        """How many environment steps an iteration of each reward is; empty if the user says nothing.
+
+        Raises:
+            UsageError: It is malformed, or says nothing of a reward.
+        """
+        pairs = [it.rpartition("=") for it in self.per_step.split(",") if it]
+        found = {name: int(number) for name, _, number in pairs if number.isdecimal() and int(number)}
+        if pairs and (len(found) < len(pairs) or found.keys() != {*rewards}):
+            each = ",".join(f"{name}=N" for name in rewards)
+            raise UsageError(f"'{self.per_step}' does not say it of each reward: --per-step {each} does, N above 0")
+        return found
 
 
 FOUND_OUT = Told()
