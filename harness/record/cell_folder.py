@@ -11,6 +11,8 @@ from harness.record.folder import EVALUATIONS, LOG, MANIFEST, POLICY, SCORES, TE
 from harness.record.manifest import Ending, Manifest, read_manifest
 
 REMEDY = "run again to replace it"
+NO_RECORDINGS = (".", EVALUATIONS, POLICY)
+"""Folders of a cell, its own included, whose files are no recording."""
 PAID_LATER = "scores"
 """What the names of files begin with that `harness score` adds to a cell."""
 
@@ -24,15 +26,34 @@ def examine(folder: Path, cell: Cell) -> Manifest:
     if not folder.is_symlink() and not folder.exists():
         return Manifest(cell, status="pending", reason="not run yet")
     try:
-        manifest = _own_manifest(folder, cell)
-        require_files(folder, manifest)
-        _require_unmixed(folder, manifest)
+        return whole_cell(folder)
     except NewerFormat:
         raise
     except SchemaError as error:
         return Manifest(cell, status="damaged", reason=f"{error}; {REMEDY}")
+
+
+def whole_cell(folder: Path) -> Manifest:
+    """The manifest of the cell whose folder this is, by its name, if every file is what the cell left.
+
+    Raises:
+        SchemaError: It is not.
+        NewerFormat: A newer version made the cell.
+    """
+    try:
+        if folder.is_symlink() or not folder.is_dir():
+            raise SchemaError(f"{folder} is no folder")
+        manifest = read_manifest(folder)
+        if manifest.cell.id != folder.name:
+            raise SchemaError(f"{folder} holds another cell, {manifest.cell.id}")
+        require_files(folder, manifest)
+        # A reader takes all that lies in the folder of a recording.
+        recordings = {PurePosixPath(name).parent for name in manifest.files} - {*map(PurePosixPath, NO_RECORDINGS)}
+        for name in added_files(folder, manifest) if recordings else ():
+            if PurePosixPath(name).parent in recordings:
+                raise SchemaError(f"{folder / name} was added to what was recorded")
     except OSError as error:
-        return Manifest(cell, status="damaged", reason=f"{folder} cannot be read: {error.strerror}; {REMEDY}")
+        raise SchemaError(f"{folder} cannot be read: {error.strerror}") from error
     return manifest
 
 
@@ -70,23 +91,6 @@ def added_files(folder: Path, record: Ending) -> list[str]:
     return [name for name in names if name not in record.files]
 
 
-def _require_unmixed(folder: Path, record: Ending) -> None:
-    """See that nothing was added to a recording: a reader takes all that lies in its folder."""
-    recordings = {str(PurePosixPath(name).parent) for name in record.files} - {".", EVALUATIONS, POLICY}
-    for name in added_files(folder, record) if recordings else ():
-        if str(PurePosixPath(name).parent) in recordings:
-            raise SchemaError(f"{folder / name} was added to what was recorded")
-
-
 def is_needed(name: str) -> bool:
     """Whether reports read this file of a cell; others may be taken away, to make a folder smaller."""
     return PurePosixPath(name).parts[0] not in (POLICY, TENSORBOARD, LOG, SCORES)
-
-
-def _own_manifest(folder: Path, cell: Cell) -> Manifest:
-    if folder.is_symlink() or not folder.is_dir():
-        raise SchemaError(f"{folder} is no folder")
-    manifest = read_manifest(folder)
-    if manifest.cell.id != cell.id:
-        raise SchemaError(f"{folder} holds another cell, {manifest.cell.id}")
-    return manifest

@@ -19,7 +19,7 @@ from harness.files.sums import SUMS, changed_since_made, forget_made, read_sums
 from harness.files.whole_file import files_in, is_partial, write_whole
 from harness.record.added import owners
 from harness.record.cell import Cell
-from harness.record.cell_folder import REMEDY, added_files, examine, require_files
+from harness.record.cell_folder import REMEDY, added_files, require_files, whole_cell
 from harness.record.file_forms import MOST_CELLS
 from harness.record.folder import DERIVED, SCORES
 from harness.record.manifest import read_manifest
@@ -104,12 +104,10 @@ def repair(folder: Path) -> list[Action]:
     done = [_note_link(folder, problem) for problem in links]
     with store.locked():
         done += _mend_plan(folder, store)
-        for problem in [*_of_cells(folder), *_of_added(folder)]:
-            done.append(_set_aside(folder, problem))
-        for problem in _of_made(folder):
-            done.append(_set_aside_made(folder, problem))
+        for find in (_of_cells, _of_added, _of_made):
+            done += [_set_aside(folder, problem) for problem in [*find(folder)]]
         if any(_gone(folder)):
-            done.append(_set_aside_made(folder, Problem(Path(RESULTS), "", MADE_REMEDY)))
+            done.append(_set_aside(folder, Problem(Path(RESULTS), "", MADE_REMEDY)))
     return done
 
 
@@ -145,18 +143,11 @@ def _of_cells(folder: Path) -> Iterator[Problem]:
             yield Problem(inside, "it has no name that a cell has", FOREIGN_REMEDY, stays=True)
             continue
         try:
-            manifest = read_manifest(path)
+            manifest = whole_cell(path)
         except NewerFormat:
             raise
         except SchemaError as error:
             yield Problem(inside, str(error), REMEDY)
-            continue
-        if manifest.cell.id != path.name:
-            yield Problem(inside, f"it holds another cell, {manifest.cell.id}", REMEDY)
-            continue
-        found = examine(path, manifest.cell)
-        if found.status == DAMAGED:
-            yield Problem(inside, found.reason.removesuffix(f"; {REMEDY}"), REMEDY)
             continue
         for name in added_files(path, manifest):
             stays = not _is_regular(path / name)
@@ -197,14 +188,13 @@ def _done_in_table(path: Path) -> set[str]:
             raise SchemaError(f"{path} has more than {MOST_CELLS:,} rows")
         require_room(file, OF_A_CELL)
         table = file.read(OF_A_CELL)
-        done = table.filter(pc.equal(table["status"], "done"))["id"]
-        return {str(name) for name in done.unique().to_pylist()}  # a text may stand in very many rows
+        # A text may stand in very many rows.
+        return {*map(str, table.filter(pc.equal(table["status"], "done"))["id"].unique().to_pylist())}
 
 
 def _of_added(folder: Path) -> Iterator[Problem]:
     """Folders that commands of plugins added."""
-    every = [(name, owner, path) for name, owner in owners().items() for path in _folders(folder / name, "*/[!.]*")]
-    for name, owner, path in every:
+    for name, owner, path in ((*it, path) for it in owners().items() for path in _folders(folder / it[0], "*/[!.]*")):
         inside = path.relative_to(folder)
         if not (_CELL.fullmatch(path.parent.name) and _ADDED.fullmatch(path.name)):
             yield Problem(inside, f"it has no name that {owner.what} has", FOREIGN_REMEDY, stays=True)
@@ -264,32 +254,20 @@ def _mend_plan(folder: Path, store: Store) -> list[Action]:
 
 
 def _set_aside(folder: Path, problem: Problem) -> Action:
-    """Move a folder or a file to where damaged ones are kept."""
+    """Move a folder or a file to where damaged ones are kept; a list that tells of it is written anew."""
     if problem.stays:
-        return _leave(problem)
-    target = _free_name(folder, problem.path.name)
-    try:
-        os.rename(folder / problem.path, target)  # what lies on another disk is not copied and removed
-    except OSError as error:
-        return Action(problem.path, f"it cannot be moved, {error.strerror}; it stays")
-    return Action(problem.path, f"moved to {target.relative_to(folder)}; {problem.remedy}")
-
-
-def _leave(problem: Problem) -> Action:
-    return Action(problem.path, f"{problem.what}. It stays: {problem.remedy}")
-
-
-def _set_aside_made(folder: Path, problem: Problem) -> Action:
-    """The same of a file that a report made; the list that tells of it is written anew."""
-    path = folder / problem.path
-    if problem.stays:
-        return _leave(problem)
-    if not os.path.lexists(path):  # the list told of it
+        return Action(problem.path, f"{problem.what}. It stays: {problem.remedy}")
+    path, told = folder / problem.path, f"it is gone; {MADE_REMEDY}"  # the list told of it
+    if os.path.lexists(path):
+        target = _free_name(folder, path.name)
+        try:
+            os.rename(path, target)  # what lies on another disk is not copied and removed
+            told = f"moved to {target.relative_to(folder)}; {problem.remedy}"
+        except OSError as error:
+            told = f"it cannot be moved, {error.strerror}; it stays"
+    if path.name in read_sums(path.parent):
         forget_made(path)
-        return Action(problem.path, f"it is gone; {MADE_REMEDY}")
-    action = _set_aside(folder, problem)
-    forget_made(path)
-    return action
+    return Action(problem.path, told)
 
 
 def _note_link(folder: Path, problem: Problem) -> Action:

@@ -70,7 +70,7 @@ def test_folder_of_another_cell_is_damage(ran, first):
     """A cell under another one's name would be counted for it."""
     shutil.copytree(first, sorted((ran / "cells").iterdir())[1], dirs_exist_ok=True)
     [problem] = verify(ran)
-    assert problem.what == f"it holds another cell, {first.name}"
+    assert problem.what.endswith(f"holds another cell, {first.name}")
 
 
 def test_other_folders_cannot_be_verified(tmp_path):
