@@ -2,9 +2,10 @@
 
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pyarrow.parquet as pq
@@ -12,7 +13,6 @@ import pyarrow.parquet as pq
 from harness.log import Log, LogFacts
 from harness.log.log import RECORDED, REWARD, Columns
 from harness.record.cell import Cell
-from harness.record.episode_facts import TraceFacts, episode_facts
 from harness.record.folder import MANIFEST, RANDOM, SUFFIX, TRACE
 from harness.record.manifest import read_manifest
 from harness.record.returns import EVENTS
@@ -77,8 +77,8 @@ def _is_first_part(path: Path) -> bool:
     return path.name == part_of(Path(TRACE), 0).name
 
 
-def _facts(trace: Log, path: Path, cell: Cell | None) -> TraceFacts:
-    told = {field.name: getattr(trace.facts, field.name) for field in fields(LogFacts)}
+def _facts(trace: Log, path: Path, cell: Cell | None) -> LogFacts:
+    told: dict[str, Any] = {}
     if _is_first_part(path):
         under_way = f"{path.parent} is still trained, or was cut off: its rows up to the last checkpoint"
         told["notes"] = (*trace.facts.notes, under_way)
@@ -88,7 +88,7 @@ def _facts(trace: Log, path: Path, cell: Cell | None) -> TraceFacts:
         told["asked"] = cell.steps if path.name == TRACE else 0
     if path.name == RANDOM:
         told |= {"algorithm": "random actions", "trained_with": ""}
-    return TraceFacts(**told, episodes=episode_facts(trace))
+    return replace(trace.facts, **told)
 
 
 def _tables(trace: Log, names: Mapping[str, str], asked: tuple[str, ...]) -> Iterator[Columns]:

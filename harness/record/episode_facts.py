@@ -83,5 +83,4 @@ def episode_facts(log: Log) -> EpisodeFacts:
 
 def with_episode_facts(trace: Log, facts: EpisodeFacts) -> Log:
     """The same trace of whose episodes something else is known."""
-    told = {field.name: getattr(trace.facts, field.name) for field in fields(LogFacts)}
-    return replace(trace, facts=TraceFacts(**told, episodes=facts))
+    return replace(trace, facts=TraceFacts(**{**vars(trace.facts), "episodes": facts}))

@@ -38,7 +38,7 @@ What is known of the episodes beside their rows is in the file's metadata, see `
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from itertools import chain, count, takewhile
+from itertools import chain, count, product, takewhile
 from pathlib import Path
 from types import MappingProxyType, TracebackType
 from typing import Any, Protocol
@@ -179,14 +179,6 @@ class TraceWriter:
         rows = self._block[: self._filled]
         if self._episodes is not None:
             rows = rows[rows[:, COLUMN["episode"]] < self._episodes]
-        self._require_moderate(rows)
-        if len(rows):
-            self._file.write_table(self._table(rows))
-        self._filled = 0
-
-    def _require_moderate(self, rows: Rows) -> None:
-        if rows.size and rows.min() >= -LARGEST_PAID and rows.max() <= LARGEST_PAID:
-            return
         bad = np.argwhere(~(np.abs(rows) <= LARGEST_PAID))  # a comparison with what is no number is false
         if len(bad):
             row, column = bad[0]
@@ -194,38 +186,33 @@ class TraceWriter:
             where = ", ".join(f"{key} {rows[row, COLUMN[key]]:.0f}" for key in INTEGERS)
             told = f"beyond {LARGEST_PAID:g}" if np.isfinite(rows[row, column]) else "not finite"
             raise SimulationDiverged(f"{name} is {told} at {where}")
+        if len(rows):
+            self._file.write_table(self._table(rows))
+        self._filled = 0
 
     def _table(self, rows: Rows) -> pa.Table:
-        columns = [pa.array(rows[:, index].astype(_numpy_type(name))) for name, index in COLUMN.items()]
-        ends = len(SCALARS) + np.cumsum(list(self._widths.values()))
-        for end, (name, width) in zip(ends, self._widths.items(), strict=True):
-            columns.append(_to_arrow(rows[:, end - width : end], self.schema.field(name).type))
+        columns, end = list[pa.Array](), 0
+        for field in self.schema:
+            begin, end = end, end + self._widths.get(field.name, 1)
+            part, kind = rows[:, begin:end], field.type
+            if pa.types.is_fixed_size_list(kind):
+                columns.append(pa.FixedSizeListArray.from_arrays(part.ravel(), kind.list_size))
+            else:
+                columns.append(pa.array(part[:, 0].astype(kind.to_pandas_dtype())))
         return pa.Table.from_arrays(columns, schema=self.schema)
 
 
 def trace_schema(dof: int, action_size: int, extras: Mapping[str, int] = NO_EXTRAS) -> pa.Schema:
     """Columns and types of a trace file."""
-    scalars = [(name, pa.from_numpy_dtype(_numpy_type(name))) for name in SCALARS]
+    scalars = [
+        *((name, pa.int32()) for name in INTEGERS),
+        *((name, pa.float64()) for name in NUMBERS),
+        *((name, pa.bool_()) for name in FLAGS),
+    ]
     lists = [("qpos", pa.list_(pa.float64(), dof)), ("action", pa.list_(pa.float64(), action_size))]
-    more = [(name, _sized(EXTRAS.get(name, pa.float64()), width)) for name, width in extras.items()]
+    kinds = ((name, EXTRAS.get(name, pa.float64()), width) for name, width in extras.items())
+    more = [(name, pa.list_(kind.value_type, n) if pa.types.is_list(kind) else kind) for name, kind, n in kinds]
     return pa.schema(scalars + lists + more, metadata={FORMAT_KEY: str(FORMAT).encode()})
-
-
-def _sized(kind: pa.DataType, width: int) -> pa.DataType:
-    return pa.list_(kind.value_type, width) if pa.types.is_list(kind) else kind
-
-
-def _to_arrow(part: Rows, kind: pa.DataType) -> pa.Array:
-    """A part of the rows, (n, width), as a column."""
-    if pa.types.is_fixed_size_list(kind):
-        return pa.FixedSizeListArray.from_arrays(part.ravel(), part.shape[1])
-    return pa.array(part[:, 0].astype(kind.to_pandas_dtype()))
-
-
-def _numpy_type(name: str) -> type[np.generic]:
-    if name in INTEGERS:
-        return np.int32
-    return np.bool_ if name in FLAGS else np.float64
 
 
 KNOWN = trace_schema(1, 1, dict.fromkeys(EXTRAS, 1))
@@ -239,12 +226,14 @@ def terms_of(trace: Log) -> dict[str, NDArray[Any]]:
 
 def trace_of(columns: Columns, facts: EpisodeFacts = NOTHING_KNOWN) -> Log:
     """A trace in memory, (rows, ...) each column."""
-    found = in_memory(TraceFacts(path=Path("trace"), format="trace", episodes=facts), columns)
-    return found if OBSTACLE in found else _with_nothing_touched(found, len(found))
+    return _with_nothing_touched(in_memory(TraceFacts(path=Path("trace"), format="trace", episodes=facts), columns))
 
 
-def _with_nothing_touched(trace: Log, rows: int) -> Log:
-    return trace.add({OBSTACLE: np.broadcast_to(np.False_, rows)})
+def _with_nothing_touched(trace: Log, rows: int | None = None) -> Log:
+    """The same trace; no step of one that does not say so touched an obstacle."""
+    if OBSTACLE in trace:
+        return trace
+    return trace.add({OBSTACLE: np.broadcast_to(np.False_, len(trace) if rows is None else rows)})
 
 
 def require_plausible(path: Path, most: int) -> None:
@@ -262,8 +251,8 @@ def require_plausible(path: Path, most: int) -> None:
         metadata = pq.read_metadata(path)
         if not 0 < metadata.num_rows <= most:
             raise SchemaError(f"{path} has {metadata.num_rows:,} rows, 1 to {most:,} are allowed")
-        groups = (metadata.row_group(number) for number in range(metadata.num_row_groups))
-        for column in (group.column(number) for group in groups for number in range(metadata.num_columns)):
+        places = product(range(metadata.num_row_groups), range(metadata.num_columns))
+        for column in (metadata.row_group(group).column(number) for group, number in places):
             told = column.statistics
             if told is not None and told.has_min_max and isinstance(told.min, float):
                 _require_moderate(told.min, told.max, f"{path}: {column.path_in_schema}")
@@ -292,16 +281,26 @@ def read_trace(path: Path, columns: Sequence[str] | None = None) -> Log:
         opened = _identity(path)
         with pq.ParquetFile(path) as file:
             schema, metadata = file.schema_arrow, file.metadata
-            version = _version(schema, path)
-            known = [*filter(_is_known, schema.names), *(SINCE_2 if version == 1 else ())]
+            told = metadata.metadata or {}
+            version = told.get(FORMAT_KEY, b"none").decode()
+            if version not in map(str, range(1, FORMAT + 1)):
+                raise SchemaError(
+                    f"{path} is a trace of format {shortened(version, 20)}, this version reads 1 to {FORMAT}"
+                )
+            is_first = version == "1"
+            known = [*filter(_is_known, schema.names), *(SINCE_2 if is_first else ())]
             chosen = known if columns is None else [name for name in columns if name != OBSTACLE or name in known]
-            stored = _stored(chosen, version)
+            stored = _stored(chosen, is_first)
             _require_columns(schema, stored, path)
             if metadata.num_rows > MOST_ROWS:
                 raise SchemaError(f"{path} has {metadata.num_rows:,} rows, {MOST_ROWS:,} are allowed")
             require_room(file, stored)
-            facts = TraceFacts(path=path, format=f"trace, format {version}", episodes=_facts(file))
-    trace = Log(facts, tuple(chosen), partial(_tables, path, opened, metadata, version))
+            facts = EpisodeFacts.from_bytes(told[FACTS_KEY]) if FACTS_KEY in told else NOTHING_KNOWN
+    trace = Log(
+        TraceFacts(path=path, format=f"trace, format {version}", episodes=facts),
+        tuple(chosen),
+        partial(_tables, path, opened, metadata, is_first),
+    )
     return trace if OBSTACLE in known else _with_nothing_touched(trace, metadata.num_rows)
 
 
@@ -321,7 +320,7 @@ def read_parts(path: Path) -> Log:
     if not parts:
         raise SchemaError(f"{path} has no part yet")
     whole = replace(parts[0], read=lambda names: chain.from_iterable(part.read(names) for part in parts), known={})
-    return whole if OBSTACLE in whole else _with_nothing_touched(whole, sum(map(len, parts)))
+    return _with_nothing_touched(whole, sum(map(len, parts)))
 
 
 def part_of(path: Path, number: int) -> Path:
@@ -336,18 +335,18 @@ def _identity(path: Path) -> tuple[int, int, int]:
 
 
 def _tables(
-    path: Path, opened: tuple[int, int, int], metadata: pq.FileMetaData, version: int, names: Sequence[str]
+    path: Path, opened: tuple[int, int, int], metadata: pq.FileMetaData, is_first: bool, names: Sequence[str]
 ) -> Iterator[Columns]:
     """The rows of some columns; the end of the file is not read again."""
     with reading(path, "trace"), pq.ParquetFile(path, metadata=metadata) as file:
         if _identity(path) != opened:  # its end says where the rows of the other one stood
             raise SchemaError(f"{path} was replaced since it was opened: type the command again")
-        stored = _stored(names, version)
+        stored = _stored(names, is_first)
         batches = file.iter_batches(ROWS, columns=stored, use_threads=False)
         tables = (pa.Table.from_batches([batch]) for batch in batches) if metadata.num_rows else [file.read(stored)]
         for table in tables:
             arrays = {name: to_numpy(table.column(name), f"{path}: {name}") for name in stored}
-            if version == 1:
+            if is_first:
                 arrays["terminated"] = arrays["ground"] | arrays["reached"]
                 arrays["held"] = np.zeros_like(arrays["terminated"])
             yield {name: arrays[name] for name in names}
@@ -357,23 +356,13 @@ def _is_known(column: str) -> bool:
     return column in KNOWN.names or column.startswith(TERM)
 
 
-def _stored(columns: Sequence[str], version: int) -> list[str]:
+def _stored(columns: Sequence[str], is_first: bool) -> list[str]:
     """What to read of a file. The columns that format 1 lacks follow from others."""
-    if version > 1:
-        return list(columns)
-    return list(dict.fromkeys([*(name for name in columns if name not in SINCE_2), "ground", "reached"]))
-
-
-def _version(schema: pa.Schema, path: Path) -> int:
-    version = (schema.metadata or {}).get(FORMAT_KEY, b"none").decode()
-    if version not in {str(known) for known in range(1, FORMAT + 1)}:
-        raise SchemaError(f"{path} is a trace of format {shortened(version, 20)}, this version reads 1 to {FORMAT}")
-    return int(version)
-
-
-def _facts(file: pq.ParquetFile) -> EpisodeFacts:
-    written = (file.metadata.metadata or {}).get(FACTS_KEY)
-    return NOTHING_KNOWN if written is None else EpisodeFacts.from_bytes(written)
+    return (
+        [*dict.fromkeys([*(name for name in columns if name not in SINCE_2), "ground", "reached"])]
+        if is_first
+        else [*columns]
+    )
 
 
 def _require_columns(schema: pa.Schema, columns: list[str], path: Path) -> None:
@@ -382,11 +371,8 @@ def _require_columns(schema: pa.Schema, columns: list[str], path: Path) -> None:
         raise SchemaError(f"{path} has no column {', '.join(missing)}")
     for name in filter(_is_known, schema.names):
         found, expected = schema.field(name).type, KNOWN.field(name).type if name in KNOWN.names else pa.float64()
-        if pa.types.is_fixed_size_list(expected):
-            right = pa.types.is_fixed_size_list(found) and found.value_type == expected.value_type
-        else:
-            right = found == expected
-        if not right:
+        are_lists = pa.types.is_fixed_size_list(found) and pa.types.is_fixed_size_list(expected)
+        if found != expected and not (are_lists and found.value_type == expected.value_type):
             raise SchemaError(f"{path} has a column {name} of {found}, not of {expected}")
 
 
