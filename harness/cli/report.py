@@ -28,7 +28,6 @@ from harness.text import command_text
 
 if TYPE_CHECKING:
     from harness.eta.curve import Kind
-    from harness.record.merge import LeftOut
     from harness.registry.given import Given
     from harness.results import Results
     from harness.results.logs.told import Told
@@ -187,7 +186,7 @@ def _read_together(
     given: "Sequence[Given]",
     pairs: bool,
     told: "Told",
-) -> "tuple[Results, list[LeftOut]]":
+) -> "tuple[Results, list[tuple[Path, str]]]":
     """All folders as one, in a folder that is soon gone; and what is damaged."""
     from harness.eta.laws import is_left_out
     from harness.record.merge import merge

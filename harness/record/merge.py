@@ -6,7 +6,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import NamedTuple
 
 from harness.errors import NewerFormat, SchemaError, UsageError
 from harness.files.whole_file import files_in, is_partial
@@ -32,13 +31,6 @@ RANKS: tuple[Status, ...] = ("done", "failed", "skipped")
 """The states of a cell that is in several folders: the one with the first of these is taken."""
 
 
-class LeftOut(NamedTuple):
-    """A damaged folder of a cell, or one that a command added, which was not taken."""
-
-    path: Path
-    reason: str
-
-
 @dataclass(frozen=True)
 class Merged:
     """What there is to write into the folder.
@@ -46,12 +38,12 @@ class Merged:
     Attributes:
         plan: Of all experiments.
         taken: Folders to be copied, by their place in the new one.
-        left_out: What is damaged.
+        left_out: Damaged folders of cells, or that a command added, which were not taken; each with what is wrong.
     """
 
     plan: StoredPlan
     taken: dict[Path, Path] = field(default_factory=dict)
-    left_out: list[LeftOut] = field(default_factory=list)
+    left_out: list[tuple[Path, str]] = field(default_factory=list)
 
 
 def merge(folders: Sequence[Path], out: Path, is_temporary: bool = False) -> Merged:
@@ -103,27 +95,22 @@ def _choose(folders: Sequence[Path]) -> Merged:
     return merged
 
 
-def _choose_cell(cell: Cell, stores: Iterable[Store], left_out: list[LeftOut]) -> Store | None:
+def _choose_cell(cell: Cell, stores: Iterable[Store], left_out: list[tuple[Path, str]]) -> Store | None:
     """The store whose cell is taken; None if the cell has not ended anywhere."""
     found: dict[Status, list[tuple[Store, Manifest]]] = {}
     for store in stores:
         manifest = store.examine(cell)
         found.setdefault(manifest.status, []).append((store, manifest))
         if manifest.status == "damaged":
-            left_out.append(LeftOut(store.cell_folder(cell), manifest.reason))
-    _require_alike(cell, found.get("done", []))
-    return next((found[status][0][0] for status in RANKS if status in found), None)
-
-
-def _require_alike(cell: Cell, done: Sequence[tuple[Store, Manifest]]) -> None:
-    """See that a cell that is done in several folders recorded the same steps in all."""
-    recorded = [_digests_of_steps(manifest) for _, manifest in done]
-    for (store, _), digests in zip(done, recorded, strict=True):
-        if digests != recorded[0]:
+            left_out.append((store.cell_folder(cell), manifest.reason))
+    done = [(store.folder, _digests_of_steps(manifest)) for store, manifest in found.get("done", [])]
+    for folder, digests in done:
+        if digests != done[0][1]:
             raise UsageError(
-                f"Cell {cell.id} ({cell.title}) was trained in '{done[0][0].folder}' and in '{store.folder}', and the "
-                f"steps differ: remove it from one of them, in the folder cells/, and merge again"
+                f"Cell {cell.id} ({cell.title}) was trained in '{done[0][0]}' and in '{folder}', and the steps differ: "
+                "remove it from one of them, in the folder cells/, and merge again"
             )
+    return next((found[status][0][0] for status in RANKS if status in found), None)
 
 
 def _digests_of_steps(manifest: Manifest) -> dict[str, str]:
@@ -146,7 +133,7 @@ def _choose_added(cell: Cell, stores: Iterable[Store], added: Mapping[str, Owner
 
 
 def _added_to(
-    cell: Cell, store: Store, added: Mapping[str, Owner], left_out: list[LeftOut]
+    cell: Cell, store: Store, added: Mapping[str, Owner], left_out: list[tuple[Path, str]]
 ) -> Iterator[tuple[Path, Status]]:
     places = [(owner, it) for name, owner in added.items() for it in (store.folder / name / cell.id).glob("[!.]*")]
     for owner, folder in sorted(places, key=lambda place: place[1]):
@@ -156,7 +143,7 @@ def _added_to(
         except NewerFormat:
             raise
         except SchemaError as error:
-            left_out.append(LeftOut(folder, str(error)))
+            left_out.append((folder, str(error)))
             continue
         if ending.status in RANKS:
             yield folder, ending.status

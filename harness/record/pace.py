@@ -125,20 +125,10 @@ class _Running:
 
     def begun(self, now: float) -> Begun:
         """How far it is."""
+        (begin, before), (end, after) = (self.marks[0], self.marks[-1]) if self.marks else ((0.0, 0), (0.0, 0))
+        per_step = (end - begin) / (after - before) if end - begin >= SHORTEST else None
         since = 0.0 if self.trained is None else now - self.trained
-        return Begun(self.cell, min(self.steps, self.cell.steps), self._per_step, since)
-
-    def ended(self, now: float) -> Ended:
-        """What it took."""
-        trained = now if self.trained is None else self.trained
-        return Ended(self.cell, trained - self.started, now - trained)
-
-    @property
-    def _per_step(self) -> float | None:
-        if not self.marks or self.marks[-1][0] - self.marks[0][0] < SHORTEST:
-            return None
-        (begin, before), (end, after) = self.marks[0], self.marks[-1]
-        return (end - begin) / (after - before)
+        return Begun(self.cell, min(self.steps, self.cell.steps), per_step, since)
 
 
 class Pace:
@@ -174,7 +164,9 @@ class Pace:
         """A running cell has ended; what one took that failed says nothing of the others."""
         one = self._running.pop(cell.id)
         if not failed:
-            self._ended.append(one.ended(self._now()))
+            now = self._now()
+            trained = now if one.trained is None else one.trained
+            self._ended.append(Ended(one.cell, trained - one.started, now - trained))
 
     @property
     def left(self) -> float | None:

@@ -56,8 +56,10 @@ class StoredPlan:
             UsageError: Together they are too many: nobody could read the plan again.
         """
         asked = {cell: cell for cell in self.cells}
-        known = {cell: _recording_both(cell, asked.get(cell, cell)) for cell in earlier}
-        cells = tuple({**known, **{cell: known.get(cell, cell) for cell in asked}}.values())
+        # The traces of a cell that was asked for twice keep what either plan asks for.
+        both = ((cell, asked.get(cell, cell)) for cell in earlier)
+        known = {it: replace(it, records=tuple(dict.fromkeys((*cell.records, *it.records)))) for cell, it in both}
+        cells = tuple({**known, **asked, **known}.values())
         if len(cells) > forms.MOST_CELLS:
             raise UsageError(
                 f"{len(earlier):,} cells that are there and those that are asked for are {len(cells):,}, "
@@ -73,36 +75,26 @@ class StoredPlan:
             UsageError: Nobody could read it again. Nothing is written.
         """
         try:
-            text, content = self._texts()
+            text = self.experiment_text
+            content = seal({
+                "format": FORMAT,
+                "baseline": self.baseline,
+                "a_a": self.a_a,
+                "control": [list(pair) for pair in self.control.items()],
+                "experiment": self.experiment,
+                "experiment_digest": hashlib.sha256(text.encode()).hexdigest(),
+                "terms": self.terms.to_json(),
+                "cells": [cell.to_json() for cell in self.cells],
+            })  # fmt: skip
+            if len(content) > PLAN_BYTES:
+                raise ValueError(f"it has {len(content):,} bytes, {PLAN_BYTES:,} are allowed")
+            forms.require_form(forms.PLAN, unseal(content))
         except (ValueError, TypeError, RecursionError) as error:  # of what a stranger's plan, or a flag, told
             raise UsageError(
                 f"'{folder}' cannot hold what is asked for, nobody could read its {PLAN} again: {one_line(error)}"
             ) from None
         write_whole(folder / PLAN, content)
         write_whole(folder / EXPERIMENT, text)
-
-    def _texts(self) -> tuple[str, bytes]:
-        """Both files, which can be read again.
-
-        Raises:
-            ValueError: They could not.
-        """
-        text = self.experiment_text
-        data = {
-            "format": FORMAT,
-            "baseline": self.baseline,
-            "a_a": self.a_a,
-            "control": [list(pair) for pair in self.control.items()],
-            "experiment": self.experiment,
-            "experiment_digest": hashlib.sha256(text.encode()).hexdigest(),
-            "terms": self.terms.to_json(),
-            "cells": [cell.to_json() for cell in self.cells],
-        }
-        content = seal(data)
-        if len(content) > PLAN_BYTES:
-            raise ValueError(f"it has {len(content):,} bytes, {PLAN_BYTES:,} are allowed")
-        forms.require_form(forms.PLAN, unseal(content))
-        return text, content
 
     @property
     def experiment_text(self) -> str:
@@ -200,11 +192,6 @@ def _seeds_of(experiment: Mapping[str, Any], cells: Sequence[Cell]) -> list[int]
     return list(told) if isinstance(told, list) else sorted({cell.seed for cell in cells})
 
 
-def _recording_both(earlier: Cell, asked: Cell) -> Cell:
-    """A cell whose traces keep what either plan asks for."""
-    return replace(asked, records=tuple(dict.fromkeys([*earlier.records, *asked.records])))
-
-
 def unite(plans: Sequence[tuple[Path, StoredPlan]]) -> StoredPlan:
     """The plan of all cells.
 
@@ -243,9 +230,11 @@ def refuse_mixed(where: str, cells: Iterable[Cell], others: Iterable[Cell]) -> N
 
 
 def _unite(one: StoredPlan, other: StoredPlan) -> StoredPlan:
-    control = {**one.control, **other.control}
     both = replace(
-        other, control=control, a_a=one.a_a or other.a_a, terms=_terms_of_both(one.terms, other.terms)
+        other,
+        control={**one.control, **other.control},
+        a_a=one.a_a or other.a_a,
+        terms=_terms_of_both(one.terms, other.terms),
     ).with_cells_of(one.cells)
     experiment = _experiment_of_both(one, other)
     return replace(both, cells=_in_order(both), experiment=experiment) if experiment else both
@@ -253,14 +242,10 @@ def _unite(one: StoredPlan, other: StoredPlan) -> StoredPlan:
 
 def _terms_of_both(one: Terms, other: Terms) -> Terms:
     """What both agreed on; `FIRST` where that is not the same. What was added later to either stays told."""
-    agreed = one if _agreed(one) == _agreed(other) else FIRST
-    grown = tuple(sorted({*one.grown, *other.grown}))
-    return replace(agreed, grown=grown, joined=tuple(dict.fromkeys((*one.joined, *other.joined))))
-
-
-def _agreed(terms: Terms) -> Terms:
-    """The terms without what was added later."""
-    return replace(terms, grown=(), joined=())
+    grown, joined = tuple(sorted({*one.grown, *other.grown})), tuple(dict.fromkeys((*one.joined, *other.joined)))
+    theirs = replace(other, grown=grown, joined=joined)
+    agreed = replace(one, grown=grown, joined=joined)
+    return agreed if agreed == theirs else replace(FIRST, grown=grown, joined=joined)
 
 
 def _experiment_of_both(one: StoredPlan, other: StoredPlan) -> dict[str, Any]:
@@ -287,15 +272,11 @@ def _with_seed_list(plan: StoredPlan) -> dict[str, Any]:
 
 def _in_order(plan: StoredPlan) -> tuple[Cell, ...]:
     """Cells in the order in which one experiment has them: seeds outermost, the null control's last."""
-    ranks: Mapping[Any, int] = {
-        choice: rank
-        for rank, choice in enumerate(
-            dict.fromkeys(choice for cell in plan.cells for choice in (cell.place, cell.algorithm, cell.reward))
-        )
-    }
+    choices = dict.fromkeys(choice for cell in plan.cells for choice in (cell.place, cell.algorithm, cell.reward))
+    ranks = {choice: rank for rank, choice in enumerate(choices)}
     others = set(plan.control.values()) - set(plan.control)
 
-    def place(cell: Cell) -> tuple[bool, int, int, int, int]:
+    def place(cell: Cell) -> tuple[int, ...]:
         is_control = cell.seed in others and cell.reward.label == plan.baseline
         return (is_control, cell.seed, ranks[cell.place], ranks[cell.algorithm], ranks[cell.reward])
 

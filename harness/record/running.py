@@ -84,8 +84,3 @@ def read_left(folder: Path) -> dict[str, Running]:
         return read_running(folder)
     except SchemaError:
         return {}
-
-
-def discard_running(folder: Path) -> None:
-    """No cell is running any more."""
-    (folder / RUNNING).unlink(missing_ok=True)

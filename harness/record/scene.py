@@ -125,10 +125,10 @@ class Scene:
             "format": FORMAT,
             "robot": self.robot,
             "joints": [
-                {"frame": _flat(joint.frame), "axis": _flat(joint.axis), "slides": joint.slides}
+                {"frame": joint.frame.ravel().tolist(), "axis": joint.axis.tolist(), "slides": joint.slides}
                 for joint in self.joints
             ],
-            "tip": _flat(self.tip),
+            "tip": self.tip.ravel().tolist(),
             "bodies": [_body_to_json(body) for body in self.bodies],
         }
 
@@ -158,18 +158,18 @@ def scene_from_json(data: Any) -> Scene:
         ValueError: It is something else.
     """
     require_form(FORM, data)
-    joints = tuple(
-        SceneJoint(np.reshape(joint["frame"], (3, 4)), np.array(joint["axis"]), joint["slides"])
-        for joint in data["joints"]
-    )
-    if not all(_is_rigid(frame) for frame in (*(joint.frame for joint in joints), np.reshape(data["tip"], (3, 4)))):
+    tip, *frames = (np.reshape(frame, (3, 4)) for frame in (data["tip"], *(it["frame"] for it in data["joints"])))
+    told = zip(frames, data["joints"], strict=True)
+    joints = tuple(SceneJoint(frame, np.array(it["axis"]), it["slides"]) for frame, it in told)
+    turns = np.array([tip, *frames])[:, :, :3]
+    if not (np.abs(turns @ turns.transpose(0, 2, 1) - np.eye(3)) < ROUNDING).all():
         raise ValueError("a frame in it is no rotation with a translation")
     if not all(abs(np.linalg.norm(joint.axis) - 1.0) < ROUNDING for joint in joints):
         raise ValueError("an axis in it is no unit vector")
     bodies = tuple(_body_from_json(body, len(joints)) for body in data["bodies"])
     if sum(len(body.faces) for body in bodies) > MOST_TRIANGLES:
         raise ValueError(f"it has more than {MOST_TRIANGLES:,} triangles")
-    return Scene(data["robot"], joints, np.reshape(data["tip"], (3, 4)), bodies)
+    return Scene(data["robot"], joints, tip, bodies)
 
 
 def _body_to_json(body: Body) -> dict[str, Any]:
@@ -193,14 +193,5 @@ def _body_from_json(data: dict[str, Any], joints: int) -> Body:
     return Body(data["joint"], data["colour"], points * data["scale"], faces.astype(np.uint16))
 
 
-def _is_rigid(frame: Float) -> bool:
-    rotation = frame[:, :3]
-    return bool((np.abs(rotation @ rotation.T - np.eye(3)) < ROUNDING).all())
-
-
 def _packed(array: NDArray[Any]) -> str:
     return base64.b64encode(array.tobytes()).decode()
-
-
-def _flat(array: Float) -> list[float]:
-    return [float(number) for number in array.ravel()]

@@ -8,7 +8,7 @@ from typing import Any, Self
 
 from harness.errors import NewerFormat, SchemaError
 from harness.record.cell import Cell
-from harness.record.manifest import Manifest, read_manifest
+from harness.record.manifest import read_manifest
 from harness.record.pace import Begun, Ended, time_left, took
 from harness.record.running import Running, read_running
 from harness.record.store import Store
@@ -114,14 +114,11 @@ def _progress(cell: Cell, store: Store, is_in_use: bool, running: Running | None
     if not folder.exists():
         return Progress(cell, "pending")
     try:
-        return _ended(cell, read_manifest(folder))
+        manifest = read_manifest(folder)
     except NewerFormat:
         raise
     except SchemaError as error:
         return Progress(cell, "damaged", str(error))
-
-
-def _ended(cell: Cell, manifest: Manifest) -> Progress:
     return Progress(cell, manifest.status, manifest.reason, took=took(manifest) if manifest.status == "done" else None)
 
 

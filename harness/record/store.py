@@ -185,10 +185,6 @@ class Store:
         """What there is to say of a cell; see `harness.record.cell_folder.examine`."""
         return examine(self.cell_folder(cell), cell)
 
-    def is_done(self, cell: Cell) -> bool:
-        """Whether the cell need not be run again: it is done, and nothing of it is damaged."""
-        return self.examine(cell).status == "done"
-
     def record(self, cell: Cell, status: Status, reason: str, instead_of: Manifest | None = None) -> Manifest:
         """Leave a manifest for a cell that could not leave one itself; keeps its log.
 

@@ -83,7 +83,7 @@ def test_second_run_does_only_what_is_not_done(toys, tmp_path):
     store, failed = Store(tmp_path), plan.cells[1]
     Manifest(failed, status="failed", reason="no luck").write(store.cell_folder(failed))
     assert _ended(toys, tmp_path, more) == [failed, *more.cells[4:]]
-    assert store.is_done(failed)
+    assert store.examine(failed).status == "done"
 
 
 def test_skipped_cells_are_not_run(toys, tmp_path):
@@ -119,7 +119,7 @@ def test_interrupt_keeps_what_is_finished(toys, tmp_path):
     assert [manifest.cell for manifest in store.manifests()] == [first]
     assert not partial_folder(store.cell_folder(bad)).exists()
     with store.locked():
-        assert store.is_done(first)
+        assert store.examine(first).status == "done"
 
 
 def test_folder_in_use_is_refused(toys, tmp_path):

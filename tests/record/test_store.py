@@ -136,7 +136,7 @@ def test_a_folder_grows(create, cell, tmp_path):
     assert _seeds(tmp_path) == [0, 1]
     again = create(1, 2)
     assert _seeds(tmp_path) == [0, 1, 2]
-    assert [again.is_done(cell) for cell in again.read_plan().cells] == [True, False, False]
+    assert [again.examine(it).status for it in again.read_plan().cells] == ["done", "pending", "pending"]
     assert (tmp_path / EXPERIMENT).is_file()
 
 
@@ -169,14 +169,12 @@ def test_skipped_cells_are_recorded_with_their_reason(create, make_cell):
     assert (item.cell, item.status, item.reason) == (odd, "skipped", "takes discrete actions")
 
 
-def test_cell_is_done_when_its_manifest_says_so(create, cell):
+def test_cell_is_what_its_manifest_says(create, cell):
     """A failed cell is run again, a done one is not."""
     store = create(0)
-    found = [store.is_done(cell)]
     for status in ("done", "failed", "skipped"):
         _finish(store, cell, status=status)
-        found.append(store.is_done(cell))
-    assert found == [False, True, False, False]
+        assert store.examine(cell).status == status
 
 
 def test_partial_folder_is_no_result(create, cell, make_cell, tmp_path):
@@ -187,7 +185,7 @@ def test_partial_folder_is_no_result(create, cell, make_cell, tmp_path):
     partial.mkdir()
     Manifest(other, status="done").write(partial)
     assert [manifest.cell for manifest in store.manifests()] == [cell]
-    assert not store.is_done(other)
+    assert store.examine(other).status == "pending"
     store.discard_partial()
     assert [path.name for path in (tmp_path / "cells").iterdir()] == [cell.id]
 
@@ -250,7 +248,7 @@ def test_done_cell_is_never_touched(create, cell):
     create(skipped=((cell, "it cannot any more"),))
     store.record(cell, "failed", "too late")
     assert (store.cell_folder(cell) / TRACE).read_bytes() == b"rows"
-    assert store.is_done(cell)
+    assert store.examine(cell).status == "done"
 
 
 @pytest.mark.parametrize("name", [PLAN, EXPERIMENT])

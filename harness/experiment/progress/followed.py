@@ -10,7 +10,7 @@ from harness.experiment.progress.trackers import Tracking
 from harness.progress import RETURN, SUCCESS
 from harness.record.cell import Cell
 from harness.record.manifest import Manifest, read_manifest
-from harness.record.running import Running, discard_running, write_running
+from harness.record.running import RUNNING, Running, write_running
 from harness.record.store import Store
 
 NOTHING: Mapping[Cell, Manifest] = {}
@@ -67,7 +67,7 @@ class Followed:
         """Call this when no cell is running any more."""
         self._tracking.pass_on()
         self._tracking.close()
-        discard_running(self._store.folder)
+        (self._store.folder / RUNNING).unlink(missing_ok=True)
 
     def _end(self, event: Event) -> Event:
         """The event with what the cell's manifest says; leaves a manifest for a cell that could not leave one."""

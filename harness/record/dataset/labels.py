@@ -6,7 +6,9 @@ needs a threshold, ``KEY>0.5``.
 
 import csv
 import io
+import math
 import re
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -70,7 +72,10 @@ class SuccessRule:
         known &= flat != UNKNOWN
         odd = flat[known & (flat != FAILURE) & (flat != SUCCESS)]
         if len(odd):
-            raise UsageError(self._refused(noun, f"{odd[0]:g}"))
+            raise UsageError(
+                f"{noun} holds {odd[0]:g}, which is no label: 0, 1, false and true are, NaN and -1 are not known. Say "
+                f"from where on it is a success: --success '{self.key}>0.5'"
+            )
         told[known] = flat[known]
         return told
 
@@ -78,16 +83,12 @@ class SuccessRule:
         """The same of one value that holds for a whole episode; text and None as they stand in JSON and CSV."""
         if isinstance(value, bytes):
             value = value.decode(errors="replace")
-        if value is None:
-            return UNKNOWN
         if isinstance(value, str):
             return self._of_text(value, noun)
-        numbers = np.asarray(value).ravel()
-        if not len(numbers):
-            return UNKNOWN
+        numbers = np.asarray([] if value is None else value).ravel()
         if len(numbers) > 1:
             raise UsageError(f"{noun} holds {len(numbers):,} values, no label: name another key with --success")
-        return int(self.of_steps(numbers, noun)[0])
+        return int(self.of_steps(numbers, noun)[0]) if len(numbers) else UNKNOWN
 
     def _of_text(self, value: str, noun: str) -> int:
         text = value.strip().lower()
@@ -101,12 +102,6 @@ class SuccessRule:
             raise UsageError(f"{noun} says {shortened(value, 40)!r}: 0, 1, false and true are labels") from None
         return int(self.of_steps(np.array([number]), noun)[0])
 
-    def _refused(self, noun: str, value: str) -> str:
-        return (
-            f"{noun} holds {value}, which is no label: 0, 1, false and true are, NaN and -1 are not known. Say from "
-            f"where on it is a success: --success '{self.key}>0.5'"
-        )
-
 
 def parse_success(text: str) -> SuccessRule:
     """What ``--success`` says: ``KEY``, ``KEY>0.5``, also with ``>=``, ``<`` or ``<=``.
@@ -116,19 +111,12 @@ def parse_success(text: str) -> SuccessRule:
     """
     if not text:
         return SuccessRule()
-    found = _RULE.fullmatch(text)
-    threshold = _number(found["number"]) if found and found["number"] else 0.0
-    if found is None or threshold is None:
+    found, threshold = _RULE.fullmatch(text), math.nan
+    with suppress(ValueError):
+        threshold = float(found["number"] or 0.0) if found else threshold
+    if found is None or not math.isfinite(threshold):
         raise UsageError(f"--success {text}: write KEY, or KEY>0.5 with a number; >, >=, < and <= are allowed")
     return SuccessRule(found["key"], found["sign"] or "", threshold)
-
-
-def _number(text: str) -> float | None:
-    try:
-        value = float(text)
-    except ValueError:
-        return None
-    return value if np.isfinite(value) else None
 
 
 def read_labels(path: Path, rule: SuccessRule) -> dict[int, int]:

@@ -78,7 +78,9 @@ def open_dataset(text: str, registry: Registry, **settings: str | bool) -> Log:
     found = _TYPED.fullmatch(text)
     given: dict[str, Any] = {name: value for name, value in settings.items() if value}
     if found is None or found["format"] not in registry.names(LOGS):
-        _require_whole(Path(text))
+        if _is_hdf5(Path(text)):  # of one that is cut every format says that it is none of its own
+            with reading(Path(text), "HDF5 file"), open_hdf5(Path(text)):
+                pass
         logs = open_logs(Path(text), registry, **given)
     elif not found["place"]:
         raise UsageError(f"'{text}' names no data set: {SYNTAX}")
@@ -96,17 +98,6 @@ def _is_hdf5(path: Path) -> bool:
         return False
     with path.open("rb") as file:
         return file.read(len(HDF5_SIGNATURE)) == HDF5_SIGNATURE
-
-
-def _require_whole(path: Path) -> None:
-    """See that an HDF5 file can be opened: of one that is cut every format says that it is none of its own.
-
-    Raises:
-        SchemaError: It cannot.
-    """
-    if _is_hdf5(path):
-        with reading(path, "HDF5 file"), open_hdf5(path):
-            pass
 
 
 def dataset_facts(log: Log) -> DatasetFacts:
