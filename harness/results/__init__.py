@@ -9,7 +9,11 @@ from harness.results.results import Results as Results
 
 if TYPE_CHECKING:
     from harness.results.comparison import Behaviour as Behaviour, StepChange as StepChange
-    from harness.results.logs.trainings import sort_files as sort_files, sort_logs as sort_logs
+    from harness.results.logs.trainings import (
+        require_several as require_several,
+        sort_files as sort_files,
+        sort_logs as sort_logs,
+    )
     from harness.results.measured import measure as measure
     from harness.results.metrics import load_metrics as load_metrics
     from harness.results.overview import pay_texts as pay_texts

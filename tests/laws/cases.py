@@ -396,15 +396,15 @@ CASES = [
     ),
     Case(
         "names-seed-first", seeds_first, "report names-seed-first", BETTER,
-        (9, 42.9, 68.5, 83.5), (5,) * 4, is_asked=True, untrue=r"\{reward\}/\D*\{seed\}", law="names",
+        (9, 42.9, 68.5, 83.5), (5,) * 4, is_asked=True, untrue=r"\{reward\}/\D*\{seed\}",
     ),
     Case(
         "names-run-is-reward", run_is_reward, "report names-run-is-reward", ("learns faster | helps",),
-        (6.6, 24.8, 32.9, 43.7, 54.3, 80.6), (5,) * 6, is_asked=True, untrue=r"\{seed\}_\{reward\}", law="names",
+        (6.6, 24.8, 32.9, 43.7, 54.3, 80.6), (5,) * 6, is_asked=True, untrue=r"\{seed\}_\{reward\}",
     ),
     Case(
         "names-weights-pooled", weights_pooled, "report names-weights-pooled", NO_DIFFERENCE, (), (5, 1, 1, 1, 1),
-        is_asked=True, untrue=r"\{seed\}", law="names",
+        is_asked=True, untrue=r"\{reward\}_\{seed\}",
     ),
     Case("tb-one-folder", one_folder, "report tb-one-folder --sort '{reward}/*'", BETTER, **OWN, law="names"),
     Case("tb-one-folder", one_folder, "report tb-one-folder", BETTER, **OWN, law="names"),
@@ -434,14 +434,17 @@ CASES = [
     Case("two-agents", each("{reward}/{seed}.csv", agents), "eta two-agents", NO_DIFFERENCE, (), (5, 5),
          is_asked=True, law="advice"),
     *(
-        Case("tb-csv-two-tags", each("run-{reward}_{seed}-tag-{tag}.csv", exported), line, BETTER, **OWN, law="columns")
-        for line in ("report tb-csv-two-tags", "report tb-csv-two-tags --sort 'run-{reward}_{seed}-tag-*'")
+        Case("tb-csv-two-tags", each("run-{reward}_{seed}-tag-{tag}.csv", exported), line, BETTER, **OWN, law=law)
+        for line, law in (
+            ("report tb-csv-two-tags", "columns"),
+            ("report tb-csv-two-tags --sort 'run-{reward}_{seed}-tag-*'", ""),
+        )
     ),
     Case(
         "cleanrl-exp-name", named_by_experiment, f"report cleanrl-exp-name {CLEANRL}", FASTER, (54.8, 86.7),
         law="columns",
     ),
-    Case("prefix-copies", prefixes, "report prefix-copies", BETTER, **OWN, law="copies"),
+    Case("prefix-copies", prefixes, "report prefix-copies", BETTER, **OWN),
     Case("wandb-step-axis", charted, "report wandb-step-axis", **CALLS, law="times"),
     Case("isaac-iterations", isaac, "report isaac-iterations", **LATE, law="times"),
 ]  # fmt: skip

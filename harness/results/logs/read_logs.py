@@ -38,17 +38,12 @@ Other: TypeAlias = tuple[Path, str]
 FLAG = "--sort '{reward}/{seed}' says how their names are made, --as FORMAT reads one format alone"
 
 
-def require_comparable(found: Sorted, *, is_told: bool = False) -> None:
-    """Check that trainings are of one environment and algorithm, kept in one way; and that each reward taught several.
-
-    Args:
-        found: The trainings.
-        is_told: Whether the user said which they are: a reward may then have taught one.
+def require_comparable(trainings: Sequence[Training]) -> None:
+    """Check that trainings are of one environment and algorithm, and kept in one way.
 
     Raises:
         UsageError: They are not; says what was found, and the flags that say it otherwise.
     """
-    trainings = found.trainings
     _require_one(trainings, lambda it: it.logs[0].facts.env, "mixes trainings in several envs", "Name one env's folder")
     algorithm = "mixes trainings by several algorithms"
     _require_one(trainings, lambda it: it.logs[0].facts.algorithm, algorithm, "Name one algorithm's folder")
@@ -59,18 +54,6 @@ def require_comparable(found: Sorted, *, is_told: bool = False) -> None:
                 "--sort '{reward}/{seed}' says that each is a training"
             )
     _require_one(trainings, _unit_of, "cannot compare logs of several kinds", FLAG)
-    counts = {name: sum(it.reward == name for it in trainings) for name in found.rewards}
-    single = [name for name, count in counts.items() if count < 2]
-    if single and len(counts) > 1 and not is_told:
-        more = f" and {len(single) - 3} more" if len(single) > 3 else ""
-        alone = f"There is one training alone of {listed([*single[:3]])}{more}, and chance cannot be told from one"
-        batch = next((it for it in trainings if it.reward in single and len(it.logs) > 1), None)
-        if batch:
-            raise UsageError(
-                f"{alone}: the {len(batch.logs)} files in {batch.shown} are environments of one training, as their "
-                "episodes end in step. --sort '{reward}/{seed}' says that each file is a training"
-            )
-        raise UsageError(f"By the names of their files these are {found.sentence}. {alone}: {FLAG}")
 
 
 def _unit_of(training: Training) -> str:
@@ -188,8 +171,6 @@ def runs_of(
     deciding: Deciding = SUCCESS_DECIDES,
     other: Iterable[Other] = (),
     leave_out: Collection[Path] = (),
-    *,
-    is_told: bool = False,
 ) -> Runs:
     """Sorted trainings that can be compared.
 
@@ -198,13 +179,12 @@ def runs_of(
         deciding: What decides; ``success`` where it is told, if the user says nothing.
         other: See `account_of`.
         leave_out: What the user leaves out.
-        is_told: Whether the user said which trainings there are.
 
     Raises:
         UsageError: They cannot be compared, or the measure is not told.
         SchemaError: A log is damaged.
     """
-    require_comparable(found, is_told=is_told)
+    require_comparable(found.trainings)
     for training in found.trainings:
         require_ends(training.logs[0])
     logs = [log for it in found.trainings for log in it.all_logs]

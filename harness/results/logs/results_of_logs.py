@@ -16,7 +16,7 @@ from harness.registry.registry import Registry
 from harness.results.logs.labels import labelled
 from harness.results.logs.read_logs import Other, runs_of
 from harness.results.logs.told import FOUND_OUT, Told
-from harness.results.logs.trainings import Sorted, sort_files, sort_logs, with_reward
+from harness.results.logs.trainings import Sorted, require_several, sort_files, sort_logs, with_reward
 from harness.results.recordings.read_runs import LooseStore
 from harness.results.results import Results
 from harness.text import command_text
@@ -58,6 +58,8 @@ def results_of_logs(
         )
     place = folder if folder.is_dir() else folder.parent
     sorted_ = sort_logs(place, logs, told.sort, told.baseline)
+    if not told.sort:
+        require_several(place, sorted_)
     unread, lines = _unread(folder, found, sorted_)
     sorted_ = sorted_._replace(notes=(*sorted_.notes, *lines))
     return _results(place, registry, sorted_, told, kind, [*other, *unread], metrics, pairs=pairs)
@@ -123,7 +125,7 @@ def results_of_groups(
     ]
     kept, other = _kept(logs, told)
     found = sort_logs(place, _absolute(kept), told.sort, names[0])
-    return _results(place, registry, found, told, kind, [*dropped, *other], is_told=True)
+    return _results(place, registry, found, told, kind, [*dropped, *other])
 
 
 def _opened(path: Path, registry: Registry, named: str) -> tuple[Log, ...]:
@@ -140,7 +142,7 @@ def _absolute(logs: Iterable[Log]) -> list[Log]:
 def _group_names(place: Path, groups: Sequence[Sequence[Path]]) -> list[str]:
     """The reward that the names of each group's files tell; what they are to the user where they tell none."""
     absolute = [[path.absolute() for path in paths] for paths in groups]
-    sorted_ = sort_files(place, [path for paths in absolute for path in paths])
+    sorted_ = sort_files(place, [path for paths in absolute for path in paths], is_asked=False)
     told = [[name for name, of in sorted_.items() if {*of} & {*paths}] for paths in absolute]
     ours, theirs = told
     return [*ours, *theirs] if len(ours) == len(theirs) == 1 and ours != theirs else ["baseline", "proposed"]
@@ -156,12 +158,11 @@ def _results(
     metrics: Iterable[str] | None = None,
     *,
     pairs: bool = False,
-    is_told: bool = False,
 ) -> Results:
     found = _in_steps(found, registry, told)
     if told.labels is not None:
         found = labelled(found, place, told.labels)
-    runs = runs_of(found, told.deciding, other, told.leave_out, is_told=is_told or bool(told.sort))
+    runs = runs_of(found, told.deciding, other, told.leave_out)
     return Results(place, registry, kind, metrics=metrics, store=LooseStore(place, runs), pairs=pairs)
 
 

@@ -6,15 +6,15 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
 from harness.errors import UsageError
 from harness.eta.amounts import listed
 from harness.log import Log, Unit
-from harness.log.log import BEHAVIOUR, REWARD, SUCCESS
-from harness.results.logs.names import Named, Templates, in_lockstep, sort_by_template, sort_names, templates_of
+from harness.log.log import BEHAVIOUR, REWARD, SUCCESS, TIME
+from harness.results.logs.names import Named, in_lockstep, question, sort_by_template, sort_names, templates_of
 
 UNITS: tuple[Unit, ...] = ("step", "episode", "point")
 """The finest first."""
@@ -27,6 +27,10 @@ NUMBERED = re.compile("[0-9]+([.][0-9]+)*")
 """Names of files which a batch of environments writes: a number, or one of a process and one of its environment."""
 EVALUATED = re.compile("eval(uation)?s?([-_](env|logs?|monitor))?", re.IGNORECASE)
 """Names of files and folders of an environment in which policies were evaluated."""
+FEWEST = 5
+"""Values that the beginning of a training has to have, so that an equal one is no chance."""
+Key: TypeAlias = tuple[str, int | None, str]
+"""The reward and the seed of a training; without a seed, the name that says it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,43 +115,73 @@ def sort_logs(folder: Path, logs: Sequence[Log], template: str = "", baseline: s
         baseline: The reward that the others are compared with; found by its name if empty.
 
     Raises:
-        UsageError: Two logs are of one reward and one seed, a name does not fit the template, or there is no such
-            reward.
+        UsageError: Names can be read in two ways, two logs are of one reward and one seed, a name does not fit the
+            template, or there is no such reward.
     """
-    logs, notes = _without_evaluated(folder, logs)
-    names = _names_of(folder, logs, notes if not template else None)
-    named = _named(folder, logs, names, template)
-    primary = _primary(logs)
-    homes = _homes(folder, [(log, of) for log, of in zip(logs, named, strict=True) if _kind(log) == primary])
-    found: dict[tuple[str, int | None, str], list[Log]] = {}
-    for log, of in zip(logs, named, strict=True):
-        home = of if _kind(log) == primary or template else _home_of(folder, log, homes) or of
-        key = (home.reward, home.seed, home.place if home.seed is None else "")
-        found.setdefault(key, []).append(log)
-    best = {key: _best_of(key, of, names, logs, is_told=bool(template)) for key, of in found.items()}
-    trainings, copies = _without_copies(_with_seeds(best, notes))
+    notes: list[str] = []
+    logs = _without_evaluated(folder, logs, notes)
+    names = [_name_of(folder, log.facts.path, log.facts.run) for log in logs]
+    if all(map(NUMBERED.fullmatch, names)):  # of one reward, whose name is the folder's
+        names = [f"{folder.resolve().name}/{name}" for name in names]
+    places = names if template else _with_batches(folder, logs, names, notes)
+    named = _named(folder, logs, places, template)
+    found: dict[Key, list[tuple[Log, str]]] = {}
+    for log, of, place in zip(logs, _at_home(folder, logs, named, template), places, strict=True):
+        found.setdefault((of.reward, of.seed, of.place if of.seed is None else ""), []).append((log, place))
+    best = {key: _best_of(key, of, is_told=bool(template)) for key, of in found.items()}
+    trainings = _without_copies(_with_seeds(best, notes), notes)
     if not template:
-        _require_apart(trainings)
-    notes += [*copies, *_left_out(logs, trainings)]
+        _require_apart(folder, trainings)
+    notes += _left_out(logs, trainings)
     first = _baseline(baseline, dict.fromkeys(it.reward for it in trainings))
     ordered = sorted(trainings, key=lambda it: (it.reward != first, it.reward, it.seed))
     return Sorted(tuple(ordered), tuple(notes))
 
 
-def sort_files(folder: Path, files: Sequence[Path], template: str = "", baseline: str = "") -> dict[str, list[Path]]:
+def require_several(folder: Path, found: Sorted) -> None:
+    """Check that each reward has taught several trainings, or one reward all: mistaken names look like that.
+
+    Args:
+        folder: Where they lie.
+        found: The trainings, sorted by names alone.
+
+    Raises:
+        UsageError: One taught a single one; says the flags that say it otherwise.
+    """
+    counts = {name: sum(it.reward == name for it in found.trainings) for name in found.rewards}
+    single = [name for name, count in counts.items() if count < 2]
+    if not single or len(counts) < 2:
+        return
+    more = f" and {len(single) - 3} more" if len(single) > 3 else ""
+    alone = f"There is one training alone of {listed(single[:3])}{more}, and chance cannot be told from one"
+    batch = next((it for it in found.trainings if it.reward in single and len(it.logs) > 1), None)
+    if batch:
+        way, each = _ways(folder, [it.path for it in found.trainings if len(it.logs) > 1])
+        raise UsageError(
+            f"{alone}: the {len(batch.logs)} files in {batch.shown} are environments of one training, as their "
+            f"episodes end in step. --sort '{each}' says that each file is a training, --sort '{way}' that they are not"
+        )
+    names = dict.fromkeys(_name_of(folder, it.path, it.logs[0].facts.run) for it in found.trainings)
+    raise question([*names], f"say that these are {found.sentence}. {alone}")
+
+
+def sort_files(
+    folder: Path, files: Sequence[Path], template: str = "", baseline: str = "", *, is_asked: bool = True
+) -> dict[str, list[Path]]:
     """The files of each reward, the baseline's first, by their names alone; see `sort_logs`."""
-    names = [_name_of(folder, path, "") for path in files]
     found: dict[str, list[Path]] = {}
-    for path, of in zip(files, _sorted(folder, names, template), strict=True):
+    named = _sorted(folder, [_name_of(folder, it) for it in files], template, is_asked=is_asked)
+    for path, of in zip(files, named, strict=True):
         found.setdefault(of.reward, []).append(path)
     first = _baseline(baseline, found)
     return {name: found[name] for name in sorted(found, key=lambda name: (name != first, name))}
 
 
-def _sorted(folder: Path, names: Sequence[str], template: str) -> list[Named]:
+def _sorted(folder: Path, names: Sequence[str], template: str, *, is_asked: bool) -> list[Named]:
     """What each name says; where none says what the reward is, the folder has its name."""
     different = list(dict.fromkeys(names))
-    of = dict(zip(different, sort_by_template(template, different) if template else sort_names(different), strict=True))
+    found = sort_by_template(template, different) if template else sort_names(different, is_asked=is_asked)
+    of = dict(zip(different, found, strict=True))
     return [of[name]._replace(reward=of[name].reward or folder.resolve().name) for name in names]
 
 
@@ -155,105 +189,34 @@ def _kind(log: Log) -> tuple[str, bool]:
     return log.facts.format, log.facts.evaluation
 
 
-def _primary(logs: Sequence[Log]) -> tuple[str, bool]:
-    """The kind of log that the most is told by: no evaluation, of the finest unit, and of most trainings."""
-    kinds = {_kind(log): log for log in logs}
-    counts = {kind: sum(_kind(log) == kind for log in logs) for kind in kinds}
-    return min(kinds, key=lambda kind: (kind[1], UNITS.index(kinds[kind].facts.unit), -counts[kind], kind[0]))
-
-
-def _without_evaluated(folder: Path, logs: Sequence[Log]) -> tuple[Sequence[Log], list[str]]:
-    """The logs without what Monitor wrote of evaluations, which counts no steps of the training; and a line of them."""
-    evaluated = [log for log in logs if "seconds" in log and any(map(EVALUATED.fullmatch, _parts(folder, log)))]
-    if not evaluated or len(evaluated) == len(logs):
-        return logs, []
-    left = {id(log) for log in evaluated}
-    told = (
-        f"Left out: {len(evaluated)} of Monitor that are called evaluations, such as '{evaluated[0].facts.path}'. They "
-        "do not tell after how many steps of the training they were made"
+def _without_evaluated(folder: Path, logs: Sequence[Log], notes: list[str]) -> Sequence[Log]:
+    """The logs without what Monitor wrote of evaluations, which counts no steps of the training; a note tells it."""
+    left = [log for log in logs if "seconds" in log and any(map(EVALUATED.fullmatch, _parts(folder, log.facts.path)))]
+    if not left or len(left) == len(logs):
+        return logs
+    notes.append(
+        f"Left out: {len(left)} of Monitor that are called evaluations, such as '{left[0].facts.path}'. They do not "
+        "tell after how many steps of the training they were made"
     )
-    return [log for log in logs if id(log) not in left], [told]
-
-
-def _parts(folder: Path, log: Log) -> list[str]:
-    path = log.facts.path
-    below = path.relative_to(folder) if path.is_relative_to(folder) else path
-    return [*below.parent.parts, _stem(path.name)]
+    return [log for log in logs if log not in left]
 
 
 # Names
 
 
-def _names_of(folder: Path, logs: Sequence[Log], notes: list[str] | None) -> dict[int, str]:
-    """By position of the log, the name that says its reward and seed.
-
-    Args:
-        folder: Where they lie.
-        logs: All of them.
-        notes: Takes how numbered files are read; None if files of one folder are not looked at.
-    """
-    names = {number: _name_of(folder, log.facts.path, log.facts.run) for number, log in enumerate(logs)}
-    if all(map(NUMBERED.fullmatch, names.values())):  # of one reward, whose name is the folder's
-        names = {number: f"{folder.resolve().name}/{name}" for number, name in names.items()}
-    if notes is None:
-        return names
-    beside: dict[Path, list[int]] = {}
-    for number, log in enumerate(logs):
-        if _may_be_of_a_batch(log):
-            beside.setdefault(log.facts.path.parent, []).append(number)
-    several = {place: of for place, of in beside.items() if len(_distinct(logs[it] for it in of)) > 1}
-    ways = dict(zip(several, templates_of([_place_name(folder, place) for place in several]), strict=True))
-    together = {place: in_lockstep(logs[it] for it in of) for place, of in several.items()}
-    known = {it for it in together.values() if it is not None}
-    for place, is_one in together.items():
-        if is_one is None and len(known) != 1:  # folders beside one another were written by one program
-            raise UsageError(_doubt_told(place, len(several[place]), ways[place]))
-    batches = {place: of for place, of in several.items() if together[place] or known == {True}}
-    for place, of in batches.items():
-        names |= dict.fromkeys(of, _place_name(folder, place))
-    if batches:
-        place, of = next(iter(batches.items()))
-        notes.append(
-            f"The numbered files of a folder are read as environments of one training, as the {len(of)} in '{place}': "
-            f"their episodes end in step. If each is a training, say --sort '{ways[place].each_file}'"
-        )
-    return names
+def _parts(folder: Path, path: Path) -> list[str]:
+    """The folders below `folder` in which a log lies, and the name of its file without an ending."""
+    below = path.relative_to(folder) if path.is_relative_to(folder) else path
+    return [*below.parts] if path.is_dir() else [*below.parent.parts, _stem(path.name)]
 
 
-def _doubt_told(place: Path, count: int, ways: Templates) -> str:
-    """What to say of numbered files that may be one training or several."""
-    return (
-        f"'{place}' holds {count} numbered files of Monitor: of one training's environments, or of {count} trainings? "
-        f"Their times do not tell. Say --sort '{ways.folder}' if a folder is one training, --sort '{ways.each_file}' "
-        "if each file is one"
-    )
-
-
-def _may_be_of_a_batch(log: Log) -> bool:
-    """Whether it is of Monitor, and its file is called 0, 1, 2, or 0.1, as a batch of environments calls its files."""
-    is_trained = log.facts.unit == "episode" and not log.facts.evaluation and not log.facts.run
-    return is_trained and "seconds" in log and _is_numbered(log)
-
-
-def _is_numbered(log: Log) -> bool:
-    return NUMBERED.fullmatch(_stem(log.facts.path.name)) is not None
-
-
-def _name_of(folder: Path, path: Path, run: str) -> str:
+def _name_of(folder: Path, path: Path, run: str = "") -> str:
     """The path below the folder without what says nothing, and what the file calls the training."""
-    place = path if path.is_dir() else path.parent
-    parts = [] if path.is_dir() else [_stem(path.name)]
-    if parts and (parts[0].lower() in PLAIN_FILES or parts[0].startswith(EVENTS)):
-        parts = []
-    inside = _place_name(folder, place, is_whole=not (parts or run))
-    return "/".join(filter(None, [inside, *parts, run]))
-
-
-def _place_name(folder: Path, place: Path, *, is_whole: bool = True) -> str:
-    """The name of a folder below another one; that folder's own name if nothing else says anything."""
-    below = place.relative_to(folder).parts if place.is_relative_to(folder) else place.parts
-    said = [part for part in below if part.lower() not in PLAIN_FOLDERS]
-    return "/".join(said) or (folder.resolve().name if is_whole else "")
+    parts = _parts(folder, path)
+    if not path.is_dir() and (parts[-1].lower() in PLAIN_FILES or parts[-1].startswith(EVENTS)):
+        parts.pop()
+    said = [part for part in parts if part.lower() not in PLAIN_FOLDERS]
+    return "/".join(filter(None, [*said, run])) or folder.resolve().name
 
 
 def _stem(name: str) -> str:
@@ -261,12 +224,56 @@ def _stem(name: str) -> str:
     return name[: -len(ending)] if ending else name if name.startswith(EVENTS) else Path(name).stem
 
 
-def _named(folder: Path, logs: Sequence[Log], names: Mapping[int, str], template: str) -> list[Named]:
+def _ways(folder: Path, places: Iterable[Path]) -> tuple[str, str]:
+    """The templates by which each folder is one training, and by which each of its files is."""
+    way = templates_of([*dict.fromkeys(_name_of(folder, it) for it in places)])[0]
+    return way, f"{way.replace('{seed}', '*')}/{'*' if '{seed}' in way else '{seed}'}"
+
+
+def _with_batches(folder: Path, logs: Sequence[Log], names: Sequence[str], notes: list[str]) -> list[str]:
+    """The names; of numbered files of Monitor that are environments of one training, their folder's name.
+
+    Raises:
+        UsageError: Nobody can tell whether they are; says both flags.
+    """
+    beside: dict[Path, list[Log]] = {}
+    for log in logs:
+        if "seconds" in log and not log.facts.run and NUMBERED.fullmatch(_stem(log.facts.path.name)):
+            beside.setdefault(log.facts.path.parent, []).append(log)
+    several = {place: of for place, of in beside.items() if len(_distinct(of)) > 1}
+    together = {place: in_lockstep(of) for place, of in several.items()}
+    known = {*together.values()} - {None}
+    batches = [place for place, is_one in together.items() if is_one or known == {True}]
+    doubtful = [place for place, is_one in together.items() if is_one is None and len(known) != 1]
+    if doubtful:  # folders beside one another were written by one program
+        way, each = _ways(folder, several)
+        count = len(several[doubtful[0]])
+        raise UsageError(
+            f"'{doubtful[0]}' holds {count} numbered files of Monitor: of one training's environments, or of {count} "
+            f"trainings? Their times do not tell. Say --sort '{way}' if a folder is one training, --sort '{each}' if "
+            "each file is one"
+        )
+    if batches:
+        notes.append(
+            f"The numbered files of a folder are read as environments of one training, as the "
+            f"{len(several[batches[0]])} in '{batches[0]}': their episodes end in step. If each is a training, say "
+            f"--sort '{_ways(folder, several)[1]}'"
+        )
+    members = {id(log): place for place in batches for log in several[place]}
+    return [
+        _name_of(folder, members[id(log)]) if id(log) in members else name
+        for log, name in zip(logs, names, strict=True)
+    ]
+
+
+def _named(folder: Path, logs: Sequence[Log], names: Sequence[str], template: str) -> list[Named]:
     """What each log, or its name, says: names are sorted among logs of the same kind."""
     found: dict[int, Named] = {}
     for kind in dict.fromkeys(map(_kind, logs)):
         numbers = [number for number, log in enumerate(logs) if _kind(log) == kind]
-        found |= dict(zip(numbers, _sorted(folder, [names[number] for number in numbers], template), strict=True))
+        is_asked = any(not logs[number].facts.trained_with for number in numbers)
+        of = _sorted(folder, [names[number] for number in numbers], template, is_asked=is_asked)
+        found |= dict(zip(numbers, of, strict=True))
     if template:
         return [found[number] for number in range(len(logs))]
     return [
@@ -281,111 +288,106 @@ def _named(folder: Path, logs: Sequence[Log], names: Mapping[int, str], template
 # What belongs together
 
 
-def _homes(folder: Path, logs: Iterable[tuple[Log, Named]]) -> dict[Path, Named]:
-    """Folders in which one training alone lies."""
-    found: dict[Path, dict[Named, None]] = {}
-    for log, of in logs:
-        found.setdefault(_home(folder, log), {})[of] = None
-    return {place: next(iter(of)) for place, of in found.items() if len(of) == 1}
+def _at_home(folder: Path, logs: Sequence[Log], named: Sequence[Named], template: str) -> list[Named]:
+    """The training of each log: of one that says little, the one that lies alone in its folder, or in one above it."""
+    kinds = {_kind(log): log for log in logs}
+    counts = {kind: sum(_kind(log) == kind for log in logs) for kind in kinds}
+    most = min(kinds, key=lambda kind: (kind[1], UNITS.index(kinds[kind].facts.unit), -counts[kind], kind[0]))
+    homes = [log.facts.path if log.facts.path.is_dir() else log.facts.path.parent for log in logs]
+    for number, place in enumerate(homes):
+        plain = [it for it in (place, *place.parents) if it == folder or it.name.lower() not in PLAIN_FOLDERS]
+        homes[number] = plain[0]
+    living: dict[Path, set[Named]] = {}
+    for log, of, home in zip(logs, named, homes, strict=True):
+        if _kind(log) == most:
+            living.setdefault(home, set()).add(of)
+    found = []
+    for log, of, home in zip(logs, named, homes, strict=True):
+        above = [it for it in (home, *home.parents) if it in living and len(living[it]) == 1]
+        is_own = template or _kind(log) == most or not above or not above[0].is_relative_to(folder)
+        found.append(of if is_own else next(iter(living[above[0]])))
+    return found
 
 
-def _home(folder: Path, log: Log) -> Path:
-    path = log.facts.path
-    place = path if path.is_dir() else path.parent
-    while place.name.lower() in PLAIN_FOLDERS and place != folder:
-        place = place.parent
-    return place
-
-
-def _home_of(folder: Path, log: Log, homes: Mapping[Path, Named]) -> Named | None:
-    """The training in whose folder, or in a folder of it, a log lies."""
-    place = _home(folder, log)
-    while place not in homes and place not in (folder, place.parent):
-        place = place.parent
-    return homes.get(place)
-
-
-def _best_of(
-    key: tuple[str, int | None, str], of: Sequence[Log], names: Mapping[int, str], logs: Sequence[Log], *, is_told: bool
-) -> tuple[tuple[Log, ...], Log | None]:
+def _best_of(key: Key, of: Sequence[tuple[Log, str]], *, is_told: bool) -> tuple[tuple[Log, ...], Log | None]:
     """The log that tells a training best, of all of its logs, and the one of its evaluations.
 
-    A log of success is better than one of returns alone, then the one of the finest unit is.
+    A log of success is better than one of returns alone, then the one of the finest unit is. Only files of Monitor can
+    be of environments that one training steps together.
     """
-    evaluations = sorted((log for log in of if log.facts.evaluation), key=_fineness)
+
+    def fineness(log: Log) -> tuple[int, str]:
+        return UNITS.index(log.facts.unit), str(log.facts.path)
+
+    evaluations = sorted((log for log, _ in of if log.facts.evaluation), key=fineness)
     evaluation = evaluations[0] if evaluations else None
+    trained = [log for log, _ in of if not log.facts.evaluation]
     has_success = evaluation is not None and SUCCESS in evaluation.measures
-    kinds: dict[tuple[str, bool], list[Log]] = {}
-    for log in of:
-        kinds.setdefault(_kind(log), []).append(log)
-    trained = [some for kind, some in kinds.items() if not kind[1]]
-    if not trained:
-        _require_one(key, [log for log in evaluations if _kind(log) == _kind(evaluations[0])])
-        return (evaluations[0],), None
-    best = min(trained, key=lambda some: (not has_success and SUCCESS not in some[0].measures, *_fineness(some[0])))
-    numbers = {id(log): number for number, log in enumerate(logs)}
-    is_batch = len({names[numbers[id(log)]] for log in best}) == 1 and all(map(_is_numbered, best))
-    if not (is_told and len({log.facts.path.parent for log in best}) == 1) and not is_batch:
-        _require_one(key, best)
-    return tuple(_distinct(best)), evaluation
+    first, *_ = sorted(
+        trained or evaluations, key=lambda log: (not has_success and SUCCESS not in log.measures, *fineness(log))
+    )
+    best = [(log, name) for log, name in of if _kind(log) == _kind(first)]
+    logs = _distinct(log for log, _ in best)
+    is_batch = len({name for _, name in best}) == 1 and all(
+        NUMBERED.fullmatch(_stem(it.facts.path.name)) for it in logs
+    )
+    can_be = all("seconds" in log for log in logs) and len({log.facts.path.parent for log in logs}) == 1
+    if not (can_be and (is_batch or is_told)):
+        logs = [_joined(key, logs)]
+    return tuple(logs), evaluation if trained else None
 
 
-def _fineness(log: Log) -> tuple[int, str]:
-    return UNITS.index(log.facts.unit), str(log.facts.path)
+def _joined(key: Key, logs: Sequence[Log]) -> Log:
+    """The one log of a training; of several that tell other columns at the same times, all of their columns.
 
-
-def _require_one(key: tuple[str, int | None, str], logs: Sequence[Log]) -> None:
-    first, *others = _distinct(logs)
-    if others:
-        reward, seed, _ = key
-        raise UsageError(
-            f"'{first.facts.path}' and '{others[0].facts.path}' were both trained with {reward} and seed {seed}: keep "
-            "one, or say how names are made, such as --sort '{reward}/{seed}'"
-        )
+    Raises:
+        UsageError: Two logs tell the same of one training.
+    """
+    whole = logs[0]
+    for log in logs[1:]:
+        new = {name: log[name] for name in (*log.names,) if name.startswith((REWARD, BEHAVIOUR))}
+        if any(name in whole for name in new) or not np.array_equal(whole[TIME], log[TIME]):
+            raise UsageError(
+                f"'{whole.facts.path}' and '{log.facts.path}' were both trained with {key[0]} and seed {key[1]}: keep "
+                "one, or say how names are made, such as --sort '{reward}/{seed}'"
+            )
+        whole = whole.add(new)
+    return whole
 
 
 def _distinct(logs: Iterable[Log]) -> list[Log]:
-    found: dict[str, Log] = {}
-    for log in logs:
-        found.setdefault(digest_of([log]) or str(log.facts.path), log)
-    return list(found.values())
+    return list({digest_of([log]) or str(log.facts.path): log for log in [*logs][::-1]}.values())[::-1]
 
 
-def _require_apart(trainings: Iterable[Training]) -> None:
+def _require_apart(folder: Path, trainings: Iterable[Training]) -> None:
     """Check that trainings of one reward are not environments of one, whatever their files are called.
 
     Raises:
         UsageError: Two are: says which, and the flag that says it otherwise.
     """
-    of: dict[str, list[tuple[float, Training]]] = {}
-    for training in trainings:
-        started = training.logs[0].facts.started
-        if started is not None and training.logs[0].facts.unit == "episode":
-            of.setdefault(training.reward, []).append((started, training))
-    for reward, some in of.items():
-        in_order = [training for _, training in sorted(some, key=lambda it: it[0])]
-        for first, second in pairwise(in_order):  # environments of one training are begun one after the other
-            if in_lockstep([*first.logs, *second.logs]):
-                raise UsageError(
-                    f"{first.shown} and {second.shown} look like two trainings of {reward} by their names, and like "
-                    "two environments of one by their times: their episodes end in step. --sort '{reward}' says that a "
-                    "folder is one, --sort '{reward}/*' that each file is"
-                )
+    begun = [(it.logs[0].facts.started, it) for it in trainings if it.logs[0].facts.unit == "episode"]
+    in_order = sorted(
+        (it.reward, started, number, it) for number, (started, it) in enumerate(begun) if started is not None
+    )
+    for (reward, *_, first), (other, *_, second) in pairwise(in_order):
+        if reward == other and in_lockstep([*first.logs, *second.logs]):  # environments are begun one after the other
+            way, each = _ways(folder, [log.facts.path.parent for _, it in begun for log in it.logs])
+            raise UsageError(
+                f"{first.shown} and {second.shown} look like two trainings of {reward} by their names, and like two "
+                f"environments of one by their times: their episodes end in step. --sort '{way}' says that a folder is "
+                f"one, --sort '{each}' that each file is"
+            )
 
 
-def _with_seeds(
-    best: Mapping[tuple[str, int | None, str], tuple[tuple[Log, ...], Log | None]], notes: list[str]
-) -> list[Training]:
+def _with_seeds(best: Mapping[Key, tuple[tuple[Log, ...], Log | None]], notes: list[str]) -> list[Training]:
     """Whoever has no seed gets the lowest number that is free."""
-    taken: dict[str, set[int]] = {}
-    for reward, seed, _ in best:
-        taken.setdefault(reward, set()).update([] if seed is None else [seed])
-    found, numbered = [], 0
+    taken = {(reward, seed) for reward, seed, _ in best}
+    found = []
     for (reward, told, _), (logs, evaluation) in best.items():
-        numbered += told is None
-        seed = next(free for free in range(len(best)) if free not in taken[reward]) if told is None else told
-        taken[reward].add(seed)
+        seed = next(it for it in range(len(best)) if (reward, it) not in taken) if told is None else told
+        taken.add((reward, seed))
         found.append(Training(reward, seed, logs, evaluation))
+    numbered = sum(told is None for _, told, _ in best)
     if numbered and len(found) > len({it.reward for it in found}):
         notes.append(f"{numbered} of {len(found)} trainings tell no seed: numbered in the order of their names")
     return found
@@ -403,16 +405,43 @@ def digest_of(logs: Sequence[Log]) -> str:
     return digest.hexdigest() if varies else ""
 
 
-def _without_copies(trainings: Sequence[Training]) -> tuple[list[Training], list[str]]:
-    """Each training once, though its rows may lie in several files; and a line for each copy."""
-    found: dict[tuple[str, str], Training] = {}
-    notes: list[str] = []
-    for training in trainings:
-        digest = digest_of(training.logs)
-        first = found.setdefault((training.reward, digest or training.shown), training)
-        if first is not training:
-            notes.append(f"{training.shown} is equal to {first.shown}: the training counts once")
-    return list(found.values()), notes
+def _without_copies(trainings: Sequence[Training], notes: list[str]) -> list[Training]:
+    """Each training once, though its rows, or the first of them, may lie in several files; a note tells each copy."""
+    alike: dict[tuple[bytes, ...], list[Training]] = {}
+    copies = []
+    for training in sorted(trainings, key=lambda it: -sum(map(len, it.logs))):
+        names = sorted(training.logs[0].names)
+        begin = next(training.logs[0].pieces(names, FEWEST), None)
+        others = alike.setdefault(tuple(begin[name].tobytes() for name in names) if begin else (), [])
+        whole = [it for it in others if _is_part(training, it)]
+        same = next((it for it in whole if it.reward == training.reward), None)
+        if same:
+            copies.append(training)
+            equal = "equal to" if len(same.logs[0]) == len(training.logs[0]) else "the beginning of"
+            notes.append(f"{training.shown} is {equal} {same.shown}: the training counts once")
+        elif whole and len(whole[0].logs[0]) > len(training.logs[0]):
+            notes.append(
+                f"{training.shown} of {training.reward} is the beginning of {whole[0].shown} of {whole[0].reward}"
+            )
+        others.append(training)
+    return [it for it in trainings if it not in copies]
+
+
+def _is_part(training: Training, whole: Training) -> bool:
+    """Whether a training's rows are all rows of another one, or its first; they have to vary to say so."""
+    values = 0
+    for log, other in zip(training.logs, whole.logs, strict=False):
+        names = sorted(log.names)
+        if len(training.logs) != len(whole.logs) or names != sorted(other.names):
+            return False
+        for piece, longer in zip(log.pieces(names), other.pieces(names), strict=False):
+            for name in names:
+                own = piece[name]
+                if own.tobytes() != longer[name][: len(own)].tobytes():
+                    return False
+                if name.startswith((REWARD, BEHAVIOUR)):
+                    values = max(values, len(np.unique(own)))
+    return values >= (FEWEST if sum(map(len, training.logs)) < sum(map(len, whole.logs)) else 2)
 
 
 def _left_out(logs: Sequence[Log], trainings: Sequence[Training]) -> list[str]:

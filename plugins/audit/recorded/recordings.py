@@ -83,7 +83,7 @@ def audit_logs(path: Path, found: Found, only: Sequence[str] = (), sort: str = "
         raise UsageError(". ".join([f"'{path}' holds no log that is read: harness describe logs tells which", *left]))
     folder = path if path.is_dir() else path.parent
     sorted_ = sort_logs(folder, found.logs, sort)
-    require_comparable(sorted_, is_told=True)
+    require_comparable(sorted_.trainings)
     account = account_of(sorted_.trainings)
     left += [f"'{it.path}' is left out: {it.why}" for it in account.missing]
     logs = [log for it in account.whole for log in (*it.logs, it.evaluation) if log is not None]

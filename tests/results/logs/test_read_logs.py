@@ -52,7 +52,7 @@ def evaluations(name, **columns):
 def test_a_training_is_cut_to_the_shortest():
     """Episodes that ended later count for nothing, and the note tells whose budget it was."""
     long, short = (of(name, 0, count=count, **{SUCCESS: np.repeat([0.0, 1.0], count // 2)}) for name, count in LENGTHS)
-    found = runs(long, short, is_told=True)
+    found = runs(long, short)
     assert found.steps == 50
     assert found.members["base", 0].parts(50)["over the training"].behaviour["success"] == 0.0
     assert found.members["arp", 0].parts(50)["in its last fifth"].behaviour["success"] == 1.0
@@ -66,7 +66,7 @@ def test_environments_of_a_batch_are_one_training(counts):
         episodes(f"run/{env}.monitor.csv", count, **{SUCCESS: np.full(count, env % 2.0)})
         for env, count in enumerate(counts)
     ]
-    run = runs(Training("base", 0, tuple(logs)), is_told=True).members["base", 0]
+    run = runs(Training("base", 0, tuple(logs))).members["base", 0]
     ends = sorted(5.0 * number * len(counts) for count in counts for number in range(1, count + 1))
     assert (run.episodes.last + 1).tolist() == ends
     assert run.steps == 5 * max(counts) * len(counts)
@@ -158,15 +158,7 @@ def test_several_logs_of_the_steps_of_one_training_are_refused():
     """Nothing says in which order their steps were taken, and the first alone would be another training."""
     logs = tuple(episodes(name, unit="step") for name in ("first", "second"))
     with pytest.raises(UsageError, match="has 2 logs of the steps of one training, which are not joined"):
-        runs(Training("base", 0, logs), is_told=True)
-
-
-def test_one_training_of_a_reward_is_refused_unless_it_was_named():
-    """Names that were mistaken look like that; whoever named the files knows what they are."""
-    found = [of(name, 0) for name in ("base", "arp")]
-    with pytest.raises(UsageError, match="one training alone of base and arp"):
-        runs(*found)
-    assert len(runs(*found, is_told=True).members) == 2
+        runs(Training("base", 0, logs))
 
 
 @pytest.mark.parametrize(

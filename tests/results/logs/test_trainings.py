@@ -3,7 +3,7 @@ import pytest
 
 from harness.errors import UsageError
 from harness.log import LogFacts, in_memory
-from harness.results import sort_files, sort_logs
+from harness.results import require_several, sort_files, sort_logs
 
 
 def keys(found):
@@ -86,11 +86,21 @@ def test_a_copy_of_an_environments_file_counts_once(monitor, sort, tmp_path):
 
 
 def test_files_that_were_begun_at_other_times_are_trainings(monitor, sort):
-    """One after the other: no batch of environments was made over hours, so the reward has a number."""
+    """One after the other: no batch of environments was made over hours. Which of two numbers is the seed is asked."""
     for number, name in enumerate(("base_1", "base_2")):
         for seed in range(2):
             monitor(f"{name}/{seed}.monitor.csv", [number, seed, 1], started=1e9 + 1e4 * seed)
-    assert keys(sort()) == [("base_1", 0, 1), ("base_1", 1, 1), ("base_2", 0, 1), ("base_2", 1, 1)]
+    with pytest.raises(UsageError, match=r"--sort 'base_\{reward\}/\{seed\}' .* or --sort 'base_\{seed\}/\{reward\}'"):
+        sort()
+    assert keys(sort("base_{reward}/{seed}")) == [(name, seed, 1) for name in "12" for seed in range(2)]
+
+
+def test_one_training_of_a_reward_is_asked_unless_it_was_named(tmp_path):
+    """Names that were mistaken look like that; whoever named the files knows what they are."""
+    logs = [curve(tmp_path / f"{name}.csv") for name in ("base", "arp")]
+    with pytest.raises(UsageError, match=r"one training alone of base and arp.* Say --sort '\{reward\}'"):
+        require_several(tmp_path, sort_logs(tmp_path, logs))
+    assert keys(sort_logs(tmp_path, logs, "{reward}")) == [("base", 0, 1), ("arp", 0, 1)]
 
 
 def test_a_doubtful_folder_is_refused_with_both_flags(monitor, sort):
