@@ -97,8 +97,7 @@ def eta(
         "--proposed-reward": proposed_reward, "--plugin": plugin,
     }  # fmt: skip
     of_logs = {
-        "--sort": sort, "--as": as_format, "--measure": measure, "--labels": labels, "--leave-out": leave_out,
-        "--per-step": per_step,
+        "--sort": sort, "--as": as_format, "--measure": measure, "--labels": labels, "--per-step": per_step,
     }  # fmt: skip
     registry = load_registry(given=read_given(plugin))
     named = _only(baseline) if folder else None
@@ -111,7 +110,7 @@ def eta(
         refuse_flags(of_steps)
         everything = command_text("harness", "report", opened.folder, "--details")
         return show_results(opened, everything, as_json=as_json, html=plot, details=True)
-    refuse_flags({flag: given for flag, given in of_logs.items() if flag != "--sort"}, "files of steps")
+    refuse_flags({**of_logs, "--sort": None, "--leave-out": leave_out}, "files of steps")
     from harness.score.compare import compare_logs
     from harness.score.open_steps import match_steps
 

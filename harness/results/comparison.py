@@ -26,7 +26,7 @@ from harness.eta.verdict.deals import smallest_p
 from harness.eta.verdict.ruling import Ruling
 from harness.record.cell import BROUGHT, DISCOUNT, EVALUATION_HORIZON, UNKNOWN_ALGORITHM, Cell
 from harness.registry.choice import Choice
-from harness.results.measured import Mixture
+from harness.results.measured import Counted, Mixture
 from harness.results.pool import Pool
 from harness.text import visible
 
@@ -138,7 +138,7 @@ class Behaviour:
         changes: Measures of behaviour: of the trained policies in each manner, of the trainings, of learning.
         along: The deciding measures at each evaluation before the end of the trainings.
         episodes: How many finished episodes every seed has at least, in each manner.
-        counted: By manner, what `episodes` counts where it counts no episodes, such as points of a curve.
+        counted: By manner, what `episodes` counts where it counts no episodes of all steps, such as points of a curve.
         mixtures: Plugins of which several versions made the cells that are compared.
         deciding: Names of the measures that decide about the robot, in this order.
         decided_in: The manner that decides; by default that in which the cells say that policies act, unless it has
@@ -151,7 +151,7 @@ class Behaviour:
     changes: tuple[Change, ...] = ()
     along: tuple[StepChange, ...] = ()
     episodes: Mapping[str, int] = field(default_factory=dict)
-    counted: Mapping[str, str] = field(default_factory=dict)
+    counted: Mapping[str, Counted] = field(default_factory=dict)
     mixtures: tuple[Mixture, ...] = ()
     deciding: tuple[str, ...] = DECIDING
     decided_in: str = ""
@@ -460,6 +460,7 @@ class Comparison:
             # `robot` is its name in version 0.1; it leaves with the next format
             headline = {"answer": headline["answer"], "robot": headline["behaviour"], **headline}
         headline["pay"] = self.pay_sentence
+        over = {manner: list(it.over) for manner, it in measured.counted.items() if it.over}
         return {
             **self.group.to_json(),
             "baseline": self.baseline,
@@ -484,6 +485,7 @@ class Comparison:
             "claims": self.answer.claims,
             "smallest_p": smallest_p(*self.counts) if self.has_trainings else None,
             "episodes": dict(measured.episodes),
+            **({"over": over} if over else {}),
             "behaviour": [change.to_json() for change in measured.changes],
             "along_the_budget": [moment.to_json() for moment in measured.along],
         }

@@ -9,6 +9,7 @@ import numpy as np
 
 from harness.errors import SchemaError, Unmeasured, reason_of
 from harness.eta.headline import SUCCESS
+from harness.eta.laws import Span
 from harness.hookspecs import NOUNS
 from harness.log import Log
 from harness.measure import Measure
@@ -23,6 +24,23 @@ LAST_PART = 0.75
 AREA, STEPS_TO_GOAL = "success_area", "steps_to_goal"
 GOAL = 0.9
 """Sample efficiency is the number of steps until this share of the episodes succeeds."""
+
+
+class Counted(NamedTuple):
+    """What is counted of a training where it is no episodes of all steps that are asked about."""
+
+    noun: str
+    """``episode``, or ``point``, which is a mean over some."""
+    over: Span | None = None
+    """The steps of which it tells; None if it is all that are asked about."""
+
+    @property
+    def where(self) -> str:
+        """The same in words; empty if it is all that are asked about."""
+        if self.over is None:
+            return ""
+        begin, end = (f"{it:,.0f}" for it in self.over)
+        return f"after {end} steps" if begin == end else f"from {begin} to {end} steps"
 
 
 class Moment(NamedTuple):

@@ -27,7 +27,7 @@ from harness.results.compare import compare_all
 from harness.results.comparison import Comparison, Group
 from harness.results.done_cells import DoneCells
 from harness.results.learning import Learning, LearningCurve, LearningRun, learning_points, mean_point, stretches
-from harness.results.measured import Measured, Mixture, Moment, Values, mixtures_of
+from harness.results.measured import Counted, Measured, Mixture, Moment, Values, mixtures_of
 from harness.results.metrics import measure_of
 from harness.results.records import Records
 from harness.results.return_matrix import ReturnMatrix, return_matrices
@@ -199,7 +199,7 @@ class TraceTrainings:
     """The trainings of an arm in one group, by their traces; see `harness.results.trainings.Trainings`."""
 
     number_of: Literal["returns", "indices"] = "indices"
-    counted: Mapping[str, str] = {}
+    counted: Mapping[str, Counted] = {}
 
     def __init__(self, traces: Traces, group: Group) -> None:
         records = traces.records

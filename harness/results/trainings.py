@@ -12,7 +12,7 @@ from harness.eta.scored_sums import Pair
 from harness.results.by_term import ByTerm
 from harness.results.comparison import Comparison, Group
 from harness.results.learning import Learning, LearningCurve
-from harness.results.measured import Measured, Mixture, Moment
+from harness.results.measured import Counted, Measured, Mixture, Moment
 
 
 class Seeded(Protocol):
@@ -219,8 +219,8 @@ class Trainings(Protocol[Training]):
         """Whether policies met the same episodes in their evaluations, as far as that is known."""
 
     @property
-    def counted(self) -> Mapping[str, str]:
-        """By manner, what is counted where episodes are not."""
+    def counted(self) -> Mapping[str, Counted]:
+        """By manner, what is counted where it is not all episodes."""
 
     # What each reward did
 

@@ -10,7 +10,7 @@ from harness.eta.index import NOTHING
 from harness.eta.interval import SHARE
 from harness.eta.manner import DETERMINISTIC, STOCHASTIC
 from harness.eta.swaps import p_text
-from harness.report.rows.comparison import count_of
+from harness.report.rows.comparison import EPISODES, count_of
 from harness.report.rows.ratios import Grid, format_number
 from harness.results.comparison import Comparison, StepChange
 from harness.text import shortened
@@ -141,7 +141,9 @@ def _title(comparison: Comparison, manner: str) -> str:
     seen = count_of(comparison, manner, episodes)
     if manner in (DETERMINISTIC, STOCHASTIC):
         return f"Behaviour of the trained policies, {manner}, {seen} per seed"
-    return f"Behaviour {manner}, {seen} or more per seed"  # trainings need not have the same number of episodes
+    where = comparison.measured.counted.get(manner, EPISODES).where
+    # trainings need not have the same number of episodes
+    return f"Behaviour {manner}, {f'{seen} or more per seed {where}'.rstrip()}"
 
 
 def _moment_row(comparison: Comparison, moment: StepChange) -> tuple[str, ...]:

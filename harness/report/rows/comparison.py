@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from harness.eta.amounts import trainings_text
 from harness.eta.equal import equal_sentences
 from harness.eta.headline import Answer, Headline
-from harness.eta.manner import DETERMINISTIC, EVALUATION, STOCHASTIC
+from harness.eta.manner import DETERMINISTIC, EVALUATION, LAST_FIFTH, STOCHASTIC, WHOLE
 from harness.eta.verdict.deals import smallest_p
 from harness.record.file_forms import Status
 from harness.record.plan_file import EXPERIMENT
@@ -14,10 +14,12 @@ from harness.report.answers import word_of
 from harness.report.rows.pools import grown_text, joined_text, looks_text
 from harness.results import Results
 from harness.results.comparison import Comparison, still_to_come
+from harness.results.measured import Counted
 from harness.results.standing import told_manifests
 from harness.text import command_text
 
 UNLIKE_STARTS = "The policies did not meet the same starts, so that luck with them is part of the difference."
+EPISODES = Counted("episode")
 NO_REWARD = "No reward enters the success rate and the other measures of behaviour."
 TESTS = (
     "p comes from a permutation test: labels are shuffled among the runs. It says how often chance alone gives a "
@@ -95,7 +97,7 @@ def scale_text(comparison: Comparison) -> str:
 
 def count_of(comparison: Comparison, manner: str, count: int) -> str:
     """So many episodes, or what stands for them in a manner."""
-    return f"{count:,} {comparison.measured.counted.get(manner, 'episode')}{'s' * (count != 1)}"
+    return f"{count:,} {comparison.measured.counted.get(manner, EPISODES).noun}{'s' * (count != 1)}"
 
 
 def basis_text(comparison: Comparison) -> str:
@@ -105,12 +107,15 @@ def basis_text(comparison: Comparison) -> str:
         return ""
     count = comparison.measured.episodes[comparison.manner]
     told = f"{count_of(comparison, comparison.manner, count)} or more of each seed"
+    where = comparison.measured.counted.get(comparison.manner, EPISODES).where
     rests = "will rest" if comparison.headline.answer is Answer.INTERIM else "rests"
     if comparison.manner.startswith(EVALUATION):
-        return f"The verdict {rests} on evaluations of the final policies, {told}."
+        return f"The verdict {rests} on evaluations of the final policies, {f'{told} {where}'.rstrip()}."
+    ends = [it.reason for it in comparison.measured.changes_of(LAST_FIFTH) if it.reason]
+    unknown = f" Of the end nothing is known: {ends[0]}." if comparison.manner == WHOLE and ends else ""
     return (
-        f"The verdict {rests} on the training itself, {told} {comparison.manner}: evaluations of the final policies "
-        "were not recorded for all seeds. harness.evaluate_policy records one."
+        f"The verdict {rests} on the training itself, {told} {where or comparison.manner}: evaluations of the final "
+        f"policies were not recorded for all seeds. harness.evaluate_policy records one.{unknown}"
     )
 
 

@@ -11,7 +11,18 @@ from harness.arrays import Float
 from harness.errors import SchemaError, UsageError
 from harness.eta.amounts import listed
 from harness.eta.equal import equal_sentences, equal_trainings
-from harness.eta.laws import NEAR, NEARLY_ALL, Account, Curves, counted, latest_shared, require_share, shortfall_beside
+from harness.eta.laws import (
+    NEAR,
+    NEARLY_ALL,
+    Account,
+    Curves,
+    Span,
+    counted,
+    latest_shared,
+    require_share,
+    shortfall_beside,
+    within,
+)
 from harness.eta.manner import EVALUATION, LAST_FIFTH, WHOLE
 from harness.log import Log, LogFacts, Unit, in_memory
 from harness.log.log import BEHAVIOUR, RECORDED, REWARD, SINCE, SUCCESS, TIME
@@ -21,6 +32,7 @@ from harness.results.comparison import Group
 from harness.results.logs.labels import LABELS
 from harness.results.logs.told import LENGTH, RETURN, SUCCESS_DECIDES, Deciding
 from harness.results.logs.trainings import Sorted, Training, digest_of
+from harness.results.measured import Counted
 from harness.results.recordings.episodes import LAST_SHARE, Points, require_ends
 from harness.results.recordings.recording_results import NOTHING_ALIKE
 from harness.results.recordings.runs import NO_NAME, Run, Runs, run_of
@@ -221,10 +233,9 @@ def runs_of(
             *found.notes,
             *facts_notes([log for log in logs if log.facts.format != LABELS]),
             *budget_notes(trainings, steps, axis.noun),
-            *_final_notes(runs, min(steps), axis.noun),
             *equal_sentences(equal),
         ),
-        counted=_counted(trainings, runs),
+        counted=_counted(trainings, runs, min(steps)),
         missing=account.missing,
         returns_apart="" if _share_pay(runs) else OWN_ALONE,
     )
@@ -302,12 +313,19 @@ def _require_steps(trainings: Sequence[Training], axis: "Axis") -> None:
         )
 
 
-def _counted(trainings: Sequence[Training], runs: Sequence[Run]) -> dict[str, str]:
-    """The manners in which points of a curve stand for episodes."""
-    trained = any(isinstance(it.episodes, Points) for it in runs)
-    evaluated = {log.facts.unit for it in trainings if (log := it.evaluated) is not None}
-    manners = [*((WHOLE, LAST_FIFTH) if trained else ()), *([EVALUATION] if "point" in evaluated else [])]
-    return dict.fromkeys(manners, "point")
+def _counted(trainings: Sequence[Training], runs: Sequence[Run], steps: int) -> dict[str, Counted]:
+    """By manner, what is counted of these trainings, which are cut to so many steps, and where."""
+    found = {}
+    curve = next((it.episodes for it in runs if isinstance(it.episodes, Points)), None)
+    for manner, begin in ((WHOLE, 0.0), (LAST_FIFTH, (1.0 - LAST_SHARE) * steps)):
+        if curve is not None:
+            found[manner] = Counted("point", within(Span(begin, steps), curve.beside.known))
+    ends = [it.evaluation.facts.after for it in runs if it.evaluation is not None]
+    if ends:
+        are_points = any(log.facts.unit == "point" for it in trainings if (log := it.evaluated) is not None)
+        over = Span(min(ends), max(ends)) if {*ends} != {steps} else None
+        found[EVALUATION] = Counted("point" if are_points else "episode", over)
+    return found
 
 
 def _share_pay(runs: Sequence[Run]) -> bool:
@@ -315,14 +333,6 @@ def _share_pay(runs: Sequence[Run]) -> bool:
     unknown = np.array([np.nan])
     taught = {run.reward for run in runs}
     return all(not np.isnan(run.episodes.returns.get(name, unknown)).any() for run in runs for name in taught)
-
-
-def _final_notes(runs: Sequence[Run], shortest: int, noun: str) -> list[str]:
-    """After how much training the policies were evaluated that count as final, where it was before the end."""
-    ends = sorted({run.evaluation.facts.after for run in runs if run.evaluation is not None} - {shortest})
-    if not ends:
-        return []
-    return [f"As final count policies after {listed([f'{it:,}' for it in ends])} {noun}, which were evaluated last"]
 
 
 def _deciding_text(measures: Sequence[str], told: Sequence[str], trainings: Sequence[Training]) -> str:

@@ -19,7 +19,7 @@ from harness.log.log import RECORDED, REWARD, SUCCESS, TIME
 from harness.record.recording.facts import TrainingFacts, facts_of
 from harness.results.by_term import ByTerm
 from harness.results.comparison import Group
-from harness.results.measured import Moment
+from harness.results.measured import Counted, Moment
 from harness.results.recordings.episodes import Episodes, Part, episodes_of
 from harness.results.recordings.recording_results import NOTHING_ALIKE, Likeness, likeness_of, terms_in
 
@@ -223,7 +223,7 @@ class Runs(NamedTuple):
     """Trainings by the baseline again with other seeds, each by the seed that it is compared with."""
     said: tuple[str, ...] = ()
     """How what was found was sorted and read, a line each; a reader has to know it before the first number."""
-    counted: Mapping[str, str] = MappingProxyType({})
+    counted: Mapping[str, Counted] = MappingProxyType({})
     """By manner, what stands for episodes: a log of curves has a ``point``, which is a mean over some."""
     missing: tuple[Missing, ...] = ()
     """Trainings that were begun and have no value: no test is made without them."""

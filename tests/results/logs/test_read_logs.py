@@ -88,7 +88,7 @@ def test_evaluations_stand_beside_the_training_that_they_belong_to():
     assert run.evaluation.whole.behaviour == {"success": 0.5}
     assert [(it.steps, it.values["success"]) for it in run.moments(found.steps)] == [(20, 0.0), (50, 0.5)]
     assert found.group.evaluation_episodes == 2
-    assert "As final count policies after 40 steps, which were evaluated last" in found.said
+    assert found.counted["in evaluations"] == ("episode", (40, 40))
 
 
 def test_a_policy_that_was_evaluated_later_was_trained_for_longer():
@@ -96,7 +96,8 @@ def test_a_policy_that_was_evaluated_later_was_trained_for_longer():
     found = runs(*starmap(evaluated, [("base", 0), *BESIDE]))
     assert (found.steps, found.group.evaluate_every) == (60, 20)
     assert {run.evaluation.whole.behaviour["success"] for run in found.members.values()} == {1.0}
-    assert not any("As final" in line or "cut to" in line for line in found.said)
+    assert found.counted == {"in evaluations": ("episode", None)}
+    assert not any("cut to" in line for line in found.said)
 
 
 def test_trainings_that_do_not_tell_success_are_counted():
