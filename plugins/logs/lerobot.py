@@ -139,6 +139,7 @@ class LeRobot:
             declared={"tasks": count} if (count := whole(info.get("total_tasks"))) is not None else {},
             names={OBSERVATION: names_of(features, STATE), ACTION: names_of(features, ACTION)},
             success="" if rule is None else rule.text,
+            told_by="" if rule is None else {reward_in(shapes): RECORDED, **own}.get(rule.key, ""),
             operator=operator_key(self.cluster, told, folder),
             task=TASK_INDEX if TASK_INDEX in shapes else TASKS if TASKS in listing.keys else "",
             pictures_left_out=any(name.startswith(SEEN_BEGIN) and name not in shapes for name in features),

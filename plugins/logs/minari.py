@@ -113,6 +113,7 @@ class Minari:
             name=f"minari:{path}",
             env=spec if isinstance(spec, str) else "",
             success="" if rule is None else rule.text,
+            told_by="" if rule is None else own.get(rule.key, ""),
             operator=operator_key(self.cluster, told, place),
             task=next((key for key in TASK_KEYS if key in told), ""),
             pictures_left_out=bool(layout.pictures),

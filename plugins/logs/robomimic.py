@@ -102,6 +102,7 @@ class Robomimic:
             name=f"robomimic:{f'mask={self.mask}:' if self.mask else ''}{path}",
             env="" if env is None else text_of(env),
             success="" if rule is None else rule.text,
+            told_by=RECORDED if rule is not None and ARRAY_COLUMNS.get(PAY) == rule.key else "",
             operator=operator_key(self.cluster, seen.attributes, path),
             pictures_left_out=bool(pictures),
             notes=(*_notes(keys, pictures, masks, self.mask), *census.notes),

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
+from harness.arrays import Float
 from harness.errors import Unscored, UsageError
 from harness.log import Rows
 from harness.log.log import ACTION, OBSERVATION
@@ -19,9 +20,10 @@ def of_arm(reward: Reward, places: ArmPlaces) -> Payer:
     It pays all steps of a piece at once, unless it remembers something. Beside distances it may read ``action``,
     ``end_effector``, ``target``, and ``qpos`` where the places name joints.
     """
-    pay, needed = ArmPay(reward), fields_read(reward)
+    pay, needed, is_lost = ArmPay(reward), fields_read(reward), False
 
     def paid(rows: Rows) -> Paid:
+        nonlocal is_lost
         seen = seen_after(rows)
         after = vectors_of({name: values[:seen] for name, values in rows.columns.items()}, OBSERVATION)
         with np.errstate(all="ignore"):  # what is not finite is refused by whoever asked
@@ -31,17 +33,26 @@ def of_arm(reward: Reward, places: ArmPlaces) -> Payer:
                     begun = places.fields(before, needed)
                     if "action" in needed:
                         begun["action"] = np.zeros_like(flat_rows(rows, ACTION)[:1])
-                    pay.begin(places.distances(before)[0], begun)
+                    begin = places.distances(before)
+                    is_lost = not _are_finite(begin, *begun.values())
+                    pay.begin(begin[0], begun)
                 if not seen:
                     return Paid(np.empty(0))
                 more = places.fields(after, needed)
                 if "action" in needed:
                     more["action"] = flat_rows(rows, ACTION)[:seen]
-                return pay.pay(places.distances(after), more)
+                distances = places.distances(after)
+                found = pay.pay(distances, more)
+                is_lost = is_lost or not _are_finite(distances, *more.values())
+                return Paid(np.full(seen, np.nan)) if is_lost else found
             except MissingField as error:
                 raise Unscored(str(error)) from error
 
     return paid
+
+
+def _are_finite(*numbers: Float) -> bool:
+    return all(bool(np.isfinite(it).all()) for it in numbers)
 
 
 def places_of(text: str | None, robot: str | None, registry: Registry) -> ArmPlaces | None:

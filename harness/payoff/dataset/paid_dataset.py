@@ -28,7 +28,7 @@ from harness.log.log import (
     Array,
 )
 from harness.payoff.dataset.rewards import Recorded
-from harness.payoff.dataset.steps import Movement, Payer, flaw_of, seen_after, steps_by_episode
+from harness.payoff.dataset.steps import Movement, Payer, seen_after, steps_by_episode
 from harness.record.dataset.labels import FAILURE, SUCCESS, UNKNOWN
 from harness.record.dataset.open_dataset import MOST_EPISODES, DatasetFacts, dataset_facts
 from harness.reward import LARGEST_PAID
@@ -78,15 +78,16 @@ STILL = 0.05
 
 @dataclass(frozen=True, eq=False)
 class PaidDataset:
-    """What several rewards pay for a data set. Equal episodes are there once, and none with a flaw.
+    """What several rewards pay for a data set. Equal episodes are there once.
 
     Attributes:
         facts: Of the data set.
         paid: By reward, what it pays each step, (steps,); NaN where it cannot be known, since nothing is known of what
             was seen after the step, or where it paid no finite number.
         failed: By reward that could not pay: why.
+        lost: By reward, the episodes in which it pays a step no finite number, or no step at all, (episodes,).
         moved: How far each step moved, (steps,), relative to the others; NaN where nothing is known of what was seen
-            after it, infinite where observations hold no numbers.
+            after it, infinite where observations hold no finite numbers.
         begins: Number of the first step of each episode, and behind the last the number of all steps, (episodes + 1,).
         numbers: Of the episodes in the data set, (episodes,).
         told: `SUCCESS`, `FAILURE` or `UNKNOWN`, (episodes,).
@@ -97,13 +98,14 @@ class PaidDataset:
         files: Where each lies.
         all_numbers: Of all episodes, also of those that are left out.
         notes: What was left out, a line each.
-        by_return: Whether the recorded return says what succeeded.
+        told_by: The reward whose pay says what succeeded; empty if something else does.
         terms: By reward that pays terms, what each term pays each step, (steps,); NaN where `paid` is.
     """
 
     facts: DatasetFacts
     paid: Mapping[str, Float]
     failed: Mapping[str, str]
+    lost: Mapping[str, Mask]
     moved: Float
     begins: NDArray[np.int64]
     numbers: NDArray[np.int64]
@@ -115,7 +117,7 @@ class PaidDataset:
     files: tuple[str, ...]
     all_numbers: frozenset[int]
     notes: tuple[str, ...] = ()
-    by_return: bool = False
+    told_by: str = ""
     terms: Mapping[str, Mapping[str, Float]] = field(default_factory=dict)
 
     def __len__(self) -> int:
@@ -141,21 +143,7 @@ class PaidDataset:
     @cached_property
     def unpaid(self) -> Mapping[str, Mask]:
         """By reward, which episodes it does not pay the last step, for want of what was seen after it, (episodes,)."""
-        last = self.begins[1:] - 1
-        return {
-            name: np.isnan(values[last]) & np.isnan(self.moved[last]) & ~self.lost[name]
-            for name, values in self.paid.items()
-        }
-
-    @cached_property
-    def lost(self) -> Mapping[str, Mask]:
-        """By reward, the episodes in which it pays a step no finite number, or no step at all, (episodes,)."""
-        unseen = np.isnan(self.moved)
-        return {
-            name: (self.summed((np.isnan(values) & ~unseen).astype(np.float64)) > 0.0)
-            | (self.summed((~np.isnan(values)).astype(np.float64)) == 0.0)
-            for name, values in self.paid.items()
-        }
+        return {name: np.isnan(values[self.begins[1:] - 1]) & ~self.lost[name] for name, values in self.paid.items()}
 
     @cached_property
     def returns(self) -> Mapping[str, Float]:
@@ -229,8 +217,8 @@ def pay_dataset(
 ) -> PaidDataset:
     """Pay all steps of a data set, reading some at a time.
 
-    A reward that fails is left out, and the reason is told; the others go on. So is an episode with a flaw, such as a
-    number that is not finite, and one that equals another.
+    A reward that fails is left out, and the reason is told; the others go on. An episode in which a number is not
+    finite, or too large, is lost for those rewards that read it. One that equals another is left out.
 
     Args:
         dataset: It, a log of steps.
@@ -285,7 +273,6 @@ class _Episode:
     tasks: set[str] = field(default_factory=set)
     recorded: float = 0.0
     last: float = np.nan
-    flaw: str = ""
 
     @property
     def task(self) -> str:
@@ -302,54 +289,55 @@ class _Kept:
         self._terms: dict[str, dict[str, list[Float]]] = {name: {} for name in rewards}
         self._failed: dict[str, str] = {}
         self._odd: dict[str, str] = {}
+        self._lost: dict[str, set[int]] = {name: set() for name in rewards}
         self._told: list[Float] = []
         self.episodes: list[_Episode] = []
         self.steps = 0
 
     def take(self, rows: Rows) -> int:
-        """The next steps of an episode; of how many it is known what was seen after them, 0 of one with a flaw."""
-        columns, seen = rows.columns, seen_after(rows)
+        """The next steps of an episode; of how many it is known what was seen after them."""
+        columns = rows.columns
         if not self.episodes or self.episodes[-1].number != rows["episode"][0]:
             operator, file = (str(columns[name][0]) if name in columns else "" for name in (OPERATOR, FILE))
             begin = self.steps - len(rows)
             self.episodes.append(_Episode(int(rows["episode"][0]), operator, file, begin, Fingerprint()))
         episode = self.episodes[-1]
         episode.tasks |= {*columns[TASK].tolist()} if TASK in columns else {""}
-        episode.flaw = episode.flaw or flaw_of(rows, seen)
         self._told.append(columns[LABEL] if LABEL in columns else np.full(len(rows), np.nan))
-        if not episode.flaw:
-            episode.content.take(rows)
-            own = columns.get(f"{REWARD}{RECORDED}", np.full(1, np.nan))
-            episode.recorded, episode.last = episode.recorded + float(own.sum()), float(own[-1])
+        episode.content.take(rows)
+        own = columns.get(f"{REWARD}{RECORDED}", np.full(1, np.nan))
+        if not (np.abs(own) <= LARGEST_PAID).all():
+            own = np.full(1, np.nan)
+        episode.recorded, episode.last = episode.recorded + float(own.sum()), float(own[-1])
         for name, reward in self._rewards.items():
             if name not in self._failed:
                 self._pay(name, reward, rows, episode)
-        return 0 if episode.flaw else seen
+        return seen_after(rows)
 
     def _pay(self, name: str, reward: Payer, rows: Rows, episode: _Episode) -> None:
         whole, terms = np.full(len(rows), np.nan), self._terms[name]
-        if not episode.flaw:
-            try:
-                found = reward(rows)
-                paid = np.asarray(found.total, np.float64)
-            except Unscored as error:
-                self._failed[name] = f"episode {episode.number}: {error}"
-                return
-            except HarnessError:
-                raise
-            except (Exception, SystemExit) as error:  # a plugin may raise anything
-                self._failed[name] = f"episode {episode.number}: {one_line(error)}"
-                return
-            fits = np.abs(paid) <= LARGEST_PAID
-            if not fits.all():
-                told = f"it pays a number that is not finite, or beyond {LARGEST_PAID:g}"
-                self._odd.setdefault(name, f"episode {episode.number}: ValueError: {told}")
-            whole[: len(paid)] = np.where(fits, paid, np.nan)
-            for term, values in found.terms.items():
-                before = [np.full_like(part, np.nan) for part in self._paid[name]]  # of episodes with a flaw
-                of_rows = np.full(len(rows), np.nan)
-                of_rows[: len(paid)] = np.where(fits, values, np.nan)
-                terms.setdefault(term, before).append(of_rows)
+        try:
+            found = reward(rows)
+            paid = np.asarray(found.total, np.float64)
+        except Unscored as error:
+            self._failed[name] = f"episode {episode.number}: {error}"
+            return
+        except HarnessError:
+            raise
+        except (Exception, SystemExit) as error:  # a plugin may raise anything
+            self._failed[name] = f"episode {episode.number}: {one_line(error)}"
+            return
+        fits = np.abs(paid) <= LARGEST_PAID
+        if not fits.all():
+            told = f"it pays a number that is not finite, or beyond {LARGEST_PAID:g}"
+            self._odd.setdefault(name, f"episode {episode.number}: ValueError: {told}")
+            self._lost[name].add(len(self.episodes) - 1)
+        whole[: len(paid)] = np.where(fits, paid, np.nan)
+        for term, values in found.terms.items():
+            before = [np.full_like(part, np.nan) for part in self._paid[name]]  # in which it told no terms
+            of_rows = np.full(len(rows), np.nan)
+            of_rows[: len(paid)] = np.where(fits, values, np.nan)
+            terms.setdefault(term, before).append(of_rows)
         self._paid[name].append(whole)
         for parts in terms.values():
             parts.extend([whole] * (len(self._paid[name]) - len(parts)))
@@ -362,18 +350,16 @@ class _Kept:
             success = labels.of(self.episodes)
             shown_last = success == SUCCESS  # nobody says by which step
         chosen, notes = _choose(self.episodes, success, facts.pictures_left_out)
-        if not chosen.any():
-            flaw = next(it for it in self.episodes if it.flaw)
-            raise SchemaError(
-                f"{facts.path}: no episode can be used, and {len(self.episodes):,} are there. Episode {flaw.number}: "
-                f"{flaw.flaw}"
-            )
+        paid = {name: np.concatenate(parts) for name, parts in self._paid.items() if name not in self._failed}
+        nothing = {name: np.logical_and.reduceat(np.isnan(values), begins[:-1]) for name, values in paid.items()}
+        lost = {name: of | np.isin(np.arange(len(of)), [*self._lost[name]]) for name, of in nothing.items()}
         steps = np.repeat(chosen, np.diff(begins))
         members = [it for it, stays in zip(self.episodes, chosen, strict=True) if stays]
         found = PaidDataset(
             facts,
-            {name: np.concatenate(parts)[steps] for name, parts in self._paid.items() if name not in self._failed},
+            {name: values[steps] for name, values in paid.items()},
             self._failed,
+            {name: of[chosen] for name, of in lost.items()},
             moved[steps],
             np.concatenate([[0], np.cumsum(np.diff(begins)[chosen])]).astype(np.int64),
             np.array([it.number for it in members], np.int64),
@@ -385,7 +371,7 @@ class _Kept:
             tuple(it.file for it in members),
             frozenset(it.number for it in self.episodes),
             notes,
-            labels is not None and labels.above is not None,
+            facts.told_by if labels is None else RECORDED if labels.above is not None else "",
             {
                 name: {term: np.concatenate(parts)[steps] for term, parts in of.items()}
                 for name, of in self._terms.items()
@@ -425,16 +411,12 @@ def _choose(
 
     Two that differ in their pictures alone, which are left out, are equal by chance where all numbers are whole.
     """
-    flawed = [it for it in episodes if it.flaw]
     notes = []
-    if flawed:
-        one = flawed[0]
-        notes.append(f"Left out, since they cannot be paid: {_count(len(flawed))} (episode {one.number}: {one.flaw})")
     first: dict[bytes, int] = {}
     copies: list[tuple[int, int]] = []
     torn: set[int] = set()
     for place, episode in enumerate(episodes):
-        if episode.flaw or (pictures_left_out and not episode.content.has_fractions):
+        if pictures_left_out and not episode.content.has_fractions:
             continue
         original = first.setdefault(episode.task.encode() + b"\0" + episode.content.digest(), place)
         if original != place:
@@ -453,7 +435,7 @@ def _choose(
         notes.append(
             f"Equal episodes are a success here and a failure there; not known of: {_count(len(torn))} ({numbers})"
         )
-    chosen = np.array([not it.flaw for it in episodes])
+    chosen = np.ones(len(episodes), bool)
     chosen[[place for place, _ in copies]] = False
     return chosen, tuple(notes)
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from harness.log import Rows
 from harness.log.log import ACTION
-from harness.payoff.dataset.steps import VECTORS, Payer, each_row, infos_of, seen_after, vectors_of
+from harness.payoff.dataset.steps import VECTORS, Payer, each_row, infos_of, readable, seen_after, vectors_of
 from harness.recorder.column import as_number
 from harness.recorder.sealed import ReadOnlyDict
 from harness.recorder.trial import Guarded
@@ -47,21 +47,23 @@ class _StepByStep:
     def __init__(self, reward: Guarded) -> None:
         self._reward = reward
         self._before: Any = None
+        self._is_blind = False
 
     def __call__(self, rows: Rows) -> Paid:
         if rows["step"][0] <= 1:
-            self._before = None
+            self._before, self._is_blind = None, False
             if callable(reset := getattr(self._reward, "reset", None)):
                 reset()
         for values in rows.columns.values():
             values.setflags(write=False)
-        count, seen, unseen = len(rows), seen_after(rows), Unseen()
+        count, seen, unseen, blank = len(rows), seen_after(rows), Unseen(), Unseen("it holds no finite numbers")
+        begun, comes, done = (readable(rows, name) for name in VECTORS)
         started, after = (vectors_of(rows.columns, name) for name in VECTORS[:2])
         if isinstance(after, dict) and not after:
             seen, unseen = count, Unseen(NOT_SEEN)
             observed, observations = unseen, iter([unseen] * count)
         else:
-            observed, observations = next(each_row(started, 1)), each_row(after, count)
+            observed, observations = next(each_row(started, 1)) if begun[0] else blank, each_row(after, count)
         infos, paid = infos_of(rows.columns), list[list[float]]()
         for row, action in enumerate(each_row(vectors_of(rows.columns, ACTION), count)):
             info = ReadOnlyDict({key: values[row] for key, values in infos.items()})
@@ -70,16 +72,28 @@ class _StepByStep:
             else:
                 before = Before._make((observed, *self._before))
             now = next(observations)
-            self._before, observed = (action, info), now if row < seen else unseen
-            step = Now._make((observed, action, info, before))
+            did, now = action if done[row] else blank, now if comes[row] or row >= seen else blank
+            self._before, observed = (did, info), now if row < seen else unseen
+            step = Now._make((observed, did, info, before))
             if row < seen:
-                paid.append(self._reward(step))
+                paid.append(self._with_blanks(step, blank))
             elif (last := self._without_next(step, unseen)) is not None:
                 paid.append(last)
         if unseen.looked_at and seen == count:  # and went on
             unseen[0]
         numbers = np.array(paid).reshape(len(paid), 1 + len(self._reward.terms)).T
         return Paid(numbers[0], dict(zip(self._reward.terms, numbers[1:], strict=True)))
+
+    def _with_blanks(self, step: Steps, blank: Unseen) -> list[float]:
+        """What it pays a step; NaN from where on it looks at what is not finite, to the end of the episode."""
+        if not self._is_blind:
+            try:
+                paid = self._reward(step)
+            except Exception:
+                if not blank.looked_at:
+                    raise
+            self._is_blind = blank.looked_at
+        return [math.nan] * (1 + len(self._reward.terms)) if self._is_blind else paid
 
     def _without_next(self, step: Steps, unseen: Unseen) -> list[float] | None:
         """What it pays a step after which nothing was seen; None of one that looks at what came then."""

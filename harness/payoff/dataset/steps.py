@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from harness.arrays import Float
+from harness.arrays import Float, Ints, Mask
 from harness.errors import SchemaError
 from harness.log import Log, Rows
-from harness.log.log import ACTION, BEFORE, INFO, LARGEST, OBSERVATION, REWARD, SEEN, Array
+from harness.log.log import ACTION, BEFORE, INFO, LARGEST, OBSERVATION, SEEN, Array
 from harness.reward import Paid
 
 if TYPE_CHECKING:
@@ -57,26 +57,20 @@ def seen_after(rows: Rows) -> int:
     return int(rows[SEEN].sum()) if SEEN in rows.columns else len(rows)
 
 
-def flaw_of(rows: Rows, seen: int) -> str:
-    """Why steps cannot be counted with: a number is not finite, or too large; empty if they can.
+def readable(rows: Rows, name: str) -> Mask:
+    """In which steps all numbers of an observation or an action are finite and not too large, (rows,).
 
     Raises:
         SchemaError: They are no numbers.
     """
-    for name, column in rows.columns.items():
-        if not any(is_under(name, it) for it in VECTORS) and not name.startswith(REWARD):
-            continue
-        # Before a step there was what was seen after the one before it.
-        values = column[:1] if name.startswith(BEFORE) else column[:seen] if name.startswith(OBSERVATION) else column
+    fits = np.ones(len(rows), bool)
+    for values in (values for column, values in rows.columns.items() if is_under(column, name)):
         if values.dtype.kind not in "biuf":
             raise SchemaError(f"{name} holds {values.dtype}, no numbers")
-        largest = LARGEST if values.dtype.itemsize >= 8 else np.inf
-        if values.dtype.kind == "f" and values.size and not float(np.abs(values).max()) <= min(largest, _FINITE):
-            return f"{name} holds a value that is not a finite number, or one beyond {LARGEST:g}"
-    return ""
-
-
-_FINITE = float(np.finfo(np.float64).max)
+        if values.dtype.kind == "f":
+            finite = np.isfinite(values) if values.dtype.itemsize < 8 else np.abs(values) <= LARGEST
+            fits &= finite.reshape(len(rows), -1).all(axis=1)
+    return fits
 
 
 def vectors_of(columns: Mapping[str, Array], name: str) -> Nested:
@@ -144,7 +138,7 @@ class Movement:
 
     def __init__(self, places: "ArmPlaces | None") -> None:
         self._places = places
-        self._waiting: dict[int, list[tuple[int, Float]]] = {}
+        self._waiting: dict[int, list[tuple[Float, Ints, Float]]] = {}
         self._count: dict[int, int] = {}
         self._scale: dict[int, Float] = {}
         self._moved: list[Float] = []
@@ -155,16 +149,19 @@ class Movement:
         self._moved.append(moved)
         if not seen:
             return
-        before, after = (self._positions(rows, name) for name in (f"{BEFORE}{OBSERVATION}", OBSERVATION))
-        change = np.abs(after[:seen] - before[:seen])
-        width = change.shape[1]
+        before, after = (self._positions(rows, name) for name in VECTORS[:2])
+        with np.errstate(all="ignore"):  # what is not finite did not move
+            change = np.abs(after[:seen] - before[:seen])
+        moved[:seen], width = np.inf, change.shape[1]
         if not width:
-            moved[:seen] = np.inf
-        elif width in self._scale:
-            moved[:seen] = self._far(change)
+            return
+        where = np.flatnonzero((change <= LARGEST).all(axis=1))
+        change = change[where]
+        if width in self._scale:
+            moved[where] = self._far(change)
         else:
-            self._waiting.setdefault(width, []).append((len(self._moved) - 1, change))
-            self._count[width] = self._count.get(width, 0) + seen
+            self._waiting.setdefault(width, []).append((moved, where, change))
+            self._count[width] = self._count.get(width, 0) + len(where)
             if self._count[width] >= LEARNT:
                 self._learn(width)
 
@@ -181,9 +178,10 @@ class Movement:
 
     def _learn(self, width: int) -> None:
         waiting = self._waiting.pop(width)
-        self._scale[width] = np.sqrt(np.mean(np.square(np.concatenate([change for _, change in waiting])), axis=0))
-        for place, change in waiting:
-            self._moved[place][: len(change)] = self._far(change)
+        changes = np.concatenate([change for *_, change in waiting])
+        self._scale[width] = np.sqrt(np.square(changes).sum(axis=0) / max(len(changes), 1))
+        for moved, where, change in waiting:
+            moved[where] = self._far(change)
 
     def _far(self, change: Float) -> Float:
         scale = self._scale[change.shape[1]]

@@ -36,6 +36,7 @@ class DatasetFacts(LogFacts):
         name: What a user types for it, ``minari:D4RL/pen/human-v2``.
         names: By column, ``observation`` and ``action``, what its numbers are called, as far as the metadata says.
         success: What says whether a step, or an episode, was a success; empty if nothing does.
+        told_by: The recorded reward that says it, if one does.
         operator: What says who made an episode; empty if nothing does.
         task: What says which task an episode does; empty if nothing does.
         pictures_left_out: Whether something that was seen is left out, such as pictures.
@@ -44,6 +45,7 @@ class DatasetFacts(LogFacts):
     name: str
     names: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     success: str = ""
+    told_by: str = ""
     operator: str = ""
     task: str = ""
     pictures_left_out: bool = False

@@ -92,9 +92,9 @@ def level_that_holds(
     return auc
 
 
-def of_its_own_return(auc: Auc, paid: PaidDataset, name: str) -> Auc:
-    """Without a word where the recorded return is both what succeeds and what is asked about."""
-    if paid.by_return and name == RECORDED and auc.answer != CANNOT_TELL:
+def of_its_own_word(auc: Auc, paid: PaidDataset, name: str) -> Auc:
+    """Without a word where a reward is both what says what succeeds and what is asked about."""
+    if name == paid.told_by and auc.answer != CANNOT_TELL:
         return replace(auc, answer=CANNOT_TELL, reason=OWN)
     return auc
 
@@ -113,8 +113,8 @@ def _moved(paid: PaidDataset, name: str, best: Mask) -> Float:
 def _last_step_decides(paid: PaidDataset, clusters: NDArray[np.int64], tasks: NDArray[np.int64]) -> bool:
     """Whether the recorded reward would get another answer without its last steps."""
     whole, last = paid.recorded.T
-    known, success = paid.known, paid.succeeded
-    if np.isnan(whole).any():
+    known, success = paid.known & ~np.isnan(whole), paid.succeeded
+    if not known.any():
         return False
     answers = (auc_of(it[known], success[known], clusters[known], tasks[known]).answer for it in (whole, whole - last))
     return len({*answers}) > 1
@@ -337,7 +337,7 @@ def _answer(paid: PaidDataset, below: PaidDataset | None, name: str, grouped: _G
     wrong = _most_wrong(paid, name, known, tasks)
     return RewardAnswer(
         name,
-        of_its_own_return(answer_that_holds(auc, paid, name, groups, tasks), paid, name),
+        of_its_own_word(answer_that_holds(auc, paid, name, groups, tasks), paid, name),
         _by_level(paid, below, name, grouped, by_file),
         _wrong(rounded(returns), success, known, tasks),
         wrong,

@@ -252,15 +252,26 @@ def test_copies_that_contradict_one_another_are_not_known(write):
     assert says(found, "a success here and a failure there")
 
 
-@pytest.mark.parametrize("column", ["next.reward", "observation.state", "action"])
+@pytest.mark.parametrize(
+    ("column", "lost"),
+    [("next.reward", ["recorded"]), ("observation.state", ["seen"]), ("action", ["moved"])],
+)
 @pytest.mark.parametrize("value", [np.nan, np.inf])
-def test_one_number_that_is_none_leaves_one_episode_out(write, column, value):
-    """Wherever it stands; the others are judged."""
+def test_one_number_that_is_none_costs_the_rewards_that_read_it(write, tmp_path, column, value, lost):
+    """That episode, which is told; what the others say stays, to the last figure."""
     episodes = labelled(LATE)
+    rewards = {"seen": lambda step: step.observation.sum() > 0.0, "moved": lambda step: step.action.sum() > 0.0}
+
+    def answers(folder):
+        return [ask(folder).rewards[0], *audit_dataset(f"lerobot:{folder}", rewards).rewards]
+
+    whole = answers(write_frames(tmp_path / "whole", episodes))
     episodes[3][column][2] = value
-    found = ask(write(episodes))
-    assert told(found) == (10, 9, 1.0)
-    assert says(found, "Left out, since they cannot be paid: 1 episode (episode 3")
+    torn = answers(write(episodes))
+    assert [it.name for it in torn if any("left out of this answer" in line for line in it.unpaid)] == lost
+    assert [it.by_success for it in torn if it.name not in lost] == [
+        it.by_success for it in whole if it.name not in lost
+    ]
 
 
 def test_a_gap_in_the_pay_is_as_a_number_that_is_none(write):
@@ -272,7 +283,8 @@ def test_a_gap_in_the_pay_is_as_a_number_that_is_none(write):
         return pa.float32()
 
     rewrite(folder, "next.reward", tear)
-    assert ask(folder).episodes == 19
+    (recorded,) = ask(folder).rewards
+    assert "1 episodes (the first is 3)" in recorded.unpaid[0]
 
 
 def test_a_row_that_lacks_a_value_is_named(write):
