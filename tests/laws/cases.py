@@ -387,7 +387,9 @@ CASES = [
     Case("crashed-cleanrl", crashed_cleanrl, f"report crashed-cleanrl {CLEANRL}", **GONE),
     Case("empty-file", empty(lambda path: path.write_text("")), "report empty-file", **GONE),
     Case("empty-folder", empty(Path.unlink), "report empty-folder", **GONE),
-    Case("percent", percent, "report percent", is_refused=True, says="percent", law="units"),
+    Case(
+        "percent", percent, "report percent", is_refused=True, is_asked=True, says="percent", knows=OF_50, law="units"
+    ),
     Case("audit-finite", d4rl, "audit audit-finite/finite.hdf5", NO_DIFFERENCE, (50,), ()),
     Case("audit-nan", d4rl, "audit audit-nan/nan.hdf5", NO_DIFFERENCE, (50,), ()),
     Case(

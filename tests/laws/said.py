@@ -69,7 +69,7 @@ def say(line):
 FLAG = re.compile(r"(--(?:sort|as|leave-out|measure|labels|per-step|baseline|success(?:-above|-when)?)) ('[^']*'|\S+)")
 COMMAND = re.compile(r"(?<![\w-])harness (?:eta|report|audit) ")
 QUOTED = ("--sort", "--leave-out")
-"""Their values always stand in quotes; without them a sentence only speaks of the flag."""
+"""Their values are paths, or stand in quotes; else a sentence only speaks of the flag."""
 BETWEEN = re.compile(" (and )?")
 
 
@@ -78,7 +78,8 @@ def remedies(text):
     found, last = [], 0
     for match in FLAG.finditer(text):
         flag, value = match[1], match[2].strip("'") if match[2][0] == "'" else match[2].rstrip(".,;:)")
-        is_spoken = match[2][0] != "'" and (flag in QUOTED or value in ("says", "reads", "tells", "names", "takes"))
+        is_path = "/" in value or match[2][0] == "'"
+        is_spoken = not is_path if flag in QUOTED else value in ("says", "reads", "tells", "names", "takes")
         is_behind_command = COMMAND.search(text, max(0, match.start() - 120), match.start())
         if is_spoken or is_behind_command:
             continue
@@ -127,6 +128,17 @@ def typed(line, remedy, supplied: Mapping[str, str]):
         else:
             line += [flag, value]
     return tuple(line)
+
+
+def answered(line, knows):
+    """What a line says in the end to one who answers what it asks of lengths of episodes."""
+    said = say(line)
+    for _ in range(2):
+        asked = [it for it in remedies(said.text) if "episode=N" in " ".join(it)] if said.word == REFUSED else []
+        if not asked:
+            break
+        said = say(typed(said.line, asked[0], knows))
+    return said
 
 
 def _value(word, match, supplied):

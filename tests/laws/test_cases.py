@@ -56,7 +56,7 @@ def followed(case, said, deep=0, seen=None):
         elif answer.word == REFUSED:
             deeper = [*followed(case, answer, deep + 1, seen)] if deep + 1 < DEEPEST else []
             yield from deeper
-            wrong = "" if case.is_refused or any(it[2] for it in deeper) else answer.text
+            wrong = "" if not case.wrong(answer) or any(it[2] for it in deeper) else answer.text
         else:
             wrong = case.wrong(answer)
         led = led or not wrong
