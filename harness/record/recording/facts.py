@@ -33,6 +33,7 @@ OWN_SOURCE = "what the env pays"
 FILE_REWARD, FILE_BEHAVIOUR = "reward_", "behaviour_"
 """What the columns of rewards and of measures begin with in the files, and in what a recorder tells."""
 IN_FILES = {REWARD: FILE_REWARD, BEHAVIOUR: FILE_BEHAVIOUR}
+IN_LOGS = {told: begin for begin, told in IN_FILES.items()}
 RECORDER = "recording of harness"
 """The format of the facts of recordings."""
 LATER: Mapping[str, Any] = MappingProxyType(
@@ -52,18 +53,17 @@ def term_column(reward: str, term: str) -> str:
 
 def file_column(column: str) -> str:
     """What the column of a log, ``reward/v1``, is called in files, ``reward_v1``; it is none of a term."""
-    for told, begin in IN_FILES.items():
-        if column.startswith(told):
-            return f"{begin}{column.removeprefix(told)}"
-    return column
+    return _begun_otherwise(column, IN_FILES)
 
 
 def log_column(column: str) -> str:
     """What the column of a file, ``reward_v1``, is called in a log, ``reward/v1``."""
-    for told, begin in IN_FILES.items():
-        if column.startswith(begin):
-            return f"{told}{column.removeprefix(begin)}"
-    return column
+    return _begun_otherwise(column, IN_LOGS)
+
+
+def _begun_otherwise(column: str, begins: Mapping[str, str]) -> str:
+    found = next((begin for begin in begins if column.startswith(begin)), "")
+    return f"{begins.get(found, '')}{column.removeprefix(found)}"
 
 
 @dataclass(frozen=True)
@@ -102,8 +102,8 @@ class Failure(Failed):
     def to_json(self) -> dict[str, Any]:
         """Plain data; `from_json` gives the same back."""
         return {
+            **{name: getattr(self, name) for name in FailureForm.__annotations__},
             "column": file_column(self.column),
-            **{name: getattr(self, name) for name in ("env", "episode", "step", "reason")},
         }
 
     @classmethod
@@ -195,9 +195,7 @@ class TrainingFacts(LogFacts):
     @property
     def term_columns(self) -> dict[str, str]:
         """By the column of each term, ``reward/gentle/effort``, the column of the reward that it is a term of."""
-        return {
-            term_column(name, term): f"{REWARD}{name}" for name in self.rewards for term in self.terms.get(name, ())
-        }
+        return {term_column(it, term): f"{REWARD}{it}" for it in self.rewards for term in self.terms.get(it, ())}
 
     @property
     def numbers(self) -> tuple[str, ...]:
@@ -247,25 +245,29 @@ class TrainingFacts(LogFacts):
         Raises:
             ValueError: Names stand twice, or actions have too many numbers.
         """
-        rewards, behaviour, seed = tuple(data["rewards"]), tuple(data["behaviour"]), data["seed"]
-        if data["trained_with"] not in rewards:
+        seed, terms, actions = data["seed"], data.get("terms", {}), data.get("actions")
+        if data["trained_with"] not in data["rewards"]:
             raise ValueError(f"it was trained with {data['trained_with']!r}, which is none of its rewards")
         seeds = tuple(seed) if isinstance(seed, list | tuple) else ()
-        terms = data.get("terms", {})
-        if any(len({*names}) < len(names) for names in (rewards, behaviour, *terms.values())):
+        if any(len({*names}) < len(names) for names in (data["rewards"], data["behaviour"], *terms.values())):
             raise ValueError("a name stands twice")
+        if actions and (count := math.prod(actions["shape"])) > MOST_ACTION_NUMBERS:
+            raise ValueError(f"an action has {count:,} numbers, {MOST_ACTION_NUMBERS} are allowed")
         known = {it.name for it in fields(cls)} & {*KEYS} & data.keys()
         return cls(**{
             **{name: tuple(it) if isinstance(it := data[name], list) else it for name in known},
             "path": folder,
-            "bounds": {name: _bounds(*of) for name, of in data.get("bounds", {}).items()},
+            "bounds": {
+                name: (-math.inf if low is None else low, math.inf if high is None else high)
+                for name, (low, high) in data.get("bounds", {}).items()
+            },
             "seed": next((it for it in seeds if it is not None), None) if seeds else seed,
             "seeds": seeds,
             "env": str(data["env"].get("id") or ""),
             "spec": data["env"],
             "sources": {log_column(column): Source(**source) for column, source in data["sources"].items()},
             "failed": tuple(map(Failure.from_json, data["failures"])),
-            "actions": _actions_of(data.get("actions")),
+            "actions": actions and ActionFacts(**{**actions, "shape": tuple(actions["shape"])}),
             "asked": data.get("steps_asked", 0),
             "terms": {name: tuple(of) for name, of in terms.items()},
         })  # fmt: skip
@@ -276,21 +278,8 @@ def facts_of(log: Log) -> TrainingFacts:
     if isinstance(log.facts, TrainingFacts):
         return log.facts
     known = {it.name: getattr(log.facts, it.name) for it in fields(LogFacts)}
-    terms = {name: log.terms_of(name) for name in log.rewards if log.terms_of(name)}
+    terms = {name: of for name in log.rewards if (of := log.terms_of(name))}
     return TrainingFacts(**known, rewards=log.rewards, behaviour=log.measures, closed=True, terms=terms)
-
-
-def _actions_of(data: Mapping[str, Any] | None) -> ActionFacts | None:
-    if data is None:
-        return None
-    actions = ActionFacts(tuple(data["shape"]), data["type"], data["problem"])
-    if actions.size > MOST_ACTION_NUMBERS:
-        raise ValueError(f"an action has {actions.size:,} numbers, {MOST_ACTION_NUMBERS} are allowed")
-    return actions
-
-
-def _bounds(low: float | None, high: float | None) -> tuple[float, float]:
-    return -math.inf if low is None else low, math.inf if high is None else high
 
 
 @with_config(EXACT)

@@ -192,10 +192,15 @@ def step_count(folder: Path, number: int) -> int:
 def _tables(folder: Path, number: int, facts: TrainingFacts, names: tuple[str, ...]) -> Iterator[Columns]:
     """The parts of a recorder, these columns of them, as soon as its steps were found to follow one another."""
     schema, count, actions = part_schema(facts), part_count(folder, number), action_columns(facts)
-    of_file = {name: actions if name == ACTION else [_name_in_part(name, facts)] for name in names if name != TIME}
-    wanted = {TICK_IN_FILE, *INTEGERS, *(it for some in of_file.values() for it in some)}
+    of_file = {name: name if name in facts.term_columns else file_column(name) for name in names}
+    of_file |= {TICK: TICK_IN_FILE}
+    wanted = {*INTEGERS, *of_file.values(), *(actions if ACTION in names else ())}
     columns = [name for name in schema.names if name in wanted]
-    _require_few(folder, count, len(columns))
+    least = max(count - 1, 0) * PART_ROWS  # the last one may be short
+    if least * len(columns) > MOST_NUMBERS:  # each part alone may be small
+        raise SchemaError(
+            f"{folder} has more than {least:,} steps of {len(columns):,} columns, {MOST_NUMBERS:,} numbers are allowed"
+        )
     last: Columns = {}
     taken = 0
     for part in range(count):
@@ -205,26 +210,12 @@ def _tables(folder: Path, number: int, facts: TrainingFacts, names: tuple[str, .
             raise SchemaError(f"{path} has {len(table):,} steps, not {PART_ROWS:,}")
         told = {name: np.asarray(table.column(name).to_numpy()) for name in columns}
         last = _require_sound(folder, facts, told, last)
-        found = {name: told[some[0]] for name, some in of_file.items() if name != ACTION}
-        if ACTION in of_file and facts.actions:
+        found = {name: told[own] for name, own in of_file.items() if own in told}
+        if ACTION in names and facts.actions:
             found[ACTION] = np.stack([told[name] for name in actions], axis=1).reshape(-1, *facts.actions.shape)
-        if TIME in names:
-            found[TIME] = np.arange(taken + 1, taken + len(table) + 1)
+        found[TIME] = np.arange(taken + 1, taken + len(table) + 1)
         taken += len(table)
         yield {name: found[name] for name in names}
-
-
-def _name_in_part(column: str, facts: TrainingFacts) -> str:
-    return TICK_IN_FILE if column == TICK else column if column in facts.term_columns else file_column(column)
-
-
-def _require_few(folder: Path, parts: int, columns: int) -> None:
-    """See that all steps together find room: each part alone may be small."""
-    steps = max(parts - 1, 0) * PART_ROWS  # the last one may be short
-    if steps * columns > MOST_NUMBERS:
-        raise SchemaError(
-            f"{folder} has more than {steps:,} steps of {columns:,} columns, {MOST_NUMBERS:,} numbers are allowed"
-        )
 
 
 def part_count(folder: Path, number: int) -> int:

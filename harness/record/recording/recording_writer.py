@@ -10,20 +10,18 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 from filelock import FileLock, Timeout
-from numpy.typing import NDArray
 
 from harness.arrays import Float
 from harness.errors import UsageError
 from harness.files.whole_file import whole_files
 from harness.log import Log
-from harness.record.recording.facts import TrainingFacts, facts_of, file_column
+from harness.record.recording.facts import TrainingFacts, facts_of
 from harness.record.recording.recorded_training import (
     FLAGS,
     INTEGERS,
     PART_ROWS,
     TICK,
     TICK_IN_FILE,
-    action_columns,
     facts_name,
     part_count,
     part_name,
@@ -71,9 +69,24 @@ class RecordingWriter:
         self._part = self._filled = self.next_time = 0
         self.due = 0.0
         self.next_episodes = np.zeros(facts.num_envs, np.int64)
-        self._hold()
         try:
-            self._begin(resume)
+            self._lock.acquire(timeout=0)
+        except Timeout:
+            raise UsageError(
+                f"'{folder}' is being recorded by another env with number={number}: envs of one training need numbers "
+                "of their own, number=0, 1, 2 ...; another training needs another path"
+            ) from None
+        try:
+            if not (folder / facts_name(number)).exists():
+                self._make_room()
+            elif resume:
+                self._go_on()
+            else:
+                raise UsageError(
+                    f"'{folder}' holds a recording already: name another path, or go on with it by resume=True. "
+                    "Envs of one training that record into one path need numbers of their own, number=0, 1, 2 ..."
+                )
+            self._write()
         except BaseException:
             self._lock.release()
             raise
@@ -121,27 +134,6 @@ class RecordingWriter:
         finally:
             self._lock.release()
 
-    def _hold(self) -> None:
-        try:
-            self._lock.acquire(timeout=0)
-        except Timeout:
-            raise UsageError(
-                f"'{self.folder}' is being recorded by another env with number={self.number}: envs of one training "
-                "need numbers of their own, number=0, 1, 2 ...; another training needs another path"
-            ) from None
-
-    def _begin(self, resume: bool) -> None:
-        if not (self.folder / facts_name(self.number)).exists():
-            self._make_room()
-            self._write()
-            return
-        if not resume:
-            raise UsageError(
-                f"'{self.folder}' holds a recording already: name another path, or go on with it by resume=True. "
-                "Envs of one training that record into one path need numbers of their own, number=0, 1, 2 ..."
-            )
-        self._go_on()
-
     def _make_room(self) -> None:
         """For the rows of a part; a recording of an older version, which goes on, has the columns that it had."""
         self._schema = part_schema(self.facts)
@@ -171,7 +163,6 @@ class RecordingWriter:
                 break
         if self._filled == PART_ROWS:
             self._part, self._filled = self._part + 1, 0
-        self._write()
 
     def _write(self) -> None:
         """The facts first: no reader finds NaN of which they do not tell."""
@@ -189,18 +180,19 @@ class RecordingWriter:
         self.due = time.monotonic() + min(WRITE_EVERY, max(SOONEST, took / LARGEST_SHARE))
 
     def _write_part(self, path: Path) -> None:
+        columns = [
+            pa.array(np.ascontiguousarray(values).astype(field.type.to_pandas_dtype()))
+            for values, field in zip(self._block[: self._filled].T, self._schema, strict=True)
+        ]
+        numbers = [field.name for field in self._schema if field.type == pa.float64()]
         pq.write_table(
-            _table(self._block[: self._filled], self._schema),
+            pa.Table.from_arrays(columns, schema=self._schema),
             path,
             compression="zstd",
             use_dictionary=False,
             column_encoding={
-                TICK_IN_FILE: "DELTA_BINARY_PACKED",
-                **dict.fromkeys(INTEGERS, "DELTA_BINARY_PACKED"),
-                **dict.fromkeys(
-                    [*map(file_column, self.facts.numbers), *self.facts.term_columns, *action_columns(self.facts)],
-                    "BYTE_STREAM_SPLIT",
-                ),
+                **dict.fromkeys((TICK_IN_FILE, *INTEGERS), "DELTA_BINARY_PACKED"),
+                **dict.fromkeys(numbers, "BYTE_STREAM_SPLIT"),
             },
             write_page_checksum=True,
         )
@@ -220,13 +212,6 @@ def write_recording(folder: Path, log: Log) -> None:
         writer.append(np.stack([*rows.values()], axis=1).astype(float))
     finally:
         writer.close()
-
-
-def _table(rows: Float, schema: pa.Schema) -> pa.Table:
-    columns: list[NDArray[np.generic]] = [
-        np.ascontiguousarray(rows[:, index]).astype(field.type.to_pandas_dtype()) for index, field in enumerate(schema)
-    ]
-    return pa.Table.from_arrays([pa.array(column) for column in columns], schema=schema)
 
 
 def _require_same_training(folder: Path, before: TrainingFacts, now: TrainingFacts) -> None:

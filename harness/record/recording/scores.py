@@ -76,10 +76,10 @@ class Scores:
         terms = {name: of for name, of in facts.terms.items() if f"{REWARD}{name}" not in self.columns}
         told = replace(
             facts,
-            rewards=_with(facts.rewards, whole, REWARD),
-            behaviour=_with(facts.behaviour, whole, BEHAVIOUR),
-            lower_is_better=tuple(dict.fromkeys([*facts.lower_is_better, *self.lower_is_better])),
-            higher_is_better=tuple(dict.fromkeys([*facts.higher_is_better, *self.higher_is_better])),
+            rewards=_both(facts.rewards, (it.removeprefix(REWARD) for it in whole if it.startswith(REWARD))),
+            behaviour=_both(facts.behaviour, (it.removeprefix(BEHAVIOUR) for it in whole if it.startswith(BEHAVIOUR))),
+            lower_is_better=_both(facts.lower_is_better, self.lower_is_better),
+            higher_is_better=_both(facts.higher_is_better, self.higher_is_better),
             sources={**facts.sources, **self.sources},
             failed=(*kept, *self.failures),
             terms={**terms, **self.terms},
@@ -93,16 +93,15 @@ class Scores:
         }
         return Scores(
             {**kept, **self.columns},
-            tuple(dict.fromkeys([*earlier.lower_is_better, *self.lower_is_better])),
+            _both(earlier.lower_is_better, self.lower_is_better),
             {**{name: it for name, it in earlier.sources.items() if name in kept}, **self.sources},
             (*(failure for failure in earlier.failures if failure.column in kept), *self.failures),
-            tuple(dict.fromkeys([*earlier.higher_is_better, *self.higher_is_better])),
+            _both(earlier.higher_is_better, self.higher_is_better),
         )
 
 
-def _with(names: tuple[str, ...], columns: Iterable[str], prefix: str) -> tuple[str, ...]:
-    added = [column.removeprefix(prefix) for column in columns if column.startswith(prefix)]
-    return tuple(dict.fromkeys([*names, *added]))
+def _both(names: Iterable[str], more: Iterable[str]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys((*names, *more)))
 
 
 def reward_column(column: str, sources: Container[str]) -> str:
