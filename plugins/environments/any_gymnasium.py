@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Mapping, Sequence
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import gymnasium
 import numpy as np
@@ -48,6 +48,8 @@ class AnyGymnasium:
     made_with: Annotated[
         str, Field(description="arguments for gymnasium.make, joined by +: frame_skip=4+reset_noise_scale=0.1")
     ] = ""
+
+    later: ClassVar[tuple[str, ...]] = ("higher",)
 
     @property
     def lower_is_better(self) -> frozenset[str]:
