@@ -56,8 +56,8 @@ def set_aside(folder: Path) -> int:
     from harness.record.verify import repair as mend
 
     actions = mend(folder)
-    for action in actions:
-        say(f"{action.path}: {action.what}")
+    for path, told in actions:
+        say(f"{path}: {told}")
     if not actions:
         say(f"No file of '{folder}' is damaged: there is nothing to repair")
     return 0

@@ -5,6 +5,7 @@ from dataclasses import fields, is_dataclass
 from functools import cache
 from itertools import repeat
 from pathlib import Path
+from types import UnionType
 from typing import Any, Self, cast, get_args, get_origin, get_type_hints
 
 
@@ -36,6 +37,8 @@ def to_plain(value: Any) -> Any:
 
 def from_plain(kind: Any, data: Any) -> Any:
     """The value of a type that `to_plain` told."""
+    if get_origin(kind) is UnionType and isinstance(data, list):
+        kind = next((part for part in get_args(kind) if get_origin(part) is tuple), kind)
     parts = get_args(kind)
     if hasattr(kind, "from_json"):
         return kind.from_json(data)

@@ -2,12 +2,12 @@
 
 import hashlib
 import json
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Literal, NamedTuple
 
 from harness.eta.manner import OWN_AND_OTHER
+from harness.files.plain import Plain
 from harness.registry.choice import Choice
 
 
@@ -26,12 +26,12 @@ EVALUATION_HORIZON = 10_000
 """Environment steps after which an episode of an evaluation in an environment is cut: ten times what most allow."""
 DISCOUNT = "gamma"
 """The parameter of an algorithm that people are told beside its name, of a cell in an environment."""
-LATER = {"evaluate_every": 0, "deterministic": True, "evaluation_horizon": EVALUATION_HORIZON, "records": ()}
+LATER = {"evaluate_every": 0, "deterministic": True, "evaluation_horizon": EVALUATION_HORIZON, "records": []}
 """Fields that the first version did not have. At these values they are left out, and ids stay what they were."""
 
 
 @dataclass(frozen=True)
-class Cell:
+class Cell(Plain):
     """One training run, to be done or done.
 
     Attributes:
@@ -122,17 +122,4 @@ class Cell:
 
     def to_json(self) -> dict[str, Any]:
         """Plain data; `from_json` gives the same cell back."""
-        return {
-            key: value.to_json() if isinstance(value, Choice) else list(value) if key == "records" else value
-            for key, value in vars(self).items()
-            if key != "id" and not (key in LATER and value == LATER[key])
-        }
-
-    @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> "Cell":
-        """The cell that `to_json` wrote."""
-        values: dict[str, Any] = {
-            key: Choice.from_json(value) if isinstance(value, dict) else value for key, value in data.items()
-        }
-        values["records"] = tuple(data.get("records", ()))
-        return cls(**values)
+        return {key: value for key, value in super().to_json().items() if not (key in LATER and value == LATER[key])}

@@ -1,9 +1,10 @@
 """What is known of a trace's episodes beside its rows."""
 
 import json
-from dataclasses import asdict, dataclass, fields, replace
-from typing import Any, Self
+from dataclasses import dataclass, replace
+from typing import Self
 
+from harness.files.plain import Plain
 from harness.log import Log, LogFacts
 
 LATER = ("arms", "error", "unit", "target_moves")
@@ -11,7 +12,7 @@ LATER = ("arms", "error", "unit", "target_moves")
 
 
 @dataclass(frozen=True)
-class EpisodeFacts:
+class EpisodeFacts(Plain):
     """Facts that metrics need and that no row tells; None where the file says nothing, as those of version 0.1.
 
     Attributes:
@@ -42,7 +43,7 @@ class EpisodeFacts:
 
     def to_bytes(self) -> bytes:
         """For a file; `from_bytes` gives the same facts back."""
-        told = {name: value for name, value in asdict(self).items() if value is not None or name not in LATER}
+        told = {name: value for name, value in self.to_json().items() if value is not None or name not in LATER}
         return json.dumps(told).encode()
 
     @classmethod
@@ -55,11 +56,7 @@ class EpisodeFacts:
         data = json.loads(text)
         if not isinstance(data, dict):
             raise ValueError(f"facts are {data!r}")
-        return cls(**{field.name: _frozen(data[field.name]) for field in fields(cls) if field.name in data})
-
-
-def _frozen(value: Any) -> Any:
-    return tuple(map(_frozen, value)) if isinstance(value, list) else value
+        return cls.from_json(data)
 
 
 NOTHING_KNOWN = EpisodeFacts()

@@ -1,7 +1,7 @@
 """What a `manifest.json` says: what was done in its folder, how it ended, on what machine, with which versions."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, ClassVar, Self, TypeVar
@@ -10,6 +10,7 @@ from pydantic import TypeAdapter
 
 import harness.record.file_forms as forms
 from harness.files.bounded import reading
+from harness.files.plain import Plain
 from harness.files.sealed import read_sealed, seal
 from harness.files.whole_file import write_whole
 from harness.record.cell import Cell
@@ -27,7 +28,7 @@ Told = TypeVar("Told")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Ending:
+class Ending(Plain):
     """How the work for one folder ended.
 
     Attributes:
@@ -49,10 +50,6 @@ class Ending:
     files: Mapping[str, str] = field(default_factory=dict)
 
     FORMAT: ClassVar[int]
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data, the format left out; mappings are those of the record, not copies."""
-        return {each.name: getattr(self, each.name) for each in fields(self)}
 
     def write(self, folder: Path) -> Self:
         """Write ``manifest.json`` into `folder`, which is not complete yet, with the digest of every file there.
@@ -94,7 +91,7 @@ class Manifest(Ending):
 
     def to_json(self) -> dict[str, Any]:
         """Plain data; the cell's id stands beside it, for who looks for it."""
-        told = {"id": self.cell.id, **super().to_json(), "cell": self.cell.to_json()}
+        told = {"id": self.cell.id, **super().to_json()}
         return told if self.error else {name: value for name, value in told.items() if name not in OF_A_GOAL}
 
 
@@ -108,10 +105,9 @@ def read_manifest(folder: Path) -> Manifest:
 
 
 def _from_json(data: dict[str, Any]) -> Manifest:
-    told = data.pop("id")
-    manifest = Manifest(**{**data, "cell": Cell.from_json(data["cell"])})
-    if told != manifest.cell.id:
-        raise ValueError(f"its cell is {manifest.cell.id}, not {told}")
+    manifest = Manifest.from_json(data)
+    if data["id"] != manifest.cell.id:
+        raise ValueError(f"its cell is {manifest.cell.id}, not {data['id']}")
     return manifest
 
 

@@ -14,11 +14,11 @@
 """
 
 import shutil
-from collections.abc import Callable, Container, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from harness.errors import NewerFormat, SchemaError, UsageError
 from harness.files.whole_file import is_partial
@@ -31,37 +31,12 @@ from harness.record.out_folder import folder_lock, is_held, make_folder, refuse_
 from harness.record.plan_file import EXPERIMENT, PLAN, StoredPlan, plan_from_cells, read_plan
 from harness.record.terms import Terms
 
+if TYPE_CHECKING:
+    from harness.experiment.plan import Plan
+
 CELLS, RESULTS, REPORT, LOCK = "cells", "results.parquet", "report.html", ".lock"
 MOST_NAMED = 5
 """Most experiments that a message about the folder above them names."""
-
-
-class Asked(Protocol):
-    """What an experiment asks for; see `harness.experiment.plan.Plan`."""
-
-    @property
-    def baseline(self) -> str:
-        """Label of the reward that the others are compared with."""
-
-    @property
-    def cells(self) -> Sequence[Cell]:
-        """What to run."""
-
-    @property
-    def skipped(self) -> Sequence[tuple[Cell, str]]:
-        """Combinations that cannot work, each with the reason."""
-
-    @property
-    def control(self) -> Mapping[int, int]:
-        """Seeds of the null control, see `StoredPlan`."""
-
-    @property
-    def resolved(self) -> dict[str, Any]:
-        """The experiment as a file holds it."""
-
-    @property
-    def terms(self) -> Terms:
-        """What is agreed on before the first training."""
 
 
 class Store:
@@ -118,7 +93,7 @@ class Store:
         return store
 
     @classmethod
-    def create(cls, folder: Path, plan: Asked) -> "Store":
+    def create(cls, folder: Path, plan: "Plan") -> "Store":
         """`claim` a folder and `add` a plan to it.
 
         Raises:
@@ -129,7 +104,7 @@ class Store:
             store.add(plan)
         return store
 
-    def add(self, plan: Asked) -> None:
+    def add(self, plan: "Plan") -> None:
         """Write down what is asked for, beside all that was before; skipped cells leave their reason."""
         known = self._known_cells()
         cells = dict.fromkeys([*plan.cells, *(cell for cell, _ in plan.skipped)])

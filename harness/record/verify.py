@@ -57,13 +57,6 @@ class Problem(NamedTuple):
         return {"path": self.path.as_posix(), "problem": self.what, "remedy": self.remedy}
 
 
-class Action(NamedTuple):
-    """Something that `repair` did."""
-
-    path: Path
-    what: str
-
-
 def verify(folder: Path) -> list[Problem]:
     """Everything in an experiment's folder that is not what was written. Reads every file, writes none.
 
@@ -87,8 +80,10 @@ def missing_cells(folder: Path) -> tuple[int, int]:
     return sum(not store.cell_folder(cell).exists() for cell in cells), len(cells)
 
 
-def repair(folder: Path) -> list[Action]:
+def repair(folder: Path) -> list[tuple[Path, str]]:
     """Make a folder such that `verify` finds nothing, and that another run does again what is missing then.
+
+    It returns what was done, by the paths of problems.
 
     Nothing is thrown away: what is damaged goes to the folder ``damaged``, of a link a text that says where it led.
     Whoever made the folder wrote its names too. So only what the harness itself makes is moved, in its place: folders
@@ -240,7 +235,7 @@ def _folders(folder: Path, pattern: str) -> list[Path]:
     return sorted(path for path in folder.glob(pattern) if path.is_dir() and not path.is_symlink())
 
 
-def _mend_plan(folder: Path, store: Store) -> list[Action]:
+def _mend_plan(folder: Path, store: Store) -> list[tuple[Path, str]]:
     problems = list(_of_plan(folder))
     if not problems:
         return []
@@ -250,13 +245,13 @@ def _mend_plan(folder: Path, store: Store) -> list[Action]:
             shutil.copyfile(folder / name, _free_name(folder, name))
     plan.write(folder)
     told = f"put together from {len(plan.cells)} cells" if plan.note else "written again"
-    return [Action(problem.path, told) for problem in problems]
+    return [(problem.path, told) for problem in problems]
 
 
-def _set_aside(folder: Path, problem: Problem) -> Action:
+def _set_aside(folder: Path, problem: Problem) -> tuple[Path, str]:
     """Move a folder or a file to where damaged ones are kept; a list that tells of it is written anew."""
     if problem.stays:
-        return Action(problem.path, f"{problem.what}. It stays: {problem.remedy}")
+        return (problem.path, f"{problem.what}. It stays: {problem.remedy}")
     path, told = folder / problem.path, f"it is gone; {MADE_REMEDY}"  # the list told of it
     if os.path.lexists(path):
         target = _free_name(folder, path.name)
@@ -267,17 +262,17 @@ def _set_aside(folder: Path, problem: Problem) -> Action:
             told = f"it cannot be moved, {error.strerror}; it stays"
     if path.name in read_sums(path.parent):
         forget_made(path)
-    return Action(problem.path, told)
+    return (problem.path, told)
 
 
-def _note_link(folder: Path, problem: Problem) -> Action:
+def _note_link(folder: Path, problem: Problem) -> tuple[Path, str]:
     """Put a text in place of a link, among what is damaged: it says where the link led."""
     path = folder / problem.path
     led = os.readlink(path)
     path.unlink()
     target = _free_name(folder, path.name)
     write_whole(target, f"{led}\n".encode(errors="surrogateescape"))
-    return Action(problem.path, f"it was a link; {target.relative_to(folder)} says where it led")
+    return (problem.path, f"it was a link; {target.relative_to(folder)} says where it led")
 
 
 def _free_name(folder: Path, name: str) -> Path:

@@ -10,7 +10,7 @@ import hashlib
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, ClassVar
 
 from pydantic import ConfigDict, StringConstraints, TypeAdapter, with_config
 
@@ -57,10 +57,6 @@ class TransferRecord(Ending):
 
     FORMAT: ClassVar[int] = 2
 
-    def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        return {**super().to_json(), "simulator": self.simulator.to_json()}
-
 
 def read_transfer(folder: Path) -> TransferRecord | None:
     """The record in a transfer's folder, with the status ``damaged`` if that is not what was written; None without one.
@@ -88,11 +84,7 @@ def read_record_of(folder: Path) -> TransferRecord:
     Raises:
         SchemaError: It is damaged or written by a newer version.
     """
-
-    def read(data: dict[str, Any]) -> TransferRecord:
-        return TransferRecord(**{**data, "simulator": Choice.from_json(data["simulator"])})
-
-    return read_record(folder, TransferRecord.FORMAT, "record of a transfer", FORM, read)
+    return read_record(folder, TransferRecord.FORMAT, "record of a transfer", FORM, TransferRecord.from_json)
 
 
 def simulator_id(simulator: Choice) -> str:

@@ -109,7 +109,7 @@ def test_plan_is_put_together_from_the_cells(ran, damage):
     results = Results(ran, load_registry())
     assert "was put together from 4 cells" in results.plan.note
     assert {cell.id for cell in results.done_cells} == {cell.id for cell in known.cells}
-    assert [action.what for action in repair(ran)] == ["put together from 4 cells"]
+    assert [told for _, told in repair(ran)] == ["put together from 4 cells"]
     assert verify(ran) == []
     again = Store(ran).read_plan()
     assert (set(again.cells), again.baseline) == (set(known.cells), known.baseline)
@@ -180,9 +180,9 @@ def test_only_a_file_is_set_aside_in_the_place_of_one(ran, name):
     (ran / name).unlink()
     (ran / name).mkdir()
     (ran / name / "of a person").write_text("kept")
-    [problem], [action] = verify(ran), repair(ran)
+    [problem], [(_, told)] = verify(ran), repair(ran)
     assert f"'{name}'" in problem.what
-    assert "It stays" in action.what
+    assert "It stays" in told
     assert (ran / name / "of a person").read_text() == "kept"
 
 

@@ -12,6 +12,7 @@ from typing_extensions import TypedDict
 
 from harness.eta.manner import Acted
 from harness.files.bounded import reading
+from harness.files.plain import Plain
 from harness.files.sealed import read_sealed, seal
 from harness.log import Failed, Log, LogFacts
 from harness.log.log import BEHAVIOUR, REWARD
@@ -113,7 +114,7 @@ class Failure(Failed):
 
 
 @dataclass(frozen=True)
-class ActionFacts:
+class ActionFacts(Plain):
     """How the actions of a training are recorded, so that another env can be given the same ones.
 
     Attributes:
@@ -211,7 +212,7 @@ class TrainingFacts(LogFacts):
             "env": self.spec,
             "sources": {file_column(column): asdict(source) for column, source in self.sources.items()},
             "failures": [failure.to_json() for failure in self.failures],
-            "actions": self.actions and asdict(self.actions),
+            "actions": self.actions and self.actions.to_json(),
             "steps_asked": self.asked,
         }
         told = {name: named[name] if name in named else getattr(self, name) for name in KEYS}
@@ -267,7 +268,7 @@ class TrainingFacts(LogFacts):
             "spec": data["env"],
             "sources": {log_column(column): Source(**source) for column, source in data["sources"].items()},
             "failed": tuple(map(Failure.from_json, data["failures"])),
-            "actions": actions and ActionFacts(**{**actions, "shape": tuple(actions["shape"])}),
+            "actions": actions and ActionFacts.from_json(actions),
             "asked": data.get("steps_asked", 0),
             "terms": {name: tuple(of) for name, of in terms.items()},
         })  # fmt: skip
