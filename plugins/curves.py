@@ -1,6 +1,7 @@
-"""Learning curves as programs of others log them: by what names, what a point is, and what its step counts."""
+"""What the columns of a log are for: one dictionary of names, of tables and charts and TensorBoard's tags alike."""
 
 import re
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -10,13 +11,12 @@ import numpy as np
 
 from harness.arrays import Float, Ints
 from harness.errors import SchemaError, UsageError
-from harness.log import Log, LogFacts, in_memory
-from harness.log.log import BEHAVIOUR, LARGEST, RECORDED, REWARD, SINCE, SUCCESS
+from harness.log import BEHAVIOUR, LARGEST, RECORDED, REWARD, SINCE, SUCCESS, Log, LogFacts, in_memory
 from harness.log.text_table import require_columns
-from harness.progress import RETURN, SUCCESS as TRAINING_SUCCESS
+from harness.progress import RETURN
+from harness.score.row_meaning import EPISODE, LENGTH
 from harness.text import shortened
 
-ENV_STEPS = "environment steps"
 LAST_100 = "a mean over the last 100 episodes"
 ONE = "that of an episode"
 NEW = "a mean over the episodes that ended since the point before"
@@ -26,155 +26,109 @@ TIME, ITERATION = "time", "iteration"
 MOST_RESTARTS = 100
 CLEANRL_RUN = re.compile(r"(?P<env>.+?)__(?P<algorithm>.+)__(?P<seed>\d+)__\d+")
 """What CleanRL calls a run, and its folder."""
+WORDS = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
+AROUND = {"train", "training", "rollout", "charts"}
+EVALUATIONS = {"eval", "evaluation", "evaluations", "test", "testing", "validation"}
+"""Words around a name that say of which episodes it tells."""
+LONG = 9
+"""A name of so many letters says what it is wherever it stands, as in ``a/b/ep_rew_mean``; a short one only alone."""
 
 
-class Curve(NamedTuple):
-    """How one program logs one curve of returns.
+def plain(name: str) -> str:
+    """A name without its signs, its capitals, and the words that say of which episodes it tells."""
+    words = (word.lower() for word in WORDS.findall(name))
+    return "".join(word for word in words if word not in AROUND | EVALUATIONS)
 
-    Attributes:
-        program: Whose names these are.
-        reward: The mean return; empty where only success is logged.
-        success: Share of the episodes that succeeded; the first of these names that is there.
-        length: Mean length of the episodes.
-        time: Columns, or tags, that count environment steps over all envs; the first of these that is there.
-        counts: What the step of an event counts, where no such tag is there.
-        point: What a value is.
-        evaluation: Whether the episodes are of evaluations.
-        measure: One more measure, that a user names.
-    """
 
-    program: str
-    reward: str
-    success: tuple[str, ...] = ()
-    length: str = ""
-    time: tuple[str, ...] = ("global_step",)
-    counts: str = ENV_STEPS
-    point: str = LAST_100
-    evaluation: bool = False
-    measure: str = ""
+_NAMES = {
+    "reward": """
+        eprewmean episodereturnmean episoderewardmean meanreward meanreturn averageepret rewardsstep totalrewardmean
+        averagereturn averagereward meanepisodereturn meanepisodereward returnsstatmean episodicreturn return returns
+        episodereturn epreturn epret returnmean rewardmean reward rewards episodereward epreward eprew episodicreward
+        totalreward totalreturn sumreward cumulativereward episodescore score r
+    """,
+    "success": """
+        successrate successratemean successmean success issuccess successonce succeeded successful reached goalreached
+        solved
+    """,
+    "length": f"""
+        eplenmean episodelenmean meaneplength episodiclength meanepisodelength episodelengthsstep totaltimestepsmean
+        lensstatmean {" ".join(map(plain, LENGTH))}
+    """,
+    "time": """
+        totaltimesteps globalstep numenvstepssampledlifetime timestepstotal numenvstepssampled totalenvinteracts
+        totalenvsteps timestepssofar totalsteps envsteps envstep environmentsteps cumulativesteps numtimesteps
+        totalframes collectedframes timesteps steps
+    """,
+    "episode": " ".join(map(plain, EPISODE)),
+    "counter": "iteration iterations timeiterations epoch epochs update updates step episode",
+}
+ROLES: Mapping[str, Sequence[str]] = {role: names.split() for role, names in _NAMES.items()}
+"""What a column is for, by its `plain` name; the first of these that is there."""
+POINTS: Mapping[str, tuple[str, bool]] = {
+    RETURN: (LAST_100, True),
+    "rollout/success_rate": (LAST_100, True),
+    "eval/mean_reward": (EVALUATED, True),
+    "eprewmean": (LAST_100, True),
+    "rewardsstep": (LAST_100, True),
+    "meanreward": (LAST_100, False),
+    "totalrewardmean": (LAST_100, False),
+    "episodereturnmean": (LAST_100_OR_NEW, False),
+    "episoderewardmean": (LAST_100_OR_NEW, False),
+    "averageepret": (NEW, False),
+    "cumulativereward": (NEW, True),
+    "episodicreturn": (ONE, True),
+    "episodescore": (ONE, True),
+}
+"""By the name of a return, or its `plain` name: what a point is, and whether TensorBoard's step counts env steps."""
+OF_ALL = ("steps", "timesteps", "numsteps", "nsteps")
+"""Names of lengths in tables of episodes, and of the steps of a training beside a curve."""
+MEANS = re.compile("mean|average|avg|rate$")
 
-    @property
-    def columns(self) -> dict[str, str]:
-        """By standard column: which of the log's names it is read from."""
-        roles = {
-            f"{REWARD}{RECORDED}": self.reward,
-            f"{BEHAVIOUR}{SUCCESS}": next(iter(self.success), ""),
-            "length": self.length,
-            f"{BEHAVIOUR}{self.measure}": self.measure,
-        }
-        return {column: name for column, name in roles.items() if name}
+
+class Chosen(NamedTuple):
+    """Which names of a log are read."""
+
+    columns: Mapping[str, str]
+    """By role: ``reward``, ``success``, ``length``, ``measure``."""
+    times: tuple[str, ...]
+    """Those that count environment steps over all envs; the first that is filled is read."""
+    counter: str
+    """What counts anything else; empty where nothing does."""
+    evaluation: bool
+    """Whether the episodes are of evaluations."""
+    others: tuple[str, ...]
+    """Returns that are there and are not read."""
 
     @property
     def main(self) -> str:
         """The name whose values are its points."""
-        return next(iter(self.columns.values()))
+        return self.columns.get("reward") or self.columns["success"]
 
-
-RLLIB_STEPS = ("num_env_steps_sampled_lifetime", "timesteps_total", "num_env_steps_sampled")
-RLLIB_SUCCESS = ("env_runners/success_rate", "custom_metrics/success_rate_mean", "custom_metrics/success_mean")
-RLLIB = tuple(
-    Curve(
-        "RLlib, evaluations" if of else "RLlib",
-        f"{prefix}{of}{reward}",
-        tuple(f"{prefix}{of}{name}" for name in RLLIB_SUCCESS),
-        f"{prefix}{of}{length}",
-        tuple(f"{prefix}{name}" for name in RLLIB_STEPS),
-        "environment steps or iterations, by its version",
-        LAST_100_OR_NEW,
-        bool(of),
-    )
-    for prefix in ("", "ray/tune/")
-    for of in ("", "evaluation/")
-    for reward, length in (
-        ("env_runners/episode_return_mean", "env_runners/episode_len_mean"),
-        ("env_runners/episode_reward_mean", "env_runners/episode_len_mean"),
-        ("episode_reward_mean", "episode_len_mean"),
-    )
-)
-CURVES = (
-    Curve(
-        "stable-baselines3",
-        "rollout/ep_rew_mean",
-        ("rollout/success_rate",),
-        "rollout/ep_len_mean",
-        ("time/total_timesteps", "global_step"),
-    ),
-    Curve(
-        "stable-baselines3's EvalCallback",
-        "eval/mean_reward",
-        ("eval/success_rate",),
-        "eval/mean_ep_length",
-        ("time/total_timesteps", "global_step"),
-        point=EVALUATED,
-        evaluation=True,
-    ),
-    Curve("CleanRL", "charts/episodic_return", (), "charts/episodic_length", point=ONE),
-    Curve("this project's tracker", RETURN, (TRAINING_SUCCESS,), time=("steps",)),
-    Curve(
-        "this project's tracker, evaluations",
-        "Evaluation/Cumulative Reward",
-        ("Evaluation/Success Rate",),
-        time=("steps",),
-        point=EVALUATED,
-        evaluation=True,
-    ),
-    Curve("Unity ML-Agents", "Environment/Cumulative Reward", (), "Environment/Episode Length", point=NEW),
-    Curve(
-        "rsl_rl, as in Isaac Lab",
-        "Train/mean_reward",
-        ("Metrics/success_rate",),
-        "Train/mean_episode_length",
-        counts="iterations",
-    ),
-    Curve("rl_games", "rewards/step", (), "episode_lengths/step"),
-    Curve(
-        "skrl",
-        "Reward / Total reward (mean)",
-        (),
-        "Episode / Total timesteps (mean)",
-        counts="steps of each of its envs",
-    ),
-    *RLLIB,
-    Curve("Spinning Up", "AverageEpRet", (), "EpLen", ("TotalEnvInteracts",), point=NEW),
-    Curve(
-        "Spinning Up, tests",
-        "AverageTestEpRet",
-        (),
-        "TestEpLen",
-        ("TotalEnvInteracts",),
-        point=EVALUATED,
-        evaluation=True,
-    ),
-    Curve("baselines", "eprewmean", (), "eplenmean", ("misc/total_timesteps", "total_timesteps")),
-    Curve("baselines", "EpRewMean", (), "EpLenMean", ("TimestepsSoFar",)),
-    Curve(
-        "garage",
-        "Evaluation/AverageReturn",
-        ("Evaluation/SuccessRate",),
-        "",
-        ("TotalEnvSteps",),
-        point=EVALUATED,
-        evaluation=True,
-    ),
-)
-"""Every curve that is known by its names. Of those that a log has, one with success goes before one without, and one of
-the training before one of evaluations."""
+    @property
+    def kind(self) -> tuple[str, bool]:
+        """What a point is, and whether TensorBoard's step counts environment steps."""
+        keys = (self.main, plain(self.main), plain(self.main.rpartition("/")[2]))
+        point, is_of_steps = next((POINTS[key] for key in keys if key in POINTS), ("", False))
+        return EVALUATED if self.evaluation else point, is_of_steps
 
 
 @dataclass(frozen=True)
-class CurveSettings:
+class Roles:
     """What a user can say of a log of curves.
 
     Attributes:
-        reward: The column, or tag, of mean returns; found by its name if empty.
-        success: That of the share of episodes that succeeded; found by its name if empty.
-        length: That of mean lengths; found by its name if empty.
+        time: The column, or tag, that counts environment steps; as the others, found by its name if empty.
+        reward: That of returns.
+        success: That of success, or of the share of episodes that succeeded.
+        length: That of lengths.
         measure: That of one more measure, which no reward enters.
         per_step: Environment steps of one of its steps, where these are iterations; 0 if nobody says.
-        episode: Steps of an episode at most, where values average so many episodes and no lengths stand beside them; 0
-            if nobody says.
+        episode: Steps of an episode at most, where values average many and no lengths stand beside them; 0 if nobody
+            says.
     """
 
+    time: str = ""
     reward: str = ""
     success: str = ""
     length: str = ""
@@ -182,116 +136,135 @@ class CurveSettings:
     per_step: int = 0
     episode: int = 0
 
-    def chosen(self, path: Path, names: Sequence[str]) -> Curve:
-        """The curve to read among the names of a log.
+    def chosen(self, path: Path, names: Sequence[str]) -> Chosen:
+        """What to read among the names of a log.
 
         Raises:
             UsageError: A name that was given is not there, or none is known.
         """
-        require_columns(path, names, self.reward, self.success, self.length, self.measure)
-        there = [curve for curve in CURVES if curve.reward in names]
-        by_success = [curve._replace(reward="") for curve in CURVES if set(curve.success) & set(names)]
-        if self.reward:
-            known = next((curve for curve in there if curve.reward == self.reward), None)
-            curve = known or Curve("", self.reward, counts="steps of its own", point="")
-        elif there or by_success:
-            curve = min(there or by_success, key=lambda it: (not set(it.success) & set(names), it.evaluation))
-        elif self.success:
-            curve = Curve("", "", counts="steps of its own", point="")
-        else:
+        given = {role: getattr(self, role) for role in ("reward", "success", "length", "measure")}
+        require_columns(path, names, self.time, *given.values())
+        of = {is_evaluation: roles_of(names, is_evaluation) for is_evaluation in (False, True)}
+        there = [it for it, roles in of.items() if {"reward", "success"} & roles.keys()]
+        evaluation = min(there, key=lambda it: ("success" not in of[it], it), default=False)
+        if self.reward or self.success:
+            evaluation = is_evaluated(self.reward or self.success)
+        found = {role: name for role, name in of[evaluation].items() if role in given and plain(name) not in OF_ALL}
+        found |= {role: name for role, name in given.items() if name}
+        if not {"reward", "success"} & found.keys():
             raise UsageError(
                 f"{path} has no curve of returns that is known by its name: say reward=NAME. "
                 f"It has: {shortened(', '.join(names), 160)}"
             )
-        success = self.success or next((name for name in curve.success if name in names), "")
-        length = self.length or (curve.length if curve.length in names else "")
-        return curve._replace(success=(success,) if success else (), length=length, measure=self.measure)
+        known = {key: name for name in reversed(names) for key in (plain(name.rpartition("/")[2]), plain(name))}
+        times = [known[key] for key in ROLES["time"] if key in known and known[key] not in found.values()]
+        counters = [known[key] for key in ROLES["counter"] if key in known and known[key] not in found.values()]
+        others = {
+            roles["reward"]: None for roles in of.values() if "reward" in roles and self.reward not in roles.values()
+        }
+        others.pop(found.get("reward", ""), None)
+        return Chosen(
+            found, (self.time,) if self.time else tuple(dict.fromkeys(times)), next(iter(counters), ""), evaluation,
+            tuple(others),
+        )  # fmt: skip
 
 
-def is_known(names: Iterable[str]) -> bool:
-    """Whether a curve is known by one of these names."""
-    there = set(names)
-    return any(curve.reward in there or there & set(curve.success) for curve in CURVES)
+def is_evaluated(name: str) -> bool:
+    """Whether a name says that it tells of evaluations."""
+    return any(word.lower() in EVALUATIONS for word in WORDS.findall(name))
 
 
-def is_history(names: Iterable[str]) -> bool:
-    """Whether a table is the history of a run of Weights & Biases, which has the names of whatever logged into it."""
-    return {"_step", "_timestamp"} <= set(names)
+def roles_of(names: Iterable[str], evaluation: bool = False) -> dict[str, str]:
+    """By role: the name of the column, of those that tell of evaluations, or of the others."""
+    whole: dict[str, str] = {}
+    last: dict[str, str] = {}
+    for name in names:
+        if is_evaluated(name) == evaluation:
+            whole.setdefault(plain(name), name)
+            last.setdefault(plain(name.rpartition("/")[2]), name)
+    found: dict[str, str] = {}
+    for role, keys in ROLES.items():
+        of = (whole.get(key) or (last.get(key) if len(key) >= LONG else None) for key in keys)
+        first = next((it for it in of if it and it not in found.values()), None)
+        if first:
+            found[role] = first
+    return found
 
 
-def curve_log(
-    facts: LogFacts, curve: Curve, names: Sequence[str], columns: Mapping[str, Float], settings: CurveSettings
-) -> Log:
+def points(facts: LogFacts, chosen: Chosen, columns: Mapping[str, Float], told: Roles, step: str = "") -> Log:
     """The log of one curve.
 
     Args:
         facts: Of the file.
-        curve: Which of its names to read, see `CurveSettings.chosen`.
-        names: All that the log has, to tell what else is there.
+        chosen: Which of its names to read.
         columns: By name, (points,) each, and ``step``, what its own steps count; NaN where a point lacks a value.
-        settings: What a user said.
+        told: What a user said.
+        step: What ``step`` counts; empty for TensorBoard's, of which the names tell whether it counts env steps.
 
     Raises:
         UsageError: The log tells environment steps itself, and a user says how many one of its steps is.
         SchemaError: No point has all of its values, one is beyond what it can be, or its steps go back too often.
     """
-    per_step, counter = settings.per_step, _counter(curve, columns)
-    if per_step and counter != "step":
+    point, is_of_steps = chosen.kind
+    is_point = ~np.isnan(columns[chosen.main])
+    filled = (name for name in chosen.times if name in columns and not np.isnan(columns[name][is_point]).all())
+    counter = next(filled, "step")
+    if told.per_step and counter != "step":
         raise UsageError(f"{facts.path} counts environment steps in '{counter}': leave per_step out")
-    is_time = counter != "step" or curve.counts == ENV_STEPS or per_step > 0
+    is_time = counter != "step" or (is_of_steps and not step) or told.per_step > 0
     axis = TIME if is_time else ITERATION
-    read = {axis: counter, **_read(curve, columns)}
-    whole = ~np.isnan(np.stack([columns[name] for name in read.values()])).any(axis=0)
-    lacking = int((~np.isnan(columns[curve.main])).sum() - whole.sum())
+    read = _read(chosen, columns)
+    whole = ~np.isnan(np.stack([columns[name] for name in (counter, *read.values())])).any(axis=0)
+    lacking = int(is_point.sum() - whole.sum())
     rows, restarts = _last_attempt(facts.path, np.flatnonzero(whole), columns[counter][whole])
     if not len(rows):
-        raise SchemaError(f"{facts.path} has no point of {', '.join(curve.columns.values())} yet")
-    found = {column: columns[name][rows] for column, name in read.items()}
-    if per_step:
-        found[axis] = found[axis] * per_step
-    steps = columns[curve.length][rows] if curve.length else np.full(len(rows), np.nan)
+        raise SchemaError(f"{facts.path} has no point of {', '.join(chosen.columns.values())} yet")
+    found = {axis: columns[counter][rows], **{column: columns[name][rows] for column, name in read.items()}}
+    if told.per_step:
+        found[axis] = found[axis] * told.per_step
+    for name, values in found.items():
+        beyond = values[np.abs(values) > LARGEST]
+        if len(beyond):
+            raise SchemaError(f"{facts.path}: a value of {name} is {beyond[0]:g}, which is beyond all returns")
+    length = chosen.columns.get("length", "")
+    steps = columns[length][rows] if length else np.full(len(rows), np.nan)
     is_told = ~np.isnan(steps)
     if is_told.any():
         steps = np.interp(found[axis], found[axis][is_told], steps[is_told])
-    elif settings.episode:
-        steps = np.full(len(rows), float(settings.episode))
-    found[SINCE] = _since(curve.point, found[axis], steps if is_time else np.full(len(rows), np.nan))
-    _require_possible(facts.path, found)
-    told = ", ".join(f"{column} from '{name}'" for column, name in read.items() if column != axis)
-    others = [it.reward for it in CURVES if it.reward in names and it.reward != curve.reward]
+    elif told.episode:
+        steps = np.full(len(rows), float(told.episode))
+    found[SINCE] = _since(point, found[axis], steps if is_time else np.full(len(rows), np.nan))
+    shown = ", ".join(f"{column} from '{name}'" for column, name in read.items())
     notes = {
-        f"{told}; {axis} from " + ("its steps" if counter == "step" else f"'{counter}'"): True,
-        f"its steps are {curve.counts}: per_step=N says how many environment steps one is": not is_time,
-        f"'{curve.length}' lacks values: it is left out": curve.length and "length" not in read,
+        f"{shown}; {axis} from {repr(step or 'its steps') if counter == 'step' else repr(counter)}": True,
+        "nobody says how many environment steps one of its steps is: per_step=N does": not is_time,
+        f"'{length}' lacks values: it is left out": length and "length" not in read,
         f"{lacking} points that lack one of these are left out": lacking,
         f"{restarts} times it goes back: what was logged again later counts": restarts,
-        f"there are also curves of {', '.join(others)}": others,
+        f"there are also curves of {', '.join(chosen.others)}": chosen.others,
     }
-    point = f"each value is {curve.point}" if curve.point not in ("", ONE) else ""
+    thinned = [facts.thinned, f"each value is {point}" if point not in ("", ONE) else ""]
     facts = replace(
         facts,
         unit="point",
-        evaluation=curve.evaluation,
-        bounds={SUCCESS: (0.0, 1.0)} if curve.success else {},
-        thinned="; ".join(filter(None, [facts.thinned, point])),
+        evaluation=chosen.evaluation,
+        bounds={SUCCESS: (0.0, 1.0)} if "success" in chosen.columns else {},
+        thinned="; ".join(filter(None, thinned)),
         notes=(*facts.notes, *(note for note, is_so in notes.items() if is_so)),
     )
     return in_memory(facts, found)
 
 
-def _counter(curve: Curve, columns: Mapping[str, Float]) -> str:
-    """What counts environment steps wherever the curve has a point; else ``step``, or what else there is."""
-    is_point = ~np.isnan(columns[curve.main])
-    there = [name for name in curve.time if name in columns]
-    filled = (name for name in there if not np.isnan(columns[name][is_point]).all())
-    return next(filled, "step" if "step" in columns else there[0])
+def column_of(role: str, name: str) -> str:
+    """The standard column of a role."""
+    return {"reward": f"{REWARD}{RECORDED}", "success": f"{BEHAVIOUR}{SUCCESS}"}.get(role, f"{BEHAVIOUR}{name}")
 
 
-def _read(curve: Curve, columns: Mapping[str, Float]) -> dict[str, str]:
+def _read(chosen: Chosen, columns: Mapping[str, Float]) -> dict[str, str]:
     """By standard column: the name that it is read from. Lengths are left out where points have none."""
-    read = dict(curve.columns)
-    length = read.pop("length", "")
-    whole = ~np.isnan(np.stack([columns[name] for name in (read or curve.columns).values()])).any(axis=0)
+    read = {column_of(role, name): name for role, name in chosen.columns.items() if role != "length"}
+    length = chosen.columns.get("length", "")
+    whole = ~np.isnan(np.stack([columns[name] for name in read.values()])).any(axis=0)
     if length and not np.isnan(columns[length][whole]).any():
         read["length"] = length
     return read
@@ -327,10 +300,30 @@ def _last_attempt(path: Path, rows: Ints, steps: Float) -> tuple[Ints, int]:
     return rows[kept], len(back)
 
 
-def _require_possible(path: Path, columns: Mapping[str, Float]) -> None:
-    for name, values in columns.items():
-        low, high = (0.0, 1.0) if name == f"{BEHAVIOUR}{SUCCESS}" else (-LARGEST, LARGEST)
-        wrong = (values < low) | (values > high)
-        if wrong.any():
-            shown = float(values[int(np.argmax(wrong))])
-            raise SchemaError(f"{path}: a value of {name} is {shown:g}; it lies from {low:g} to {high:g}")
+class Series(NamedTuple):
+    """The points of one tag."""
+
+    steps: Sequence[float]
+    values: Sequence[float]
+
+
+def aligned(series: Mapping[str, Series], chosen: Chosen) -> dict[str, Float]:
+    """The tags of a curve, with a value for each point of its first tag; NaN where a tag has none at that step."""
+    base = series.get(chosen.main, Series((), ()))
+    columns = {"step": np.array(base.steps, np.float64)}
+    keys = _numbered(base.steps)
+    for tag in (*chosen.columns.values(), *chosen.times):
+        if tag in series:
+            values = dict(zip(_numbered(series[tag].steps), series[tag].values, strict=True))
+            columns[tag] = np.array([values.get(key, np.nan) for key in keys], np.float64)
+    return columns
+
+
+def _numbered(steps: Iterable[float]) -> list[tuple[float, int]]:
+    """Each step, and how often it stood there before: several episodes may end at one step."""
+    seen: Counter[float] = Counter()
+    found = []
+    for step in steps:
+        found.append((step, seen[step]))
+        seen[step] += 1
+    return found

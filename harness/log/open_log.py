@@ -16,6 +16,9 @@ from harness.registry.registry import Registry
 from harness.registry.spec import blamed_on
 
 LOGS = "logs"
+TABLE = "table"
+GONE = ("monitor", "progress-csv", "wandb-csv", "tensorboard-csv", "episode-csv")
+"""Formats of earlier versions, whose files `TABLE` reads."""
 MOST_FILES = 100_000
 """Files and folders that are looked at below a folder."""
 MOST_BYTES = 2**35
@@ -76,7 +79,9 @@ def find_logs(path: Path, registry: Registry, named: str = "") -> Found:
     left_out: list[tuple[Path, str]] = []
     for place, name in _places(path, formats):
         try:
-            logs += _read(place, name, registry)
+            known = {(log.facts.path, log.facts.run, log.facts.format) for log in logs}
+            read = _read(place, name, registry)
+            logs += [it for it in read if (it.facts.path, it.facts.run, it.facts.format) not in known]
         except HarnessError as error:
             left_out.append((place, str(error)))
     return Found(tuple(logs), tuple(left_out))
@@ -97,6 +102,9 @@ def formats_of(registry: Registry) -> dict[str, LogFormat]:
 
 
 def _built(name: str, registry: Registry) -> LogFormat:
+    old, colon, told = name.partition(":")
+    if old in GONE and old not in registry.names(LOGS):
+        raise UsageError(f"The format '{old}' is gone: one reader takes all tables. Type --as '{TABLE}{colon}{told}'")
     built: LogFormat = choose(registry, LOGS, name).build(registry, LOGS)
     return built
 

@@ -1,27 +1,36 @@
-"""Tables of text that other programs write, such as ``progress.csv``: cells by column, with the line of each row."""
+"""Tables that other programs write, as text or JSON: cells by column, with the line of each row."""
 
 import csv
 import io
+import json
 import math
-import sys
+import re
+import zlib
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import chain, islice
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from harness.arrays import Float, Mask
 from harness.errors import SchemaError, UsageError
-from harness.files.bounded import open_regular, read_bytes, reading
-from harness.log.format import HEAD
+from harness.files.bounded import open_regular, reading
 from harness.log.log import LARGEST
 from harness.reward.steps import nearest
 from harness.text import shortened
 
 MOST_BYTES = 2**27
-"""The most bytes that a table may have: some four million episodes."""
+"""The most bytes that a table may have, unpacked: some four million episodes."""
 LONGEST_LINE = 2**20
+GZIP, WIDE = b"\x1f\x8b", (b"\xff\xfe", b"\xfe\xff")
+"""How a file begins that gzip packed, and text in UTF-16."""
 TRUTH = {"true": 1.0, "false": 0.0}
+NOTHING = ("", "nan", "none", "null")
+LOOKED_AT = 32
+"""Rows by which it is chosen which columns are kept."""
+Wanted = Callable[[tuple[str, ...], Sequence[Sequence[str]]], Iterable[str]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,18 +42,20 @@ class TextTable:
         names: Of all columns, in the order of the header.
         cells: By name, of the columns that were asked for.
         lines: Of each row, its line in the file, counted from 1.
-        comments: Lines that were no rows, and their numbers.
+        comments: Lines of JSON behind ``#``, and their numbers.
         headers: Lines at which the header stands once more: somebody has gone on with the file.
         cut: The line of a last row that is left out because it does not end: it is being written, or was cut; else 0.
+        has_commas: Whether semicolons part its cells, and a comma is the decimal point of its numbers.
     """
 
     path: Path
     names: tuple[str, ...]
     cells: dict[str, list[str]]
-    lines: list[int]
+    lines: Sequence[int]
     comments: tuple[tuple[int, str], ...] = ()
     headers: tuple[int, ...] = ()
     cut: int = 0
+    has_commas: bool = False
 
     def __len__(self) -> int:
         return len(self.lines)
@@ -52,36 +63,49 @@ class TextTable:
     @property
     def notes(self) -> tuple[str, ...]:
         """What to tell of it."""
-        return (f"line {self.cut} is cut off, or is being written: it is left out",) if self.cut else ()
+        told = {
+            f"line {self.cut} is cut off, or is being written: it is left out": self.cut,
+            "a comma is read as the decimal point of its numbers": self.has_commas,
+        }
+        return tuple(note for note, is_so in told.items() if is_so)
 
-    def numbers(self, name: str, may_lack: bool = False) -> Float:
+    def numbers(self, name: str, lacks: Sequence[str] = ()) -> Float:
         """A column as numbers, (rows,); True is 1 and False is 0.
 
         Args:
             name: Of the column.
-            may_lack: Whether cells may be empty or NaN; they are NaN then.
+            lacks: What may stand in a cell that has no number, in lower case, such as `NOTHING`; it is NaN then.
 
         Raises:
             SchemaError: A cell is no finite number; names the line.
         """
-        values = np.array([_number(cell) for cell in self.cells[name]], np.float64)
+        cells = self.cells[name]
+        if self.has_commas:
+            cells = [cell.replace(",", ".") for cell in cells]
+        try:
+            values = np.fromiter(map(float, cells), np.float64, len(cells))
+            if "_" in "".join(cells):
+                raise ValueError
+        except ValueError:
+            values = np.array([_number(cell) for cell in cells], np.float64)
         wrong = ~(np.abs(values) <= LARGEST)
-        if may_lack:
-            wrong &= np.array([cell.strip().lower() not in ("", "nan", "none") for cell in self.cells[name]], bool)
-        if wrong.any():
-            row = int(np.argmax(wrong))
-            shown = shortened(self.cells[name][row], 40) or "nothing"
-            raise self.refused(row, f"column '{name}' holds {shown}, which is no number that can be read")
+        for row in np.flatnonzero(wrong):
+            if cells[row].strip().lower() not in lacks or not math.isnan(values[row]):
+                shown = shortened(cells[row], 40) or "nothing"
+                raise self.refused(int(row), f"column '{name}' holds {shown}, which is no number that can be read")
         return values
 
-    def counts(self, name: str, least: int = 0, may_lack: bool = False) -> Float:
+    def counts(self, name: str, least: int = 0, lacks: Sequence[str] = ()) -> Float:
         """A column of whole numbers, (rows,); see `numbers`.
 
         Raises:
             SchemaError: A cell is less than `least`, or no whole number: perhaps it stands under another's name.
         """
-        values = self.numbers(name, may_lack)
-        self._require(name, (values >= least) & (values == np.floor(values)) | np.isnan(values), f"counts from {least}")
+        values = self.numbers(name, lacks)
+        is_right = (values >= least) & (values == np.floor(values)) | np.isnan(values)
+        if self.has_commas:
+            is_right &= np.array(["," not in cell for cell in self.cells[name]], bool)
+        self._require(name, is_right, f"counts from {least}")
         return values
 
     def truths(self, name: str) -> Float:
@@ -94,6 +118,14 @@ class TextTable:
         self._require(name, np.isin(values, (0.0, 1.0)), "is 0 or 1")
         return values
 
+    def part(self, rows: Sequence[int]) -> "TextTable":
+        """Some of its rows."""
+        cells = {name: [of[row] for row in rows] for name, of in self.cells.items()}
+        return TextTable(
+            self.path, self.names, cells, [self.lines[row] for row in rows], self.comments, self.headers, self.cut,
+            self.has_commas,
+        )  # fmt: skip
+
     def _require(self, name: str, is_right: Mask, what: str) -> None:
         if not is_right.all():
             row = int(np.argmin(is_right))
@@ -104,47 +136,82 @@ class TextTable:
         return SchemaError(f"{self.path}, line {self.lines[row]}: {why}")
 
 
-def read_table(
-    path: Path,
-    wanted: Callable[[tuple[str, ...]], Iterable[str]] | None = None,
-    separator: str = ",",
-    comment: str = "",
-    names: Sequence[str] = (),
-    ends_open: bool = False,
-) -> TextTable:
-    """Read a table of text in UTF-8 whose first row names the columns.
-
-    Blank lines are left out. A last line without an end is left out too, and told: its last number may be cut.
-
-    Args:
-        path: The file.
-        wanted: Which columns to keep, given the names of all; all if None.
-        separator: Between cells.
-        comment: What a line begins with that is no row; none if empty.
-        names: Of the columns of a file that has no header.
-        ends_open: Whether the program that wrote it puts every cell in quotes, and ends the last line with nothing.
+def text_of(data: bytes, *, is_whole: bool) -> str:
+    """The text of a file, or of its beginning: in UTF-8 or UTF-16, as it is or packed by gzip.
 
     Raises:
-        SchemaError: It is empty, or a row has another number of cells than the header; names the line.
+        SchemaError: It unpacks to more than is allowed, or is damaged.
+        UnicodeDecodeError: It is no such text.
     """
-    with reading(path, "table"):
-        text = read_bytes(path, MOST_BYTES).decode("utf-8-sig")
-        return parse_table(path, text, wanted, separator, comment, names, ends_open)
+    if data.startswith(GZIP):
+        packed = zlib.decompressobj(31)
+        try:
+            data = packed.decompress(data, MOST_BYTES + 1)
+        except zlib.error as error:
+            raise SchemaError(f"what gzip packed is damaged: {error}") from error
+        if len(data) > MOST_BYTES or packed.unused_data:
+            raise SchemaError(f"it unpacks to more than {MOST_BYTES:,} bytes, or to several files")
+        if not packed.eof:  # the last row is not known to be whole
+            is_whole, data = False, data.rstrip(b"\r\n")
+    code = "utf-16" if data.startswith(WIDE) else "utf-8-sig"
+    if not is_whole:
+        return data.decode(code, "ignore")
+    return data.decode(code)
 
 
-def parse_table(
-    path: Path,
-    text: str,
-    wanted: Callable[[tuple[str, ...]], Iterable[str]] | None = None,
-    separator: str = ",",
-    comment: str = "",
-    names: Sequence[str] = (),
-    ends_open: bool = False,
-) -> TextTable:
-    """A table as `read_table` gives it, of the text of a file or of its beginning."""
+def read_text(path: Path) -> str:
+    """The text of a file with a table; see `text_of`.
+
+    Raises:
+        SchemaError: It cannot be read, or is no text.
+    """
+    with reading(path, "table"), open_regular(path, MOST_BYTES) as file:
+        return text_of(file.read(), is_whole=True)
+
+
+def head_of(path: Path, head: bytes) -> str:
+    """The first whole rows of a file; empty of a folder, and of what is no text.
+
+    Args:
+        path: The file. It is read only where not even its first line ends in `head`.
+        head: Its first bytes.
+    """
+    try:
+        text = text_of(head, is_whole=False)
+        if head and "\n" not in text[:-1] and path.is_file():
+            with open_regular(path, 2**62) as file:
+                text = text_of(file.read(LONGEST_LINE), is_whole=False)
+    except (SchemaError, OSError, ValueError):
+        return ""
+    return "" if "\0" in text else text if text.lstrip()[:1] == "[" else text[: text.rfind("\n") + 1]
+
+
+def parse_table(path: Path, text: str, wanted: Wanted | None = None, names: Sequence[str] = ()) -> TextTable:
+    """A table of a text whose first row names the columns, or of objects of JSON, one a line or all in a list.
+
+    Cells are parted by what stands in the header most often: a comma, a semicolon or a tab. Names in objects are joined
+    to those of what holds them, ``a/b``. Blank lines are left out. A last line without an end is left out too, and
+    told: its last number may be cut.
+
+    Args:
+        path: Its file.
+        text: Of the file, or of its beginning.
+        wanted: Which columns to keep, given the names of all and the first rows; all if None.
+        names: Of the columns of a text that has no header.
+    """
+    if text.lstrip()[:1] in ("{", "["):
+        return _of_objects(path, text, wanted)
     comments: list[tuple[int, str]] = []
-    rows = _rows(path, _lines(text, comment, comments), separator, strict=ends_open)
-    open_end = 0 if ends_open else _open_end(text)
+    is_quoted = text.startswith('"')  # the program puts every cell in quotes, and ends the last line with nothing
+    lines, begin = _lines(text, comments), list[str]()
+    for first in lines:
+        begin.append(first)
+        if first.strip():
+            break
+    separator = max(",;\t", key=begin[-1].count) if begin else ","
+    rows = _rows(path, chain(begin, lines), separator, strict=is_quoted)
+    is_open = not is_quoted and text and not text.endswith(("\n", "\r"))
+    open_end = sum(1 for _ in io.StringIO(text, newline="")) if is_open else 0
     line = 0
     if not names:
         line, head = next(rows, (0, []))
@@ -152,13 +219,14 @@ def parse_table(
     known = tuple(names)
     if not known or line == open_end > 0 or len(set(known)) < len(known):
         raise SchemaError(f"{path} has no header, a header that is cut off, or names a column twice in it")
-    keep = tuple(dict.fromkeys(known if wanted is None else wanted(known)))
+    looked = list(islice(rows, LOOKED_AT))
+    keep = tuple(dict.fromkeys(known if wanted is None else wanted(known, [row for _, row in looked])))
     at = [known.index(name) for name in keep]
     columns: list[list[str]] = [[] for _ in at]
-    lines: list[int] = []
+    numbers: list[int] = []
     headers: list[int] = []
     cut = 0
-    for line, row in rows:
+    for line, row in chain(looked, rows):
         if line == open_end:
             cut = line
             break
@@ -167,39 +235,12 @@ def parse_table(
         if row[0].strip() == known[0] and tuple(cell.strip() for cell in row) == known:
             headers.append(line)
             continue
-        lines.append(line)
+        numbers.append(line)
         for column, place in zip(columns, at, strict=True):
             column.append(row[place])
+    has_commas = separator == ";" and any(re.fullmatch(r"\s*-?\d+,\d+\s*", cell) for of in columns for cell in of)
     cells = dict(zip(keep, columns, strict=True))
-    return TextTable(path, known, cells, lines, tuple(comments), tuple(headers), cut)
-
-
-def first_line(path: Path) -> bytes:
-    """The first line of a regular file, or as much of it as is looked at.
-
-    Raises:
-        SchemaError: The file cannot be read.
-    """
-    with reading(path, "table"), open_regular(path, sys.maxsize) as file:
-        return file.readline(LONGEST_LINE)
-
-
-def header_of(path: Path, head: bytes, separator: str = ",") -> tuple[str, ...]:
-    """Names of the columns of a file's first line; empty of a folder, and of what is no text in UTF-8.
-
-    Args:
-        path: The file. It is read only where its first line is longer than `head`.
-        head: Its first bytes.
-        separator: Between names.
-    """
-    try:
-        if b"\n" not in head and len(head) >= HEAD:
-            head = first_line(path)
-        first = head.decode("utf-8-sig", "ignore").splitlines()[:1]
-        [names] = csv.reader(first, delimiter=separator)
-    except (SchemaError, csv.Error, ValueError):
-        return ()
-    return tuple(name.strip() for name in names)
+    return TextTable(path, known, cells, numbers, tuple(comments), tuple(headers), cut, has_commas)
 
 
 def require_columns(path: Path, names: Sequence[str], *wanted: str) -> None:
@@ -214,7 +255,42 @@ def require_columns(path: Path, names: Sequence[str], *wanted: str) -> None:
             raise UsageError(f"{path} has no '{name}'. It has: {there}{nearest(name, list(names))}")
 
 
-def _rows(path: Path, lines: Iterator[str], separator: str, strict: bool) -> Iterator[tuple[int, list[str]]]:
+def _of_objects(path: Path, text: str, wanted: Wanted | None) -> TextTable:
+    rows: list[dict[str, str]] = []
+    lines, cut = list[int](), 0
+    try:
+        if text.lstrip().startswith("["):
+            found = list(enumerate(json.loads(text), 1))
+        else:
+            whole, _, rest = text.rpartition("\n")
+            found = [(at, json.loads(line)) for at, line in enumerate(whole.splitlines(), 1) if line.strip()]
+            if rest.strip():
+                try:
+                    found.append((whole.count("\n") + 1 + bool(whole), json.loads(rest)))
+                except ValueError:
+                    cut = whole.count("\n") + 2
+    except (ValueError, RecursionError) as error:
+        raise SchemaError(f"{path} is no table of JSON: {error}") from error
+    for line, it in found:
+        if not isinstance(it, dict):
+            raise SchemaError(f"{path}, line {line}: it is no object of JSON")
+        rows.append(dict(_flat(it)))
+        lines.append(line)
+    names = tuple(dict.fromkeys(name for row in rows for name in row))
+    looked = [[row.get(name, "") for name in names] for row in rows[:LOOKED_AT]]
+    keep = names if wanted is None else wanted(names, looked)
+    return TextTable(path, names, {name: [row.get(name, "") for row in rows] for name in keep}, lines, cut=cut)
+
+
+def _flat(of: Any, before: str = "") -> Iterator[tuple[str, str]]:
+    for name, value in of.items():
+        if isinstance(value, dict):
+            yield from _flat(value, f"{before}{name}/")
+        elif value is None or isinstance(value, str | int | float):
+            yield f"{before}{name}", "" if value is None else str(value)
+
+
+def _rows(path: Path, lines: Iterator[str], separator: str, *, strict: bool) -> Iterator[tuple[int, list[str]]]:
     """Rows and the lines on which they end; a blank one is none."""
     reader = csv.reader(lines, delimiter=separator, strict=strict)
     try:
@@ -225,20 +301,13 @@ def _rows(path: Path, lines: Iterator[str], separator: str, strict: bool) -> Ite
         raise SchemaError(f"{path}, line {reader.line_num}: {error}") from error
 
 
-def _lines(text: str, comment: str, comments: list[tuple[int, str]]) -> Iterator[str]:
-    """All lines; a comment is put among the comments, and is blank here, so that the others keep their numbers."""
+def _lines(text: str, comments: list[tuple[int, str]]) -> Iterator[str]:
+    """All lines. One of JSON behind # is put among the comments, and is blank here: the others keep their numbers."""
     for number, line in enumerate(io.StringIO(text, newline=""), 1):
-        is_comment = bool(comment) and line.startswith(comment)
+        is_comment = line.startswith("#") and (line[1:].lstrip().startswith("{"))
         if is_comment:
             comments.append((number, line.strip()))
         yield "\n" if is_comment else line
-
-
-def _open_end(text: str) -> int:
-    """The number of the last line if nothing ends it, else 0."""
-    if not text or text.endswith(("\n", "\r")):
-        return 0
-    return sum(1 for _ in io.StringIO(text, newline=""))
 
 
 def _number(cell: str) -> float:

@@ -37,7 +37,7 @@ from harness.files.bounded import require_regular
 from harness.log import Log, LogFacts
 from harness.log.format import HEAD
 from harness.log.log import LARGEST, RECORDED, REWARD, Array, Columns
-from harness.log.text_table import parse_table
+from harness.log.text_table import head_of, parse_table
 from harness.reward.row_steps import TOUCHED
 from harness.score.row_meaning import RowWatch, Watched, are_episodes, watched_columns
 from harness.text import shortened
@@ -354,7 +354,7 @@ def _names_rewards(table: list[list[str]]) -> bool:
 
 def _are_episodes(path: Path, head: bytes) -> bool:
     with suppress(SchemaError):  # of rows that are no table: the reader names the line
-        table = parse_table(path, head[: head.rfind(b"\n") + 1].decode("utf-8-sig", "ignore"))
+        table = parse_table(path, head_of(path, head))
         watched = watched_columns(_spelled(table.names))
         return are_episodes(table, {it.role: table.names[it.position] for it in watched})
     return False

@@ -1,6 +1,7 @@
 """What a row of somebody's table stands for: a step, as an index needs it, or an episode or a mean over many."""
 
-from collections.abc import Iterator, Mapping, Sequence
+import re
+from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -36,6 +37,12 @@ OF_STEPS = tuple(name for name in COUNTER if name not in (*INDEX, *ACROSS_EPISOD
 BEGIN_OF_STEPS = ("obs", "action", "state", "done", "terminat", "truncat")
 """Names of columns, and beginnings of names, that tables of steps have."""
 MOST_RUNS = 10_000
+OF_MANY = re.compile(r"iteration|epoch|update|mean|average|success_?rate")
+"""In names of columns that tables of curves have."""
+MOST_WORDS = 50
+NO_WORDS = ("nan", "none", "null", "true", "false", "inf", "infinity")
+SAYS_NOTHING = re.compile(r"time|date|host|node|ip$|uuid|_id$|_tag$|version|path|file|dir|device|url")
+"""In names of columns whose words say nothing of a training."""
 
 
 class Watched(NamedTuple):
@@ -72,7 +79,7 @@ class Fault(NamedTuple):
 
 
 def are_episodes(table: TextTable, roles: Mapping[str, str]) -> bool:
-    """Whether each row of a table, or of its beginning, is an episode; a table of steps and one of episodes share none.
+    """Whether each row of a table, or of its beginning, is an episode or a mean over some: no step has such rows.
 
     Args:
         table: The table.
@@ -82,31 +89,55 @@ def are_episodes(table: TextTable, roles: Mapping[str, str]) -> bool:
         SchemaError: Its numbers of episodes, or its lengths, are no numbers.
     """
     lower = [name.lower() for name in table.names]
-    if not {"episode", "length"} & roles.keys() or not len(table):
+    if not len(table) or any(name in OF_STEPS or name.startswith(BEGIN_OF_STEPS) for name in lower):
         return False
-    if any(name in OF_STEPS or name.startswith(BEGIN_OF_STEPS) for name in lower):
+    if any(map(OF_MANY.search, lower)):
+        return True
+    if not {"episode", "length"} & roles.keys():
         return False
-    faults = [fault_of_episodes(table, roles, rows) for _, rows in runs_in(table, roles)]
+    runs = [name for name in table.names if names_a_run(name) and not is_of_episodes(table, name)]
+    groups = split(table, [*runs, *labels_of(table, [name for name in table.names if name not in runs])])
+    faults = [fault_of_episodes(table, roles, rows) for _, rows in groups]
     return not any(fault and fault.is_steps for fault in faults)
 
 
-def runs_in(table: TextTable, roles: Mapping[str, str]) -> Iterator[tuple[str, Ints]]:
-    """Runs in the order in which they begin, and the numbers of their rows; the one of a file that names none is ''.
+def names_a_run(name: str) -> bool:
+    """Whether a column of this name says of which training a row is."""
+    return name.lower() in (*RUN, "name")
+
+
+def is_of_episodes(table: TextTable, name: str) -> bool:
+    """Whether a column is the seed of each episode, another one in each row."""
+    return name.lower() in SEED and len({*table.cells[name]}) == len(table) > 1
+
+
+def labels_of(table: TextTable, names: Iterable[str]) -> list[str]:
+    """Those of some columns in which one of few words stands in every row, and not the same in all."""
+    found = []
+    for name in names:
+        words = {cell.strip() for cell in table.cells[name]}
+        is_text = all(word[:1].isalpha() and word.lower() not in NO_WORDS for word in words)
+        if is_text and 1 < len(words) < min(len(table), MOST_WORDS + 1) and not SAYS_NOTHING.search(name.lower()):
+            found.append(name)
+    return found
+
+
+def split(table: TextTable, names: Sequence[str]) -> list[tuple[tuple[str, ...], Ints]]:
+    """What stands in some columns, in the order in which it first does, and the numbers of the rows in which it does.
 
     Raises:
-        SchemaError: There are too many.
+        SchemaError: There is too much of it.
     """
-    name = roles.get("run", "")
-    runs = [cell.strip() for cell in table.cells[name]] if name else []
-    is_of_episodes = name.lower() in SEED and len(set(runs)) == len(runs) > 1
-    if not name or is_of_episodes:
-        yield "", np.arange(len(table))
-        return
-    if len(set(runs)) > MOST_RUNS:
-        raise SchemaError(f"{table.path}: column '{name}' names more than {MOST_RUNS:,} runs")
-    labels = np.array(runs)
-    for run in dict.fromkeys(runs):
-        yield run, np.flatnonzero(labels == run)
+    if not names:
+        return [((), np.arange(len(table)))]
+    cells = [tuple(cell.strip() for cell in row) for row in zip(*(table.cells[name] for name in names), strict=True)]
+    numbers = {of: number for number, of in enumerate(dict.fromkeys(cells))}
+    if len(numbers) > MOST_RUNS:
+        raise SchemaError(f"{table.path}: '{', '.join(names)}' names more than {MOST_RUNS:,} runs")
+    number = np.array([numbers[of] for of in cells], np.int64)
+    order = np.argsort(number, kind="stable")
+    parts = np.split(order, np.flatnonzero(np.diff(number[order])) + 1)
+    return list(zip(numbers, parts, strict=True))
 
 
 def fault_of_episodes(table: TextTable, roles: Mapping[str, str], rows: Ints) -> Fault | None:

@@ -11,9 +11,9 @@ def register_logs(register: harness.Register) -> None:
         "recording", "harness_plugins.logs.recording:Recording", summary="steps of a training, by harness.RecordRewards"
     )
     register(
-        "monitor",
-        "harness_plugins.logs.monitor:Monitor",
-        summary="stable-baselines3's Monitor and Gymnasium's old one: monitor.csv, a row is an episode",
+        "table",
+        "harness_plugins.logs.table:Table",
+        summary="episodes or curves in CSV or JSON: Monitor, progress.csv, W&B's and TensorBoard's exports, own tables",
     )
     register(
         "evaluations",
@@ -26,26 +26,6 @@ def register_logs(register: harness.Register) -> None:
         summary="a folder of TensorBoard's event files, by tags of SB3, CleanRL, ML-Agents, rsl_rl, RLlib and others",
         requires=("tensorboard",),
         extra="tensorboard",
-    )
-    register(
-        "tensorboard-csv",
-        "harness_plugins.logs.tensorboard_csv:TensorBoardCsv",
-        summary="one curve that was exported from TensorBoard's page: Wall time,Step,Value",
-    )
-    register(
-        "progress-csv",
-        "harness_plugins.logs.progress_csv:ProgressCsv",
-        summary="progress.csv of RLlib, stable-baselines3, baselines and garage, progress.txt of Spinning Up",
-    )
-    register(
-        "wandb-csv",
-        "harness_plugins.logs.wandb_csv:WandBCsv",
-        summary="a chart, or the history of a run, that was exported from Weights & Biases",
-    )
-    register(
-        "episode-csv",
-        "harness_plugins.logs.episode_csv:EpisodeCsv",
-        summary="a table whose rows are episodes: episode,reward,length,success and names like these",
     )
     register("steps-csv", "harness.score.csv_steps:StepsCsv", summary="CSV with a column 'reward', a row for each step")
     register(

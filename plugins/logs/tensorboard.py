@@ -2,20 +2,18 @@
 
 import struct
 from array import array
-from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from harness.arrays import Float
 from harness.errors import SchemaError
 from harness.files.bounded import reading, require_regular
 from harness.log import Log, LogFacts
 
-from ..curves import CLEANRL_RUN, Curve, CurveSettings, curve_log
+from ..curves import CLEANRL_RUN, Chosen, Roles, Series, aligned, points
 
 MARK = "tfevents"
 MOST_BYTES = 2**31
@@ -44,7 +42,7 @@ class _File:
 
 
 @dataclass(frozen=True)
-class TensorBoard(CurveSettings):
+class TensorBoard(Roles):
     """Curves of a folder of event files, with all of their points: TensorBoard's own page shows a sample of them."""
 
     def recognises(self, path: Path, head: bytes) -> bool:
@@ -91,7 +89,7 @@ class TensorBoard(CurveSettings):
         writer.close()
         return folder
 
-    def _log(self, path: Path, curve: Curve, files: Sequence[_File], trainings: int) -> Log:
+    def _log(self, path: Path, curve: Chosen, files: Sequence[_File], trainings: int) -> Log:
         joined: dict[str, _Series] = {}
         for file in files:
             for tag, series in file.series.items():
@@ -107,7 +105,7 @@ class TensorBoard(CurveSettings):
         seed = told.get("seed", seed)
         facts = LogFacts(
             path=path,
-            format=f"TensorBoard, tags of {curve.program}" if curve.program else "TensorBoard",
+            format="TensorBoard",
             run=files[0].path.name if trainings > 1 else "",
             env=told.get("env_id", env),
             algorithm=told.get("exp_name", algorithm),
@@ -115,7 +113,8 @@ class TensorBoard(CurveSettings):
             asked=int(told["total_timesteps"]) if told.get("total_timesteps", "").isdecimal() else 0,
             notes=tuple(notes),
         )
-        return curve_log(facts, curve, list(joined), _aligned(joined, curve), self)
+        tags = {tag: Series(it.steps, it.values) for tag, it in joined.items()}
+        return points(facts, curve, aligned(tags, curve), self)
 
 
 def _event_files(path: Path) -> list[Path]:
@@ -207,25 +206,3 @@ def _trainings(files: Sequence[_File], tag: str) -> list[list[_File]]:
             trainings[-1].append(file)
             begin = min(begin, first)
     return trainings
-
-
-def _aligned(joined: Mapping[str, _Series], curve: Curve) -> dict[str, Float]:
-    """The tags of a curve, with a value for each point of its first tag; NaN where a tag has none at that step."""
-    base = joined.get(curve.main, _Series())
-    columns = {"step": np.array(base.steps, np.float64)}
-    keys = _numbered(base.steps)
-    for tag in (*curve.columns.values(), *curve.time):
-        if tag in joined:
-            values = dict(zip(_numbered(joined[tag].steps), joined[tag].values, strict=True))
-            columns[tag] = np.array([values.get(key, np.nan) for key in keys], np.float64)
-    return columns
-
-
-def _numbered(steps: Iterable[float]) -> list[tuple[float, int]]:
-    """Each step, and how often it stood there before: several episodes may end at one step."""
-    seen: Counter[float] = Counter()
-    found = []
-    for step in steps:
-        found.append((step, seen[step]))
-        seen[step] += 1
-    return found

@@ -93,7 +93,7 @@ REFUSED = {
         "--success done": "--success needs an ENVIRONMENT or a data set",
         "--budget -1": "--budget -1: must be at least 0",
         "--starts 0": "--starts 0: must be at least 1",
-        "--as monitor": "--as needs a FOLDER of logs",
+        "--as table": "--as needs a FOLDER of logs",
         "--partial": "--partial needs a data set",
         "--places end_effector=0:3,target=3:6": "--places needs a data set",
     },

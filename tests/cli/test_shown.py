@@ -28,7 +28,7 @@ SHOWN = {
     ),
     "describe gymnasium:id=No-Such-v0": ("What a reward may read is not known: gymnasium.make('No-Such-v0') fails",),
     "describe ppo": ("In an environment, ppo stands for ppo:gamma=0.99.",),
-    "describe monitor": ("log format monitor: ", "A row is an episode. Its example has the columns reward/recorded, "),
+    "describe table": ("log format table: ", "A row is a point. Its example has the columns time, reward/recorded, "),
     "describe rewards": ("baseline", "accelerated reward policy"),
     "describe commands": (" export ",),
     "audit --reward baseline --episodes 6 --budget 0": (

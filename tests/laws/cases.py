@@ -425,7 +425,7 @@ CASES = [
     Case(
         "own-curve",
         each("{reward}/{seed}.csv", lambda it: {"timesteps": at(40), "ep_rew_mean": paid(it), "success_rate": it}),
-        "report own-curve --as progress-csv:reward=ep_rew_mean,success=success_rate", BETTER, **OWN, law="columns",
+        "report own-curve --as table:reward=ep_rew_mean,success=success_rate", BETTER, **OWN, law="columns",
     ),
     Case("metrics-jsonl", whole_table, "report metrics-jsonl", BETTER, **OWN, law="columns"),
     Case(

@@ -1,12 +1,13 @@
 """Tables of text that other programs write, cell by cell."""
 
+import gzip
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from harness.errors import SchemaError, UsageError
-from harness.log.text_table import header_of, parse_table, read_table, require_columns
+from harness.log.text_table import NOTHING, head_of, parse_table, read_text, require_columns
 
 PATH = Path("table.csv")
 
@@ -21,7 +22,7 @@ def test_cells_are_kept_with_their_lines():
 
 def test_columns_that_are_not_wanted_are_not_kept():
     """A table of RLlib has hundreds."""
-    table = parse_table(PATH, "a,b,c\n1,2,3\n", wanted=lambda names: names[1:2])
+    table = parse_table(PATH, "a,b,c\n1,2,3\n", wanted=lambda names, rows: names[1:2])
     assert table.cells == {"b": ["2"]}
     assert table.names == ("a", "b", "c")
 
@@ -50,9 +51,9 @@ def test_a_last_line_without_an_end_is_left_out():
 
 def test_a_last_line_in_quotes_may_end_with_nothing():
     """As exports of pages do; within a quote it is cut all the same."""
-    assert parse_table(PATH, '"a","b"\n"1","2"', ends_open=True).cells["b"] == ["2"]
+    assert parse_table(PATH, '"a","b"\n"1","2"').cells["b"] == ["2"]
     with pytest.raises(SchemaError, match="line 2: unexpected end of data"):
-        parse_table(PATH, '"a","b"\n"1","2', ends_open=True)
+        parse_table(PATH, '"a","b"\n"1","2')
 
 
 @pytest.mark.parametrize(
@@ -83,13 +84,13 @@ def test_numbers_are_those_that_python_reads():
 def test_what_is_no_finite_number_is_refused(cell):
     """Also where cells may lack a value."""
     with pytest.raises(SchemaError, match=f"line 3: column 'a' holds {cell}"):
-        parse_table(PATH, f"a,b\n1,\n{cell},\n").numbers("a", may_lack=True)
+        parse_table(PATH, f"a,b\n1,\n{cell},\n").numbers("a", ("",))
 
 
 def test_cells_that_may_lack_a_value_are_nan():
     """Empty ones, and those that say so."""
     table = parse_table(PATH, "a,b\n1,\nnan,\n,\nNone,\n")
-    assert np.isnan(table.numbers("a", may_lack=True)).tolist() == [False, True, True, True]
+    assert np.isnan(table.numbers("a", NOTHING)).tolist() == [False, True, True, True]
     with pytest.raises(SchemaError, match="line 3: column 'a' holds nan"):
         table.numbers("a")
 
@@ -108,19 +109,61 @@ def test_a_file_that_is_no_text_is_refused(tmp_path):
     path = tmp_path / "table.csv"
     path.write_bytes(b"a,b\n\xff\xfe,1\n")
     with pytest.raises(SchemaError, match=r"table\.csv is no readable table"):
-        read_table(path)
+        read_text(path)
 
 
 def test_a_header_is_read_from_the_file_where_the_head_is_too_short(tmp_path):
     """And is nothing where the file cannot be read."""
     path = tmp_path / "table.csv"
-    names = tuple(f"column {number}" for number in range(1000))
-    path.write_text(",".join(names) + "\n")
+    header = ",".join(f"column {number}" for number in range(1000)) + "\n"
+    path.write_text(header)
     head = path.read_bytes()[:4096]
-    assert header_of(path, head) == names
+    assert head_of(path, head) == header
     path.unlink()
-    assert header_of(path, head) == ()
-    assert header_of(path, b"") == ()
+    assert head_of(path, head) == head_of(path, b"") == ""
+
+
+TEXT = "a;b\n1,5;2\n"
+
+
+@pytest.mark.parametrize(
+    ("data", "numbers"),
+    [
+        (b"a,b\n1.5,2\n", [1.5]),
+        (b"\xef\xbb\xbfa\tb\r\n1.5\t2\r\n", [1.5]),
+        ("a,b\n1.5,2\n".encode("utf-16"), [1.5]),
+        (gzip.compress(b"a,b\n1.5,2\n"), [1.5]),
+        (gzip.compress(b"a,b\n1.5,2\n2.5,3\n" * 99)[:-4], [1.5, 2.5] * 2),
+        (b'{"a": 1.5, "b": {"c": null}}\n{"a": 2.5, "x": [1]}\n', [1.5, 2.5]),
+        (b'{"a": 1.5}\n{"a": 2.5', [1.5]),
+        (b'[{"a": 1.5}, {"a": NaN}]', [1.5, np.nan]),
+        (TEXT.encode(), [1.5]),
+    ],
+    ids=["commas", "tabs", "UTF-16", "gzip", "gzip, cut", "JSON lines", "JSON lines, cut", "a list", "decimal commas"],
+)
+def test_a_table_is_read_however_it_is_packed(tmp_path, data, numbers):
+    """As text or as JSON."""
+    path = tmp_path / "table"
+    path.write_bytes(data)
+    table = parse_table(path, read_text(path))
+    np.testing.assert_array_equal(table.numbers("a", NOTHING)[: len(numbers)], numbers)
+    assert ("comma" in "".join(table.notes)) == (data == TEXT.encode())
+    is_cut = data.endswith(b"2.5") or (data.startswith(b"\x1f\x8b") and len(numbers) > 1)
+    assert ("left out" in "".join(table.notes)) == is_cut
+
+
+def test_a_count_with_a_decimal_comma_is_refused():
+    """It may be a thousand."""
+    with pytest.raises(SchemaError, match="line 2: column 'n' counts from 0, and holds 1,000"):
+        parse_table(PATH, "n;x\n1,000;1\n").counts("n")
+
+
+def test_names_in_objects_are_joined():
+    """As RLlib nests its results."""
+    table = parse_table(PATH, '{"a": {"b": {"c": 1}, "d": true}}\n')
+    assert table.cells == {"a/b/c": ["1"], "a/d": ["True"]}
+    with pytest.raises(SchemaError, match="line 2: it is no object"):
+        parse_table(PATH, '{"a": 1}\n[2]\n')
 
 
 def test_columns_that_a_user_named_have_to_be_there():

@@ -1,4 +1,4 @@
-"""The table of names under which programs log their curves."""
+"""The dictionary of names under which programs log, and what their points are."""
 
 from pathlib import Path
 
@@ -7,53 +7,62 @@ import pytest
 
 from harness.errors import UsageError
 from harness.log import LogFacts
-from harness_plugins.curves import CURVES, CurveSettings, curve_log, is_history, is_known
+from harness_plugins.curves import Roles, points
 
 PATH = Path("log")
+SB3 = ("rollout/ep_rew_mean", "rollout/success_rate", "rollout/ep_len_mean")
+EVALUATED = ("eval/mean_reward", "eval/success_rate", "eval/mean_ep_length")
+RLLIB = ("env_runners/episode_return_mean", "custom_metrics/success_rate_mean", "env_runners/episode_len_mean")
 
 
-def test_no_two_programs_have_one_name():
-    """A name says whose it is."""
-    names = [curve.reward for curve in CURVES]
-    assert len(set(names)) == len(names)
-
-
-def test_every_curve_is_chosen_by_its_own_names(subtests):
-    """With its success and its length where they are there."""
-    for curve in CURVES:
-        with subtests.test(curve=curve):
-            names = [curve.reward, *curve.success[:1], *([curve.length] if curve.length else [])]
-            chosen = CurveSettings().chosen(PATH, names)
-            assert is_known(names)
-            assert (chosen.program, chosen.reward) == (curve.program, curve.reward)
-            assert chosen.success == curve.success[:1]
-            assert chosen.length == curve.length
+@pytest.mark.parametrize(
+    "names",
+    [
+        SB3,
+        EVALUATED,
+        RLLIB,
+        tuple(f"ray/tune/evaluation/{name}" for name in RLLIB),
+        ("episode_reward_mean", "custom_metrics/success_mean", "episode_len_mean"),
+        ("charts/episodic_return", "charts/success", "charts/episodic_length"),
+        ("Training/Episode Return", "Training/Success Rate", ""),
+        ("Environment/Cumulative Reward", "", "Environment/Episode Length"),
+        ("Train/mean_reward", "Metrics/success_rate", "Train/mean_episode_length"),
+        ("rewards/step", "", "episode_lengths/step"),
+        ("Reward / Total reward (mean)", "", "Episode / Total timesteps (mean)"),
+        ("AverageTestEpRet", "", "TestEpLen"),
+        ("EpRewMean", "", "EpLenMean"),
+        ("Evaluation/AverageReturn", "Evaluation/SuccessRate", ""),
+        ("episode/score", "", "episode/length"),
+        ("train/returns_stat/mean", "", "train/lens_stat/mean"),
+    ],
+)
+def test_the_names_of_a_program_are_known(names):
+    """Its returns, its success, its lengths; whatever else it logs is none of them."""
+    others = ["loss/value", "time/fps", "train/learning_rate", "rewards/iter", "charts/SPS"]
+    chosen = Roles().chosen(PATH, [*others, *filter(None, names)])
+    told = {role: name for role, name in zip(("reward", "success", "length"), names, strict=True) if name}
+    assert chosen.columns == told
+    assert chosen.evaluation == any(word in names[0].lower() for word in ("eval", "test"))
 
 
 def test_training_goes_before_evaluation_and_success_before_both():
-    """Success decides."""
-    both = ["eval/mean_reward", "rollout/ep_rew_mean"]
-    assert CurveSettings().chosen(PATH, both).reward == "rollout/ep_rew_mean"
-    assert CurveSettings().chosen(PATH, [*both, "eval/success_rate"]).reward == "eval/mean_reward"
+    """Success decides; what else is there is told."""
+    assert Roles().chosen(PATH, [EVALUATED[0], SB3[0]]).columns == {"reward": SB3[0]}
+    chosen = Roles().chosen(PATH, [EVALUATED[0], SB3[0], EVALUATED[1]])
+    assert (chosen.columns["reward"], chosen.others) == (EVALUATED[0], (SB3[0],))
 
 
 def test_what_a_user_names_goes_before_all():
     """A measure and a length too."""
-    names = ["rollout/ep_rew_mean", "mine", "error", "steps"]
-    chosen = CurveSettings(reward="mine", measure="error", length="steps").chosen(PATH, names)
-    assert chosen.columns == {"reward/recorded": "mine", "length": "steps", "behaviour/error": "error"}
+    names = ["rollout/ep_rew_mean", "mine", "error", "long"]
+    chosen = Roles(reward="mine", measure="error", length="long").chosen(PATH, names)
+    assert chosen.columns == {"reward": "mine", "length": "long", "measure": "error"}
 
 
 def test_a_log_without_a_known_curve_is_told_what_to_say():
     """And what it has."""
     with pytest.raises(UsageError, match=r"say reward=NAME\. It has: loss"):
-        CurveSettings().chosen(PATH, ["loss"])
-
-
-def test_a_history_of_weights_and_biases_is_known_by_its_own_columns():
-    """Whatever else logged into it."""
-    assert is_history(["_step", "_timestamp", "rollout/ep_rew_mean"])
-    assert not is_history(["rollout/ep_rew_mean"])
+        Roles().chosen(PATH, ["loss"])
 
 
 @pytest.mark.parametrize(
@@ -72,10 +81,8 @@ def test_a_history_of_weights_and_biases_is_known_by_its_own_columns():
 )
 def test_a_point_tells_from_where_on_it_averages(names, settings, since):
     """A mean over the last 100 episodes spans a hundred lengths; an evaluation spans no steps; else nobody knows."""
-    told, steps = CurveSettings(**settings), np.array([500.0, 1500.0, 2500.0])
-    columns = {
-        **dict.fromkeys(["global_step", "timesteps_total", "step"], steps),
-        **dict.fromkeys(names, np.full(3, 16.0)),
-    }
-    log = curve_log(LogFacts(path=PATH, format="it"), told.chosen(PATH, names), names, columns, told)
+    told, steps = Roles(**settings), np.array([500.0, 1500.0, 2500.0])
+    columns = {"timesteps_total": steps, "step": steps, **dict.fromkeys(names, np.full(3, 16.0))}
+    chosen = told.chosen(PATH, [*names, "timesteps_total"])
+    log = points(LogFacts(path=PATH, format="it"), chosen, columns, told)
     np.testing.assert_array_equal(log["since"], since)

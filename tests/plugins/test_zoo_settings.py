@@ -7,7 +7,7 @@ import pytest
 import yaml
 
 from harness_plugins.logs.evaluations import Evaluations
-from harness_plugins.logs.monitor import Monitor
+from harness_plugins.logs.table import Table
 from harness_plugins.zoo_settings import ZooSettings, zoo_settings
 
 
@@ -43,7 +43,7 @@ def test_monitor_and_evaluations_tell_the_seed_the_algorithm_and_the_budget(tmp_
     """The budget from the tuned settings where none was typed."""
     path = trained(tmp_path, ARGS, {"n_envs": 8, "n_timesteps": 100000.0, "policy": "MlpPolicy"})
     np.savez(tmp_path / "evaluations.npz", timesteps=[5], results=[[1.0, 2.0]])
-    for [log] in (Monitor().read(path), Evaluations().read(tmp_path / "evaluations.npz")):
+    for [log] in (Table().read(path), Evaluations().read(tmp_path / "evaluations.npz")):
         facts = log.facts
         assert (facts.env, facts.algorithm, facts.seed) == ("CartPole-v1", "ppo", 3344556677)
         assert facts.asked == 100_000

@@ -9,7 +9,7 @@ AsFormat = Annotated[
     str | None,
     flag(
         "FORMAT",
-        "The format of logs, with its settings: monitor:success=is_success.",
+        "The format of logs, with its settings: table:success=is_success.",
         "found out",
         name="--as",
         offers=names_of("logs"),

@@ -32,7 +32,7 @@ class Told:
     """What a user says of logs. Everything else is found out.
 
     Attributes:
-        format: The format with its settings, ``monitor:success=is_success``.
+        format: The format with its settings, ``table:success=is_success``.
         sort: How names are made, ``{reward}/{seed}``.
         baseline: The reward that the others are compared with.
         deciding: What decides.

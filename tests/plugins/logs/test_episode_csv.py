@@ -12,7 +12,7 @@ from tests.plugins.logs.reading import Reader
 ROWS = "0,-9.5,200\n1,-7.25,180\n2,-3.0,150\n"
 
 
-read = Reader("episode-csv")
+read = Reader("table")
 written = read.written
 
 

@@ -12,7 +12,7 @@ from tests.plugins.logs.reading import FORMATS
 
 STRIDE = 7
 """Bytes from one cut to the next; rows are longer."""
-FOREIGN = ("monitor", "evaluations", "tensorboard", "tensorboard-csv", "progress-csv", "wandb-csv", "episode-csv")
+FOREIGN = ("table", "evaluations", "tensorboard")
 
 
 def test_an_example_is_recognised_by_its_own_format_alone(tmp_path_factory, subtests):
@@ -52,7 +52,7 @@ OF_STEPS = {
 
 @pytest.mark.parametrize(
     ("rows", "name"),
-    [*((rows, "episode-csv") for rows in HEADS.values()), *((rows, "steps-csv") for rows in OF_STEPS.values())],
+    [*((rows, "table") for rows in HEADS.values()), *((rows, "steps-csv") for rows in OF_STEPS.values())],
     ids=[*HEADS, *OF_STEPS],
 )
 def test_a_table_is_recognised_by_one_format_alone(tmp_path, rows, name):

@@ -10,7 +10,7 @@ from tests.plugins.logs.reading import Reader
 
 REWARD, STEPS = "rollout/ep_rew_mean", "time/total_timesteps"
 
-read = Reader("progress-csv", "progress.csv")
+read = Reader("table", "progress.csv")
 written = read.written
 
 
@@ -114,7 +114,7 @@ def test_a_trial_of_rllib_is_read_as_rays_logger_flattens_it(tmp_path):
     assert log["time"].tolist() == [8000, 12_000]
     assert log["reward/recorded"] == pytest.approx([1.0625, 2.125], abs=1e-6)
     assert log["length"].tolist() == [20.0, 20.0]
-    assert "RLlib" in log.facts.format
+    assert "an iteration, or over the last 100" in log.facts.thinned
 
 
 def test_a_trial_that_was_restored_has_its_later_rows_count(tmp_path):
@@ -145,23 +145,23 @@ def test_a_header_longer_than_what_is_looked_at_first_is_recognised(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("header", "program"),
+    ("header", "point"),
     [
-        ("eprewmean,misc/total_timesteps", "baselines"),
-        ("EpRewMean,TimestepsSoFar", "baselines"),
-        ("AverageEpRet\tTotalEnvInteracts", "Spinning Up"),
-        ("Evaluation/AverageReturn,TotalEnvSteps", "garage"),
-        ("episode_reward_mean,timesteps_total", "RLlib"),
+        ("eprewmean,misc/total_timesteps", "last 100"),
+        ("EpRewMean,TimestepsSoFar", "last 100"),
+        ("AverageEpRet\tTotalEnvInteracts", "since the point before"),
+        ("Evaluation/AverageReturn,TotalEnvSteps", "of an evaluation"),
+        ("episode_reward_mean,timesteps_total", "of an iteration"),
     ],
 )
-def test_tables_of_other_programs_are_found_by_their_columns(tmp_path, header, program):
+def test_tables_of_other_programs_are_found_by_their_columns(tmp_path, header, point):
     """With environment steps from the column that the program counts them in; Spinning Up's has tabs."""
     separator = "\t" if "\t" in header else ","
     path = written(tmp_path, f"{header}\n-9.5{separator}100\n-8.25{separator}200\n")
     log = read(path)
     assert log["time"].tolist() == [100, 200]
     assert log["reward/recorded"].tolist() == [-9.5, -8.25]
-    assert program in log.facts.format
+    assert point in log.facts.thinned
 
 
 def test_a_table_that_counts_no_steps_has_iterations(tmp_path):
@@ -187,9 +187,9 @@ def test_a_table_without_a_point_is_refused(tmp_path, text):
 
 def test_a_column_may_be_named(tmp_path):
     """In a table that no program is known to write."""
-    path = written(tmp_path, "updates,score,solved\n1,-9.5,0.5\n2,-8.25,0.75\n")
+    path = written(tmp_path, "rounds,points,won\n1,-9.5,0.5\n2,-8.25,0.75\n")
     assert not read.is_recognised(path)
-    [log] = read.make(reward="score", success="solved").read(path)
+    [log] = read.make(reward="points", success="won").read(path)
     assert log["behaviour/success"].tolist() == [0.5, 0.75]
-    with pytest.raises(UsageError, match="no curve of returns that is known"):
+    with pytest.raises(UsageError, match="no column of returns that is known"):
         read.make().read(path)

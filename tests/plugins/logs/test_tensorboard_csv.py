@@ -7,7 +7,7 @@ from tests.plugins.logs.reading import Reader
 
 TEXT = "Wall time,Step,Value\r\n1700000000.5,2048,0.25\r\n1700000001.5,4096,0.5\r\n"
 
-read = Reader("tensorboard-csv")
+read = Reader("table")
 
 
 def written(folder, name, text=TEXT):

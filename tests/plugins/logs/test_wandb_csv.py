@@ -7,7 +7,7 @@ from tests.plugins.logs.reading import Reader
 
 TAG = "charts/episodic_return"
 
-read = Reader("wandb-csv")
+read = Reader("table")
 
 
 def chart(folder, names, rows, axis="global_step"):

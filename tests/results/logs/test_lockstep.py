@@ -89,4 +89,4 @@ def test_files_of_stable_baselines3(tmp_path, kind):
         for _ in range(400):
             envs.step(rng.integers(0, 2, count))
         envs.close()
-    assert in_lockstep(find_logs(tmp_path, load_registry(), "monitor").logs) is (kind == "DummyVecEnv")
+    assert in_lockstep(find_logs(tmp_path, load_registry(), "table").logs) is (kind == "DummyVecEnv")

@@ -64,7 +64,7 @@ def test_what_lies_below_the_folder_of_such_a_training_is_its_own(monitor, sort,
         (tmp_path / name / "log/progress.csv").write_text(table)
     found = sort()
     assert keys(found) == [("base", 0, 3), ("arp", 0, 3)]
-    assert "Left out: 2 of table of progress" in found.notes[-1]
+    assert "Left out: 2 of table of points" in found.notes[-1]
 
 
 def test_environments_with_names_of_seeds_are_refused(monitor, sort):
