@@ -54,6 +54,10 @@ class ContractViolation(HarnessError):
         self.check, self.level, self.sentence = check, level, message
 
 
+class AskedError(UsageError):
+    """A file can be read in several ways, and so can those beside it: the message asks which is meant."""
+
+
 class SchemaError(HarnessError):
     """A results file is damaged, or written by a newer version than this one."""
 

@@ -24,7 +24,7 @@ LAST_100_OR_NEW = "a mean over the episodes of an iteration, or over the last 10
 EVALUATED = "a mean over the episodes of an evaluation"
 TIME, ITERATION = "time", "iteration"
 MOST_RESTARTS = 100
-CLEANRL_RUN = re.compile(r"(?P<env>.+?)__(?P<algorithm>.+)__(?P<seed>\d+)__\d+")
+CLEANRL_RUN = re.compile(r"(?P<env>.+?)__(?P<algorithm>[^_]+).*__(?P<seed>\d+)__\d+")
 """What CleanRL calls a run, and its folder."""
 WORDS = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
 AROUND = {"train", "training", "rollout", "charts"}
@@ -48,8 +48,8 @@ _NAMES = {
         totalreward totalreturn sumreward cumulativereward episodescore score r
     """,
     "success": """
-        successrate successratemean successmean success issuccess successonce succeeded successful reached goalreached
-        solved
+        successrate successratemean successmean success issuccess episodesuccess successonce succeeded successful
+        reached goalreached solved
     """,
     "length": f"""
         eplenmean episodelenmean meaneplength episodiclength meanepisodelength episodelengthsstep totaltimestepsmean
@@ -199,7 +199,8 @@ def points(facts: LogFacts, chosen: Chosen, columns: Mapping[str, Float], told: 
         chosen: Which of its names to read.
         columns: By name, (points,) each, and ``step``, what its own steps count; NaN where a point lacks a value.
         told: What a user said.
-        step: What ``step`` counts; empty for TensorBoard's, of which the names tell whether it counts env steps.
+        step: What ``step`` counts. Where it is empty, as of TensorBoard, or called so, the names of the values tell
+            whether it counts environment steps.
 
     Raises:
         UsageError: The log tells environment steps itself, and a user says how many one of its steps is.
@@ -211,7 +212,7 @@ def points(facts: LogFacts, chosen: Chosen, columns: Mapping[str, Float], told: 
     counter = next(filled, "step")
     if told.per_step and counter != "step":
         raise UsageError(f"{facts.path} counts environment steps in '{counter}': leave per_step out")
-    is_time = counter != "step" or (is_of_steps and not step) or told.per_step > 0
+    is_time = counter != "step" or (is_of_steps and step in ("", "step")) or told.per_step > 0
     axis = TIME if is_time else ITERATION
     read = _read(chosen, columns)
     whole = ~np.isnan(np.stack([columns[name] for name in (counter, *read.values())])).any(axis=0)
@@ -235,8 +236,9 @@ def points(facts: LogFacts, chosen: Chosen, columns: Mapping[str, Float], told: 
         steps = np.full(len(rows), float(told.episode))
     found[SINCE] = _since(point, found[axis], steps if is_time else np.full(len(rows), np.nan))
     shown = ", ".join(f"{column} from '{name}'" for column, name in read.items())
+    told_by = step if counter == "step" else counter
     notes = {
-        f"{shown}; {axis} from {repr(step or 'its steps') if counter == 'step' else repr(counter)}": True,
+        f"{shown}; {axis} from " + (f"'{told_by}'" if told_by else "its steps"): True,
         "nobody says how many environment steps one of its steps is: per_step=N does": not is_time,
         f"'{length}' lacks values: it is left out": length and "length" not in read,
         f"{lacking} points that lack one of these are left out": lacking,

@@ -2,12 +2,11 @@
 
 import os
 from collections.abc import Iterator, Mapping
-from contextlib import suppress
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from harness.errors import HarnessError, SchemaError, UsageError, reason_of
+from harness.errors import AskedError, HarnessError, SchemaError, UsageError, reason_of
 from harness.files.bounded import kind_at, open_regular
 from harness.log.format import HEAD, LogFormat
 from harness.log.log import Log
@@ -82,6 +81,8 @@ def find_logs(path: Path, registry: Registry, named: str = "") -> Found:
             known = {(log.facts.path, log.facts.run, log.facts.format) for log in logs}
             read = _read(place, name, registry)
             logs += [it for it in read if (it.facts.path, it.facts.run, it.facts.format) not in known]
+        except AskedError:
+            raise
         except HarnessError as error:
             left_out.append((place, str(error)))
     return Found(tuple(logs), tuple(left_out))
@@ -90,8 +91,12 @@ def find_logs(path: Path, registry: Registry, named: str = "") -> Found:
 def first_log(path: Path, registry: Registry) -> Log | None:
     """The first log in a file or below a folder that can be read, without a look at the others; None without one."""
     for place, name in _places(path, formats_of(registry)):
-        with suppress(HarnessError):  # `find_logs` says why
+        try:
             return _read(place, name, registry)[0]
+        except AskedError:
+            raise
+        except HarnessError:  # `find_logs` says why
+            continue
     return None
 
 

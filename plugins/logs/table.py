@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from harness.arrays import Float
-from harness.errors import SchemaError, UsageError
+from harness.errors import AskedError, SchemaError, UsageError
 from harness.files.bounded import read_json
 from harness.log import BEHAVIOUR, RECORDED, REWARD, SUCCESS, Log, LogFacts, in_memory
 from harness.log.text_table import NOTHING, TextTable, head_of, parse_table, read_text, require_columns
@@ -166,7 +166,7 @@ class Table(Roles):
         numbers = [name for name in table.names if name not in words]
         roles = self._roles_in(table, numbers)
         taught, runs = self._runs(table, words, roles)
-        used = {*roles.values(), *taught, *runs}
+        used = {*roles.values(), *taught, *runs, *self._told}
         left = [name for name in table.names if name not in used and name.lower() not in INDEX]
         for cells, rows in split(table, [*taught, *runs]):
             of = dict(zip([*taught, *runs], cells, strict=True))
@@ -236,7 +236,7 @@ class Table(Roles):
             if plain(name) not in MODES:
                 every = "+".join([*taught, name, *runs])
                 how += f"; --as '{READER}:{self._said}run={every}' reads each as a training of its own"
-            raise UsageError(
+            raise AskedError(
                 f"{table.path}: column '{name}' holds {', '.join(some[:4])} in the rows of one training. {how}"
             )
         return taught, runs
@@ -291,7 +291,6 @@ class Table(Roles):
         facts = LogFacts(
             path=next(iter(files)),
             format="export of TensorBoard",
-            run=named["run"] if named else "",
             thinned=SAMPLED,
             notes=tuple(note for it in tables.values() for note in it.notes),
         )

@@ -108,7 +108,7 @@ class TensorBoard(Roles):
             format="TensorBoard",
             run=files[0].path.name if trainings > 1 else "",
             env=told.get("env_id", env),
-            algorithm=told.get("exp_name", algorithm),
+            algorithm=told.get("exp_name", algorithm).partition("_")[0],
             seed=int(seed) if seed.isdecimal() else None,
             asked=int(told["total_timesteps"]) if told.get("total_timesteps", "").isdecimal() else 0,
             notes=tuple(notes),

@@ -232,7 +232,7 @@ def test_the_folder_of_a_cleanrl_run_tells_its_seed(tmp_path):
     folder = tmp_path / "Hopper-v4__sac_continuous__3__1700000000"
     write(folder, {"charts/episodic_return": curve(0, 30)})
     facts = read(folder).facts
-    assert (facts.env, facts.algorithm, facts.seed) == ("Hopper-v4", "sac_continuous", 3)
+    assert (facts.env, facts.algorithm, facts.seed) == ("Hopper-v4", "sac", 3)
 
 
 def test_iterations_are_no_environment_steps_until_somebody_says_how_many(tmp_path):
