@@ -20,6 +20,10 @@ TOTAL, SEEDS = 100_000, 6
 """Steps of a training, and trainings of each reward."""
 WINDOW = 100
 """Episodes that a point of stable-baselines3 averages."""
+KINDS = {"learned": 300, "learning": 300, "+6": 150, "+12": 150, "exact": 100, "twice": 60}
+"""How many experiments there are of each kind."""
+FIRST = 10_000
+"""Of the seeds: from here on, an exact test of what trainings really are finds 15 of 300 of equal rewards to differ."""
 SILENT = (REFUSED, INTERIM, "cannot tell")
 """Words that claim nothing."""
 
@@ -184,7 +188,7 @@ def drawn(kind, number):
         list(CURVES if is_exact else DOORS)[number // 3 % (len(CURVES) if is_exact else len(DOORS))],
         (ways[0], ways[number % 4 > 0]),
         int(number % 10 == 9 and not is_exact) * 2,
-        number,
+        FIRST + 1_000 * [*KINDS].index(kind) + number,
     )
 
 
@@ -250,10 +254,6 @@ def tally(kind, numbers: Iterable[int]):
         if kind != "twice":
             found.append(_told(oracle))
     return Tally(kind, found)
-
-
-KINDS = {"learned": 300, "learning": 300, "+6": 150, "+12": 150, "exact": 100, "twice": 60}
-"""How many experiments there are of each kind."""
 
 
 if __name__ == "__main__":

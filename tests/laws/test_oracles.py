@@ -4,7 +4,7 @@ import pytest
 
 from tests.laws.oracles import KINDS, tally
 
-SOME = 6
+SOME = 7
 """The quick run takes every so many."""
 FALSE, APART = 0.05, 0.6
 """The most of equal rewards of which a difference is claimed, and the most points between two logs of one training."""
