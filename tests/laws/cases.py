@@ -361,6 +361,64 @@ def whole_table(folder):
             lines(folder / f"{reward}_{seed}" / "metrics.jsonl", rows)
 
 
+# What causes each message that tells to type something
+
+
+def plain(names=("episode", "reward", "length"), labels=True):
+    """Tables of episodes without success, which the proposed reward makes shorter; labels stand beside the folder."""
+
+    def write(folder):
+        for reward, longer in (("base", 20), ("prop", 0)):
+            for seed in range(5):
+                lengths = 20 + longer + np.arange(30) % 5 + seed
+                table(
+                    folder / reward / f"{seed}.csv", dict(zip(names, (range(30), 0.5 * lengths, lengths), strict=True))
+                )
+        if labels:
+            told = [(f"{reward}/{seed}", int(reward == "prop")) for reward, seed in RUNS]
+            table(folder.parent / "labels.csv", dict(zip(("run", "success"), zip(*told, strict=True), strict=True)))
+
+    return write
+
+
+def numbered(trainings, together, count=40):
+    """Files of Monitor that are numbered: those of a folder tick together, or were begun together and do not tell."""
+
+    def write(folder):
+        for number, place in enumerate(trainings):
+            for env in range(3):
+                _, lengths, success = episodes(0.3 if "base" in place else 0.9, 10 * number + env, count)
+                lengths = np.full(count, 50) if together else lengths
+                monitor(
+                    folder / f"{place.format(env)}.monitor.csv",
+                    paid(success),
+                    lengths,
+                    success,
+                    1.7e9 + 1e5 * number,
+                    1e-4 * env,
+                )
+
+    return write
+
+
+def twice_seeded(folder):
+    """Two trainings of each reward have one seed, of which one is elsewhere."""
+    for reward, final, first in TWO:
+        for batch in range(2):
+            for seed in range(3):
+                monitors(folder / f"batch{batch}", f"{reward}/seed{seed}.", final, first + 10 * batch + seed)
+
+
+def unlabelled(folder):
+    """A data set that does not tell success."""
+    d4rl(folder)
+    for path in folder.glob("*.hdf5"):
+        with h5py.File(path, "a") as file:
+            file.move("infos/success", "infos/solved")
+    told = {"episode": range(60), "success": np.arange(60) % 2 == 0}
+    table(folder.parent / "episodes.csv", {name: np.asarray(of).astype(int) for name, of in told.items()})
+
+
 NO_DIFFERENCE = ("cannot tell",)
 BETTER = ("helps",)
 FASTER = ("helps", "learns faster")
@@ -443,6 +501,34 @@ CASES = [
     Case("prefix-copies", prefixes, "report prefix-copies", BETTER, **OWN),
     Case("wandb-step-axis", charted, "report wandb-step-axis", **CALLS, law="times"),
     Case("isaac-iterations", isaac, "report isaac-iterations", **LATE, law="times"),
+]  # fmt: skip
+
+SHORTER = {"words": ("cannot tell", "helps"), "trainings": (5, 5), "knows": {"FILE": "labels.csv", "NAME": "length"}}
+ASKED = [
+    Case("returns-alone", plain(), "report returns-alone", **SHORTER),
+    Case(
+        "some-measure", plain(("episode", "reward", "distance")),
+        "report some-measure --as episode-csv:measure=distance --measure distance", BETTER, (), (5, 5),
+        is_asked=True, untrue="higher",
+    ),
+    Case(
+        "batches", numbered(["base_1/{}", "base_2/{}", "prop_1/{}", "prop_2/{}"], True), "report batches",
+        NO_DIFFERENCE, (), (2, 2), untrue=r"\*/\*|/\{seed\}",
+    ),
+    Case(
+        "doubtful", numbered(["base/{}", "prop/{}"], False, 2), "report doubtful",
+        NO_DIFFERENCE, (), (3, 3), is_asked=True, untrue=r"\{reward\}$",
+    ),
+    Case(
+        "environments", numbered(["base/env_{}", "prop/env_{}"], True), "report environments",
+        NO_DIFFERENCE, (), (1, 1), is_asked=True, untrue=r"\*|\{seed\}",
+    ),
+    Case(
+        "seeds-twice", twice_seeded, "report seeds-twice --sort '{reward}/seed{seed}'", ("helps", INTERIM), (), (),
+        is_asked=True, law="names",
+    ),
+    Case("unlabelled", unlabelled, "audit unlabelled/finite.hdf5", NO_DIFFERENCE, (), (),
+         knows={"KEY": "solved", "RETURN": "5"}),
 ]  # fmt: skip
 
 

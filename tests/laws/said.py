@@ -49,7 +49,8 @@ def say(line):
     if "dataset" in data:
         (found,) = data["rewards"]
         success = found["success"]
-        return Said(line, success["answer"].lower(), (100 * success["value"],), text=f"{text} {success['reason']}")
+        shares = () if success["value"] is None else (100 * success["value"],)
+        return Said(line, success["answer"].lower(), shares, text=f"{text} {success['reason']}")
     if "combinations" not in data:
         return Said(line, "eta", text=text)
     shares, words, p = [], {}, None

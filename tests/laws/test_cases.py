@@ -4,7 +4,7 @@ import shlex
 
 import pytest
 
-from tests.laws.cases import CASES, is_untrue
+from tests.laws.cases import ASKED, CASES, is_untrue
 from tests.laws.said import INTERIM, REFUSED, remedies, say, shown, typed
 
 DEEPEST = 3
@@ -25,7 +25,7 @@ def there(tmp_path, monkeypatch):
     return write
 
 
-def rows(cases=CASES):
+def rows(cases=(*CASES, *ASKED)):
     """A row of each, which fails as long as its law is broken."""
     wrong = {it: pytest.mark.xfail(strict=True, raises=AssertionError, reason=it) for it in {it.law for it in cases}}
     return [pytest.param(it, id=it.line.replace(" ", "_"), marks=[wrong[it.law]] if it.law else []) for it in cases]
@@ -36,7 +36,7 @@ def followed(case, said, deep=0, seen=None):
 
     A question is right if one of its remedies leads to the right answer, and none to a wrong one.
     """
-    seen = {} if seen is None else seen
+    seen = {said.line: False} if seen is None else seen
     led = False
     for remedy in remedies(said.text):
         try:

@@ -26,11 +26,11 @@ def table(path, columns, separator=","):
         rows.writerows(zip(*columns.values(), strict=True))
 
 
-def monitor(path, returns, lengths, success, started):
-    """As stable-baselines3's Monitor."""
+def monitor(path, returns, lengths, success, started, late=0.0):
+    """As stable-baselines3's Monitor, whose clock is so many seconds late."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    rows = zip(returns, lengths, np.cumsum(lengths) / 1e3, success, strict=True)
-    told = "".join(f"{pay:.3f},{int(length)},{at:.3f},{bool(is_so)}\n" for pay, length, at, is_so in rows)
+    rows = zip(returns, lengths, np.cumsum(lengths) / 1e3 + late, success, strict=True)
+    told = "".join(f"{pay:.3f},{int(length)},{at:.4f},{bool(is_so)}\n" for pay, length, at, is_so in rows)
     path.write_text(f"#{json.dumps({'t_start': started, 'env_id': 'Reach-v1'})}\nr,l,t,is_success\n{told}")
 
 
