@@ -6,7 +6,7 @@ environments from those of several trainings.
 """
 
 import re
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import takewhile
 from typing import NamedTuple
 
@@ -38,7 +38,6 @@ _VERSION = ("v", "version", "reward", "r", "k")
 """Words before a number: it is the seed; it is one training of several; it names a variant of a reward."""
 _SEPARATORS = re.compile(r"[-_=,. /]+")
 _WORDS = re.compile(r"[^-_=,. /]+")
-_MARKS = re.compile(r"(\{seed\}|\*)")
 
 
 class Named(NamedTuple):
@@ -52,44 +51,77 @@ class Named(NamedTuple):
     """The part of the name that says it: the same of all that belongs to one training."""
 
 
-def sort_names(names: Sequence[str], *, is_asked: bool = True) -> list[Named]:
+def sort_names(names: Iterable[str], template: str = "", *, is_asked: bool = True) -> dict[str, Named]:
     """The reward and the seed of each training, by the names of all of them.
 
     A number behind ``seed`` is the seed. Otherwise it is the one number that differs between names which differ in
     numbers alone. Versions (``v1``), decimal numbers, and what tells when and where it was trained are none.
 
     Args:
-        names: Paths below the folder, without endings of files; each once.
+        names: Paths below the folder, without endings of files.
+        template: How they are made, if the user says it; see `sort_by_template`.
         is_asked: Whether it matters; if not, no number is the seed of names that can be read in two ways.
 
     Raises:
-        UsageError: They can be read in two ways; says which, and the flags that say each.
+        UsageError: They can be read in two ways, or do not fit; says the flags that say each way.
     """
-    texts = [_SAYS_NOTHING.sub("", name) for name in names]
-    numbers = [_numbers_in(text) for text in texts]
-    alike: dict[str, list[int]] = {}
-    for place, text in enumerate(texts):
-        alike.setdefault(re.sub("[0-9]+", "0", text) if numbers[place] else text, []).append(place)
-    seeds: list[re.Match[str] | None] = [None] * len(names)
-    doubt, weighed = "", list[str]()
+    if template:
+        return sort_by_template(template, names)
+    texts = {name: _SAYS_NOTHING.sub("", name) for name in names}
+    alike: dict[tuple[str, int], list[str]] = {}
+    for name, text in texts.items():
+        alike.setdefault((re.sub("[0-9]+", "0", text), len(_numbers_in(text))), []).append(name)
+    why, seeds = "", dict[str, re.Match[str]]()
     for of in alike.values():
-        columns = list(zip(*(numbers[place] for place in of), strict=True))
-        told = [it for it in columns if _word_of(it[0]) in _SEED]
+        columns = list(zip(*(_numbers_in(texts[name]) for name in of), strict=True))
+        told = [it for it in columns if it[0]["word"].lower() in _SEED]
         varying = [it for it in columns if len({int(number["digits"]) for number in it}) > 1]
-        rivals = [it for it in varying if it not in told and (not told or _word_of(it[0]) in _RUN)]
+        rivals = [it for it in varying if it not in told and (not told or it[0]["word"].lower() in _RUN)]
         if len(rivals) > 1 - bool(told):
-            doubt = "two numbers differ, and none of them is called the seed, or both are"
+            why = "two numbers differ, and none of them is called the seed, or both are"
         chosen = told or varying or (columns if len(of) == 1 else [])
-        for place, number in zip(of, chosen[-1] if chosen else (), strict=False):
-            seeds[place] = number
-    rest = [_cut(text, it) for text, it in zip(texts, seeds, strict=True)]
-    values = [None if it is None else int(it["digits"]) for it in seeds]
-    found = [Named(*it) for it in zip(labels_of(rest), values, names, strict=True)]
-    if not doubt:
-        doubt, weighed = _doubt_of(found, texts, seeds)
-    if doubt and is_asked:
-        raise question(names, f"can be read in several ways: {doubt}", weighed)
-    return [it._replace(seed=None) for it in found] if doubt else found
+        seeds |= zip(of, chosen[-1], strict=True) if chosen else ()
+    rest = [_cut(text, seeds.get(name)) for name, text in texts.items()]
+    found = {
+        name: Named(label, int(seeds[name]["digits"]) if name in seeds else None, name)
+        for name, label in zip(texts, labels_of(rest), strict=True)
+    }
+    why, weighed = (why, []) if why else _doubt_of(found, texts, seeds)
+    if why and is_asked:
+        ways = templates_of(list(found))
+        if weighed:
+            others = {it.reward for it in found.values()}.difference(weighed)
+            ways[1:] = ["|".join([*(ways[0].replace("{reward}", it) for it in sorted(others)), "{reward}"])]
+        raise question(list(found), f"can be read in several ways: {why}", ways)
+    return {name: it._replace(seed=None) for name, it in found.items()} if why else found
+
+
+def _doubt_of(
+    found: Mapping[str, Named], texts: Mapping[str, str], seeds: Mapping[str, re.Match[str]]
+) -> tuple[str, list[str]]:
+    """Why the numbers that were taken for seeds may be something else, and of which rewards they may be weights."""
+    named = [(texts[name], it) for name, it in seeds.items() if it["word"].lower() not in (*_SEED, *_RUN)]
+    depths = [(text[: it.start()].count("/"), text[it.end() :].count("/")) for text, it in named]
+    if all(len({*it}) > 1 for it in zip(*depths, strict=True)) and depths:
+        return "the number that differs does not stand at one place", []
+    words = {it.reward: _WORDS.findall(it.reward) for it in found.values()}
+    for at in range(max(map(len, words.values()))):
+        rest = {label: (*of[:at], *of[at + 1 :]) for label, of in words.items()}
+        runs = {(rest[label], place if seed is None else seed) for label, seed, place in found.values()}
+        if len(runs) == len(found) and 1 < len({*rest.values()}) < len(rest):
+            return "what differs may be two rewards, or two places where one was trained", []
+    numbers: dict[str, set[int]] = {}
+    for it in found.values():
+        numbers.setdefault(it.reward, set()).update([] if it.seed is None else [it.seed])
+    weighed = []
+    for label, own in numbers.items() if named else ():
+        others = set[int]().union(*(it for name, it in numbers.items() if name != label))
+        is_shared = not others or 2 * len(own & others) >= len(own)
+        is_counted = len(own) < 2 or max(own) - min(own) < len(own)
+        if not (is_counted or (is_shared and any(it % 5 and it > 1 for it in own))):
+            weighed.append(label)
+    first = ", ".join(map(str, sorted(numbers[weighed[0]]))) if weighed else ""
+    return f"{first} may be seeds of '{weighed[0]}', or its weights" if weighed else "", weighed
 
 
 def _numbers_in(text: str) -> list[re.Match[str]]:
@@ -97,45 +129,11 @@ def _numbers_in(text: str) -> list[re.Match[str]]:
     return [it for it in found if it["between"] or it["word"].lower() not in _VERSION]
 
 
-def _word_of(number: re.Match[str]) -> str:
-    return number["word"].lower()
-
-
-def _cut(text: str, seed: re.Match[str] | None, mark: str = "") -> str:
+def _cut(text: str, seed: re.Match[str] | None) -> str:
     """The text without a seed and the word that announces it."""
     if seed is None:
         return text
-    begin = seed.start("word") if not mark and _word_of(seed) in (*_SEED, *_RUN) else seed.start("digits")
-    return text[:begin] + mark + text[seed.end() :]
-
-
-def _doubt_of(
-    found: Sequence[Named], texts: Sequence[str], seeds: Sequence[re.Match[str] | None]
-) -> tuple[str, list[str]]:
-    """Why the numbers that were taken for seeds may be something else, and of which rewards they may be weights."""
-    named = [(text, it) for text, it in zip(texts, seeds, strict=True) if it and _word_of(it) not in (*_SEED, *_RUN)]
-    before = {len(_SEPARATORS.findall(text[: it.start("digits")])) for text, it in named}
-    behind = {len(_SEPARATORS.findall(text[it.end() :])) for text, it in named}
-    if len(before) > 1 and len(behind) > 1:
-        return "the number that differs does not stand at one place", []
-    words = {label: tuple(_WORDS.findall(label)) for label, _, _ in found}
-    for at in range(max(map(len, words.values()))):
-        rest = {label: of[:at] + of[at + 1 :] for label, of in words.items()}
-        runs = {(rest[label], place if seed is None else seed) for label, seed, place in found}
-        if len(runs) == len(found) and 1 < len({*rest.values()}) < len(rest):
-            return "what differs may be two rewards, or two places where one was trained", []
-    of_rewards: dict[str, set[int]] = {}
-    for label, seed, _ in found:
-        of_rewards.setdefault(label, set()).update([] if seed is None else [seed])
-    weighed = []
-    for label, own in of_rewards.items() if named else ():
-        others = set[int]().union(*(it for name, it in of_rewards.items() if name != label))
-        is_shared = not others or 2 * len(own & others) >= len(own)
-        is_counted = len(own) < 2 or max(own) - min(own) < len(own)
-        if not is_counted and (not is_shared or all(it % 5 == 0 or it == 1 for it in own)):
-            weighed.append(label)
-    shown = ", ".join(map(str, sorted(of_rewards[weighed[0]]))) if weighed else ""
-    return f"{shown} may be seeds of '{weighed[0]}', or its weights" if weighed else "", weighed
+    return text[: seed.start("word" if seed["word"].lower() in (*_SEED, *_RUN) else "digits")] + text[seed.end() :]
 
 
 def labels_of(texts: Sequence[str]) -> list[str]:
@@ -144,22 +142,27 @@ def labels_of(texts: Sequence[str]) -> list[str]:
     Where nothing, or only a number, would be left of some, all keep more words at the beginning.
     """
     words = {text: list(_WORDS.finditer(text)) for text in texts}
-    said = [[it.group() for it in of] for of in words.values()]
-    if len(said) == 1:
+    if len(words) == 1:
         parts = [_SEPARATORS.sub(" ", part).strip() and part.strip("-_=,. ") for part in texts[0].split("/")]
         return [next(filter(None, reversed(parts)), "")] * len(texts)
-    most = max(0, min(map(len, said)) - 1)
-    end = min(most, _shared([it[::-1] for it in said]))
-    begin = min(most - end, _shared(said))
+    said = [[it.group() for it in of] for of in words.values()]
+    begin, end = _shared(said)
     while begin and any("".join(it[begin : len(it) - end]).isdecimal() for it in said):
         begin -= 1
     kept = {text: of[begin : len(of) - end] for text, of in words.items()}
     return [text[kept[text][0].start() : kept[text][-1].end()] if kept[text] else "" for text in texts]
 
 
-def _shared(words: Sequence[Sequence[str]]) -> int:
-    """With how many equal words all begin."""
-    return sum(1 for _ in takewhile(lambda at: len({*at}) == 1, zip(*words, strict=False)))
+def _shared(words: Sequence[Sequence[str]]) -> tuple[int, int]:
+    """With how many equal words all begin, and with how many all end; a word of each is left."""
+    least = max(0, min(map(len, words)) - 1)
+    if len(words) == 1:
+        return least, 0
+    begin, end = (
+        sum(1 for _ in takewhile(lambda at: len({*at}) == 1, zip(*of, strict=False)))
+        for of in (words, [it[::-1] for it in words])
+    )
+    return min(begin, least - min(end, least)), min(end, least)
 
 
 # Templates
@@ -173,72 +176,64 @@ def templates_of(names: Sequence[str]) -> list[str]:
     """
     texts = [_SAYS_NOTHING.sub("*", name) for name in names]
     numbers = [_numbers_in(text) for text in texts]
-    slots = range(max(map(len, numbers)))
-    marked = [texts, *([_marked(*it, -1 - at) for it in zip(texts, numbers, strict=True)] for at in slots)]
-    marked += [[_marked(*it, at) for it in zip(texts, numbers, strict=True)] for at in slots]
+    most = max(map(len, numbers))
     found: dict[frozenset[tuple[str, str]], tuple[bool, bool, str]] = {}
-    for template in dict.fromkeys(template for of in marked for template in _templates(of)):
-        try:
-            sorted_ = sort_by_template(template, names)
-        except UsageError:
-            continue
-        runs = {(reward, place if seed is None else seed) for reward, seed, place in sorted_}
-        rewards = {it.reward for it in sorted_}
-        counts = [sum(it.reward == name for it in sorted_) for name in rewards]
-        if len(runs) == len(names):
-            key = frozenset((it.reward, name) for it, name in zip(sorted_, names, strict=True))
-            rank = min(counts) < 2, "{seed}" not in template, template
-            found[key] = min(rank, found.get(key, rank))
+    for at in range(-most, most + 1):
+        marked = [
+            text[: of[at].start("digits")] + "{seed}" + text[of[at].end() :] if -len(of) <= at < len(of) else text
+            for text, of in zip(texts, numbers, strict=True)
+        ]
+        for template in _templates(marked):
+            try:
+                sorted_ = sort_by_template(template, names)
+            except UsageError:
+                continue
+            rewards = [it.reward for it in sorted_.values()]
+            if len({(it.reward, it.place if it.seed is None else it.seed) for it in sorted_.values()}) == len(names):
+                rank = min(map(rewards.count, rewards)) < 2, "{seed}" not in template, template
+                key = frozenset(zip(rewards, names, strict=True))
+                found[key] = min(rank, found.get(key, rank))
     good = [rank for rank in found.values() if not rank[0]]
     return [template for *_, template in sorted(good if len(good) > 1 else found.values())]
-
-
-def _marked(text: str, numbers: Sequence[re.Match[str]], at: int) -> str:
-    return _cut(text, numbers[at], "{seed}") if -len(numbers) <= at < len(numbers) else text
 
 
 def _templates(marked: Sequence[str]) -> list[str]:
     """Templates that fit names in which the seeds, and what says nothing, are marked."""
     different = [re.findall(r"[-_=,. /]+|[^-_=,. /]+", text) for text in dict.fromkeys(marked)]
-    begin, end = _shared(different), _shared([it[::-1] for it in different])
-    if len(different) == 1:
-        begin, end = len(different[0]) - 1, 0
-    end = min(end, *(len(it) - begin for it in different))
-    head, tail = "".join(different[0][:begin]), "".join(different[0][len(different[0]) - end :])
+    begin, end = _shared(different)
     found = []
     for border in (r"(/|\{seed\}|\*)", r"([-_=,. /]+|\{seed\}|\*)"):
         parts = [re.split(border, "".join(it[begin : len(it) - end])) for it in different]
-        if len({len(it) for it in parts}) > 1 or len({tuple(it[1::2]) for it in parts}) > 1:
+        if len({tuple(it[1::2]) for it in parts}) > 1:
             continue
         columns = [{*it} for it in zip(*parts, strict=True)]
+        shown = [next(iter(it)) if len(it) == 1 else "*" for it in columns]
         for at in range(0, len(columns), 2):
             if columns[at] != {""}:
-                shown = [next(iter(it)) if len(it) == 1 else "*" for it in columns]
-                found.append(re.sub(r"\*+", "*", head + "".join([*shown[:at], "{reward}", *shown[at + 1 :]]) + tail))
+                middle = [*shown[:at], "{reward}", *shown[at + 1 :]]
+                whole = [*different[0][:begin], *middle, *different[0][len(different[0]) - end :]]
+                found.append(re.sub(r"\*+", "*", "".join(whole)))
     return found
 
 
-def question(names: Sequence[str], why: str, weighed: Collection[str] = ()) -> UsageError:
+def question(names: Sequence[str], why: str, ways: Sequence[str] = ()) -> UsageError:
     """What to say where names do not tell which trainings there are, with the templates that can be meant.
 
     Args:
-        names: Paths below the folder, without endings of files; each once.
+        names: Paths below the folder, without endings of files.
         why: What is doubtful.
-        weighed: Rewards of which each number may be another one.
+        ways: The templates, if it is known which.
     """
-    ways = templates_of(names)[:3]
-    if weighed:
-        others = dict.fromkeys(it.reward for it in sort_by_template(ways[0], names) if it.reward not in weighed)
-        ways[1:] = ["|".join([*(ways[0].replace("{reward}", it) for it in others), "{reward}"])]
     shown = []
-    for way in ways:
-        first, *more = dict.fromkeys(it.reward for it in sort_by_template(way, names))
-        shown.append(f"{command_text('--sort', way)} ({len(more) + 1} rewards, such as `{[first, *more][-1]}`)")
-    remedy = f"Say {', or '.join(shown)}" if ways else "Name them REWARD/SEED, and say --sort '{reward}/{seed}'"
+    for way in [*(ways or templates_of(names))][:3]:
+        found = sort_by_template(way, names).values()
+        rewards, count = [*dict.fromkeys(it.reward for it in found)], len({it.place for it in found})
+        shown.append(f"{command_text('--sort', way)} ({count} trainings of {len(rewards)} rewards, as `{rewards[-1]}`)")
+    remedy = f"Say {', or '.join(shown)}" if shown else "Name them REWARD/SEED, and say --sort '{reward}/{seed}'"
     return UsageError(f"Names such as '{names[0]}' and '{names[-1]}' {why}. {remedy}")
 
 
-def sort_by_template(template: str, names: Sequence[str]) -> list[Named]:
+def sort_by_template(template: str, names: Iterable[str]) -> dict[str, Named]:
     """The same where the user says how names are made: ``{reward}/{seed}``, ``*_{reward}_s{seed}``.
 
     ``*`` stands for anything within a folder's or a file's name. What the template fits is one training: ``{reward}``
@@ -256,14 +251,14 @@ def sort_by_template(template: str, names: Sequence[str]) -> list[Named]:
         pattern = re.escape(way).replace(r"\{seed\}", "(?P<seed>[0-9]{1,9})").replace(r"\*", "[^/]*?")
         pattern = pattern.replace(r"\{reward\}", "(?P<reward>[^/]+?)")
         patterns[way] = re.compile(f"(?P<place>(?:.*?/)??{pattern})(?:[.][^/]*)?(?:/.*)?")
-    found = []
+    found = {}
     for name in names:
         fits = ((way, match.groupdict()) for way, it in patterns.items() if (match := it.fullmatch(name)))
         way, told = next(fits, ("", {}))
         if not told:
             raise UsageError(f"--sort '{template}' does not fit '{name}', which lies below the folder")
-        reward = told.get("reward") or "".join(_MARKS.split(way)[::2]).strip("-_=,. /")
-        found.append(Named(reward, int(told["seed"]) if "seed" in told else None, told["place"]))
+        reward = told.get("reward") or re.sub(r"[-_=,. /]*(\{seed\}|\*)[-_=,. /]*", "", way)
+        found[name] = Named(reward, int(told["seed"]) if "seed" in told else None, told["place"])
     return found
 
 

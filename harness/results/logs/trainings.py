@@ -13,8 +13,9 @@ import numpy as np
 from harness.errors import UsageError
 from harness.eta.amounts import listed
 from harness.log import Log, Unit
-from harness.log.log import BEHAVIOUR, REWARD, SUCCESS, TIME
-from harness.results.logs.names import Named, in_lockstep, question, sort_by_template, sort_names, templates_of
+from harness.log.log import BEHAVIOUR, REWARD, SUCCESS, TIME, Rows
+from harness.results.logs.names import Named, in_lockstep, question, sort_names, templates_of
+from harness.text import command_text
 
 UNITS: tuple[Unit, ...] = ("step", "episode", "point")
 """The finest first."""
@@ -123,11 +124,11 @@ def sort_logs(folder: Path, logs: Sequence[Log], template: str = "", baseline: s
     names = [_name_of(folder, log.facts.path, log.facts.run) for log in logs]
     if all(map(NUMBERED.fullmatch, names)):  # of one reward, whose name is the folder's
         names = [f"{folder.resolve().name}/{name}" for name in names]
-    places = names if template else _with_batches(folder, logs, names, notes)
-    named = _named(folder, logs, places, template)
+    if not template:
+        names = _with_batches(folder, logs, names, notes)
     found: dict[Key, list[tuple[Log, str]]] = {}
-    for log, of, place in zip(logs, _at_home(folder, logs, named, template), places, strict=True):
-        found.setdefault((of.reward, of.seed, of.place if of.seed is None else ""), []).append((log, place))
+    for log, of, name in zip(logs, _named(folder, logs, names, template), names, strict=True):
+        found.setdefault((of.reward, of.seed, of.place if of.seed is None else ""), []).append((log, name))
     best = {key: _best_of(key, of, is_told=bool(template)) for key, of in found.items()}
     trainings = _without_copies(_with_seeds(best, notes), notes)
     if not template:
@@ -148,45 +149,31 @@ def require_several(folder: Path, found: Sorted) -> None:
     Raises:
         UsageError: One taught a single one; says the flags that say it otherwise.
     """
-    counts = {name: sum(it.reward == name for it in found.trainings) for name in found.rewards}
-    single = [name for name, count in counts.items() if count < 2]
-    if not single or len(counts) < 2:
-        return
-    more = f" and {len(single) - 3} more" if len(single) > 3 else ""
-    alone = f"There is one training alone of {listed(single[:3])}{more}, and chance cannot be told from one"
-    batch = next((it for it in found.trainings if it.reward in single and len(it.logs) > 1), None)
-    if batch:
-        way, each = _ways(folder, [it.path for it in found.trainings if len(it.logs) > 1])
-        raise UsageError(
-            f"{alone}: the {len(batch.logs)} files in {batch.shown} are environments of one training, as their "
-            f"episodes end in step. --sort '{each}' says that each file is a training, --sort '{way}' that they are not"
+    rewards = [it.reward for it in found.trainings]
+    single = [name for name in found.rewards if rewards.count(name) < 2]
+    if single and len(found.rewards) > 1:
+        batches = [it for it in found.trainings if len(it.logs) > 1]
+        paths = [(log.facts.path, log.facts.run) for it in batches or found.trainings for log in it.logs]
+        more = f" and {len(single) - 3} more" if len(single) > 3 else ""
+        raise question(
+            list(dict.fromkeys(_name_of(folder, *it) for it in paths)),
+            f"say that these are {found.sentence}. There is one training alone of {listed(single[:3])}{more}, and "
+            "chance cannot be told from one",
+            _ways(folder, [it.path for it in batches])[::-1] if batches else (),
         )
-    names = dict.fromkeys(_name_of(folder, it.path, it.logs[0].facts.run) for it in found.trainings)
-    raise question([*names], f"say that these are {found.sentence}. {alone}")
 
 
 def sort_files(
     folder: Path, files: Sequence[Path], template: str = "", baseline: str = "", *, is_asked: bool = True
 ) -> dict[str, list[Path]]:
     """The files of each reward, the baseline's first, by their names alone; see `sort_logs`."""
+    names = {path: _name_of(folder, path) for path in files}
+    named = sort_names(names.values(), template, is_asked=is_asked)
     found: dict[str, list[Path]] = {}
-    named = _sorted(folder, [_name_of(folder, it) for it in files], template, is_asked=is_asked)
-    for path, of in zip(files, named, strict=True):
-        found.setdefault(of.reward, []).append(path)
+    for path, name in names.items():
+        found.setdefault(named[name].reward or folder.resolve().name, []).append(path)
     first = _baseline(baseline, found)
     return {name: found[name] for name in sorted(found, key=lambda name: (name != first, name))}
-
-
-def _sorted(folder: Path, names: Sequence[str], template: str, *, is_asked: bool) -> list[Named]:
-    """What each name says; where none says what the reward is, the folder has its name."""
-    different = list(dict.fromkeys(names))
-    found = sort_by_template(template, different) if template else sort_names(different, is_asked=is_asked)
-    of = dict(zip(different, found, strict=True))
-    return [of[name]._replace(reward=of[name].reward or folder.resolve().name) for name in names]
-
-
-def _kind(log: Log) -> tuple[str, bool]:
-    return log.facts.format, log.facts.evaluation
 
 
 def _without_evaluated(folder: Path, logs: Sequence[Log], notes: list[str]) -> Sequence[Log]:
@@ -206,8 +193,12 @@ def _without_evaluated(folder: Path, logs: Sequence[Log], notes: list[str]) -> S
 
 def _parts(folder: Path, path: Path) -> list[str]:
     """The folders below `folder` in which a log lies, and the name of its file without an ending."""
-    below = path.relative_to(folder) if path.is_relative_to(folder) else path
-    return [*below.parts] if path.is_dir() else [*below.parent.parts, _stem(path.name)]
+    below = (path.relative_to(folder) if path.is_relative_to(folder) else path).parts
+    if path.is_dir():
+        return [*below]
+    name = path.name
+    ending = next((it for it in ENDINGS if name.lower().endswith(it)), "" if name.startswith(EVENTS) else path.suffix)
+    return [*below[:-1], name[: len(name) - len(ending)]]
 
 
 def _name_of(folder: Path, path: Path, run: str = "") -> str:
@@ -219,94 +210,77 @@ def _name_of(folder: Path, path: Path, run: str = "") -> str:
     return "/".join(filter(None, [*said, run])) or folder.resolve().name
 
 
-def _stem(name: str) -> str:
-    ending = next((it for it in ENDINGS if name.lower().endswith(it)), "")
-    return name[: -len(ending)] if ending else name if name.startswith(EVENTS) else Path(name).stem
+def _is_numbered(log: Log) -> bool:
+    """Whether it is of Monitor, and its file is called 0, 1, 2, or 0.1, as a batch of environments calls its files."""
+    name = _parts(log.facts.path.parent, log.facts.path)[-1]
+    return "seconds" in log and not log.facts.run and NUMBERED.fullmatch(name) is not None
 
 
-def _ways(folder: Path, places: Iterable[Path]) -> tuple[str, str]:
+def _ways(folder: Path, places: Iterable[Path]) -> list[str]:
     """The templates by which each folder is one training, and by which each of its files is."""
     way = templates_of([*dict.fromkeys(_name_of(folder, it) for it in places)])[0]
-    return way, f"{way.replace('{seed}', '*')}/{'*' if '{seed}' in way else '{seed}'}"
+    return [way, f"{way.replace('{seed}', '*')}/{'*' if '{seed}' in way else '{seed}'}"]
 
 
-def _with_batches(folder: Path, logs: Sequence[Log], names: Sequence[str], notes: list[str]) -> list[str]:
+def _with_batches(folder: Path, logs: Sequence[Log], names: list[str], notes: list[str]) -> list[str]:
     """The names; of numbered files of Monitor that are environments of one training, their folder's name.
 
     Raises:
         UsageError: Nobody can tell whether they are; says both flags.
     """
-    beside: dict[Path, list[Log]] = {}
-    for log in logs:
-        if "seconds" in log and not log.facts.run and NUMBERED.fullmatch(_stem(log.facts.path.name)):
-            beside.setdefault(log.facts.path.parent, []).append(log)
-    several = {place: of for place, of in beside.items() if len(_distinct(of)) > 1}
-    together = {place: in_lockstep(of) for place, of in several.items()}
+    beside: dict[Path, list[int]] = {}
+    for number, log in enumerate(logs):
+        if _is_numbered(log):
+            beside.setdefault(log.facts.path.parent, []).append(number)
+    several = {place: of for place, of in beside.items() if len(_distinct(logs[it] for it in of)) > 1}
+    together = {place: in_lockstep(logs[it] for it in of) for place, of in several.items()}
     known = {*together.values()} - {None}
+    if None in together.values() and len(known) != 1:  # folders beside one another were written by one program
+        why = "are of Monitor: of one training's environments, or of a training each? Their times do not tell"
+        raise question([names[it] for of in several.values() for it in of], why, _ways(folder, several))
     batches = [place for place, is_one in together.items() if is_one or known == {True}]
-    doubtful = [place for place, is_one in together.items() if is_one is None and len(known) != 1]
-    if doubtful:  # folders beside one another were written by one program
-        way, each = _ways(folder, several)
-        count = len(several[doubtful[0]])
-        raise UsageError(
-            f"'{doubtful[0]}' holds {count} numbered files of Monitor: of one training's environments, or of {count} "
-            f"trainings? Their times do not tell. Say --sort '{way}' if a folder is one training, --sort '{each}' if "
-            "each file is one"
-        )
     if batches:
         notes.append(
             f"The numbered files of a folder are read as environments of one training, as the "
             f"{len(several[batches[0]])} in '{batches[0]}': their episodes end in step. If each is a training, say "
             f"--sort '{_ways(folder, several)[1]}'"
         )
-    members = {id(log): place for place in batches for log in several[place]}
-    return [
-        _name_of(folder, members[id(log)]) if id(log) in members else name
-        for log, name in zip(logs, names, strict=True)
-    ]
+    members = {number: _name_of(folder, place) for place in batches for number in several[place]}
+    return [members.get(number, name) for number, name in enumerate(names)]
 
 
 def _named(folder: Path, logs: Sequence[Log], names: Sequence[str], template: str) -> list[Named]:
-    """What each log, or its name, says: names are sorted among logs of the same kind."""
+    """What each log, or its name, says: names are sorted among logs of the same kind.
+
+    A log that says little is of the training that is called as it is, or as a folder in which it lies.
+    """
+    kinds: dict[tuple[bool, int, str], list[int]] = {}
+    for number, log in enumerate(logs):
+        kinds.setdefault((log.facts.evaluation, UNITS.index(log.facts.unit), log.facts.format), []).append(number)
+    best = min(kinds, key=lambda kind: (*kind[:2], -len(kinds[kind]), kind))
     found: dict[int, Named] = {}
-    for kind in dict.fromkeys(map(_kind, logs)):
-        numbers = [number for number, log in enumerate(logs) if _kind(log) == kind]
-        is_asked = any(not logs[number].facts.trained_with for number in numbers)
-        of = _sorted(folder, [names[number] for number in numbers], template, is_asked=is_asked)
-        found |= dict(zip(numbers, of, strict=True))
-    if template:
-        return [found[number] for number in range(len(logs))]
-    return [
-        found[number]._replace(
-            reward=log.facts.trained_with or found[number].reward,
-            seed=found[number].seed if log.facts.seed is None else log.facts.seed,
-        )
-        for number, log in enumerate(logs)
-    ]
+    above: dict[str, Named] = {}
+    for kind in sorted(kinds, key=lambda kind: kind != best):
+        homes = {it: [home for home in _above(names[it]) if home in above] for it in kinds[kind]}
+        alone = [it for it, home in homes.items() if not home]
+        is_asked = any(not logs[it].facts.trained_with for it in alone)
+        named = sort_names((names[it] for it in alone), template, is_asked=is_asked) if alone else {}
+        for it, home in homes.items():
+            of, facts = above[home[0]] if home else named[names[it]], logs[it].facts
+            seed = of.seed if template or facts.seed is None else facts.seed
+            reward = of.reward if template else facts.trained_with or of.reward
+            found[it] = of._replace(reward=reward or folder.resolve().name, seed=seed)
+        if not template:
+            above = above or {names[it]: found[it] for it in alone}
+    return [found[number] for number in range(len(logs))]
+
+
+def _above(name: str) -> list[str]:
+    parts = name.split("/")
+    return ["/".join(parts[:count]) for count in range(len(parts), 0, -1)]
 
 
 # What belongs together
-
-
-def _at_home(folder: Path, logs: Sequence[Log], named: Sequence[Named], template: str) -> list[Named]:
-    """The training of each log: of one that says little, the one that lies alone in its folder, or in one above it."""
-    kinds = {_kind(log): log for log in logs}
-    counts = {kind: sum(_kind(log) == kind for log in logs) for kind in kinds}
-    most = min(kinds, key=lambda kind: (kind[1], UNITS.index(kinds[kind].facts.unit), -counts[kind], kind[0]))
-    homes = [log.facts.path if log.facts.path.is_dir() else log.facts.path.parent for log in logs]
-    for number, place in enumerate(homes):
-        plain = [it for it in (place, *place.parents) if it == folder or it.name.lower() not in PLAIN_FOLDERS]
-        homes[number] = plain[0]
-    living: dict[Path, set[Named]] = {}
-    for log, of, home in zip(logs, named, homes, strict=True):
-        if _kind(log) == most:
-            living.setdefault(home, set()).add(of)
-    found = []
-    for log, of, home in zip(logs, named, homes, strict=True):
-        above = [it for it in (home, *home.parents) if it in living and len(living[it]) == 1]
-        is_own = template or _kind(log) == most or not above or not above[0].is_relative_to(folder)
-        found.append(of if is_own else next(iter(living[above[0]])))
-    return found
 
 
 def _best_of(key: Key, of: Sequence[tuple[Log, str]], *, is_told: bool) -> tuple[tuple[Log, ...], Log | None]:
@@ -315,48 +289,32 @@ def _best_of(key: Key, of: Sequence[tuple[Log, str]], *, is_told: bool) -> tuple
     A log of success is better than one of returns alone, then the one of the finest unit is. Only files of Monitor can
     be of environments that one training steps together.
     """
-
-    def fineness(log: Log) -> tuple[int, str]:
-        return UNITS.index(log.facts.unit), str(log.facts.path)
-
-    evaluations = sorted((log for log, _ in of if log.facts.evaluation), key=fineness)
-    evaluation = evaluations[0] if evaluations else None
-    trained = [log for log, _ in of if not log.facts.evaluation]
-    has_success = evaluation is not None and SUCCESS in evaluation.measures
-    first, *_ = sorted(
-        trained or evaluations, key=lambda log: (not has_success and SUCCESS not in log.measures, *fineness(log))
-    )
-    best = [(log, name) for log, name in of if _kind(log) == _kind(first)]
+    finest = sorted(of, key=lambda it: (UNITS.index(it[0].facts.unit), str(it[0].facts.path)))
+    evaluation = next((log for log, _ in finest if log.facts.evaluation), None)
+    trained = [it for it in finest if not it[0].facts.evaluation]
+    needs_success = evaluation is None or SUCCESS not in evaluation.measures
+    first = min(trained or finest, key=lambda it: needs_success and SUCCESS not in it[0].measures)[0]
+    best = [it for it in of if (it[0].facts.format, it[0].facts.evaluation) == (first.facts.format, not trained)]
     logs = _distinct(log for log, _ in best)
-    is_batch = len({name for _, name in best}) == 1 and all(
-        NUMBERED.fullmatch(_stem(it.facts.path.name)) for it in logs
-    )
-    can_be = all("seconds" in log for log in logs) and len({log.facts.path.parent for log in logs}) == 1
-    if not (can_be and (is_batch or is_told)):
-        logs = [_joined(key, logs)]
-    return tuple(logs), evaluation if trained else None
-
-
-def _joined(key: Key, logs: Sequence[Log]) -> Log:
-    """The one log of a training; of several that tell other columns at the same times, all of their columns.
-
-    Raises:
-        UsageError: Two logs tell the same of one training.
-    """
-    whole = logs[0]
-    for log in logs[1:]:
-        new = {name: log[name] for name in (*log.names,) if name.startswith((REWARD, BEHAVIOUR))}
-        if any(name in whole for name in new) or not np.array_equal(whole[TIME], log[TIME]):
+    is_batch = len({name for _, name in best}) == 1 and all(map(_is_numbered, logs))
+    is_batch |= is_told and all("seconds" in log and log.facts.path.parent == first.facts.path.parent for log in logs)
+    for log in () if is_batch else logs[1:]:
+        new = {name: log[name] for name in log.names if name.startswith((REWARD, BEHAVIOUR))}
+        if not new.keys().isdisjoint(logs[0].names) or not np.array_equal(logs[0][TIME], log[TIME]):
             raise UsageError(
-                f"'{whole.facts.path}' and '{log.facts.path}' were both trained with {key[0]} and seed {key[1]}: keep "
-                "one, or say how names are made, such as --sort '{reward}/{seed}'"
+                f"'{first.facts.path}' and '{log.facts.path}' were both trained with {key[0]} and seed {key[1]}: keep "
+                f"one, {command_text('--leave-out', log.facts.path)}, or say how names are made, such as --sort "
+                "'{reward}/{seed}'"
             )
-        whole = whole.add(new)
-    return whole
+        logs[0] = logs[0].add(new)  # other columns of the same times
+    return tuple(logs if is_batch else logs[:1]), evaluation if trained else None
 
 
 def _distinct(logs: Iterable[Log]) -> list[Log]:
-    return list({digest_of([log]) or str(log.facts.path): log for log in [*logs][::-1]}.values())[::-1]
+    found: dict[str, Log] = {}
+    for log in logs:
+        found.setdefault(digest_of([log]) or str(log.facts.path), log)
+    return list(found.values())
 
 
 def _require_apart(folder: Path, trainings: Iterable[Training]) -> None:
@@ -365,17 +323,16 @@ def _require_apart(folder: Path, trainings: Iterable[Training]) -> None:
     Raises:
         UsageError: Two are: says which, and the flag that says it otherwise.
     """
-    begun = [(it.logs[0].facts.started, it) for it in trainings if it.logs[0].facts.unit == "episode"]
-    in_order = sorted(
-        (it.reward, started, number, it) for number, (started, it) in enumerate(begun) if started is not None
-    )
-    for (reward, *_, first), (other, *_, second) in pairwise(in_order):
-        if reward == other and in_lockstep([*first.logs, *second.logs]):  # environments are begun one after the other
-            way, each = _ways(folder, [log.facts.path.parent for _, it in begun for log in it.logs])
-            raise UsageError(
-                f"{first.shown} and {second.shown} look like two trainings of {reward} by their names, and like two "
-                f"environments of one by their times: their episodes end in step. --sort '{way}' says that a folder is "
-                f"one, --sort '{each}' that each file is"
+    of = [it for it in trainings if it.logs[0].facts.started is not None and it.logs[0].facts.unit == "episode"]
+    of.sort(key=lambda it: (it.reward, it.logs[0].facts.started))
+    for first, second in pairwise(of):  # environments of one training are begun one after the other
+        if first.reward == second.reward and in_lockstep([*first.logs, *second.logs]):
+            paths = [log.facts.path for it in of for log in it.logs]
+            raise question(
+                [_name_of(folder, it) for it in paths],
+                f"say that {first.shown} and {second.shown} are two trainings of {first.reward}, and their times that "
+                "they are two environments of one: their episodes end in step",
+                [it.replace("{seed}", "*") for it in _ways(folder, [it.parent for it in paths])],
             )
 
 
@@ -407,41 +364,23 @@ def digest_of(logs: Sequence[Log]) -> str:
 
 def _without_copies(trainings: Sequence[Training], notes: list[str]) -> list[Training]:
     """Each training once, though its rows, or the first of them, may lie in several files; a note tells each copy."""
-    alike: dict[tuple[bytes, ...], list[Training]] = {}
-    copies = []
-    for training in sorted(trainings, key=lambda it: -sum(map(len, it.logs))):
-        names = sorted(training.logs[0].names)
-        begin = next(training.logs[0].pieces(names, FEWEST), None)
-        others = alike.setdefault(tuple(begin[name].tobytes() for name in names) if begin else (), [])
-        whole = [it for it in others if _is_part(training, it)]
-        same = next((it for it in whole if it.reward == training.reward), None)
-        if same:
-            copies.append(training)
-            equal = "equal to" if len(same.logs[0]) == len(training.logs[0]) else "the beginning of"
-            notes.append(f"{training.shown} is {equal} {same.shown}: the training counts once")
-        elif whole and len(whole[0].logs[0]) > len(training.logs[0]):
-            notes.append(
-                f"{training.shown} of {training.reward} is the beginning of {whole[0].shown} of {whole[0].reward}"
-            )
-        others.append(training)
-    return [it for it in trainings if it not in copies]
-
-
-def _is_part(training: Training, whole: Training) -> bool:
-    """Whether a training's rows are all rows of another one, or its first; they have to vary to say so."""
-    values = 0
-    for log, other in zip(training.logs, whole.logs, strict=False):
-        names = sorted(log.names)
-        if len(training.logs) != len(whole.logs) or names != sorted(other.names):
-            return False
-        for piece, longer in zip(log.pieces(names), other.pieces(names), strict=False):
-            for name in names:
-                own = piece[name]
-                if own.tobytes() != longer[name][: len(own)].tobytes():
-                    return False
-                if name.startswith((REWARD, BEHAVIOUR)):
-                    values = max(values, len(np.unique(own)))
-    return values >= (FEWEST if sum(map(len, training.logs)) < sum(map(len, whole.logs)) else 2)
+    begins = []
+    for number, it in enumerate(trainings):
+        rows = next(it.logs[0].pieces(it.logs[0].names), Rows({}))
+        told = {name: of for name in sorted(rows.columns) if (of := rows[name]).dtype.kind in "biuf"}
+        varied = max(
+            (len(np.unique(of)) for name, of in told.items() if name.startswith((REWARD, BEHAVIOUR))), default=0
+        )
+        if varied > 1:
+            table = np.column_stack([*told.values()])
+            begins.append((it.reward, f"{[*told]}".encode() + table.tobytes(), -number, varied))
+    copies = set()
+    for (reward, own, number, varied), (other, longer, whole, _) in pairwise(sorted(begins)):
+        if reward == other and longer.startswith(own) and (longer == own or varied >= FEWEST):
+            copies.add(-number)
+            how = "equal to" if longer == own else "the beginning of"
+            notes.append(f"{trainings[-number].shown} is {how} {trainings[-whole].shown}: the training counts once")
+    return [it for number, it in enumerate(trainings) if number not in copies]
 
 
 def _left_out(logs: Sequence[Log], trainings: Sequence[Training]) -> list[str]:

@@ -1,4 +1,5 @@
 import json
+import re
 
 import pytest
 
@@ -33,6 +34,11 @@ def monitor(tmp_path):
         return path
 
     return write
+
+
+def sorts_of(asked):
+    """The templates that a refusal says can be typed."""
+    return re.findall("--sort '([^']*)'", str(asked.value))
 
 
 @pytest.fixture

@@ -4,6 +4,7 @@ import pytest
 from harness.errors import UsageError
 from harness.log import LogFacts, in_memory
 from harness.results import require_several, sort_files, sort_logs
+from tests.results.logs.conftest import sorts_of
 
 
 def keys(found):
@@ -72,10 +73,9 @@ def test_environments_with_names_of_seeds_are_refused(monitor, sort):
     for env in range(2):
         ends = [number + 1e-4 * env for number in range(1, 7)]
         monitor(f"base/env_{env}.monitor.csv", [env + it for it in range(6)], at=ends)
-    with pytest.raises(UsageError, match="like two environments of one by their times"):
+    with pytest.raises(UsageError, match="their times that they are two environments of one: ") as asked:
         sort()
-    assert keys(sort("{reward}")) == [("base", 0, 2)]
-    assert keys(sort("{reward}/env_{seed}")) == [("base", 0, 1), ("base", 1, 1)]
+    assert [keys(sort(it)) for it in sorts_of(asked)] == [[("base", 0, 2)], [("base", 0, 1), ("base", 1, 1)]]
 
 
 def test_a_copy_of_an_environments_file_counts_once(monitor, sort, tmp_path):
@@ -90,17 +90,18 @@ def test_files_that_were_begun_at_other_times_are_trainings(monitor, sort):
     for number, name in enumerate(("base_1", "base_2")):
         for seed in range(2):
             monitor(f"{name}/{seed}.monitor.csv", [number, seed, 1], started=1e9 + 1e4 * seed)
-    with pytest.raises(UsageError, match=r"--sort 'base_\{reward\}/\{seed\}' .* or --sort 'base_\{seed\}/\{reward\}'"):
+    with pytest.raises(UsageError, match="two numbers differ") as asked:
         sort()
+    assert sorts_of(asked) == ["base_{reward}/{seed}", "base_{seed}/{reward}"]
     assert keys(sort("base_{reward}/{seed}")) == [(name, seed, 1) for name in "12" for seed in range(2)]
 
 
 def test_one_training_of_a_reward_is_asked_unless_it_was_named(tmp_path):
     """Names that were mistaken look like that; whoever named the files knows what they are."""
     logs = [curve(tmp_path / f"{name}.csv") for name in ("base", "arp")]
-    with pytest.raises(UsageError, match=r"one training alone of base and arp.* Say --sort '\{reward\}'"):
+    with pytest.raises(UsageError, match="one training alone of base and arp") as asked:
         require_several(tmp_path, sort_logs(tmp_path, logs))
-    assert keys(sort_logs(tmp_path, logs, "{reward}")) == [("base", 0, 1), ("arp", 0, 1)]
+    assert [keys(sort_logs(tmp_path, logs, it)) for it in sorts_of(asked)] == [[("base", 0, 1), ("arp", 0, 1)]]
 
 
 def test_a_doubtful_folder_is_refused_with_both_flags(monitor, sort):
@@ -108,13 +109,11 @@ def test_a_doubtful_folder_is_refused_with_both_flags(monitor, sort):
     for name in ("base", "arp"):
         for number in range(2):
             monitor(f"{name}/{number}.monitor.csv", [len(name), number, 1])
-    with pytest.raises(UsageError) as refused:
+    with pytest.raises(UsageError, match="environments, or of a training each") as asked:
         sort()
-    message = str(refused.value)
-    assert "of one training's environments, or of 2 trainings?" in message
-    assert "--sort '{reward}' if a folder is one training, --sort '{reward}/{seed}' if each file is one" in message
-    assert keys(sort("{reward}/{seed}")) == [("base", 0, 1), ("base", 1, 1), ("arp", 0, 1), ("arp", 1, 1)]
-    assert keys(sort("{reward}")) == [("base", 0, 2), ("arp", 0, 2)]
+    whole, each = (keys(sort(it)) for it in sorts_of(asked))
+    assert whole == [("base", 0, 2), ("arp", 0, 2)]
+    assert each == [("base", 0, 1), ("base", 1, 1), ("arp", 0, 1), ("arp", 1, 1)]
 
 
 def test_a_doubtful_folder_is_read_as_those_beside_it(monitor, sort):
@@ -196,6 +195,30 @@ def test_a_copy_counts_once(monitor, sort):
     found = sort()
     assert keys(found) == [("base", 0, 1)]
     assert found.notes[0].endswith("0.monitor.csv': the training counts once")
+
+
+def test_the_beginning_of_a_training_is_a_copy(tmp_path):
+    """It lacks the last points, and would count twice; of few values an equal beginning may be chance."""
+    points = np.sqrt(np.arange(8.0))
+    logs = [curve(tmp_path / f"base_{seed}.csv") for seed in range(3)]
+    logs = [
+        in_memory(log.facts, {"time": np.arange(float(count)), "reward/recorded": points[:count]})
+        for log, count in zip(logs, (8, 6, 4), strict=True)
+    ]
+    found = sort_logs(tmp_path, logs)
+    assert keys(found) == [("base", 0, 1), ("base", 2, 1)]
+    assert "base_1.csv' is the beginning of " in found.notes[0]
+
+
+def test_curves_of_one_training_are_never_added_up(tmp_path):
+    """Two of its logs tell other columns of the same times, or one is left out; only Monitor's stand side by side."""
+    first, second, other = (curve(tmp_path / f"base_1-{name}.csv") for name in "abc")
+    told = second.renamed({"reward/recorded": "behaviour/success"})
+    found = sort_logs(tmp_path, [first, told], "{reward}_{seed}-*")
+    assert found.trainings[0].logs[0].names == ("time", "reward/recorded", "behaviour/success")
+    with pytest.raises(UsageError, match="keep one, --leave-out") as asked:
+        sort_logs(tmp_path, [first, other], "{reward}_{seed}-*")
+    assert str(other.facts.path) in str(asked.value)
 
 
 def test_a_seed_that_stands_twice_is_refused(monitor, sort):

@@ -2,7 +2,6 @@
 
 import base64
 import hashlib
-import shlex
 import uuid
 from pathlib import Path
 from typing import NamedTuple
@@ -14,6 +13,7 @@ from hypothesis import given, strategies as st
 from harness.errors import UsageError
 from harness.log import LogFacts, in_memory
 from harness.results import require_several, sort_logs
+from tests.results.logs.conftest import sorts_of
 
 WAYS = """
 {reward}/{seed}/progress.csv                                        | base prop            | 0 1 2       | seed
@@ -158,12 +158,6 @@ def test_a_way_of_naming_is_read_or_asked(line, tmp_path):
     assert judged(way, tmp_path) == ("asked" if way.right == "asked" else "right")
 
 
-def sorts_of(message):
-    """The templates that a message says can be typed."""
-    words = shlex.split(message.replace("`", ""))
-    return [words[at + 1] for at, word in enumerate(words) if word == "--sort"]
-
-
 @pytest.mark.parametrize(
     ("line", "rewards"),
     [
@@ -180,7 +174,7 @@ def test_each_template_that_is_asked_for_sorts(line, rewards, tmp_path):
     logs = [log_of(tmp_path / name) for name in way.names]
     with pytest.raises(UsageError, match="Names such as") as asked:
         require_several(tmp_path, sort_logs(tmp_path, logs))
-    found = [sort_logs(tmp_path, logs, template) for template in sorts_of(str(asked.value))]
+    found = [sort_logs(tmp_path, logs, template) for template in sorts_of(asked)]
     assert len(found) > 1
     assert {len(it.trainings) for it in found} == {len(logs)}
     assert rewards in {len(it.rewards) for it in found}
