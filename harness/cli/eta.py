@@ -176,7 +176,7 @@ def _open_folder(
     if is_experiment(folder):
         refuse_flags({**of_logs, "--baseline": told.baseline}, "an experiment, whose plan says it")
     elif not told.format and holds_recordings([folder]):
-        refuse_flags(of_logs)
+        refuse_flags({**of_logs, "--measure": None})
     elif not told.format and (groups := _files_of_steps(folder, registry, told)):
         (baseline, ours), (proposed, theirs) = groups.items()
         say(f"CSV files: {len(ours)} of `{baseline}`, the baseline, and {len(theirs)} of `{proposed}`", err=True)

@@ -132,8 +132,8 @@ def report(
         refuse_flags({"--plugin": plugin, "--summary": summary}, "a folder of logs")
         told, measure = told_of_logs(as_format, sort, baseline, measure, labels, leave_out, per_step), None
     elif holds_recordings(folders):
-        refuse_flags({"--plugin": plugin, "--measure": measure, **of_logs})
-        told = told_of_logs(None, None, baseline, None, None, leave_out)
+        refuse_flags({"--plugin": plugin, **of_logs})
+        told, measure = told_of_logs(None, None, baseline, measure, None, leave_out), None
     else:
         refuse_flags({"--baseline": baseline, **of_logs}, "an experiment, whose plan says it")
         told = told_of_logs(None, None, None, None, None, leave_out)

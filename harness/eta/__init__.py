@@ -18,6 +18,16 @@ if TYPE_CHECKING:
     from harness.eta.index import Index as Index, Ratio as Ratio
     from harness.eta.interval import SHARE as SHARE, UNBOUNDED as UNBOUNDED
     from harness.eta.judgement import judge as judge
+    from harness.eta.laws import (
+        Curve as Curve,
+        Curves as Curves,
+        Span as Span,
+        counted as counted,
+        latest_shared as latest_shared,
+        require_share as require_share,
+        shortfall_beside as shortfall_beside,
+        within as within,
+    )
     from harness.eta.lead import lead_of as lead_of
     from harness.eta.manner import TRAINING as TRAINING
     from harness.eta.number import number_sentence as number_sentence, return_sentence as return_sentence

@@ -9,6 +9,7 @@ from harness.results.results import Results as Results
 
 if TYPE_CHECKING:
     from harness.results.comparison import Behaviour as Behaviour, StepChange as StepChange
+    from harness.results.logs.told import Deciding as Deciding, Told as Told, parse_deciding as parse_deciding
     from harness.results.logs.trainings import (
         require_several as require_several,
         sort_files as sort_files,

@@ -389,7 +389,8 @@ class Comparison:
         succeeds more often where success is hard would be told to be slow.
         """
         acted, names, asked = self.measured.changes_of(self.answered_in), self.measured.deciding, self.answer.asked
-        found = [change for name in names for change in acted if change.name == name and change.is_complete]
+        known = [change for change in acted if change.is_complete and change.measure.better]
+        found = [change for name in names for change in known if change.name == name]
         speed = self.measured.speed
         if found and speed is not None and speed.is_complete and all(it is not speed for it in found):
             found.append(speed)
@@ -530,6 +531,8 @@ def still_to_come(comparisons: Iterable[Comparison]) -> int:
 def _unmeasured(names: Names, change: Change) -> str:
     """Why the measure that should decide does not."""
     name, counts = change.name.replace("_", " "), change.counts
+    if not change.measure.better:
+        return f"Nobody says whether less or more {name} is better, so it cannot decide."
     if not any(counts):
         return f"{name} is not known: {change.reason or 'no episode ended'}."
     lacking = " and ".join(

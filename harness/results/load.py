@@ -73,5 +73,5 @@ def read_results(
         return Results(folder, registry, kind, metrics=metrics, is_temporary=is_temporary, pairs=pairs, told=told)
     if told.format or not has_recordings(folder):
         return results_of_logs(folder, registry, told, kind, metrics, pairs=pairs)
-    loose = LooseStore(folder, baseline=told.baseline, leave_out=told.leave_out)
+    loose = LooseStore(folder, None, told.baseline, told.leave_out, told.deciding)
     return Results(folder, registry, kind, metrics=metrics, is_temporary=is_temporary, store=loose, pairs=pairs)

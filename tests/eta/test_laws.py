@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from harness.errors import UsageError
-from harness.eta.laws import Curve, Curves, Span, counted, latest_shared, require_share, shortfall_beside, within
+from harness.eta import Curve, Curves, Span, counted, latest_shared, require_share, shortfall_beside, within
 
 A, B = Path("runs/a"), Path("runs/b")
 

@@ -19,6 +19,7 @@ from harness.eta.laws import (
     Span,
     counted,
     latest_shared,
+    require_direction,
     require_share,
     shortfall_beside,
     within,
@@ -35,7 +36,7 @@ from harness.results.logs.trainings import Sorted, Training, digest_of
 from harness.results.measured import Counted
 from harness.results.recordings.episodes import LAST_SHARE, Points, require_ends
 from harness.results.recordings.recording_results import NOTHING_ALIKE
-from harness.results.recordings.runs import NO_NAME, Run, Runs, run_of
+from harness.results.recordings.runs import DIRECTION, NO_NAME, Directions, Run, Runs, run_of
 
 NO_STEPS = (
     "An index of steps, I_N or I_P, needs the reward of each environment step, and these logs keep {}. "
@@ -202,15 +203,15 @@ def runs_of(
     logs = [log for it in found.trainings for log in it.all_logs]
     shares = {it.facts.path / it.facts.run: it[f"{BEHAVIOUR}{SUCCESS}"] for it in logs if SUCCESS in it.measures}
     require_share("Success", shares, lambda place: f"'{place}'")
-    lower = {name for log in logs for name in log.facts.lower_is_better}
+    directions = Directions.of([log.facts for log in logs], deciding)
     told = list(dict.fromkeys(name for log in logs for name in log.measures))
-    measures = _measures(told, lower, deciding)
+    measures = _measures(told, directions, deciding)
     account = account_of(found.trainings, other, leave_out, next(iter(measures), ""))
     found = found._replace(trainings=account.whole)
     trainings = found.trainings
     runs, steps, axis = read_trainings(trainings, measures)
     if measures and len(found.rewards) > 1:
-        _require_steps(trainings, axis)
+        _require_steps(trainings, axis, is_evaluated=all(it.evaluation for it in runs))
     members = {(run.reward, run.seed): run for run in runs}
     every, episodes = _rhythm(runs)
     equal = equal_trainings({key: run.likeness.digest for key, run in members.items()})
@@ -220,7 +221,7 @@ def runs_of(
         rewards,
         found.rewards,
         measures,
-        frozenset(lower - {deciding.name} | ({deciding.name} if deciding.better == "lower" else set())),
+        directions,
         members,
         min(steps),
         no_steps_notes(logs),
@@ -288,7 +289,7 @@ def _curve_of(evaluated: Sequence[Run]) -> Points:
     return Points(after.astype(np.int64) - 1, returns, behaviour, {}, since=after, beside=Curves(()))
 
 
-def _require_steps(trainings: Sequence[Training], axis: "Axis") -> None:
+def _require_steps(trainings: Sequence[Training], axis: "Axis", *, is_evaluated: bool) -> None:
     """Check that every value of a curve knows which environment steps it averages.
 
     Raises:
@@ -301,11 +302,9 @@ def _require_steps(trainings: Sequence[Training], axis: "Axis") -> None:
             f"'{facts.path}' counts iterations of the learner, or calls of a logger, and no environment steps, and two "
             f"rewards may have taken different steps in each. --per-step {each} says how many one is"
         )
-    if all(it.evaluated for it in trainings):
-        return
     logs = [log for it in trainings for log in it.logs if SINCE in log]
     unknown = next((log for log in logs if np.isnan(log[SINCE]).any()), None)
-    if unknown is not None:
+    if unknown is not None and not is_evaluated:
         raise UsageError(
             f"'{unknown.facts.path}': a value is a mean over the last 100 episodes, and nothing tells how many steps "
             f"these took, so that nobody knows what was at the end. --as {unknown.facts.reader}:episode=N says how "
@@ -349,17 +348,15 @@ def _deciding_text(measures: Sequence[str], told: Sequence[str], trainings: Sequ
     return f"; {first} decides{without}{more}"
 
 
-def _measures(told: Sequence[str], lower: Collection[str], deciding: Deciding) -> tuple[str, ...]:
+def _measures(told: Sequence[str], directions: Directions, deciding: Deciding) -> tuple[str, ...]:
     """The names of the measures of which it is known which values are better; the one that decides first."""
-    known = [name for name in told if name == SUCCESS or name in lower]
-    known.sort(key=lambda name: name != SUCCESS)
+    known = sorted(filter(directions.better, told), key=lambda name: name != SUCCESS)
     if not deciding.name:
         return tuple(known) if SUCCESS in known else ()
     named = deciding.name
     if named not in (*told, RETURN, LENGTH):
         raise UsageError(f"--measure {named}: the logs tell {', '.join([*told, RETURN, LENGTH])}")
-    if named not in (*known, RETURN) and not deciding.better:
-        raise UsageError(f"--measure {named}: say which is better, --measure {named}:better=lower or better=higher")
+    require_direction(named, directions.better(named), DIRECTION.format(named))
     return tuple(dict.fromkeys([named, *known]))
 
 
@@ -450,9 +447,10 @@ def _evaluations(training: Training, log: Log, measures: Sequence[str], axis: Ax
     columns = _columns(training, log, ends, measures)
     runs = []
     for after in np.unique(columns[TIME][columns[TIME] <= until * (1.0 + NEAR)]):
-        rows = {name: values[columns[TIME] == after] for name, values in columns.items()}
+        rows = {name: values[columns[TIME] == after] for name, values in columns.items() if name != SINCE}
         rows[TIME] = np.arange(1.0, len(rows[TIME]) + 1)
-        run = run_of(in_memory(replace(_facts(training, log.facts.path), evaluation=True), rows))
+        facts = replace(_facts(training, log.facts.path), evaluation=True, unit="episode")
+        run = run_of(in_memory(facts, rows))
         runs.append(replace(run, facts=replace(run.facts, after=int(after))))
     return runs
 

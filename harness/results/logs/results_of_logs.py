@@ -49,12 +49,14 @@ def results_of_logs(
     """
     found = _without_labels(find_logs(folder, registry, told.format), told.labels)
     logs, other = _kept(found.logs, told)
+    if found.logs and not logs:
+        raise UsageError(f"--leave-out leaves no training of '{folder}'")
     if not logs:
         raise _nothing(folder, registry, [f"{path}: {reason}" for path, reason in found.left_out])
     if not any(map(_tells_episodes, logs)):
         raise UsageError(
-            f"'{folder}' holds steps that do not tell where episodes end: {_command_of_steps(folder)} compares CSV "
-            "files of steps"
+            f"'{folder}' holds steps that do not tell where episodes end: {_command_of_steps(folder)} compares what "
+            "they were paid"
         )
     place = folder if folder.is_dir() else folder.parent
     sorted_ = sort_logs(place, logs, told.sort, told.baseline)
@@ -202,7 +204,7 @@ def _nothing(folder: Path, registry: Registry, damaged: Sequence[str]) -> UsageE
         return UsageError(f"'{folder}' holds no log that can be read: {'; '.join(damaged[:MOST_NAMED])}")
     endings = _endings(folder)
     seen = ", ".join(f"{count} {ending}" for ending, count in endings.items()) or "nothing"
-    steps = f"; {_command_of_steps(folder)} compares CSV files of steps" if ".csv" in endings else ""
+    steps = f"; {_command_of_steps(folder)} compares CSV files if a row is a step" if ".csv" in endings else ""
     return UsageError(
         f"'{folder}' is no experiment, and holds no recorded training and no log that is read. Seen: {seen}. Formats: "
         f"{', '.join(registry.names(LOGS))}; --as FORMAT:setting=value names one{steps}"

@@ -9,7 +9,7 @@ from typing import Any
 
 from harness.errors import SchemaError, UsageError
 from harness.eta.equal import equal_sentences, equal_trainings
-from harness.eta.laws import Account, Missing, counted, shortfall_beside
+from harness.eta.laws import Account, Missing, counted, require_direction, shortfall_beside
 from harness.eta.manner import ACTED_AT_RANDOM, DETERMINISTIC, OWN_AND_OTHER
 from harness.eta.rescaling import Rescaling
 from harness.record.cell import BROUGHT, EVALUATION_HORIZON, UNKNOWN_ALGORITHM, Cell
@@ -20,11 +20,14 @@ from harness.record.recording.recorded_training import facts_name, recordings_in
 from harness.record.store import MOST_NAMED, Store
 from harness.registry.choice import Choice
 from harness.results.comparison import Group
+from harness.results.logs.told import SUCCESS_DECIDES, Deciding
 from harness.results.recordings.episodes import count_text, cut_text
 from harness.results.recordings.recording_results import RecordingResults
 from harness.results.recordings.runs import (
+    DIRECTION,
     NO_CONTROL,
     NO_NAME,
+    Directions,
     Run,
     Runs,
     meet_same_starts,
@@ -132,6 +135,7 @@ def read_runs(
     random: Path | None = None,
     control: Mapping[int, int] = NO_CONTROL,
     leave_out: Collection[Path] = (),
+    chosen: Deciding = SUCCESS_DECIDES,
 ) -> Runs:
     """All recorded trainings in a folder, at any depth; see `runs_of` for what is not told here.
 
@@ -144,6 +148,7 @@ def read_runs(
         random: The recording of random actions in the same env, if it lies somewhere else.
         control: Seeds of the null control.
         leave_out: The trainings that the user leaves out.
+        chosen: What the user says of the measure that decides.
 
     Raises:
         UsageError: There are none, or none has all of its steps.
@@ -153,7 +158,7 @@ def read_runs(
         told = f" Damaged: {'; '.join(it.why for it in damaged)}" if damaged else ""
         raise UsageError(f"'{folder}' holds no recorded training: harness.RecordRewards makes one.{told}")
     at_random = _read(folder, random, _weighed([it.path for it in everything])) if random else None
-    return runs_of(folder, everything, damaged, baseline, deciding, group, at_random, control, leave_out)
+    return runs_of(folder, everything, damaged, baseline, deciding, group, at_random, control, leave_out, chosen)
 
 
 def runs_of(
@@ -166,6 +171,7 @@ def runs_of(
     random: Run | None = None,
     control: Mapping[int, int] = NO_CONTROL,
     leave_out: Collection[Path] = (),
+    chosen: Deciding = SUCCESS_DECIDES,
 ) -> Runs:
     """Trainings and evaluations, sorted into what is compared and what is missing.
 
@@ -179,6 +185,7 @@ def runs_of(
         random: Random actions in the same env, if they are not among them.
         control: By each seed the other seed that the baseline was trained with again, for the null control.
         leave_out: The trainings that the user leaves out.
+        chosen: What the user says of the measure that decides.
 
     Raises:
         UsageError: They are of several envs, two have the same reward and seed, or none has all of its steps.
@@ -212,7 +219,7 @@ def runs_of(
         rewards,
         trained,
         _in_order([deciding, *(run.facts.behaviour for run in members.values())]),
-        frozenset(name for run in members.values() for name in run.facts.lower_is_better),
+        Directions.of([run.facts for run in members.values()], chosen),
         members,
         shortest,
         tuple(notes),
@@ -473,7 +480,12 @@ class LooseStore(Store):
     """
 
     def __init__(
-        self, folder: Path, runs: Runs | None = None, baseline: str = "", leave_out: Collection[Path] = ()
+        self,
+        folder: Path,
+        runs: Runs | None = None,
+        baseline: str = "",
+        leave_out: Collection[Path] = (),
+        deciding: Deciding = SUCCESS_DECIDES,
     ) -> None:
         """Read all recordings, unless they were read already.
 
@@ -482,13 +494,20 @@ class LooseStore(Store):
             runs: What was read of them; None if nothing was.
             baseline: The reward that the others are compared with; by default the one that was given first.
             leave_out: The trainings that the user leaves out.
+            deciding: What decides, if the user says it.
 
         Raises:
-            UsageError: There are none, none that can be compared, or whole experiments lie among them; or no training
-                was taught by the baseline.
+            UsageError: There are none, none that can be compared, or whole experiments lie among them; no training was
+                taught by the baseline; or nobody says which values of what decides are better.
         """
         super().__init__(folder)
-        self.runs: Runs = read_runs(folder, baseline=baseline, leave_out=leave_out) if runs is None else runs
+        named = [deciding.name] if deciding.name else []
+        self.runs: Runs = runs or read_runs(folder, None, baseline, named, leave_out=leave_out, chosen=deciding)
+        known = {name for run in self.runs.members.values() for name in run.episodes.behaviour}
+        if runs is None and named and not {*named} <= known:
+            raise UsageError(f"--measure {deciding.name}: the recordings tell {', '.join(sorted(known)) or 'none'}")
+        for name in self.runs.measures[:1] if len(self.runs.trained) > 1 else ():
+            require_direction(name, self.runs.better(name), DIRECTION.format(name))
         if baseline and baseline not in self.runs.trained:
             told = ", ".join(self.runs.trained)
             raise UsageError(f"--baseline {baseline}: no training was taught by it. There are: {told}")

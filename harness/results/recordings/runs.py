@@ -11,14 +11,15 @@ from harness.arrays import Float
 from harness.errors import Unscored, UsageError
 from harness.eta.behaviour_change import Quantity
 from harness.eta.interval import SHARE, UNBOUNDED, Bounds
-from harness.eta.laws import Missing
+from harness.eta.laws import Better, Missing, direction_of
 from harness.eta.manner import EVALUATION, LAST_FIFTH, WHOLE
 from harness.eta.rescaling import Rescaling, rescaling_of
-from harness.log import Log
+from harness.log import Log, LogFacts
 from harness.log.log import RECORDED, REWARD, SUCCESS, TIME
 from harness.record.recording.facts import TrainingFacts, facts_of
 from harness.results.by_term import ByTerm
 from harness.results.comparison import Group
+from harness.results.logs.told import RETURN, SUCCESS_DECIDES, Deciding
 from harness.results.measured import Counted, Moment
 from harness.results.recordings.episodes import Episodes, Part, episodes_of
 from harness.results.recordings.recording_results import NOTHING_ALIKE, Likeness, likeness_of, terms_in
@@ -193,6 +194,32 @@ NO_CONTROL: Mapping[int, int] = MappingProxyType({})
 NO_RUNS: Mapping[int, Run] = MappingProxyType({})
 
 
+class Directions(NamedTuple):
+    """Measures of which somebody said which values are better."""
+
+    lower: frozenset[str] = frozenset()
+    higher: frozenset[str] = frozenset()
+
+    @classmethod
+    def of(cls, logs: Iterable[LogFacts], deciding: Deciding = SUCCESS_DECIDES) -> Self:
+        """What logs tell, and what the user says of the one that decides, which counts."""
+        told = [*logs]
+        lower = {name for of in told for name in of.lower_is_better}
+        higher = {SUCCESS, RETURN, *(name for of in told for name in of.higher_is_better)}
+        if deciding.better:
+            lower, higher = lower - {deciding.name}, higher - {deciding.name}
+            (lower if deciding.better == "lower" else higher).add(deciding.name)
+        return cls(frozenset(lower), frozenset(higher))
+
+    def better(self, measure: str, *, is_flag: bool = False) -> Better:
+        """Which values of a measure are better; empty where nobody says it."""
+        return direction_of(measure, self.lower, self.higher, is_flag=is_flag)
+
+
+DIRECTION = "say --measure {0}:better=lower or --measure {0}:better=higher"
+"""What to type for a measure that decides and has no direction."""
+
+
 class Runs(NamedTuple):
     """Trainings in one env that can be compared."""
 
@@ -204,7 +231,8 @@ class Runs(NamedTuple):
     """Those that taught a policy; the first one is the baseline."""
     measures: tuple[str, ...]
     """The measures of behaviour, in the order that they were given in; the first one decides."""
-    lower_is_better: frozenset[str]
+    directions: "Directions"
+    """Which values of the measures are better."""
     members: Mapping[tuple[str, int], Run]
     """By reward and seed."""
     steps: int
@@ -249,9 +277,9 @@ class Runs(NamedTuple):
         control = [(baseline, baseline)] if self.control else []
         return [*(combinations(self.trained, 2) if pairs else ((baseline, it) for it in others)), *control]
 
-    def better(self, measure: str) -> str:
-        """``higher`` or ``lower``."""
-        return "lower" if measure in self.lower_is_better else "higher"
+    def better(self, measure: str) -> Better:
+        """Which values of a measure are better; empty where nobody says it."""
+        return self.directions.better(measure, is_flag=self.is_flag(measure))
 
     def measure(self, name: str, manner: str, episodes: int) -> Quantity:
         """What a measure is in the episodes of one manner, of which each seed has `episodes` at least."""

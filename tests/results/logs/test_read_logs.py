@@ -7,8 +7,8 @@ from hypothesis import given, strategies as st
 
 from harness.errors import SchemaError, UsageError
 from harness.log import LogFacts, in_memory
+from harness.results import Deciding, parse_deciding
 from harness.results.logs.read_logs import runs_of
-from harness.results.logs.told import Deciding, parse_deciding
 from harness.results.logs.trainings import Sorted, Training
 
 LENGTHS = (("base", 20), ("arp", 10))
@@ -125,9 +125,9 @@ def test_returns_decide_where_one_reward_paid_all():
 
 def test_what_decides_needs_a_direction():
     """Nobody knows whether long episodes are good; what the user says is believed."""
-    with pytest.raises(UsageError, match="length:better=lower or better=higher"):
+    with pytest.raises(UsageError, match="--measure length:better=lower or --measure length:better=higher"):
         runs(*pair(), deciding=Deciding("length"))
-    assert runs(*pair(), deciding=parse_deciding("length:better=lower")).lower_is_better == {"length"}
+    assert runs(*pair(), deciding=parse_deciding("length:better=lower")).better("length") == "lower"
 
 
 def test_a_measure_without_a_direction_is_offered_and_does_not_decide():

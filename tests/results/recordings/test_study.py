@@ -9,6 +9,7 @@ from harness.eta import Ruling
 from harness.record import TrainingFacts
 from harness.record.recording.facts import OWN_SOURCE, Source
 from harness.report import basis_text
+from harness.results import Deciding, Told, load_results
 from harness.results.recordings.read_runs import read_runs
 from harness.results.recordings.study import PlaceStudy, studies_of_runs
 from tests.results.recordings.conftest import PAYS, PULLS, load_study, record
@@ -372,8 +373,9 @@ def test_cut_evaluations_are_told(study_of):
 
 def ending(ends, measure="height", **facts):
     """Trainings by both rewards, at which a measure ends so in each seed: it leaves the difference open."""
+    told = {"higher_is_better": ("height",), **facts}
     return [
-        (f"{it}-{seed}", it, seed, {"behaviour": {measure: lambda arms, end=end: np.full_like(arms, end)}, **facts})
+        (f"{it}-{seed}", it, seed, {"behaviour": {measure: lambda arms, end=end: np.full_like(arms, end)}, **told})
         for it, of_seeds in {"plain": ends, "thrice": ends[::-1]}.items()
         for seed, end in enumerate(of_seeds)
     ]
@@ -411,6 +413,17 @@ def test_a_success_lies_between_0_and_1(study_of, measure, cut):
     found = study_of(*ending((0.0, 0.5, 1.0), measure), seeds=0).comparisons[0].decisive
     assert found.measure.episodes is None
     assert (found.low == -1.0) == cut
+
+
+def test_a_measure_that_decides_has_a_direction(study_of, tmp_path):
+    """The recordings tell it, or the user does, whose word counts; else it is asked."""
+    trainings = ending((-1.0, 0.0, 1.0), higher_is_better=())
+    with pytest.raises(UsageError, match="say --measure height:better=lower or --measure height:better=higher"):
+        study_of(*trainings, seeds=0)
+    found = load_results(tmp_path, told=Told(deciding=Deciding("height", "lower"))).combinations[0].decisive
+    assert (found.name, found.measure.better) == ("height", "lower")
+    with pytest.raises(UsageError, match="--measure depth: the recordings tell height"):
+        load_results(tmp_path, told=Told(deciding=Deciding("depth", "lower")))
 
 
 def test_repr_is_a_line(study_folder):
