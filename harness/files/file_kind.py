@@ -29,7 +29,6 @@ class FileKind(NamedTuple):
 
 POINTER = "the file itself was not fetched"
 EXPORT = "export its numbers as CSV"
-PICKLE = FileKind("a pickle", f"to read it would run its code; {EXPORT} where it was made", (".pkl", ".pickle", ".p"))
 HDF5 = FileKind("an HDF5 file", EXPORT, (".h5", ".hdf5"))
 ZIP = FileKind("a ZIP archive", "unpack it", (".zip",))
 _BEGINNINGS: tuple[tuple[bytes, FileKind], ...] = (
@@ -53,6 +52,23 @@ _BEGINNINGS: tuple[tuple[bytes, FileKind], ...] = (
     (b"\x89MCAP0\r\n", FileKind("an MCAP recording", EXPORT, (".mcap",))),
     (b":W&B", FileKind("a run of Weights & Biases", "export its charts as CSV", (".wandb",))),
 )
+_SIGNS: tuple[tuple[re.Pattern[bytes], FileKind], ...] = (
+    (
+        re.compile(rb"(?s).{12,52}brain\.Event:"),  # records behind lengths and checksums; the first says the version
+        FileKind("a TensorBoard event file", "its values are means over episodes; an index needs the reward of each "
+                 "step"),
+    ),
+    (
+        re.compile(rb"\x80[\x02-\x05]"),
+        FileKind("a pickle", f"to read it would run its code; {EXPORT} where it was made", (".pkl", ".pickle", ".p")),
+    ),
+    (
+        re.compile(rb"(?i)[\xef\xbb\xbf \t\r\n]*(<!doctype html|<html)"),
+        FileKind("a web page", "download the file itself, which is often called raw", (".html", ".htm")),
+    ),
+    (re.compile(rb"\xff\xfe|\xfe\xff"), FileKind("text in UTF-16", "save it as UTF-8")),
+)  # fmt: skip
+"""Files by how they begin."""
 _ARCHIVES: tuple[tuple[re.Pattern[bytes], FileKind], ...] = (
     (
         re.compile(rb"\[Content_Types\]\.xml|_rels/|xl/|docProps/"),
@@ -89,41 +105,10 @@ def kind_of(head: bytes, path: Path | None = None) -> FileKind | None:
     kind = next((kind for beginning, kind in _BEGINNINGS if head.startswith(beginning)), None)
     if kind is HDF5:
         return _hdf5(path) if path is not None else kind
-    if kind is not None:
-        return kind
-    return next((found for of in (_zip, _event_file, _pickle, _page, _utf16) if (found := of(head))), None)
-
-
-def _zip(head: bytes) -> FileKind | None:
-    if not head.startswith((b"PK\x03\x04", b"PK\x05\x06")):
-        return None
-    first = head[30 : 30 + int.from_bytes(head[26:28], "little")]
-    return next((kind for pattern, kind in _ARCHIVES if pattern.match(first)), ZIP)
-
-
-def _event_file(head: bytes) -> FileKind | None:
-    """A file of records, each behind its length and a checksum; the first one of TensorBoard's says the version."""
-    if b"brain.Event:" not in head[12:64]:
-        return None
-    return FileKind("a TensorBoard event file", "its values are means over episodes; an index needs the reward of each "
-                    "step")  # fmt: skip
-
-
-def _pickle(head: bytes) -> FileKind | None:
-    return PICKLE if re.match(rb"\x80[\x02-\x05]", head) else None
-
-
-def _page(head: bytes) -> FileKind | None:
-    begin = head.lstrip(b"\xef\xbb\xbf \t\r\n")[:16].lower()
-    if begin.startswith((b"<!doctype html", b"<html")):
-        return FileKind("a web page", "download the file itself, which is often called raw", (".html", ".htm"))
-    return None
-
-
-def _utf16(head: bytes) -> FileKind | None:
-    if head.startswith((b"\xff\xfe", b"\xfe\xff")):
-        return FileKind("text in UTF-16", "save it as UTF-8")
-    return None
+    if head.startswith((b"PK\x03\x04", b"PK\x05\x06")):
+        first = head[30 : 30 + int.from_bytes(head[26:28], "little")]
+        return next((kind for pattern, kind in _ARCHIVES if pattern.match(first)), ZIP)
+    return kind or next((kind for pattern, kind in _SIGNS if pattern.match(head)), None)
 
 
 def _hdf5(path: Path) -> FileKind:

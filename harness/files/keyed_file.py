@@ -50,10 +50,10 @@ def read_keyed(path: Path, key: str, most: int) -> bytes | None:
     this key, by this user on this machine: the caller makes it again.
     """
     try:
-        told, rest = _parts(read_bytes(path, most))
+        told, _, rest = read_bytes(path, most).partition(b"\n")
     except OSError:
         return None
-    signature, signed = _parts(rest)
+    signature, _, signed = rest.partition(b"\n")
     own = f"{key}\n".encode()
     is_ours = told == _digest(rest) and hmac.compare_digest(signature, _sign(signed))
     return signed[len(own) :] if is_ours and signed.startswith(own) else None
@@ -62,7 +62,7 @@ def read_keyed(path: Path, key: str, most: int) -> bytes | None:
 def is_whole(path: Path, most: int) -> bool:
     """Whether a file is what was written, under whatever key and by whomever."""
     try:
-        told, rest = _parts(read_bytes(path, most))
+        told, _, rest = read_bytes(path, most).partition(b"\n")
     except OSError:
         return False
     return told == _digest(rest)
@@ -77,11 +77,6 @@ def with_key(key: str, content: bytes) -> bytes:
 
 def _sign(content: bytes) -> bytes:
     return hmac.digest(machine_key(), content, "sha256").hex().encode()
-
-
-def _parts(text: bytes) -> tuple[bytes, bytes]:
-    told, _, rest = text.partition(b"\n")
-    return told, rest
 
 
 def _digest(content: bytes) -> bytes:

@@ -28,11 +28,9 @@ def note_made(path: Path) -> None:
     Raises:
         OSError: It cannot be written.
     """
-    if is_foreign(path.parent):
-        return
-    told = {**read_sums(path.parent), path.name: digest_of(path)}
-    there = {name: digest for name, digest in told.items() if (path.parent / name).is_file()}
-    write_whole(path.parent / SUMS, _text_of(there))
+    if (told := _sums(path.parent)) is not None:
+        there = {name: it for name, it in told.items() if (path.parent / name).is_file()}
+        write_whole(path.parent / SUMS, _text_of({**there, path.name: digest_of(path)}))
 
 
 @contextmanager
@@ -57,9 +55,10 @@ def forget_made(path: Path) -> None:
     Raises:
         OSError: It cannot be written.
     """
-    told = {name: digest for name, digest in read_sums(path.parent).items() if name != path.name}
-    if is_foreign(path.parent):
+    told = _sums(path.parent)
+    if told is None:
         return
+    told.pop(path.name, None)
     if told:
         write_whole(path.parent / SUMS, _text_of(told))
     else:
@@ -71,20 +70,14 @@ def read_sums(folder: Path) -> dict[str, str]:
 
     Lines that name no file of the folder are left out, and so is a foreign list.
     """
-    lines = _lines(folder)
-    return {} if _is_foreign(lines) else _told(lines)
-
-
-def is_foreign(folder: Path) -> bool:
-    """Whether there is a ``SHA256SUMS`` that somebody else wrote."""
-    return _is_foreign(_lines(folder))
+    return _sums(folder) or {}
 
 
 def changed_since_made(folder: Path) -> list[str]:
     """Names of the files in `folder` that are not what was made; ``SHA256SUMS`` too, if that is damaged itself."""
-    if is_foreign(folder):
+    sums, path = _sums(folder), folder / SUMS
+    if sums is None:
         return []
-    sums, path = read_sums(folder), folder / SUMS
     changed = [name for name, digest in sums.items() if not _is(folder / name, digest)]
     whole = [_text_of(sums), _text_of(sums).removeprefix(f"{FIRST_LINE}\n")]
     if path.exists() and not any(_is(path, hashlib.sha256(text.encode()).hexdigest()) for text in whole):
@@ -92,19 +85,14 @@ def changed_since_made(folder: Path) -> list[str]:
     return changed
 
 
-def _lines(folder: Path) -> list[str]:
+def _sums(folder: Path) -> dict[str, str] | None:
+    """See `read_sums`; None where somebody else wrote the list."""
     try:
-        return read_text(folder / SUMS).splitlines()
+        lines = read_text(folder / SUMS).splitlines()
     except (OSError, UnicodeDecodeError):
-        return []  # not there, or damaged: what it told of can be made again
-
-
-def _told(lines: list[str]) -> dict[str, str]:
-    return {found[2]: found[1] for found in map(_LINE.fullmatch, lines) if found and is_plain(found[2])}
-
-
-def _is_foreign(lines: list[str]) -> bool:
-    return lines[:1] != [FIRST_LINE] and not all(_EARLIER.fullmatch(name) for name in _told(lines))
+        lines = []  # not there, or damaged: what it told of can be made again
+    told = {found[2]: found[1] for found in map(_LINE.fullmatch, lines) if found and is_plain(found[2])}
+    return told if lines[:1] == [FIRST_LINE] or all(map(_EARLIER.fullmatch, told)) else None
 
 
 def _text_of(sums: Mapping[str, str]) -> str:
