@@ -106,13 +106,7 @@ class Blocks:
     def until(self, steps: int) -> Self:
         """Those that had ended after `steps` environment steps."""
         there = self.steps <= steps
-        return replace(
-            self,
-            steps=self.steps[there],
-            episodes=self.episodes[there],
-            means=self.means[there],
-            squares=self.squares[there],
-        )
+        return replace(self, **{name: getattr(self, name)[there] for name in ("steps", "episodes", "means", "squares")})
 
     @property
     def listed(self) -> tuple[Block, ...]:

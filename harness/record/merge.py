@@ -2,7 +2,7 @@
 
 import os
 import shutil
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -124,29 +124,21 @@ def _digests_of_steps(manifest: Manifest) -> dict[str, str]:
 
 def _choose_added(cell: Cell, stores: Iterable[Store], added: Mapping[str, Owner], merged: Merged) -> None:
     """Take, of folders with the same name that commands added, the first that is done, else the first that failed."""
-    ranks: dict[Path, Status] = {}
+    ranks: dict[Path, int] = {}
     for store in stores:
-        for folder, status in _added_to(cell, store, added, merged.left_out):
-            place = folder.relative_to(store.folder)
-            if place not in ranks or RANKS.index(status) < RANKS.index(ranks[place]):
-                ranks[place], merged.taken[place] = status, folder
-
-
-def _added_to(
-    cell: Cell, store: Store, added: Mapping[str, Owner], left_out: list[tuple[Path, str]]
-) -> Iterator[tuple[Path, Status]]:
-    places = [(owner, it) for name, owner in added.items() for it in (store.folder / name / cell.id).glob("[!.]*")]
-    for owner, folder in sorted(places, key=lambda place: place[1]):
-        try:
-            ending = owner.ending(folder)
-            require_files(folder, ending)
-        except NewerFormat:
-            raise
-        except SchemaError as error:
-            left_out.append((folder, str(error)))
-            continue
-        if ending.status in RANKS:
-            yield folder, ending.status
+        places = [(owner, it) for name, owner in added.items() for it in (store.folder / name / cell.id).glob("[!.]*")]
+        for owner, folder in sorted(places, key=lambda place: place[1]):
+            try:
+                ending = owner.ending(folder)
+                require_files(folder, ending)
+            except NewerFormat:
+                raise
+            except SchemaError as error:
+                merged.left_out.append((folder, str(error)))
+                continue
+            place, rank = folder.relative_to(store.folder), (*RANKS, ending.status).index(ending.status)
+            if rank < ranks.get(place, len(RANKS)):
+                ranks[place], merged.taken[place] = rank, folder
 
 
 def _copy(source: Path, target: Path, may_share: bool, *, is_lasting: bool) -> None:
@@ -160,13 +152,9 @@ def _copy(source: Path, target: Path, may_share: bool, *, is_lasting: bool) -> N
             continue
         copy = partial / path.relative_to(source)
         copy.parent.mkdir(parents=True, exist_ok=True)
-        _put(path, copy, may_share)
+        if may_share:
+            with suppress(OSError):  # of another file system, or one without such names
+                os.link(path, copy)
+                continue
+        shutil.copyfile(path, copy)
     publish(partial, target, is_lasting=is_lasting)
-
-
-def _put(path: Path, copy: Path, may_share: bool) -> None:
-    if may_share:
-        with suppress(OSError):  # of another file system, or one without such names
-            os.link(path, copy)
-            return
-    shutil.copyfile(path, copy)

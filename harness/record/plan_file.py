@@ -212,7 +212,15 @@ def unite(plans: Sequence[tuple[Path, StoredPlan]]) -> StoredPlan:
                 "only experiments with one baseline can be merged"
             )
         refuse_mixed(f"'{first}' and '{folder}'", whole.cells, plan.cells)
-        whole = _unite(whole, plan)
+        experiment = _experiment_of_both(whole, plan)
+        whole = replace(
+            plan,
+            control={**whole.control, **plan.control},
+            a_a=whole.a_a or plan.a_a,
+            terms=_terms_of_both(whole.terms, plan.terms),
+        ).with_cells_of(whole.cells)
+        if experiment:
+            whole = replace(whole, cells=_in_order(whole), experiment=experiment)
     return whole
 
 
@@ -229,23 +237,14 @@ def refuse_mixed(where: str, cells: Iterable[Cell], others: Iterable[Cell]) -> N
         )
 
 
-def _unite(one: StoredPlan, other: StoredPlan) -> StoredPlan:
-    both = replace(
-        other,
-        control={**one.control, **other.control},
-        a_a=one.a_a or other.a_a,
-        terms=_terms_of_both(one.terms, other.terms),
-    ).with_cells_of(one.cells)
-    experiment = _experiment_of_both(one, other)
-    return replace(both, cells=_in_order(both), experiment=experiment) if experiment else both
-
-
 def _terms_of_both(one: Terms, other: Terms) -> Terms:
     """What both agreed on; `FIRST` where that is not the same. What was added later to either stays told."""
-    grown, joined = tuple(sorted({*one.grown, *other.grown})), tuple(dict.fromkeys((*one.joined, *other.joined)))
-    theirs = replace(other, grown=grown, joined=joined)
-    agreed = replace(one, grown=grown, joined=joined)
-    return agreed if agreed == theirs else replace(FIRST, grown=grown, joined=joined)
+    later: dict[str, Any] = {
+        "grown": tuple(sorted({*one.grown, *other.grown})),
+        "joined": tuple(dict.fromkeys((*one.joined, *other.joined))),
+    }
+    agreed, theirs = replace(one, **later), replace(other, **later)
+    return agreed if agreed == theirs else replace(FIRST, **later)
 
 
 def _experiment_of_both(one: StoredPlan, other: StoredPlan) -> dict[str, Any]:

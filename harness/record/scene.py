@@ -102,6 +102,13 @@ class Body:
     points: Float
     faces: NDArray[np.uint16]
 
+    def to_json(self) -> dict[str, Any]:
+        """See `Scene.to_json`."""
+        scale = max(float(np.abs(self.points).max(initial=0.0)), 1e-9) / FULL
+        points, faces = np.rint(self.points / scale).astype("<i2"), self.faces.astype("<u2")
+        packed = {name: base64.b64encode(it.tobytes()).decode() for name, it in (("points", points), ("faces", faces))}
+        return {"joint": self.joint, "colour": self.colour, "scale": scale, **packed}
+
 
 @dataclass(frozen=True, eq=False)
 class Scene:
@@ -129,7 +136,7 @@ class Scene:
                 for joint in self.joints
             ],
             "tip": self.tip.ravel().tolist(),
-            "bodies": [_body_to_json(body) for body in self.bodies],
+            "bodies": [body.to_json() for body in self.bodies],
         }
 
 
@@ -172,26 +179,13 @@ def scene_from_json(data: Any) -> Scene:
     return Scene(data["robot"], joints, tip, bodies)
 
 
-def _body_to_json(body: Body) -> dict[str, Any]:
-    scale = max(float(np.abs(body.points).max(initial=0.0)), 1e-9) / FULL
-    return {
-        "joint": body.joint,
-        "colour": body.colour,
-        "scale": scale,
-        "points": _packed(np.rint(body.points / scale).astype("<i2")),
-        "faces": _packed(body.faces.astype("<u2")),
-    }
-
-
 def _body_from_json(data: dict[str, Any], joints: int) -> Body:
     if data["joint"] >= joints:
         raise ValueError(f"it has a body of joint {data['joint']}, and {joints} joints")
-    points = np.frombuffer(base64.b64decode(data["points"], validate=True), "<i2").reshape(-1, 3)
-    faces = np.frombuffer(base64.b64decode(data["faces"], validate=True), "<u2").reshape(-1, 3)
+    points, faces = (
+        np.frombuffer(base64.b64decode(data[name], validate=True), kind).reshape(-1, 3)
+        for name, kind in (("points", "<i2"), ("faces", "<u2"))
+    )
     if faces.size and faces.max() >= len(points):
         raise ValueError("it has triangles with corners that it does not have")
     return Body(data["joint"], data["colour"], points * data["scale"], faces.astype(np.uint16))
-
-
-def _packed(array: NDArray[Any]) -> str:
-    return base64.b64encode(array.tobytes()).decode()

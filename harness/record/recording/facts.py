@@ -4,7 +4,6 @@ import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
-from types import MappingProxyType
 from typing import Annotated, Any, Literal, NotRequired, Self
 
 from pydantic import Field, TypeAdapter, with_config
@@ -37,14 +36,11 @@ IN_FILES = {REWARD: FILE_REWARD, BEHAVIOUR: FILE_BEHAVIOUR}
 IN_LOGS = {told: begin for begin, told in IN_FILES.items()}
 RECORDER = "recording of harness"
 """The format of the facts of recordings."""
-LATER: Mapping[str, Any] = MappingProxyType(
-    {
-        **{"pay": False, "bounds": {}, "horizon": 0, "cut": 0, "acted": "", "after": 0},
-        **{"notes": (), "steps_asked": 0, "episodes_asked": 0, "starts": 0, "terms": {}},
-        "higher_is_better": (),
-    }
-)
-"""Facts that the first recordings did not have. At these values they are left out of the file."""
+LATER = {
+    *("pay", "bounds", "horizon", "cut", "acted", "after", "notes", "steps_asked", "episodes_asked", "starts", "terms"),
+    "higher_is_better",
+}
+"""Facts that the first recordings did not have. They are left out of the file where there is nothing to tell."""
 
 
 def term_column(reward: str, term: str) -> str:
@@ -216,7 +212,7 @@ class TrainingFacts(LogFacts):
             "steps_asked": self.asked,
         }
         told = {name: named[name] if name in named else getattr(self, name) for name in KEYS}
-        return {name: value for name, value in told.items() if not (name in LATER and value == LATER[name])}
+        return {name: value for name, value in told.items() if value or name not in LATER}
 
     def write(self, path: Path) -> None:
         """Write them into a file of their own; the writer of the recording puts it in its place whole.

@@ -261,7 +261,7 @@ def _require_sound(folder: Path, facts: TrainingFacts, columns: Columns, last: C
     time, env = columns[TICK_IN_FILE], columns["env"]
     if not len(time):
         return last
-    if time[0] < (last[TICK_IN_FILE].max() if last else 0) or (np.diff(time) < 0).any():
+    if (np.diff(time, prepend=last[TICK_IN_FILE].max() if last else 0) < 0).any():
         raise SchemaError(f"{folder}: its steps do not stand in the order of time")
     if env.min() < 0 or env.max() >= facts.num_envs:
         raise SchemaError(f"{folder} has steps of an env beyond its {facts.num_envs}")
