@@ -222,7 +222,8 @@ def points(facts: LogFacts, chosen: Chosen, columns: Mapping[str, Float], told: 
         raise SchemaError(f"{facts.path} has no point of {', '.join(chosen.columns.values())} yet")
     found = {axis: columns[counter][rows], **{column: columns[name][rows] for column, name in read.items()}}
     if told.per_step:
-        found[axis] = found[axis] * told.per_step
+        is_from_0 = np.nanmin(columns[counter]) == 0.0  # then the first one was over when it was logged
+        found[axis] = (found[axis] + is_from_0) * told.per_step
     for name, values in found.items():
         beyond = values[np.abs(values) > LARGEST]
         if len(beyond):

@@ -499,8 +499,8 @@ CASES = [
         "cleanrl-exp-name", named_by_experiment, f"report cleanrl-exp-name {CLEANRL}", FASTER, (54.8, 86.7),
     ),
     Case("prefix-copies", prefixes, "report prefix-copies", BETTER, **OWN),
-    Case("wandb-step-axis", charted, "report wandb-step-axis", **CALLS, law="times"),
-    Case("isaac-iterations", isaac, "report isaac-iterations", **LATE, law="times"),
+    Case("wandb-step-axis", charted, "report wandb-step-axis", **CALLS),
+    Case("isaac-iterations", isaac, "report isaac-iterations", **LATE),
 ]  # fmt: skip
 
 SHORTER = {"words": ("cannot tell", "helps"), "trainings": (5, 5), "knows": {"FILE": "labels.csv", "NAME": "length"}}
