@@ -11,7 +11,7 @@ import typer
 from harness.cli.datasets import names_dataset
 from harness.cli.flags import logs
 from harness.cli.flags.shared import REWARDS, AsJson, CurveKind, PluginFiles, flag
-from harness.cli.output import say, say_json
+from harness.cli.output import complain, say, say_json
 from harness.cli.recordings import holds_recordings, is_experiment, refuse_flags, told_of_logs
 from harness.cli.results_shown import show_results
 from harness.errors import UsageError
@@ -110,13 +110,18 @@ def eta(
         refuse_flags(of_steps)
         everything = command_text("harness", "report", opened.folder, "--details")
         return show_results(opened, everything, as_json=as_json, html=plot, details=True)
-    refuse_flags({**of_logs, "--sort": None, "--leave-out": leave_out}, "files of steps")
+    refuse_flags({**of_logs, "--sort": None}, "files of steps")
+    from harness.eta.laws import counted
     from harness.score.compare import compare_logs
-    from harness.score.open_steps import match_steps
+    from harness.score.open_steps import matched_paths, open_steps
 
+    paths = [matched_paths(patterns) for patterns in opened]
+    account = counted([(it, it, "") for it in dict.fromkeys([*paths[0], *paths[1]])], leave_out or ())
+    for line in account.lines:
+        complain(line)
     comparison = compare_logs(
-        match_steps(opened[0], registry),
-        match_steps(opened[1], registry),
+        [open_steps(it, registry) for it in paths[0] if it in account.whole],
+        [open_steps(it, registry) for it in paths[1] if it in account.whole],
         registry,
         kind=curve,
         with_events=with_events,

@@ -26,6 +26,7 @@ from harness.eta import (
     decompose,
     number_sentence,
 )
+from harness.eta.laws import counted, shortfall_beside
 from harness.log import Log, Rows
 from harness.log.log import ROWS
 from harness.registry.choice import choose
@@ -124,7 +125,8 @@ def _misfit_of(text: str, log: Log, head: Rows, registry: Registry) -> str | Non
         return f"no column tells {error.field}, which {choice.label} reads"
     with np.errstate(all="ignore"):  # a reward may divide by anything where it then takes another value
         paid = payer.pay(head).total
-    misses = ~(np.abs(paid - recorded) <= _tolerance(paid, recorded, head))  # not finite is a miss, too
+    misses = ~(np.abs(paid - recorded) <= _tolerance(paid, recorded, head))  # what it pays is finite, or a miss
+    misses &= ~np.isnan(recorded)  # a training that diverged: `_require_whole` tells it
     # In these rows Dd is within what its two distances can be off.
     unsure = misses & (np.abs(head["delta_distance"]) <= 2.0 * DIGITS * head["distance"])
     if unsure.sum() <= max(1.0, LOST_SIGNS * len(paid)):
@@ -140,7 +142,7 @@ def _tolerance(paid: Float, recorded: Float, head: Rows) -> Float:
     begin, distance, delta = head["begin_distance"], head["distance"], head["delta_distance"]
     change = np.maximum(np.abs(begin - distance), np.abs(delta))
     far = (change > 0.1 * change.max()) & (change > 0.0)
-    steepness = float(np.max(np.abs(recorded[far]) / change[far], initial=1.0))
+    steepness = float(np.nanmax(np.abs(recorded[far]) / change[far], initial=1.0))
     return DIGITS * (steepness * (begin + distance) + np.abs(paid))
 
 
@@ -214,7 +216,8 @@ def compare_logs(
         proposed_reward: The same for the proposed ones.
 
     Raises:
-        UsageError: A file cannot be read or has no event terms, or a reward that is given did not pay the runs.
+        UsageError: A file cannot be read or has no event terms, a reward that is given did not pay the runs, or
+            trainings are missing: they diverged, or stopped early.
     """
     bare = next((log for log in (*baseline, *proposed) if any(name not in log for name in EVENTS)), None)
     if with_events and bare is not None:
@@ -227,6 +230,7 @@ def compare_logs(
     others = [None, None] if missing is not None else [_build(guess, registry) for guess in reversed(guesses)]
     stream = partial(stream_groups, others=others, kind=kind, with_events=with_events)
     sides = stream(groups)
+    _require_whole(sides)
     copies = [side.copies for side in sides]
     if any(copies):
         groups = [[run for run in group if run not in of] for group, of in zip(groups, copies, strict=True)]
@@ -291,6 +295,22 @@ def _build(guess: Guess, registry: Registry) -> Reward:
 # Which runs
 
 
+def _require_whole(sides: Sequence["ComparedRows"]) -> None:
+    """Check that no training diverged, or stopped before the others of its group did: how it ended is an outcome.
+
+    Raises:
+        UsageError: Some did; says how to leave them out.
+    """
+    group_of = {run: name for side, name in zip(sides, ("the baseline", "the proposed reward"), strict=True)
+                for run in side.group}  # fmt: skip
+    rows = {run: (float(it), it) for side in sides for run, it in zip(side.group, side.rows, strict=True)}
+    why = shortfall_beside(rows, group_of.__getitem__, "steps")
+    why |= {run: f"it is paid no number from step {it:,} on" for side in sides for run, it in side.torn.items()}
+    account = counted((run, run.facts.path, why.get(run, "")) for run in group_of)
+    if account.missing:
+        raise UsageError(". ".join(account.lines))
+
+
 def _require_apart(baseline: Sequence[Log], proposed: Sequence[Log]) -> None:
     """Check that no file is in both groups, unless both are the same group."""
     ours, theirs = ({log.facts.path.resolve(): log.facts.path for log in group} for group in (baseline, proposed))
@@ -332,6 +352,7 @@ class ComparedRows:
         self._payers = [Payer(other, run) for run in group] if other is not None else []
         self._finite, self.left_out = True, 0
         self.rows = [0] * len(group)
+        self.torn: dict[Log, int] = {}
         self._digests = [hashlib.sha256() for _ in group]
         self._values: list[set[float]] = [set() for _ in group]
         self._metres, self._starts = 0.0, 0
@@ -358,6 +379,9 @@ class ComparedRows:
     def add(self, pieces: Sequence[Rows | None], steps: int) -> None:
         """Take the next piece of each run, of which `steps` rows are compared."""
         there = [piece for piece in pieces if piece is not None]
+        for run, piece, before in zip(self.group, pieces, self.rows, strict=True):
+            if piece is not None and (lost := np.isnan(piece[pay_column(run)])).any():
+                self.torn.setdefault(run, before + int(np.argmax(lost)))
         self.rows = [rows + (len(it) if it else 0) for rows, it in zip(self.rows, pieces, strict=True)]
         self.left_out += sum(len(piece) - steps for piece in there)
         if not steps:
@@ -443,8 +467,7 @@ def notes_of(sides: Sequence[ComparedRows]) -> Iterator[str]:
     longer = [rows for rows in lengths.values() if rows > lengths[shortest]]
     if longer:
         told = f"All runs are cut to the {lengths[shortest]:,} steps of the shortest, '{shortest}'"
-        far = 2 * lengths[shortest] < sorted(lengths.values())[len(lengths) // 2]
-        yield f"{told}; the longest has {max(longer):,}{'. Leave it out if it broke off' * far}"
+        yield f"{told}; the longest has {max(longer):,}"
     for side in sides:
         for runs in side.digests(certain=False).values():
             if len(runs) > 1:

@@ -131,6 +131,8 @@ def _find_fault(cells: list[str], header: Header) -> str | None:
     texts = {name: cells[position].strip() for name, position in header.positions.items()}
     for name, text in texts.items():
         problem = _problem_of(text, name in _needed_cells(texts))
+        if name == "reward" and text.lower() == "nan":  # a training that diverged: an outcome, and no fault of the file
+            continue
         if problem is not None and text and text == header.names[header.positions[name]].strip():
             problem = "the header stands here once more: two files joined into one? Give each run a file"
         if problem is not None:
@@ -292,13 +294,14 @@ def _read_rows(columns: Columns, counted: _Counted) -> dict[str, Array] | None:
     reward = columns["reward"]
     made: dict[str, Array] = {PAY: reward, **{name: columns[name] for name in EVENTS if name in columns}}
     if "distance" not in columns:
-        return made if _is_finite(made.values()) else None
+        return made if _is_finite(it for name, it in made.items() if name != PAY) else None
     begin, distance = columns["begin_distance"], columns["distance"]
     best, delta = _before_step(columns)
     env = columns.get("env", np.zeros(len(reward)))
     told = columns.get("step", np.full(len(reward), np.nan))
     flags = {name: columns[name] for name in TOUCHED if name in columns}
-    if not _is_finite([*made.values(), *flags.values(), begin, distance, best, delta, env]):
+    more = (it for name, it in made.items() if name != PAY)
+    if not _is_finite([*more, *flags.values(), begin, distance, best, delta, env]):
         return None
     if any((np.abs(count) > LARGEST_STEP).any() for count in (env, told)):
         return None
@@ -367,7 +370,7 @@ def _read(path: Path, header: Header, watched: list[Watched], names: tuple[str, 
         if not batch.num_rows:
             continue
         columns = {name: batch.column(name).to_numpy(zero_copy_only=False) for name in header.positions}
-        made = _read_rows(columns, counted)
+        made = None if batch.column("reward").null_count else _read_rows(columns, counted)
         if made is None:
             raise fault_of(path, header, "a number is missing, not finite or too large")
         rows += batch.num_rows

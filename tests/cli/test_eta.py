@@ -1,3 +1,5 @@
+import re
+import shlex
 import subprocess
 import sys
 
@@ -62,12 +64,25 @@ def test_a_flag_may_be_repeated(harness, recorded, tmp_path):
 
 def test_rows_behind_the_shortest_run_are_told(harness, recorded, tmp_path):
     """A reader sees that not all of every file was compared."""
-    with (tmp_path / "base" / "1.csv").open("a") as file:
-        file.write(",1,0.25,0.25,,0.75\n")
+    for path in sorted((tmp_path / "base").iterdir()):
+        with path.open("a") as file:
+            file.write(",1,0.25,0.25,,0.75\n")
     out = harness("eta", *recorded).out
-    assert "baseline 2 runs (1 row " in out
+    assert "baseline 2 runs (2 rows " in out
     assert "proposed 2 runs\n" in out
-    assert "* All runs are cut to the 5 steps of the shortest, 'base/0.csv'; the longest has 6\n" in out
+    assert "of the shortest, 'k2/0.csv'; the longest has 6\n" in out
+
+
+def test_a_training_that_diverged_is_left_out_by_name_alone(harness, recorded, tmp_path):
+    """What the message says to type leads to the answer of those that are whole."""
+    text = (tmp_path / "base" / "1.csv").read_text()
+    (tmp_path / "base" / "2.csv").write_text(text.replace(",,0.75", ",,nan"))
+    said = harness("eta", *recorded, "--json")
+    assert (said.status, said.out) == (2, "")
+    assert "'base/2.csv' is missing: it is paid no number from step 4 on" in said.err
+    answer = harness("eta", *recorded, *shlex.split(re.findall("--leave-out '.*?'", said.err)[0]), "--json")
+    assert answer.json["runs"] == {"baseline": 2, "proposed": 2}
+    assert "base/2.csv' is left out, as --leave-out says" in answer.err
 
 
 def test_unequal_budgets_are_no_difference(harness, tmp_path):

@@ -4,6 +4,7 @@ import csv
 import json
 import math
 import random
+import re
 from importlib.metadata import entry_points
 from pathlib import Path
 
@@ -51,11 +52,11 @@ def write_run(path, pay, seed, rows, program="K2"):
 
 @pytest.fixture
 def groups(tmp_path):
-    """A folder with five base-line runs in `base` and four K2 runs in `k2`, 60 to 90 rows each."""
+    """A folder with five base-line runs in `base` and four K2 runs in `k2`, 86 to 90 rows each."""
     for seed in range(5):
-        write_run(tmp_path / "base" / f"{seed}.csv", arp(1.0), seed, 70 + 5 * seed, "base line")
+        write_run(tmp_path / "base" / f"{seed}.csv", arp(1.0), seed, 86 + seed, "base line")
     for seed in range(4):
-        write_run(tmp_path / "k2" / f"{seed}.csv", arp(1.5), 100 + seed, 90 - 10 * seed)
+        write_run(tmp_path / "k2" / f"{seed}.csv", arp(1.5), 100 + seed, 90 - seed)
     return tmp_path
 
 
@@ -154,7 +155,7 @@ def test_every_figure_equals_plain_python(groups, kind):
     """Indices, etas, rulers, behaviours and their intervals, from files of both programs and of different length."""
     data = compare(groups / "base", groups / "k2", kind=kind)
     accumulated = kind == "accumulated"
-    base, k2 = ([read_run(path)[:60] for path in sorted((groups / name).glob("*.csv"))] for name in ("base", "k2"))
+    base, k2 = ([read_run(path)[:86] for path in sorted((groups / name).glob("*.csv"))] for name in ("base", "k2"))
     paid = {
         "BB": [[row[0] for row in run] for run in base],
         "KK": [[row[0] for row in run] for run in k2],
@@ -193,7 +194,7 @@ def test_every_figure_equals_plain_python(groups, kind):
             assert [shown["low"], shown["high"]] == pytest.approx([low, high], rel=1e-6)
     assert data["rewards"] == {"baseline": BASELINE, "proposed": K2}
     assert data["runs"] == {"baseline": 5, "proposed": 4}
-    assert data["rows_left_out"] == {"baseline": 10 + 15 + 20 + 25 + 30, "proposed": 30 + 20 + 10}
+    assert data["rows_left_out"] == {"baseline": 1 + 2 + 3 + 4, "proposed": 4 + 3 + 2 + 1}
     assert (data["curve"], data["with_events"]) == (kind, False)
     assert data["number"].startswith(f"I_N with {K2} is ")
     json.dumps(data, allow_nan=False)
@@ -260,19 +261,28 @@ def test_a_curve_at_an_edge_is_told(tmp_path, edge):
 
 def test_runs_are_cut_to_the_shortest_of_both_groups(tmp_path):
     """The mean is over all runs at every step; how many rows were left out is said, and which run is the shortest."""
-    base = write_rewards(tmp_path / "b", [-1, -1, 7, 7], [-3, 1])
-    data = compare(base, write_rewards(tmp_path / "k", [1, 2, 3]))
+    base = write_rewards(tmp_path / "b", [-1, -1, 7, 7], [-3, 1, 0, 0])
+    data = compare(base, write_rewards(tmp_path / "k", [1, 2]))
     assert data["baseline"]["steps"] == data["proposed"]["steps"] == 2
     assert data["baseline"]["I_N"] == -4.0
-    assert data["rows_left_out"] == {"baseline": 2, "proposed": 1}
-    assert data["notes"] == [f"All runs are cut to the 2 steps of the shortest, '{base}/1.csv'; the longest has 4"]
+    assert data["rows_left_out"] == {"baseline": 4, "proposed": 0}
+    assert data["notes"] == [
+        f"All runs are cut to the 2 steps of the shortest, '{tmp_path}/k/0.csv'; the longest has 4"
+    ]
 
 
-def test_a_run_that_broke_off_is_named(tmp_path):
-    """One of three is cut after one step: the others lose nearly all, and the reader learns by which file."""
-    base = write_rewards(tmp_path / "b", range(10), [5, *range(1, 10)], [1])
-    (note,) = compare(base, write_rewards(tmp_path / "k", range(1, 11)))["notes"]
-    assert note.endswith(f"of the shortest, '{base}/2.csv'; the longest has 10. Leave it out if it broke off")
+@pytest.mark.parametrize(
+    ("last", "told"),
+    [
+        ([1], "it ends after 1 steps, and another one of the baseline after 10"),
+        ([*range(9), "nan"], "it is paid no number from step 9 on"),
+    ],
+)
+def test_a_run_that_broke_off_or_diverged_is_missing(tmp_path, last, told):
+    """How it ended is an outcome: nothing is compared without it, unless the user leaves it out by name."""
+    base = write_rewards(tmp_path / "b", range(10), [5, *range(1, 10)], last)
+    with refused(re.escape(f"'{base}/2.csv' is missing: {told}")):
+        compare(base, write_rewards(tmp_path / "k", range(1, 11)))
 
 
 def varied(seed, rows=40):
@@ -345,7 +355,7 @@ def test_without_distances_the_etas_are_not_split(tmp_path, groups):
 
 def test_runs_of_one_group_under_two_rewards_are_not_split(groups):
     """The reason names the first file that the others' reward did not pay."""
-    write_run(groups / "base" / "9.csv", arp(1.5), 9, 80)
+    write_run(groups / "base" / "9.csv", arp(1.5), 9, 90)
     data = compare(groups / "base", groups / "k2")
     assert data["rewards"]["baseline"] is None
     assert data["eta_N"]["ruler"]["note"].startswith(
@@ -374,7 +384,7 @@ def write_run_as_trace(write_trace):
     """The trace of `write_run`, with its manifest, and `target` paid on top in every third step."""
 
     def write(folder, pay, seed, reward, target=0.0):
-        write_run(folder / "as.csv", pay, seed, 60)
+        write_run(folder / "as.csv", pay, seed, 88)
         run = read_run(folder / "as.csv")
         (folder / "as.csv").unlink()
         steps = []
