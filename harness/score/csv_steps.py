@@ -39,7 +39,7 @@ from harness.log.format import HEAD
 from harness.log.log import LARGEST, RECORDED, REWARD, Array, Columns
 from harness.log.text_table import head_of, parse_table
 from harness.reward.row_steps import TOUCHED
-from harness.score.row_meaning import RowWatch, Watched, are_episodes, watched_columns
+from harness.score.row_meaning import NEEDED, RECORD, RowWatch, Watched, watched_columns, why_no_steps
 from harness.text import shortened
 
 MOST_COLUMNS = 1_000
@@ -190,7 +190,7 @@ class StepsCsv:
 
     def recognises(self, path: Path, head: bytes) -> bool:
         """A CSV file with a column 'reward' of numbers, whose first rows may be steps, and are no episodes."""
-        return names_reward(head) and not _names_rewards(_table_of(head)) and not _are_episodes(path, head)
+        return names_reward(head) and not _names_rewards(_table_of(head)) and not _why_no_steps(path, head)
 
     def read(self, path: Path) -> tuple[Log, ...]:
         """The one training of the file; see `open_csv`."""
@@ -219,6 +219,13 @@ def open_csv(path: Path) -> Log:
             that rows are no steps.
     """
     header = read_header(path)
+    with path.open("rb") as file:
+        column = _why_no_steps(path, file.read(HEAD))
+    if column:
+        raise UsageError(
+            f"{path}: its rows are episodes, or means over some (column '{column}'), and {NEEDED}; {RECORD}. "
+            f"If each row is a step, delete the column '{column}'"
+        )
     spelled = _spelled(header)
     found = {name: next((text for text in SPELLINGS[name] if text in spelled), "") for name in COLUMNS}
     found |= {name: "" for name in TOUCHED if not _has_flags(path, spelled, name)}
@@ -355,12 +362,12 @@ def _names_rewards(table: list[list[str]]) -> bool:
     return bool(told) and all(text[:1].isalpha() and text[:3] not in ("nan", "inf") for text in told)
 
 
-def _are_episodes(path: Path, head: bytes) -> bool:
+def _why_no_steps(path: Path, head: bytes) -> str:
     with suppress(SchemaError):  # of rows that are no table: the reader names the line
         table = parse_table(path, head_of(path, head))
         watched = watched_columns(_spelled(table.names))
-        return are_episodes(table, {it.role: table.names[it.position] for it in watched})
-    return False
+        return why_no_steps(table, {it.role: table.names[it.position] for it in watched})
+    return ""
 
 
 def _read(path: Path, header: Header, watched: list[Watched], names: tuple[str, ...]) -> Iterator[Columns]:
@@ -400,7 +407,6 @@ def _batches(path: Path, header: Header, watched: list[Watched]) -> Iterator[pa.
             for batch in file:
                 watch.look({role: batch.column(place) for role, place in looked.items()})
                 yield batch.select(list(keys)).rename_columns(list(keys.values()))
-            watch.require_steps()
     except UsageError as error:
         raise UsageError(f"{path}: {error}") from error
     except (pa.ArrowException, OSError) as error:

@@ -9,7 +9,7 @@ import pyarrow as pa
 
 from harness.arrays import Float, Ints
 from harness.errors import SchemaError, UsageError
-from harness.log.text_table import TextTable
+from harness.log.text_table import NOTHING, TextTable
 from harness.text import shortened
 
 NEEDED = "an index needs the reward of each environment step"
@@ -39,6 +39,8 @@ BEGIN_OF_STEPS = ("obs", "action", "state", "done", "terminat", "truncat")
 MOST_RUNS = 10_000
 OF_MANY = re.compile(r"iteration|epoch|update|mean|average|success_?rate")
 """In names of columns that tables of curves have."""
+TRUTHS = ("success", "is_success")
+"""Columns that are 0 or 1 in a step, and in tables of curves a share of episodes."""
 MOST_WORDS = 50
 NO_WORDS = ("nan", "none", "null", "true", "false", "inf", "infinity")
 SAYS_NOTHING = re.compile(r"time|date|host|node|ip$|uuid|_id$|_tag$|version|path|file|dir|device|url")
@@ -78,8 +80,8 @@ class Fault(NamedTuple):
     """Whether the rows may be steps, so that a format of steps has to read the table."""
 
 
-def are_episodes(table: TextTable, roles: Mapping[str, str]) -> bool:
-    """Whether each row of a table, or of its beginning, is an episode or a mean over some: no step has such rows.
+def why_no_steps(table: TextTable, roles: Mapping[str, str]) -> str:
+    """The column by which each row of a table, or of its beginning, is an episode or a mean over some; empty of steps.
 
     Args:
         table: The table.
@@ -88,17 +90,31 @@ def are_episodes(table: TextTable, roles: Mapping[str, str]) -> bool:
     Raises:
         SchemaError: Its numbers of episodes, or its lengths, are no numbers.
     """
-    lower = [name.lower() for name in table.names]
-    if not len(table) or any(name in OF_STEPS or name.startswith(BEGIN_OF_STEPS) for name in lower):
-        return False
-    if any(map(OF_MANY.search, lower)):
-        return True
-    if not {"episode", "length"} & roles.keys():
-        return False
+    lower = {name.lower(): name for name in table.names}
+    if not len(table) or any(
+        (it in OF_STEPS and _is_whole(table, lower[it])) or it.startswith(BEGIN_OF_STEPS) for it in lower
+    ):
+        return ""
+    share = next((lower[it] for it in TRUTHS if it in lower and not _is_whole(table, lower[it])), "")
+    by_name = next((name for it, name in lower.items() if OF_MANY.search(it)), share)
+    found = by_name or roles.get("length") or roles.get("episode", "")
+    if by_name or not found:
+        return by_name
+    if "length" in roles and (table.numbers(roles["length"]) <= 1.0).all():
+        return ""  # an episode of one step is a step
     runs = [name for name in table.names if names_a_run(name) and not is_of_episodes(table, name)]
     groups = split(table, [*runs, *labels_of(table, [name for name in table.names if name not in runs])])
     faults = [fault_of_episodes(table, roles, rows) for _, rows in groups]
-    return not any(fault and fault.is_steps for fault in faults)
+    return "" if any(fault and fault.is_steps for fault in faults) else found
+
+
+def _is_whole(table: TextTable, name: str) -> bool:
+    """Whether a column holds whole numbers, as a count does, or nothing."""
+    try:
+        values = table.numbers(name, NOTHING)
+    except SchemaError:
+        return True
+    return bool((np.isnan(values) | (values == np.floor(values))).all())
 
 
 def names_a_run(name: str) -> bool:
@@ -158,21 +174,19 @@ def fault_of_episodes(table: TextTable, roles: Mapping[str, str], rows: Ints) ->
         return None
     lengths = table.numbers(roles["length"])[rows] if "length" in roles else np.empty(0)
     counts_up = (np.diff(lengths) == 1.0) | (lengths[1:] <= 1.0)
-    if len(lengths) > 2 and counts_up.all():
+    if len(lengths) > 2 and lengths[0] <= 1.0 and counts_up.all():
         return Fault(int(rows[1]), f"column '{roles['length']}' counts up from row to row: a row is a step")
     return None
 
 
 class RowWatch:
-    """Looks at all rows of a table, some at a time, and at last says whether they were steps."""
+    """Looks at all rows of a table of steps, some at a time: whether they count up, and are of one run."""
 
     def __init__(self, columns: Sequence[Watched], first_line: int) -> None:
-        self._columns, self._line, self._rows = {it.role: it for it in columns}, first_line, 0
+        self._columns, self._line = {it.role: it for it in columns}, first_line
         self._before: dict[str, float] = {}
         self._run = ""
         self._count_of_env: dict[float, float] = {}
-        self._repeats = self._counts = False
-        self._longest, self._counts_up = 0.0, True
 
     def look(self, texts: Mapping[str, pa.Array]) -> None:
         """Look at the next rows.
@@ -187,39 +201,10 @@ class RowWatch:
         values = {role: number for role, number in numbered if number is not None}
         if "run" in texts:
             self._look_at_runs(texts["run"], values.get("episode"))
-        if "episode" in values:
-            self._repeats |= bool((np.diff(values["episode"], prepend=self._last("episode")) == 0.0).any())
-        if "length" in values:
-            self._look_at_lengths(values["length"])
         if "counter" in values:
             self._look_at_counter(values["counter"], values.get("env"))
         self._before |= {role: float(number[-1]) for role, number in values.items() if len(number)}
-        rows = len(next(iter(texts.values()), ()))
-        self._line += rows
-        self._rows += rows
-
-    def require_steps(self) -> None:
-        """Check that the rows were steps, after the last one.
-
-        Raises:
-            UsageError: Each was an episode.
-        """
-        if (column := self.why_episodes()) is not None:
-            how = "has their lengths" if column.role == "length" else "has another number in each row"
-            raise UsageError(
-                f"its rows are episodes (column '{column.name}' {how}), and {NEEDED}; {RECORD}. If each row is a step, "
-                f"delete the column '{column.name}'"
-            )
-
-    def why_episodes(self) -> Watched | None:
-        """The column by which each row so far was an episode; None if they were steps."""
-        length, episode = self._columns.get("length"), self._columns.get("episode")
-        if self._repeats or self._rows < 2:
-            return None
-        if length is not None and self._longest > 1.0 and not self._counts_up:
-            return length
-        is_one_step = length is not None or self._counts or ENV in self._columns
-        return None if is_one_step else episode
+        self._line += len(next(iter(texts.values()), ()))
 
     def _numbers(self, role: str, column: pa.Array) -> Float | None:
         """Whole numbers, NaN where a cell is empty; None, for good, of a column that holds anything else."""
@@ -239,15 +224,8 @@ class RowWatch:
     def _last(self, role: str) -> float:
         return self._before.get(role, np.nan)
 
-    def _look_at_lengths(self, lengths: Float) -> None:
-        """Whether they count up to the length of an episode, from row to row, as a count of steps does."""
-        rise = np.diff(lengths, prepend=self._before.get("length", 0.0))
-        self._counts_up &= bool(((rise == 1.0) | (lengths <= 1.0)).all())
-        self._longest = max(self._longest, float(np.nanmax(lengths, initial=0.0)))
-
     def _look_at_counter(self, counts: Float, env: Float | None) -> None:
         name = self._columns["counter"].name
-        self._counts |= name not in INDEX
         before = self._before_of(counts, env)
         rise = counts - before
         again = (counts <= 1.0) & (rise <= 0.0) & (name not in ACROSS_EPISODES)

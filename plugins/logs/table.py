@@ -23,13 +23,13 @@ from harness.score.row_meaning import (
     ENV,
     INDEX,
     SEED,
-    are_episodes,
     fault_of_episodes,
     is_of_episodes,
     labels_of,
     names_a_run,
     split,
     watched_columns,
+    why_no_steps,
 )
 from harness.text import shortened
 
@@ -347,7 +347,7 @@ def _has_rows(table: TextTable) -> bool:
     lower = [name.lower() for name in table.names]
     watched = {it.role: table.names[it.position] for it in watched_columns(lower)}
     try:
-        return len(table) > 0 and ("reward" not in lower or are_episodes(table, watched))
+        return len(table) > 0 and ("reward" not in lower or bool(why_no_steps(table, watched)))
     except SchemaError:
         return False
 

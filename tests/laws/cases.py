@@ -487,7 +487,7 @@ CASES = [
     Case(
         "iteration-reward",
         each("{reward}/{seed}.csv", lambda it: {"iteration": range(40), "reward": paid(it), "success": it}),
-        "eta iteration-reward", BETTER, **OWN, law="advice",
+        "eta iteration-reward", BETTER, **OWN | {"knows": OF_50 | {"base=N": "2500", "prop=N": "2500"}},
     ),
     Case("two-agents", each("{reward}/{seed}.csv", agents), "eta two-agents", NO_DIFFERENCE, (), (5, 5),
          is_asked=True),

@@ -25,7 +25,7 @@ def write(path, header, rows):
 
 
 def episodes(header):
-    """Rows of ten episodes: number, return, length, seconds, by the columns of a header."""
+    """Rows of ten episodes or iterations, by the columns of a header."""
     rng = np.random.default_rng(0)
     cell = {
         "episode": lambda number: number,
@@ -34,26 +34,30 @@ def episodes(header):
         "l": lambda number: 150 + number,
         "t": lambda number: 0.5 * number,
         "": lambda number: number,
+        "iteration": lambda number: number,
+        "success": lambda number: number / 10,
     }
     return [",".join(str(cell[name](number)) for name in header.split(",")) for number in range(10)]
 
 
 @pytest.mark.parametrize(
-    ("header", "told"),
+    ("header", "column"),
     [
-        ("episode,reward,length", "its rows are episodes (column 'length' has their lengths)"),
-        ("episode,reward", "its rows are episodes (column 'episode' has another number in each row)"),
-        (",episode,reward", "its rows are episodes (column 'episode'"),
-        ("reward,l,t", "its rows are episodes (column 'l' has their lengths)"),
-        ("reward,length", "its rows are episodes (column 'length'"),
+        ("episode,reward,length", "length"),
+        ("episode,reward", "episode"),
+        (",episode,reward", "episode"),
+        ("reward,l,t", "l"),
+        ("reward,length", "length"),
+        ("iteration,reward,success", "iteration"),
+        ("reward,success", "success"),
     ],
 )
-def test_rows_that_are_episodes_are_refused(tmp_path, header, told):
+def test_rows_that_are_episodes_are_refused(tmp_path, header, column):
     """The line says how it is known, what an index needs, and what to do if it is wrong."""
     path = write(tmp_path / "it.csv", header, episodes(header))
     with pytest.raises(UsageError) as raised:
         rewards_of(path)
-    assert str(raised.value).startswith(f"{path}: {told}")
+    assert str(raised.value).startswith(f"{path}: its rows are episodes, or means over some (column '{column}')")
     assert "an index needs the reward of each environment step" in str(raised.value)
     assert "If each row is a step, delete the column" in str(raised.value)
 
