@@ -242,7 +242,7 @@ def test_iterations_are_no_environment_steps_until_somebody_says_how_many(tmp_pa
     assert log["iteration"].tolist() == [0, 1]
     assert "time" not in log
     assert any("per_step=N" in note for note in log.facts.notes)
-    assert read(tmp_path, per_step=98_304)["time"].tolist() == [0, 98_304]
+    assert read(tmp_path, per_step=98_304)["time"].tolist() == [98_304, 196_608]
 
 
 def test_rllib_counts_environment_steps_by_a_tag_of_its_own(tmp_path):

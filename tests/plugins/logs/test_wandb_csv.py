@@ -53,7 +53,7 @@ def test_the_services_own_step_is_no_environment_step(tmp_path):
     assert log["iteration"].tolist() == [0, 10]
     assert "time" not in log
     log = read(path, per_step=2048)
-    assert log["time"].tolist() == [0, 20_480]
+    assert log["time"].tolist() == [2048, 22_528]
 
 
 def test_a_run_of_cleanrl_tells_environment_algorithm_and_seed(tmp_path):
