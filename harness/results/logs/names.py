@@ -14,7 +14,7 @@ import numpy as np
 
 from harness.errors import UsageError
 from harness.log import Log
-from harness.text import command_text
+from harness.text import command_text, shortened
 
 _DAY = "20[0-9]{2}[-_]?[01][0-9][-_]?[0-3][0-9]|2[0-9](?:0[1-9]|1[0-2])(?:0[1-9]|[12][0-9]|3[01])"
 _MONTH = "(?:Jan|Feb|Mar|Apr|May|Jun|Jul|Aug|Sep|Oct|Nov|Dec)[0-3][0-9]"
@@ -37,6 +37,8 @@ _RUN = ("run", "rep", "repeat", "replicate", "trial")
 _VERSION = ("v", "version", "reward", "r", "k")
 """Words before a number: it is the seed; it is one training of several; it names a variant of a reward."""
 _SEPARATORS = re.compile(r"[-_=,. /]+")
+LONGEST_NAME = 40
+"""Characters of a name that are shown."""
 _WORDS = re.compile(r"[^-_=,. /]+")
 
 
@@ -78,7 +80,7 @@ def sort_names(names: Iterable[str], template: str = "", *, is_asked: bool = Tru
         varying = [it for it in columns if len({int(number["digits"]) for number in it}) > 1]
         rivals = [it for it in varying if it not in told and (not told or it[0]["word"].lower() in _RUN)]
         if len(rivals) > 1 - bool(told):
-            why = "two numbers differ, and none of them is called the seed, or both are"
+            why = "two numbers may be the seed"
         chosen = told or varying or (columns if len(of) == 1 else [])
         seeds |= zip(of, chosen[-1], strict=True) if chosen else ()
     rest = [_cut(text, seeds.get(name)) for name, text in texts.items()]
@@ -92,7 +94,7 @@ def sort_names(names: Iterable[str], template: str = "", *, is_asked: bool = Tru
         if weighed:
             others = {it.reward for it in found.values()}.difference(weighed)
             ways[1:] = ["|".join([*(ways[0].replace("{reward}", it) for it in sorted(others)), "{reward}"])]
-        raise question(list(found), f"can be read in several ways: {why}", ways)
+        raise question(list(found), f"can be read in two ways: {why}", ways)
     return {name: it._replace(seed=None) for name, it in found.items()} if why else found
 
 
@@ -109,7 +111,7 @@ def _doubt_of(
         rest = {label: (*of[:at], *of[at + 1 :]) for label, of in words.items()}
         runs = {(rest[label], place if seed is None else seed) for label, seed, place in found.values()}
         if len(runs) == len(found) and 1 < len({*rest.values()}) < len(rest):
-            return "what differs may be two rewards, or two places where one was trained", []
+            return "what differs may be rewards, or places where one was trained", []
     numbers: dict[str, set[int]] = {}
     for it in found.values():
         numbers.setdefault(it.reward, set()).update([] if it.seed is None else [it.seed])
@@ -225,12 +227,13 @@ def question(names: Sequence[str], why: str, ways: Sequence[str] = ()) -> UsageE
         ways: The templates, if it is known which.
     """
     shown = []
-    for way in [*(ways or templates_of(names))][:3]:
+    for way in [*(ways or templates_of(names))][:2]:
         found = sort_by_template(way, names).values()
-        rewards, count = [*dict.fromkeys(it.reward for it in found)], len({it.place for it in found})
-        shown.append(f"{command_text('--sort', way)} ({count} trainings of {len(rewards)} rewards, as `{rewards[-1]}`)")
+        count, rewards = len({it.place for it in found}), len({it.reward for it in found})
+        shown.append(f"{command_text('--sort', way)} ({count} trainings of {rewards} reward{'s' * (rewards != 1)})")
     remedy = f"Say {', or '.join(shown)}" if shown else "Name them REWARD/SEED, and say --sort '{reward}/{seed}'"
-    return UsageError(f"Names such as '{names[0]}' and '{names[-1]}' {why}. {remedy}")
+    seen = " and ".join(f"'{shortened(name, LONGEST_NAME)}'" for name in dict.fromkeys([names[0], names[-1]]))
+    return UsageError(f"Names such as {seen} {why}. {remedy}")
 
 
 def sort_by_template(template: str, names: Iterable[str]) -> dict[str, Named]:

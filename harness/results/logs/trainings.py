@@ -157,8 +157,7 @@ def require_several(folder: Path, found: Sorted) -> None:
         more = f" and {len(single) - 3} more" if len(single) > 3 else ""
         raise question(
             list(dict.fromkeys(_name_of(folder, *it) for it in paths)),
-            f"say that these are {found.sentence}. There is one training alone of {listed(single[:3])}{more}, and "
-            "chance cannot be told from one",
+            f"say that there is one training alone of {listed(single[:3])}{more}, and chance cannot be told from one",
             _ways(folder, [it.path for it in batches])[::-1] if batches else (),
         )
 
@@ -330,8 +329,8 @@ def _require_apart(folder: Path, trainings: Iterable[Training]) -> None:
             paths = [log.facts.path for it in of for log in it.logs]
             raise question(
                 [_name_of(folder, it) for it in paths],
-                f"say that {first.shown} and {second.shown} are two trainings of {first.reward}, and their times that "
-                "they are two environments of one: their episodes end in step",
+                "say that each is a training, and their times that several are environments of one: their episodes "
+                "end in step",
                 [it.replace("{seed}", "*") for it in _ways(folder, [it.parent for it in paths])],
             )
 
