@@ -58,9 +58,9 @@ def time_left(
     known once a cell has ended; before that it counts as nothing.
     """
     measured = [(kind_of(it.cell), it.training, it.cell.steps) for it in ended]
-    if not (measured or any(it.per_step is not None for it in begun)):
-        return None
     now = [(kind_of(it.cell), it.per_step, 1) for it in begun if it.per_step is not None]
+    if not (measured or now):
+        return None
     besides = [(kind_of(it.cell), it.besides, 1) for it in ended]
 
     def whole(cell: Cell) -> float:
@@ -82,9 +82,8 @@ def makespan(running: Iterable[float], waiting: Iterable[float], at_once: int) -
         waiting: Seconds that each of the others takes, in order.
         at_once: How many are done at a time, at least 1.
     """
-    ends = list(running)
-    ends += [0.0] * (at_once - len(ends))
-    heapq.heapify(ends)
+    ends = sorted(running)
+    ends = [*[0.0] * (at_once - len(ends)), *ends]  # sorted: a heap
     for seconds in waiting:
         heapq.heapreplace(ends, ends[0] + seconds)
     return max(ends)
@@ -94,9 +93,9 @@ def _mean(
     values: Sequence[tuple[Kind, float, int]], kind: Kind, others: Sequence[tuple[Kind, float, int]] = ()
 ) -> float:
     """Seconds per unit of a kind: of its own values, else of the others of the kind, else of all; 0 without any."""
-    own = [[it for it in those if it[0] == kind] for those in (values, others)]
-    chosen = next((those for those in (*own, values, others) if those), ())
-    return sum(it[1] for it in chosen) / sum(it[2] for it in chosen) if chosen else 0.0
+    own = ([it for it in those if it[0] == kind] for those in (values, others))
+    _, seconds, units = zip(*next(filter(None, (*own, values, others)), [(kind, 0.0, 1)]), strict=True)
+    return float(sum(seconds) / sum(units))
 
 
 @dataclass

@@ -25,7 +25,7 @@ LABELS_BYTES = 2**28
 """The most bytes of a file of labels."""
 _RULE = re.compile(r"\s*(?P<key>[^<>=]+?)\s*(?:(?P<sign>>=|<=|>|<)\s*(?P<number>[^<>=\s]+)\s*)?")
 _COMPARE = {">": np.greater, ">=": np.greater_equal, "<": np.less, "<=": np.less_equal}
-_TRUE, _FALSE, _UNTOLD = ("true", "1", "1.0"), ("false", "0", "0.0"), ("", "nan", "none", "null", "-1", "-1.0")
+_TRUTH, _UNTOLD = {"true": "1", "false": "0"}, ("", "none", "null")
 
 
 @dataclass(frozen=True)
@@ -84,23 +84,15 @@ class SuccessRule:
         if isinstance(value, bytes):
             value = value.decode(errors="replace")
         if isinstance(value, str):
-            return self._of_text(value, noun)
+            text = value.strip().lower()
+            try:
+                value = None if text in _UNTOLD else float(_TRUTH.get(text, text) if not self.sign else text)
+            except ValueError:
+                raise UsageError(f"{noun} says {shortened(value, 40)!r}: 0, 1, false and true are labels") from None
         numbers = np.asarray([] if value is None else value).ravel()
         if len(numbers) > 1:
             raise UsageError(f"{noun} holds {len(numbers):,} values, no label: name another key with --success")
         return int(self.of_steps(numbers, noun)[0]) if len(numbers) else UNKNOWN
-
-    def _of_text(self, value: str, noun: str) -> int:
-        text = value.strip().lower()
-        if text in _UNTOLD and (not self.sign or text not in ("-1", "-1.0")):
-            return UNKNOWN
-        if not self.sign and text in (*_TRUE, *_FALSE):
-            return SUCCESS if text in _TRUE else FAILURE
-        try:
-            number = float(text)
-        except ValueError:
-            raise UsageError(f"{noun} says {shortened(value, 40)!r}: 0, 1, false and true are labels") from None
-        return int(self.of_steps(np.array([number]), noun)[0])
 
 
 def parse_success(text: str) -> SuccessRule:

@@ -127,11 +127,15 @@ def read_recorder(folder: Path, number: int) -> Log:
     """
     facts = TrainingFacts.read(folder / facts_name(number))
     part_count(folder, number)
-    calls = (*CALLS, ACTION) if facts.actions and not facts.actions.problem else ()
-    names = (TIME, TICK, *INTEGERS, *facts.numbers, *facts.term_columns, *FLAGS, *calls)
+    names = _names(facts, with_calls=facts.actions is not None and not facts.actions.problem)
     if len({*names}) < len(names):
         raise SchemaError(f"{folder}: a reward and the term of another one have the same column")
     return Log(facts, names, partial(_tables, folder, number, facts))
+
+
+def _names(facts: TrainingFacts, *, with_calls: bool) -> tuple[str, ...]:
+    calls = (*CALLS, ACTION) if with_calls else ()
+    return (TIME, TICK, *INTEGERS, *facts.numbers, *facts.term_columns, *FLAGS, *calls)
 
 
 def recorder_numbers(folder: Path) -> list[int]:
@@ -161,12 +165,14 @@ def part_name(number: int, part: int) -> str:
 
 def part_schema(facts: TrainingFacts) -> pa.Schema:
     """Columns and types of a part."""
-    integers = [(TICK_IN_FILE, pa.int64()), *((name, pa.int32()) for name in INTEGERS)]
-    numbers = [(name, pa.float64()) for name in (*map(file_column, facts.numbers), *facts.term_columns)]
-    calls: list[tuple[str, pa.DataType]] = []
-    if facts.actions is not None:
-        calls = [*((name, pa.int64()) for name in CALLS), *((name, pa.float64()) for name in action_columns(facts))]
-    return pa.schema([*integers, *numbers, *((name, pa.bool_()) for name in FLAGS), *calls])
+    calls = [*dict.fromkeys(CALLS, pa.int64()).items(), *((name, pa.float64()) for name in action_columns(facts))]
+    return pa.schema([
+        (TICK_IN_FILE, pa.int64()),
+        *((name, pa.int32()) for name in INTEGERS),
+        *((name, pa.float64()) for name in (*map(file_column, facts.numbers), *facts.term_columns)),
+        *((name, pa.bool_()) for name in FLAGS),
+        *(calls if facts.actions else ()),
+    ])  # fmt: skip
 
 
 def action_columns(facts: TrainingFacts) -> list[str]:
@@ -281,11 +287,11 @@ def _require_sound(folder: Path, facts: TrainingFacts, columns: Columns, last: C
 def _require_unbroken(folder: Path, columns: Columns, last: Columns) -> Columns:
     """See that no step of an env is missing, doubled or out of place: episodes would be paid otherwise."""
     names = ("env", TICK_IN_FILE, "episode", "step")
-    rows = {name: np.concatenate([last[name], columns[name]]) if last else columns[name] for name in names}
+    rows = {name: np.concatenate([last.get(name, columns[name][:0]), columns[name]]) for name in names}
     order = np.argsort(rows["env"], kind="stable")
     env, time, episode, step = (rows[name][order] for name in names)
     is_first = np.diff(env, prepend=-1) != 0
-    is_known = order < (len(last["env"]) if last else 0)  # a step of an earlier part, the first one of its env here
+    is_known = order < len(last.get("env", ()))  # a step of an earlier part, the first one of its env here
     goes_on = (np.diff(episode) == 0) & (np.diff(step) == 1)
     begins = (np.diff(episode) > 0) & (step[1:] == 0)
     follows = (goes_on | begins) & (np.diff(time) > 0)
@@ -300,9 +306,9 @@ def _require_unbroken(folder: Path, columns: Columns, last: Columns) -> Columns:
 
 
 def _require_alike(folder: Path, numbers: Sequence[int], logs: Sequence[Log]) -> None:
-    first, *others = map(facts_of, logs)
-    for number, other in zip(numbers[1:], others, strict=True):
-        if (other.numbers, other.trained_with) != (first.numbers, first.trained_with):
+    told = [(facts.numbers, facts.trained_with) for facts in map(facts_of, logs)]
+    for number, of in zip(numbers, told, strict=True):
+        if of != told[0]:
             raise SchemaError(
                 f"{folder}: {facts_name(number)} and {facts_name(numbers[0])} tell of different rewards or measures; "
                 "they are not one training"
@@ -326,9 +332,8 @@ def united(logs: Sequence[Log]) -> Log:
         closed=all(one.closed for one in facts),
         cut=sum(one.cut for one in facts),
     )
-    calls = (*CALLS, ACTION) if all(ACTION in log and facts_of(log).actions == first.actions for log in logs) else ()
-    names = (TIME, TICK, *INTEGERS, *whole.numbers, *whole.term_columns, *FLAGS, *calls)
-    return Log(whole, names, partial(_merged, logs, begins))
+    with_calls = all(ACTION in log and one.actions == first.actions for log, one in zip(logs, facts, strict=True))
+    return Log(whole, _names(whole, with_calls=with_calls), partial(_merged, logs, begins))
 
 
 def _merged(logs: Sequence[Log], begins: Sequence[int], names: tuple[str, ...]) -> Iterator[Columns]:
