@@ -48,9 +48,13 @@ def episode_sums(values: Array, episodes: Sequence[NDArray[np.int64]]) -> Float:
     """
     if not episodes:
         return np.empty(0)
-    begins = np.cumsum([0, *map(len, episodes[:-1])])
-    steps = np.insert(values[np.concatenate(episodes)].astype(np.float64), begins, 0.0)
+    return sums_from(np.cumsum([0, *map(len, episodes[:-1])]), values[np.concatenate(episodes)])
+
+
+def sums_from(begins: NDArray[np.int64], values: Array) -> Float:
+    """The same of episodes that follow one another, (episodes,); `begins` are the numbers of their first rows."""
     # Behind a zero each has the bits of the sum of that episode alone.
+    steps = np.insert(np.asarray(values, np.float64), begins, 0.0)
     sums: Float = np.add.reduceat(steps, begins + np.arange(len(begins)))
     return sums
 

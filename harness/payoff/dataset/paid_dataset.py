@@ -31,6 +31,7 @@ from harness.payoff.dataset.rewards import Recorded
 from harness.payoff.dataset.steps import Movement, Payer, seen_after, steps_by_episode
 from harness.record.dataset.labels import FAILURE, SUCCESS, UNKNOWN
 from harness.record.dataset.open_dataset import MOST_EPISODES, DatasetFacts, dataset_facts
+from harness.record.returns import sums_from
 from harness.reward import LARGEST_PAID
 
 if TYPE_CHECKING:
@@ -166,8 +167,7 @@ class PaidDataset:
 
     def summed(self, values: Float) -> Float:
         """The sum over each episode, (episodes,), of a number of each step, (steps,)."""
-        sums: Float = np.add.reduceat(values, self.begins[:-1])
-        return sums
+        return sums_from(self.begins[:-1], values)
 
     def episode_steps(self, place: int) -> slice:
         """The steps of the episode in this place."""
