@@ -76,6 +76,7 @@ POINTS: Mapping[str, tuple[str, bool]] = {
     "episodereturnmean": (LAST_100_OR_NEW, False),
     "episoderewardmean": (LAST_100_OR_NEW, False),
     "averageepret": (NEW, False),
+    "returnsstatmean": (NEW, True),
     "cumulativereward": (NEW, True),
     "episodicreturn": (ONE, True),
     "episodescore": (ONE, True),
@@ -156,7 +157,10 @@ class Roles:
                 f"{path} has no curve of returns that is known by its name: say reward=NAME. "
                 f"It has: {shortened(', '.join(names), 160)}"
             )
-        known = {key: name for name in reversed(names) for key in (plain(name.rpartition("/")[2]), plain(name))}
+        known: dict[str, str] = {}
+        nearest = sorted(names, key=lambda name: is_evaluated(name) != evaluation)
+        for key, name in [(plain(it), it) for it in nearest] + [(plain(it.rpartition("/")[2]), it) for it in nearest]:
+            known.setdefault(key, name)
         times = [known[key] for key in ROLES["time"] if key in known and known[key] not in found.values()]
         counters = [known[key] for key in ROLES["counter"] if key in known and known[key] not in found.values()]
         others = {

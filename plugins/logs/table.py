@@ -78,6 +78,10 @@ TAUGHT = (
 """Columns of text that say what taught a training."""
 MODES = ("mode", "split", "phase", "stage", "agent", "agentid", "player", "policyid")
 """Columns that say which rows of a training count."""
+OF_D3RLPY = re.compile(r"\d+,\d+,[-\d.e+naif]+\n")
+"""Epoch, step and value."""
+D3RLPY = {"environment": "eval/mean_reward"}
+"""What d3rlpy calls its evaluations in its own examples."""
 SETTINGS = ("params.json", "config.json")
 """What RLlib and Spinning Up keep beside a table: the settings of the training."""
 KNOWN = {key for keys in ROLES.values() for key in keys} | {*MODES, *map(plain, SEED), "envid", "env", "name"}
@@ -98,6 +102,8 @@ class Table(Roles):
 
     def recognises(self, path: Path, head: bytes) -> bool:
         """By a column of returns or success, and one that counts; the rows are no steps."""
+        if path.is_dir() or (path.name == "result.json" and path.with_name("progress.csv").exists()):  # of one training
+            return bool(_curves_in(path))
         text = head_of(path, head)
         lines = text.splitlines(keepends=True)
         for kept in (len(lines), 2 if text.startswith("#") else 1):  # a row further down may be damaged
@@ -118,6 +124,8 @@ class Table(Roles):
             UsageError: A column that was named is not there, none is known, or one may mean two things.
             SchemaError: It is damaged; names the line.
         """
+        if path.is_dir():
+            return (self._folder(path),)
         text = read_text(path)
         table = parse_table(path, text, self._wanted, _bare_names(path, text))
         if table.names[:3] == MONITOR and "reward" not in table.names:
@@ -250,8 +258,7 @@ class Table(Roles):
     def _facts(self, table: TextTable, run: str, seed: str, left: Sequence[str]) -> LogFacts:
         told = _settings_beside(table.path)
         told |= {key: table.cells[f"config/{key}"][0] for key in ("env", "seed") if f"config/{key}" in table.cells}
-        beside = told.get("seed")
-        known = int(beside) if isinstance(beside, int) and not isinstance(beside, bool) else None
+        seed = seed or str(told.get("seed"))
         unused = shortened(", ".join(left), 120)
         return LogFacts(
             path=table.path,
@@ -259,7 +266,7 @@ class Table(Roles):
             run=run,
             env=next((told[key] for key in ("env", "env_name") if isinstance(told.get(key), str)), ""),
             algorithm=told["exp_name"] if isinstance(told.get("exp_name"), str) else "",
-            seed=int(seed) if seed.isdecimal() else known,
+            seed=int(seed) if seed.isdecimal() else None,
             thinned=WANDB if _is_history(table.names) else "",
             notes=(*([f"not used: {unused}"] if left else []), *table.notes),
         )
@@ -272,7 +279,30 @@ class Table(Roles):
         columns["step"] = table.counts(step, lacks=NOTHING) if step else np.arange(1.0, len(table) + 1.0)
         return points(facts, chosen, columns, self, step or "rows")
 
-    # Curves that were exported one by one
+    # Curves that stand in files of their own
+
+    def _folder(self, path: Path) -> Log:
+        """The one training whose values a program keeps in a file each."""
+        series = {}
+        for tag, (file, step, value) in _curves_in(path).items():
+            lines = enumerate(read_text(file).splitlines(keepends=True), 1)
+            rows = [(at, re.split("[ ,]", line.strip())) for at, line in lines if line.strip() and line.endswith("\n")]
+            names = tuple(map(str, range(len(rows[0][1]) if rows else 0)))
+            if any(len(row) != len(names) for _, row in rows) or len(names) <= max(step, value):
+                raise SchemaError(f"{file}: its rows are no step with a value")
+            cells = dict(zip(names, map(list, zip(*(row for _, row in rows), strict=True)), strict=True))
+            table = TextTable(file, names, cells, [at for at, _ in rows])
+            series[tag] = Series(table.numbers(str(step)).tolist(), table.numbers(str(value), NOTHING).tolist())
+        chosen = self.chosen(path, list(series))
+        name, seed = path / "tags/mlflow.runName", path / "params/seed"
+        told = read_text(seed).strip() if seed.is_file() else str(_settings_beside(path / "it").get("seed"))
+        facts = LogFacts(
+            path=path,
+            format="folder of curves",
+            run=read_text(name).strip() if name.is_file() else "",
+            seed=int(told) if told.isdecimal() else None,
+        )
+        return points(facts, chosen, aligned(series, chosen), self, "" if name.is_file() else "steps of its own")
 
     def _exported(self, table: TextTable) -> Log:
         """The curves of a run that lie beside one another, each in a file whose name has the run and the tag."""
@@ -398,6 +428,25 @@ def _settings_beside(path: Path) -> dict[str, Any]:
         if isinstance(told, dict):
             return told
     return {}
+
+
+def _curves_in(path: Path) -> dict[str, tuple[Path, int, int]]:
+    """By tag the files of a run of MLflow, of TorchRL or of d3rlpy: where in a row its step and its value stand."""
+    try:
+        if (path / "meta.yaml").is_file():
+            of, at = path / "metrics", (2, 1)
+        elif (path / "scalars").is_dir():
+            of, at = path / "scalars", (0, 1)
+        else:
+            of, at = path, (1, 2)
+        if of == path and not (path / "params.json").is_file():
+            return {}
+        files = [file for file in sorted(of.glob("*.csv") if of == path else of.rglob("*")) if file.is_file()]
+        found = [file for file in files if of != path or OF_D3RLPY.match(read_text(file))]
+    except (OSError, SchemaError):
+        return {}
+    tags = {file: file.relative_to(of).as_posix().removesuffix(".csv") for file in found}
+    return {D3RLPY.get(tag, tag) if of == path else tag: (file, *at) for file, tag in tags.items()}
 
 
 # Episodes

@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 
 from harness.errors import SchemaError
+from harness.eta.laws import NEARLY_ALL
 from harness.files.bounded import reading, require_regular
-from harness.log import Log, LogFacts
+from harness.log import LARGEST, Log, LogFacts
 
 from ..curves import CLEANRL_RUN, Chosen, Roles, Series, aligned, points
 
@@ -20,6 +21,8 @@ MOST_BYTES = 2**31
 MOST_POINTS = 20_000_000
 FRAME = 16
 """Bytes around each event: its length, and two checksums."""
+SOON = 0.05
+"""The share of a training before which a file that begins again is of another one: no checkpoint is so early."""
 HYPERPARAMETERS = "hyperparameters/text_summary"
 
 
@@ -76,7 +79,15 @@ class TensorBoard(Roles):
                     f"{file.path}: the steps of '{curve.main}' go from {way}: several trainings log into one file"
                 )
         trainings = _trainings(files, curve.main)
-        return tuple(self._log(path, curve, parts, len(trainings)) for parts in trainings)
+        ends = [_span(parts, curve.main)[1] for parts in trainings]
+        is_begun_again = len(ends) > 1 and max(ends[:-1]) < NEARLY_ALL * ends[-1]
+        note = f"the folder holds {len(trainings)} trainings, each in event files of its own"
+        if is_begun_again:
+            note = f"it was begun {len(trainings)} times, and went on to the end the last time, which counts"
+        told = [note] if len(trainings) > 1 else []
+        if is_begun_again or len(trainings) == 1:
+            return (self._log(path, curve, trainings[-1], "", told),)
+        return tuple(self._log(path, curve, parts, str(run), told) for run, parts in enumerate(trainings))
 
     def write_example(self, folder: Path) -> Path:
         """Four points under the names of stable-baselines3."""
@@ -89,7 +100,7 @@ class TensorBoard(Roles):
         writer.close()
         return folder
 
-    def _log(self, path: Path, curve: Chosen, files: Sequence[_File], trainings: int) -> Log:
+    def _log(self, path: Path, curve: Chosen, files: Sequence[_File], run: str, notes: Sequence[str]) -> Log:
         joined: dict[str, _Series] = {}
         for file in files:
             for tag, series in file.series.items():
@@ -97,21 +108,18 @@ class TensorBoard(Roles):
                 whole.steps.extend(series.steps)
                 whole.values.extend(series.values)
         told = {key: value for file in files for key, value in file.told.items()}
-        notes = [note for file in files for note in file.notes]
-        if trainings > 1:
-            notes.append(f"the folder holds {trainings} trainings, each in event files of its own")
         named = CLEANRL_RUN.fullmatch(path.name)
         env, algorithm, seed = named.group("env", "algorithm", "seed") if named else ("", "", "")
         seed = told.get("seed", seed)
         facts = LogFacts(
             path=path,
             format="TensorBoard",
-            run=files[0].path.name if trainings > 1 else "",
+            run=run,
             env=told.get("env_id", env),
             algorithm=told.get("exp_name", algorithm).partition("_")[0],
             seed=int(seed) if seed.isdecimal() else None,
             asked=int(told["total_timesteps"]) if told.get("total_timesteps", "").isdecimal() else 0,
-            notes=tuple(notes),
+            notes=(*notes, *(note for file in files for note in file.notes)),
         )
         tags = {tag: Series(it.steps, it.values) for tag, it in joined.items()}
         return points(facts, curve, aligned(tags, curve), self)
@@ -194,15 +202,19 @@ def _hyperparameters(value: Any) -> dict[str, str]:
 
 
 def _trainings(files: Sequence[_File], tag: str) -> list[list[_File]]:
-    """Files by training: one that begins no later than the training before it did is the first of another."""
+    """Files by training: one that begins where the training before it had just begun is the first of another."""
     trainings: list[list[_File]] = []
-    begin = np.inf
     for file in files:
-        first = min(file.series[tag].steps) if tag in file.series else np.inf
-        if first <= begin < np.inf or not trainings:
+        first, _ = _span([file], tag)
+        begin, end = _span(trainings[-1], tag) if trainings else (0.0, 0.0)
+        if not trainings or first <= begin + SOON * (end - begin) < LARGEST:
             trainings.append([file])
-            begin = first
         else:
             trainings[-1].append(file)
-            begin = min(begin, first)
     return trainings
+
+
+def _span(files: Sequence[_File], tag: str) -> tuple[float, float]:
+    """The first and the last step of a tag; beyond all steps where files have none."""
+    steps = [step for file in files if tag in file.series for step in file.series[tag].steps]
+    return (min(steps), max(steps)) if steps else (LARGEST, LARGEST)

@@ -427,6 +427,7 @@ OF_50 = {"N": "50", "base=N": "98304", "prop=N": "49152"}
 """An episode has 50 steps."""
 CLEANRL = "--as tensorboard:success=charts/success"
 OWN = {"trainings": (5, 5), "shares": (36.6, 82.1), "knows": OF_50, "is_asked": True}
+BARE = {"trainings": (5, 5), "knows": OF_50, "is_asked": True}
 LATE = {"words": NO_DIFFERENCE, "shares": (82.1, 82.1), "is_asked": True, "knows": OF_50}
 CALLS = LATE | {"knows": {"N": "50", "base=N": "2500", "prop=N": "1250"}}
 GONE = {"words": NO_VERDICT, "trainings": (6, 3), "without": (6, 3), "is_asked": True, "knows": OF_50}
@@ -464,10 +465,10 @@ CASES = [
         "names-weights-pooled", weights_pooled, "report names-weights-pooled", NO_DIFFERENCE, (), (5, 1, 1, 1, 1),
         is_asked=True, untrue=r"\{reward\}_\{seed\}",
     ),
-    Case("tb-one-folder", one_folder, "report tb-one-folder --sort '{reward}/*'", BETTER, **OWN, law="names"),
-    Case("tb-one-folder", one_folder, "report tb-one-folder", BETTER, **OWN, law="names"),
-    Case("tb-rerun", rerun, "report tb-rerun --sort '{reward}/{seed}'", BETTER, **OWN, law="side by side"),
-    Case("tb-rerun", rerun, "report tb-rerun", BETTER, **OWN, law="side by side"),
+    Case("tb-one-folder", one_folder, "report tb-one-folder --sort '{reward}/*'", ("learns faster",), **BARE),
+    Case("tb-one-folder", one_folder, "report tb-one-folder", ("learns faster",), **BARE),
+    Case("tb-rerun", rerun, "report tb-rerun --sort '{reward}/{seed}'", BETTER, **OWN),
+    Case("tb-rerun", rerun, "report tb-rerun", BETTER, **OWN),
     Case(
         "tidy-reward-column", tidy("reward_fn", "seed"), "report tidy-reward-column", BETTER, (21.9, 75.7), (5, 5),
         is_asked=True,
