@@ -19,10 +19,12 @@ if TYPE_CHECKING:
     from harness.eta.interval import SHARE as SHARE, UNBOUNDED as UNBOUNDED
     from harness.eta.judgement import judge as judge
     from harness.eta.laws import (
+        Better as Better,
         Curve as Curve,
         Curves as Curves,
         Span as Span,
         counted as counted,
+        direction_of as direction_of,
         latest_shared as latest_shared,
         require_share as require_share,
         shortfall_beside as shortfall_beside,

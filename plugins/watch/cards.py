@@ -115,7 +115,7 @@ def card_of(training: Training, last: int, did: Range, paid: Range, terms: Range
     if training.asked and training.state != "done":
         progress = f"{training.steps:,} of {training.asked:,} steps"
     share = 100.0 * min(1.0, training.steps / training.asked) if training.asked else math.nan
-    hint = hint_of(blocks, training.lower_is_better, measure) if measure else None
+    hint = hint_of(blocks, training.better, measure) if measure else None
     told = hint.text if hint else ""
     if not blocks:
         words = training.note or ("" if training.state == "failed" else "No episode has ended yet.")
@@ -126,7 +126,7 @@ def card_of(training: Training, last: int, did: Range, paid: Range, terms: Range
         values = curves.behaviour
         axis = _shares() if training.is_share else _axis(did)
         shown = f"{100 * values[-1]:.0f} %" if training.is_share else _number(values[-1])
-        lower = ", less is better" if training.lower_is_better else ""
+        lower = ", less is better" if training.better == "lower" else ""
         figures.append(_figure(f"{measure}{lower}", shown, steps, values, "behaviour", axis, last))
     pay = curves.pay
     figures.append(_figure(f"pay by {training.reward}", _number(pay[-1]), steps, pay, "ruler", _axis(paid), last))

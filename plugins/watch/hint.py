@@ -11,6 +11,7 @@ from scipy.special import stdtr
 
 from harness.arrays import Float
 from harness.authoring.commands import Block
+from harness.eta import Better
 
 MOST = 64
 """Blocks of a training, at most."""
@@ -40,7 +41,7 @@ class Hint:
         behaviour: The same.
         measure: Name of the behaviour.
         is_share: Whether each episode succeeds or fails.
-        lower_is_better: Whether less of the measure is better, so that it rose.
+        better: Which values of the measure are better: where it is less, it rose.
     """
 
     since: int
@@ -48,21 +49,26 @@ class Hint:
     behaviour: tuple[float, float]
     measure: str
     is_share: bool
-    lower_is_better: bool
+    better: Better
 
     @property
     def text(self) -> str:
         """One line."""
         before, now = (f"{100 * it:.0f} %" if self.is_share else f"{it:.3g}" for it in self.behaviour)
         paid, pays = (f"{it:.3g}" for it in self.pay)
-        moved = "rose" if self.lower_is_better else "fell"
+        moved = "rose" if self.better == "lower" else "fell"
         return (
             f"Pay rose from {paid} to {pays} since step {self.since:,} while {self.measure} {moved} from {before} to "
             f"{now}. It is a hint, not a verdict."
         )
 
 
-def hint_of(blocks: Sequence[Block], lower_is_better: bool, measure: str = "success") -> Hint | None:
+def is_flag(blocks: Sequence[Block]) -> bool:
+    """Whether each episode's behaviour is 0 or 1."""
+    return _Series.of(blocks, [(it.behaviour, it.behaviour_spread) for it in blocks]).is_share
+
+
+def hint_of(blocks: Sequence[Block], better: Better, measure: str = "success") -> Hint | None:
     """What a training's blocks hint at, or None.
 
     The last blocks are compared with all earlier ones, in windows of `WIDTHS`. A hint needs two t tests at once: pay
@@ -72,13 +78,13 @@ def hint_of(blocks: Sequence[Block], lower_is_better: bool, measure: str = "succ
 
     Args:
         blocks: Of one training; the last one is left out while it has fewer episodes than the others.
-        lower_is_better: Whether less of the behaviour is better.
+        better: Which values of the behaviour are better; where nobody says it, nothing is hinted at.
         measure: Name of the behaviour.
     """
     whole = [it for it in blocks if it.episodes == blocks[0].episodes]
     pay = _Series.of(whole, [(it.pay, it.pay_spread) for it in whole])
     behaviour = _Series.of(whole, [(it.behaviour, it.behaviour_spread) for it in whole])
-    worse = behaviour if lower_is_better else behaviour.negative
+    worse = behaviour if better == "lower" else behaviour.negative
     least = max(LEAST_OF_RANGE * worse.range, LEAST_SHARE * behaviour.is_share)
     found = [
         (min(pay.surprise(pair), worse.surprise(pair)) - pair.needed(blocks[0].episodes), pair)
@@ -86,7 +92,7 @@ def hint_of(blocks: Sequence[Block], lower_is_better: bool, measure: str = "succ
         if worse.rise(pair) >= least and pay.rise(pair) > 0.0  # false of NaN
     ]
     excess, pair = max(found, default=(-1.0, None))
-    if pair is None or excess < 0.0:
+    if pair is None or excess < 0.0 or not better:
         return None
     return Hint(
         since=whole[pair.earlier.stop - 1].steps,
@@ -94,7 +100,7 @@ def hint_of(blocks: Sequence[Block], lower_is_better: bool, measure: str = "succ
         behaviour=behaviour.means_of(pair),
         measure=measure,
         is_share=behaviour.is_share,
-        lower_is_better=lower_is_better,
+        better=better,
     )
 
 

@@ -17,8 +17,10 @@ from harness.authoring.commands import (
     recordings_in,
 )
 from harness.errors import HarnessError, SchemaError, UsageError, one_line
+from harness.eta import Better, direction_of
 from harness.record import TRACE, Cell, Store, partial_folder
 
+from .hint import is_flag
 from .recorded import Recording, blocks_of_trace, measure_of
 
 State: TypeAlias = Literal["running", "done", "stopped", "failed"]
@@ -43,7 +45,7 @@ class Training:
         terms: By name of a term of the reward: what it paid an episode, mean of each block.
         measure: The behaviour that is shown; empty if nothing measures it.
         is_share: Whether that is a share of episodes.
-        lower_is_better: Of the measure.
+        better: Which values of it are; empty if nobody says it.
         note: Why it failed.
     """
 
@@ -57,7 +59,7 @@ class Training:
     terms: tuple[tuple[str, tuple[float, ...]], ...] = ()
     measure: str = ""
     is_share: bool = False
-    lower_is_better: bool = False
+    better: Better = ""
     note: str = ""
 
     def with_blocks(self, blocks: Blocks) -> "Training":
@@ -153,7 +155,7 @@ class ExperimentSource:
 
     def _arm(self, plain: Training, folder: Path) -> Training:
         """The training of an arm, by what its cell tells while it trains, and afterwards by its trace."""
-        plain = replace(plain, measure="success", is_share=True)
+        plain = replace(plain, measure="success", is_share=True, better="higher")
         try:
             blocks = blocks_of_trace(folder / TRACE) if plain.state == "done" else read_blocks(folder)
         except SchemaError as error:
@@ -253,7 +255,7 @@ def told_by(recording: Recording, plain: Training) -> Training:
         asked=plain.asked or facts.asked,
         measure=measure,
         is_share=is_share,
-        lower_is_better=measure in facts.lower_is_better,
+        better=direction_of(measure, facts.lower_is_better, facts.higher_is_better, is_flag=is_flag(blocks.listed)),
     )
     return told.with_blocks(blocks)
 

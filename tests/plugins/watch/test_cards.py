@@ -87,7 +87,7 @@ def test_a_hint_is_shown(training, monkeypatch):
     monkeypatch.setattr(cards, "hint_of", lambda *given: asked.append(given) or hint)
     cards.card_of.cache_clear()
     assert rows_of([training])[0].cards[0].hint == "Pay rose while success fell."
-    assert asked == [(training.blocks, False, "success")]
+    assert asked == [(training.blocks, "", "success")]
     assert rows_of([replace(training, measure="")])[0].cards[0].hint == ""
     cards.card_of.cache_clear()
 

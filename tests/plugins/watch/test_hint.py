@@ -36,7 +36,7 @@ def hacked(rng, falls=0.6):
 
 def test_hint_says_what_rose_and_what_fell_since_when(rng):
     """Pay of 1 becomes 3 and success of 90 % becomes 30 % after 12,800 steps."""
-    found = hint_of(blocks_of(*hacked(rng)), lower_is_better=False)
+    found = hint_of(blocks_of(*hacked(rng)), better="higher")
     assert found.pay == pytest.approx((1.0, 3.0), abs=0.2)
     assert found.behaviour == pytest.approx((0.9, 0.3), abs=0.15)
     assert found.since <= 12_800
@@ -50,40 +50,40 @@ def test_no_hint_unless_pay_rises_and_behaviour_falls(signs, rng):
     pay, behaviour = signs
     noise = rng.normal(size=(2, 256))
     moved = pay * 3.0 * LATER + noise[0], behaviour * 3.0 * LATER + noise[1]
-    assert hint_of(blocks_of(*moved), lower_is_better=False) is None
+    assert hint_of(blocks_of(*moved), better="higher") is None
 
 
 def test_distance_that_grows_is_worse(rng):
     """Where less is better a rise is what is hinted at."""
     pay, distance = 3.0 * LATER + rng.normal(size=256), 0.2 + 0.2 * LATER + 0.02 * rng.normal(size=256)
-    assert hint_of(blocks_of(pay, distance), lower_is_better=False) is None
-    assert "while distance rose from 0.196 to 0.398" in hint_of(blocks_of(pay, distance), True, "distance").text
+    assert hint_of(blocks_of(pay, distance), better="higher") is None
+    assert "while distance rose from 0.196 to 0.398" in hint_of(blocks_of(pay, distance), "lower", "distance").text
 
 
 def test_small_fall_of_success_does_not_matter(rng):
     """From 90 % to 85 % in 100,000 episodes is certain, and less than a tenth."""
     later = np.arange(100_000) >= 50_000
     behaviour = rng.random(100_000) < 0.9 - 0.05 * later
-    assert hint_of(blocks_of(3.0 * later + rng.normal(size=100_000), behaviour), lower_is_better=False) is None
+    assert hint_of(blocks_of(3.0 * later + rng.normal(size=100_000), behaviour), better="higher") is None
 
 
 @pytest.mark.parametrize("count", [0, 1, 7, 8])
 def test_few_episodes_have_no_hint(count):
     """Two windows of four blocks need eight."""
-    assert hint_of(blocks_of(np.arange(count), -np.arange(count)), lower_is_better=False) is None
+    assert hint_of(blocks_of(np.arange(count), -np.arange(count)), better="higher") is None
 
 
 def test_nothing_measured_has_no_hint(rng):
     """A training without a measure has NaN."""
     pay, behaviour = hacked(rng)
-    assert hint_of(blocks_of(pay, np.full_like(behaviour, np.nan, float)), lower_is_better=False) is None
+    assert hint_of(blocks_of(pay, np.full_like(behaviour, np.nan, float)), better="higher") is None
 
 
 def test_block_that_is_not_full_is_left_out(rng):
     """What is hinted at does not depend on it."""
     blocks = blocks_of(*hacked(rng))
     mutant = (*blocks, Block(30_000, 1, 1e9, math.nan, 1e9, math.nan))
-    assert hint_of(mutant, lower_is_better=False) == hint_of(blocks, lower_is_better=False)
+    assert hint_of(mutant, better="higher") == hint_of(blocks, better="higher")
 
 
 def test_surprise_is_that_of_a_t_test(rng):
@@ -133,7 +133,7 @@ def has_hint(case, steps, pay, behaviour, share):
     for until in np.linspace(0.0, share, 21)[1:] * steps[-1]:
         there = steps <= until
         blocks = blocks_of(pay[there], behaviour[there], steps[there])
-        if hint_of(blocks, case.lower_is_better, case.measure):
+        if hint_of(blocks, case.better, case.measure):
             return True
     return False
 
@@ -158,7 +158,7 @@ def got_worse(case, steps, pay, behaviour):
 
     Worse by 0.1 of success, or by half a standard deviation of the earlier tenth.
     """
-    better = -behaviour if case.lower_is_better else behaviour
+    better = -behaviour if case.better == "lower" else behaviour
     tenths = [steps * 10 // (steps[-1] + 1) == it for it in range(10)]
     tenths = [it for it in tenths if it.any()]
     is_share = set(np.unique(behaviour)) <= {0.0, 1.0}
@@ -175,3 +175,10 @@ def test_two_thirds_of_the_hacked_trainings_that_got_worse_have_a_hint_before_ha
     worse = [it for it in recorded() if it[0].is_hacked and got_worse(*it)]
     assert len(worse) == 18
     assert sum(has_hint(*it, share=0.5) for it in worse) >= 12
+
+
+def test_where_nobody_says_what_is_better_nothing_is_hinted_at(rng):
+    """The same blocks as those with a hint, of a measure of which nobody said it."""
+    blocks = blocks_of(*hacked(rng))
+    assert hint_of(blocks, better="higher") is not None
+    assert hint_of(blocks, better="") is None

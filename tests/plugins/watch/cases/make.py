@@ -28,7 +28,7 @@ def train(case, folder):
     for seed in [it for it in SEEDS if not _is_closed(folder / str(it))]:
         with RecordRewards(
             make(), folder / str(seed), trained_with=case.reward, rewards={case.reward: case.given}, pay=True,
-            behaviour={measure: behaviour},
+            behaviour={measure: behaviour}, **{f"{case.better}_is_better": [measure]},
         ) as env:  # fmt: skip
             LEARNERS[case.learner](env, case.steps, seed)
 

@@ -53,7 +53,7 @@ def has_hint(pay, behaviour):
     numbers, steps = np.column_stack([pay, behaviour]), 100 * np.arange(1, len(pay) + 1)
     for begin in range(0, len(pay), 2):
         blocks = blocks.followed_by(steps[begin : begin + 2], numbers[begin : begin + 2])
-        if blocks.episodes[-1] == blocks.episodes[0] and hint_of(blocks.listed, lower_is_better=False):
+        if blocks.episodes[-1] == blocks.episodes[0] and hint_of(blocks.listed, better="higher"):
             return True
     return False
 

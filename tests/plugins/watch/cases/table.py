@@ -69,9 +69,9 @@ class Case:
         return WORLDS[self.world][1]
 
     @property
-    def lower_is_better(self):
-        """Whether less of it is better."""
-        return self.measure in LOWER_IS_BETTER
+    def better(self):
+        """Which values of it are better."""
+        return "lower" if self.measure in LOWER_IS_BETTER else "higher"
 
 
 CASES = (
