@@ -191,7 +191,9 @@ def templates_of(names: Sequence[str]) -> list[str]:
             except UsageError:
                 continue
             rewards = [it.reward for it in sorted_.values()]
-            if len({(it.reward, it.place if it.seed is None else it.seed) for it in sorted_.values()}) == len(names):
+            runs = {(it.reward, it.place if it.seed is None else it.seed) for it in sorted_.values()}
+            of_seeds = any(it["word"].lower() in _SEED for reward in rewards for it in _numbers_in(reward))
+            if len(runs) == len(names) and not of_seeds:
                 rank = min(map(rewards.count, rewards)) < 2, "{seed}" not in template, template
                 key = frozenset(zip(rewards, names, strict=True))
                 found[key] = min(rank, found.get(key, rank))
@@ -218,7 +220,7 @@ def _templates(marked: Sequence[str]) -> list[str]:
     return found
 
 
-def question(names: Sequence[str], why: str, ways: Sequence[str] = ()) -> UsageError:
+def question(names: Sequence[str], why: str, ways: Sequence[str] | None = None) -> UsageError:
     """What to say where names do not tell which trainings there are, with the templates that can be meant.
 
     Args:
@@ -227,7 +229,7 @@ def question(names: Sequence[str], why: str, ways: Sequence[str] = ()) -> UsageE
         ways: The templates, if it is known which.
     """
     shown = []
-    for way in [*(ways or templates_of(names))][:2]:
+    for way in (templates_of(names) if ways is None else ways)[:2]:
         found = sort_by_template(way, names).values()
         count, rewards = len({it.place for it in found}), len({it.reward for it in found})
         shown.append(f"{command_text('--sort', way)} ({count} trainings of {rewards} reward{'s' * (rewards != 1)})")

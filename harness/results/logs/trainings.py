@@ -129,7 +129,7 @@ def sort_logs(folder: Path, logs: Sequence[Log], template: str = "", baseline: s
     found: dict[Key, list[tuple[Log, str]]] = {}
     for log, of, name in zip(logs, _named(folder, logs, names, template), names, strict=True):
         found.setdefault((of.reward, of.seed, of.place if of.seed is None else ""), []).append((log, name))
-    best = {key: _best_of(key, of, is_told=bool(template)) for key, of in found.items()}
+    best = {key: _best_of(key, of, names, is_told=bool(template)) for key, of in found.items()}
     trainings = _without_copies(_with_seeds(best, notes), notes)
     if not template:
         _require_apart(folder, trainings)
@@ -158,7 +158,7 @@ def require_several(folder: Path, found: Sorted) -> None:
         raise question(
             list(dict.fromkeys(_name_of(folder, *it) for it in paths)),
             f"say that there is one training alone of {listed(single[:3])}{more}, and chance cannot be told from one",
-            _ways(folder, [it.path for it in batches])[::-1] if batches else (),
+            _ways(folder, [it.path for it in batches])[::-1] if batches else None,
         )
 
 
@@ -282,31 +282,37 @@ def _above(name: str) -> list[str]:
 # What belongs together
 
 
-def _best_of(key: Key, of: Sequence[tuple[Log, str]], *, is_told: bool) -> tuple[tuple[Log, ...], Log | None]:
+def _best_of(
+    key: Key, of: Sequence[tuple[Log, str]], names: Sequence[str], *, is_told: bool
+) -> tuple[tuple[Log, ...], Log | None]:
     """The log that tells a training best, of all of its logs, and the one of its evaluations.
 
     A log of success is better than one of returns alone, then the one of the finest unit is. Only files of Monitor can
     be of environments that one training steps together.
+
+    Raises:
+        UsageError: Two logs tell the same of the training; says the flags that tell them apart.
     """
     finest = sorted(of, key=lambda it: (UNITS.index(it[0].facts.unit), str(it[0].facts.path)))
     evaluation = next((log for log, _ in finest if log.facts.evaluation), None)
     trained = [it for it in finest if not it[0].facts.evaluation]
     needs_success = evaluation is None or SUCCESS not in evaluation.measures
-    first = min(trained or finest, key=lambda it: needs_success and SUCCESS not in it[0].measures)[0]
-    best = [it for it in of if (it[0].facts.format, it[0].facts.evaluation) == (first.facts.format, not trained)]
-    logs = _distinct(log for log, _ in best)
-    is_batch = len({name for _, name in best}) == 1 and all(map(_is_numbered, logs))
-    is_batch |= is_told and all("seconds" in log and log.facts.path.parent == first.facts.path.parent for log in logs)
-    for log in () if is_batch else logs[1:]:
+    first = min(trained or finest, key=lambda it: needs_success and SUCCESS not in it[0].measures)[0].facts
+    called = {log: name for log, name in of if (log.facts.format, log.facts.evaluation) == (first.format, not trained)}
+    whole, *others = logs = _distinct(called)
+    is_batch = len({*called.values()}) == 1 and all(map(_is_numbered, logs))
+    if is_batch or (is_told and all("seconds" in log and log.facts.path.parent == first.path.parent for log in logs)):
+        return tuple(logs), evaluation if trained else None
+    for log in others:
         new = {name: log[name] for name in log.names if name.startswith((REWARD, BEHAVIOUR))}
-        if not new.keys().isdisjoint(logs[0].names) or not np.array_equal(logs[0][TIME], log[TIME]):
-            raise UsageError(
-                f"'{first.facts.path}' and '{log.facts.path}' were both trained with {key[0]} and seed {key[1]}: keep "
-                f"one, {command_text('--leave-out', log.facts.path)}, or say how names are made, such as --sort "
-                "'{reward}/{seed}'"
-            )
-        logs[0] = logs[0].add(new)  # other columns of the same times
-    return tuple(logs if is_batch else logs[:1]), evaluation if trained else None
+        if not new.keys().isdisjoint(whole.names) or not np.array_equal(whole[TIME], log[TIME]):
+            twice = called[logs[0]], called[log]
+            one = command_text("--leave-out", log.facts.path)
+            why = f"say that {key[0]} was trained with seed {key[1]}: {one} keeps one"
+            rest = dict.fromkeys(it for it in names if it not in twice)
+            raise question([twice[0], *rest, twice[1]], why, None if len({*twice}) > 1 else [])
+        whole = whole.add(new)  # other columns of the same times
+    return (whole,), evaluation if trained else None
 
 
 def _distinct(logs: Iterable[Log]) -> list[Log]:

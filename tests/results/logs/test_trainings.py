@@ -216,7 +216,7 @@ def test_curves_of_one_training_are_never_added_up(tmp_path):
     told = second.renamed({"reward/recorded": "behaviour/success"})
     found = sort_logs(tmp_path, [first, told], "{reward}_{seed}-*")
     assert found.trainings[0].logs[0].names == ("time", "reward/recorded", "behaviour/success")
-    with pytest.raises(UsageError, match="keep one, --leave-out") as asked:
+    with pytest.raises(UsageError, match=r"was trained with seed 1: --leave-out .* keeps one") as asked:
         sort_logs(tmp_path, [first, other], "{reward}_{seed}-*")
     assert str(other.facts.path) in str(asked.value)
 
