@@ -36,6 +36,7 @@ class Case:
         says: What stands in the answer.
         knows: What stands for a word in capitals that a remedy has.
         untrue: Remedies that say what is not so of this input: whoever types them lies.
+        then: Which of the words is right once a remedy was typed; any of them if none is named.
         without: How many trainings stay of each reward if one leaves those out that have no end.
         law: The law that is broken today; empty where the answer is right.
     """
@@ -51,6 +52,7 @@ class Case:
     says: str = ""
     knows: Mapping[str, str] = field(default_factory=dict)
     untrue: str = "(?!)"
+    then: tuple[str, ...] = ()
     without: tuple[int, ...] = ()
     law: str = ""
 
@@ -357,7 +359,7 @@ def whole_table(folder):
     for reward, final, first in WIDE:
         for seed in range(5):
             told = zip(at(40).tolist(), curve(final, seed + first).tolist(), strict=True)
-            rows = ({"step": step, "episode/score": paid(x).item(), "episode/success": x} for step, x in told)
+            rows = ({"step": step // 2500, "episode/score": paid(x).item(), "episode/success": x} for step, x in told)
             lines(folder / f"{reward}_{seed}" / "metrics.jsonl", rows)
 
 
@@ -423,13 +425,14 @@ NO_DIFFERENCE = ("cannot tell",)
 BETTER = ("helps",)
 FASTER = ("helps", "learns faster")
 NO_VERDICT = (INTERIM,)
-OF_50 = {"N": "50", "base=N": "98304", "prop=N": "49152"}
-"""An episode has 50 steps."""
+OF_50 = {"N": "50", "base=N": "2500", "prop=N": "2500"}
+"""An episode has 50 steps, and a point is told after 2,500 more."""
 CLEANRL = "--as tensorboard:success=charts/success"
 OWN = {"trainings": (5, 5), "shares": (36.6, 82.1), "knows": OF_50, "is_asked": True}
 BARE = {"trainings": (5, 5), "knows": OF_50, "is_asked": True}
 LATE = {"words": NO_DIFFERENCE, "shares": (82.1, 82.1), "is_asked": True, "knows": OF_50}
 CALLS = LATE | {"knows": {"N": "50", "base=N": "2500", "prop=N": "1250"}}
+ENVS = LATE | {"knows": {"N": "50", "base=N": "98304", "prop=N": "49152"}}
 GONE = {"words": NO_VERDICT, "trainings": (6, 3), "without": (6, 3), "is_asked": True, "knows": OF_50}
 CASES = [
     Case("grid-same", grids((10, 10)), "report grid-same", **LATE),
@@ -488,7 +491,7 @@ CASES = [
     Case(
         "iteration-reward",
         each("{reward}/{seed}.csv", lambda it: {"iteration": range(40), "reward": paid(it), "success": it}),
-        "eta iteration-reward", BETTER, **OWN | {"knows": OF_50 | {"base=N": "2500", "prop=N": "2500"}},
+        "eta iteration-reward", BETTER, **OWN,
     ),
     Case("two-agents", each("{reward}/{seed}.csv", agents), "eta two-agents", NO_DIFFERENCE, (), (5, 5),
          is_asked=True),
@@ -501,10 +504,10 @@ CASES = [
     ),
     Case("prefix-copies", prefixes, "report prefix-copies", BETTER, **OWN),
     Case("wandb-step-axis", charted, "report wandb-step-axis", **CALLS),
-    Case("isaac-iterations", isaac, "report isaac-iterations", **LATE),
+    Case("isaac-iterations", isaac, "report isaac-iterations", **ENVS),
 ]  # fmt: skip
 
-SHORTER = {"words": ("cannot tell", "helps"), "trainings": (5, 5), "knows": {"FILE": "labels.csv", "NAME": "length"}}
+SHORTER = {"words": NO_DIFFERENCE, "trainings": (5, 5), "knows": {"FILE": "labels.csv"}, "then": BETTER}
 ASKED = [
     Case("returns-alone", plain(), "report returns-alone", **SHORTER),
     Case(

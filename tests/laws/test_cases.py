@@ -1,6 +1,7 @@
 """What is said of logs and data sets of others is right, or a question; and whatever it tells to type leads on."""
 
 import shlex
+from dataclasses import replace
 
 import pytest
 
@@ -58,7 +59,7 @@ def followed(case, said, deep=0, seen=None):
             yield from deeper
             wrong = "" if not case.wrong(answer) or any(it[2] for it in deeper) else answer.text
         else:
-            wrong = case.wrong(answer)
+            wrong = replace(case, words=case.then or case.words).wrong(answer)
         led = led or not wrong
         seen[line] = not wrong
         yield line, wrong, led

@@ -7,7 +7,7 @@ from hypothesis import given, strategies as st
 
 from harness.errors import SchemaError, UsageError
 from harness.log import LogFacts, in_memory
-from harness.results import Deciding, parse_deciding
+from harness.results import Deciding
 from harness.results.logs.read_logs import runs_of
 from harness.results.logs.trainings import Sorted, Training
 
@@ -106,35 +106,11 @@ def test_trainings_that_do_not_tell_success_are_counted():
     assert "success decides, which 1 of 4 trainings do not tell" in found.said[0]
 
 
-def test_returns_of_two_rewards_are_not_compared():
-    """Each reward paid its own trainings alone: no success, no verdict, and it is said first. Equal rows are told."""
-    found = runs(*pair())
-    assert found.measures == ()
-    assert "every reward has its own scale" in found.returns_apart
-    assert "only returns are told" in found.said[0]
-    assert "needs the reward of each environment step" in found.notes[0]
-    assert any("are equal bit for bit" in line for line in found.said)
-
-
 def test_returns_decide_where_one_reward_paid_all():
     """Only the user can know that; then more is better."""
     found = runs(*pair(), deciding=Deciding("return"))
     assert found.measures == ("return",)
     assert found.members["base", 0].whole.behaviour["return"] == pytest.approx(4.5)
-
-
-def test_what_decides_needs_a_direction():
-    """Nobody knows whether long episodes are good; what the user says is believed."""
-    with pytest.raises(UsageError, match="--measure length:better=lower or --measure length:better=higher"):
-        runs(*pair(), deciding=Deciding("length"))
-    assert runs(*pair(), deciding=parse_deciding("length:better=lower")).better("length") == "lower"
-
-
-def test_a_measure_without_a_direction_is_offered_and_does_not_decide():
-    """A column that somebody kept, such as a distance, may be good or bad."""
-    found = runs(*pair(**{"behaviour/distance": np.arange(10.0)}))
-    assert found.measures == ()
-    assert "The logs tell `distance` too" in found.said[0]
 
 
 @pytest.mark.parametrize(
@@ -215,13 +191,3 @@ def test_logs_without_steps_are_counted_in_episodes():
     found = runs(*(Training("base", seed, (log,)) for seed, log in enumerate(logs)))
     assert found.steps == 6
     assert [it.why for it in found.missing] == ["it ends after 4 episodes, and another one of base after 6"]
-
-
-def test_evaluations_alone_are_trainings():
-    """Nobody kept the episodes of the training: its length is that of its last evaluation, which decides."""
-    at = {"time": np.repeat([20.0, 40.0], 2), SUCCESS: [0, 0, 1, 0]}
-    found = runs(*(Training("base", seed, (evaluations(seed, **at, **{PAY: [seed] * 4}),)) for seed in range(2)))
-    assert found.steps == 40
-    parts = found.members["base", 1].parts(found.steps)
-    assert parts["in evaluations"].behaviour == {"success": 0.5}
-    assert parts["over the training"].episodes == 0

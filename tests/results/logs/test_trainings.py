@@ -19,41 +19,11 @@ def curve(path, **facts):
     return in_memory(told, {"time": np.array([10.0, 20.0, 30.0]), "reward/recorded": points})
 
 
-def test_a_file_for_each_seed(monitor, sort):
-    """Folders are rewards, files are seeds; the baseline is the one that is called so."""
-    for seed in range(2):
-        monitor(f"arp/{seed}.monitor.csv", [seed, 1, 3], started=1e9 + 5e3 * seed)
-        monitor(f"my-base/{seed}.monitor.csv", [seed, 2, 3], started=1e9 + 5e3 * seed)
-    found = sort()
-    assert keys(found) == [("my-base", 0, 1), ("my-base", 1, 1), ("arp", 0, 1), ("arp", 1, 1)]
-    assert found.sentence == "4 trainings of 2 rewards: `my-base` 2, `arp` 2; the baseline is `my-base`"
-    assert found.notes == ()
-
-
 def batch(monitor, folder, *, paid, envs=3, started=1.7e9):
     """Files of environments that one training steps together."""
     for env in range(envs):
         ends = [number + 1e-4 * env for number in range(1, 7)]
         monitor(f"{folder}/{env}.monitor.csv", [paid + env + it for it in range(6)], started=started, at=ends)
-
-
-def test_files_of_environments_that_trained_together(monitor, sort):
-    """``make_vec_env`` writes a file for each of its environments: folders with seeds are the trainings then."""
-    for number, name in enumerate(("base_1", "base_2", "arp_1", "arp_2")):
-        batch(monitor, name, paid=10 * number, started=1.7e9 + 1e4 * number)
-    found = sort()
-    assert keys(found) == [("base", 1, 3), ("base", 2, 3), ("arp", 1, 3), ("arp", 2, 3)]
-    assert "are read as environments of one training, as the 3 in" in found.notes[0]
-    assert found.notes[0].endswith("If each is a training, say --sort '{reward}_*/*'")
-    assert [len(it.logs) for it in sort("{reward}_*/*").trainings] == [1] * 12
-
-
-def test_files_of_one_training_are_no_seeds(monitor, sort):
-    """A folder for each reward, and in it the environments of one training: no seed is made of them."""
-    for name in ("base", "arp"):
-        batch(monitor, name, paid=len(name))
-    assert keys(sort()) == [("base", 0, 3), ("arp", 0, 3)]
-    assert keys(sort("{reward}/{seed}")) == [(name, seed, 1) for name in ("base", "arp") for seed in range(3)]
 
 
 def test_what_lies_below_the_folder_of_such_a_training_is_its_own(monitor, sort, tmp_path):
@@ -66,16 +36,6 @@ def test_what_lies_below_the_folder_of_such_a_training_is_its_own(monitor, sort,
     found = sort()
     assert keys(found) == [("base", 0, 3), ("arp", 0, 3)]
     assert "Left out: 2 of table of points" in found.notes[-1]
-
-
-def test_environments_with_names_of_seeds_are_refused(monitor, sort):
-    """Names say two trainings, times say one: the message says both."""
-    for env in range(2):
-        ends = [number + 1e-4 * env for number in range(1, 7)]
-        monitor(f"base/env_{env}.monitor.csv", [env + it for it in range(6)], at=ends)
-    with pytest.raises(UsageError, match="their times that several are environments of one") as asked:
-        sort()
-    assert [keys(sort(it)) for it in sorts_of(asked)] == [[("base", 0, 2)], [("base", 0, 1), ("base", 1, 1)]]
 
 
 def test_a_copy_of_an_environments_file_counts_once(monitor, sort, tmp_path):
@@ -102,18 +62,6 @@ def test_one_training_of_a_reward_is_asked_unless_it_was_named(tmp_path):
     with pytest.raises(UsageError, match="one training alone of base and arp") as asked:
         require_several(tmp_path, sort_logs(tmp_path, logs))
     assert [keys(sort_logs(tmp_path, logs, it)) for it in sorts_of(asked)] == [[("base", 0, 1), ("arp", 0, 1)]]
-
-
-def test_a_doubtful_folder_is_refused_with_both_flags(monitor, sort):
-    """Files of one folder that began together, with too few episodes to tell: one training or several."""
-    for name in ("base", "arp"):
-        for number in range(2):
-            monitor(f"{name}/{number}.monitor.csv", [len(name), number, 1])
-    with pytest.raises(UsageError, match="environments, or of a training each") as asked:
-        sort()
-    whole, each = (keys(sort(it)) for it in sorts_of(asked))
-    assert whole == [("base", 0, 2), ("arp", 0, 2)]
-    assert each == [("base", 0, 1), ("base", 1, 1), ("arp", 0, 1), ("arp", 1, 1)]
 
 
 def test_a_doubtful_folder_is_read_as_those_beside_it(monitor, sort):
@@ -188,15 +136,6 @@ def test_runs_of_one_file_are_sorted_by_their_own_names(tmp_path):
     assert keys(sort_logs(tmp_path, logs)) == [("base", 0, 1), ("base", 1, 1), ("prop", 0, 1), ("prop", 1, 1)]
 
 
-def test_a_copy_counts_once(monitor, sort):
-    """The same rows under another seed are no second training; the note names both files."""
-    monitor("base/0.monitor.csv", [1, 2, 3], started=1)
-    monitor("base/1.monitor.csv", [1, 2, 3], started=1e6)
-    found = sort()
-    assert keys(found) == [("base", 0, 1)]
-    assert found.notes[0].endswith("0.monitor.csv': the training counts once")
-
-
 def test_the_beginning_of_a_training_is_a_copy(tmp_path):
     """It lacks the last points, and would count twice; of few values an equal beginning may be chance."""
     points = np.sqrt(np.arange(8.0))
@@ -219,14 +158,6 @@ def test_curves_of_one_training_are_never_added_up(tmp_path):
     with pytest.raises(UsageError, match=r"was trained with seed 1: --leave-out .* keeps one") as asked:
         sort_logs(tmp_path, [first, other], "{reward}_{seed}-*")
     assert str(other.facts.path) in str(asked.value)
-
-
-def test_a_seed_that_stands_twice_is_refused(monitor, sort):
-    """Two different trainings of one reward and one seed: the message names both files and the flag."""
-    monitor("base/a/seed1.monitor.csv", [1, 2, 3])
-    monitor("base/b/seed1.monitor.csv", [1, 2, 4])
-    with pytest.raises(UsageError, match="--sort"):
-        sort("{reward}/*/seed{seed}")
 
 
 def test_trainings_without_a_seed_are_numbered(monitor, sort):
