@@ -16,7 +16,7 @@ from harness.errors import UsageError
 from harness.log import Log
 from harness.text import command_text, shortened
 
-_DAY = "20[0-9]{2}[-_]?[01][0-9][-_]?[0-3][0-9]|2[0-9](?:0[1-9]|1[0-2])(?:0[1-9]|[12][0-9]|3[01])"
+_DAY = "20[0-9]{2}[-_/]?[01][0-9][-_/]?[0-3][0-9]|2[0-9](?:0[1-9]|1[0-2])(?:0[1-9]|[12][0-9]|3[01])"
 _MONTH = "(?:Jan|Feb|Mar|Apr|May|Jun|Jul|Aug|Sep|Oct|Nov|Dec)[0-3][0-9]"
 _HOUR = "[0-2][0-9][-_:h]?[0-5][0-9](?:[-_:m]?[0-9]{2})?"
 _HEX = "[0-9a-f]"
@@ -91,7 +91,7 @@ def sort_names(names: Iterable[str], template: str = "", *, is_asked: bool = Tru
     why, weighed = (why, []) if why else _doubt_of(found, texts, seeds)
     if why and is_asked:
         ways = templates_of(list(found))
-        if weighed:
+        if weighed and ways:
             others = {it.reward for it in found.values()}.difference(weighed)
             ways[1:] = ["|".join([*(ways[0].replace("{reward}", it) for it in sorted(others)), "{reward}"])]
         raise question(list(found), f"can be read in two ways: {why}", ways)
@@ -186,12 +186,9 @@ def templates_of(names: Sequence[str]) -> list[str]:
             for text, of in zip(texts, numbers, strict=True)
         ]
         for template in _templates(marked):
-            try:
-                sorted_ = sort_by_template(template, names)
-            except UsageError:
-                continue
-            rewards = [it.reward for it in sorted_.values()]
-            runs = {(it.reward, it.place if it.seed is None else it.seed) for it in sorted_.values()}
+            fitted = _fitted(template, names).values()
+            rewards = [it.reward for it in fitted]
+            runs = {(it.reward, it.place if it.seed is None else it.seed) for it in fitted}
             of_seeds = any(it["word"].lower() in _SEED for reward in rewards for it in _numbers_in(reward))
             if len(runs) == len(names) and not of_seeds:
                 rank = min(map(rewards.count, rewards)) < 2, "{seed}" not in template, template
@@ -230,9 +227,10 @@ def question(names: Sequence[str], why: str, ways: Sequence[str] | None = None) 
     """
     shown = []
     for way in (templates_of(names) if ways is None else ways)[:2]:
-        found = sort_by_template(way, names).values()
-        count, rewards = len({it.place for it in found}), len({it.reward for it in found})
-        shown.append(f"{command_text('--sort', way)} ({count} trainings of {rewards} reward{'s' * (rewards != 1)})")
+        found = _fitted(way, names)
+        if found.keys() == {*names}:
+            count, rewards = len({it.place for it in found.values()}), len({it.reward for it in found.values()})
+            shown.append(f"{command_text('--sort', way)} ({count} trainings of {rewards} reward{'s' * (rewards != 1)})")
     remedy = f"Say {', or '.join(shown)}" if shown else "Name them REWARD/SEED, and say --sort '{reward}/{seed}'"
     seen = " and ".join(f"'{shortened(name, LONGEST_NAME)}'" for name in dict.fromkeys([names[0], names[-1]]))
     return UsageError(f"Names such as {seen} {why}. {remedy}")
@@ -251,19 +249,27 @@ def sort_by_template(template: str, names: Iterable[str]) -> dict[str, Named]:
     ways = template.split("|")
     if "{reward}" not in template or any(it.count("{reward}") > 1 or it.count("{seed}") > 1 for it in ways):
         raise UsageError(f"--sort '{template}' needs {{reward}} once, and {{seed}} at most once: '{{reward}}/{{seed}}'")
+    of = list(names)
+    found = _fitted(template, of)
+    without = next((it for it in of if it not in found), "")
+    if without:
+        raise UsageError(f"--sort '{template}' does not fit '{without}', which lies below the folder")
+    return found
+
+
+def _fitted(template: str, names: Iterable[str]) -> dict[str, Named]:
+    """What a template says of the names that fit it."""
     patterns = {}
-    for way in ways:
+    for way in template.split("|"):
         pattern = re.escape(way).replace(r"\{seed\}", "(?P<seed>[0-9]{1,9})").replace(r"\*", "[^/]*?")
         pattern = pattern.replace(r"\{reward\}", "(?P<reward>[^/]+?)")
         patterns[way] = re.compile(f"(?P<place>(?:.*?/)??{pattern})(?:[.][^/]*)?(?:/.*)?")
     found = {}
     for name in names:
         fits = ((way, match.groupdict()) for way, it in patterns.items() if (match := it.fullmatch(name)))
-        way, told = next(fits, ("", {}))
-        if not told:
-            raise UsageError(f"--sort '{template}' does not fit '{name}', which lies below the folder")
-        reward = told.get("reward") or re.sub(r"[-_=,. /]*(\{seed\}|\*)[-_=,. /]*", "", way)
-        found[name] = Named(reward, int(told["seed"]) if "seed" in told else None, told["place"])
+        for way, told in [*fits][:1]:
+            reward = told.get("reward") or re.sub(r"[-_=,. /]*(\{seed\}|\*)[-_=,. /]*", "", way)
+            found[name] = Named(reward, int(told["seed"]) if "seed" in told else None, told["place"])
     return found
 
 

@@ -4,7 +4,7 @@ import hashlib
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import accumulate, pairwise
 from pathlib import Path
 from typing import NamedTuple, TypeAlias
 
@@ -217,7 +217,7 @@ def _is_numbered(log: Log) -> bool:
 
 def _ways(folder: Path, places: Iterable[Path]) -> list[str]:
     """The templates by which each folder is one training, and by which each of its files is."""
-    way = templates_of([*dict.fromkeys(_name_of(folder, it) for it in places)])[0]
+    way = next(iter(templates_of([*dict.fromkeys(_name_of(folder, it) for it in places)])), "{reward}")
     return [way, f"{way.replace('{seed}', '*')}/{'*' if '{seed}' in way else '{seed}'}"]
 
 
@@ -260,7 +260,8 @@ def _named(folder: Path, logs: Sequence[Log], names: Sequence[str], template: st
     found: dict[int, Named] = {}
     above: dict[str, Named] = {}
     for kind in sorted(kinds, key=lambda kind: kind != best):
-        homes = {it: [home for home in _above(names[it]) if home in above] for it in kinds[kind]}
+        parts = {it: list(accumulate(names[it].split("/"), "{}/{}".format)) for it in kinds[kind]}
+        homes = {it: [home for home in of[::-1] if home in above] for it, of in parts.items()}
         alone = [it for it, home in homes.items() if not home]
         is_asked = any(not logs[it].facts.trained_with for it in alone)
         named = sort_names((names[it] for it in alone), template, is_asked=is_asked) if alone else {}
@@ -272,11 +273,6 @@ def _named(folder: Path, logs: Sequence[Log], names: Sequence[str], template: st
         if not template:
             above = above or {names[it]: found[it] for it in alone}
     return [found[number] for number in range(len(logs))]
-
-
-def _above(name: str) -> list[str]:
-    parts = name.split("/")
-    return ["/".join(parts[:count]) for count in range(len(parts), 0, -1)]
 
 
 # What belongs together
@@ -299,20 +295,16 @@ def _best_of(
     needs_success = evaluation is None or SUCCESS not in evaluation.measures
     first = min(trained or finest, key=lambda it: needs_success and SUCCESS not in it[0].measures)[0].facts
     called = {log: name for log, name in of if (log.facts.format, log.facts.evaluation) == (first.format, not trained)}
-    whole, *others = logs = _distinct(called)
+    logs = _distinct(called)
     is_batch = len({*called.values()}) == 1 and all(map(_is_numbered, logs))
-    if is_batch or (is_told and all("seconds" in log and log.facts.path.parent == first.path.parent for log in logs)):
-        return tuple(logs), evaluation if trained else None
-    for log in others:
-        new = {name: log[name] for name in log.names if name.startswith((REWARD, BEHAVIOUR))}
-        if not new.keys().isdisjoint(whole.names) or not np.array_equal(whole[TIME], log[TIME]):
-            twice = called[logs[0]], called[log]
-            one = command_text("--leave-out", log.facts.path)
-            why = f"say that {key[0]} was trained with seed {key[1]}: {one} keeps one"
-            rest = dict.fromkeys(it for it in names if it not in twice)
-            raise question([twice[0], *rest, twice[1]], why, None if len({*twice}) > 1 else [])
-        whole = whole.add(new)  # other columns of the same times
-    return (whole,), evaluation if trained else None
+    is_batch |= is_told and all("seconds" in log and log.facts.path.parent == first.path.parent for log in logs)
+    if len(logs) > 1 and not is_batch:
+        twice = called[logs[0]], called[logs[1]]
+        rest = dict.fromkeys(it for it in names if it not in twice)
+        one = command_text("--leave-out", logs[1].facts.path)
+        why = f"say that {key[0]} was trained with seed {key[1]}: {one} keeps one"
+        raise question([twice[0], *rest, twice[1]], why, None if len({*twice}) > 1 else [])
+    return tuple(logs), evaluation if trained else None
 
 
 def _distinct(logs: Iterable[Log]) -> list[Log]:
@@ -371,14 +363,13 @@ def _without_copies(trainings: Sequence[Training], notes: list[str]) -> list[Tra
     """Each training once, though its rows, or the first of them, may lie in several files; a note tells each copy."""
     begins = []
     for number, it in enumerate(trainings):
-        rows = next(it.logs[0].pieces(it.logs[0].names), Rows({}))
-        told = {name: of for name in sorted(rows.columns) if (of := rows[name]).dtype.kind in "biuf"}
-        varied = max(
-            (len(np.unique(of)) for name, of in told.items() if name.startswith((REWARD, BEHAVIOUR))), default=0
-        )
+        log, told = it.logs[0], (REWARD, BEHAVIOUR)
+        names = [name for name in sorted(log.names) if name.startswith((*told, TIME, "length", "seconds"))]
+        rows = next(log.pieces(names), Rows({}))
+        varied = max((len(np.unique(of)) for name, of in rows.columns.items() if name.startswith(told)), default=0)
         if varied > 1:
-            table = np.column_stack([*told.values()])
-            begins.append((it.reward, f"{[*told]}".encode() + table.tobytes(), -number, varied))
+            table = np.column_stack([rows[name] for name in names])
+            begins.append((it.reward, f"{names}".encode() + table.tobytes(), -number, varied))
     copies = set()
     for (reward, own, number, varied), (other, longer, whole, _) in pairwise(sorted(begins)):
         if reward == other and longer.startswith(own) and (longer == own or varied >= FEWEST):
