@@ -109,7 +109,7 @@ def read_plan(folder: Path) -> StoredPlan:
         SchemaError: It is damaged or written by a newer version.
     """
     path = folder / PLAN
-    data = read_sealed(path, "plan", FORMAT, SEALED_SINCE, PLAN_BYTES)
+    data = _told_in(path)
     with reading(path, "plan"):
         if data.get("experiment", {}) == {} or not {"control", "terms"} <= data.keys():
             data = whole_plan(data, experiment_in(folder))
@@ -120,13 +120,17 @@ def read_plan(folder: Path) -> StoredPlan:
         return StoredPlan(data["baseline"], data["a_a"], control, cells, data["experiment"], terms=terms)
 
 
+def _told_in(path: Path) -> dict[str, Any]:
+    return read_sealed(path, "plan", FORMAT, SEALED_SINCE, PLAN_BYTES)
+
+
 def is_experiment_of_plan(folder: Path) -> bool:
     """Whether ``experiment.toml`` is the one that ``plan.json`` was written with; so it is where that names none.
 
     Raises:
         SchemaError: The plan is damaged.
     """
-    told = read_sealed(folder / PLAN, "plan", FORMAT, SEALED_SINCE, PLAN_BYTES).get("experiment_digest")
+    told = _told_in(folder / PLAN).get("experiment_digest")
     path = folder / EXPERIMENT
     return told is None or (path.is_file() and digest_of(path) == told)
 

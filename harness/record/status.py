@@ -84,8 +84,8 @@ class FolderStatus:
                     "reason": one.reason,
                     "steps": one.running.steps if one.running else one.cell.steps if one.status == "done" else 0,
                     "of_steps": one.cell.steps,
-                    "success": one.running.success if one.running else None,
-                    "mean_return": one.running.mean_return if one.running else None,
+                    "success": getattr(one.running, "success", None),
+                    "mean_return": getattr(one.running, "mean_return", None),
                 }
                 for one in self.cells
             ],

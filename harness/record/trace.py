@@ -36,6 +36,7 @@ What is known of the episodes beside their rows is in the file's metadata, see `
 """
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from itertools import chain, count, product, takewhile
@@ -246,9 +247,8 @@ def require_plausible(path: Path, most: int) -> None:
     Raises:
         SchemaError: It has another number of rows, or holds a number that is too large; or as `read_trace`.
     """
-    with reading(path, "trace"):
-        require_regular(path, TRACE_BYTES)
-        metadata = pq.read_metadata(path)
+    with _opened(path) as file:
+        metadata = file.metadata
         if not 0 < metadata.num_rows <= most:
             raise SchemaError(f"{path} has {metadata.num_rows:,} rows, 1 to {most:,} are allowed")
         places = product(range(metadata.num_row_groups), range(metadata.num_columns))
@@ -264,9 +264,16 @@ def term_names(path: Path) -> tuple[str, ...]:
     Raises:
         SchemaError: The file is damaged or is no Parquet file.
     """
+    with _opened(path) as file:
+        return tuple(name.removeprefix(TERM) for name in file.schema_arrow.names if name.startswith(TERM))
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[pq.ParquetFile]:
     with reading(path, "trace"):
         require_regular(path, TRACE_BYTES)
-        return tuple(name.removeprefix(TERM) for name in pq.read_schema(path).names if name.startswith(TERM))
+        with pq.ParquetFile(path) as file:
+            yield file
 
 
 def read_trace(path: Path, columns: Sequence[str] | None = None) -> Log:
@@ -277,9 +284,8 @@ def read_trace(path: Path, columns: Sequence[str] | None = None) -> Log:
             it when it is read, and so does every column of a file that was replaced by then.
     """
     with reading(path, "trace"):
-        require_regular(path, TRACE_BYTES)
         opened = _identity(path)
-        with pq.ParquetFile(path) as file:
+        with _opened(path) as file:
             schema, metadata = file.schema_arrow, file.metadata
             told = metadata.metadata or {}
             version = told.get(FORMAT_KEY, b"none").decode()

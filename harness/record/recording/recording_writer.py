@@ -147,19 +147,14 @@ class RecordingWriter:
         self._make_room()
         count = part_count(self.folder, self.number)
         self._part = max(0, count - 1)
-        unseen = np.ones(self.facts.num_envs, bool)
         for part in reversed(range(count)):
             table = read_part(self.folder / part_name(self.number, part), self._schema)
             rows = np.stack([table.column(name).to_numpy().astype(float) for name in self._schema.names], axis=1)
             if part == count - 1 and len(rows):
                 self._filled, self.next_time = len(rows), int(rows[-1, 0]) + 1
                 self._block[: len(rows)] = rows
-            env, episode = rows[:, 1].astype(int), rows[:, 2].astype(np.int64)
-            last = np.zeros_like(self.next_episodes)
-            np.maximum.at(last, env, episode + 1)
-            self.next_episodes[unseen] = last[unseen]
-            unseen &= last == 0
-            if not unseen.any():
+            np.maximum.at(self.next_episodes, rows[:, 1].astype(int), rows[:, 2].astype(np.int64) + 1)
+            if self.next_episodes.all():  # earlier parts have earlier episodes
                 break
         if self._filled == PART_ROWS:
             self._part, self._filled = self._part + 1, 0
