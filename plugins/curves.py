@@ -11,7 +11,7 @@ import numpy as np
 
 from harness.arrays import Float, Ints
 from harness.errors import SchemaError, UsageError
-from harness.log import BEHAVIOUR, LARGEST, RECORDED, REWARD, SINCE, SUCCESS, Log, LogFacts, in_memory
+from harness.log import BEHAVIOUR, LARGEST, RECORDED, REWARD, SINCE, SUCCESS, Log, LogFacts, Unit, in_memory
 from harness.log.text_table import require_columns
 from harness.progress import RETURN
 from harness.score.row_meaning import EPISODE, LENGTH
@@ -82,6 +82,7 @@ POINTS: Mapping[str, tuple[str, bool]] = {
     "episodescore": (ONE, True),
 }
 """By the name of a return, or its `plain` name: what a point is, and whether TensorBoard's step counts env steps."""
+VALUES = ("reward", "success", "length", "measure")
 OF_ALL = ("steps", "timesteps", "numsteps", "nsteps")
 """Names of lengths in tables of episodes, and of the steps of a training beside a curve."""
 MEANS = re.compile("mean|average|avg|rate$")
@@ -92,13 +93,17 @@ class Chosen(NamedTuple):
 
     columns: Mapping[str, str]
     """By role: ``reward``, ``success``, ``length``, ``measure``."""
-    times: tuple[str, ...]
+    times: tuple[str, ...] = ()
     """Those that count environment steps over all envs; the first that is filled is read."""
-    counter: str
+    counter: str = ""
     """What counts anything else; empty where nothing does."""
-    evaluation: bool
+    episode: str = ""
+    """What counts episodes."""
+    unit: Unit = "point"
+    """What a row of a table is."""
+    evaluation: bool = False
     """Whether the episodes are of evaluations."""
-    others: tuple[str, ...]
+    others: tuple[str, ...] = ()
     """Returns that are there and are not read."""
 
     @property
@@ -107,8 +112,13 @@ class Chosen(NamedTuple):
         return self.columns.get("reward") or self.columns["success"]
 
     @property
+    def is_mean(self) -> bool:
+        """Whether its names say that a value stands for several episodes."""
+        return any(MEANS.search(plain(name.rpartition("/")[2])) for name in self.columns.values())
+
+    @property
     def kind(self) -> tuple[str, bool]:
-        """What a point is, and whether TensorBoard's step counts environment steps."""
+        """What a point is, empty where nobody knows; and whether TensorBoard's step counts environment steps."""
         keys = (self.main, plain(self.main), plain(self.main.rpartition("/")[2]))
         point, is_of_steps = next((POINTS[key] for key in keys if key in POINTS), ("", False))
         return EVALUATED if self.evaluation else point, is_of_steps
@@ -143,34 +153,37 @@ class Roles:
         Raises:
             UsageError: A name that was given is not there, or none is known.
         """
-        given = {role: getattr(self, role) for role in ("reward", "success", "length", "measure")}
+        given = {role: getattr(self, role) for role in VALUES}
         require_columns(path, names, self.time, *given.values())
-        of = {is_evaluation: roles_of(names, is_evaluation) for is_evaluation in (False, True)}
+        of = {it: _roles_of(name for name in names if is_evaluated(name) == it) for it in (False, True)}
         there = [it for it, roles in of.items() if {"reward", "success"} & roles.keys()]
         evaluation = min(there, key=lambda it: ("success" not in of[it], it), default=False)
         if self.reward or self.success:
             evaluation = is_evaluated(self.reward or self.success)
-        found = {role: name for role, name in of[evaluation].items() if role in given and plain(name) not in OF_ALL}
-        found |= {role: name for role, name in given.items() if name}
-        if not {"reward", "success"} & found.keys():
+        roles = of[evaluation] | {role: name for role, name in given.items() if name}
+        if not {"reward", "success"} & roles.keys():
             raise UsageError(
                 f"{path} has no curve of returns that is known by its name: say reward=NAME. "
                 f"It has: {shortened(', '.join(names), 160)}"
             )
-        known: dict[str, str] = {}
+        columns = {role: roles[role] for role in VALUES if role in roles}
+        chosen = Chosen(columns, episode=roles.get("episode", ""), evaluation=evaluation)
+        is_history = {"_step", "_timestamp"} <= {*names}
+        if chosen.is_mean or is_history or not {"episode", "length"} & roles.keys():
+            if not self.length and plain(columns.get("length", "")) in OF_ALL:
+                del columns["length"]
+        else:
+            chosen = chosen._replace(unit="episode")
         nearest = sorted(names, key=lambda name: is_evaluated(name) != evaluation)
-        for key, name in [(plain(it), it) for it in nearest] + [(plain(it.rpartition("/")[2]), it) for it in nearest]:
-            known.setdefault(key, name)
-        times = [known[key] for key in ROLES["time"] if key in known and known[key] not in found.values()]
-        counters = [known[key] for key in ROLES["counter"] if key in known and known[key] not in found.values()]
-        others = {
-            roles["reward"]: None for roles in of.values() if "reward" in roles and self.reward not in roles.values()
-        }
-        others.pop(found.get("reward", ""), None)
-        return Chosen(
-            found, (self.time,) if self.time else tuple(dict.fromkeys(times)), next(iter(counters), ""), evaluation,
-            tuple(others),
-        )  # fmt: skip
+        free = [name for name in nearest if name not in columns.values()]
+        counters = [name for name in _named(free, "counter") if name != chosen.episode or chosen.unit == "point"]
+        others = {it["reward"]: None for it in of.values() if "reward" in it}
+        others.pop(columns.get("reward", ""), None)
+        return chosen._replace(
+            times=(self.time,) if self.time else tuple(_named(free, "time")),
+            counter=next(iter(counters), ""),
+            others=tuple(others),
+        )
 
 
 def is_evaluated(name: str) -> bool:
@@ -178,18 +191,22 @@ def is_evaluated(name: str) -> bool:
     return any(word.lower() in EVALUATIONS for word in WORDS.findall(name))
 
 
-def roles_of(names: Iterable[str], evaluation: bool = False) -> dict[str, str]:
-    """By role: the name of the column, of those that tell of evaluations, or of the others."""
-    whole: dict[str, str] = {}
-    last: dict[str, str] = {}
+def _named(names: Iterable[str], role: str) -> list[str]:
+    """The names of a role, those first that say it best."""
+    names = list(names)
+    found = {plain(name): name for name in reversed(names)}
     for name in names:
-        if is_evaluated(name) == evaluation:
-            whole.setdefault(plain(name), name)
-            last.setdefault(plain(name.rpartition("/")[2]), name)
-    found: dict[str, str] = {}
-    for role, keys in ROLES.items():
-        of = (whole.get(key) or (last.get(key) if len(key) >= LONG else None) for key in keys)
-        first = next((it for it in of if it and it not in found.values()), None)
+        key = plain(name.rpartition("/")[2])
+        if len(key) >= LONG:
+            found.setdefault(key, name)
+    return list(dict.fromkeys(found[key] for key in ROLES[role] if key in found))
+
+
+def _roles_of(names: Iterable[str]) -> dict[str, str]:
+    """By role: the name that says it best."""
+    names, found = list(names), dict[str, str]()
+    for role in (*VALUES[:3], "episode"):
+        first = next((name for name in _named(names, role) if name not in found.values()), None)
         if first:
             found[role] = first
     return found

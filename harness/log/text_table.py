@@ -6,9 +6,9 @@ import json
 import math
 import re
 import zlib
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
-from itertools import chain, islice
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -28,9 +28,6 @@ GZIP, WIDE = b"\x1f\x8b", (b"\xff\xfe", b"\xfe\xff")
 """How a file begins that gzip packed, and text in UTF-16."""
 TRUTH = {"true": 1.0, "false": 0.0}
 NOTHING = ("", "nan", "none", "null")
-LOOKED_AT = 32
-"""Rows by which it is chosen which columns are kept."""
-Wanted = Callable[[tuple[str, ...], Sequence[Sequence[str]]], Iterable[str]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,13 +115,11 @@ class TextTable:
         self._require(name, np.isin(values, (0.0, 1.0)), "is 0 or 1")
         return values
 
-    def part(self, rows: Sequence[int]) -> "TextTable":
+    def part(self, rows: Iterable[int]) -> "TextTable":
         """Some of its rows."""
+        rows = list(rows)
         cells = {name: [of[row] for row in rows] for name, of in self.cells.items()}
-        return TextTable(
-            self.path, self.names, cells, [self.lines[row] for row in rows], self.comments, self.headers, self.cut,
-            self.has_commas,
-        )  # fmt: skip
+        return replace(self, cells=cells, lines=[self.lines[row] for row in rows])
 
     def _require(self, name: str, is_right: Mask, what: str) -> None:
         if not is_right.all():
@@ -186,7 +181,7 @@ def head_of(path: Path, head: bytes) -> str:
     return "" if "\0" in text else text if text.lstrip()[:1] == "[" else text[: text.rfind("\n") + 1]
 
 
-def parse_table(path: Path, text: str, wanted: Wanted | None = None, names: Sequence[str] = ()) -> TextTable:
+def parse_table(path: Path, text: str, names: Sequence[str] = ()) -> TextTable:
     """A table of a text whose first row names the columns, or of objects of JSON, one a line or all in a list.
 
     Cells are parted by what stands in the header most often: a comma, a semicolon or a tab. Names in objects are joined
@@ -196,11 +191,10 @@ def parse_table(path: Path, text: str, wanted: Wanted | None = None, names: Sequ
     Args:
         path: Its file.
         text: Of the file, or of its beginning.
-        wanted: Which columns to keep, given the names of all and the first rows; all if None.
         names: Of the columns of a text that has no header.
     """
     if text.lstrip()[:1] in ("{", "["):
-        return _of_objects(path, text, wanted)
+        return _of_objects(path, text)
     comments: list[tuple[int, str]] = []
     is_quoted = text.startswith('"')  # the program puts every cell in quotes, and ends the last line with nothing
     lines, begin = _lines(text, comments), list[str]()
@@ -219,14 +213,11 @@ def parse_table(path: Path, text: str, wanted: Wanted | None = None, names: Sequ
     known = tuple(names)
     if not known or line == open_end > 0 or len(set(known)) < len(known):
         raise SchemaError(f"{path} has no header, a header that is cut off, or names a column twice in it")
-    looked = list(islice(rows, LOOKED_AT))
-    keep = tuple(dict.fromkeys(known if wanted is None else wanted(known, [row for _, row in looked])))
-    at = [known.index(name) for name in keep]
-    columns: list[list[str]] = [[] for _ in at]
+    columns: list[list[str]] = [[] for _ in known]
     numbers: list[int] = []
     headers: list[int] = []
     cut = 0
-    for line, row in chain(looked, rows):
+    for line, row in rows:
         if line == open_end:
             cut = line
             break
@@ -236,10 +227,10 @@ def parse_table(path: Path, text: str, wanted: Wanted | None = None, names: Sequ
             headers.append(line)
             continue
         numbers.append(line)
-        for column, place in zip(columns, at, strict=True):
-            column.append(row[place])
+        for column, cell in zip(columns, row, strict=True):
+            column.append(cell)
     has_commas = separator == ";" and any(re.fullmatch(r"\s*-?\d+,\d+\s*", cell) for of in columns for cell in of)
-    cells = dict(zip(keep, columns, strict=True))
+    cells = dict(zip(known, columns, strict=True))
     return TextTable(path, known, cells, numbers, tuple(comments), tuple(headers), cut, has_commas)
 
 
@@ -255,31 +246,25 @@ def require_columns(path: Path, names: Sequence[str], *wanted: str) -> None:
             raise UsageError(f"{path} has no '{name}'. It has: {there}{nearest(name, list(names))}")
 
 
-def _of_objects(path: Path, text: str, wanted: Wanted | None) -> TextTable:
+def _of_objects(path: Path, text: str) -> TextTable:
     rows: list[dict[str, str]] = []
     lines, cut = list[int](), 0
-    try:
-        if text.lstrip().startswith("["):
-            found = list(enumerate(json.loads(text), 1))
-        else:
-            whole, _, rest = text.rpartition("\n")
-            found = [(at, json.loads(line)) for at, line in enumerate(whole.splitlines(), 1) if line.strip()]
-            if rest.strip():
-                try:
-                    found.append((whole.count("\n") + 1 + bool(whole), json.loads(rest)))
-                except ValueError:
-                    cut = whole.count("\n") + 2
-    except (ValueError, RecursionError) as error:
-        raise SchemaError(f"{path} is no table of JSON: {error}") from error
-    for line, it in found:
-        if not isinstance(it, dict):
-            raise SchemaError(f"{path}, line {line}: it is no object of JSON")
-        rows.append(dict(_flat(it)))
-        lines.append(line)
+    parts = [text] if text.lstrip().startswith("[") else text.splitlines(keepends=True)
+    for line, part in enumerate(parts, 1):
+        try:
+            found = json.loads(part) if part.strip() else []
+        except (ValueError, RecursionError) as error:
+            if line == len(parts) > 1 and not part.endswith("\n"):
+                cut = line
+                break
+            raise SchemaError(f"{path}, line {line}: it is no JSON: {error}") from error
+        for it in found if isinstance(found, list) else [found]:
+            if not isinstance(it, dict):
+                raise SchemaError(f"{path}, line {line}: it is no object of JSON")
+            rows.append(dict(_flat(it)))
+            lines.append(line)
     names = tuple(dict.fromkeys(name for row in rows for name in row))
-    looked = [[row.get(name, "") for name in names] for row in rows[:LOOKED_AT]]
-    keep = names if wanted is None else wanted(names, looked)
-    return TextTable(path, names, {name: [row.get(name, "") for row in rows] for name in keep}, lines, cut=cut)
+    return TextTable(path, names, {name: [row.get(name, "") for row in rows] for name in names}, lines, cut=cut)
 
 
 def _flat(of: Any, before: str = "") -> Iterator[tuple[str, str]]:

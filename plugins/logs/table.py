@@ -6,7 +6,7 @@ which training a row is, or is asked about: none is passed over without a word.
 
 import json
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -17,7 +17,7 @@ import numpy as np
 from harness.arrays import Float
 from harness.errors import AskedError, SchemaError, UsageError
 from harness.files.bounded import read_json
-from harness.log import BEHAVIOUR, RECORDED, REWARD, SUCCESS, Log, LogFacts, in_memory
+from harness.log import BEHAVIOUR, SUCCESS, Log, LogFacts, in_memory
 from harness.log.text_table import NOTHING, TextTable, head_of, parse_table, read_text, require_columns
 from harness.score.row_meaning import (
     ENV,
@@ -33,20 +33,7 @@ from harness.score.row_meaning import (
 )
 from harness.text import shortened
 
-from ..curves import (
-    CLEANRL_RUN,
-    MEANS,
-    POINTS,
-    ROLES,
-    TIME,
-    Roles,
-    Series,
-    aligned,
-    column_of,
-    plain,
-    points,
-    roles_of,
-)
+from ..curves import CLEANRL_RUN, ROLES, TIME, Chosen, Roles, Series, aligned, column_of, plain, points
 from ..zoo_settings import zoo_settings
 
 MONITOR = ("r", "l", "t")
@@ -84,7 +71,7 @@ D3RLPY = {"environment": "eval/mean_reward"}
 """What d3rlpy calls its evaluations in its own examples."""
 SETTINGS = ("params.json", "config.json")
 """What RLlib and Spinning Up keep beside a table: the settings of the training."""
-KNOWN = {key for keys in ROLES.values() for key in keys} | {*MODES, *map(plain, SEED), "envid", "env", "name"}
+KNOWN = {key for keys in ROLES.values() for key in keys}
 Columns = dict[str, Float]
 
 
@@ -108,7 +95,7 @@ class Table(Roles):
         lines = text.splitlines(keepends=True)
         for kept in (len(lines), 2 if text.startswith("#") else 1):  # a row further down may be damaged
             with suppress(SchemaError):
-                table = parse_table(path, "".join(lines[:kept]), None, _bare_names(path, text))
+                table = parse_table(path, "".join(lines[:kept]), _bare_names(path, text))
                 break
         else:
             return False
@@ -127,14 +114,13 @@ class Table(Roles):
         if path.is_dir():
             return (self._folder(path),)
         text = read_text(path)
-        table = parse_table(path, text, self._wanted, _bare_names(path, text))
-        if table.names[:3] == MONITOR and "reward" not in table.names:
+        table = parse_table(path, text, _bare_names(path, text))
+        named = EXPORTED.fullmatch(path.name)
+        if table.names[:3] == MONITOR:
             return (_monitored(table, self),)
-        if table.names == EXPORT:
-            return (self._exported(table),)
-        if _is_chart(table.names):
-            return tuple(self._charted(table, path))
-        return tuple(self._rows(table))
+        if table.names == EXPORT and named and not self._told & {*EXPORT}:
+            return (self._exported(path, named["before"]),)
+        return tuple(self._charted(table) if _is_chart(table.names) else self._rows(table))
 
     def write_example(self, folder: Path) -> Path:
         """Three reports by stable-baselines3's own logger; the same lines where it is not installed."""
@@ -158,30 +144,36 @@ class Table(Roles):
         given = {self.time, self.reward, self.success, self.length, self.measure, self.only.partition("=")[0]}
         return {*given, *self.run.split("+")} - {""}
 
-    def _wanted(self, names: tuple[str, ...], rows: Sequence[Sequence[str]]) -> list[str]:
-        """Those that may be read, and those of text: a table of RLlib has hundreds."""
-        if names[:3] == MONITOR or names == EXPORT or _is_chart(names):
-            return list(names)
-        words = {name for place, name in enumerate(names) if _is_text([row[place] for row in rows if place < len(row)])}
-        of = ((name, {plain(name), plain(name.rpartition("/")[2])}) for name in names)
-        return [name for name, keys in of if keys & KNOWN or name in words | self._told or names_a_run(name)]
-
     # Rows of one training or of several
 
     def _rows(self, table: TextTable) -> Iterator[Log]:
         table = self._counted(table)
-        words = [name for name in table.cells if name not in self._told and _is_text(table.cells[name])]
-        numbers = [name for name in table.names if name not in words]
-        roles = self._roles_in(table, numbers)
-        taught, runs = self._runs(table, words, roles)
-        used = {*roles.values(), *taught, *runs, *self._told}
-        left = [name for name in table.names if name not in used and name.lower() not in INDEX]
+        words = [name for name in table.names if name not in self._told and _is_text(table.cells[name])]
+        chosen = self.chosen(table.path, [name for name in table.names if name not in words])
+        used = [*chosen.columns.values(), *chosen.times, chosen.counter, chosen.episode, *self._told]
+        taught, runs = self._runs(table, words, used)
+        used += [*taught, *runs]
+        left = shortened(", ".join(it for it in table.names if it not in used and it.lower() not in INDEX), 120)
+        told = _settings_beside(table.path)
+        told |= {key: table.cells[f"config/{key}"][0] for key in ("env", "seed") if f"config/{key}" in table.cells}
+        env = told.get("env", told.get("env_name"))
+        is_history = _is_history(table.names)
         for cells, rows in split(table, [*taught, *runs]):
-            of = dict(zip([*taught, *runs], cells, strict=True))
-            seed = next((of[name] for name in runs if name.lower() in SEED), "")
-            facts = self._facts(table, "_".join(cells), seed, left)
-            part = table.part(rows.tolist()) if cells else table
-            yield self._points(part, facts, numbers) if self._is_curve(table, roles) else _episodes(part, facts, roles)
+            part = table.part(rows) if cells else table
+            seeds = [cell for name, cell in zip([*taught, *runs], cells, strict=True) if name.lower() in SEED]
+            seed = str(seeds[0] if seeds else told.get("seed"))
+            facts = LogFacts(
+                path=table.path,
+                format="history of Weights & Biases" if is_history else f"table of {chosen.unit}s",
+                unit=chosen.unit,
+                run="_".join(cells),
+                env=env if isinstance(env, str) else "",
+                algorithm=told["exp_name"] if isinstance(told.get("exp_name"), str) else "",
+                seed=int(seed) if seed.isdecimal() else None,
+                thinned=WANDB if is_history else "",
+                notes=(*([f"not used: {left}"] if left else []), *table.notes),
+            )
+            yield self._points(part, facts, chosen) if chosen.unit == "point" else _episodes(part, facts, chosen)
 
     def _counted(self, table: TextTable) -> TextTable:
         """The rows that count."""
@@ -195,30 +187,7 @@ class Table(Roles):
             raise UsageError(f"{table.path}: no row has '{value}' in its column '{name}'. There is: {there}")
         return table.part(rows)
 
-    def _roles_in(self, table: TextTable, names: Sequence[str]) -> dict[str, str]:
-        """By role: the column. One of returns or success is there.
-
-        Raises:
-            UsageError: None is known.
-        """
-        found = roles_of(names)
-        given = {"time": self.time, "reward": self.reward, "length": self.length, "success": self.success}
-        given["measure"] = self.measure
-        found = {**found, **{role: name for role, name in given.items() if name}}
-        if not {"reward", "success"} & found.keys():
-            found |= roles_of(names, evaluation=True)
-        if not {"reward", "success"} & found.keys():
-            there = shortened(", ".join(table.names), 160)
-            raise UsageError(f"{table.path} has no column of returns that is known: say reward=NAME. It has: {there}")
-        return found
-
-    def _is_curve(self, table: TextTable, roles: Mapping[str, str]) -> bool:
-        """Whether a row is a point of a curve; else it is an episode."""
-        keys = {plain(roles[role].rpartition("/")[2]) for role in ("reward", "success", "length") if role in roles}
-        is_mean = any(MEANS.search(key) for key in keys) or _is_history(table.names)
-        return is_mean or not {"episode", "length"} & roles.keys()
-
-    def _runs(self, table: TextTable, words: Sequence[str], roles: Mapping[str, str]) -> tuple[list[str], list[str]]:
+    def _runs(self, table: TextTable, words: Sequence[str], used: Sequence[str]) -> tuple[list[str], list[str]]:
         """Columns that say what taught a training, and those that say which of these it is.
 
         Raises:
@@ -226,14 +195,15 @@ class Table(Roles):
         """
         if self.run:
             return [], self.run.split("+")
-        varying = [name for name in table.cells if len({*table.cells[name]}) > 1 and name not in roles.values()]
+        named = [it for it in table.names if it not in used and (names_a_run(it) or plain(it) in MODES)]
+        varying = [name for name in named if len({*table.cells[name]}) > 1]
         runs = [name for name in varying if names_a_run(name) and not is_of_episodes(table, name)]
         labels = labels_of(table, [name for name in words if name not in runs])
         taught = [name for name in labels if plain(name) in TAUGHT]
         groups = split(table, [*taught, *runs])
         modes = [name for name in varying if plain(name) in MODES and name not in labels]
         for name in [*labels, *modes]:
-            if name in taught or name in self._told:
+            if name in taught:
                 continue
             cells = table.cells[name]
             if all(len({cells[row] for row in rows}) == 1 for _, rows in groups):
@@ -255,45 +225,22 @@ class Table(Roles):
         names = ("time", "reward", "success", "length", "measure", "per_step", "episode")
         return "".join(f"{name}={getattr(self, name)}," for name in names if getattr(self, name))
 
-    def _facts(self, table: TextTable, run: str, seed: str, left: Sequence[str]) -> LogFacts:
-        told = _settings_beside(table.path)
-        told |= {key: table.cells[f"config/{key}"][0] for key in ("env", "seed") if f"config/{key}" in table.cells}
-        seed = seed or str(told.get("seed"))
-        unused = shortened(", ".join(left), 120)
-        return LogFacts(
-            path=table.path,
-            format="history of Weights & Biases" if _is_history(table.names) else "table of points",
-            run=run,
-            env=next((told[key] for key in ("env", "env_name") if isinstance(told.get(key), str)), ""),
-            algorithm=told["exp_name"] if isinstance(told.get("exp_name"), str) else "",
-            seed=int(seed) if seed.isdecimal() else None,
-            thinned=WANDB if _is_history(table.names) else "",
-            notes=(*([f"not used: {unused}"] if left else []), *table.notes),
-        )
-
-    def _points(self, table: TextTable, facts: LogFacts, names: Sequence[str]) -> Log:
-        chosen = self.chosen(table.path, names)
+    def _points(self, table: TextTable, facts: LogFacts, chosen: Chosen) -> Log:
+        step = CALLS[1] if _is_history(table.names) else chosen.counter
         columns = {name: table.numbers(name, NOTHING) for name in chosen.columns.values()}
-        columns |= {name: table.counts(name, lacks=NOTHING) for name in chosen.times}
-        step = next((name for name in CALLS if name in names), "") if _is_history(names) else chosen.counter
-        columns["step"] = table.counts(step, lacks=NOTHING) if step else np.arange(1.0, len(table) + 1.0)
+        columns |= {name: table.counts(name, lacks=NOTHING) for name in (*chosen.times, *filter(None, [step]))}
+        columns["step"] = columns[step] if step else np.arange(1.0, len(table) + 1.0)
         return points(facts, chosen, columns, self, step or "rows")
 
-    # Curves that stand in files of their own
+    # Curves that stand in columns or files of their own
 
     def _folder(self, path: Path) -> Log:
         """The one training whose values a program keeps in a file each."""
-        series = {}
-        for tag, (file, step, value) in _curves_in(path).items():
-            lines = enumerate(read_text(file).splitlines(keepends=True), 1)
-            rows = [(at, re.split("[ ,]", line.strip())) for at, line in lines if line.strip() and line.endswith("\n")]
-            names = tuple(map(str, range(len(rows[0][1]) if rows else 0)))
-            if any(len(row) != len(names) for _, row in rows) or len(names) <= max(step, value):
-                raise SchemaError(f"{file}: its rows are no step with a value")
-            cells = dict(zip(names, map(list, zip(*(row for _, row in rows), strict=True)), strict=True))
-            table = TextTable(file, names, cells, [at for at, _ in rows])
-            series[tag] = Series(table.numbers(str(step)).tolist(), table.numbers(str(value), NOTHING).tolist())
-        chosen = self.chosen(path, list(series))
+        files = _curves_in(path).items()
+        tables = {
+            tag: parse_table(file, read_text(file).replace(" ", ","), names.split()) for tag, (file, names) in files
+        }
+        chosen = self.chosen(path, list(tables))
         name, seed = path / "tags/mlflow.runName", path / "params/seed"
         told = read_text(seed).strip() if seed.is_file() else str(_settings_beside(path / "it").get("seed"))
         facts = LogFacts(
@@ -302,48 +249,38 @@ class Table(Roles):
             run=read_text(name).strip() if name.is_file() else "",
             seed=int(told) if told.isdecimal() else None,
         )
-        return points(facts, chosen, aligned(series, chosen), self, "" if name.is_file() else "steps of its own")
+        columns = aligned({tag: _series(it, "step", "value") for tag, it in tables.items()}, chosen)
+        return points(facts, chosen, columns, self, "" if name.is_file() else "steps of its own")
 
-    def _exported(self, table: TextTable) -> Log:
+    def _exported(self, path: Path, before: str) -> Log:
         """The curves of a run that lie beside one another, each in a file whose name has the run and the tag."""
-        named = EXPORTED.fullmatch(table.path.name)
-        files = {table.path: "Value"}
-        if named and not self._told & {*EXPORT}:
-            of = ((path, EXPORTED.fullmatch(path.name)) for path in sorted(table.path.parent.iterdir()))
-            files = {path: _tag(it["tag"]) for path, it in of if it and it["before"] == named["before"]}
-        tables = {path: table if path == table.path else parse_table(path, read_text(path)) for path in files}
-        names = [*files.values()] if named else [*EXPORT]
-        series = {
-            tag: Series(tables[path].numbers("Step").tolist(), tables[path].numbers("Value", NOTHING).tolist())
-            for path, tag in files.items()
+        of = [(it, EXPORTED.fullmatch(it.name)) for it in sorted(path.parent.iterdir())]
+        tables = {
+            _tag(it["tag"]): parse_table(file, read_text(file)) for file, it in of if it and it["before"] == before
         }
-        chosen = self.chosen(table.path, names if named and not self._told & {*EXPORT} else EXPORT)
-        facts = LogFacts(
-            path=next(iter(files)),
-            format="export of TensorBoard",
-            thinned=SAMPLED,
-            notes=tuple(note for it in tables.values() for note in it.notes),
-        )
-        return points(facts, chosen, aligned(series, chosen), self)
+        notes = tuple(note for it in tables.values() for note in it.notes)
+        first = next(iter(tables.values())).path
+        chosen = self.chosen(path, list(tables))
+        facts = LogFacts(path=first, format="export of TensorBoard", thinned=SAMPLED, notes=notes)
+        columns = aligned({tag: _series(it, "Step", "Value") for tag, it in tables.items()}, chosen)
+        return points(facts, chosen, columns, self)
 
-    def _charted(self, table: TextTable, path: Path) -> Iterator[Log]:
+    def _charted(self, table: TextTable) -> Iterator[Log]:
         """Each run of a chart, with its curves in the charts that lie beside it."""
-        axis = table.names[0]
+        axis, path = table.names[0], table.path
         places = sorted(path.parent.glob(f"{CHARTS}*.csv")) if path.name.startswith(CHARTS) else [path]
-        tables = {it: table if it == path else parse_table(it, read_text(it)) for it in places}
-        charts = [it for it in tables.values() if it.names[0] == axis and _is_chart(it.names)]
+        charts = [table if it == path else parse_table(it, read_text(it)) for it in places]
         runs: dict[str, dict[str, TextTable]] = {}
         for chart in charts:
             for name in chart.names[1:]:
                 run, between, tag = name.rpartition(BETWEEN)
-                if between and not ENDS.search(tag):
+                if between and not ENDS.search(tag) and chart.names[0] == axis:
                     runs.setdefault(run, {}).setdefault(tag, chart)
         for run, of in sorted(runs.items()):
-            if not any(name.startswith(f"{run}{BETWEEN}") for name in table.names):
+            if table not in of.values():
                 continue
-            series = {tag: _series(chart, axis, f"{run}{BETWEEN}{tag}") for tag, chart in of.items()}
             chosen = self.chosen(path, list(of))
-            columns = aligned(series, chosen)
+            columns = aligned({tag: _series(it, axis, f"{run}{BETWEEN}{tag}") for tag, it in of.items()}, chosen)
             if plain(axis) in ROLES["time"]:
                 columns[axis] = columns["step"]
                 chosen = chosen._replace(times=(axis, *chosen.times))
@@ -356,7 +293,7 @@ class Table(Roles):
                 env=named["env"] if named else "",
                 algorithm=named["algorithm"] if named else "",
                 seed=int(named["seed"]) if named else None,
-                thinned="; ".join([WANDB, *([JOINED] if is_joined else [])]),
+                thinned=f"{WANDB}; {JOINED}" if is_joined else WANDB,
                 notes=table.notes,
             )
             yield points(facts, chosen, columns, self, axis)
@@ -367,19 +304,16 @@ READER = "table"
 
 def _has_rows(table: TextTable) -> bool:
     """Whether rows are episodes, or points that are counted."""
-    names = [name for name in table.names if not _is_text(table.cells[name])]
-    roles = {**roles_of(names, evaluation=True), **roles_of(names)}
-    value = roles.get("reward") or roles.get("success")
-    if not value or not {"time", "counter", "episode", "length"} & roles.keys():
-        return False
-    if MEANS.search(plain(value)) or POINTS.keys() & {plain(value), plain(value.rpartition("/")[2])}:
-        return True
     lower = [name.lower() for name in table.names]
     watched = {it.role: table.names[it.position] for it in watched_columns(lower)}
     try:
-        return len(table) > 0 and ("reward" not in lower or bool(why_no_steps(table, watched)))
-    except SchemaError:
+        chosen = Roles().chosen(table.path, [name for name in table.names if not _is_text(table.cells[name])])
+        is_counted = chosen.times or chosen.counter or chosen.unit == "episode"
+        is_known = chosen.kind[0] or chosen.is_mean
+        has_rows = len(table) > 0 and ("reward" not in lower or bool(why_no_steps(table, watched)))
+    except (UsageError, SchemaError):
         return False
+    return bool(is_counted and (is_known or has_rows))
 
 
 def _is_chart(names: Sequence[str]) -> bool:
@@ -430,90 +364,75 @@ def _settings_beside(path: Path) -> dict[str, Any]:
     return {}
 
 
-def _curves_in(path: Path) -> dict[str, tuple[Path, int, int]]:
-    """By tag the files of a run of MLflow, of TorchRL or of d3rlpy: where in a row its step and its value stand."""
+def _curves_in(path: Path) -> dict[str, tuple[Path, str]]:
+    """By tag the files of a run of MLflow, of TorchRL or of d3rlpy, and what stands in their rows."""
     try:
         if (path / "meta.yaml").is_file():
-            of, at = path / "metrics", (2, 1)
+            of, names = path / "metrics", "when value step"
         elif (path / "scalars").is_dir():
-            of, at = path / "scalars", (0, 1)
+            of, names = path / "scalars", "step value"
+        elif (path / "params.json").is_file():
+            files = [file for file in sorted(path.glob("*.csv")) if OF_D3RLPY.match(read_text(file))]
+            return {D3RLPY.get(file.stem, file.stem): (file, "epoch step value") for file in files}
         else:
-            of, at = path, (1, 2)
-        if of == path and not (path / "params.json").is_file():
             return {}
-        files = [file for file in sorted(of.glob("*.csv") if of == path else of.rglob("*")) if file.is_file()]
-        found = [file for file in files if of != path or OF_D3RLPY.match(read_text(file))]
+        files = [file for file in sorted(of.rglob("*")) if file.is_file()]
     except (OSError, SchemaError):
         return {}
-    tags = {file: file.relative_to(of).as_posix().removesuffix(".csv") for file in found}
-    return {D3RLPY.get(tag, tag) if of == path else tag: (file, *at) for file, tag in tags.items()}
+    return {file.relative_to(of).as_posix().removesuffix(".csv"): (file, names) for file in files}
 
 
 # Episodes
 
 
-def _episodes(table: TextTable, facts: LogFacts, roles: Mapping[str, str]) -> Log:
+def _episodes(table: TextTable, facts: LogFacts, chosen: Chosen) -> Log:
     if not len(table):
         raise SchemaError(f"{table.path} holds no episode yet")
-    roles = {**roles, **{role: name for role, name in (("env", ENV),) if name in table.cells}}
-    rows = np.arange(len(table))
-    fault = fault_of_episodes(table, roles, rows)
+    roles = {**chosen.columns, "time": next(iter(chosen.times), ""), "episode": chosen.episode}
+    roles |= {"env": ENV if ENV in table.names else ""}
+    roles = {role: name for role, name in roles.items() if name}
+    fault = fault_of_episodes(table, roles, np.arange(len(table)))
     if fault:
         raise table.refused(fault.row, fault.why)
     columns: Columns = {}
-    for role in ("reward", "success", "measure"):
-        if role in roles:
-            of = table.truths(roles[role]) if role == "success" else table.numbers(roles[role], ("nan",))
-            columns[column_of(role, roles[role])] = of
-    is_gappy = (
-        "episode" in roles and "env" not in roles and bool((np.diff(table.numbers(roles["episode"])) != 1.0).any())
-    )
-    notes = [", ".join(f"{role} from '{name}'" for role, name in roles.items() if role != "counter")]
+    for role in {"reward", "success", "measure"} & roles.keys():
+        of = table.truths(roles[role]) if role == "success" else table.numbers(roles[role], ("nan",))
+        columns[column_of(role, roles[role])] = of
+    numbers = table.numbers(roles["episode"]) if "episode" in roles and "env" not in roles else np.empty(0)
+    is_gappy = bool((np.diff(numbers) != 1.0).any())
+    notes = [", ".join(f"{role} from '{name}'" for role, name in roles.items())]
     if "length" in roles:
-        lengths = table.counts(roles["length"], least=1)
-        if len(lengths) >= FEW and (np.diff(lengths) > 0.0).all():
+        columns["length"] = lengths = table.counts(roles["length"], least=1)
+        if len(lengths) >= FEW and (np.diff(lengths) > 0.0).all() and table.names[:3] != MONITOR:
             notes.append(f"'{roles['length']}' only rises: it is taken to count the steps of all episodes")
-            columns[TIME] = lengths
-        else:
-            columns["length"] = lengths
-            if not is_gappy:
-                columns[TIME] = np.cumsum(lengths)
+            columns[TIME] = columns.pop("length")
+        elif not is_gappy:
+            columns[TIME] = np.cumsum(lengths)
     if "time" in roles:
         columns[TIME] = table.counts(roles["time"])
         back = np.flatnonzero(np.diff(columns[TIME]) < 0.0)
         if len(back):
             raise table.refused(int(back[0] + 1), f"'{roles['time']}' goes back: the file holds several runs")
-    facts = replace(
-        facts,
-        format="table of episodes",
-        unit="episode",
-        bounds={SUCCESS: (0.0, 1.0)} if "success" in roles else {},
-        thinned=GAPS if is_gappy else "",
-        notes=(*notes, *facts.notes),
-    )
-    return in_memory(facts, columns)
+    bounds = {SUCCESS: (0.0, 1.0)} if "success" in roles else {}
+    thinned, notes = GAPS if is_gappy else "", [*notes, *facts.notes]
+    return in_memory(replace(facts, bounds=bounds, thinned=thinned, notes=tuple(notes)), columns)
 
 
 def _monitored(table: TextTable, told: Roles) -> Log:
     """Episodes of one environment, or of several that train side by side, as Monitor and VecMonitor write them."""
     path = table.path
-    require_columns(path, table.names, told.success)
-    if not len(table):
-        raise SchemaError(f"{path} holds no episode yet")
     heads = [_object(path, line, text) for line, text in table.comments]
     envs = sorted({str(head.get("env_id") or "") for head in heads})
     if len(envs) > 1:
         raise SchemaError(f"{path} holds episodes of several environments: {', '.join(envs)}")
     success = told.success or next((name for name in ("is_success", "success") if name in table.names), "")
-    lengths, seconds = table.counts("l", least=1), table.numbers("t", NOTHING)
-    columns = {f"{REWARD}{RECORDED}": table.numbers("r", ("nan",)), "length": lengths}
-    columns |= {TIME: np.cumsum(lengths), "seconds": seconds}
-    if success:
-        columns[f"{BEHAVIOUR}{SUCCESS}"] = table.truths(success)
+    require_columns(path, table.names, success)
+    columns = {"reward": "r", "length": "l"} | ({"success": success} if success else {})
+    log = _episodes(table, LogFacts(path=path, format=""), Chosen(columns, unit="episode"))
+    seconds = table.numbers("t", NOTHING)
     further = [name for name in table.names[3:] if name != success]
     measured = {name: values for name in further if (values := _measured(table, name)) is not None}
     left = [name for name in further if name not in measured]
-    columns |= {f"{BEHAVIOUR}{name}": values for name, values in measured.items()}
     back = np.flatnonzero(np.diff(seconds) < 0.0)
     line = table.lines[int(back[0]) + 1] if len(back) else 0
     again = f"its clock goes back {len(back)} times, first in line {line}: it was continued, or several envs write it"
@@ -527,8 +446,8 @@ def _monitored(table: TextTable, told: Roles) -> Log:
     started = heads[0].get("t_start") if heads else None
     env = "" if envs in ([], ["None"]) else envs[0]
     zoo = zoo_settings(path, env)
-    facts = LogFacts(
-        path=path,
+    facts = replace(
+        log.facts,
         format="Monitor of stable-baselines3",
         unit="episode",
         env=env or zoo.env,
@@ -536,10 +455,11 @@ def _monitored(table: TextTable, told: Roles) -> Log:
         seed=zoo.seed,
         asked=zoo.asked,
         started=float(started) if isinstance(started, int | float) else None,
-        bounds={SUCCESS: (0.0, 1.0)} if success else {},
         notes=tuple(note for note, is_so in notes.items() if is_so),
     )
-    return in_memory(facts, columns)
+    return in_memory(
+        facts, {**log.known, "seconds": seconds, **{f"{BEHAVIOUR}{it}": of for it, of in measured.items()}}
+    )
 
 
 def _bare_names(path: Path, text: str) -> Sequence[str]:

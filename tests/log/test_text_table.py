@@ -20,13 +20,6 @@ def test_cells_are_kept_with_their_lines():
     assert table.lines == [2, 5, 6]
 
 
-def test_columns_that_are_not_wanted_are_not_kept():
-    """A table of RLlib has hundreds."""
-    table = parse_table(PATH, "a,b,c\n1,2,3\n", wanted=lambda names, rows: names[1:2])
-    assert table.cells == {"b": ["2"]}
-    assert table.names == ("a", "b", "c")
-
-
 def test_a_header_that_comes_again_is_no_row():
     """Somebody has appended to the file; its line is told."""
     table = parse_table(PATH, "a,b\n1,2\na,b\n3,4\n")

@@ -191,5 +191,5 @@ def test_a_column_may_be_named(tmp_path):
     assert not read.is_recognised(path)
     [log] = read.make(reward="points", success="won").read(path)
     assert log["behaviour/success"].tolist() == [0.5, 0.75]
-    with pytest.raises(UsageError, match="no column of returns that is known"):
+    with pytest.raises(UsageError, match="no curve of returns that is known"):
         read.make().read(path)
