@@ -7,6 +7,7 @@ from hashlib import sha256
 from importlib.metadata import version
 
 import numpy as np
+from numpy.random import default_rng
 
 LIBRARIES = ("numpy", "gymnasium", "mujoco")
 ROWS, WIDTHS, FUNCTIONS = (1, 2, 8, 16), (1, 3, 4, 6, 8, 20), (np.tanh, np.exp, np.sin, np.cos, np.square)
@@ -18,7 +19,7 @@ def arithmetic():
 
     No code of ours takes part: a change of ours must not look like another machine.
     """
-    rng, digest = np.random.default_rng(0), sha256()
+    rng, digest = default_rng(0), sha256()
     for kind in (np.float32, np.float64):
         for rows in ROWS:
             for into in WIDTHS:

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from hypothesis import settings
+from numpy.random import default_rng
 
 import harness
 from harness.experiment import ExperimentRun, Plan
@@ -297,7 +298,7 @@ def make_network():
         high=1.0,
         **fields,
     ):
-        rng = np.random.default_rng(seed)
+        rng = default_rng(seed)
         is_discrete, sizes = issubclass(kind, ChoosingNetwork), [5] + [4] * layers
         outputs = 3 if is_discrete else 2
         shapes = {f"hidden.{index}": (4, into) for index, into in enumerate(sizes[:-1])}

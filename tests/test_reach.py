@@ -7,6 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from numpy.random import default_rng
+from numpy.testing import assert_allclose, assert_array_equal, assert_array_less
 from scipy.spatial.transform import Rotation
 
 import harness
@@ -20,7 +22,7 @@ ROBOT = harness.load_robot("fd100")
 
 def rng():
     """The same numbers every time."""
-    return np.random.default_rng(5)
+    return default_rng(5)
 
 
 def positions(task, count):
@@ -39,8 +41,8 @@ def test_targets_are_in_the_box():
 def test_box_of_the_fd100():
     """By default the centre is 0.85 m before the arm and 0.7 m high, and the box 0.4 x 0.6 x 0.6 m large."""
     center, half = ReachTask().target_box(ROBOT)
-    np.testing.assert_allclose(center, [0.85, 0.0, 0.7], rtol=1e-12)
-    np.testing.assert_allclose(half, [0.2, 0.3, 0.3], rtol=1e-12)
+    assert_allclose(center, [0.85, 0.0, 0.7], rtol=1e-12)
+    assert_allclose(half, [0.2, 0.3, 0.3], rtol=1e-12)
 
 
 def test_box_of_another_arm_is_scaled_by_its_reach():
@@ -48,16 +50,16 @@ def test_box_of_another_arm_is_scaled_by_its_reach():
     arm = harness.load_robot("unity-arm")
     scale = arm.reach / ROBOT.reach
     for part, of_fd100 in zip(ReachTask().target_box(arm), ReachTask().target_box(ROBOT), strict=True):
-        np.testing.assert_allclose(part, scale * of_fd100, rtol=1e-12)
+        assert_allclose(part, scale * of_fd100, rtol=1e-12)
     given = ReachTask(target_center=(0.5, 0.1, 0.6), target_half_extent=(0.1, 0.2, 0.0))
-    np.testing.assert_array_equal(given.target_box(arm), [(0.5, 0.1, 0.6), (0.1, 0.2, 0.0)])
+    assert_array_equal(given.target_box(arm), [(0.5, 0.1, 0.6), (0.1, 0.2, 0.0)])
 
 
 def test_box_of_the_fd100_is_the_same_bit_for_bit():
     """Whatever follows a mount, its own does not: neither that of the unity-arm."""
     for name in ("fd100", "unity-arm"):
         assert way_to_mount(harness.load_robot(name)).tolist() == [0.0, 0.0, 0.0]
-    np.testing.assert_array_equal(ReachTask().target_box(ROBOT), [(0.85, 0.0, 0.7), (0.2, 0.3, 0.3)])
+    assert_array_equal(ReachTask().target_box(ROBOT), [(0.85, 0.0, 0.7), (0.2, 0.3, 0.3)])
 
 
 def test_box_follows_a_mount_on_a_table(tmp_path):
@@ -68,17 +70,17 @@ def test_box_follows_a_mount_on_a_table(tmp_path):
         for name, height in heights.items()
     ]
     (center, half), (low, same_half) = map(ReachTask().target_box, arms)
-    np.testing.assert_array_equal(half, same_half)
+    assert_array_equal(half, same_half)
     room = FD100_MOUNT * arms[0].reach / ROBOT.reach
-    np.testing.assert_allclose(center - low, [0.0, 0.0, 0.8 - room], atol=1e-12)
+    assert_allclose(center - low, [0.0, 0.0, 0.8 - room], atol=1e-12)
     assert center[2] - half[2] > 0.75
-    points = np.random.default_rng(0).uniform(-1.0, 1.0, (64, 3)) * half
+    points = default_rng(0).uniform(-1.0, 1.0, (64, 3)) * half
     reached = [
         reach_position(arm, points + box + [0.0, 0.0, shift], np.tile(arm.home, (64, 1)))[1]
         for arm, box, shift in zip(arms, (center, low), (0.0, 0.2 - room), strict=True)
     ]
     assert reached[0].sum() > 32
-    np.testing.assert_array_equal(*reached)
+    assert_array_equal(*reached)
 
 
 def test_box_follows_a_mount_beside_the_origin(tmp_path):
@@ -86,7 +88,7 @@ def test_box_follows_a_mount_beside_the_origin(tmp_path):
     aside = read_arm(tmp_path / "a", changed(('xyz="0 0 0.1" rpy', 'xyz="-1.2 1.6 0.1" rpy')))
     near = read_arm(tmp_path / "b", changed(('xyz="0 0 0.1" rpy', 'xyz="-0.06 0.08 0.1" rpy')))
     room = FD100_MOUNT * aside.reach / ROBOT.reach
-    np.testing.assert_allclose(way_to_mount(aside), (2.0 - room) / 2.0 * np.array([-1.2, 1.6, 0.0]))
+    assert_allclose(way_to_mount(aside), (2.0 - room) / 2.0 * np.array([-1.2, 1.6, 0.0]))
     assert not way_to_mount(near).any()
     ReachTask().check(aside)
 
@@ -108,17 +110,17 @@ def pose(rotation, *xyz):
 def test_box_on_a_wall_and_under_a_ceiling_is_the_one_of_the_floor(subtests):
     """Turned with the mount, and reached as well: by a search for every point, and by the tips of random poses."""
     center, half = ReachTask().target_box(ROBOT)
-    points = np.random.default_rng(0).uniform(-1.0, 1.0, (64, 3)) * half + center
+    points = default_rng(0).uniform(-1.0, 1.0, (64, 3)) * half + center
     for name, turn in {"wall": ("y", 90), "other wall": ("x", -90), "ceiling": ("x", 180), "aside": ("z", 90)}.items():
         with subtests.test(name):
             mount = pose(Rotation.from_euler(*turn, degrees=True), 0.3, -2.0, 3.0)
             arm = on_mount(ROBOT, mount)
             moved, turned_half = ReachTask().target_box(arm)
-            np.testing.assert_allclose(moved, mount[:3, :3] @ center + mount[:3, 3], atol=1e-12)
-            np.testing.assert_allclose(turned_half, np.abs(mount[:3, :3]) @ half, atol=1e-12)
+            assert_allclose(moved, mount[:3, :3] @ center + mount[:3, 3], atol=1e-12)
+            assert_allclose(turned_half, np.abs(mount[:3, :3]) @ half, atol=1e-12)
             there = points @ mount[:3, :3].T + mount[:3, 3]
             assert reach_position(arm, there, np.tile(arm.home, (64, 1)))[1].all()
-            tips = arm.end_effector(np.random.default_rng(1).uniform(arm.lower, arm.upper, (20_000, 6)))
+            tips = arm.end_effector(default_rng(1).uniform(arm.lower, arm.upper, (20_000, 6)))
             assert (np.abs(tips - moved) <= turned_half).all(axis=1).sum() > 50
 
 
@@ -128,9 +130,9 @@ def test_box_follows_any_mount(rotvec, xyz):
     mount = pose(Rotation.from_rotvec(rotvec), *xyz)
     center, half = ReachTask().target_box(ROBOT)
     moved, around = ReachTask().target_box(on_mount(ROBOT, mount))
-    np.testing.assert_allclose(mount[:3, :3].T @ (moved - mount[:3, 3]), center, atol=1e-9)
+    assert_allclose(mount[:3, :3].T @ (moved - mount[:3, 3]), center, atol=1e-9)
     corners = np.array(list(itertools.product((-1, 1), repeat=3))) * half
-    np.testing.assert_allclose(np.abs(corners @ mount[:3, :3].T).max(axis=0), around, atol=1e-9)
+    assert_allclose(np.abs(corners @ mount[:3, :3].T).max(axis=0), around, atol=1e-9)
 
 
 TELESCOPE = [
@@ -150,7 +152,7 @@ def test_an_arm_that_cannot_reach_the_box_has_one_of_its_own(tmp_path):
     links = "".join(f'<link name="{name}"/>' for name in ("base", "l1", "l2", "tip", "grasp"))
     (tmp_path / "arm.urdf").write_text(f'<robot name="a">{links}{"".join(TELESCOPE)}</robot>')
     arm = read_robot(tmp_path / "arm.urdf")
-    draw, half_edges = np.random.default_rng(1), ReachTask().target_box(arm)[1]
+    draw, half_edges = default_rng(1), ReachTask().target_box(arm)[1]
     shares = []
     for center, half in (place_box(arm, FD100_CENTER, FD100_HALF_EXTENT), ReachTask().target_box(arm)):
         points = center + draw.uniform(-1.0, 1.0, (200, 3)) * half
@@ -175,8 +177,8 @@ def test_box_is_on_the_side_where_the_arm_is_at_home():
         home[0] = math.radians(degrees)
         turn = Rotation.from_euler("z", 90 * quarter, degrees=True).as_matrix()
         moved, turned_half = place_box(replace(ROBOT, home=home), FD100_CENTER, FD100_HALF_EXTENT)
-        np.testing.assert_allclose(moved, turn @ center, atol=1e-12)
-        np.testing.assert_allclose(turned_half, np.abs(turn) @ half, atol=1e-12)
+        assert_allclose(moved, turn @ center, atol=1e-12)
+        assert_allclose(turned_half, np.abs(turn) @ half, atol=1e-12)
 
 
 def test_an_arm_on_a_table_by_a_fixed_joint_is_the_one_on_the_floor(tmp_path):
@@ -188,13 +190,13 @@ def test_an_arm_on_a_table_by_a_fixed_joint_is_the_one_on_the_floor(tmp_path):
         for name, where in {"floor": "", "ceiling": mount}.items()
     ]
     floor, ceiling = robots
-    np.testing.assert_array_equal(floor.home, ceiling.home)
+    assert_array_equal(floor.home, ceiling.home)
     (center, half), (hung, same_half) = map(ReachTask().target_box, robots)
-    np.testing.assert_allclose(hung, [center[0], -center[1], 2.5 - center[2]], atol=1e-12)
-    np.testing.assert_allclose(half, same_half, atol=1e-12)
+    assert_allclose(hung, [center[0], -center[1], 2.5 - center[2]], atol=1e-12)
+    assert_allclose(half, same_half, atol=1e-12)
     lean = changed(('xyz="0 0 0.1" rpy="0 0 0"/><axis xyz="0 0 1"', 'xyz="0 0 0.1" rpy="0 0 0"/><axis xyz="0 1 0"'))
     upright = read_arm(tmp_path / "lean", lean.replace("</robot>", f"{fixed.format(mount)}</robot>"))
-    np.testing.assert_array_equal(upright.chain.T_world_mount, np.eye(4))
+    assert_array_equal(upright.chain.T_world_mount, np.eye(4))
 
 
 def test_a_given_box_follows_nothing(tmp_path):
@@ -262,7 +264,7 @@ def test_a_slide_starts_within_a_share_of_its_range(tmp_path):
     (tmp_path / "slide.urdf").write_text(SHORT_SLIDE)
     robot, task, generator = read_robot(tmp_path / "slide.urdf"), ReachTask(), rng()
     away = np.abs([task.draw_start(robot, generator) - robot.home for _ in range(300)]).max(axis=0)
-    np.testing.assert_array_less(away, [math.radians(6), 0.05 / 60, math.radians(6)])
+    assert_array_less(away, [math.radians(6), 0.05 / 60, math.radians(6)])
     assert away[1] > 0.9 * 0.05 / 60
     assert "a slide +- 1.67% of its range" in task.start_in_words(robot)
     assert "slide" not in task.start_in_words(ROBOT)
@@ -280,20 +282,20 @@ def test_starts_are_within_the_joint_ranges():
 def test_same_stream_gives_same_targets():
     """Starts and targets depend on the random stream alone."""
     task = ReachTask()
-    np.testing.assert_array_equal(positions(task, 20), positions(task, 20))
-    np.testing.assert_array_equal(task.draw_start(ROBOT, rng()), task.draw_start(ROBOT, rng()))
+    assert_array_equal(positions(task, 20), positions(task, 20))
+    assert_array_equal(task.draw_start(ROBOT, rng()), task.draw_start(ROBOT, rng()))
 
 
 def test_motion_has_the_task_shares():
     """The motion is limited to the task's shares of the robot's maxima."""
     motion = ReachTask(speed=0.5, acceleration=0.25, control_period=0.2).motion(ROBOT)
-    np.testing.assert_allclose(motion.limits.max_speed, 0.5 * ROBOT.max_speed)
-    np.testing.assert_allclose(motion.limits.max_change, 0.25 * 0.2 * ROBOT.max_acceleration)
+    assert_allclose(motion.limits.max_speed, 0.5 * ROBOT.max_speed)
+    assert_allclose(motion.limits.max_change, 0.25 * 0.2 * ROBOT.max_acceleration)
 
 
 def test_every_target_pays_the_same():
     """Whatever the pose, NOTE eq. 19."""
-    np.testing.assert_array_equal(ReachTask(target_reward=2.5).target_rewards(ROBOT, np.zeros((3, 6))), [2.5] * 3)
+    assert_array_equal(ReachTask(target_reward=2.5).target_rewards(ROBOT, np.zeros((3, 6))), [2.5] * 3)
 
 
 def test_bad_override_is_a_usage_error(subtests):
@@ -367,7 +369,7 @@ def test_all_lengths_of_a_task_are_shares_of_the_reach(tmp_path):
     }.items():
         usual, scaled = (harness.make_env("kinematic", name, robot=it).task for it in (None, arm))
         for key in keys:
-            np.testing.assert_allclose(getattr(scaled, key), scale * np.array(getattr(usual, key)), rtol=5e-3)
+            assert_allclose(getattr(scaled, key), scale * np.array(getattr(usual, key)), rtol=5e-3)
 
 
 def test_a_task_for_another_arm_keeps_its_numbers():

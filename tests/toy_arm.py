@@ -15,6 +15,7 @@ from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 import pydantic.dataclasses
+from numpy.random import default_rng
 from pydantic import Field
 
 import harness
@@ -137,7 +138,7 @@ class Wander:
 
     def train(self, env, steps, seed, progress):
         """Take the steps."""
-        rng = np.random.default_rng(seed)
+        rng = default_rng(seed)
         env.reset()
         for done in range(env.num_envs, steps + 1, env.num_envs):
             env.step(rng.uniform(-1.0, 1.0, (env.num_envs, env.robot.dof)))
@@ -198,7 +199,7 @@ class Narrate:
 
     def train(self, env, steps, seed, progress):
         """Take the steps."""
-        rng = np.random.default_rng(seed)
+        rng = default_rng(seed)
         seen, dof = env.single_observation_space.shape[0], env.robot.dof
         shapes = {"hidden.0": (1, seen), "mean": (dof, 1), "log_std": (dof, 1)}
 
@@ -234,7 +235,7 @@ class Buttons:
 
     def train(self, env, steps, seed, progress):
         """Take the steps."""
-        rng, choices = np.random.default_rng(seed), int(env.single_action_space.n)
+        rng, choices = default_rng(seed), int(env.single_action_space.n)
         env.reset()
         for done in range(env.num_envs, steps + 1, env.num_envs):
             env.step(rng.integers(choices, size=env.num_envs))

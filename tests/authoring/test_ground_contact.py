@@ -2,13 +2,15 @@
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
+from numpy.testing import assert_array_equal
 
 import harness
 from harness.authoring import GroundContact, link_frames
 from harness.errors import UsageError
 
 ROBOTS = ("fd100", "unity-arm")
-RNG = np.random.default_rng(3)
+RNG = default_rng(3)
 
 
 def _poses(robot, count=200):
@@ -21,7 +23,7 @@ def test_contact_is_a_clearance_below_zero(name):
     robot = harness.load_robot(name)
     contact, qpos = GroundContact(robot), _poses(robot)
     touches = contact(qpos)
-    np.testing.assert_array_equal(touches, contact.clearance(qpos) < 0.0)
+    assert_array_equal(touches, contact.clearance(qpos) < 0.0)
     assert 0 < touches.sum() < len(qpos)
 
 
@@ -30,7 +32,7 @@ def test_it_says_what_the_kinematic_simulator_says(name):
     """Of the same poses, one simulator beside the other."""
     env = harness.make_env("kinematic", robot=name, num_envs=50)
     qpos = _poses(env.robot, 50)
-    np.testing.assert_array_equal(GroundContact(env.robot)(qpos), env.simulation.place(qpos).ground_contact)
+    assert_array_equal(GroundContact(env.robot)(qpos), env.simulation.place(qpos).ground_contact)
     env.close()
 
 

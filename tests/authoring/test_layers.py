@@ -4,11 +4,13 @@ import re
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
+from numpy.testing import assert_allclose
 
 from harness.authoring import Deterministic, layer_weights
 from harness.errors import UsageError
 
-RNG = np.random.default_rng(0)
+RNG = default_rng(0)
 
 
 def _layer(inputs, outputs):
@@ -21,7 +23,7 @@ def test_a_policy_of_layers_does_what_the_layers_do():
     policy = Deterministic(layer_weights([hidden], mean=mean), "tanh", (-2.0, -2.0), (2.0, 2.0))
     observation = RNG.normal(size=(3, 5)).astype(np.float32)
     expected = 2.0 * np.tanh(np.tanh(observation @ first.T + offset) @ last.T + shift)
-    np.testing.assert_allclose(policy.act(observation), expected, rtol=1e-5)
+    assert_allclose(policy.act(observation), expected, rtol=1e-5)
 
 
 def test_arrays_are_copies_in_single_precision():

@@ -5,6 +5,7 @@ import itertools
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from numpy.random import default_rng
 
 import harness
 from harness.authoring import ObservedReward
@@ -42,7 +43,7 @@ def test_it_pays_what_the_task_pays(name):
     reward = choose(registry, "rewards", name).build(registry, "rewards")
     task = choose(registry, "tasks", "fd100-reach:horizon=30").build(registry, "tasks")
     env = ReachVectorEnv(IdealSimulator(), harness.load_robot("fd100", registry), task, reward, 1)
-    pays, rng = ObservedReward(reward, parse_places("distance=0:1")), np.random.default_rng(0)
+    pays, rng = ObservedReward(reward, parse_places("distance=0:1")), default_rng(0)
     before = env.reset(seed=0)[1]["distance"]
     pays.reset()
     for _ in range(100):

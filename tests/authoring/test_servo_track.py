@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from numpy.testing import assert_allclose, assert_array_equal
 
 from harness.authoring import ServoTrack
 from harness.robot.servo import Servo
@@ -25,8 +26,8 @@ def test_a_way_is_gone_at_constant_speed():
     """From the last target, which the first physics step still holds, up to the step before the new one."""
     references = _track().advance(_pose(1.0), 10 * STEP, 10)
     assert references.qpos.shape == references.qvel.shape == (10, 1, 2)
-    np.testing.assert_allclose(references.qpos[:, 0, 0], np.arange(10) / 10)
-    np.testing.assert_allclose(references.qvel, 1.0 / (10 * STEP))
+    assert_allclose(references.qpos[:, 0, 0], np.arange(10) / 10)
+    assert_allclose(references.qvel, 1.0 / (10 * STEP))
 
 
 def test_the_next_way_begins_at_the_last_target():
@@ -45,7 +46,7 @@ def test_latency_shifts_all_by_whole_steps(ways, delay):
     prompt, late = (_played(ways, latency) for latency in (0.0, delay * STEP))
     assert (late[:delay, 1] == 0.0).all()
     assert (late[:delay, 0] == 0.0).all()
-    np.testing.assert_array_equal(late[delay:], prompt[: max(len(prompt) - delay, 0)])
+    assert_array_equal(late[delay:], prompt[: max(len(prompt) - delay, 0)])
 
 
 def _played(ways, latency):
@@ -65,8 +66,8 @@ def test_reset_forgets_in_its_envs_alone(latency):
     references, expected = (each.advance(_pose(7.0, 3.0), 4 * STEP, 4) for each in (track, undisturbed))
     assert (references.qpos[:, 0] == 7.0).all()
     assert not references.qvel[:, 0].any()
-    np.testing.assert_array_equal(references.qpos[:, 1], expected.qpos[:, 1])
-    np.testing.assert_array_equal(references.qvel[:, 1], expected.qvel[:, 1])
+    assert_array_equal(references.qpos[:, 1], expected.qpos[:, 1])
+    assert_array_equal(references.qvel[:, 1], expected.qvel[:, 1])
 
 
 def test_the_callers_array_is_not_kept():

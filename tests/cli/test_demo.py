@@ -3,7 +3,7 @@
 import subprocess
 import sys
 
-import numpy as np
+from numpy.testing import assert_array_equal
 
 from harness.results import load_results, shows_of
 
@@ -25,7 +25,7 @@ def test_the_number_grows_and_the_arm_moves_the_same(harness, tmp_path):
     baseline, proposed = (side.episodes for side in show.sides)
     assert max(len(episode.steps) for episode in baseline) >= 20  # long enough to be watched
     for one, other in zip(baseline, proposed, strict=True):
-        np.testing.assert_array_equal(one.qpos, other.qpos)
+        assert_array_equal(one.qpos, other.qpos)
     assert 'id="replay-player"' in (tmp_path / "mine" / "report.html").read_text()
 
 

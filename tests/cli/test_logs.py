@@ -5,6 +5,7 @@ import json
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
 
 NO_STEPS = "An index of steps, I_N or I_P, needs the reward of each environment step"
 
@@ -30,7 +31,7 @@ def monitors(tmp_path):
     """Writes trainings of two rewards by shares of success; by reward and seed, success with the step at each end."""
 
     def write(base, prop, seeds=5, episodes=200):
-        rng, told = np.random.default_rng(1), {}
+        rng, told = default_rng(1), {}
         for reward, share in (("base", base), ("prop", prop)):
             for seed in range(seeds):
                 success = rng.random(episodes) < np.clip(share + rng.normal(0, 0.04), 0, 1)

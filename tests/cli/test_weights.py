@@ -2,9 +2,9 @@
 
 import json
 
-import numpy as np
 import pyarrow.parquet as pq
 import pytest
+from numpy.testing import assert_allclose
 
 from tests.results.gentle import SOURCE
 
@@ -34,7 +34,7 @@ def test_runs_are_paid_from_the_columns(harness, runs, tmp_path):
     called = pq.read_table(place / "scores.parquet").to_pydict()
     assert list(without) == list(called)
     for name, values in called.items():
-        np.testing.assert_allclose(without[name], values, rtol=1e-12, atol=1e-12)
+        assert_allclose(without[name], values, rtol=1e-12, atol=1e-12)
 
 
 def test_a_run_of_another_reward_has_one_clear_reason(harness, runs):

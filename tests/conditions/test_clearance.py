@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
 
 import harness
 from harness.conditions.clearance import Clearance
@@ -52,7 +53,7 @@ def points_in(kind, rng, count=4000):
 @pytest.mark.parametrize("kind", [*SHAPES, "mesh"])
 def test_distance_is_that_of_the_nearest_points(kind, obstacle):
     """For every kind of shape and obstacle: no point is nearer, and some point is about as near."""
-    rng, arm = np.random.default_rng(0), arm_with(kind)
+    rng, arm = default_rng(0), arm_with(kind)
     qpos = rng.uniform(arm.lower, arm.upper, (12, arm.dof))
     obstacles = np.tile(obstacle, (12, 1, 1))
     obstacles[:, 0, :3] = arm.end_effector(qpos) + rng.uniform(-0.5, 0.5, (12, 3))
@@ -70,7 +71,7 @@ def test_distance_is_that_of_the_nearest_points(kind, obstacle):
 
 def test_touching_is_being_within_the_clearance():
     """Just within the distance it is touched, just without it is not; the answer does not depend on the batch."""
-    rng, clearance = np.random.default_rng(1), Clearance(ARM)
+    rng, clearance = default_rng(1), Clearance(ARM)
     qpos = rng.uniform(ARM.lower, ARM.upper, (40, 6))
     obstacles = np.array([SPHERE, BOX])[None].repeat(40, axis=0)
     obstacles[..., :3] = rng.uniform([-1.0, -1.0, 0.3], [1.0, 1.0, 1.2], (40, 2, 3))

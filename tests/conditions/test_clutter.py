@@ -1,6 +1,8 @@
 """Obstacles that an episode draws."""
 
 import numpy as np
+from numpy.random import default_rng
+from numpy.testing import assert_allclose
 
 import harness
 from harness.conditions import Conditions
@@ -16,7 +18,7 @@ CROWDED = Conditions(obstacle_count=3)
 
 def drawn(seed):
     """Start, target and obstacles of an episode."""
-    rng, task = np.random.default_rng(seed), ReachTask()
+    rng, task = default_rng(seed), ReachTask()
     start, target = task.draw_start(ARM, rng), task.draw_targets(ARM, rng, 1).position[0]
     return start, target, draw_clutter(CROWDED, ARM, CLEARANCE, start, target, task.epsilon, rng)
 
@@ -57,8 +59,8 @@ def test_spheres_and_boxes_are_drawn_in_their_sizes():
 def test_fixed_ones_come_first():
     """A task may have both."""
     both = Conditions(obstacles="0.3x0.6x0.5x0.05", obstacle_count=1)
-    rng, task = np.random.default_rng(0), ReachTask()
+    rng, task = default_rng(0), ReachTask()
     target = task.draw_targets(ARM, rng, 1).position[0]
     obstacles = draw_clutter(both, ARM, CLEARANCE, ARM.home.copy(), target, 0.05, rng)
-    np.testing.assert_allclose(obstacles[0], [0.3, 0.6, 0.5, 0, 0, 0, 0.05])
+    assert_allclose(obstacles[0], [0.3, 0.6, 0.5, 0, 0, 0, 0.05])
     assert obstacles.shape == (2, 7)

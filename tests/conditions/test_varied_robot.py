@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
+from numpy.testing import assert_allclose, assert_array_equal
 
 import harness
 from harness.conditions import Conditions
@@ -24,9 +26,9 @@ def test_factors_of_one_are_the_robot_itself():
 def test_all_lengths_scale_what_the_joints_carry():
     """Twice as long: the end effector is twice as far from the first joint, and shapes are twice as large."""
     double = vary_robot(ARM, Factors((1.0,) * LINKS, (2.0,) * LINKS, 1.0))
-    qpos = np.random.default_rng(0).uniform(ARM.lower, ARM.upper, (5, 6))
+    qpos = default_rng(0).uniform(ARM.lower, ARM.upper, (5, 6))
     first = ARM.chain.T_previous_joint[0, :3, 3]
-    np.testing.assert_allclose(double.end_effector(qpos) - first, 2.0 * (ARM.end_effector(qpos) - first), atol=1e-12)
+    assert_allclose(double.end_effector(qpos) - first, 2.0 * (ARM.end_effector(qpos) - first), atol=1e-12)
     assert double.joint_shapes[1][0].size == pytest.approx([2.0 * edge for edge in ARM.joint_shapes[1][0].size])
 
 
@@ -58,6 +60,6 @@ def test_friction_is_that_of_the_drives():
     """Of both kinds; a robot that describes no drives has none to vary."""
     servo = Servo(*(np.full(6, number) for number in (1.0, 2.0, 3.0, 4.0, 5.0, 6.0)), 0.0, True)
     rubbing = vary_robot(replace(ARM, servo=servo), Factors((1.0,) * LINKS, (1.0,) * LINKS, 0.5)).servo
-    np.testing.assert_array_equal([rubbing.viscous_friction[0], rubbing.dry_friction[0]], [1.5, 2.0])
-    np.testing.assert_array_equal([rubbing.max_torque[0], rubbing.stiffness[0]], [1.0, 5.0])
+    assert_array_equal([rubbing.viscous_friction[0], rubbing.dry_friction[0]], [1.5, 2.0])
+    assert_array_equal([rubbing.max_torque[0], rubbing.stiffness[0]], [1.0, 5.0])
     assert vary_robot(replace(ARM, servo=None), Factors((1.0,) * LINKS, (1.0,) * LINKS, 0.5)).servo is None

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
 
 import harness
 from harness.env import ReachVectorEnv
@@ -72,7 +73,7 @@ def _stand(env):
 
 
 def _wander(env, steps, seed=0):
-    rng = np.random.default_rng(seed)
+    rng = default_rng(seed)
     shape = env.action_space.shape
     return [env.step(rng.uniform(-1.0, 1.0, shape).astype(np.float32)) for _ in range(steps)]
 

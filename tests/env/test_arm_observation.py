@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 
 import harness
 from harness.env import ArmObservation, ReachVectorEnv
@@ -31,8 +32,8 @@ def step(env, action):
 def test_bounds_fit_the_table():
     """Joint numbers are in [-1, 1], a distance is not negative, and no position is beyond the arm's reach."""
     observation = ArmObservation(ROBOT, PERIOD)
-    np.testing.assert_array_equal(observation.low[:18], -1.0)
-    np.testing.assert_array_equal(observation.high[:18], 1.0)
+    assert_array_equal(observation.low[:18], -1.0)
+    assert_array_equal(observation.high[:18], 1.0)
     assert observation.low[DISTANCE] == 0.0
     assert (observation.high[18:] > ROBOT.reach).all()
     assert observation.low.shape == observation.high.shape == (28,)  # 18 of the table, three positions, a distance
@@ -43,7 +44,7 @@ def test_angles_are_positions_in_the_range(env):
     """-1 is the lower end of a joint's range, 1 the upper."""
     seen = step(env, 0.5)
     expected = 2.0 * (env.simulation.read().qpos - ROBOT.lower) / (ROBOT.upper - ROBOT.lower) - 1.0
-    np.testing.assert_allclose(seen[:, ANGLES], expected, atol=1e-6)
+    assert_allclose(seen[:, ANGLES], expected, atol=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -54,35 +55,35 @@ def test_motion_is_told_as_fractions_of_the_maximum(env, steps, action, part, sh
     """80 % of a speed that was asked for; 60 % of an acceleration in the first period, none in steady motion."""
     for _ in range(steps):
         seen = step(env, action)
-    np.testing.assert_allclose(seen[:, part], share, atol=1e-6)
+    assert_allclose(seen[:, part], share, atol=1e-6)
 
 
 def test_arm_rests_at_the_start(env):
     """An episode starts without speed and acceleration, also after another one."""
     step(env, 1.0)
     seen, _ = env.reset()
-    np.testing.assert_array_equal(seen[:, SPEEDS], 0.0)
-    np.testing.assert_array_equal(seen[:, ACCELERATIONS], 0.0)
+    assert_array_equal(seen[:, SPEEDS], 0.0)
+    assert_array_equal(seen[:, ACCELERATIONS], 0.0)
 
 
 def test_end_effector_is_in_the_world_frame(env):
     """The end effector is where the robot's kinematics put it, [m]."""
     seen = step(env, -0.7)
     expected = ROBOT.end_effector(env.simulation.read().qpos)
-    np.testing.assert_allclose(seen[:, END_EFFECTOR], expected, atol=1e-6)
+    assert_allclose(seen[:, END_EFFECTOR], expected, atol=1e-6)
 
 
 def test_offset_leads_to_the_target(env):
     """Target = end effector + offset, and the distance is the offset's length."""
     seen = step(env, -0.7)
-    np.testing.assert_allclose(seen[:, TARGET], seen[:, END_EFFECTOR] + seen[:, OFFSET], atol=1e-6)
-    np.testing.assert_allclose(seen[:, DISTANCE], np.linalg.norm(seen[:, OFFSET], axis=1), atol=1e-6)
+    assert_allclose(seen[:, TARGET], seen[:, END_EFFECTOR] + seen[:, OFFSET], atol=1e-6)
+    assert_allclose(seen[:, DISTANCE], np.linalg.norm(seen[:, OFFSET], axis=1), atol=1e-6)
 
 
 def test_target_stands_still_in_an_episode(env):
     """The target that is seen is the same at every step, and another in the next episode."""
     first = step(env, 0.1)[:, TARGET]
-    np.testing.assert_array_equal(step(env, 0.1)[:, TARGET], first)
+    assert_array_equal(step(env, 0.1)[:, TARGET], first)
     assert (env.reset()[0][:, TARGET] != first).any(axis=1).all()
 
 
@@ -100,4 +101,4 @@ def test_joint_numbers_are_clipped():
     env.reset(seed=3)
     seen, *_, infos = env.step(np.zeros((2, 6), np.float32))
     seen = infos.get("final_obs", seen)
-    np.testing.assert_array_equal(seen[:, :18], 1.0)
+    assert_array_equal(seen[:, :18], 1.0)

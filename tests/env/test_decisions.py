@@ -5,6 +5,8 @@ from typing import ClassVar
 import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode
+from numpy.random import default_rng
+from numpy.testing import assert_allclose, assert_array_equal
 
 from harness.env import IdealSimulation
 from harness.reach import ReachTask
@@ -46,7 +48,7 @@ OFTEN = {"epsilon": 0.35, "horizon": 23}
 
 def play(env, decisions, columns=slice(None)):
     """Decisions at random; `columns`, of eight envs, are those of the env."""
-    rng = np.random.default_rng(0)
+    rng = default_rng(0)
     actions = rng.uniform(-1.0, 1.0, (decisions, 8, 6)).astype(np.float32)
     return [env.step(action[columns]) for action in actions]
 
@@ -68,27 +70,27 @@ def test_decision_is_its_environment_steps(make):
     fives, ones = make(8, InFives(epsilon=0.001)), make(8, ReachTask(epsilon=0.001))
     for env in (fives, ones):
         env.reset(seed=0)
-    rng = np.random.default_rng(0)
+    rng = default_rng(0)
     for _ in range(6):
         action = rng.uniform(-0.3, 0.3, (8, 6)).astype(np.float32)
         steps = [ones.step(action) for _ in range(PERIOD)]
         observations, rewards, terminated, truncated, infos = fives.step(action)
         assert not (terminated | truncated).any()
-        np.testing.assert_array_equal(observations, steps[-1][0])
-        np.testing.assert_array_equal(rewards, sum(step[1] for step in steps))
-        np.testing.assert_array_equal(infos["distance"], steps[-1][4]["distance"])
-        np.testing.assert_array_equal(infos["reward_shaped"], sum(step[4]["reward_shaped"] for step in steps))
+        assert_array_equal(observations, steps[-1][0])
+        assert_array_equal(rewards, sum(step[1] for step in steps))
+        assert_array_equal(infos["distance"], steps[-1][4]["distance"])
+        assert_array_equal(infos["reward_shaped"], sum(step[4]["reward_shaped"] for step in steps))
 
 
 def test_one_row_per_environment_step(make, tmp_path):
     """Five rows a decision with its action; their terms add up to what it paid."""
     (_, taken), trace = record(make, tmp_path / "trace.parquet", [0], InFives(horizon=100), decisions=3)
-    np.testing.assert_array_equal(trace["step"], range(4 * PERIOD + 1))
+    assert_array_equal(trace["step"], range(4 * PERIOD + 1))
     actions = trace["action"][1:].reshape(4, PERIOD, 6)
-    np.testing.assert_array_equal(actions, np.repeat(actions[:, :1], PERIOD, axis=1))
+    assert_array_equal(actions, np.repeat(actions[:, :1], PERIOD, axis=1))
     terms = trace["reward"] + trace["reward_ground"] + trace["reward_target"] + trace["reward_step"]
     paid = terms[1:].reshape(4, PERIOD).sum(axis=1)
-    np.testing.assert_allclose(paid[1:], [step[1][0] for step in taken], rtol=1e-12)
+    assert_allclose(paid[1:], [step[1][0] for step in taken], rtol=1e-12)
 
 
 def test_horizon_counts_environment_steps(make, stand):
@@ -97,7 +99,7 @@ def test_horizon_counts_environment_steps(make, stand):
     assert not stand(env)[3].any()
     _, rewards, _, truncated, infos = stand(env)
     assert truncated.all()
-    np.testing.assert_allclose(rewards, 2.0 * (-infos["distance"] - 0.0001), rtol=1e-12)
+    assert_allclose(rewards, 2.0 * (-infos["distance"] - 0.0001), rtol=1e-12)
     assert env.environment_steps == 14
 
 
@@ -134,16 +136,16 @@ def test_env_of_a_batch_is_as_one_alone(make, tmp_path, task):
     (start, together), trace = record(make, tmp_path / "batch.parquet", list(range(8)), task)
     for k in range(8):
         (own_start, alone), own_trace = record(make, tmp_path / f"{k}.parquet", [k], task)
-        np.testing.assert_array_equal(own_start[0][0], start[0][k])
+        assert_array_equal(own_start[0][0], start[0][k])
         for one, many in zip(alone, together, strict=True):
             for mine, theirs in zip(one[:4], many[:4], strict=True):
-                np.testing.assert_array_equal(mine[0], theirs[k])
+                assert_array_equal(mine[0], theirs[k])
             for name, values in one[4].items():
-                np.testing.assert_array_equal(values[0], many[4][name][k], err_msg=name)
+                assert_array_equal(values[0], many[4][name][k], err_msg=name)
         rows = trace["env"] == k
         for name, column in own_trace.rows().columns.items():
             if name != "env":
-                np.testing.assert_array_equal(column, trace[name][rows], err_msg=name)
+                assert_array_equal(column, trace[name][rows], err_msg=name)
 
 
 class Bumps(IdealSimulation):
@@ -171,9 +173,9 @@ def test_target_that_is_reached_after_the_end_is_not_taken(make):
         for _ in range(ahead // PERIOD):
             assert not env.step(np.repeat(action, num_envs, axis=0))[2].any()
         observations, _, terminated, *_ = env.step(np.repeat(action, num_envs, axis=0))
-        np.testing.assert_array_equal(terminated, np.arange(num_envs) == 0)
+        assert_array_equal(terminated, np.arange(num_envs) == 0)
         starts.append(observations[0])
-    np.testing.assert_array_equal(*starts)
+    assert_array_equal(*starts)
 
 
 def straight_to_the_target(make):
@@ -199,10 +201,10 @@ def test_disabled_leaves_an_episode_as_it_ended(make):
     ended = np.zeros(8, bool)
     for one, other in zip(play(same, 5), play(disabled, 5), strict=True):
         now = (other[2] | other[3]) & ~ended
-        np.testing.assert_array_equal(other[0][now], one[4].get("final_obs", one[0])[now])
+        assert_array_equal(other[0][now], one[4].get("final_obs", one[0])[now])
         going = ~(now | ended)
-        np.testing.assert_array_equal(other[0][going], one[0][going])
-        np.testing.assert_array_equal(other[1][~ended], one[1][~ended])
+        assert_array_equal(other[0][going], one[0][going])
+        assert_array_equal(other[1][~ended], one[1][~ended])
         ended |= now
     assert ended.all()
 
@@ -212,21 +214,21 @@ def test_memory_of_an_ended_episode_stands_still(make, recorded):
     env = make(8, InFives(**OFTEN), reward=Remembers(), autoreset_mode=AutoresetMode.DISABLED)
     trace = recorded(env, lambda env: play(env, 12), seed=3)
     assert len(trace.last_rows) > 20
-    np.testing.assert_array_equal(pay_log(Remembers(), trace).total, trace["reward"])
+    assert_array_equal(pay_log(Remembers(), trace).total, trace["reward"])
 
 
 def test_both_autoreset_modes_tell_the_same_story(make):
     """Resetting what has ended by its mask gives the episodes that autoreset gives."""
     same = make(8, InFives(**OFTEN), reward=Remembers())
     disabled = make(8, InFives(**OFTEN), reward=Remembers(), autoreset_mode=AutoresetMode.DISABLED)
-    np.testing.assert_array_equal(same.reset(seed=5)[0], disabled.reset(seed=5)[0])
-    rng = np.random.default_rng(1)
+    assert_array_equal(same.reset(seed=5)[0], disabled.reset(seed=5)[0])
+    rng = default_rng(1)
     for _ in range(40):
         actions = rng.uniform(-1.0, 1.0, (8, 6)).astype(np.float32)
         expected, paid, *_ = same.step(actions)
         observations, rewards, terminated, truncated, _ = disabled.step(actions)
-        np.testing.assert_array_equal(rewards, paid)
+        assert_array_equal(rewards, paid)
         ended = terminated | truncated
         if ended.any():
             observations, _ = disabled.reset(options={"reset_mask": ended})
-        np.testing.assert_array_equal(observations, expected)
+        assert_array_equal(observations, expected)

@@ -3,6 +3,7 @@
 import gymnasium
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 
 import harness
 from harness.reach import ReachTask
@@ -30,14 +31,14 @@ def test_choice_is_the_continuous_action_that_it_stands_for(make, choice):
         env.reset(seed=0)
     for _ in range(3):
         one, other = discrete.step(np.array([choice])), continuous.step(action)
-        np.testing.assert_array_equal(one[0], other[0])
-        np.testing.assert_array_equal(one[1], other[1])
+        assert_array_equal(one[0], other[0])
+        assert_array_equal(one[1], other[1])
 
 
 def test_meaning_of_the_choice_is_recorded(make, recorded):
     """The trace holds the action that was chosen, as long as that of the continuous mode."""
     trace = recorded(make(2, ReachTask(action="discrete")), lambda env: env.step(np.array([0, 4])))
-    np.testing.assert_array_equal(trace["action"][2:], [[0.0] * 6, [0.0, 1.0, 0.0, 0.0, 0.0, 0.0]])
+    assert_array_equal(trace["action"][2:], [[0.0] * 6, [0.0, 1.0, 0.0, 0.0, 0.0, 0.0]])
 
 
 def test_choice_of_positions_counts_from_where_the_arm_is(make):
@@ -46,7 +47,7 @@ def test_choice_of_positions_counts_from_where_the_arm_is(make):
     for count in range(1, 4):
         env.step(np.array([2]))
         expected = ARM.home + count * 0.1 * ARM.upper * (np.arange(5) == 0)
-        np.testing.assert_allclose(env.simulation.read().qpos, [expected], atol=1e-12)
+        assert_allclose(env.simulation.read().qpos, [expected], atol=1e-12)
 
 
 def test_single_env_takes_a_whole_number():
@@ -56,7 +57,7 @@ def test_single_env_takes_a_whole_number():
     env.reset(seed=0)
     first, *_ = env.step(3)
     env.reset(seed=0)
-    np.testing.assert_array_equal(env.step(np.int64(3))[0], first)
+    assert_array_equal(env.step(np.int64(3))[0], first)
     env.close()
 
 
@@ -65,4 +66,4 @@ def test_choices_are_left_alone(make):
     env = make(2, ReachTask(action="discrete"), seed=0)
     choices = np.array([1, 12])
     env.step(choices)
-    np.testing.assert_array_equal(choices, [1, 12])
+    assert_array_equal(choices, [1, 12])

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 
 from harness.env import Episodes
 from harness.errors import SimulationDiverged
@@ -30,27 +31,27 @@ def test_row_is_the_traces(episodes):
     """The recorded part is as wide as a row of a trace, and every array is a view into it."""
     assert episodes.record.shape == (2, len(SCALARS) + DOF + ACTIONS)
     episodes.action[...] = 7.0
-    np.testing.assert_array_equal(episodes.record[:, -ACTIONS:], 7.0)
-    np.testing.assert_array_equal(episodes.record[:, COLUMN["env"]], [0, 1])
-    np.testing.assert_array_equal(episodes.record[:, COLUMN["target_y"]], [0.0, 4.0])
+    assert_array_equal(episodes.record[:, -ACTIONS:], 7.0)
+    assert_array_equal(episodes.record[:, COLUMN["env"]], [0, 1])
+    assert_array_equal(episodes.record[:, COLUMN["target_y"]], [0.0, 4.0])
 
 
 def test_start_is_the_begin_distance(episodes):
     """Bd, Pb and d are the same, at step 0."""
     for column in (episodes.begin_distance, episodes.previous_best, episodes.distance):
-        np.testing.assert_array_equal(column, [3.0, 4.0])
-    np.testing.assert_array_equal(episodes.step, 0.0)
+        assert_array_equal(column, [3.0, 4.0])
+    assert_array_equal(episodes.step, 0.0)
 
 
 def test_measure_follows_the_state(episodes):
     """Distance, offset, difference to the best, and the distance before."""
     distance = episodes.measure(state(1.0, 0.5, 0.25))
-    np.testing.assert_allclose(distance, [2.0, np.sqrt(17.0)])
-    np.testing.assert_allclose(episodes.delta_distance, [-1.0, np.sqrt(17.0) - 4.0])
-    np.testing.assert_array_equal(episodes.steps.previous_distance, [3.0, 4.0])
-    np.testing.assert_array_equal(episodes.offset, [[2.0, 0.0, 0.0], [-1.0, 4.0, 0.0]])
-    np.testing.assert_array_equal(episodes.qvel_change, 0.25)
-    np.testing.assert_array_equal(episodes.step, 1.0)
+    assert_allclose(distance, [2.0, np.sqrt(17.0)])
+    assert_allclose(episodes.delta_distance, [-1.0, np.sqrt(17.0) - 4.0])
+    assert_array_equal(episodes.steps.previous_distance, [3.0, 4.0])
+    assert_array_equal(episodes.offset, [[2.0, 0.0, 0.0], [-1.0, 4.0, 0.0]])
+    assert_array_equal(episodes.qvel_change, 0.25)
+    assert_array_equal(episodes.step, 1.0)
 
 
 @pytest.fixture
@@ -66,7 +67,7 @@ def examples():
 
 def test_example_1_of_the_note(examples):
     """The distance of (1, 1, 2) and (0.5, -1, 2); of the difference, printed with a wrong sign, as it is."""
-    np.testing.assert_array_equal(examples.offset, [[0.5, 2.0, 0.0]])
+    assert_array_equal(examples.offset, [[0.5, 2.0, 0.0]])
     assert examples.distance[0] == np.sqrt(4.25)
 
 
@@ -86,13 +87,13 @@ def test_new_target_restarts_the_distances_of_its_env(episodes):
     assert episodes.steps.previous_distance.tolist() == [5.0, 4.0]
     assert episodes.delta_distance[0] == 0.0
     assert episodes.step[0] == 1.0
-    np.testing.assert_array_equal(episodes.matrix[1], kept)
+    assert_array_equal(episodes.matrix[1], kept)
 
 
 def test_columns_of_several_arrays(episodes):
     """Where they stand in the matrix, one after the other."""
     columns = episodes.columns("qpos", "distance", "offset")
-    np.testing.assert_array_equal(
+    assert_array_equal(
         episodes.matrix[:, columns],
         np.concatenate([episodes.qpos, episodes.distance[:, None], episodes.offset], axis=1),
     )

@@ -6,6 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode
+from numpy.random import default_rng
+from numpy.testing import assert_allclose, assert_array_equal
 
 import harness
 from harness.reach import ReachTask
@@ -41,7 +43,7 @@ def test_an_event_ends_the_episode_and_is_paid(make, drive_to, target_of, terms,
     _, rewards, terminated, truncated, infos = drive_to(env, target_of(observations) if is_target else place)
     assert (terminated.tolist(), truncated.tolist()) == ([True], [False])
     assert infos["is_success"].tolist() == [infos["distance"][0] <= 0.03] == [is_target]
-    np.testing.assert_allclose(rewards, infos["reward_shaped"] + paid)
+    assert_allclose(rewards, infos["reward_shaped"] + paid)
 
 
 def test_horizon_truncates(make, stand):
@@ -51,7 +53,7 @@ def test_horizon_truncates(make, stand):
         _, rewards, terminated, truncated, infos = stand(env)
         assert not terminated.any()
         assert truncated.tolist() == [step == 4]
-        np.testing.assert_allclose(rewards, infos["reward_shaped"] - 0.0001)
+        assert_allclose(rewards, infos["reward_shaped"] - 0.0001)
 
 
 def test_target_at_the_horizon_is_no_truncation(make, drive_to, target_of):
@@ -75,9 +77,9 @@ def test_same_step_starts_the_next_episode(make, wander, target_of):
     wander(env, 3)
     observations, _, _, truncated, infos = wander(env, 1, seed=9)[0]
     assert truncated.all()
-    np.testing.assert_array_equal(infos["_final_obs"], [True, True])
-    np.testing.assert_allclose(infos["final_obs"][:, -1], infos["distance"], atol=1e-6)
-    np.testing.assert_array_equal(observations[:, 6:18], 0.0)
+    assert_array_equal(infos["_final_obs"], [True, True])
+    assert_allclose(infos["final_obs"][:, -1], infos["distance"], atol=1e-6)
+    assert_array_equal(observations[:, 6:18], 0.0)
     assert (target_of(observations) != target_of(infos["final_obs"])).any(axis=1).all()
 
 
@@ -91,7 +93,7 @@ def test_same_step_leaves_the_other_envs_alone(make, wander):
     wander(undisturbed, 2)
     env.reset(options={"reset_mask": np.array([True, False])})
     for one, other in zip(wander(env, 3, seed=4), wander(undisturbed, 3, seed=4), strict=True):
-        np.testing.assert_array_equal(one[0][1], other[0][1])
+        assert_array_equal(one[0][1], other[0][1])
         assert one[1][1] == other[1][1]
 
 
@@ -102,9 +104,9 @@ def test_disabled_waits_for_the_reset_mask(make, wander, target_of):
     observations, _, _, truncated, infos = wander(env, 4)[-1]
     assert truncated.all()
     assert "final_obs" not in infos
-    np.testing.assert_array_equal(target_of(observations), target_of(start))
+    assert_array_equal(target_of(observations), target_of(start))
     again, infos = env.reset(options={"reset_mask": np.array([False, True])})
-    np.testing.assert_array_equal(again[0], observations[0])
+    assert_array_equal(again[0], observations[0])
     assert (target_of(again)[1] != target_of(observations)[1]).any()
     assert infos["distance"].shape == (2,)
 
@@ -114,8 +116,8 @@ def test_unknown_options_are_ignored(make):
     plain, told = make(3), make(3)
     for env in (plain, told):
         env.reset(seed=0)
-    np.testing.assert_array_equal(told.reset(seed=5, options={"x": 1})[0], plain.reset(seed=5)[0])
-    np.testing.assert_array_equal(told.episodes.episode, plain.episodes.episode)
+    assert_array_equal(told.reset(seed=5, options={"x": 1})[0], plain.reset(seed=5)[0])
+    assert_array_equal(told.episodes.episode, plain.episodes.episode)
 
 
 def test_options_stay_the_callers(make):
@@ -133,7 +135,7 @@ def test_reset_mask_of_other_envs_is_a_usage_error(make, mask):
         either.reset(seed=0)
     with refused(r"give bool of \(2,\)"):
         env.reset(seed=1, options={"reset_mask": mask})
-    np.testing.assert_array_equal(env.reset()[0], undisturbed.reset()[0])
+    assert_array_equal(env.reset()[0], undisturbed.reset()[0])
 
 
 def test_ended_episode_that_is_stepped_on_forgets_its_end(make, drive_to, target_of):
@@ -144,7 +146,7 @@ def test_ended_episode_that_is_stepped_on_forgets_its_end(make, drive_to, target
     for _ in range(10):
         _, rewards, terminated, _, infos = env.step(np.ones((1, 6), np.float32))
     assert not terminated.any()
-    np.testing.assert_allclose(rewards, infos["reward_shaped"] - 0.0001)
+    assert_allclose(rewards, infos["reward_shaped"] - 0.0001)
 
 
 def test_an_end_is_not_told_twice_without_autoreset(tmp_path):
@@ -158,7 +160,7 @@ def test_an_end_is_not_told_twice_without_autoreset(tmp_path):
         env.recorder = recorder
         env.reset(seed=3)
         reached = np.zeros(2, bool)
-        for action in np.random.default_rng(0).uniform(-1.0, 1.0, (200, 2, 6)).astype(np.float32):
+        for action in default_rng(0).uniform(-1.0, 1.0, (200, 2, 6)).astype(np.float32):
             reached = env.step(action)[4]["is_success"]
             if reached[1]:
                 break

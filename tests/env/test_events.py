@@ -6,6 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
+from numpy.testing import assert_allclose
 
 import harness
 from harness.reach import ReachTask
@@ -31,7 +33,7 @@ def jump(make, recorded):
 
 def poses_at_the_target():
     """Several ways to touch the target, (n, 5)."""
-    starts = np.random.default_rng(4).uniform(-0.9, 0.9, (60, 5)) * ARM.upper
+    starts = default_rng(4).uniform(-0.9, 0.9, (60, 5)) * ARM.upper
     goals, reached = reach_position(ARM, np.repeat(TARGET, 60, axis=0), starts, tolerance=1e-3)
     return goals[reached & (np.abs(goals) <= ARM.upper).all(axis=1)]
 
@@ -63,9 +65,9 @@ def test_target_pays_half_and_the_upright_cosine(jump):
 def test_upright_cosine_is_that_of_the_original():
     """Unity's `transform.up`, computed from the prefab's own chain, dotted with its up."""
     nodes = json.loads((Path(__file__).parents[1] / "robots" / "unity_arm_nodes.json").read_text(encoding="utf-8"))
-    poses = np.random.default_rng(0).uniform(ARM.lower, ARM.upper, (50, 5))
+    poses = default_rng(0).uniform(ARM.lower, ARM.upper, (50, 5))
     expected = [0.5 + min(max(up_of_the_tip(nodes["chain"], pose)[1], 0.0), 1.0) for pose in poses]
-    np.testing.assert_allclose(UnityReach().target_rewards(ARM, poses), expected, rtol=0.0, atol=1e-9)
+    assert_allclose(UnityReach().target_rewards(ARM, poses), expected, rtol=0.0, atol=1e-9)
     assert len(np.unique(expected)) > 20
 
 

@@ -4,6 +4,8 @@ import gymnasium
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
+from numpy.random import default_rng
+from numpy.testing import assert_allclose, assert_array_equal
 from stable_baselines3 import SAC, HerReplayBuffer
 from stable_baselines3.common import env_checker
 
@@ -19,7 +21,7 @@ GIVEN = {"simulator": "kinematic", "task": "fd100-reach:horizon=12,epsilon=0.03"
 
 
 def _steps(env, count, seed=0):
-    rng = np.random.default_rng(seed)
+    rng = default_rng(seed)
     env.reset(seed=seed)
     taken = []
     for _ in range(count):
@@ -52,7 +54,7 @@ def test_checkers_find_no_fault(env):
 def test_it_pays_what_reach_pays(env, label):
     """With the same seed and actions: rewards, ends, and what is known of each step."""
     one, other = _steps(env, 30), _steps(ReachEnv(**GIVEN, reward=label), 30)
-    np.testing.assert_allclose([step[1] for step in one], [step[1] for step in other], rtol=0, atol=1e-12)
+    assert_allclose([step[1] for step in one], [step[1] for step in other], rtol=0, atol=1e-12)
     assert [step[2:4] for step in one] == [step[2:4] for step in other]
     for goal_step, step in zip(one, other, strict=True):
         assert step[4].items() <= goal_step[4].items()
@@ -71,7 +73,7 @@ def test_it_pays_what_would_have_been_paid(env, label, monkeypatch):
     achieved, infos = np.stack([step[0]["achieved_goal"] for step in taken[:end]]), [step[4] for step in taken[:end]]
     paid = env.compute_reward(achieved, np.tile(goal, (end, 1)), infos)
     assert end > 2
-    np.testing.assert_allclose(paid, [step[1] for step in meant[:end]], rtol=0, atol=1e-12)
+    assert_allclose(paid, [step[1] for step in meant[:end]], rtol=0, atol=1e-12)
 
 
 def test_goals_are_end_effector_and_target():
@@ -80,12 +82,12 @@ def test_goals_are_end_effector_and_target():
     observation, _ = env.reset(seed=1)
     arm = env.vector_env.robot
     qpos = env.vector_env.episodes.qpos[0]
-    np.testing.assert_allclose(observation["achieved_goal"], arm.end_effector(qpos), atol=1e-9)
-    np.testing.assert_array_equal(observation["desired_goal"], env.vector_env.episodes.target[0])
-    np.testing.assert_allclose(observation["observation"][-3:], observation["achieved_goal"], atol=1e-6)
+    assert_allclose(observation["achieved_goal"], arm.end_effector(qpos), atol=1e-9)
+    assert_array_equal(observation["desired_goal"], env.vector_env.episodes.target[0])
+    assert_allclose(observation["observation"][-3:], observation["achieved_goal"], atol=1e-6)
     other.reset(seed=1)
     other.vector_env.episodes.target[0] += 0.1
-    np.testing.assert_array_equal(other._observe()["observation"], observation["observation"])
+    assert_array_equal(other._observe()["observation"], observation["observation"])
 
 
 def test_rewards_with_memory_are_refused(subtests):

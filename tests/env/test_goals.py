@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 from pydantic.dataclasses import dataclass
 
 import harness
@@ -60,7 +61,7 @@ def test_task_without_a_goal_measures_the_length_of_the_offset(make, wander):
     env = make(3, seed=0)
     for _ in wander(env, 10):
         offset = env.episodes.offset
-        np.testing.assert_array_equal(env.episodes.distance, np.sqrt(np.vecdot(offset, offset)))
+        assert_array_equal(env.episodes.distance, np.sqrt(np.vecdot(offset, offset)))
     assert goal_of(env.task, env.robot) is None
 
 
@@ -68,7 +69,7 @@ def test_target_is_recorded_where_it_is(make, wander, recorded):
     """In each row; and the distance is that to it."""
     trace = recorded(make(3, Moving(horizon=12, target_speed=0.2)), lambda env: wander(env, 60))
     target, tip = (np.stack([trace[f"{name}_{axis}"] for axis in "xyz"], 1) for name in ("target", "end_effector"))
-    np.testing.assert_allclose(trace["distance"], np.linalg.norm(target - tip, axis=1), rtol=1e-12)
+    assert_allclose(trace["distance"], np.linalg.norm(target - tip, axis=1), rtol=1e-12)
     for rows in trace.episodes:
         ways = np.linalg.norm(np.diff(target[rows], axis=0), axis=1)
         assert (ways <= 0.02 + 1e-9).all()
@@ -81,7 +82,7 @@ def test_every_reward_pays_the_record_again(make, wander, recorded, task, reward
     """Exactly as it was paid, whatever the error is."""
     built = build("rewards", reward)
     trace = recorded(make(2, task, reward=built), lambda env: wander(env, 40))
-    np.testing.assert_array_equal(pay_log(built, trace).total, trace["reward"])
+    assert_array_equal(pay_log(built, trace).total, trace["reward"])
 
 
 @pytest.mark.parametrize("task", [Moving(horizon=12), Pose(horizon=12)])
@@ -92,7 +93,7 @@ def test_episodes_are_those_of_the_seed(make, wander, task):
         env.reset(seed=4)
     wander(one, 25, seed=1)
     wander(other, 25, seed=2)
-    np.testing.assert_array_equal(one.episodes.numbers[0], other.episodes.numbers[0])
+    assert_array_equal(one.episodes.numbers[0], other.episodes.numbers[0])
     assert one.episodes.numbers.any()
 
 
@@ -101,8 +102,8 @@ def test_learner_sees_the_error_and_the_goal(make):
     env = make(2, Pose())
     seen, infos = env.reset(seed=0)
     assert seen.shape == (2, 28 + 9)
-    np.testing.assert_allclose(seen[:, 27], infos["distance"], rtol=1e-6)
-    np.testing.assert_allclose(seen[:, 28:], env.episodes.goal.observe(env.episodes.situation), atol=1e-6)
+    assert_allclose(seen[:, 27], infos["distance"], rtol=1e-6)
+    assert_allclose(seen[:, 28:], env.episodes.goal.observe(env.episodes.situation), atol=1e-6)
 
 
 def test_epsilon_that_covers_all_errors_is_refused():
@@ -131,4 +132,4 @@ def test_conditions_and_goals_go_together(make, wander):
     seen = wander(env, 3)[-1][0]
     assert seen.shape[1] == len(task.observation(ROBOT).low) > 28 + 9
     assert not np.allclose(seen[:, 27], env.episodes.distance, atol=1e-6)
-    np.testing.assert_allclose(seen[:, 28:34], env.episodes.numbers, atol=1e-6)
+    assert_allclose(seen[:, 28:34], env.episodes.numbers, atol=1e-6)

@@ -1,6 +1,8 @@
 """Arms without an engine."""
 
 import numpy as np
+from numpy.random import default_rng
+from numpy.testing import assert_array_equal
 
 import harness
 from harness.env import IdealSimulator
@@ -10,17 +12,17 @@ ROBOT = harness.load_robot("fd100")
 
 def test_arms_that_rest_change_nothing_of_the_others():
     """Bit for bit; and once they are woken they are like the others again."""
-    rng = np.random.default_rng(0)
+    rng = default_rng(0)
     one, other = (IdealSimulator().open(ROBOT, 6, 0.1) for _ in range(2))
     mask = np.arange(6) % 2 == 0
     one.rest(mask)
     for _ in range(5):
         qpos = rng.uniform(ROBOT.lower, ROBOT.upper, (6, ROBOT.dof))
         for mine, theirs in zip(one.drive(qpos, 0.1), other.drive(qpos, 0.1), strict=True):
-            np.testing.assert_array_equal(mine[~mask], theirs[~mask])
+            assert_array_equal(mine[~mask], theirs[~mask])
     one.rest(np.zeros(6, bool))
     for mine, theirs in zip(one.read(), other.read(), strict=True):
-        np.testing.assert_array_equal(mine, theirs)
+        assert_array_equal(mine, theirs)
 
 
 def test_arms_that_rest_are_not_computed():

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 
 import harness
 from harness.record.cell_log import cell_log
@@ -56,8 +57,8 @@ def test_bonus_is_paid_once_on_entering(tour):
     """In the step that enters the target, and in none that stays in it."""
     fixed = Arp2021(decision_period=1)
     _, trace = tour(HOME, FIRST, FIRST, FIRST, HOME, FIRST, task=fixed)
-    np.testing.assert_array_equal(trace["reached"], [False, False, True, False, False, False, True])
-    np.testing.assert_array_equal(trace["reward_target"] > 0.0, trace["reached"])
+    assert_array_equal(trace["reached"], [False, False, True, False, False, False, True])
+    assert_array_equal(trace["reward_target"] > 0.0, trace["reached"])
 
 
 def test_next_target_that_one_is_in_has_to_be_left(tour):
@@ -70,15 +71,15 @@ def test_bonus_is_paid_once_in_a_decision(tour):
     """Of five steps in the target the first one is paid."""
     taken, trace = tour(FIRST, task=Arp2021())
     assert trace["reached"].sum() == 1
-    np.testing.assert_allclose(taken[0][1][0], np.sum([trace[f"reward{n}"] for n in ("", "_target", "_step")]))
+    assert_allclose(taken[0][1][0], np.sum([trace[f"reward{n}"] for n in ("", "_target", "_step")]))
 
 
 def test_episode_goes_on(tour):
     """A touched target is no end, and opens no episode: steps are counted on without a start row."""
     taken, trace = tour(FIRST, SECOND, THIRD, HOME)
     assert not any(terminated[0] or truncated[0] for _, _, terminated, truncated, _ in taken)
-    np.testing.assert_array_equal(trace["step"], range(5))
-    np.testing.assert_array_equal(trace["reached"], [False, True, True, True, False])
+    assert_array_equal(trace["step"], range(5))
+    assert_array_equal(trace["reached"], [False, True, True, True, False])
     assert len(trace.last_rows) == 0
 
 
@@ -95,11 +96,11 @@ def test_distances_restart_with_the_next_target(tour):
     _, trace = tour(HOME, FIRST, HOME, SECOND, HOME)
     target = np.stack([trace[f"target_{axis}"] for axis in "xyz"], axis=1)
     tip = np.stack([trace[f"end_effector_{axis}"] for axis in "xyz"], axis=1)
-    np.testing.assert_array_equal(target, PLACES[[0, 0, 0, 1, 1, 2]])
+    assert_array_equal(target, PLACES[[0, 0, 0, 1, 1, 2]])
     begin = np.linalg.norm(PLACES - tip[[0, 2, 4]], axis=1)
-    np.testing.assert_allclose(trace["begin_distance"], begin[[0, 0, 0, 1, 1, 2]], rtol=1e-12)
-    np.testing.assert_array_equal(trace["previous_best"][[3, 5]], trace["begin_distance"][[3, 5]])
-    np.testing.assert_array_equal(trace["delta_distance"], trace["distance"] - trace["previous_best"])
+    assert_allclose(trace["begin_distance"], begin[[0, 0, 0, 1, 1, 2]], rtol=1e-12)
+    assert_array_equal(trace["previous_best"][[3, 5]], trace["begin_distance"][[3, 5]])
+    assert_array_equal(trace["delta_distance"], trace["distance"] - trace["previous_best"])
 
 
 def test_previous_distance_restarts_with_the_next_target(tour):
@@ -111,20 +112,20 @@ def test_previous_distance_restarts_with_the_next_target(tour):
 
     _, trace = tour(HOME, FIRST, HOME, HOME, reward=Shows())
     begin, distance = trace["begin_distance"], trace["distance"]
-    np.testing.assert_array_equal(trace["reward"][1:], [begin[0], distance[1], begin[3], distance[3]])
+    assert_array_equal(trace["reward"][1:], [begin[0], distance[1], begin[3], distance[3]])
 
 
 def test_carry_restarts_with_the_next_target(tour):
     """What a reward remembers belongs to the target; the step number to the episode."""
     _, trace = tour(HOME, FIRST, HOME, HOME, SECOND, HOME, reward=CountsSteps())
-    np.testing.assert_array_equal(trace["reward"], [0.0, 1.0, 2.0, 1.0, 2.0, 3.0, 1.0])
+    assert_array_equal(trace["reward"], [0.0, 1.0, 2.0, 1.0, 2.0, 3.0, 1.0])
 
 
 def test_carry_of_the_other_envs_goes_on(make):
     """One arm's touched target is nothing to another."""
     env = make(2, Tour(decision_period=1), robot=ARM, reward=CountsSteps(), seed=0)
     env.step(np.concatenate([FIRST, HOME]))
-    np.testing.assert_array_equal(env.step(np.concatenate([HOME, HOME]))[4]["reward_shaped"], [1.0, 2.0])
+    assert_array_equal(env.step(np.concatenate([HOME, HOME]))[4]["reward_shaped"], [1.0, 2.0])
 
 
 def test_target_at_the_horizon_is_paid_and_truncates(tour):
@@ -134,17 +135,17 @@ def test_target_at_the_horizon_is_paid_and_truncates(tour):
     assert trace["truncated"][2]
     assert not trace["terminated"].any()
     assert taken[1][1][0] > 0.4
-    np.testing.assert_array_equal(trace["step"], [0, 1, 2, 0, 1])
-    np.testing.assert_array_equal(trace["target_x"][3:], PLACES[1, 0])
+    assert_array_equal(trace["step"], [0, 1, 2, 0, 1])
+    assert_array_equal(trace["target_x"][3:], PLACES[1, 0])
 
 
 def test_touched_target_in_a_recording_is_no_start(tour, tmp_path):
     """A recording of arp-2021 has one start row an episode, as the published files: Bd changes inside."""
     tour(*[HOME, FIRST] * 4, task=Arp2021(decision_period=1, horizon=6))
     log = cell_log(tmp_path / "trace.parquet")
-    np.testing.assert_array_equal(np.flatnonzero(log["step"] == 0), [0, 7])
+    assert_array_equal(np.flatnonzero(log["step"] == 0), [0, 7])
     assert log["reward/recorded"][0] == log["reward/recorded"][7] == 0.0
     assert len(np.unique(log["begin_distance"][:7])) == 2
-    np.testing.assert_array_equal(log["step"], [0, 1, 2, 3, 4, 5, 6, 0, 1, 2])
+    assert_array_equal(log["step"], [0, 1, 2, 3, 4, 5, 6, 0, 1, 2])
     touched = targets_touched(*(log[name] for name in TOUCHED))
-    np.testing.assert_array_equal(np.flatnonzero(touched), [2, 4, 9])
+    assert_array_equal(np.flatnonzero(touched), [2, 4, 9])

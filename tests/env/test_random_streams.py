@@ -1,6 +1,8 @@
 """The random streams of a batch."""
 
 import numpy as np
+from numpy.random import default_rng
+from numpy.testing import assert_array_equal
 
 import harness
 from harness.env.random_streams import AHEAD, Streams
@@ -25,22 +27,22 @@ def test_relative_targets_count_from_the_end_effector():
     """The others from the world's origin, in the order in which they were drawn."""
     streams = Streams(Ladder(), ROBOT, 1, 0)
     drawn = [streams.target(0, TIP)[0] for _ in range(4)]
-    np.testing.assert_array_equal(drawn, [[0.0, 0.0, 0.0], [1.5, 0.0, 0.5], [2.0, 0.0, 0.0], [3.5, 0.0, 0.5]])
+    assert_array_equal(drawn, [[0.0, 0.0, 0.0], [1.5, 0.0, 0.5], [2.0, 0.0, 0.0], [3.5, 0.0, 0.5]])
 
 
 def test_targets_come_in_the_order_of_the_stream():
     """Drawing ahead does not show."""
     streams, rng = Streams(ReachTask(), ROBOT, 1, [7]), np.random.SeedSequence(7).spawn(2)[1]
-    generator = np.random.default_rng(rng)
+    generator = default_rng(rng)
     expected = [ReachTask().draw_targets(ROBOT, generator, AHEAD).position for _ in range(2)]
     drawn = [streams.target(0, TIP)[0] for _ in range(2 * AHEAD)]
-    np.testing.assert_array_equal(drawn, np.concatenate(expected))
+    assert_array_equal(drawn, np.concatenate(expected))
 
 
 def test_target_apart_skips_those_that_one_is_in():
     """The first target of an episode is farther than epsilon from the end effector."""
     streams = Streams(Ladder(epsilon=0.6), ROBOT, 1, 0)
-    np.testing.assert_array_equal(streams.target_apart(0, np.zeros(3), ROBOT.home)[0], [1.0, 0.0, 0.0])
+    assert_array_equal(streams.target_apart(0, np.zeros(3), ROBOT.home)[0], [1.0, 0.0, 0.0])
 
 
 def test_targets_that_all_cover_the_start_are_refused():
@@ -55,8 +57,8 @@ def test_envs_do_not_share_a_stream():
     for _ in range(40):
         one.target(0, TIP)
         one.start(0)
-    np.testing.assert_array_equal(one.target(1, TIP)[0], other.target(1, TIP)[0])
-    np.testing.assert_array_equal(one.start(1), other.start(1))
+    assert_array_equal(one.target(1, TIP)[0], other.target(1, TIP)[0])
+    assert_array_equal(one.start(1), other.start(1))
 
 
 def test_starts_and_targets_do_not_share_a_stream():
@@ -64,7 +66,7 @@ def test_starts_and_targets_do_not_share_a_stream():
     one, other = (Streams(ReachTask(), ROBOT, 1, 3) for _ in range(2))
     for _ in range(40):
         one.target(0, TIP)
-    np.testing.assert_array_equal(one.start(0), other.start(0))
+    assert_array_equal(one.start(0), other.start(0))
 
 
 def test_equal_seeds_meet_the_same():
@@ -72,8 +74,8 @@ def test_equal_seeds_meet_the_same():
     many, alone = Streams(ReachTask(), ROBOT, 3, [7, 8, 7]), Streams(ReachTask(), ROBOT, 1, [7])
     first = [many.target(0, TIP)[0] for _ in range(40)]
     third = [many.target(2, TIP)[0] for _ in range(40)]
-    np.testing.assert_array_equal(first, [alone.target(0, TIP)[0] for _ in range(40)])
-    np.testing.assert_array_equal(first, third)
+    assert_array_equal(first, [alone.target(0, TIP)[0] for _ in range(40)])
+    assert_array_equal(first, third)
 
 
 def test_equal_seeds_are_drawn_once():

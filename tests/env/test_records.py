@@ -1,6 +1,7 @@
 """What the env leaves in a trace."""
 
 import numpy as np
+from numpy.testing import assert_allclose, assert_array_equal
 
 import harness
 from harness.reach import ReachTask
@@ -18,25 +19,25 @@ def test_recorded_terms_add_up_to_what_was_paid(recorded, make, wander):
     for env_number in range(3):
         steps = (trace["env"] == env_number) & (trace["step"] > 0)
         terms = [trace[name][steps] for name in ("reward", "reward_ground", "reward_target", "reward_step")]
-        np.testing.assert_allclose(np.sum(terms, axis=0), rewards[:, env_number], rtol=0.0, atol=1e-12)
+        assert_allclose(np.sum(terms, axis=0), rewards[:, env_number], rtol=0.0, atol=1e-12)
 
 
 def test_recorded_columns_follow_from_one_another(recorded, make, wander):
     """Step, begin distance, best, distance and delta are recorded as the NOTE defines them: Pb is the value before."""
     trace = recorded(make(1, ReachTask(horizon=15)), lambda env: wander(env, 100))
     target, tip = (np.stack([trace[f"{name}_{axis}"] for axis in "xyz"], 1) for name in ("target", "end_effector"))
-    np.testing.assert_allclose(trace["distance"], np.linalg.norm(target - tip, axis=1))
-    np.testing.assert_allclose(ROBOT.end_effector(trace["qpos"]), tip, atol=1e-9)
-    np.testing.assert_allclose(trace["delta_distance"], trace["distance"] - trace["previous_best"], atol=1e-15)
+    assert_allclose(trace["distance"], np.linalg.norm(target - tip, axis=1))
+    assert_allclose(ROBOT.end_effector(trace["qpos"]), tip, atol=1e-9)
+    assert_allclose(trace["delta_distance"], trace["distance"] - trace["previous_best"], atol=1e-15)
     starts = np.flatnonzero(trace["step"] == 0)
     assert len(starts) > 3
     for start, end in zip(starts, [*starts[1:], len(trace)], strict=True):
         rows = slice(start, end)
         distance = trace["distance"][rows]
-        np.testing.assert_array_equal(trace["step"][rows], np.arange(end - start))
-        np.testing.assert_array_equal(trace["begin_distance"][rows], distance[0])
+        assert_array_equal(trace["step"][rows], np.arange(end - start))
+        assert_array_equal(trace["begin_distance"][rows], distance[0])
         best = np.minimum.accumulate(np.concatenate([distance[:1], distance[:-1]]))
-        np.testing.assert_array_equal(trace["previous_best"][rows], best)
+        assert_array_equal(trace["previous_best"][rows], best)
 
 
 def test_start_rows_pay_nothing(recorded, make, wander):
@@ -52,7 +53,7 @@ def test_start_rows_pay_nothing(recorded, make, wander):
 def test_actions_are_recorded_as_asked(recorded, make):
     """The trace holds what the policy asked for, not what the limits left of it."""
     trace = recorded(make(), lambda env: env.step(np.full((1, 6), 0.75, np.float32)))
-    np.testing.assert_array_equal(trace["action"], [[0.0] * 6, [0.75] * 6])
+    assert_array_equal(trace["action"], [[0.0] * 6, [0.75] * 6])
 
 
 def test_reset_without_a_step_leaves_no_row(recorded, make, stand):

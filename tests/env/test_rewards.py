@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 from gymnasium.vector import AutoresetMode
+from numpy.testing import assert_allclose, assert_array_equal
 
 from harness.reach import ReachTask
 from harness_plugins.kit.trainings import NegativeDistance
@@ -18,8 +19,8 @@ def test_infos_of_every_step(make, wander):
     env = make(2, seed=0)
     observations, _, _, _, infos = wander(env, 1)[0]
     assert set(infos) == {"distance", "reward_shaped", "is_success"}
-    np.testing.assert_allclose(infos["distance"], observations[:, -1], atol=1e-6)
-    np.testing.assert_array_equal(infos["reward_shaped"], -infos["distance"])
+    assert_allclose(infos["distance"], observations[:, -1], atol=1e-6)
+    assert_array_equal(infos["reward_shaped"], -infos["distance"])
     assert infos["is_success"].dtype == bool
 
 
@@ -45,7 +46,7 @@ def test_reward_sees_one_sample_per_step(make, wander):
     for t in range(1, 6):
         best = min(distances[:t])
         expected = [distances[0], best, distances[t - 1], distances[t], distances[t] - best, t]
-        np.testing.assert_allclose(samples[t - 1], expected, rtol=1e-12)
+        assert_allclose(samples[t - 1], expected, rtol=1e-12)
 
 
 def test_carry_starts_anew_with_an_episode(make, stand, wander):
@@ -53,4 +54,4 @@ def test_carry_starts_anew_with_an_episode(make, stand, wander):
     env = make(2, ReachTask(horizon=9), reward=CountsSteps(), autoreset_mode=AutoresetMode.DISABLED, seed=0)
     wander(env, 2)
     env.reset(options={"reset_mask": np.array([True, False])})
-    np.testing.assert_array_equal(stand(env)[-1]["reward_shaped"], [1.0, 3.0])
+    assert_array_equal(stand(env)[-1]["reward_shaped"], [1.0, 3.0])

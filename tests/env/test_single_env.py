@@ -3,6 +3,8 @@
 import gymnasium
 import numpy as np
 import pytest
+from numpy.random import default_rng
+from numpy.testing import assert_array_equal
 
 import harness
 from harness.env import ReachEnv
@@ -37,12 +39,12 @@ def test_unknown_name_is_a_usage_error():
 def test_it_is_the_vector_env_of_one(env):
     """Seeded alike and told alike, it returns what the vector env returns for its first arm."""
     vector_env = harness.make_env(task=TASK)
-    rng = np.random.default_rng(0)
-    np.testing.assert_array_equal(env.reset(seed=3)[0], vector_env.reset(seed=3)[0][0])
+    rng = default_rng(0)
+    assert_array_equal(env.reset(seed=3)[0], vector_env.reset(seed=3)[0][0])
     for _ in range(4):
         action = rng.uniform(-1.0, 1.0, 6).astype(np.float32)
         one, batch = env.step(action), vector_env.step(action[None])
-        np.testing.assert_array_equal(one[0], batch[0][0])
+        assert_array_equal(one[0], batch[0][0])
         assert one[1:4] == (batch[1][0], batch[2][0], batch[3][0])
         assert one[4] == {name: values[0] for name, values in batch[4].items()}
     vector_env.close()
@@ -65,15 +67,15 @@ def test_episode_ends_once_and_waits(env):
     start, _ = env.reset(seed=0)
     ends = [env.step(np.zeros(6, np.float32)) for _ in range(5)]
     assert [taken[3] for taken in ends] == [False] * 4 + [True]
-    np.testing.assert_array_equal(ends[-1][0][18:21], start[18:21])
+    assert_array_equal(ends[-1][0][18:21], start[18:21])
     assert (env.reset()[0][18:21] != start[18:21]).any()
 
 
 def test_options_reach_the_vector_env(env):
     """The options of a reset are those of the vector env: unknown ones are ignored, a mask counts."""
     start, _ = env.reset(seed=9, options={"x": 1})
-    np.testing.assert_array_equal(start, env.reset(seed=9)[0])
-    np.testing.assert_array_equal(env.reset(options={"reset_mask": [False]})[0], start)
+    assert_array_equal(start, env.reset(seed=9)[0])
+    assert_array_equal(env.reset(options={"reset_mask": [False]})[0], start)
     with refused("reset_mask"):
         env.reset(options={"reset_mask": [True, False]})
 

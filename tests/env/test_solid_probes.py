@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
 
 import harness
 from harness.env import IdealSimulation, IdealSimulator, require_solids
@@ -55,7 +56,7 @@ def test_at_a_probe_one_solid_alone_is_in_the_ground():
 def test_the_same_robot_has_the_same_probes():
     """So a run and a check look at the same."""
     for one, other in zip(PROBES, probes_of(ROBOT), strict=True):
-        np.testing.assert_array_equal(one.qpos, other.qpos)
+        assert_array_equal(one.qpos, other.qpos)
 
 
 def test_a_simulator_with_all_solids_passes():

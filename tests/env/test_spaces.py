@@ -6,6 +6,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 from gymnasium.vector import AutoresetMode
+from numpy.testing import assert_array_equal
 
 import harness
 from harness.env import ReachVectorEnv
@@ -30,8 +31,8 @@ def test_spaces_of_a_batch(make):
     env = make(3)
     assert env.observation_space.shape == (3, *env.single_observation_space.shape)
     assert env.action_space.shape == (3, 6)
-    np.testing.assert_array_equal(env.single_action_space.low, -1.0)
-    np.testing.assert_array_equal(env.single_action_space.high, 1.0)
+    assert_array_equal(env.single_action_space.low, -1.0)
+    assert_array_equal(env.single_action_space.high, 1.0)
 
 
 def test_next_step_autoreset_is_refused(make):
@@ -70,7 +71,7 @@ def test_what_a_step_returns_is_the_callers(make, stand, wander):
         before = [array.copy() for array in first]
         second = arrays_of(wander(env, 1)[0])
         for array, copy in zip(first, before, strict=True):
-            np.testing.assert_array_equal(array, copy)
+            assert_array_equal(array, copy)
         assert not any(np.shares_memory(one, other) for one in first for other in second)
 
 
@@ -86,8 +87,8 @@ def test_what_a_reset_returns_is_the_callers(make, wander):
     observations, infos = env.reset(seed=0)
     before = observations.copy(), infos["distance"].copy()
     wander(env, 3)
-    np.testing.assert_array_equal(observations, before[0])
-    np.testing.assert_array_equal(infos["distance"], before[1])
+    assert_array_equal(observations, before[0])
+    assert_array_equal(infos["distance"], before[1])
 
 
 def test_actions_are_left_alone(make):
@@ -95,7 +96,7 @@ def test_actions_are_left_alone(make):
     env = make(2, seed=0)
     actions = np.full((2, 6), 5.0, np.float32)
     env.step(actions)
-    np.testing.assert_array_equal(actions, 5.0)
+    assert_array_equal(actions, 5.0)
 
 
 def test_close_can_be_called_twice():

@@ -5,6 +5,8 @@ from operator import add
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
+from numpy.testing import assert_array_equal
 
 import harness
 from harness.env import ReachVectorEnv
@@ -80,18 +82,18 @@ def test_a_trace_is_paid_again_to_the_last_bit(tmp_path_factory, subtests):
                     tmp_path / "trace.parquet", simulator, TOURS if task == "next targets" else TASKS[task], reward
                 )
                 paid = pay_log(reward, trace)
-                np.testing.assert_array_equal(paid.total, trace["reward"])
+                assert_array_equal(paid.total, trace["reward"])
                 assert list(terms_of(trace)) == list(paid.terms)
                 for name, values in terms_of(trace).items():
-                    np.testing.assert_array_equal(paid.terms[name], values)
-                np.testing.assert_array_equal(reduce(add, terms_of(trace).values()), trace["reward"])
+                    assert_array_equal(paid.terms[name], values)
+                assert_array_equal(reduce(add, terms_of(trace).values()), trace["reward"])
                 assert len(trace.last_rows) > 0
 
 
 def test_a_reward_that_remembers_is_paid_again_to_the_last_bit(tmp_path):
     """Step by step, with what was before each."""
     trace = record(tmp_path / "trace.parquet", "kinematic", TOURS, Remembers())
-    np.testing.assert_array_equal(pay_log(Remembers(), trace).total, trace["reward"])
+    assert_array_equal(pay_log(Remembers(), trace).total, trace["reward"])
     assert trace["reached"].sum() > 0
 
 
@@ -111,11 +113,11 @@ def test_what_was_before_a_step_is_what_the_last_one_left(make):
     for action in given:
         env.step(action)
     actions, grounds, places, distances, before, speeds = zip(*seen, strict=True)
-    np.testing.assert_array_equal(actions, [0.0 * given[0], *given[:2]])
+    assert_array_equal(actions, [0.0 * given[0], *given[:2]])
     assert not grounds[0].any()
-    np.testing.assert_array_equal(places[0], start)
-    np.testing.assert_array_equal(distances[0], begun)
-    np.testing.assert_array_equal(before[2], speeds[1])
+    assert_array_equal(places[0], start)
+    assert_array_equal(distances[0], begun)
+    assert_array_equal(before[2], speeds[1])
 
 
 def test_nobody_can_write_into_what_was_before(make):
@@ -164,7 +166,7 @@ def test_a_field_that_is_read_late_is_found_in_the_trace(tmp_path):
             return carry, -abs(steps.qvel).sum(-1) if (steps.step > 4.5).any() else -steps.distance
 
     trace = record(tmp_path / "trace.parquet", "kinematic", SHORT_TASK, build("rewards", "baseline"))
-    np.testing.assert_array_equal(pay_log(Late(), trace).total[trace["step"] > 0][-1], -abs(trace["qvel"][-1]).sum(-1))
+    assert_array_equal(pay_log(Late(), trace).total[trace["step"] > 0][-1], -abs(trace["qvel"][-1]).sum(-1))
 
 
 def test_other_terms_than_at_first_end_the_run(make):
@@ -184,13 +186,13 @@ def test_what_was_before_is_kept_with_the_state(make):
     reward = reward_class(everything)()
     env, again = (make(2, reward=reward, task=ReachTask(horizon=9), resumable=True) for _ in range(2))
     env.reset(seed=0)
-    rng = np.random.default_rng(0)
+    rng = default_rng(0)
     actions = rng.uniform(-1.0, 1.0, (12, 2, 6)).astype(np.float32)
     for action in actions[:5]:
         env.step(action)
     again.restore(env.state())
     for action in actions[5:]:
-        np.testing.assert_array_equal(env.step(action)[1], again.step(action)[1])
+        assert_array_equal(env.step(action)[1], again.step(action)[1])
 
 
 def test_a_state_of_an_earlier_version_goes_on(make):
@@ -201,4 +203,4 @@ def test_a_state_of_an_earlier_version_goes_on(make):
     env.step(action)
     state = {name: value for name, value in env.state().items() if "before" not in name}
     again.restore(state)
-    np.testing.assert_array_equal(env.step(action)[1], again.step(action)[1])
+    assert_array_equal(env.step(action)[1], again.step(action)[1])

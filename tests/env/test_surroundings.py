@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
+from numpy.testing import assert_allclose, assert_array_equal
 
 import harness
 from harness.conditions.clearance import Clearance
@@ -29,7 +31,7 @@ NEAR_HOME = "0.75x0x0.55x0.05+0.9x0.4x0.6x0.1x0.1x0.3"
 
 def actions(num_envs, steps):
     """The same for an env in any batch."""
-    return np.random.default_rng(0).uniform(-1.0, 1.0, (steps, 8, DOF)).astype(np.float32)[:, :num_envs]
+    return default_rng(0).uniform(-1.0, 1.0, (steps, 8, DOF)).astype(np.float32)[:, :num_envs]
 
 
 def told(env, steps=25):
@@ -54,7 +56,7 @@ def test_an_env_is_the_same_in_any_batch(make):
     """What env 0 sees and records alone is what it sees and records among others, bit for bit."""
     alone, among = told(make(1, WORSE)), told(make(4, WORSE))
     for one, all_ in zip(alone, among, strict=True):
-        np.testing.assert_array_equal(one[0], all_[0])
+        assert_array_equal(one[0], all_[0])
 
 
 def test_another_seed_is_another_world(make):
@@ -72,7 +74,7 @@ def test_an_episode_is_the_same_however_the_one_before_went(make):
         while env.episodes.episode[0] == 0:
             seen = env.step(np.full((1, DOF), size, np.float32))[0]
         firsts.append(seen)
-    np.testing.assert_array_equal(*firsts)
+    assert_array_equal(*firsts)
 
 
 def test_conditions_that_change_nothing_are_the_plain_task(make):
@@ -80,7 +82,7 @@ def test_conditions_that_change_nothing_are_the_plain_task(make):
     plain = told(make(2, ReachTask(horizon=9)))
     around = told(make(2, ReachTask(horizon=9, obstacles="9x9x9x0.1", observation_delay=0)))
     for usual, more in zip(plain, around, strict=True):
-        np.testing.assert_array_equal(usual, more[:, : usual.shape[1]])
+        assert_array_equal(usual, more[:, : usual.shape[1]])
 
 
 @pytest.mark.parametrize("share", ["mass_variation", "length_variation"])
@@ -91,7 +93,7 @@ def test_an_arm_as_drawn_is_the_plain_arm(make, monkeypatch, share):
     varied = told(make(3, ReachTask(horizon=9, **{share: 0.1}), simulator=Kinematic()))
     assert len(varied) == len(plain)
     for usual, more in zip(plain, varied, strict=True):
-        np.testing.assert_array_equal(usual, more[:, : usual.shape[1]])
+        assert_array_equal(usual, more[:, : usual.shape[1]])
 
 
 def test_noise_has_its_standard_deviation(make):
@@ -104,9 +106,9 @@ def test_noise_has_its_standard_deviation(make):
         seen = env._decisions.around.senses.look()
         for name, found in differences.items():
             found.append(getattr(seen, name) - getattr(env.episodes, name))
-        np.testing.assert_allclose(seen.end_effector, ROBOT.end_effector(seen.qpos), atol=1e-12)
-        np.testing.assert_allclose(seen.offset, seen.target - seen.end_effector)
-        np.testing.assert_allclose(seen.distance, np.linalg.norm(seen.offset, axis=1))
+        assert_allclose(seen.end_effector, ROBOT.end_effector(seen.qpos), atol=1e-12)
+        assert_allclose(seen.offset, seen.target - seen.end_effector)
+        assert_allclose(seen.distance, np.linalg.norm(seen.offset, axis=1))
     for name, deviation in (("qpos", 0.03), ("qvel", 0.2), ("qvel_change", 0.2 * np.sqrt(2.0)), ("target", 0.04)):
         assert np.std(differences[name]) == pytest.approx(deviation, rel=0.03)
         assert abs(np.mean(differences[name])) < 0.05 * deviation
@@ -116,7 +118,7 @@ def test_noise_is_not_recorded(make):
     """The trace tells the truth, and what the policy asked for."""
     noisy = ReachTask(horizon=9, joint_noise=0.1, target_noise=0.1)
     for usual, more in zip(told(make(2, ReachTask(horizon=9)))[2::2], told(make(2, noisy))[2::2], strict=True):
-        np.testing.assert_array_equal(usual, more)
+        assert_array_equal(usual, more)
 
 
 def test_action_noise_has_its_standard_deviation(make):
@@ -129,7 +131,7 @@ def test_action_noise_has_its_standard_deviation(make):
     assert np.std(done) == pytest.approx(0.1, rel=0.02)
     assert env._decisions.around.senses.act(np.ones((50, DOF)), None).max() <= 1.0
     env.step(asked.astype(np.float32))
-    np.testing.assert_array_equal(env.episodes.action, 0.25)
+    assert_array_equal(env.episodes.action, 0.25)
 
 
 @pytest.mark.parametrize("delay", [1, 3])
@@ -139,7 +141,7 @@ def test_observations_come_so_many_steps_later(make, delay):
     first = make(2, ReachTask(horizon=50)).reset(seed=3)[0]
     late = told(make(2, ReachTask(horizon=50, observation_delay=delay)))[1::2]
     for step, seen in enumerate(late):
-        np.testing.assert_array_equal(seen, first if step < delay else plain[step - delay])
+        assert_array_equal(seen, first if step < delay else plain[step - delay])
 
 
 @pytest.mark.parametrize("delay", [1, 4])
@@ -155,7 +157,7 @@ def test_actions_work_so_many_steps_later(make, delay):
             way.append(env.episodes.qpos.copy())
         ways.append(way)
     for step in range(21):
-        np.testing.assert_array_equal(ways[1][step], ways[0][max(0, step - delay)])
+        assert_array_equal(ways[1][step], ways[0][max(0, step - delay)])
 
 
 def test_resting_under_absolute_actions_is_staying(make):
@@ -163,7 +165,7 @@ def test_resting_under_absolute_actions_is_staying(make):
     env = make(1, ReachTask(horizon=50, action_delay=2, action="movej-absolute"), seed=3)
     start = env.episodes.qpos.copy()
     env.step(np.ones((1, DOF), np.float32))
-    np.testing.assert_allclose(env.episodes.qpos, start, atol=1e-9)
+    assert_allclose(env.episodes.qpos, start, atol=1e-9)
 
 
 def test_touching_an_obstacle_ends_the_episode(wandered):
@@ -174,8 +176,8 @@ def test_touching_an_obstacle_ends_the_episode(wandered):
     assert hits.sum() > 2
     assert not trace["ground"][hits].any()
     assert not trace["reached"][hits].any()
-    np.testing.assert_array_equal(trace["reward_ground"], np.where(hits, -0.5, 0.0) - trace["ground"])
-    np.testing.assert_array_equal(trace["terminated"], hits | trace["ground"] | trace["reached"])
+    assert_array_equal(trace["reward_ground"], np.where(hits, -0.5, 0.0) - trace["ground"])
+    assert_array_equal(trace["terminated"], hits | trace["ground"] | trace["reached"])
     obstacles = trace["obstacles"].reshape(len(trace), 2, 7)
     near = Clearance(ROBOT).touches(trace["qpos"], obstacles, task.obstacle_clearance)
     assert not (near & ~hits & (trace["step"] > 0)).any()
@@ -200,8 +202,8 @@ def test_the_learner_sees_the_obstacles(make):
     seen, _ = env.reset(seed=0)
     assert seen.shape == (2, 3 * DOF + 10 + 21)
     first = seen[:, 3 * DOF + 10 : 3 * DOF + 17]
-    np.testing.assert_allclose(first[:, :3] + env.episodes.end_effector, [[0.9, 0.4, 0.6]] * 2, atol=1e-6)
-    np.testing.assert_allclose(first[:, 3:], [[0.05, 0.05, 0.15, 0.0]] * 2, atol=1e-7)
+    assert_allclose(first[:, :3] + env.episodes.end_effector, [[0.9, 0.4, 0.6]] * 2, atol=1e-6)
+    assert_allclose(first[:, 3:], [[0.05, 0.05, 0.15, 0.0]] * 2, atol=1e-7)
     assert not seen[:, -7:].any()
 
 
@@ -214,12 +216,12 @@ def test_arms_differ_and_are_told_nothing_of_it(make, wandered):
     for arm in range(4):
         rows = trace["arm"] == arm
         own = draw_robot(task, ROBOT, arm).end_effector(trace["qpos"][rows])
-        np.testing.assert_allclose(tip[rows], own, atol=1e-12)
+        assert_allclose(tip[rows], own, atol=1e-12)
         assert np.abs(own - ROBOT.end_effector(trace["qpos"][rows])).max() > 0.005
     env = make(2, task)
     seen, _ = env.reset(seed=0)
     drawn = ArmObservation(ROBOT, 0.1)
-    np.testing.assert_allclose(seen[:, drawn.arm_columns[-3:]], ROBOT.end_effector(env.episodes.qpos), atol=1e-6)
+    assert_allclose(seen[:, drawn.arm_columns[-3:]], ROBOT.end_effector(env.episodes.qpos), atol=1e-6)
 
 
 def test_the_plain_task_leaves_no_more_columns(wandered):
@@ -239,6 +241,4 @@ def test_equal_episodes_have_their_obstacles_placed_once(make, monkeypatch):
     env = make(5, WORSE)
     env.reset(seed=[5, 6, 5, 6, 6])
     assert len(places) == 2
-    np.testing.assert_array_equal(
-        env.episodes.extra("obstacles")[[1, 3, 4]], alone.episodes.extra("obstacles")[[0] * 3]
-    )
+    assert_array_equal(env.episodes.extra("obstacles")[[1, 3, 4]], alone.episodes.extra("obstacles")[[0] * 3])

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.testing import assert_allclose
 
 import harness
 from harness.env import IdealSimulation
@@ -62,5 +63,5 @@ def test_arms_of_a_batch_do_not_touch_one_another():
     varied.rest(np.array([False, True, False]))
     varied.drive(np.tile(ROBOT.home + 0.1, (3, 1)), 0.1)
     state = varied.reset(np.tile(ROBOT.home + 0.2, (3, 1)), np.array([True, False, False]))
-    np.testing.assert_allclose(state.qpos - ROBOT.home, np.array([[0.2], [0.0], [0.1]]) * np.ones(6))
-    np.testing.assert_allclose(state.end_effector, ROBOT.end_effector(state.qpos))
+    assert_allclose(state.qpos - ROBOT.home, np.array([[0.2], [0.0], [0.1]]) * np.ones(6))
+    assert_allclose(state.end_effector, ROBOT.end_effector(state.qpos))

@@ -6,6 +6,7 @@ Every generator takes how many experiments to make, so that thousands are made a
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.random import default_rng
 from scipy.special import betaincinv, ndtr
 
 from harness.eta import BB, BK, KB, KK, RACE, Question, race
@@ -35,7 +36,7 @@ def is_kept(what, share, most, experiments):
 
 def values_of(seeds, places=1, measures=1, effect=0.0, seed=0):
     """Normal values of a question, (2, seeds, places, measures)."""
-    values = np.random.default_rng(seed).normal(size=(2, seeds, places, measures))
+    values = default_rng(seed).normal(size=(2, seeds, places, measures))
     values[1] += effect
     return values
 

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from numpy.random import default_rng
 from scipy.special import ndtri
 from scipy.stats import mannwhitneyu
 
@@ -78,7 +79,7 @@ def test_rounding_of_sums_makes_no_order():
 
 def test_episodes_of_an_operator_widen_the_interval():
     """Where they are paid alike."""
-    rng = np.random.default_rng(0)
+    rng = default_rng(0)
     operator = np.repeat(np.arange(12), 5)
     above = operator % 2 == 0
     paid = rng.normal(size=12)[operator] + 0.1 * rng.normal(size=60) + above
@@ -115,7 +116,7 @@ def test_tasks_are_not_compared_with_one_another():
 
 def test_one_task_is_as_none():
     """And so are tasks without pairs beside it."""
-    rng = np.random.default_rng(3)
+    rng = default_rng(3)
     episodes = rng.normal(size=30), rng.random(30) < 0.5, rng.integers(0, 9, 30)
     alone = auc_of(*episodes)
     assert auc_of(*episodes, np.ones(30)) == alone
@@ -125,7 +126,7 @@ def test_one_task_is_as_none():
 
 def test_an_operator_of_several_tasks_is_one():
     """What it adds to several tasks is no new evidence: ten tasks of the same operators are as one."""
-    rng = np.random.default_rng(1)
+    rng = default_rng(1)
     operator = np.repeat(np.arange(12), 5)
     above = operator % 2 == 0
     paid = rng.normal(size=12)[operator] + 0.1 * rng.normal(size=60) + above
@@ -182,7 +183,7 @@ class Population(NamedTuple):
 
 def coverage(population, times, seed=0):
     """How often the interval holds the chance; how often the answer says more than is true."""
-    rng = np.random.default_rng(seed)
+    rng = default_rng(seed)
     held = wrong = 0
     for _ in range(times):
         found = auc_of(*population.draw(rng))

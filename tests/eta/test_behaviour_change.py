@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import scipy.stats
 from hypothesis import assume, given, strategies as st
+from numpy.random import default_rng
 
 from harness.eta import Quantity, change_of, p_of, swaps_of
 from harness.eta.headline import is_within
@@ -151,7 +152,7 @@ def test_swapping_the_rewards_turns_the_difference(baseline, proposed):
 
 def test_equivalence_is_two_one_sided_t_tests():
     """As scipy takes them, at 5 % each: the margin decides at the larger of both."""
-    rng = np.random.default_rng(2)
+    rng = default_rng(2)
     one, other = rng.normal(size=9), rng.normal(size=9)
     found = change(one.tolist(), other.tolist())
     for margin in np.linspace(0.1, 3.0, 40):

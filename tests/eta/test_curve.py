@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 from hypothesis import example, given, strategies as st
 from hypothesis.extra.numpy import arrays
+from numpy.random import default_rng
+from numpy.testing import assert_allclose, assert_array_equal
 
 from harness.eta import GroupCurve, Index, curve_of
 from harness.eta.curve import mixtures, stream_curve, swapped
@@ -100,7 +102,7 @@ def test_index_of_a_curve(row):
 
 def test_curve_is_the_mean_over_runs():
     """At each step, over the running sums of the runs, which are cut to the shortest."""
-    np.testing.assert_array_equal(group_of([[0, 1, -3], [2, -1, 0, 9]]).runs, [[0.0, 1.0, -2.0], [2.0, 1.0, 1.0]])
+    assert_array_equal(group_of([[0, 1, -3], [2, -1, 0, 9]]).runs, [[0.0, 1.0, -2.0], [2.0, 1.0, 1.0]])
     assert group_of([[-4, 4, 1], [2, 2, -1]]).index == Index(0, 1, 3, -1.0, 4.0)
 
 
@@ -154,13 +156,13 @@ def in_pieces(rewards, kind, cuts):
 
 
 @given(SQUARES, ANY_KIND, CUTS)
-@example(np.random.default_rng(0).normal(size=(10, 40)), "accumulated", list(range(40)))
+@example(default_rng(0).normal(size=(10, 40)), "accumulated", list(range(40)))
 @example(np.array([[-0.7, 0.3, 0.7, 0.2, 0.3, -0.3, -0.2, 0.2, -0.3, -0.2]] * 3).T, "per-step", [1, 2])
 @example(np.full((1, 3), 2**31 - 1, np.int32), "accumulated", [])
 def test_chunks_do_not_show(rewards, kind, cuts):
     """However the steps are handed over, each run's curve is the same bit for bit, and so are the steps found."""
     whole, pieces = curve_of(list(rewards.astype(float)), kind), in_pieces(rewards, kind, cuts)
-    np.testing.assert_array_equal(pieces.runs, whole.runs)
+    assert_array_equal(pieces.runs, whole.runs)
     index = whole.index
     same(pieces.index, (index.first_negative, index.crossover, index.steps, index.negative_sum, index.positive_sum))
 
@@ -171,7 +173,7 @@ def test_chunks_do_not_show(rewards, kind, cuts):
 @pytest.fixture(scope="module")
 def long_runs():
     """Rewards of five runs that first cost and then pay, (5, 100_000)."""
-    rng = np.random.default_rng(105)
+    rng = default_rng(105)
     drift = np.linspace(-0.5, 1.0, 100_000)
     return drift + rng.normal(size=(5, 100_000))
 
@@ -190,7 +192,7 @@ def test_long_runs_are_thinned(long_runs):
     """
     curve = curve_of(list(long_runs))
     assert POINTS <= curve.runs.shape[1] <= 2 * POINTS
-    np.testing.assert_array_equal(curve.runs, np.cumsum(long_runs, axis=1)[:, :: curve.stride])
+    assert_array_equal(curve.runs, np.cumsum(long_runs, axis=1)[:, :: curve.stride])
     sums = np.ravel(curve.resample(np.full((1, 5), 0.2)))
     assert sums == pytest.approx([curve.index.negative_sum, curve.index.positive_sum], rel=1e-3)
     short = curve_of([np.ones(2 * POINTS)])
@@ -205,8 +207,8 @@ def test_thinning_does_not_depend_on_chunks(rewards, cuts, points):
         patch.setattr("harness.eta.curve.POINTS", points)
         whole, pieces = curve_of(list(rewards)), in_pieces(rewards, "accumulated", cuts)
     assert pieces.stride == whole.stride
-    np.testing.assert_array_equal(pieces.runs, whole.runs)
-    np.testing.assert_array_equal(whole.runs, np.cumsum(rewards, axis=1)[:, :: whole.stride])
+    assert_array_equal(pieces.runs, whole.runs)
+    assert_array_equal(whole.runs, np.cumsum(rewards, axis=1)[:, :: whole.stride])
 
 
 # Resampling
@@ -226,17 +228,17 @@ def test_resample_is_the_index_of_the_drawn_runs(rewards, kind, random):
 @pytest.mark.parametrize("kind", KINDS)
 def test_many_draws_are_taken_in_parts(kind):
     """Each of many draws is what it is alone, however they are put together."""
-    rng = np.random.default_rng(1)
+    rng = default_rng(1)
     curve = curve_of(list(rng.normal(size=(4, 50))), kind)
     shares = rng.multinomial(4, np.full(4, 0.25), size=150) / 4
     alone = np.concatenate([np.stack(curve.resample(one[None])) for one in shares], axis=1)
-    np.testing.assert_allclose(np.stack(curve.resample(shares)), alone, rtol=1e-12, atol=1e-12)
+    assert_allclose(np.stack(curve.resample(shares)), alone, rtol=1e-12, atol=1e-12)
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_curve_that_is_never_negative_has_no_negative_part_in_any_draw(kind):
     """Exactly 0, so that a ratio to it is seen to be none."""
-    rng = np.random.default_rng(2)
+    rng = default_rng(2)
     negative, _ = curve_of(list(rng.uniform(0.1, 1.0, (4, 50))), kind).resample(np.full((3, 4), 0.25))
     assert negative.tolist() == [0.0, 0.0, 0.0]
 
@@ -247,7 +249,7 @@ def test_curve_that_is_never_negative_has_no_negative_part_in_any_draw(kind):
 @pytest.mark.parametrize("kind", KINDS)
 def test_mixture_is_the_index_of_runs_of_several_groups(kind):
     """One run of the first group and two of the second, cut to the shorter group."""
-    rng = np.random.default_rng(3)
+    rng = default_rng(3)
     one, other = rng.normal(size=(2, 30)), rng.normal(size=(3, 25))
     shares = np.array([[0.0, 1.0, 0.0, 1.0, 1.0]]) / 3.0
     negative, positive = mixtures((curve_of(list(one), kind), curve_of(list(other), kind)), shares)
@@ -270,12 +272,12 @@ def test_mixture_of_long_runs_is_close(long_runs):
 @pytest.mark.parametrize("kind", KINDS)
 def test_swapped_runs_are_mixtures_of_both_groups(kind):
     """Kept: each side is its own runs. Swapped: the other's run in their place. Runs are cut to the shorter group."""
-    rng = np.random.default_rng(4)
+    rng = default_rng(4)
     one, other = curve_of(list(rng.normal(size=(2, 30))), kind), curve_of(list(rng.normal(size=(2, 25))), kind)
     ours, theirs = swapped(one, other, np.array([[1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]]))
     mixed = np.array([[0.5, 0.5, 0.0, 0.0], [0.5, 0.0, 0.0, 0.5], [0.0, 0.0, 0.5, 0.5]])
-    np.testing.assert_allclose(ours, np.stack(mixtures((one, other), mixed)), rtol=1e-12)
-    np.testing.assert_allclose(theirs, np.stack(mixtures((one, other), 0.5 - mixed)), rtol=1e-12)
+    assert_allclose(ours, np.stack(mixtures((one, other), mixed)), rtol=1e-12)
+    assert_allclose(theirs, np.stack(mixtures((one, other), 0.5 - mixed)), rtol=1e-12)
 
 
 @given(SQUARES, ANY_KIND)
@@ -287,11 +289,11 @@ def test_runs_one_by_one_give_the_same_bits(rewards, kind):
     whole.add(rewards)
     streamed = stream_curve((np.append(run, 9.0) for run in rewards), count, steps, kind)
     assert (streamed.index, streamed.stride) == (whole.index, whole.stride)
-    np.testing.assert_array_equal(streamed.runs, whole.runs)
+    assert_array_equal(streamed.runs, whole.runs)
 
 
 @given(SQUARES, ANY_KIND)
 def test_sums_of_single_runs_are_those_of_a_draw(rewards, kind):
     """Bit for bit: a draw of one run is that run."""
     curve = curve_of(list(rewards), kind)
-    np.testing.assert_array_equal(np.abs(curve.each()), np.abs(curve.resample(np.eye(len(rewards)))))
+    assert_array_equal(np.abs(curve.each()), np.abs(curve.resample(np.eye(len(rewards)))))

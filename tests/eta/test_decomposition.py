@@ -8,6 +8,8 @@ import pytest
 import scipy.stats
 from hypothesis import given, settings, strategies as st
 from hypothesis.extra.numpy import arrays
+from numpy.random import default_rng
+from numpy.testing import assert_allclose, assert_array_equal
 
 from harness.eta import (
     BB,
@@ -84,7 +86,7 @@ def about(value, rel=1e-9):
 
 def dip_and_climb(seeds, seed=105, steps=60, noise=1.0):
     """Rewards whose sums fall below zero and rise again, each run a little different, (seeds, steps)."""
-    rng = np.random.default_rng(seed)
+    rng = default_rng(seed)
     x = np.linspace(0.0, 1.0, steps)
     depth = 10.0 + noise * rng.normal(size=(seeds, 1))
     height = 30.0 + 3.0 * noise * rng.normal(size=(seeds, 1))
@@ -165,7 +167,7 @@ def test_parts_do_not_know_which_reward_is_the_baseline(scored):
 def test_order_of_the_pairs_changes_nothing():
     """Seeds are a set: their pairs shuffled, every value and end stays, and p."""
     baseline, proposed = dip_and_climb(8), 2.0 * dip_and_climb(8, seed=3)
-    order = np.random.default_rng(7).permutation(8)
+    order = default_rng(7).permutation(8)
     one, other = eta_of(baseline, proposed).positive, eta_of(baseline[order], proposed[order]).positive
     assert [one.per_seed.value, *ends(one.eta)] == [about(it) for it in (other.per_seed.value, *ends(other.eta))]
     assert one.p == other.p
@@ -521,9 +523,9 @@ def test_one_seed_has_a_value_and_nothing_else():
 
 def spread_curves(spread, seeds):
     """Runs of one step whose logarithms have exactly this standard deviation; the ruler is 2 and a little."""
-    logarithms = scipy.stats.zscore(np.random.default_rng(1).normal(size=seeds), ddof=1)
+    logarithms = scipy.stats.zscore(default_rng(1).normal(size=seeds), ddof=1)
     runs = np.exp(spread * logarithms)[:, None]
-    ruled = runs * np.exp(0.01 * np.random.default_rng(2).normal(size=(seeds, 1)))
+    ruled = runs * np.exp(0.01 * default_rng(2).normal(size=(seeds, 1)))
     return curves_of(runs, runs[::-1], 2.0 * ruled, 2.0 * ruled[::-1])
 
 
@@ -670,7 +672,7 @@ def test_halves_are_disjoint_and_equally_large(count):
     assert first.shape == second.shape == (200, count)
     assert not (first * second).any()
     for half in (first, second):
-        np.testing.assert_array_equal((half > 0.0).sum(axis=1), count // 2)
-        np.testing.assert_allclose(half.sum(axis=1), 1.0)
+        assert_array_equal((half > 0.0).sum(axis=1), count // 2)
+        assert_allclose(half.sum(axis=1), 1.0)
         assert half.any(axis=0).all()
-    np.testing.assert_array_equal(first, split_halves(count)[0])
+    assert_array_equal(first, split_halves(count)[0])

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 import scipy.stats
 from hypothesis import assume, example, given, strategies as st
+from numpy.random import default_rng
+from numpy.testing import assert_array_equal
 
 from harness.eta import SHARE, UNBOUNDED
 from harness.eta.interval import (
@@ -49,7 +51,7 @@ def test_interval_of_a_mean_is_scipys(values, confidence):
 @pytest.mark.parametrize("seeds", [2, 3, 10])
 def test_spread_of_a_few_seeds_is_known_roughly(seeds):
     """Drawn 20,000 times, the true spread lies above the range in a tenth of all, and below it in another."""
-    drawn = np.random.default_rng(seeds).normal(size=(20_000, seeds)).std(axis=1, ddof=1)
+    drawn = default_rng(seeds).normal(size=(20_000, seeds)).std(axis=1, ddof=1)
     smallest, largest = np.array([spread_range(spread, seeds) for spread in drawn]).T
     assert (largest < 1.0).mean() == pytest.approx(0.1, abs=0.01)
     assert (smallest > 1.0).mean() == pytest.approx(0.1, abs=0.01)
@@ -90,7 +92,7 @@ def test_a_difference_is_cut_at_what_it_can_be(bounds, is_cut):
 @pytest.mark.parametrize("counts", [(4, 4), (5, 10), (10, 10), (20, 20)])
 def test_an_interval_of_two_groups_covers_as_often_as_it_says(counts, spreads):
     """In .94 to .96 of 20,000 experiments; Monte Carlo error 0.0015."""
-    rng = np.random.default_rng([*counts, int(spreads[0])])
+    rng = default_rng([*counts, int(spreads[0])])
     drawn = [spread * rng.normal(size=(20_000, count)) for spread, count in zip(spreads, counts, strict=True)]
     ends = np.array([of_groups(one, other) for one, other in zip(*drawn, strict=True)])
     covered = float(((ends[:, 0] <= 0.0) & (ends[:, 1] >= 0.0)).mean())
@@ -182,7 +184,7 @@ def test_number_is_taken_of_what_is_left():
     left_out = [{"a": np.array([6.0, 9.0]), "b": np.array([2.0, 3.0])}]
     knife = jackknife(lambda sums: sums["a"] / sums["b"], whole, left_out)
     assert knife.value == 4.0
-    np.testing.assert_array_equal(knife.left_out, [[3.0, 3.0]])
+    assert_array_equal(knife.left_out, [[3.0, 3.0]])
     assert not jackknife(lambda sums: np.log(sums["a"]), whole, [{"a": np.array([0.0, -1.0])}]).is_defined
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
 
 from harness.eta.paid_at_random import paid_at_random
 
@@ -83,7 +84,7 @@ def _skewed(rng, count):
 
 def _wrong(draw, seeds, spread):
     """How often the claim is made where a training is as likely paid more than random actions as less."""
-    rng = np.random.default_rng(seeds)
+    rng = default_rng(seeds)
     found = [_found(draw(rng, seeds).tolist(), rng.normal(0.0, spread, 100).tolist()) for _ in range(DRAWS)]
     return float(np.mean([it.is_below for it in found]))
 
@@ -105,20 +106,20 @@ def test_a_looser_level_is_noticed(monkeypatch):
 
 def test_bare_means_would_claim_it_wrongly():
     """What the bound is for: the same cases, judged by which mean is larger."""
-    rng = np.random.default_rng(0)
+    rng = default_rng(0)
     wrong = [_bell(rng, 6).mean() < rng.normal(0.0, 3.0, 100).mean() for _ in range(DRAWS)]
     assert np.mean(wrong) > 0.4
 
 
 def test_a_bell_curve_over_trainings_would_claim_it_wrongly():
     """Why trainings are counted: of six trainings, of which half learn much, all may have failed."""
-    rng = np.random.default_rng(0)
+    rng = default_rng(0)
     alike = [np.ptp(_rarely_learns(rng, 3)) == 0.0 for _ in range(DRAWS)]
     assert np.mean(alike) > 0.2  # a spread of 0, by which any difference is certain
 
 
 def test_a_clear_case_is_seen():
     """Policies that are paid two standard deviations less are found out nearly always."""
-    rng = np.random.default_rng(0)
+    rng = default_rng(0)
     seen = [_found(rng.normal(-2.0, 0.5, 6).tolist(), rng.normal(0.0, 3.0, 100).tolist()).is_below for _ in range(400)]
     assert np.mean(seen) > 0.9

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
 
 from harness.eta import Question, rule
 from harness.eta.power import seeds_to_tell
@@ -17,7 +18,7 @@ def found(difference, seeds, asked, experiments=200, measures=1):
 
     Of several measures only the first shows it.
     """
-    rng = np.random.default_rng([seeds, asked])
+    rng = default_rng([seeds, asked])
     values = rng.normal(size=(experiments, asked, 2, seeds, 1, measures))
     values[:, 0, 1, ..., 0] += difference
     return float(np.mean([rule([Question.of(each) for each in one])[0].is_decided for one in values]))
@@ -45,7 +46,7 @@ def test_high_end_is_enough_where_one_of_three_measures_shows_it():
 @pytest.mark.parametrize("pilot", [3, 10])
 def test_experiments_of_the_high_end_mostly_have_the_power(pilot):
     """The spread of a few seeds is known roughly: nine of ten pilots ask for enough."""
-    spreads = np.random.default_rng(pilot).normal(size=(300, 2, pilot)).var(axis=2, ddof=1).mean(axis=1) ** 0.5
+    spreads = default_rng(pilot).normal(size=(300, 2, pilot)).var(axis=2, ddof=1).mean(axis=1) ** 0.5
     told = [tell(1.5, spread, pilot, 1)[1] for spread in spreads]
     enough = min(seeds for seeds in range(5, 14) if found(1.5, seeds, 1, 600) >= 0.8 - 0.02)
     assert np.mean(np.array([it for it in told if it]) >= enough) >= 0.9 - 3.0 * 0.017

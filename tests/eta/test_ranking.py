@@ -4,6 +4,8 @@ from itertools import combinations, product
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
+from numpy.testing import assert_array_equal
 from scipy.stats import kendalltau
 
 from harness.eta import Agreement, agreement_of, order_rewards, transplant
@@ -49,8 +51,8 @@ def test_no_share_is_further_than_one_from_another():
 def test_what_is_told_is_told_both_ways():
     """Where an interval of a difference lies on one side of 0; the better one may be the best."""
     (order,) = orders_of(CLEAR)
-    np.testing.assert_array_equal(order.signs, [[0, -1, -1], [1, 0, -1], [1, 1, 0]])
-    np.testing.assert_array_equal(order.low, -order.high.T)
+    assert_array_equal(order.signs, [[0, -1, -1], [1, 0, -1], [1, 1, 0]])
+    assert_array_equal(order.low, -order.high.T)
     assert (order.rewards[order.best], order.candidates, order.seeds) == ("c", (2,), 4)
 
 
@@ -95,7 +97,7 @@ def test_same_order_is_one_and_the_opposite_minus_one():
 
 def test_tau_is_that_of_scipy_ties_included():
     """Of whole numbers, many of which are equal."""
-    rng = np.random.default_rng(1)
+    rng = default_rng(1)
     for _ in range(20):
         one, other = rng.integers(0, 4, (2, 6))
         pairs = np.triu_indices(6, 1)
@@ -105,7 +107,7 @@ def test_tau_is_that_of_scipy_ties_included():
 
 def test_the_range_holds_every_order_that_is_left():
     """Whatever is told of either place: the tau of any two orders that agree with it lies within."""
-    rng = np.random.default_rng(3)
+    rng = default_rng(3)
     orders = weak_orders(3)
     for one, other in product(orders, repeat=2):
         tau = kendall(one, other)
@@ -257,7 +259,7 @@ def share_that_holds(places, seeds, experiments, rng):
 @pytest.mark.parametrize("seeds", [3, 10])
 def test_a_few_experiments_keep_the_word(seeds):
     """Three rewards of the same rates, ties in one place: no false claim in a hundred."""
-    held = share_that_holds(truths(3)["spread, ties in one"], seeds, 100, np.random.default_rng(5))
+    held = share_that_holds(truths(3)["spread, ties in one"], seeds, 100, default_rng(5))
     assert held[0] >= HELD
     assert held[1] >= HELD
     assert (held[2:] <= 0.05).all()
@@ -268,7 +270,7 @@ def test_a_few_experiments_keep_the_word(seeds):
 @pytest.mark.parametrize("rewards", [3, 4, 6])
 def test_rankings_keep_their_word(rewards, seeds):
     """Taus and costs are held in 93 % at least; a false order, YES or NO comes in 5 % of the experiments at most."""
-    rng = np.random.default_rng([7, rewards, seeds])
+    rng = default_rng([7, rewards, seeds])
     for name, places in truths(rewards).items():
         held = share_that_holds(places, seeds, 500, rng)
         told = "tau held {:.3f}  cost held {:.3f}  false order {:.3f}  false yes {:.3f}  false no {:.3f}"
@@ -281,7 +283,7 @@ def test_rankings_keep_their_word(rewards, seeds):
 @pytest.mark.slow
 def test_choices_are_decided_where_places_differ():
     """The opposite order of three rewards is a YES in nearly all experiments with 10 seeds; the same one a NO."""
-    rng = np.random.default_rng(8)
+    rng = default_rng(8)
     for name, expected in (("spread, opposite order", "yes"), ("spread, same order", "no")):
         places = truths(3)[name]
         answers = []

@@ -5,10 +5,11 @@ import json
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from numpy.random import default_rng
 
 from harness.eta import Rescaling, line_of, rescaling_of
 
-PAID = np.random.default_rng(0).normal(size=1_000) * 10.0 ** np.random.default_rng(1).uniform(-6, 6, 1_000)
+PAID = default_rng(0).normal(size=1_000) * 10.0 ** default_rng(1).uniform(-6, 6, 1_000)
 """What a reward pays: of all sizes and both signs."""
 
 
@@ -51,7 +52,7 @@ def test_rewards_in_single_precision_are_found():
 
 def test_a_reward_that_is_computed_again_from_observations_is_found():
     """The env pays by its state in double precision, and shows it in single precision."""
-    state = np.random.default_rng(2).uniform(-3.0, 3.0, (1_000, 2))
+    state = default_rng(2).uniform(-3.0, 3.0, (1_000, 2))
     seen = state.astype(np.float32).astype(float)
     rescaling = found(-(state**2).sum(axis=1), -0.5 * (seen**2).sum(axis=1) + 3.0)
     assert (rescaling.factor, rescaling.offset) == (pytest.approx(0.5, rel=1e-6), pytest.approx(3.0, rel=1e-6))

@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
+from numpy.testing import assert_allclose
 
 from harness.eta import BB, KK
 from tests.eta.scenarios import (
@@ -19,7 +21,7 @@ from tests.eta.scenarios import (
 
 def rng():
     """The same numbers for every test."""
-    return np.random.default_rng(0)
+    return default_rng(0)
 
 
 @pytest.mark.parametrize(("scenario", "eta_n", "eta_p"), [(FALLS_FIRST, 0.427, 1.49), (SHALLOW, 0.838, 1.58)])
@@ -27,7 +29,7 @@ def test_etas_are_near_the_recorded_ones(scenario, eta_n, eta_p):
     """SAC with arp against SAC with the baseline: within 15 %."""
     sums = true_sums(scenario, rng(), 10_000)
     etas = np.divide(sums[KK], sums[BB])
-    np.testing.assert_allclose(etas, [eta_n, eta_p], rtol=0.15)
+    assert_allclose(etas, [eta_n, eta_p], rtol=0.15)
 
 
 def test_spread_of_the_depth_is_near_the_recorded_one():
@@ -35,14 +37,14 @@ def test_spread_of_the_depth_is_near_the_recorded_one():
     curves = falling_curves(FALLS_FIRST, rng(), 1, 4000)
     runs = (curves[BB][0], curves[KK][0])
     depths = np.log([np.quantile(-np.minimum(run, 0.0).sum(axis=1), [0.16, 0.84]) for run in runs])
-    np.testing.assert_allclose(np.diff(depths)[:, 0] / 2, [1.3, 1.9], rtol=0.15)
+    assert_allclose(np.diff(depths)[:, 0] / 2, [1.3, 1.9], rtol=0.15)
 
 
 @pytest.mark.parametrize("scenario", [FALLS_FIRST, SHALLOW])
 def test_unchanged_reward_has_etas_of_one(scenario):
     """Both rewards' population curves are the same but for the draw."""
     sums = true_sums(unchanged(scenario), rng(), 20_000)
-    np.testing.assert_allclose(sums[KK], sums[BB], rtol=0.05)
+    assert_allclose(sums[KK], sums[BB], rtol=0.05)
 
 
 @pytest.mark.parametrize("name", list(RATES))
@@ -50,7 +52,7 @@ def test_rates_have_their_mean_and_lie_on_the_lattice(name):
     """Whole numbers of successes, of EPISODES each."""
     drawn = RATES[name].draw(rng(), (20_000,))
     assert drawn.mean() == pytest.approx(RATES[name].mean, abs=0.005)
-    np.testing.assert_allclose(drawn * EPISODES, np.round(drawn * EPISODES), atol=1e-9)
+    assert_allclose(drawn * EPISODES, np.round(drawn * EPISODES), atol=1e-9)
 
 
 def test_families_without_effect_have_equal_means():

@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from numpy.random import default_rng
+from numpy.testing import assert_array_equal
 
 from harness.eta import BB, BK, KB, KK, curve_of
 from harness.eta.scored_sums import scored_sums
@@ -15,7 +17,7 @@ SEEDS = st.integers(0, 1000)
 
 def rewards_of(sizes, seed):
     """Of the baseline's runs and of the proposed ones, under both rewards."""
-    rng = np.random.default_rng(seed)
+    rng = default_rng(seed)
     count = {"baseline": sizes[0], "proposed": sizes[1]}
     return {pair: list(rng.normal(size=(count[pair[1]], 12))) for pair in PAIRS}
 
@@ -58,7 +60,7 @@ def test_pairs_are_left_out_together():
     sums = found_of((4, 4), 0, "accumulated", paired=True)[0]
     (left_out,) = sums.left_out
     for pair in PAIRS:
-        np.testing.assert_array_equal(left_out[pair], sums.without[pair])
+        assert_array_equal(left_out[pair], sums.without[pair])
 
 
 def test_seeds_without_pairs_are_left_out_apart():
@@ -69,8 +71,8 @@ def test_seeds_without_pairs_are_left_out_apart():
         changed, kept = without_baseline[pair], without_proposed[pair]
         if pair[1] == "proposed":
             changed, kept = kept, changed
-        np.testing.assert_array_equal(changed, sums.without[pair])
-        np.testing.assert_array_equal(kept, np.full(5 if pair[1] == "baseline" else 3, sums.value(pair)))
+        assert_array_equal(changed, sums.without[pair])
+        assert_array_equal(kept, np.full(5 if pair[1] == "baseline" else 3, sums.value(pair)))
 
 
 @given(SEEDS)

@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 from hypothesis import example, given, strategies as st
 from hypothesis.extra.numpy import arrays
+from numpy.random import default_rng
+from numpy.testing import assert_allclose, assert_array_equal
 
 from harness.eta import corrected_p, p_of, swaps_of
 from harness.eta.swaps import corrected_where_known, label_shares
@@ -69,14 +71,14 @@ def test_many_seeds_have_drawn_ways():
     signs = swaps_of(range(20)).signs
     assert signs.shape == (4_096, 20)
     assert (signs[0] == 1.0).all()
-    np.testing.assert_allclose(signs.mean(axis=0), 0.0, atol=0.08)
-    np.testing.assert_array_equal(signs, swaps_of(range(20)).signs)
+    assert_allclose(signs.mean(axis=0), 0.0, atol=0.08)
+    assert_array_equal(signs, swaps_of(range(20)).signs)
 
 
 def test_seeds_are_swapped_by_their_name():
     """A comparison of some seeds swaps those, whatever their place."""
     swaps = swaps_of([3, 5, 8])
-    np.testing.assert_array_equal(swaps.of([8, 3]), swaps.signs[:, [2, 0]])
+    assert_array_equal(swaps.of([8, 3]), swaps.signs[:, [2, 0]])
 
 
 @given(DIFFERENCES)
@@ -122,7 +124,7 @@ def test_correction_never_helps_a_claim(claims):
 
 def test_nothing_is_corrected_without_a_claim():
     """A difference that is clear by itself is less so among many that are not."""
-    rng = np.random.default_rng(0)
+    rng = default_rng(0)
     clear = outcomes_of(0.7 + 0.9 * rng.normal(size=10))
     assert corrected_p([clear, *(outcomes_of(rng.normal(size=10)) for _ in range(30))])[0] > p_of(clear)
     assert corrected_p([]) == []
@@ -160,15 +162,15 @@ def test_labels_are_dealt_out_anew():
     """The first row is as it was; in every other each side has its number of runs, all runs come into each side."""
     shares = label_shares(4, 6)
     assert shares.shape == (4_096, 10)
-    np.testing.assert_allclose(shares[0], [-0.25] * 4 + [1.0 / 6.0] * 6)
-    np.testing.assert_array_equal(np.sort(shares, axis=1), np.sort(np.tile(shares[0], (4_096, 1)), axis=1))
-    np.testing.assert_allclose((shares > 0.0).mean(axis=0), 0.6, atol=0.04)
-    np.testing.assert_array_equal(shares, label_shares(4, 6))
+    assert_allclose(shares[0], [-0.25] * 4 + [1.0 / 6.0] * 6)
+    assert_array_equal(np.sort(shares, axis=1), np.sort(np.tile(shares[0], (4_096, 1)), axis=1))
+    assert_allclose((shares > 0.0).mean(axis=0), 0.6, atol=0.04)
+    assert_array_equal(shares, label_shares(4, 6))
 
 
 def test_p_of_dealt_labels_is_that_of_all_ways():
     """Of 4 and 5 runs there are 126 ways: as a loop over them, within 5 standard errors of the drawn ones."""
-    rng = np.random.default_rng(5)
+    rng = default_rng(5)
     values = np.concatenate([rng.normal(size=4), rng.normal(2.0, size=5)])
     seen, reached = values[4:].mean() - values[:4].mean(), 0
     for side in itertools.combinations(range(9), 5):

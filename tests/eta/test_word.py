@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 import scipy.stats
+from numpy.random import default_rng
 
 from harness.eta import (
     BB,
@@ -103,7 +104,7 @@ def intervals_of(found):
 
 def truth_of(scenario, seeds):
     """The same of so many seeds; the geometric mean over seeds of half of them, of those whose index is not 0."""
-    rng = np.random.default_rng(9)
+    rng = default_rng(9)
     sums = true_sums(scenario, rng, seeds)
     truth = {}
     for which, name in enumerate(("eta_N", "eta_P")):
@@ -149,7 +150,7 @@ class Held(NamedTuple):
 
 def coverage_of(scenario, seeds, experiments, truth):
     """Of every interval of so many experiments."""
-    rng = np.random.default_rng(seeds)
+    rng = default_rng(seeds)
     found = defaultdict(list)
     signs = some_swaps(seeds).signs
     for start in range(0, experiments, 50):
@@ -193,7 +194,7 @@ MANY = 1500
 
 def metric_coverage(measure, draws, means, seeds, told):
     """Of the difference, and of the baseline's mean by itself, in 1,500 experiments."""
-    rng, swaps = np.random.default_rng([seeds, 7]), some_swaps(seeds)
+    rng, swaps = default_rng([seeds, 7]), some_swaps(seeds)
     pairs = zip(*(draw(rng, (MANY, seeds)).tolist() for draw in draws), strict=True)
     held = []
     for one, other in pairs:
@@ -261,7 +262,7 @@ def test_p_values_of_etas_err_as_rarely_as_they_say(name):
     """Below 0.05 in at most 5 % of experiments whose rewards are the same but for the name."""
     experiments = 1000
     for seeds in SEEDS:
-        rng, wrong = np.random.default_rng(seeds), np.zeros(2)
+        rng, wrong = default_rng(seeds), np.zeros(2)
         for _ in range(experiments // 50):
             swaps = some_swaps(seeds, rng)
             curves = falling_curves(unchanged(SCENARIOS[name]), rng, 50, seeds)
@@ -279,7 +280,7 @@ def test_p_values_of_metrics_err_as_rarely_as_they_say(rate):
     """The same of shares and of times."""
     experiments = 1500
     for seeds in SEEDS:
-        rng = np.random.default_rng([seeds, 3])
+        rng = default_rng([seeds, 3])
         swaps = swaps_of(range(seeds))
         for measure, draw in ((SUCCESS, RATES[rate].draw), (TIME, timed(RATES[rate])[0])):
             values = draw(rng, (2, experiments, seeds))
@@ -292,7 +293,7 @@ def test_p_values_of_metrics_err_as_rarely_as_they_say(rate):
 @pytest.mark.parametrize("seeds", [6, 10, 20])
 def test_family_of_twenty_comparisons_errs_as_rarely_as_it_says(seeds):
     """Any of 280 claims of 4 groups of a baseline and 5 rewards that change nothing: 0.06 at most."""
-    experiments, rng, wrong = 500, np.random.default_rng(seeds), 0
+    experiments, rng, wrong = 500, default_rng(seeds), 0
     for _ in range(experiments):
         signs = some_swaps(seeds, rng).signs
         baseline, proposed = family_values(Family(), rng, seeds)
@@ -307,7 +308,7 @@ def test_family_of_twenty_comparisons_errs_as_rarely_as_it_says(seeds):
 def test_ways_that_are_the_same_in_every_report_err_as_rarely(seeds):
     """They are drawn once: 4,096 are enough that it does not show."""
     experiments, claims = 1500, 20
-    rng, signs = np.random.default_rng(seeds), swaps_of(range(seeds)).signs
+    rng, signs = default_rng(seeds), swaps_of(range(seeds)).signs
     values = rng.normal(size=(experiments, seeds, claims))
     wrong = np.mean([min(corrected_p(list((signs @ each).T))) <= LEVEL for each in values])
     assert is_kept(f"{seeds:3} drawn once: family error", wrong, LEVEL, experiments)
@@ -357,7 +358,7 @@ def claims_something(comparison, claims):
 
 def wrong_verdicts(seeds, experiments):
     """Share of experiments of three comparisons, without any difference, in which anything is claimed."""
-    rng, wrong, comparisons = np.random.default_rng(seeds), 0, 3
+    rng, wrong, comparisons = default_rng(seeds), 0, 3
     for _ in range(experiments):
         swaps = some_swaps(seeds, rng)
         curves = falling_curves(unchanged(SHALLOW), rng, comparisons, seeds)
@@ -417,7 +418,7 @@ def test_recorded_seeds_against_the_rest_show_nothing():
 def test_power_is_that_of_students_test():
     """Ten seeds; 20 points of success, or a metric by one standard deviation: as often as by t, less 5 points."""
     experiments, seeds = 1500, 10
-    rng = np.random.default_rng(1)
+    rng = default_rng(1)
     signs = swaps_of(range(seeds)).signs
     shifted = {"middle + 20": (RATES["middle"], Rate(0.8, 0.15)), "0.75 to high": (Rate(0.75, 0.15), RATES["high"])}
     pairs = {name: [rate.draw(rng, (experiments, seeds)) for rate in rates] for name, rates in shifted.items()}
@@ -442,7 +443,7 @@ def test_power_is_that_of_students_test():
 def test_noise_floor_holds_etas_of_the_same_reward(name, control):
     """95 % of them, within 3 points: ten new seeds against the ten of the baseline."""
     experiments, seeds = 1200, 10
-    rng, held = np.random.default_rng(5), np.zeros(2)
+    rng, held = default_rng(5), np.zeros(2)
     scenario = unchanged(SCENARIOS[name])
     for _ in range(experiments // 50):
         runs, again, proposed = (falling_curves(scenario, rng, 50, seeds)[BB] for _ in range(3))

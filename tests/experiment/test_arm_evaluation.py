@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 
 import harness
 from harness import load_robot
@@ -53,7 +54,7 @@ def starts_of(trace):
 def test_deterministic_policies_draw_nothing():
     """They act as they do without a generator."""
     seen = np.ones((3, 4), np.float32)
-    np.testing.assert_array_equal(act_of(FLOOR, "deterministic")(seen), FLOOR.act(seen))
+    assert_array_equal(act_of(FLOOR, "deterministic")(seen), FLOOR.act(seen))
 
 
 def test_stochastic_policies_draw_the_same_every_time():
@@ -61,7 +62,7 @@ def test_stochastic_policies_draw_the_same_every_time():
     seen = np.ones((3, 4), np.float32)
     one, other = (act_of(FLOOR, "stochastic") for _ in range(2))
     first = one(seen)
-    np.testing.assert_array_equal(first, other(seen))
+    assert_array_equal(first, other(seen))
     assert not np.array_equal(first, one(seen))
 
 
@@ -106,20 +107,20 @@ def test_episode_ends_with_its_last_row(tmp_path):
 )
 def test_starts_are_the_same_in_every_cell(tmp_path, other):
     """Neither reward, algorithm, seed nor budget changes where the episodes start and what their targets are."""
-    np.testing.assert_array_equal(starts_of(record(tmp_path)), starts_of(record(tmp_path, **other)))
+    assert_array_equal(starts_of(record(tmp_path)), starts_of(record(tmp_path, **other)))
 
 
 def test_more_episodes_begin_with_the_same_ones(tmp_path):
     """The first episodes of a larger evaluation are those of a smaller one."""
     few, many = (starts_of(record(tmp_path, evaluation_episodes=count)) for count in (3, 8))
-    np.testing.assert_array_equal(few, many[:3])
+    assert_array_equal(few, many[:3])
 
 
 def test_same_policy_gives_the_same_trace(tmp_path):
     """Evaluation is deterministic, bit for bit, random actions included."""
     first, second = (record(tmp_path, act_of(FLOOR, "random")).load() for _ in range(2))
     for name, column in first.rows().columns.items():
-        np.testing.assert_array_equal(column, second[name])
+        assert_array_equal(column, second[name])
 
 
 def test_policy_is_asked_with_the_observations(tmp_path):
@@ -142,8 +143,8 @@ def test_random_actions_fill_the_box():
     assert actions.shape == (2000, 6)
     assert actions.dtype == np.float32
     assert np.abs(actions).max() <= 1.0
-    np.testing.assert_allclose(actions.mean(axis=0), 0.0, atol=0.06)
-    np.testing.assert_allclose(actions.std(axis=0), 1.0 / np.sqrt(3.0), atol=0.03)
+    assert_allclose(actions.mean(axis=0), 0.0, atol=0.06)
+    assert_allclose(actions.std(axis=0), 1.0 / np.sqrt(3.0), atol=0.03)
 
 
 def test_raising_policy_leaves_a_readable_trace(tmp_path):

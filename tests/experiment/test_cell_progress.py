@@ -5,6 +5,7 @@ from functools import lru_cache
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 
 from harness.executor import CellOptions
 from harness.experiment import arm_evaluation
@@ -87,10 +88,10 @@ def test_an_evaluation_is_of_the_policy_as_it_was_then(often):
     """It meets the starts and targets of the final one, and acts otherwise."""
     traces = [read_trace(path) for path in (*evaluation_files(often).values(), often / EVALUATION)]
     first = [trace["action"][trace["step"] == 1] for trace in traces]
-    np.testing.assert_allclose([action[0, 0] for action in first], np.tanh([5 / 12, 10 / 12, 1.0]), rtol=1e-6)
+    assert_allclose([action[0, 0] for action in first], np.tanh([5 / 12, 10 / 12, 1.0]), rtol=1e-6)
     for name in ("qpos", "target_x", "target_y", "target_z"):
         starts = [trace[name][trace["step"] == 0] for trace in traces]
-        np.testing.assert_array_equal(starts[0], starts[2])
+        assert_array_equal(starts[0], starts[2])
 
 
 def test_an_evaluation_is_a_trace_like_the_final_one(often):

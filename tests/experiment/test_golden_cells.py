@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 from harness.executor import CellOptions
 from harness.experiment import check_experiment, expand
@@ -100,7 +101,7 @@ def test_rows_and_evaluations_stay(name, trained):
     """
     golden = GOLDEN["cells"][name]
     rows = np.array([line.split() for line in golden["rows"]], float)
-    np.testing.assert_allclose(_first_rows(trained(name)), rows, rtol=0.0, atol=1e-6)
+    assert_allclose(_first_rows(trained(name)), rows, rtol=0.0, atol=1e-6)
     if GOLDEN["arithmetic"] == arithmetic():
         assert _digests(trained(name)) == golden["digests"]
 

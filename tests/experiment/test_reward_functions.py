@@ -1,7 +1,7 @@
 """Functions of a step as rewards of an experiment: what its traces keep, and what its manifests tell."""
 
-import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
 
 import harness
 from harness.record import EVALUATION, TRACE, read_manifest, read_trace
@@ -49,8 +49,8 @@ def test_a_training_has_a_column_of_each_term(run):
         for cell in results.done_cells
         if (cell.reward.label, cell.seed) == (label, 0)
     )
-    np.testing.assert_array_equal(heavy["reward/speed"], 3.0 * plain["reward/speed"])
-    np.testing.assert_array_equal(heavy["reward/reach"] + heavy["reward/speed"], heavy["reward"])
+    assert_array_equal(heavy["reward/speed"], 3.0 * plain["reward/speed"])
+    assert_array_equal(heavy["reward/reach"] + heavy["reward/speed"], heavy["reward"])
 
 
 def test_the_manifest_tells_what_is_read_and_paid(run):

@@ -5,6 +5,7 @@ from hashlib import sha256
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
+from numpy.testing import assert_array_equal
 
 from harness import load_robot
 from harness.env.make import build_world
@@ -59,7 +60,7 @@ def test_evaluations_have_one_finished_episode_per_env(make_cell, done):
         assert set(trace["episode"]) == {0}
     assert len(set(floor["step"][floor.last_rows])) > 1
     for name in ("qpos", "target_x"):
-        np.testing.assert_array_equal(*(trace[name][trace["step"] == 0] for trace in (trained, floor)))
+        assert_array_equal(*(trace[name][trace["step"] == 0] for trace in (trained, floor)))
 
 
 def test_saved_policy_is_the_one_that_was_evaluated(make_cell, toys, done, tmp_path):

@@ -13,6 +13,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import safetensors.numpy
 import trimesh
+from numpy.random import default_rng
 
 from harness.experiment import check_experiment, expand, read_experiment
 from harness.files import seal, unseal
@@ -283,7 +284,7 @@ def _text(registry, kind, text):
 
 
 def _policies():
-    rng = np.random.default_rng(0)
+    rng = default_rng(0)
 
     def layers(*sizes):
         weights = {f"{name}.weight": rng.normal(size=(out, into)) for name, into, out in sizes}

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
 
 from harness.errors import SchemaError, UsageError
 from harness.log import Log, LogFacts, in_memory
@@ -42,12 +43,12 @@ def test_pieces_are_all_rows_in_order(log, rows):
     pieces = list(log.pieces(["b", "a"], rows))
     assert [len(piece) for piece in pieces[:-1]] == [rows] * (len(pieces) - 1)
     assert [piece.first for piece in pieces] == list(range(0, 10, rows))
-    np.testing.assert_array_equal(np.concatenate([piece["b"] for piece in pieces]), 10 * np.arange(10))
+    assert_array_equal(np.concatenate([piece["b"] for piece in pieces]), 10 * np.arange(10))
 
 
 def test_a_column_is_read_once(log, source):
     """And only it; the length needs no other."""
-    np.testing.assert_array_equal(log["b"], 10 * np.arange(10))
+    assert_array_equal(log["b"], 10 * np.arange(10))
     assert (len(log), log["b"][3]) == (10, 30)
     assert source.asked == [("b",)]
 

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
 
 from harness.errors import SchemaError, UsageError
 from harness.log.text_table import NOTHING, head_of, parse_table, read_text, require_columns
@@ -139,7 +140,7 @@ def test_a_table_is_read_however_it_is_packed(tmp_path, data, numbers):
     path = tmp_path / "table"
     path.write_bytes(data)
     table = parse_table(path, read_text(path))
-    np.testing.assert_array_equal(table.numbers("a", NOTHING)[: len(numbers)], numbers)
+    assert_array_equal(table.numbers("a", NOTHING)[: len(numbers)], numbers)
     assert ("comma" in "".join(table.notes)) == (data == TEXT.encode())
     is_cut = data.endswith(b"2.5") or (data.startswith(b"\x1f\x8b") and len(numbers) > 1)
     assert ("left out" in "".join(table.notes)) == is_cut

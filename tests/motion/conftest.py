@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
 
 from harness.motion import Setting
 from harness.robot import Robot, load_robot
@@ -142,7 +143,7 @@ def poses():
     """Random poses, (count, dof), in the share `spread` of the ranges around their middle."""
 
     def draw(robot, count, spread=1.0, seed=0):
-        share = np.random.default_rng(seed).uniform(-spread, spread, (count, robot.dof))
+        share = default_rng(seed).uniform(-spread, spread, (count, robot.dof))
         return (robot.upper + robot.lower) / 2.0 + share * (robot.upper - robot.lower) / 2.0
 
     return draw
@@ -153,7 +154,7 @@ def directions():
     """Random unit vectors, (count, 3)."""
 
     def draw(count, seed=0):
-        vectors = np.random.default_rng(seed).normal(size=(count, 3))
+        vectors = default_rng(seed).normal(size=(count, 3))
         return vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
 
     return draw

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from hypothesis import assume, given, strategies as st
+from numpy.testing import assert_allclose, assert_array_equal
 
 from harness.motion.tip import arc_through
 
@@ -32,8 +33,8 @@ def test_an_arc_is_the_circle_through_its_points(via, end, share):
     assume(spans_a_plane(via, end))
     arc = through(via, end)
     length, center, radius = arc.length[0, 0], arc.radius[0] * arc.inward[0], arc.radius[0, 0]
-    np.testing.assert_array_equal(on(arc, 0.0), 0.0)
-    np.testing.assert_allclose(on(arc, length), end, atol=1e-6)
+    assert_array_equal(on(arc, 0.0), 0.0)
+    assert_allclose(on(arc, length), end, atol=1e-6)
     points = arc.point(np.linspace(0.0, arc.length[0], 4001))
     assert np.linalg.norm(points - via, axis=1).min() < length / 4000
     place, step = share * length, 1e-4 * radius
@@ -46,14 +47,14 @@ def test_half_a_circle():
     """From the origin over (1, 1) to (2, 0): the radius is 1, the length pi."""
     arc = through(np.array([1.0, 1.0, 0.0]), np.array([2.0, 0.0, 0.0]))
     assert (arc.radius[0, 0], arc.length[0, 0]) == pytest.approx((1.0, np.pi))
-    np.testing.assert_allclose(on(arc, np.pi / 2.0), [1.0, 1.0, 0.0], atol=1e-12)
+    assert_allclose(on(arc, np.pi / 2.0), [1.0, 1.0, 0.0], atol=1e-12)
 
 
 def test_the_long_way_round():
     """Where the via point lies behind, it is three quarters of the circle."""
     arc = through(np.array([1.0, 1.0, 0.0]), np.array([1.0, -1.0, 0.0]))
     assert arc.length[0, 0] == pytest.approx(1.5 * np.pi)
-    np.testing.assert_allclose(arc.forward[0], [0.0, 1.0, 0.0], atol=1e-12)
+    assert_allclose(arc.forward[0], [0.0, 1.0, 0.0], atol=1e-12)
 
 
 @pytest.mark.parametrize("via", [(0.0, 0.0, 0.0), (0.5, 0.0, 0.0), (1.0, 0.0, 0.0), (-3.0, 0.0, 0.0)])
@@ -61,17 +62,17 @@ def test_a_line_where_there_is_no_circle(via):
     """Three points on one line, or two in one place, make the straight line to the end."""
     arc = through(np.array(via), np.array([1.0, 0.0, 0.0]))
     assert arc.length[0, 0] == 1.0
-    np.testing.assert_allclose(on(arc, 0.25), [0.25, 0.0, 0.0])
+    assert_allclose(on(arc, 0.25), [0.25, 0.0, 0.0])
 
 
 def test_nowhere_is_no_way():
     """An end at the start is no way, whatever the via point."""
     arc = through(np.array([0.3, 0.0, 0.0]), np.zeros(3))
     assert arc.length[0, 0] == 0.0
-    np.testing.assert_array_equal(on(arc, 0.0), 0.0)
+    assert_array_equal(on(arc, 0.0), 0.0)
 
 
 def test_nearly_straight_is_nearly_the_line():
     """A circle of a radius of kilometres loses no precision."""
     arc = through(np.array([0.5, 1e-5, 0.0]), np.array([1.0, 0.0, 0.0]))
-    np.testing.assert_allclose(on(arc, 0.5), [0.5, 1e-5, 0.0], atol=1e-9)
+    assert_allclose(on(arc, 0.5), [0.5, 1e-5, 0.0], atol=1e-9)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 
 from harness.errors import UsageError
 from harness.motion import Discrete, build_motion
@@ -27,9 +28,9 @@ def test_the_table(discrete, fd100):
     """0 stays, 2 i + 1 is minus and 2 i + 2 plus increment i."""
     qpos = np.tile(fd100.home, (discrete.choices, 1))
     actions = discrete.decode(np.arange(discrete.choices), qpos) - discrete.stay(qpos)
-    np.testing.assert_array_equal(actions[0], 0.0)
-    np.testing.assert_allclose(actions[1::2], -discrete.increments(), atol=1e-12)
-    np.testing.assert_allclose(actions[2::2], discrete.increments(), atol=1e-12)
+    assert_array_equal(actions[0], 0.0)
+    assert_allclose(actions[1::2], -discrete.increments(), atol=1e-12)
+    assert_allclose(actions[2::2], discrete.increments(), atol=1e-12)
 
 
 def test_actions_are_within_the_box_of_the_mode(discrete, fd100):

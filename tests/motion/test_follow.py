@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
+from numpy.random import default_rng
+from numpy.testing import assert_allclose
 
 import harness
 from harness.motion import build_motion
@@ -22,7 +24,7 @@ def test_a_point_out_of_reach_is_held_at_once(follower, fd100):
     outward = fd100.end_effector(straight) * [1.0, 1.0, 0.0]
     move = follower.pass_along(straight, np.zeros((1, 6)), lambda gone: gone * 0.05 * outward, 4)
     assert move.held.all()
-    np.testing.assert_allclose(move.waypoints[-1], straight, atol=0.02)
+    assert_allclose(move.waypoints[-1], straight, atol=0.02)
 
 
 AXIS = st.sampled_from([(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.0, 0.6, -0.8)])
@@ -35,7 +37,7 @@ JOINTS = st.lists(st.tuples(st.sampled_from(["revolute", "prismatic"]), AXIS, LI
 def test_any_chain_stays_within_its_limits(arm_of, setting_of, course_of, require_limits, poses, joints, mode, seed):
     """Turns and slides in any order, also where the end effector can hardly move: finite, in range, no jerk."""
     robot = arm_of("any", joints)
-    motion, rng = build_motion(mode, setting_of(robot)), np.random.default_rng(seed)
+    motion, rng = build_motion(mode, setting_of(robot)), default_rng(seed)
     start = np.concatenate([poses(robot, 6, seed=seed), robot.lower[None], robot.upper[None], 0.0 * robot.home[None]])
     actions = [action for action in rng.uniform(-2.0, 2.0, (4, 9, motion.action_size)) for _ in range(4)]
     require_limits(course_of(motion, start, actions), motion.follower.limits)
@@ -50,7 +52,7 @@ def test_a_joint_at_its_end_leaves_the_way_to_the_others(fd100, setting_of, cour
         course = course_of(motion, start[None], [0.2 * direction[None]] * 4)
         way = np.diff(fd100.end_effector(course.qpos[[0, -1], 0]), axis=0)[0]
         assert not course.held.any()
-        np.testing.assert_allclose(way / np.linalg.norm(way), direction, atol=1e-2)
+        assert_allclose(way / np.linalg.norm(way), direction, atol=1e-2)
 
 
 def test_a_range_that_blocks_is_held(setting_of, course_of):
@@ -59,7 +61,7 @@ def test_a_range_that_blocks_is_held(setting_of, course_of):
     motion = build_motion("movel", setting_of(robot))
     course = course_of(motion, robot.home[None], [np.array([[0.0, 0.0, -1.0]])] * 150)
     assert course.held[-20:].all()
-    np.testing.assert_allclose(course.qpos[-1], course.qpos[-80], atol=1e-9)
+    assert_allclose(course.qpos[-1], course.qpos[-80], atol=1e-9)
 
 
 def test_leaves_the_edge_again(fd100, setting_of, course_of, directions):
@@ -91,7 +93,7 @@ def test_a_way_of_no_length_brakes(follower, fd100):
     """Nothing asked for is nothing held: the joints slow down in their ratio."""
     qvel = np.array([[0.5, -0.4, 0.3, 0.0, 0.1, 0.0]])
     move = follower.pass_along(fd100.home[None], qvel, lambda gone: np.zeros((1, 3)), 1)
-    np.testing.assert_allclose(move.qvel / np.linalg.norm(move.qvel), qvel / np.linalg.norm(qvel))
+    assert_allclose(move.qvel / np.linalg.norm(move.qvel), qvel / np.linalg.norm(qvel))
     assert np.abs(move.qvel).max() < 0.5
     assert not move.held.any()
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from numpy.testing import assert_allclose, assert_array_equal
 
 from harness.errors import UsageError
 from harness.motion.tip import CartesianMode
@@ -15,14 +16,14 @@ POINT = st.tuples(COORDINATE, COORDINATE, COORDINATE)
 def test_world_axes_change_nothing(fd100):
     """In the WCS a vector is what it is."""
     axes = CartesianMode().axes(fd100)
-    np.testing.assert_array_equal(axes.to_world(fd100.home[None], np.eye(3)[None])[0], np.eye(3))
+    assert_array_equal(axes.to_world(fd100.home[None], np.eye(3)[None])[0], np.eye(3))
 
 
 def test_users_axes_of_a_turned_table(fd100):
     """Origin, a point on +x and one in the first quadrant of the xy plane give the axes (note 105c)."""
     mode = CartesianMode(frame="ucs", ucs_origin=(1.0, 1.0, 0.5), ucs_x=(1.0, 3.0, 0.5), ucs_xy=(0.2, 1.7, 0.5))
     x, y, z = mode.axes(fd100).to_world(fd100.home[None], np.eye(3)[None])[0]
-    np.testing.assert_allclose([x, y, z], [[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]], atol=1e-12)
+    assert_allclose([x, y, z], [[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]], atol=1e-12)
 
 
 @given(origin=POINT, on_x=POINT, on_xy=POINT)
@@ -33,10 +34,10 @@ def test_users_axes_are_right_handed_and_through_the_points(fd100, origin, on_x,
         return
     mode = CartesianMode(frame="ucs", ucs_origin=origin, ucs_x=on_x, ucs_xy=on_xy)
     columns = mode.axes(fd100).to_world(fd100.home[None], np.eye(3)[None])[0].T
-    np.testing.assert_allclose(columns.T @ columns, np.eye(3), atol=1e-9)
+    assert_allclose(columns.T @ columns, np.eye(3), atol=1e-9)
     assert np.linalg.det(columns) == pytest.approx(1.0)
     x_point, xy_point = (columns.T @ edge for edge in edges)
-    np.testing.assert_allclose(x_point, [np.linalg.norm(edges[0]), 0.0, 0.0], atol=1e-9)
+    assert_allclose(x_point, [np.linalg.norm(edges[0]), 0.0, 0.0], atol=1e-9)
     assert xy_point[1] > 0.0
     assert xy_point[2] == pytest.approx(0.0, abs=1e-9)
 
@@ -58,7 +59,7 @@ def test_tool_axes_are_those_of_the_end_effector(arm, poses):
     """In the TCS a vector turns with the end effector's link."""
     qpos, vector = poses(arm, 20), np.array([0.1, -0.2, 0.3])
     turned = CartesianMode(frame="tcs").axes(arm).to_world(qpos, np.tile(vector, (20, 1, 1)))[:, 0]
-    np.testing.assert_allclose(turned, forward(arm.chain, qpos)[:, :3, :3] @ vector)
+    assert_allclose(turned, forward(arm.chain, qpos)[:, :3, :3] @ vector)
 
 
 def test_tool_z_leads_out_of_the_flange(fd100):
@@ -66,5 +67,5 @@ def test_tool_z_leads_out_of_the_flange(fd100):
     axes = CartesianMode(frame="tcs").axes(fd100)
     z = axes.to_world(fd100.home[None], np.array([[[0.0, 0.0, 1.0]]]))[0, 0]
     turned = fd100.home + np.eye(6)[5]
-    np.testing.assert_allclose(axes.to_world(turned[None], np.array([[[0.0, 0.0, 1.0]]]))[0, 0], z, atol=1e-9)
-    np.testing.assert_allclose(fd100.end_effector(turned), fd100.end_effector(fd100.home), atol=1e-9)
+    assert_allclose(axes.to_world(turned[None], np.array([[[0.0, 0.0, 1.0]]]))[0, 0], z, atol=1e-9)
+    assert_allclose(fd100.end_effector(turned), fd100.end_effector(fd100.home), atol=1e-9)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from numpy.testing import assert_allclose, assert_array_equal
 
 from harness.errors import UsageError
 from harness.motion import JointLimits
@@ -43,7 +44,7 @@ def test_every_step_keeps_the_limits(limits, start, wanted):
     assert (np.abs(np.diff(speeds, axis=0)) <= limits.max_change * (1.0 + 1e-9)).all()
     assert (positions >= limits.lower).all()
     assert (positions <= limits.upper).all()
-    np.testing.assert_allclose(np.diff(positions, axis=0), speeds[1:] * limits.period, rtol=0.0, atol=1e-9)
+    assert_allclose(np.diff(positions, axis=0), speeds[1:] * limits.period, rtol=0.0, atol=1e-9)
     low, high = limits.bounds(positions[:-1], speeds[:-1])
     assert (low <= speeds[1:] + 1e-9).all()
     assert (high >= speeds[1:] - 1e-9).all()
@@ -71,7 +72,7 @@ def test_both_ends_can_be_reached(limits, direction):
     braking = int(np.ceil(limits.max_speed[0] / limits.max_change[0]))
     positions, _ = follow(limits, 0.5, [direction] * (4 * (periods + braking) + 60))
     end = limits.upper if direction > 0.0 else limits.lower
-    np.testing.assert_allclose(positions[-1], end, atol=1e-6)
+    assert_allclose(positions[-1], end, atol=1e-6)
 
 
 @given(some_limits(), st.floats(0.0, 1.0), WANTED)
@@ -80,7 +81,7 @@ def test_the_short_way_is_the_long_way(limits, start, wanted):
     careful = JointLimits(limits.lower, limits.upper, limits.max_speed, limits.max_change, limits.period)
     object.__setattr__(careful, "_free", np.full((1, 1), -1.0))
     for quick, long in zip(follow(limits, start, wanted), follow(careful, start, wanted), strict=True):
-        np.testing.assert_allclose(quick, long, rtol=0.0, atol=1e-12)
+        assert_allclose(quick, long, rtol=0.0, atol=1e-12)
 
 
 @given(st.floats(0.0, 10.0), st.floats(0.1, 5.0), st.floats(0.01, 1.0))
@@ -95,13 +96,13 @@ def test_position_is_the_inverse_of_normalised():
     """A place in the ranges comes back."""
     limits = JointLimits(np.array([-1.0, 0.0]), np.array([3.0, 0.5]), np.ones(2), np.ones(2), 0.1)
     places = np.array([[-1.0, 0.1], [2.9, 0.5]])
-    np.testing.assert_allclose(limits.position(limits.normalised(places)), places)
+    assert_allclose(limits.position(limits.normalised(places)), places)
 
 
 def test_position_beyond_the_ends_is_the_end():
     """However large a number, the place is in the range."""
     limits = JointLimits(np.array([-1.0]), np.array([3.0]), np.ones(1), np.ones(1), 0.1)
-    np.testing.assert_array_equal(limits.position(np.array([[1e300], [-np.inf]])), [[3.0], [-1.0]])
+    assert_array_equal(limits.position(np.array([[1e300], [-np.inf]])), [[3.0], [-1.0]])
 
 
 def test_a_nan_is_refused_where_it_is_asked_for():

@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
+from numpy.testing import assert_allclose
 
 from harness.errors import UsageError
 from harness.motion import MODES, Discrete, build_motion
@@ -33,7 +35,7 @@ def test_stay_moves_no_arm(arm, setting_of, course_of, poses, mode):
     """Of arms at rest, by more than rounding; none of them is held."""
     motion, qpos = build_motion(mode, setting_of(arm)), poses(arm, 30)
     course = course_of(motion, qpos, [motion.stay(qpos)])
-    np.testing.assert_allclose(course.qpos[-1], qpos, rtol=0.0, atol=1e-12)
+    assert_allclose(course.qpos[-1], qpos, rtol=0.0, atol=1e-12)
     assert not course.held.any()
 
 
@@ -48,7 +50,7 @@ def test_stay_moves_no_arm(arm, setting_of, course_of, poses, mode):
 )  # fmt: skip
 def test_random_actions_stay_within_the_limits(arm, setting_of, course_of, require_limits, poses, mode, actions):
     """From anywhere in the ranges, singular poses and the ends of the ranges included, whatever the actions."""
-    motion, rng, is_straight = build_motion(mode, setting_of(arm)), np.random.default_rng(0), ":" in mode
+    motion, rng, is_straight = build_motion(mode, setting_of(arm)), default_rng(0), ":" in mode
     start = poses(arm, 30)
     start[0], start[1], start[2] = arm.lower, arm.upper, 0.0
     drawn = rng.choice(actions, (10 if is_straight else 150, 30, motion.action_size))

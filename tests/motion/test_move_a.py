@@ -2,6 +2,7 @@
 
 import numpy as np
 from hypothesis import given, settings, strategies as st
+from numpy.testing import assert_allclose
 
 from harness.motion import build_motion
 from harness.motion.tip import arc_through
@@ -37,7 +38,7 @@ def test_it_goes_over_the_via_point(fd100, setting_of, course_of):
     action = np.array([[0.5, 0.5, 0.0, 1.0, 0.0, 0.0]])
     tips = fd100.end_effector(course_of(build_motion("movea", setting_of(fd100)), fd100.home[None], [action]).qpos)
     first = (tips[1] - tips[0])[0]
-    np.testing.assert_allclose(first / np.linalg.norm(first), [0.0, 1.0, 0.0], atol=0.15)
+    assert_allclose(first / np.linalg.norm(first), [0.0, 1.0, 0.0], atol=0.15)
 
 
 def test_three_points_on_a_line_are_movel(fd100, setting_of, course_of):
@@ -46,7 +47,7 @@ def test_three_points_on_a_line_are_movel(fd100, setting_of, course_of):
     straight = course_of(build_motion("movel", setting), fd100.home[None], [end[None]] * 3)
     for via in (0.5 * end, 0.0 * end):
         arc = course_of(build_motion("movea", setting), fd100.home[None], [np.concatenate([via, end])[None]] * 3)
-        np.testing.assert_allclose(arc.qpos, straight.qpos, rtol=0.0, atol=1e-9)
+        assert_allclose(arc.qpos, straight.qpos, rtol=0.0, atol=1e-9)
 
 
 def test_a_long_arc_is_gone_at_tip_speed(fd100, setting_of, course_of):
@@ -58,7 +59,7 @@ def test_a_long_arc_is_gone_at_tip_speed(fd100, setting_of, course_of):
         actions.append((points @ [[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]]).reshape(1, 6))
     tips = fd100.end_effector(course_of(motion, fd100.home[None], actions).qpos[:, 0])
     chords = np.linalg.norm(np.diff(tips[-5:], axis=0), axis=1)
-    np.testing.assert_allclose(chords, 2.0 * 0.01 * np.sin(0.125), rtol=0.02)
+    assert_allclose(chords, 2.0 * 0.01 * np.sin(0.125), rtol=0.02)
 
 
 def test_axes_are_those_of_the_frame(fd100, setting_of, course_of):
@@ -69,4 +70,4 @@ def test_axes_are_those_of_the_frame(fd100, setting_of, course_of):
     user = course_of(
         build_motion("movea:frame=ucs,ucs_x=0x1x0,ucs_xy=0x0x1", setting), fd100.home[None], [turned[None]]
     )
-    np.testing.assert_allclose(user.qpos, world.qpos, rtol=0.0, atol=1e-9)
+    assert_allclose(user.qpos, world.qpos, rtol=0.0, atol=1e-9)

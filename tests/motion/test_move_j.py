@@ -5,6 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from numpy.random import default_rng
+from numpy.testing import assert_allclose, assert_array_equal
 
 from harness.motion import MoveJ
 
@@ -18,7 +20,7 @@ def motion(fd100):
 @given(seed=st.integers(0, 2**32 - 1))
 def test_batch_is_its_envs_one_by_one(motion, seed):
     """Each arm of a batch gets, bit for bit, what it gets alone, also where only its neighbours have to brake."""
-    rng, limits = np.random.default_rng(seed), motion.limits
+    rng, limits = default_rng(seed), motion.limits
     share = rng.choice([0.0, 0.001, 0.5, 0.999, 1.0], (4, 1)) * np.ones(limits.lower.shape)
     qpos = limits.lower + share * (limits.upper - limits.lower)
     qvel = rng.uniform(-1.0, 1.0, qpos.shape) * limits.max_change * (np.abs(share - 0.5) < 0.4)
@@ -26,8 +28,8 @@ def test_batch_is_its_envs_one_by_one(motion, seed):
     move = motion.advance(qpos, qvel, action)
     for env in range(len(qpos)):
         alone = motion.advance(*(array[env : env + 1] for array in (qpos, qvel, action)))
-        np.testing.assert_array_equal(alone.waypoints[0][0], move.waypoints[0][env])
-        np.testing.assert_array_equal(alone.qvel[0], move.qvel[env])
+        assert_array_equal(alone.waypoints[0][0], move.waypoints[0][env])
+        assert_array_equal(alone.qvel[0], move.qvel[env])
 
 
 def test_arguments_are_left_alone(motion, fd100):
@@ -36,7 +38,7 @@ def test_arguments_are_left_alone(motion, fd100):
     before = [array.copy() for array in given_arrays]
     motion.advance(*given_arrays)
     for array, old in zip(given_arrays, before, strict=True):
-        np.testing.assert_array_equal(array, old)
+        assert_array_equal(array, old)
 
 
 def test_action_beyond_the_box_is_clipped(motion, fd100, subtests):
@@ -47,21 +49,21 @@ def test_action_beyond_the_box_is_clipped(motion, fd100, subtests):
                 moves = [
                     motion.advance(fd100.home[None], np.zeros((1, 6)), np.full((1, 6), sign * a)) for a in (beyond, 1.0)
                 ]
-                np.testing.assert_array_equal(moves[0].qvel, moves[1].qvel)
+                assert_array_equal(moves[0].qvel, moves[1].qvel)
 
 
 def test_robot_takes_its_shares_of_speed_and_acceleration(motion, fd100, course_of):
     """A full action gains 60 % of the maximum acceleration per period, up to 80 % of the maximum speed."""
     speeds = course_of(motion, fd100.home[None], [np.ones((1, 6))] * 4).qvel[:, 0]
-    np.testing.assert_allclose(speeds[0], np.minimum(0.6 * fd100.max_acceleration * 0.1, motion.limits.max_speed))
-    np.testing.assert_allclose(speeds[-1], 0.8 * fd100.max_speed)
+    assert_allclose(speeds[0], np.minimum(0.6 * fd100.max_acceleration * 0.1, motion.limits.max_speed))
+    assert_allclose(speeds[-1], 0.8 * fd100.max_speed)
 
 
 @pytest.mark.parametrize("action", [0.25, -0.5])
 def test_action_is_a_fraction_of_the_maximum_speed(motion, fd100, course_of, action):
     """In the end a joint has the speed that is asked for."""
     speeds = course_of(motion, fd100.home[None], [np.full((1, 6), action)] * 3).qvel
-    np.testing.assert_allclose(speeds[-1, 0], action * motion.limits.max_speed)
+    assert_allclose(speeds[-1, 0], action * motion.limits.max_speed)
 
 
 def test_the_check_on_limits_sees_a_fault(fd100, setting_of, course_of, require_limits, poses):

@@ -1,6 +1,7 @@
 """MoveJ to explicit positions: there, exactly, and no farther."""
 
 import numpy as np
+from numpy.testing import assert_allclose
 
 from harness.motion import build_motion
 
@@ -10,8 +11,8 @@ def test_lands_where_it_is_told(arm, setting_of, course_of, poses):
     motion = build_motion("movej-absolute", setting_of(arm))
     goal = poses(arm, 30, seed=1)
     course = course_of(motion, poses(arm, 30), [motion.stay(goal)] * 200)
-    np.testing.assert_allclose(course.qpos[-1], goal, rtol=0.0, atol=1e-12)
-    np.testing.assert_allclose(course.qvel[-1], 0.0, atol=1e-9)
+    assert_allclose(course.qpos[-1], goal, rtol=0.0, atol=1e-12)
+    assert_allclose(course.qvel[-1], 0.0, atol=1e-9)
 
 
 def test_never_overshoots(arm, setting_of, course_of, poses):
@@ -26,4 +27,4 @@ def test_goes_as_fast_as_it_may(fd100, setting_of, course_of):
     """On a long way every joint reaches its largest speed."""
     motion = build_motion("movej-absolute", setting_of(fd100))
     course = course_of(motion, fd100.lower[None], [np.ones((1, 6))] * 30)
-    np.testing.assert_allclose(course.qvel[:, 0].max(axis=0), 0.8 * fd100.max_speed)
+    assert_allclose(course.qvel[:, 0].max(axis=0), 0.8 * fd100.max_speed)

@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
+from numpy.testing import assert_allclose, assert_array_equal
 
 from harness.motion import build_motion
 from harness.robot import forward, load_robot
@@ -13,7 +15,7 @@ UCS = "ucs_origin=0.1x0x0,ucs_x=0.1x2x0,ucs_xy=0.1x1x1"
 
 def near_home(robot):
     """Poses, (COUNT, dof), around the home pose."""
-    noise = np.random.default_rng(0).uniform(-0.15, 0.15, (COUNT, robot.dof))
+    noise = default_rng(0).uniform(-0.15, 0.15, (COUNT, robot.dof))
     return np.clip(robot.home + noise * (robot.upper - robot.lower) / 2.0, robot.lower, robot.upper)
 
 
@@ -101,7 +103,7 @@ def test_half_an_action_is_half_the_speed(fd100, setting_of, course_of):
     """The action is a fraction of tip_speed."""
     course = course_of(build_motion("movel", setting_of(fd100)), fd100.home[None], [np.array([[0.0, 0.5, 0.0]])] * 5)
     tips = fd100.end_effector(course.qpos[:, 0])
-    np.testing.assert_allclose(tips[-1] - tips[-5], [0.0, 0.025, 0.0], atol=1e-5)
+    assert_allclose(tips[-1] - tips[-5], [0.0, 0.025, 0.0], atol=1e-5)
 
 
 def test_a_long_action_is_one_of_length_1(fd100, setting_of, course_of):
@@ -122,7 +124,7 @@ def test_axes_of_the_action(fd100, setting_of, course_of, frame, axis, world):
     motion = build_motion(f"movel:frame={frame}", setting_of(fd100))
     course = course_of(motion, fd100.home[None], [np.eye(3)[axis][None]] * 2)
     way = np.diff(fd100.end_effector(course.qpos[[0, -1], 0]), axis=0)[0]
-    np.testing.assert_allclose(way / np.linalg.norm(way), world, atol=1e-3)
+    assert_allclose(way / np.linalg.norm(way), world, atol=1e-3)
 
 
 def test_tool_axis_of_the_action(fd100, setting_of, course_of):
@@ -130,7 +132,7 @@ def test_tool_axis_of_the_action(fd100, setting_of, course_of):
     course = course_of(build_motion("movel:frame=tcs", setting_of(fd100)), fd100.home[None], [np.array([[0, 0, 1.0]])])
     way = np.diff(fd100.end_effector(course.qpos[[0, -1], 0]), axis=0)[0]
     tool = forward(fd100.chain, fd100.home)[:3, 2]
-    np.testing.assert_allclose(way / np.linalg.norm(way), tool, atol=1e-3)
+    assert_allclose(way / np.linalg.norm(way), tool, atol=1e-3)
 
 
 @pytest.mark.parametrize(
@@ -162,7 +164,7 @@ def test_brakes_on_the_line(fd100, setting_of, course_of, directions):
     way = fd100.end_effector(course.qpos) - fd100.end_effector(fd100.home)
     beside = np.linalg.norm(way - np.vecdot(way, world)[..., None] * world, axis=-1)
     assert beside.max() < 2e-3
-    np.testing.assert_array_equal(course.qvel[-1], 0.0)
+    assert_array_equal(course.qvel[-1], 0.0)
     assert not course.held.any()
 
 
@@ -172,4 +174,4 @@ def test_an_arm_alone_does_what_it_does_among_others(fd100, setting_of, course_o
     together = course_of(motion, start, [action] * 5).qpos
     for k in range(8):
         alone = course_of(motion, start[k : k + 1], [action[k : k + 1]] * 5).qpos
-        np.testing.assert_array_equal(alone[:, 0], together[:, k])
+        assert_array_equal(alone[:, 0], together[:, k])

@@ -1,6 +1,7 @@
 """set-joints: the published baseline's jump."""
 
 import numpy as np
+from numpy.testing import assert_allclose, assert_array_equal
 
 from harness.motion import build_motion
 
@@ -9,8 +10,8 @@ def test_the_arm_is_there_at_once(arm, setting_of, poses):
     """The one waypoint is the position of the action, and no speed is left."""
     motion, goal = build_motion("set-joints", setting_of(arm)), poses(arm, 30)
     move = motion.advance(np.tile(arm.home, (30, 1)), np.ones_like(goal), motion.stay(goal))
-    np.testing.assert_allclose(move.waypoints, [goal], atol=1e-12)
-    np.testing.assert_array_equal(move.qvel, 0.0)
+    assert_allclose(move.waypoints, [goal], atol=1e-12)
+    assert_array_equal(move.qvel, 0.0)
 
 
 def test_it_jumps(fd100, setting_of):
@@ -27,7 +28,7 @@ def test_the_unity_arm_turns_as_published(setting_of):
     robot = load_robot("unity-arm")
     action = np.array([[0.1, -0.2, 0.3, -0.4, 1.0]])
     move = build_motion("set-joints", setting_of(robot)).advance(robot.home[None], np.zeros((1, 5)), action)
-    np.testing.assert_allclose(np.degrees(move.waypoints[0]), action * [180.0, 90.0, 180.0, 90.0, 90.0])
+    assert_allclose(np.degrees(move.waypoints[0]), action * [180.0, 90.0, 180.0, 90.0, 90.0])
 
 
 def test_beyond_the_range_is_its_end(fd100, setting_of):
@@ -35,4 +36,4 @@ def test_beyond_the_range_is_its_end(fd100, setting_of):
     move = build_motion("set-joints", setting_of(fd100)).advance(
         fd100.home[None], np.zeros((1, 6)), np.full((1, 6), 1e300)
     )
-    np.testing.assert_array_equal(move.waypoints[0][0], fd100.upper)
+    assert_array_equal(move.waypoints[0][0], fd100.upper)

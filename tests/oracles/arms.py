@@ -5,6 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.random import default_rng
 
 from harness.robot.robot import load_robot
 from tests.oracles.trial import Trial, call
@@ -154,7 +155,7 @@ def _element(place, joint, style):
 def poses_of(arm):
     """Values of the joints that move, within their limits."""
     driven = [joint for joint in arm if joint.is_driven]
-    draw = np.random.default_rng(len(arm))
+    draw = default_rng(len(arm))
     return [[float(draw.uniform(joint.lower, joint.upper)) for joint in driven] for _ in range(POSES)]
 
 

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.random import default_rng
 from numpy.typing import NDArray
 
 from tests.oracles.answers import Told, auc_within_tasks
@@ -42,7 +43,7 @@ class Run:
 
 def draw_runs(rng, tasks=1):
     """Episodes of all lengths, successes and failures of each task."""
-    draw = np.random.default_rng(rng.randrange(2**32))
+    draw = default_rng(rng.randrange(2**32))
     better = rng.choice((-1.0, 0.0, 0.5, 1.0, 2.0))
     runs = []
     for task in range(tasks):

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
+from numpy.random import default_rng
 
 from harness.files import seal
 from tests.oracles.answers import etas, indices
@@ -70,7 +71,7 @@ def _draw_training(rng, trained_with, seed, steps):
     lengths = []
     while sum(lengths) < steps:
         lengths.append(min(rng.randrange(1, 12), steps - sum(lengths)))
-    draw = np.random.default_rng(rng.randrange(2**32))
+    draw = default_rng(rng.randrange(2**32))
     ends = np.concatenate([np.arange(length) == length - 1 for length in lengths])
     is_cut = draw.random(steps) < 0.3
     columns = {

@@ -6,6 +6,7 @@ from functools import cache
 
 import numpy as np
 import safetensors.numpy
+from numpy.random import default_rng
 
 from harness.errors import HarnessError
 from harness.experiment import expand, read_experiment
@@ -168,7 +169,7 @@ def _acted(weights, kind, card, seen):
 
 def policy(rng, folder):
     """A policy that is saved, written otherwise, with other numbers, or with what does not fit."""
-    draw = np.random.default_rng(rng.randrange(2**32))
+    draw = default_rng(rng.randrange(2**32))
     sizes = [rng.randrange(2, 9) for _ in range(rng.randrange(2, 4))]
     kind, size = rng.choice(("squashed-gaussian", "greedy")), rng.randrange(2, 5)
     heads = {"mean": size, "log_std": size} if kind == "squashed-gaussian" else {"value": size}

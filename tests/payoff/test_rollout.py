@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode
+from numpy.random import default_rng
+from numpy.testing import assert_allclose
 
 from harness import load_robot
 from harness.env import ReachVectorEnv
@@ -101,7 +103,7 @@ def test_a_score_is_what_the_env_pays(robot, task, by_script, name, script):
     env = ReachVectorEnv(IdealSimulator(), robot, task, reward, 12, autoreset_mode=AutoresetMode.DISABLED)
     env.reset(seed=EVALUATION_SEED)
     target = env.episodes.target.copy()
-    rng = np.random.default_rng([EVALUATION_SEED, 2])
+    rng = default_rng([EVALUATION_SEED, 2])
     actions = plan_actions(script, robot, task, env.simulation.read().qpos.copy(), target, rng)
     for step, running in enumerate(score.rollout.running):
         paid = env.step(actions[step])[1]
@@ -117,4 +119,4 @@ def test_the_target_of_a_state_is_that_of_its_distance(task):
     for rollout in record_rollouts(IdealSimulator(), load_robot(task.robot), task, 6):
         states = rollout.states
         away = np.linalg.norm(states["target"] - states["end_effector"], axis=-1)
-        np.testing.assert_allclose(away, states["distance"], atol=1e-12)
+        assert_allclose(away, states["distance"], atol=1e-12)

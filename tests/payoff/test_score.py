@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
 
 from harness.errors import SimulationDiverged, UsageError
 from harness.payoff import discounted_sum, pay_distances, score_rollout, steps_along
@@ -52,7 +53,7 @@ def test_terms_are_scored_each(by_script):
     reward = Paying(lambda step: {"reach": -step.distance, "effort": -0.1 * (step.action**2).sum(-1)})
     score = score_rollout(reward, by_script["finish"])
     assert list(score.terms) == ["reach", "effort"]
-    np.testing.assert_array_equal(score.terms["reach"] + score.terms["effort"], score.values)
+    assert_array_equal(score.terms["reach"] + score.terms["effort"], score.values)
     assert not score.terms["effort"][~score.rollout.running].any()
     assert score.terms["effort"].any()
 

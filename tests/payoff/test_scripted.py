@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
 
 from harness.payoff import SCRIPTS, plan_actions, record_rollouts
 from harness.reach import ReachTask
@@ -12,7 +13,7 @@ MOVING = [script for script in SCRIPTS if script != "random"]
 
 def draw(robot, task, count=200):
     """Starts and targets of `count` episodes."""
-    rng = np.random.default_rng(1)
+    rng = default_rng(1)
     start = np.stack([task.draw_start(robot, rng) for _ in range(count)])
     return start, task.draw_targets(robot, rng, count).position
 
@@ -84,7 +85,7 @@ def test_hold_does_not_move(many):
 @pytest.mark.parametrize("script", SCRIPTS)
 def test_actions_are_fractions_of_the_limits(robot, task, script):
     """No action asks for more than a joint's speed."""
-    actions = plan_actions(script, robot, task, *draw(robot, task, 20), np.random.default_rng(0))
+    actions = plan_actions(script, robot, task, *draw(robot, task, 20), default_rng(0))
     assert actions.shape == (task.horizon, 20, robot.dof)
     assert np.abs(actions).max() <= 1.0
 
@@ -95,7 +96,7 @@ def test_the_limits_on_acceleration_change_nothing(robot, task, script):
     start, target = draw(robot, task, 20)
     motion = task.motion(robot)
     qpos, qvel = start, np.zeros_like(start)
-    for action in plan_actions(script, robot, task, start, target, np.random.default_rng(0)):
+    for action in plan_actions(script, robot, task, start, target, default_rng(0)):
         move = motion.advance(qpos, qvel, action.astype(np.float64))
         qpos, qvel = move.waypoints[-1], move.qvel
         assert qvel == pytest.approx(action * motion.limits.max_speed, abs=1e-5)
@@ -105,7 +106,7 @@ def test_a_start_within_the_ring_stays_there(robot, task):
     """Hovering from nearer than 1.2 epsilon is holding still."""
     start, _ = draw(robot, task, 5)
     target = robot.end_effector(start) + np.array([1.1 * task.epsilon, 0.0, 0.0])
-    assert not plan_actions("hover", robot, task, start, target, np.random.default_rng(0)).any()
+    assert not plan_actions("hover", robot, task, start, target, default_rng(0)).any()
 
 
 def test_one_step_is_enough_of_an_episode(robot):

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
 
 from harness.errors import UsageError
 from harness.log import LogFacts
@@ -85,4 +86,4 @@ def test_a_point_tells_from_where_on_it_averages(names, settings, since):
     columns = {"timesteps_total": steps, "step": steps, **dict.fromkeys(names, np.full(3, 16.0))}
     chosen = told.chosen(PATH, [*names, "timesteps_total"])
     log = points(LogFacts(path=PATH, format="it"), chosen, columns, told)
-    np.testing.assert_array_equal(log["since"], since)
+    assert_array_equal(log["since"], since)

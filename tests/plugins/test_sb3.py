@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
 from stable_baselines3.common.vec_env import VecEnv
 
 import harness
@@ -57,7 +58,7 @@ def test_it_is_a_vec_env_of_the_same_spaces():
 def test_reset_does_not_seed():
     """A reset goes on with the env's own streams: it gives what a reset of the env gives."""
     adapter, twin = adapt(), adapt().env
-    np.testing.assert_array_equal(adapter.reset(), twin.reset()[0])
+    assert_array_equal(adapter.reset(), twin.reset()[0])
 
 
 def test_steps_are_those_of_the_env():
@@ -68,9 +69,9 @@ def test_steps_are_those_of_the_env():
     for _ in range(7):
         observations, rewards, dones, _ = stand(adapter)
         expected = twin.step(np.zeros((3, 6), np.float32))
-        np.testing.assert_array_equal(observations, expected[0])
-        np.testing.assert_array_equal(rewards, expected[1].astype(np.float32))
-        np.testing.assert_array_equal(dones, expected[2] | expected[3])
+        assert_array_equal(observations, expected[0])
+        assert_array_equal(rewards, expected[1].astype(np.float32))
+        assert_array_equal(dones, expected[2] | expected[3])
 
 
 def test_terminal_observation_is_the_last_of_the_episode():
@@ -81,7 +82,7 @@ def test_terminal_observation_is_the_last_of_the_episode():
     observations, _, dones, infos = stand(adapter)
     assert dones.all()
     for env in range(3):
-        np.testing.assert_array_equal(infos[env]["terminal_observation"][18:21], before[env, 18:21])
+        assert_array_equal(infos[env]["terminal_observation"][18:21], before[env, 18:21])
         assert (infos[env]["terminal_observation"][18:21] != observations[env, 18:21]).any()
 
 
@@ -119,7 +120,7 @@ def test_infos_are_kept_by_the_library():
     told = stand(adapter)[3][0]["terminal_observation"]
     before = told.copy()
     stand(adapter)
-    np.testing.assert_array_equal(told, before)
+    assert_array_equal(told, before)
 
 
 def test_closing_leaves_the_env_open():

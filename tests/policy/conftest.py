@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
 
 
 @pytest.fixture(scope="session")
@@ -9,6 +10,6 @@ def observations():
     """Some observations, (count, 5)."""
 
     def draw(count=4):
-        return np.random.default_rng(1).normal(size=(count, 5)).astype(np.float32)
+        return default_rng(1).normal(size=(count, 5)).astype(np.float32)
 
     return draw

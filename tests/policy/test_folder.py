@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 import safetensors.numpy
 from hypothesis import HealthCheck, given, settings, strategies as st
+from numpy.random import default_rng
+from numpy.testing import assert_array_equal
 
 from harness.errors import SchemaError
 from harness.policy import (
@@ -85,9 +87,9 @@ def test_policy_is_loaded_as_it_was_saved(make_network, observations, tmp_path, 
     assert {name: getattr(loaded, name) for name in fields} == {name: getattr(policy, name) for name in fields}
     for seed in (None, 3):
         ours, theirs = (
-            each.act(observations(), None if seed is None else np.random.default_rng(seed)) for each in (policy, loaded)
+            each.act(observations(), None if seed is None else default_rng(seed)) for each in (policy, loaded)
         )
-        np.testing.assert_array_equal(ours, theirs)
+        assert_array_equal(ours, theirs)
 
 
 def test_kinds_have_names_of_their_own():
@@ -124,7 +126,7 @@ def test_weights_in_column_order_are_saved_right(make_network, observations, tmp
     policy = make_network(SquashedGaussian)
     weights = {name: np.asfortranarray(weight) for name, weight in policy.weights.items()}
     SquashedGaussian(weights, "tanh", policy.action_low, policy.action_high).save(tmp_path / "policy")
-    np.testing.assert_array_equal(load_policy(tmp_path / "policy").act(observations()), policy.act(observations()))
+    assert_array_equal(load_policy(tmp_path / "policy").act(observations()), policy.act(observations()))
 
 
 def test_policy_of_format_1_is_read(make_network, observations, tmp_path):
@@ -143,7 +145,7 @@ def test_policy_of_format_1_is_read(make_network, observations, tmp_path):
     (tmp_path / "policy" / CARD).write_text(json.dumps(card))
     loaded = load_policy(tmp_path / "policy")
     assert (type(loaded), loaded.algorithm) == (SquashedGaussian, "sac")
-    np.testing.assert_array_equal(loaded.act(observations()), policy.act(observations()))
+    assert_array_equal(loaded.act(observations()), policy.act(observations()))
 
 
 class _Bomb:

@@ -4,6 +4,8 @@ import math
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
+from numpy.testing import assert_allclose, assert_array_equal
 
 from harness.policy import Categorical, Deterministic, Gaussian, Greedy, SquashedGaussian
 
@@ -51,7 +53,7 @@ def test_act_agrees_with_a_plain_computation(make_network, observations, subtest
                             kind, layers=layers, activation=activation, is_normalised=is_normalised, low=-2.0, high=3.0
                         )
                         expected = [_slow_action(policy, observation) for observation in observations(20).tolist()]
-                        np.testing.assert_allclose(policy.act(observations(20)), expected, atol=1e-5)
+                        assert_allclose(policy.act(observations(20)), expected, atol=1e-5)
 
 
 @pytest.mark.parametrize("kind", NETWORKS)
@@ -59,15 +61,15 @@ def test_each_env_is_on_its_own(make_network, observations, kind):
     """An observation gives the same action alone as in a batch."""
     policy = make_network(kind)
     alone = np.concatenate([policy.act(row[None]) for row in observations()])
-    np.testing.assert_allclose(alone, policy.act(observations()), atol=1e-6)
+    assert_allclose(alone, policy.act(observations()), atol=1e-6)
 
 
 @pytest.mark.parametrize("kind", NETWORKS)
 def test_act_leaves_the_observations_alone(make_network, observations, kind):
     """They belong to the env."""
     seen = observations()
-    make_network(kind, layers=0, is_normalised=True).act(seen, np.random.default_rng(0))
-    np.testing.assert_array_equal(seen, observations())
+    make_network(kind, layers=0, is_normalised=True).act(seen, default_rng(0))
+    assert_array_equal(seen, observations())
 
 
 @pytest.mark.parametrize("kind", NETWORKS)
@@ -75,7 +77,7 @@ def test_one_action_is_deterministic(make_network, observations, kind):
     """Without a generator nothing is drawn, and nothing is remembered."""
     policy = make_network(kind)
     first = policy.act(observations()).copy()
-    np.testing.assert_array_equal(policy.act(observations()), first)
+    assert_array_equal(policy.act(observations()), first)
 
 
 def test_continuous_actions_are_float32_rows(make_network, observations, subtests):
@@ -83,7 +85,7 @@ def test_continuous_actions_are_float32_rows(make_network, observations, subtest
     for kind in CONTINUOUS:
         for seed in [None, 0]:
             with subtests.test(kind=kind, seed=seed):
-                rng = None if seed is None else np.random.default_rng(seed)
+                rng = None if seed is None else default_rng(seed)
                 actions = make_network(kind).act(observations(7), rng)
                 assert (actions.shape, actions.dtype) == ((7, 2), np.float32)
 
@@ -92,7 +94,7 @@ def test_continuous_actions_are_float32_rows(make_network, observations, subtest
 @pytest.mark.parametrize("seed", [None, 0])
 def test_choices_are_whole_numbers(make_network, observations, kind, seed):
     """One for each env of the batch."""
-    rng = None if seed is None else np.random.default_rng(seed)
+    rng = None if seed is None else default_rng(seed)
     choices = make_network(kind).act(observations(7), rng)
     assert (choices.shape, choices.dtype) == ((7,), np.int64)
 
@@ -101,8 +103,8 @@ def test_choices_are_whole_numbers(make_network, observations, kind, seed):
 def test_drawn_actions_come_from_the_generator(make_network, observations, kind):
     """Equal generators draw equal actions, others draw others, and none is the one without noise."""
     policy = make_network(kind, scale=0.1)
-    drawn = [policy.act(observations(), np.random.default_rng(seed)) for seed in (3, 3, 4)]
-    np.testing.assert_array_equal(drawn[0], drawn[1])
+    drawn = [policy.act(observations(), default_rng(seed)) for seed in (3, 3, 4)]
+    assert_array_equal(drawn[0], drawn[1])
     assert (drawn[0] != drawn[2]).any()
     assert (drawn[0] != policy.act(observations())).any()
 
@@ -114,4 +116,4 @@ def test_floor_has_the_same_actions(make_network, observations, kind):
     ours, floor = (each.act(observations(100)) for each in (policy, policy.floor()))
     assert (ours.shape, ours.dtype) == (floor.shape, floor.dtype)
     expected = [0, 2] if issubclass(kind, Greedy | Categorical) else [-0.25, 0.5]
-    np.testing.assert_allclose([floor.min(), floor.max()], expected, atol=0.05)
+    assert_allclose([floor.min(), floor.max()], expected, atol=0.05)

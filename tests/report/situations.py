@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.random import default_rng
 
 from harness.eta import TRAINING, Quantity, change_of, swaps_of
 from harness.record import Terms
@@ -56,7 +57,7 @@ class Situation:
 
 def around(mean, width, count, order=0):
     """Values about a mean, as many above it as below, in one of many orders."""
-    values = np.random.default_rng([order, count]).permutation(np.linspace(-1.0, 1.0, count))
+    values = default_rng([order, count]).permutation(np.linspace(-1.0, 1.0, count))
     return (mean + width * values).round(4).tolist()
 
 

@@ -3,8 +3,8 @@
 import dataclasses
 import re
 
-import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
 
 from harness.errors import UsageError
 from harness.registry import choose, load_registry
@@ -40,8 +40,8 @@ def test_a_function_is_a_frozen_dataclass_of_its_weights():
 def test_a_weight_multiplies_its_term_alone():
     """The others stay to the last bit."""
     plain, heavy = (pay(reward_class(gentle)(**given), (), made_up(6, 6))[1] for given in ({}, {"effort": 5.0}))
-    np.testing.assert_array_equal(heavy.terms["effort"], 5.0 * plain.terms["effort"])
-    np.testing.assert_array_equal(heavy.terms["reach"], plain.terms["reach"])
+    assert_array_equal(heavy.terms["effort"], 5.0 * plain.terms["effort"])
+    assert_array_equal(heavy.terms["reach"], plain.terms["reach"])
 
 
 def test_a_number_has_no_parameters():

@@ -3,6 +3,7 @@ import pickle
 
 import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
 
 from harness.reward import Sample, pay, put, replace_where, take
 from harness.reward.forms import is_plain_function, reward_class
@@ -16,8 +17,8 @@ def test_episodes_of_the_mask_are_replaced():
     """Every array of a nested carry takes the masked rows from the fresh one."""
     fresh = (np.zeros(3), (np.zeros((3, 2), int), ()))
     first, (second, empty) = replace_where(np.array([True, False, True]), fresh, CARRY)
-    np.testing.assert_array_equal(first, [0, 2, 0])
-    np.testing.assert_array_equal(second, [[0, 0], [2, 3], [0, 0]])
+    assert_array_equal(first, [0, 2, 0])
+    assert_array_equal(second, [[0, 0], [2, 3], [0, 0]])
     assert empty == ()
 
 
@@ -25,8 +26,8 @@ def test_what_is_taken_is_put_back():
     """Putting back what was taken changes nothing."""
     index = np.array([True, False, True])
     first, (second, _) = put(CARRY, index, take(CARRY, index))
-    np.testing.assert_array_equal(first, CARRY[0])
-    np.testing.assert_array_equal(second, CARRY[1][0])
+    assert_array_equal(first, CARRY[0])
+    assert_array_equal(second, CARRY[1][0])
 
 
 def test_putting_leaves_the_carry_given_alone():

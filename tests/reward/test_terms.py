@@ -6,6 +6,7 @@ from operator import add
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from numpy.testing import assert_array_equal
 
 from harness.errors import UsageError
 from harness.reward.terms import paid_of, require_same
@@ -26,7 +27,7 @@ def test_terms_are_given_in_four_ways(returned):
     """A dict, (total, dict) as Eureka writes it, a dict with its total; in single precision too."""
     paid = paid_of(returned)
     assert list(paid.terms) == ["a", "b"]
-    np.testing.assert_array_equal(paid.total, ONE + TWO)
+    assert_array_equal(paid.total, ONE + TWO)
 
 
 @given(st.lists(st.floats(-1e9, 1e9), min_size=1, max_size=8))
@@ -46,13 +47,13 @@ def test_a_plain_value_has_no_terms():
 def test_a_number_among_arrays_is_that_of_every_env():
     """As in `{"alive": 1.0}`."""
     paid = paid_of({"reach": ONE, "alive": 1.0})
-    np.testing.assert_array_equal(paid.terms["alive"], [1.0, 1.0])
+    assert_array_equal(paid.terms["alive"], [1.0, 1.0])
 
 
 def test_masks_are_added_as_numbers():
     """Numpy adds two masks to a mask."""
     mask = np.array([True, False])
-    np.testing.assert_array_equal(paid_of({"a": mask, "b": mask}).total, [2.0, 0.0])
+    assert_array_equal(paid_of({"a": mask, "b": mask}).total, [2.0, 0.0])
 
 
 @pytest.mark.parametrize("kind", [float, np.float32, lambda value: np.full(2, value, np.float32)])

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pinocchio
+from numpy.random import default_rng
 
 from harness.registry import choose, load_registry
 from harness.robot import read_robot
@@ -99,7 +100,7 @@ def read_arm(folder, text, toml=""):
 
 def poses_of(robot):
     """Twenty random poses within the ranges, (20, dof)."""
-    return np.random.default_rng(0).uniform(robot.lower, robot.upper, (20, robot.dof))
+    return default_rng(0).uniform(robot.lower, robot.upper, (20, robot.dof))
 
 
 def tips_of_pinocchio(text, robot, poses):

@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pinocchio
 import pytest
+from numpy.testing import assert_allclose
 
 from tests.refusals import refused
 from tests.robot.brought_arms import ARM, BODY, LIMIT, changed, opened, poses_of, read_arm
@@ -99,10 +100,10 @@ def test_every_simulator_has_the_mount_and_the_tool(tmp_path, simulator, toml):
     for step in range(1, 6):
         state = simulation.drive(robot.home[None] + step / 5 * (goal - robot.home), 0.1)
     reached = state.qpos[0].copy()
-    np.testing.assert_allclose(reached, goal, rtol=0, atol=0.1)  # at 0.1 rad/s they would have moved by 0.05
+    assert_allclose(reached, goal, rtol=0, atol=0.1)  # at 0.1 rad/s they would have moved by 0.05
     frame = tips(text, robot, reached[None], "tool")[0]
     wanted = pose(*BASES[toml]) * frame * pose(*PROBED)
-    np.testing.assert_allclose(state.end_effector[0], wanted.translation, rtol=0, atol=1e-6)
+    assert_allclose(state.end_effector[0], wanted.translation, rtol=0, atol=1e-6)
     assert not state.ground_contact[0]
     simulation.close()
 
@@ -183,8 +184,8 @@ def test_ranges_are_those_of_robot_toml(tmp_path):
     names = "range_deg = { j1 = [-170, 170], j4 = [-100, 100], j2 = [-90, 120], j3 = [0, 150] }\n"
     for number, toml in enumerate((rows, names)):
         robot = read_arm(tmp_path / str(number), text, speed + toml)
-        np.testing.assert_allclose(np.degrees(robot.lower), [-170, -90, 0, -100])
-        np.testing.assert_allclose(np.degrees(robot.upper), [170, 120, 150, 100])
+        assert_allclose(np.degrees(robot.lower), [-170, -90, 0, -100])
+        assert_allclose(np.degrees(robot.upper), [170, 120, 150, 100])
         assert robot.chain.kinds == ("revolute",) * 4
         assert robot.urdf.count('lower="0"') == 0  # engines have the same
     assert read_arm(tmp_path / "plain", ARM, rows).urdf != read_arm(tmp_path / "bare", ARM).urdf
@@ -212,7 +213,7 @@ def test_a_name_that_is_taken_is_no_obstacle(tmp_path):
     assert differ(robot, poses, wanted) <= 1e-12
     simulation = opened(robot, "mujoco")
     found = simulation.place(poses[:1]).end_effector[0]
-    np.testing.assert_allclose(found, wanted[0].translation, rtol=0, atol=1e-12)
+    assert_allclose(found, wanted[0].translation, rtol=0, atol=1e-12)
     simulation.close()
 
 

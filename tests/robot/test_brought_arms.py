@@ -5,6 +5,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 from harness.robot import read_robot
 from tests.refusals import refused
@@ -99,9 +100,7 @@ def test_end_effector_is_that_of_pinocchio(tmp_path_factory, subtests):
             tmp_path = tmp_path_factory.mktemp("case")
             robot = read_arm(tmp_path, BROUGHT[name])
             poses, text = poses_of(robot), ARM if name in NOT_READ_BY_ROS else BROUGHT[name]
-            np.testing.assert_allclose(
-                robot.end_effector(poses), tips_of_pinocchio(text, robot, poses), rtol=0, atol=1e-12
-            )
+            assert_allclose(robot.end_effector(poses), tips_of_pinocchio(text, robot, poses), rtol=0, atol=1e-12)
 
 
 def test_every_simulator_moves_what_was_read(tmp_path_factory, subtests):
@@ -117,8 +116,8 @@ def test_every_simulator_moves_what_was_read(tmp_path_factory, subtests):
                 simulation.place(robot.home[None])
                 for _ in range(5):
                     state = simulation.drive(robot.home[None] + 0.05, 0.1)
-                np.testing.assert_allclose(state.qpos[0], robot.home + 0.05, rtol=0, atol=1e-3)
-                np.testing.assert_allclose(state.end_effector[0], robot.end_effector(state.qpos[0]), rtol=0, atol=1e-6)
+                assert_allclose(state.qpos[0], robot.home + 0.05, rtol=0, atol=1e-3)
+                assert_allclose(state.end_effector[0], robot.end_effector(state.qpos[0]), rtol=0, atol=1e-6)
                 simulation.close()
 
 
@@ -131,7 +130,7 @@ def test_what_must_not_matter_does_not(tmp_path_factory, subtests):
             assert same(robot, read_arm(tmp_path / "plain", ARM))
             poses = poses_of(robot)
             found = tips_of_pinocchio(text, robot, poses)
-            np.testing.assert_allclose(robot.end_effector(poses), found, rtol=0, atol=1e-12)
+            assert_allclose(robot.end_effector(poses), found, rtol=0, atol=1e-12)
 
 
 def rewritten(text, rng):
@@ -171,7 +170,7 @@ def test_an_arm_in_other_words_is_the_same(tmp_path, name):
         assert same(read_arm(tmp_path, told), plain), told
     poses = poses_of(plain)
     found = tips_of_pinocchio(rewritten(BROUGHT[name], Random(0)), plain, poses)
-    np.testing.assert_allclose(plain.end_effector(poses), found, rtol=0, atol=1e-12)
+    assert_allclose(plain.end_effector(poses), found, rtol=0, atol=1e-12)
 
 
 def test_what_moves_an_arm_matters(tmp_path):

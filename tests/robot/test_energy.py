@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
+from numpy.testing import assert_allclose
 
 import harness
 from harness.registry import load_registry
@@ -47,7 +49,7 @@ def test_energy_is_that_of_mujoco(name, request):
 
     model = build_model(robot, 0.01, 10.0)
     model.opt.enableflags |= int(mujoco.mjtEnableBit.mjENBL_ENERGY)
-    data, rng = mujoco.MjData(model), np.random.default_rng(0)
+    data, rng = mujoco.MjData(model), default_rng(0)
     qpos = rng.uniform(robot.lower, robot.upper, (20, robot.dof))
     qvel = rng.uniform(-2.0, 2.0, (20, robot.dof))
     expected = []
@@ -57,13 +59,13 @@ def test_energy_is_that_of_mujoco(name, request):
     potential, kinetic = np.array(expected).T
     bodies = read_bodies(robot)
     at_rest = energy(robot.chain, bodies, qpos, 0.0 * qvel)
-    np.testing.assert_allclose(np.diff(at_rest), np.diff(potential), atol=1e-9)
-    np.testing.assert_allclose(energy(robot.chain, bodies, qpos, qvel) - at_rest, kinetic, rtol=1e-8)
+    assert_allclose(np.diff(at_rest), np.diff(potential), atol=1e-9)
+    assert_allclose(energy(robot.chain, bodies, qpos, qvel) - at_rest, kinetic, rtol=1e-8)
 
 
 def test_any_leading_shape(slider):
     """A batch of batches has the energies of its rows."""
-    rng = np.random.default_rng(1)
+    rng = default_rng(1)
     qpos, qvel = rng.uniform(0.0, 0.5, (2, 4, 5, 3))
     bodies = read_bodies(slider)
     whole = energy(slider.chain, bodies, qpos, qvel)

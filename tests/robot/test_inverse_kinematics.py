@@ -1,6 +1,8 @@
 """Inverse kinematics: what is found is right, and most of what can be reached is found."""
 
 import numpy as np
+from numpy.random import default_rng
+from numpy.testing import assert_array_equal
 
 import harness
 from harness.robot import forward, reach_pose, reach_position
@@ -12,7 +14,7 @@ COUNT = 200
 
 def reachable_points():
     """End effectors of random poses within 60 degrees of home."""
-    noise = np.random.default_rng(0).uniform(-np.pi / 3, np.pi / 3, (COUNT, ROBOT.dof))
+    noise = default_rng(0).uniform(-np.pi / 3, np.pi / 3, (COUNT, ROBOT.dof))
     return ROBOT.end_effector(np.clip(ROBOT.home + noise, ROBOT.lower, ROBOT.upper))
 
 
@@ -26,7 +28,7 @@ def test_found_poses_are_there():
     points = np.concatenate([reachable_points(), [[5.0, 0.0, 0.0]]])
     qpos, reached = from_home(points)
     error = np.linalg.norm(ROBOT.end_effector(qpos) - points, axis=1)
-    np.testing.assert_array_equal(reached, error <= 1e-3)
+    assert_array_equal(reached, error <= 1e-3)
 
 
 def test_most_of_what_can_be_reached_is_found():
@@ -59,7 +61,7 @@ def test_start_is_left_alone():
     """The poses that the search begins at are not changed."""
     start = np.tile(ROBOT.home, (COUNT, 1))
     reach_position(ROBOT, reachable_points(), start)
-    np.testing.assert_array_equal(start, np.tile(ROBOT.home, (COUNT, 1)))
+    assert_array_equal(start, np.tile(ROBOT.home, (COUNT, 1)))
 
 
 def test_a_far_target_does_not_throw_the_arm():
@@ -73,13 +75,13 @@ def test_a_far_target_does_not_throw_the_arm():
 
 def test_poses_are_found_with_their_orientation():
     """Where it says so, place and orientation are within the tolerances; of poses about home nearly all are found."""
-    noise = np.random.default_rng(0).uniform(-np.pi / 3, np.pi / 3, (COUNT, ROBOT.dof))
+    noise = default_rng(0).uniform(-np.pi / 3, np.pi / 3, (COUNT, ROBOT.dof))
     wanted = forward(ROBOT.chain, np.clip(ROBOT.home + noise, ROBOT.lower, ROBOT.upper))
     start = np.tile(ROBOT.home, (COUNT, 1))
     qpos, reached = reach_pose(ROBOT, wanted[:, :3, 3], wanted[:, :3, :3], start)
     found = forward(ROBOT.chain, qpos)
     way = np.linalg.norm(found[:, :3, 3] - wanted[:, :3, 3], axis=1)
     turn = np.linalg.norm(rotation_between(found[:, :3, :3], wanted[:, :3, :3]), axis=1)
-    np.testing.assert_array_equal(reached, (way <= 1e-3) & (turn <= 1e-2))
+    assert_array_equal(reached, (way <= 1e-3) & (turn <= 1e-2))
     assert reached.mean() > 0.9
     assert ((qpos >= ROBOT.lower) & (qpos <= ROBOT.upper)).all()

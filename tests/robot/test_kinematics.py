@@ -4,6 +4,8 @@ import mujoco
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
+from numpy.random import default_rng
+from numpy.testing import assert_allclose, assert_array_equal
 
 from harness.robot import end_effector_position, forward, parse_urdf, read_chain
 from harness.robot.kinematics import build_chain, pose_jacobian, position_jacobian, rotation_between
@@ -40,7 +42,7 @@ POSES = st.lists(st.floats(-2.0, 2.0), min_size=4, max_size=4).map(np.array)
 
 
 def _random_poses(*shape):
-    return np.random.default_rng(7).uniform(-2.0, 2.0, (*shape, CHAIN.dof))
+    return default_rng(7).uniform(-2.0, 2.0, (*shape, CHAIN.dof))
 
 
 def test_chain_holds_the_joints_that_move():
@@ -48,7 +50,7 @@ def test_chain_holds_the_joints_that_move():
     assert CHAIN.kinds == ("continuous", "revolute", "prismatic", "revolute")
     assert CHAIN.dof == 4
     assert CHAIN.T_previous_joint.shape == (4, 4, 4)
-    np.testing.assert_allclose(np.linalg.norm(CHAIN.axes, axis=-1), 1.0, rtol=1e-15)
+    assert_allclose(np.linalg.norm(CHAIN.axes, axis=-1), 1.0, rtol=1e-15)
     for array in (CHAIN.T_previous_joint, CHAIN.axes, CHAIN.T_last_tip, *CHAIN.terms):
         assert not array.flags.writeable
 
@@ -63,8 +65,8 @@ def test_pose_is_that_of_mujoco():
         data.qpos[:] = qpos
         mujoco.mj_kinematics(model, data)
         T_world_tip = forward(CHAIN, qpos)
-        np.testing.assert_allclose(T_world_tip[:3, 3], data.body("tip").xpos, atol=1e-9)
-        np.testing.assert_allclose(T_world_tip[:3, :3], data.body("tip").xmat.reshape(3, 3), atol=1e-9)
+        assert_allclose(T_world_tip[:3, 3], data.body("tip").xpos, atol=1e-9)
+        assert_allclose(T_world_tip[:3, :3], data.body("tip").xmat.reshape(3, 3), atol=1e-9)
 
 
 def test_quarter_turn_and_slide_by_hand():
@@ -81,8 +83,8 @@ def test_quarter_turn_and_slide_by_hand():
         )
     )
     qpos = [np.pi / 2, 0.5]
-    np.testing.assert_allclose(end_effector_position(crank, qpos), [0.0, 2.0, 0.5], atol=1e-15)
-    np.testing.assert_allclose(position_jacobian(crank, qpos), [[-2.0, 0.0], [0.0, 0.0], [0.0, 1.0]], atol=1e-15)
+    assert_allclose(end_effector_position(crank, qpos), [0.0, 2.0, 0.5], atol=1e-15)
+    assert_allclose(position_jacobian(crank, qpos), [[-2.0, 0.0], [0.0, 0.0], [0.0, 1.0]], atol=1e-15)
 
 
 def test_roll_pitch_yaw_turn_about_fixed_axes():
@@ -97,7 +99,7 @@ def test_roll_pitch_yaw_turn_about_fixed_axes():
             "arm",
         )
     )
-    np.testing.assert_allclose(forward(chain, [0.3])[:3, 2], [1.0, 0.0, 0.0], atol=1e-15)
+    assert_allclose(forward(chain, [0.3])[:3, 2], [1.0, 0.0, 0.0], atol=1e-15)
 
 
 def test_jacobian_is_the_derivative_of_the_position():
@@ -107,7 +109,7 @@ def test_jacobian_is_the_derivative_of_the_position():
         change = step * np.eye(CHAIN.dof)[joint]
         ahead, behind = end_effector_position(CHAIN, qpos + change), end_effector_position(CHAIN, qpos - change)
         difference = (ahead - behind) / (2.0 * step)
-        np.testing.assert_allclose(position_jacobian(CHAIN, qpos)[..., joint], difference, atol=1e-8)
+        assert_allclose(position_jacobian(CHAIN, qpos)[..., joint], difference, atol=1e-8)
 
 
 def test_batched_equals_looped():
@@ -117,9 +119,9 @@ def test_batched_equals_looped():
     positions = end_effector_position(CHAIN, qpos)
     assert (poses.shape, positions.shape, jacobians.shape) == ((3, 5, 4, 4), (3, 5, 3), (3, 5, 3, 4))
     for index in np.ndindex(3, 5):
-        np.testing.assert_allclose(forward(CHAIN, qpos[index]), poses[index], atol=1e-15)
-        np.testing.assert_allclose(end_effector_position(CHAIN, qpos[index]), positions[index], atol=1e-15)
-        np.testing.assert_allclose(position_jacobian(CHAIN, qpos[index]), jacobians[index], atol=1e-15)
+        assert_allclose(forward(CHAIN, qpos[index]), poses[index], atol=1e-15)
+        assert_allclose(end_effector_position(CHAIN, qpos[index]), positions[index], atol=1e-15)
+        assert_allclose(position_jacobian(CHAIN, qpos[index]), jacobians[index], atol=1e-15)
 
 
 def test_batch_may_be_empty():
@@ -134,7 +136,7 @@ def test_pose_is_a_rigid_transform(qpos):
     """The rotation is orthonormal and right-handed, and the last row stays 0 0 0 1."""
     T_world_tip = forward(CHAIN, qpos)
     rotation = T_world_tip[:3, :3]
-    np.testing.assert_allclose(rotation @ rotation.T, np.eye(3), atol=1e-12)
+    assert_allclose(rotation @ rotation.T, np.eye(3), atol=1e-12)
     assert np.linalg.det(rotation) == pytest.approx(1.0)
     assert T_world_tip[3].tolist() == [0.0, 0.0, 0.0, 1.0]
 
@@ -144,7 +146,7 @@ def test_pose_is_a_rigid_transform(qpos):
 def test_whole_turns_change_nothing(qpos):
     """A turning joint is back after 2 pi; a sliding one is 2 pi metres further along its axis."""
     moved = end_effector_position(CHAIN, qpos + 2.0 * np.pi) - end_effector_position(CHAIN, qpos)
-    np.testing.assert_allclose(moved, 2.0 * np.pi * position_jacobian(CHAIN, qpos)[:, 2], atol=1e-12)
+    assert_allclose(moved, 2.0 * np.pi * position_jacobian(CHAIN, qpos)[:, 2], atol=1e-12)
 
 
 def test_wrong_shape_is_refused(subtests):
@@ -161,9 +163,9 @@ def test_wrong_shape_is_refused(subtests):
 def test_lower_half_of_the_jacobian_is_the_turn(qpos):
     """Against finite differences, for joints that turn and one that slides; the upper half is that of the position."""
     jacobian, step = pose_jacobian(CHAIN, qpos), 1e-5
-    np.testing.assert_array_equal(jacobian[:3], position_jacobian(CHAIN, qpos))
+    assert_array_equal(jacobian[:3], position_jacobian(CHAIN, qpos))
     for joint in range(CHAIN.dof):
         moved = step * np.eye(CHAIN.dof)[joint]
         before, after = (forward(CHAIN, qpos + way)[None, :3, :3] for way in (-moved, moved))
         turn = rotation_between(before, after)[0] / (2.0 * step)
-        np.testing.assert_allclose(jacobian[3:, joint], turn, atol=1e-6)
+        assert_allclose(jacobian[3:, joint], turn, atol=1e-6)

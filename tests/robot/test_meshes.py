@@ -12,6 +12,7 @@ import trimesh
 from hypothesis import given
 from hypothesis.extra.numpy import arrays
 from hypothesis.strategies import integers, sampled_from
+from numpy.testing import assert_allclose, assert_array_equal
 
 from harness.errors import UsageError
 from harness.robot import read_mesh
@@ -57,8 +58,8 @@ def test_stl_is_its_triangles(tmp_path_factory, subtests):
             tmp_path = tmp_path_factory.mktemp("case")
             (tmp_path / name).write_bytes(data)
             mesh = read_mesh(tmp_path / name)
-            np.testing.assert_array_equal(mesh.vertices, POINTS)
-            np.testing.assert_array_equal(mesh.vertices[mesh.faces], CORNERS)
+            assert_array_equal(mesh.vertices, POINTS)
+            assert_array_equal(mesh.vertices[mesh.faces], CORNERS)
 
 
 def test_obj_is_its_points_and_polygons(tmp_path_factory, subtests):
@@ -77,8 +78,8 @@ def test_obj_is_its_points_and_polygons(tmp_path_factory, subtests):
             points = "mtllib a.mtl\no one\nv 0 0 0\nv 1 0 0 1.0\nvn 0 0 1\nvt 0 0\no two\n  v 1 1 0\nv 0 1 0\n"
             (tmp_path / "a.obj").write_text(f"{points}usemtl m\n{faces}\nl 1 2\n")
             mesh = read_mesh(tmp_path / "a.obj")
-            np.testing.assert_array_equal(mesh.vertices, [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
-            np.testing.assert_array_equal(mesh.faces, [[0, 1, 2], [0, 2, 3]])
+            assert_array_equal(mesh.vertices, [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+            assert_array_equal(mesh.faces, [[0, 1, 2], [0, 2, 3]])
 
 
 def test_bad_mesh_is_refused_in_one_line(tmp_path_factory, subtests):
@@ -139,7 +140,7 @@ def test_mesh_that_changed_is_read_again(tmp_path):
         first.vertices[0] = 0.0
     path.write_text("v 4 5 6\n")
     os.utime(path, ns=(1, 1))
-    np.testing.assert_array_equal(read_mesh(path).vertices, [[4, 5, 6]])
+    assert_array_equal(read_mesh(path).vertices, [[4, 5, 6]])
 
 
 @given(integers(0, 30).flatmap(lambda count: arrays(float, (count, 3), elements=sampled_from([-1.0, 0.0, 0.5, 2.0]))))
@@ -147,8 +148,8 @@ def test_distinct_points_are_those_of_numpy(points):
     """In the same order, with the same numbers; numpy's function only takes longer."""
     expected, numbers = np.unique(points, axis=0, return_inverse=True)
     found, found_numbers = distinct(points)
-    np.testing.assert_array_equal(found, expected)
-    np.testing.assert_array_equal(found_numbers, numbers.ravel())
+    assert_array_equal(found, expected)
+    assert_array_equal(found_numbers, numbers.ravel())
 
 
 OUTSIDE = b"""ply
@@ -210,7 +211,7 @@ def test_collada_has_its_unit_and_its_own_axes(tmp_path, unit, up):
     (tmp_path / "a.DAE").write_text(collada(CORNERS, unit, up))
     x, y, z = np.moveaxis(CORNERS + np.array([0, 0, 5]), -1, 0)
     expected = np.stack([7 - 2 * y, 8 + 2 * x, 9 + 2 * z], axis=-1) * float(unit)
-    np.testing.assert_allclose(corners_of(tmp_path / "a.DAE"), expected, rtol=1e-6)
+    assert_allclose(corners_of(tmp_path / "a.DAE"), expected, rtol=1e-6)
 
 
 def test_mirrored_part_is_not_turned_inside_out(tmp_path):
@@ -221,7 +222,7 @@ def test_mirrored_part_is_not_turned_inside_out(tmp_path):
         np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         for corners in (corners_of(tmp_path / "plain.dae"), corners_of(tmp_path / "mirrored.dae"))
     )
-    np.testing.assert_allclose(mirrored, plain * [1, 1, -1], atol=1e-6)
+    assert_allclose(mirrored, plain * [1, 1, -1], atol=1e-6)
 
 
 @pytest.mark.parametrize("suffix", ["glb", "gltf", "ply"])
@@ -236,7 +237,7 @@ def test_scene_that_another_library_wrote(tmp_path, suffix):
         data = trimesh.exchange.gltf.export_gltf(scene, embed_buffers=True)["model.gltf"]
     path.write_bytes(data)
     expected = CORNERS @ TURNED[:3, :3].T + TURNED[:3, 3]
-    np.testing.assert_allclose(corners_of(path), expected, rtol=1e-6)
+    assert_allclose(corners_of(path), expected, rtol=1e-6)
 
 
 @pytest.mark.parametrize("missing", ["trimesh", "collada"])

@@ -5,6 +5,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 from harness.robot import forward, load_robot, parse_urdf, read_chain, read_shapes
 from harness.robot.kinematics import build_chain
@@ -86,7 +87,7 @@ def test_other_joints_are_fixed_where_they_are_nearest_to_zero(tmp_path_factory,
             assert grip.get("type") == "fixed"
             assert {part.tag for part in grip} == {"parent", "child", "origin"}
             before = finger_pose(parse_urdf(urdf), 0.3, position)
-            np.testing.assert_allclose(finger_pose(plain, 0.3), before, atol=1e-15)
+            assert_allclose(finger_pose(plain, 0.3), before, atol=1e-15)
 
 
 @pytest.mark.parametrize("kind", ["floating", "planar"])
@@ -107,7 +108,7 @@ def test_turned_up_by_a_right_angle(tmp_path):
     urdf = URDF.replace('rpy="0.4 0.5 0.6"', f'rpy="0.4 {np.pi / 2} 0.6"')
     plain = normal(urdf, tmp_path)
     before = finger_pose(parse_urdf(urdf), 0.0, 0.02)
-    np.testing.assert_allclose(finger_pose(plain, 0.0), before, atol=1e-15)
+    assert_allclose(finger_pose(plain, 0.0), before, atol=1e-15)
 
 
 @pytest.mark.parametrize(

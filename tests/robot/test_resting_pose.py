@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 from hypothesis import given, strategies as st
+from numpy.random import default_rng
+from numpy.testing import assert_allclose, assert_array_equal
 from scipy.spatial.transform import Rotation
 
 from harness.robot import Shape, build_solids, end_effector_position, link_frames
@@ -32,7 +34,7 @@ def home_of(chain, lower, upper, shapes=((), (), ())):
 
 def test_middle_is_taken_where_it_is_good():
     """An arm that is bent in the middle of its ranges rests there."""
-    np.testing.assert_allclose(home_of(upright(), [-2, 0.4, 1.5], [2, 0.6, 1.7]), [0.0, 0.5, 1.6])
+    assert_allclose(home_of(upright(), [-2, 0.4, 1.5], [2, 0.6, 1.7]), [0.0, 0.5, 1.6])
 
 
 def test_straight_arm_is_bent_forward():
@@ -60,7 +62,7 @@ def test_home_is_agile():
         ]
         return float(np.linalg.svd(np.array(ways) / 2e-6)[1][-1])
 
-    anywhere = np.random.default_rng(0).uniform(-2.0, 2.0, (1000, 3))
+    anywhere = default_rng(0).uniform(-2.0, 2.0, (1000, 3))
     assert agility(home_of(upright(), [-2, -2, -2], [2, 2, 2])) > 0.55 * max(map(agility, anywhere))
 
 
@@ -80,7 +82,7 @@ def test_home_follows_the_mount(rotvec, aside):
     mount = np.eye(4)
     mount[:3, :3], mount[:3, 3] = Rotation.from_rotvec(rotvec).as_matrix(), (*aside, 9.0)
     on_floor = home_of(upright(), [-2, -2, -1], [2, 1, 2], ROD)
-    np.testing.assert_array_equal(home_of(mounted(upright(), mount), [-2, -2, -1], [2, 1, 2], ROD), on_floor)
+    assert_array_equal(home_of(mounted(upright(), mount), [-2, -2, -1], [2, 1, 2], ROD), on_floor)
 
 
 def test_home_keeps_away_from_a_ground_that_is_near():
@@ -96,7 +98,7 @@ def test_home_is_far_from_the_ground_for_what_random_actions_do():
     """Of poses that are as agile the one is taken around which fewer are in the ground."""
     rod = ([], [], [Shape("box", (0.02, 0.02, 1.2), np.eye(4))])
     home = home_of(upright(), [-2, -2, -2], [2, 2, 2], rod)
-    drifts = np.random.default_rng(0).uniform(-0.9, 0.9, (300, 3))
+    drifts = default_rng(0).uniform(-0.9, 0.9, (300, 3))
     solids, bends = build_solids(rod), (-np.pi / 4, 0.0, np.pi / 4)
     others = [np.array([0.0, one, other]) for one in bends for other in bends]
     in_ground = [solids.touch_ground(link_frames(upright(), pose + drifts)).sum() for pose in (home, *others)]
@@ -127,7 +129,7 @@ def test_turret_may_be_close_to_the_ground():
     """A link that never gets higher need not be a tenth of the arm above it, only not in it."""
     home = home_of(upright(), [-2, -2, -2], [2, 2, 2])
     turret = [[Shape("box", (0.2, 0.2, 0.59), np.eye(4))], [], []]  # 5 mm above
-    np.testing.assert_array_equal(home_of(upright(), [-2, -2, -2], [2, 2, 2], turret), home)
+    assert_array_equal(home_of(upright(), [-2, -2, -2], [2, 2, 2], turret), home)
 
 
 def test_arm_in_the_ground_is_refused():

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
+from numpy.testing import assert_allclose, assert_array_equal
 
 from harness.errors import UsageError
 from harness.robot import read_robot, robot as robot_module
@@ -58,7 +60,7 @@ def robot(tmp_path):
 
 def test_the_whole_range_of_a_slide_counts_as_a_full_turn(robot):
     """Joints that turn count as they are, limited or not."""
-    np.testing.assert_allclose(robot.per_radian, [1.0, 1.0, 0.3 / (2.0 * np.pi)])
+    assert_allclose(robot.per_radian, [1.0, 1.0, 0.3 / (2.0 * np.pi)])
     assert robot.per_radian[0] == 1.0  # exactly, so that products with it change nothing
 
 
@@ -75,9 +77,9 @@ def test_robot_is_what_the_folder_says(robot, tmp_path):
     """Names and folder are those of the files; degrees are turned into radians, metres are left."""
     assert (robot.name, robot.end_effector_link) == ("arm", "tip")
     assert (robot.joint_names, robot.folder, robot.dof) == (("shoulder", "elbow", "slide"), tmp_path, 3)
-    np.testing.assert_allclose(robot.home, [0.0, np.pi / 2, 0.05])
-    np.testing.assert_allclose(robot.max_speed, [np.pi / 2, np.pi, 0.25])
-    np.testing.assert_allclose(robot.max_acceleration, [2 * np.pi, 4 * np.pi, 2.0])
+    assert_allclose(robot.home, [0.0, np.pi / 2, 0.05])
+    assert_allclose(robot.max_speed, [np.pi / 2, np.pi, 0.25])
+    assert_allclose(robot.max_acceleration, [2 * np.pi, 4 * np.pi, 2.0])
     assert set(robot.origins.values()) == {"robot.toml"}
 
 
@@ -103,9 +105,9 @@ def test_robot_cannot_be_changed(tmp_path):
 
 def test_end_effector_and_jacobian_by_hand(robot):
     """With the elbow at a right angle the tip is at (0.5, 0.25, 5.05); the shoulder moves it along (-0.25, 0.5, 0)."""
-    np.testing.assert_allclose(robot.end_effector(robot.home), [0.5, 0.25, 5.05], atol=1e-15)
+    assert_allclose(robot.end_effector(robot.home), [0.5, 0.25, 5.05], atol=1e-15)
     jacobian = robot.jacobian(robot.home)
-    np.testing.assert_allclose(jacobian, [[-0.25, -0.25, 0.0], [0.5, 0.0, 0.0], [0.0, 0.0, 1.0]], atol=1e-15)
+    assert_allclose(jacobian, [[-0.25, -0.25, 0.0], [0.5, 0.0, 0.0], [0.0, 0.0, 1.0]], atol=1e-15)
 
 
 def test_reach_and_digest_are_computed_once(tmp_path, monkeypatch):
@@ -155,13 +157,13 @@ def test_shapes_are_those_of_the_urdf(tmp_path):
     counts = {link: len(shapes) for link, shapes in robot.link_shapes.items()}
     assert counts == {"base": 1, "upper": 1, "lower": 0, "slider": 0, "tip": 1}
     assert [len(shapes) for shapes in robot.joint_shapes] == [1, 0, 1]
-    np.testing.assert_array_equal(robot.joint_shapes[2][0].T_link_shape[:3, 3], [0.25, 0.0, 0.0])
+    assert_array_equal(robot.joint_shapes[2][0].T_link_shape[:3, 3], [0.25, 0.0, 0.0])
 
 
 def test_reach_is_the_chain_stretched_out(robot):
     """The reach is 0.5 m + 0.25 m and the 0.2 m of the slide; the extent has the 5 m that the arm stands at."""
     assert (robot.reach, robot.extent) == pytest.approx((0.95, 5.95))
-    poses = np.random.default_rng(0).uniform(robot.lower, robot.upper, (1000, 3))
+    poses = default_rng(0).uniform(robot.lower, robot.upper, (1000, 3))
     for origin, most in ((5.0, robot.reach), (0.0, robot.extent)):
         assert np.linalg.norm(robot.end_effector(poses) - [0.0, 0.0, origin], axis=1).max() < most
 
@@ -179,10 +181,8 @@ def test_urdf_alone_is_a_robot(tmp_path):
     (_write(tmp_path, urdf=urdf) / "robot.toml").unlink()
     robot = read_robot(tmp_path / "arm.urdf")
     assert (robot.name, robot.end_effector_link) == ("arm", "tip")
-    np.testing.assert_allclose(
-        robot.max_speed, [np.pi / 2, np.pi, 0.15]
-    )  # 9 rad/s and 0.5 m/s are more than the rule takes
-    np.testing.assert_allclose(robot.max_acceleration, 8 * robot.max_speed)
+    assert_allclose(robot.max_speed, [np.pi / 2, np.pi, 0.15])  # 9 rad/s and 0.5 m/s are more than the rule takes
+    assert_allclose(robot.max_acceleration, 8 * robot.max_speed)
     assert ((robot.lower < robot.home) & (robot.home < robot.upper)).all()
     assert "robot.toml" not in robot.origins.values()
 
@@ -192,9 +192,9 @@ def test_file_beside_a_urdf_says_what_it_knows(tmp_path):
     _write(tmp_path, toml='end_effector = "slider"\nhome_deg = [10, 20]\nmax_speed_deg_s = [30, 40]\n')
     robot = read_robot(tmp_path / "arm.urdf")
     assert robot.end_effector_link == "slider"
-    np.testing.assert_allclose(np.degrees(robot.home[:2]), [10, 20])
+    assert_allclose(np.degrees(robot.home[:2]), [10, 20])
     assert -0.2 < robot.home[2] < 0.1
-    np.testing.assert_allclose(robot.max_speed, [*np.radians([30, 40]), 0.15])
+    assert_allclose(robot.max_speed, [*np.radians([30, 40]), 0.15])
     assert robot.origins["end_effector"] == "robot.toml"
     assert robot.origins["home"].startswith("robot.toml, else ")
 
@@ -330,7 +330,7 @@ def test_numbers_may_stand_by_the_joints_names(robot, tmp_path):
     """In any order; what a table leaves out follows the rules."""
     by_name = TOML.replace("[90, 180.0]", "{ elbow = 180, shoulder = 90.0 }").replace("[0, 90]", "{ elbow = 90 }")
     named = read_robot(_write(tmp_path, toml=by_name))
-    np.testing.assert_array_equal(named.max_speed, robot.max_speed)
+    assert_array_equal(named.max_speed, robot.max_speed)
     assert (named.home[1], named.home[0]) == (robot.home[1], 0.5)  # the middle of the shoulder's range
 
 
@@ -346,7 +346,7 @@ def test_robot_toml_wins_over_a_placeholder(tmp_path_factory, subtests):
                 read_robot(tmp_path / "arm.urdf")
             file, line = str(caught.value).rpartition("Write into ")[2].split(", with the arm's own numbers: ")
             Path(file).write_text(line)
-            np.testing.assert_allclose(read_robot(tmp_path / "arm.urdf").max_speed, [np.pi / 2, np.pi / 2, 0.15])
+            assert_allclose(read_robot(tmp_path / "arm.urdf").max_speed, [np.pi / 2, np.pi / 2, 0.15])
 
 
 def test_robot_toml_wins_over_a_lower_speed_of_the_urdf(tmp_path):
@@ -355,7 +355,7 @@ def test_robot_toml_wins_over_a_lower_speed_of_the_urdf(tmp_path):
     assert read_robot(_write(tmp_path / "plain")).warnings == ()
     faster = TOML.replace("[90, 180.0]", "[180, 180]").replace("[0.25]", "[0.75]")
     robot = read_robot(_write(tmp_path, toml=faster))
-    np.testing.assert_allclose(robot.max_speed, [np.pi, np.pi, 0.75])
+    assert_allclose(robot.max_speed, [np.pi, np.pi, 0.75])
     told = "robot.toml allows joint 'shoulder' 180 deg/s, the URDF 90; joint 'slide' 0.75 m/s, the URDF 0.5"
     assert robot.warnings == (told,)
 

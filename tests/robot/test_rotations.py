@@ -2,6 +2,7 @@
 
 import numpy as np
 from hypothesis import given, strategies as st
+from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
 from harness.robot import rotation_of_axes
@@ -39,13 +40,13 @@ def test_angle_is_0_where_both_are_alike(one):
 def test_turn_leads_from_one_to_the_other(one, other):
     """In the world frame; so where there is none, they are alike."""
     turn = Rotation.from_rotvec(rotation_between(one, other)).as_matrix()
-    np.testing.assert_allclose(turn @ one, other, atol=1e-7)
+    assert_allclose(turn @ one, other, atol=1e-7)
 
 
 @given(ROTATIONS)
 def test_two_axes_tell_a_rotation(one):
     """The third follows; single precision is mended."""
     axes = axes_of_rotation(one)
-    np.testing.assert_allclose(rotation_of_axes(axes), one, atol=1e-12)
+    assert_allclose(rotation_of_axes(axes), one, atol=1e-12)
     mended = rotation_of_axes(axes.astype(np.float32).astype(np.float64))
-    np.testing.assert_allclose(mended @ np.swapaxes(mended, 1, 2), np.eye(3)[None], atol=1e-12)
+    assert_allclose(mended @ np.swapaxes(mended, 1, 2), np.eye(3)[None], atol=1e-12)

@@ -5,6 +5,8 @@ from dataclasses import FrozenInstanceError, replace
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from numpy.random import default_rng
+from numpy.testing import assert_array_equal
 
 import harness
 from harness.robot import Servo, read_bodies, read_robot
@@ -66,12 +68,12 @@ def _servo(**changes):
 def test_drives_are_what_the_table_says(tmp_path):
     """One value per joint in the order of the chain, those of joints that slide from keys of their own."""
     servo = _read(tmp_path).servo
-    np.testing.assert_array_equal(servo.max_torque, [10, 300, 20])
-    np.testing.assert_array_equal(servo.armature, [0.1, 4, 0])
-    np.testing.assert_array_equal(servo.viscous_friction, [0.5, 7, 0.6])
-    np.testing.assert_array_equal(servo.dry_friction, [1, 30, 2])
-    np.testing.assert_array_equal(servo.stiffness, [100, 3000, 200])
-    np.testing.assert_array_equal(servo.damping, [8, 70, 9])
+    assert_array_equal(servo.max_torque, [10, 300, 20])
+    assert_array_equal(servo.armature, [0.1, 4, 0])
+    assert_array_equal(servo.viscous_friction, [0.5, 7, 0.6])
+    assert_array_equal(servo.dry_friction, [1, 30, 2])
+    assert_array_equal(servo.stiffness, [100, 3000, 200])
+    assert_array_equal(servo.damping, [8, 70, 9])
     assert (servo.latency, servo.gravity_compensated) == (0.012, False)
 
 
@@ -101,7 +103,7 @@ def test_drives_cannot_be_changed(tmp_path):
 def test_torque_that_is_left_out_is_the_effort_of_the_urdf(tmp_path):
     """One by one, where there is one above 0; else it is missing."""
     some = TOML.replace("[10, 20]", "{ elbow = 20 }").replace("max_force_n = [300]\n", "")
-    np.testing.assert_array_equal(_read(tmp_path, some, URDF.replace('"1"', '"7"')).servo.max_torque, [7, 7, 20])
+    assert_array_equal(_read(tmp_path, some, URDF.replace('"1"', '"7"')).servo.max_torque, [7, 7, 20])
     for effort in ("0", "-1", "", "x"):
         with refused(r"\[servo\]: missing max_torque_nm of 'shoulder'. Give one value per"):
             _read(tmp_path, some, URDF.replace('effort="1"', f'effort="{effort}"'))
@@ -188,7 +190,7 @@ def test_own_arms_have_drives_that_steps_of_5_ms_can_follow(name):
     So is a step of an undamped spring, dt times its frequency. Both are below 1 in every one of many poses.
     """
     robot = harness.load_robot(name)
-    servo, step, rng = robot.servo, 0.005, np.random.default_rng(0)
+    servo, step, rng = robot.servo, 0.005, default_rng(0)
     for pose in [robot.home, *rng.uniform(robot.lower, robot.upper, (100, robot.dof))]:
         inertia = _joint_inertia(robot, pose) + np.diag(servo.armature)
         rates = np.linalg.eigvals(np.linalg.solve(inertia, np.diag(servo.damping + servo.viscous_friction)))
@@ -201,7 +203,7 @@ def test_own_arms_have_drives_that_steps_of_5_ms_can_follow(name):
 def test_own_arms_can_hold_their_weight(name):
     """In every one of many poses the drives have more than half of their torque left for the motion."""
     robot = harness.load_robot(name)
-    poses, small = np.random.default_rng(0).uniform(robot.lower, robot.upper, (500, robot.dof)), 1e-6
+    poses, small = default_rng(0).uniform(robot.lower, robot.upper, (500, robot.dof)), 1e-6
     bodies, rest = read_bodies(robot), np.zeros((500, robot.dof))
     for j in range(robot.dof):
         step = small * np.eye(robot.dof)[j]

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 from scipy.spatial import ConvexHull
 
 from harness.robot import attach_shapes, parse_urdf, read_shapes
@@ -32,9 +33,9 @@ def test_origin_is_the_transform(arm_text):
     """A shape's origin is read as a joint's; without one the shape sits in the link's frame."""
     box, cylinder = read_shapes(parse_urdf(arm_text))["upper"]
     expected = transform((0.1, 0.2, 0.3), (0.4, 0.5, 0.6))
-    np.testing.assert_allclose(box.T_link_shape, expected, atol=1e-15)
-    np.testing.assert_array_equal(box.T_link_shape[:3, 3], [0.1, 0.2, 0.3])
-    np.testing.assert_array_equal(cylinder.T_link_shape, np.eye(4))
+    assert_allclose(box.T_link_shape, expected, atol=1e-15)
+    assert_array_equal(box.T_link_shape[:3, 3], [0.1, 0.2, 0.3])
+    assert_array_equal(cylinder.T_link_shape, np.eye(4))
 
 
 def test_shapes_move_with_their_joints(attached):
@@ -56,7 +57,7 @@ def test_shapes_cannot_be_changed(tmp_path, arm_text, attached):
 def test_shape_of_a_fixed_link_is_in_the_frame_of_its_joint(attached):
     """The end effector's sphere at y = 0.1, 0.2 m along y from a flange that is turned at x = 1, is at x = 0.7."""
     (sphere,) = attached[2]
-    np.testing.assert_allclose(sphere.T_link_shape[:3, 3], [0.7, 0.0, 0.0], atol=1e-15)
+    assert_allclose(sphere.T_link_shape[:3, 3], [0.7, 0.0, 0.0], atol=1e-15)
 
 
 def test_malformed_shape_is_a_usage_error(arm_text, subtests):
@@ -100,7 +101,7 @@ def test_mesh_is_its_points_scaled(tmp_path, arm_text):
     (tmp_path / "part.obj").write_text("v 1 2 3\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 2 3\nf 1 2 3\n")
     mesh = upper_shapes(arm_text, f'<mesh filename="{tmp_path}/part.obj" scale="0.1 1 -2"/>')[1]
     assert (mesh.kind, mesh.size) == ("mesh", ())
-    np.testing.assert_array_equal(mesh.points, [[0, 0, 0], [0, 1, 0], [0.1, 0, 0], [0.1, 2, -6]])
+    assert_array_equal(mesh.points, [[0, 0, 0], [0, 1, 0], [0.1, 0, 0], [0.1, 2, -6]])
 
 
 @pytest.mark.parametrize("corners", ["v 1 2 3\nv 2 2 3\nv 1 3 4\n", "v 1 2 3\nv 2 4 6\nv 3 6 9\n"])
@@ -109,7 +110,7 @@ def test_a_flat_mesh_is_a_sheet(tmp_path, arm_text, corners):
     (tmp_path / "part.obj").write_text(f"{corners}f 1 2 3\n")
     mesh = upper_shapes(arm_text, f'<mesh filename="{tmp_path}/part.obj" scale="0.1 0.1 0.1"/>')[1]
     given = 0.1 * np.array([line.split()[1:] for line in corners.splitlines()], float)
-    np.testing.assert_allclose(mesh.points.mean(axis=0), given.mean(axis=0))
+    assert_allclose(mesh.points.mean(axis=0), given.mean(axis=0))
     thinnest = np.linalg.svd(mesh.points - mesh.points.mean(axis=0))[2][-1]
     assert 1e-3 - 1e-9 <= np.ptp(mesh.points @ thinnest) < 1.5e-3
     assert ConvexHull(mesh.points).volume > 1e-7

@@ -9,6 +9,8 @@ import numpy as np
 import pinocchio
 import pybullet
 import pytest
+from numpy.random import default_rng
+from numpy.testing import assert_allclose, assert_array_equal
 
 import harness
 from harness.errors import UsageError
@@ -87,7 +89,7 @@ def published(name):
 
 def poses(robot, count):
     """Joint positions in the whole range, (count, dof)."""
-    return np.random.default_rng(1).uniform(robot.lower, robot.upper, (count, robot.dof))
+    return default_rng(1).uniform(robot.lower, robot.upper, (count, robot.dof))
 
 
 @pytest.fixture
@@ -121,7 +123,7 @@ def test_kinematics_is_that_of_the_published_file(name, bullet):
         for joint, position in zip(robot.joint_names, qpos, strict=True):
             pybullet.resetJointState(body, joints[joint], position, physicsClientId=bullet)
         state = pybullet.getLinkState(body, tip, computeForwardKinematics=1, physicsClientId=bullet)
-        np.testing.assert_allclose(robot.end_effector(qpos), state[4], atol=1e-6)
+        assert_allclose(robot.end_effector(qpos), state[4], atol=1e-6)
 
 
 def test_kinematics_is_that_of_the_mujoco_model(robot):
@@ -131,7 +133,7 @@ def test_kinematics_is_that_of_the_mujoco_model(robot):
     for qpos in poses(robot, 50):
         data.qpos[:] = qpos
         mujoco.mj_kinematics(model, data)
-        np.testing.assert_allclose(robot.end_effector(qpos), data.body(robot.end_effector_link).xpos, atol=1e-9)
+        assert_allclose(robot.end_effector(qpos), data.body(robot.end_effector_link).xpos, atol=1e-9)
 
 
 def test_home_is_clear_of_the_ground(robot):
@@ -156,7 +158,7 @@ def test_simulators_agree_on_ground_contact(robot):
     assert 5 < touching.sum() < 195
     for simulation in simulations[:-1]:
         contacts = [bool(simulation.place(qpos[k : k + 1]).ground_contact[0]) for k in certain]
-        np.testing.assert_array_equal(contacts, touching[certain])
+        assert_array_equal(contacts, touching[certain])
     for simulation in simulations:
         simulation.close()
 
@@ -245,8 +247,8 @@ def test_engines_have_the_inertia_that_is_told(tmp_path):
     columns = np.zeros((4, 4))
     for column, unit in zip(columns, np.eye(4), strict=True):
         mujoco.mj_mulM(model, data, column, unit)
-    np.testing.assert_allclose(columns - np.diag(model.dof_armature), plain, atol=1e-9)
-    np.testing.assert_allclose(bullet, plain, atol=1e-9)
+    assert_allclose(columns - np.diag(model.dof_armature), plain, atol=1e-9)
+    assert_allclose(bullet, plain, atol=1e-9)
     assert np.abs(given - plain).max() > 1.0
 
 

@@ -9,6 +9,8 @@ import mujoco
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
+from numpy.random import default_rng
+from numpy.testing import assert_allclose
 
 import harness_robots
 from harness.robot import read_robot
@@ -30,7 +32,7 @@ def model():
 
 
 def _random_poses(count):
-    return np.random.default_rng(100).uniform(ROBOT.lower, ROBOT.upper, (count, ROBOT.dof))
+    return default_rng(100).uniform(ROBOT.lower, ROBOT.upper, (count, ROBOT.dof))
 
 
 def _height_above_ground(model, data, qpos):
@@ -60,13 +62,13 @@ def test_pose_computed_by_hand(subtests):
     ]
     for qpos_deg, position in rows:
         with subtests.test(qpos_deg=qpos_deg, position=position):
-            np.testing.assert_allclose(ROBOT.end_effector(np.radians(qpos_deg)), position, atol=1e-12)
+            assert_allclose(ROBOT.end_effector(np.radians(qpos_deg)), position, atol=1e-12)
 
 
 def test_tool_points_along_the_forearm(model, data):
     """At the zero pose the tool's z axis is the world's +x."""
     mujoco.mj_kinematics(model, data)
-    np.testing.assert_allclose(data.body("tool0").xmat.reshape(3, 3)[:, 2], [1.0, 0.0, 0.0], atol=1e-12)
+    assert_allclose(data.body("tool0").xmat.reshape(3, 3)[:, 2], [1.0, 0.0, 0.0], atol=1e-12)
 
 
 @pytest.mark.parametrize("joint", [1, 2])
@@ -82,7 +84,7 @@ def test_axes_at_the_zero_pose(model, data):
     mujoco.mj_kinematics(model, data)
     mujoco.mj_comPos(model, data)
     x, y, z = np.eye(3)
-    np.testing.assert_allclose(data.xaxis, [z, y, y, x, y, x], atol=1e-12)
+    assert_allclose(data.xaxis, [z, y, y, x, y, x], atol=1e-12)
 
 
 @settings(deadline=None)
@@ -91,14 +93,14 @@ def test_turning_j1_turns_the_end_effector_about_z(qpos, angle):
     """J1 turned by any angle turns the flange about the world's z axis by that angle."""
     c, s = math.cos(angle), math.sin(angle)
     turned = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]) @ ROBOT.end_effector(qpos)
-    np.testing.assert_allclose(ROBOT.end_effector(np.add(qpos, [angle, 0, 0, 0, 0, 0])), turned, atol=1e-12)
+    assert_allclose(ROBOT.end_effector(np.add(qpos, [angle, 0, 0, 0, 0, 0])), turned, atol=1e-12)
 
 
 @settings(deadline=None)
 @given(POSES)
 def test_turning_j6_moves_nothing(qpos):
     """The flange's centre is on axis 6."""
-    np.testing.assert_allclose(ROBOT.jacobian(qpos)[:, 5], 0.0, atol=1e-12)
+    assert_allclose(ROBOT.jacobian(qpos)[:, 5], 0.0, atol=1e-12)
 
 
 @settings(deadline=None)
@@ -184,7 +186,7 @@ def test_inertia_is_that_of_the_first_shape_when_solid(subtests):
             inertia = {name: float(value) for name, value in link.find("inertial/inertia").attrib.items()}
             assert link.find("inertial/origin").attrib == link.find("collision/origin").attrib
             solid = mass / 12.0 * np.array(_squares(link.find("collision/geometry")[0]))
-            np.testing.assert_allclose([inertia["ixx"], inertia["iyy"], inertia["izz"]], solid, rtol=1e-5)
+            assert_allclose([inertia["ixx"], inertia["iyy"], inertia["izz"]], solid, rtol=1e-5)
             assert inertia["ixy"] == inertia["ixz"] == inertia["iyz"] == 0.0
 
 

@@ -3,9 +3,10 @@
 import hashlib
 
 import mujoco
-import numpy as np
 import pinocchio
 import pytest
+from numpy.random import default_rng
+from numpy.testing import assert_allclose
 
 import harness
 from harness.robot import parse_urdf, read_chain
@@ -45,7 +46,7 @@ def model(robot):
 
 def random_poses(robot):
     """Joint positions in the whole range, (200, dof)."""
-    return np.random.default_rng(100).uniform(robot.lower, robot.upper, (200, robot.dof))
+    return default_rng(100).uniform(robot.lower, robot.upper, (200, robot.dof))
 
 
 def test_urdf_and_digest_are_those_of_the_records(name, robot):
@@ -59,7 +60,7 @@ def test_end_effector_is_that_of_mujoco(robot, model, data):
         data.qpos[:] = qpos
         mujoco.mj_kinematics(model, data)
         expected = data.body(robot.end_effector_link).xpos
-        np.testing.assert_allclose(robot.end_effector(qpos), expected, rtol=0.0, atol=1e-9)
+        assert_allclose(robot.end_effector(qpos), expected, rtol=0.0, atol=1e-9)
 
 
 def test_end_effector_and_jacobian_are_those_of_pinocchio(robot):
@@ -70,12 +71,12 @@ def test_end_effector_and_jacobian_are_those_of_pinocchio(robot):
     for qpos in random_poses(robot):
         jacobian = pinocchio.computeFrameJacobian(model, data, qpos, frame, pinocchio.LOCAL_WORLD_ALIGNED)
         pinocchio.updateFramePlacement(model, data, frame)
-        np.testing.assert_allclose(robot.end_effector(qpos), data.oMf[frame].translation, rtol=0.0, atol=1e-9)
-        np.testing.assert_allclose(robot.jacobian(qpos), jacobian[:3], rtol=0.0, atol=1e-9)
+        assert_allclose(robot.end_effector(qpos), data.oMf[frame].translation, rtol=0.0, atol=1e-9)
+        assert_allclose(robot.jacobian(qpos), jacobian[:3], rtol=0.0, atol=1e-9)
 
 
 def test_velocity_limits_of_both_files_agree(robot):
     """The URDF's velocity limits are the largest speeds of robot.toml."""
     chain = read_chain(parse_urdf(robot.urdf), robot.end_effector_link)
     velocities = [joint.velocity for joint in chain if joint.kind != "fixed"]
-    np.testing.assert_allclose(velocities, robot.max_speed, rtol=1e-15)
+    assert_allclose(velocities, robot.max_speed, rtol=1e-15)

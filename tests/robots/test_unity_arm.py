@@ -9,6 +9,8 @@ from xml.etree import ElementTree
 import mujoco
 import numpy as np
 import pytest
+from numpy.random import default_rng
+from numpy.testing import assert_allclose
 
 import harness
 import harness_robots
@@ -87,7 +89,7 @@ def model():
 
 
 def _random_poses(count):
-    return np.random.default_rng(105).uniform(ROBOT.lower, ROBOT.upper, (count, ROBOT.dof))
+    return default_rng(105).uniform(ROBOT.lower, ROBOT.upper, (count, ROBOT.dof))
 
 
 def _mirrored(unity):
@@ -129,15 +131,13 @@ def test_end_effector_is_that_of_the_original(subtests):
     """At the same angles in degrees the end effector is the mirror image of the original's."""
     for angles_deg, unity in CHECK_POINTS:
         with subtests.test(angles_deg=angles_deg, unity=unity):
-            np.testing.assert_allclose(
-                ROBOT.end_effector(np.radians(angles_deg)), _mirrored(unity), rtol=0.0, atol=1e-6
-            )
+            assert_allclose(ROBOT.end_effector(np.radians(angles_deg)), _mirrored(unity), rtol=0.0, atol=1e-6)
 
 
 def test_home_is_the_recorded_start():
     """Home is the fixed start of the published experiment."""
     assert ROBOT.home.tolist() == [math.radians(angle) for angle in (-18, 9, -18, 9, 9)]
-    np.testing.assert_allclose(ROBOT.end_effector(ROBOT.home), [0.1233658, 0.185766, 1.049303], rtol=0.0, atol=1e-6)
+    assert_allclose(ROBOT.end_effector(ROBOT.home), [0.1233658, 0.185766, 1.049303], rtol=0.0, atol=1e-6)
 
 
 def test_pose_is_the_mirror_image_of_the_original():
@@ -145,10 +145,10 @@ def test_pose_is_the_mirror_image_of_the_original():
     for qpos in _random_poses(200):
         pose = forward(ROBOT.chain, qpos)
         tip = _unity_point("Axis06Tip", np.zeros(3), qpos)
-        np.testing.assert_allclose(pose[:3, 3], _mirrored(tip), rtol=0.0, atol=1e-12)
+        assert_allclose(pose[:3, 3], _mirrored(tip), rtol=0.0, atol=1e-12)
         for axis in np.eye(3):
             direction = _unity_point("Axis06Tip", axis, qpos) - tip
-            np.testing.assert_allclose(pose[:3, :3] @ _mirrored(axis), _mirrored(direction), rtol=0.0, atol=1e-12)
+            assert_allclose(pose[:3, :3] @ _mirrored(axis), _mirrored(direction), rtol=0.0, atol=1e-12)
 
 
 def test_jacobian_is_the_difference_quotient():
@@ -156,7 +156,7 @@ def test_jacobian_is_the_difference_quotient():
     step = 1e-5 * np.eye(ROBOT.dof)
     for qpos in _random_poses(50):
         quotient = (ROBOT.end_effector(qpos + step) - ROBOT.end_effector(qpos - step)).T / 2e-5
-        np.testing.assert_allclose(ROBOT.jacobian(qpos), quotient, rtol=0.0, atol=1e-9)
+        assert_allclose(ROBOT.jacobian(qpos), quotient, rtol=0.0, atol=1e-9)
 
 
 def test_limits_are_the_action_scale():
@@ -194,18 +194,18 @@ def test_capsules_are_where_the_original_has_them(model, data, link, capsule, at
     ends = _capsule_ends(capsule, qpos)
     span = ends[0] - ends[1]
     radius = ORIGINAL["root_scale"] * capsule["radius"]
-    np.testing.assert_allclose(data.geom_xpos[spheres], ends, rtol=0.0, atol=1e-9)
-    np.testing.assert_allclose(data.geom_xpos[cylinder], ends.mean(axis=0), rtol=0.0, atol=1e-9)
-    np.testing.assert_allclose(np.cross(data.geom_xmat[cylinder].reshape(3, 3)[:, 2], span), 0.0, atol=1e-9)
-    np.testing.assert_allclose(model.geom_size[cylinder, :2], [radius, np.linalg.norm(span) / 2.0], rtol=1e-9)
-    np.testing.assert_allclose(model.geom_size[spheres, 0], radius, rtol=1e-12)
+    assert_allclose(data.geom_xpos[spheres], ends, rtol=0.0, atol=1e-9)
+    assert_allclose(data.geom_xpos[cylinder], ends.mean(axis=0), rtol=0.0, atol=1e-9)
+    assert_allclose(np.cross(data.geom_xmat[cylinder].reshape(3, 3)[:, 2], span), 0.0, atol=1e-9)
+    assert_allclose(model.geom_size[cylinder, :2], [radius, np.linalg.norm(span) / 2.0], rtol=1e-9)
+    assert_allclose(model.geom_size[spheres, 0], radius, rtol=1e-12)
 
 
 def test_sphere_is_at_the_end_effector(model, data):
     """The end effector's collider is a sphere of 15 mm about it."""
     mujoco.mj_kinematics(model, data)
     (first,) = model.body("Axis06Tip").geomadr
-    np.testing.assert_allclose(data.geom_xpos[first], ROBOT.end_effector(np.zeros(5)), rtol=0.0, atol=1e-9)
+    assert_allclose(data.geom_xpos[first], ROBOT.end_effector(np.zeros(5)), rtol=0.0, atol=1e-9)
     assert model.geom_size[first, 0] == 0.015
 
 
@@ -262,9 +262,7 @@ def test_inertia_is_that_of_the_solid_shape(subtests):
             i = {name: float(value) for name, value in link.find("inertial/inertia").attrib.items()}
             moments = np.array([i["ixx"], i["iyy"], i["izz"]])
             assert link.find("inertial/origin").attrib == link.find("visual/origin").attrib
-            np.testing.assert_allclose(
-                moments, float(link.find("inertial/mass").get("value")) * _squares(link), rtol=1e-5
-            )
+            assert_allclose(moments, float(link.find("inertial/mass").get("value")) * _squares(link), rtol=1e-5)
             assert i["ixy"] == i["ixz"] == i["iyz"] == 0.0
             assert 0.0 < max(moments) <= sum(moments) - max(moments)
 

@@ -1,6 +1,7 @@
 """Pictures of an arm."""
 
 import numpy as np
+from numpy.testing import assert_allclose
 
 from harness.record.scene import Scene
 from harness.scene import Camera, camera_for
@@ -14,7 +15,7 @@ def test_the_camera_puts_its_centre_into_the_middle():
     camera = Camera(np.array([0.1, 0.2, 0.3]), 1.0, 300, 200)
     column, row, _ = camera.project(camera.centre)
     right, up, back = camera.axes
-    np.testing.assert_allclose((column, row), (150, 100))
+    assert_allclose((column, row), (150, 100))
     assert camera.project(camera.centre + 0.1 * right)[0] > column
     assert camera.project(camera.centre + 0.1 * up)[1] < row
     assert camera.project(camera.centre + 0.1 * back)[2] < camera.project(camera.centre)[2]

@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
+from numpy.testing import assert_allclose
 
 from harness.robot import child_frames, end_effector_position, load_robot
 from harness.scene import scene_of
@@ -9,13 +11,13 @@ from harness.scene.picture import chain_of, corners_of
 from harness.scene.scene import FEWEST, GREY, TRIANGLES
 from tests.scene.conftest import meshed
 
-RNG = np.random.default_rng(5)
+RNG = default_rng(5)
 
 
 def test_the_tip_of_the_drawn_arm_is_the_robots(robot, scene):
     """What was written moves as the robot does, in any pose."""
     poses = RNG.uniform(robot.lower, robot.upper, (50, robot.dof))
-    np.testing.assert_allclose(end_effector_position(chain_of(scene), poses), robot.end_effector(poses), atol=1e-12)
+    assert_allclose(end_effector_position(chain_of(scene), poses), robot.end_effector(poses), atol=1e-12)
 
 
 def test_triangles_move_with_their_joint(robot, scene):
@@ -28,7 +30,7 @@ def test_triangles_move_with_their_joint(robot, scene):
         corners, _ = corners_of(scene, pose)
         inverse = np.linalg.inv(frames)[joints + 1]
         local.append(np.einsum("tij,tkj->tki", inverse[:, :3, :3], corners) + inverse[:, None, :3, 3])
-    np.testing.assert_allclose(local[0], local[1], atol=1e-9)
+    assert_allclose(local[0], local[1], atol=1e-9)
 
 
 def test_the_drawn_fd100_lies_where_its_shapes_are():
@@ -70,7 +72,7 @@ def test_of_a_mesh_that_collides_the_hull_stands_in(tmp_path):
     scene = scene_of(meshed(tmp_path, ("part.stl", "part.stl", "part.dae", "part.stl"), HULL))
     body = next(body for body in scene.bodies if body.joint == 1)
     assert len(body.faces) == 12
-    np.testing.assert_allclose(np.ptp(body.points, axis=0), (0.1, 0.05, 0.2), atol=1e-6)
+    assert_allclose(np.ptp(body.points, axis=0), (0.1, 0.05, 0.2), atol=1e-6)
     first, second, third = np.moveaxis(body.points[body.faces.astype(int)], 1, 0)
     assert (first * np.cross(second, third)).sum() / 6 == pytest.approx(0.1 * 0.05 * 0.2, rel=1e-4)
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 from harness.robot.meshes import Mesh
 from harness.scene.scene import AROUND, fewer, surface
@@ -43,7 +44,7 @@ def test_a_round_surface_is_nearly_its_shape(kind, size, exact):
 def test_a_capsule_is_as_long_as_its_cylinder_and_two_half_balls():
     """Along z; across it is the radius."""
     low, high = surface("capsule", (0.1, 0.4)).vertices.min(axis=0), surface("capsule", (0.1, 0.4)).vertices.max(axis=0)
-    np.testing.assert_allclose([low[2], high[2], high[0]], [-0.3, 0.3, 0.1])
+    assert_allclose([low[2], high[2], high[0]], [-0.3, 0.3, 0.1])
 
 
 def test_a_fine_mesh_gets_fewer_triangles_and_keeps_its_shape():
@@ -62,7 +63,7 @@ def test_a_fine_mesh_gets_fewer_triangles_and_keeps_its_shape():
     simpler = fewer(ball, 500)
     assert 100 < len(simpler.faces) <= 500
     assert volume(simpler) == pytest.approx(volume(ball), rel=0.1)
-    np.testing.assert_allclose(np.abs(simpler.vertices).max(axis=0), 1.0, atol=0.1)
+    assert_allclose(np.abs(simpler.vertices).max(axis=0), 1.0, atol=0.1)
 
 
 def test_a_mesh_of_few_triangles_stays_as_it_is():

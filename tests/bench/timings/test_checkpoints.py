@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
 
 import harness
 from harness.env import build_world
@@ -54,7 +55,7 @@ def _standing(algorithm, steps):
 
 def _full(ring, rows):
     """A ring of so many places, all of which were written."""
-    rng = np.random.default_rng(0)
+    rng = default_rng(0)
     columns = {
         name: rng.standard_normal((rows, *array.shape[1:]), np.float32).astype(array.dtype)
         for name, array in ring.columns.items()

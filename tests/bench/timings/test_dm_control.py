@@ -8,6 +8,8 @@ from dm_control import mujoco
 from dm_control.rl import control
 from dm_control.suite import base
 from dm_control.utils import rewards
+from numpy.random import default_rng
+from numpy.testing import assert_array_equal
 
 import harness
 from harness.record import TraceWriter
@@ -76,7 +78,7 @@ def test_one_env_beside_an_environment_of_dm_control(tmp_path, require_speed, st
     """Observation, reward and trace on, one env does nearly as many steps as `control.Environment`."""
     env = harness.make_env("dm_control")
     env.recorder = TraceWriter(tmp_path / "trace.parquet", env.robot.dof, env.robot.dof)
-    actions = np.random.default_rng(0).uniform(-1.0, 1.0, (amount(500, 10), 1, 6)).astype(np.float32)
+    actions = default_rng(0).uniform(-1.0, 1.0, (amount(500, 10), 1, 6)).astype(np.float32)
 
     def through_the_env():
         env.reset(seed=0)
@@ -95,4 +97,4 @@ def test_one_env_beside_an_environment_of_dm_control(tmp_path, require_speed, st
             _ = bare.reset() if controls is None else bare.step(controls)
 
     require_speed(through_dm_control, through_the_env, at_least=0.8)
-    np.testing.assert_array_equal(physics.position(), arm.physics.position())
+    assert_array_equal(physics.position(), arm.physics.position())

@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
+from numpy.testing import assert_array_equal
 
 import harness
 from harness.record import TraceWriter
@@ -60,7 +62,7 @@ def test_one_env_beside_the_bare_loop(tmp_path, require_speed, step_through, amo
     pytest.importorskip("pydrake", reason="pydrake is not installed: pip install 'fd100-harness[drake]'")
     env = harness.make_env("drake")
     env.recorder = TraceWriter(tmp_path / "trace.parquet", env.robot.dof, env.robot.dof)
-    actions = np.random.default_rng(0).uniform(-1.0, 1.0, (amount(300, 10), 1, 6)).astype(np.float32)
+    actions = default_rng(0).uniform(-1.0, 1.0, (amount(300, 10), 1, 6)).astype(np.float32)
     simulator = load_registry().get("simulators", "drake").load()(substeps=SUBSTEPS)
     (reference,) = simulator.open(env.robot, 1, PERIOD).arms
 
@@ -72,4 +74,4 @@ def test_one_env_beside_the_bare_loop(tmp_path, require_speed, step_through, amo
     told = recorded(arm, through_the_env)
     require_speed(bare_loop(reference, told), through_the_env, at_least=0.7)
     first, second = (one.model.plant.GetPositions(one.context) for one in (reference, arm))
-    np.testing.assert_array_equal(first, second)
+    assert_array_equal(first, second)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
 
 from tests.bench.timings.processes import measure
 
@@ -39,7 +40,7 @@ def measure_reading(paths):
 
 def write_run(path, seed, k2, rows=ROWS):
     """A file as the K2 program writes them, or, with k2 = 1, as the base line does; five equal steps per decision."""
-    rng = np.random.default_rng(seed)
+    rng = default_rng(seed)
     begin, target = 1.110047, "0.45,0.2,0.45,-0.1857659,1.049303,0.1233658"
     progress = np.linspace(0.0, 1.0, rows // 5)
     decided = np.repeat(rng.uniform(0.05, 1.6 - 0.7 * progress), 5)

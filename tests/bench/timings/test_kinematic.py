@@ -8,6 +8,7 @@ from subprocess import PIPE, Popen
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
 
 import harness
 
@@ -40,7 +41,7 @@ def test_1024_envs_beside_bare_kinematics(require_speed, step_through, amount):
     """
     env = harness.make_env("kinematic", num_envs=NUM_ENVS)
     env.reset(seed=0)
-    actions = np.random.default_rng(0).uniform(-1.0, 1.0, (amount(100, 2), NUM_ENVS, 6)).astype(np.float32)
+    actions = default_rng(0).uniform(-1.0, 1.0, (amount(100, 2), NUM_ENVS, 6)).astype(np.float32)
     chain = env.robot.chain
 
     def bare():

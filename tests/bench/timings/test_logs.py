@@ -4,8 +4,8 @@ import json
 import sys
 import time
 
-import numpy as np
 import pytest
+from numpy.random import default_rng
 
 from tests.bench.timings.processes import measure
 
@@ -15,7 +15,7 @@ LONGEST = 10.0
 
 def write_monitors(folder, seeds, episodes):
     """Files of two rewards as stable-baselines3's Monitor writes them."""
-    rng = np.random.default_rng(0)
+    rng = default_rng(0)
     for reward, share in (("base", 0.4), ("prop", 0.7)):
         for seed in range(seeds):
             rows = zip(rng.normal(size=episodes), rng.integers(20, 40, episodes), rng.random(episodes), strict=True)
@@ -32,7 +32,7 @@ def write_events(folder, seeds, points):
     from tensorboard.compat.proto.summary_pb2 import Summary
     from tensorboard.summary.writer.record_writer import RecordWriter
 
-    rng = np.random.default_rng(0)
+    rng = default_rng(0)
     for reward, share in (("base", 0.4), ("prop", 0.7)):
         for seed in range(seeds):
             place = folder / f"{reward}_{seed}" / "PPO_1"

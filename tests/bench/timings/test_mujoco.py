@@ -4,6 +4,8 @@ import mujoco
 import mujoco.rollout
 import numpy as np
 import pytest
+from numpy.random import default_rng
+from numpy.testing import assert_allclose
 
 import harness
 from harness.record import TraceWriter
@@ -19,7 +21,7 @@ def _recorded_env(tmp_path, simulator, num_envs):
 
 
 def _actions(steps, num_envs):
-    return np.random.default_rng(0).uniform(-1.0, 1.0, (steps, num_envs, 6)).astype(np.float32)
+    return default_rng(0).uniform(-1.0, 1.0, (steps, num_envs, 6)).astype(np.float32)
 
 
 class Told:
@@ -80,7 +82,7 @@ def test_one_env_beside_the_bare_loop(tmp_path, require_speed, step_through, amo
             last = target
 
     require_speed(bare, lambda: step_through(env, actions), at_least=0.62)
-    np.testing.assert_allclose(data.qpos, reached, atol=0.02)
+    assert_allclose(data.qpos, reached, atol=0.02)
 
 
 def test_64_envs_beside_bare_rollout(tmp_path, require_speed, step_through, amount):
@@ -117,4 +119,4 @@ def test_64_envs_beside_bare_rollout(tmp_path, require_speed, step_through, amou
                     last = np.where(mask[:, None], target, last)
 
     require_speed(bare, lambda: step_through(env, actions), at_least=0.72)
-    np.testing.assert_allclose(states[:, 1:7], reached, atol=0.02)
+    assert_allclose(states[:, 1:7], reached, atol=0.02)

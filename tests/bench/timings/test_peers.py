@@ -11,6 +11,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
+from numpy.random import default_rng
 
 import harness
 
@@ -73,7 +74,7 @@ def _peer_steps(env, steps):
 
 
 def _our_actions(env, steps):
-    rng = np.random.default_rng(0)
+    rng = default_rng(0)
     return rng.uniform(-1.0, 1.0, (steps // env.num_envs, *env.action_space.shape)).astype(np.float32)
 
 

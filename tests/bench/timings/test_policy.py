@@ -4,6 +4,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
 
 from harness.policy import Deterministic, Gaussian, Greedy, SquashedGaussian
 
@@ -13,7 +14,7 @@ SEEN, WIDTH, ACTIONS = 28, 64, 6
 
 def _policy(kind, activation, is_normalised):
     """64x64, with the observations and actions of the FD100."""
-    rng = np.random.default_rng(0)
+    rng = default_rng(0)
     shapes = {"hidden.0": (WIDTH, SEEN), "hidden.1": (WIDTH, WIDTH), **dict.fromkeys(kind.heads, (ACTIONS, WIDTH))}
     weights = {f"{layer}.weight": 0.2 * rng.normal(size=shape) for layer, shape in shapes.items()}
     weights |= {f"{layer}.bias": rng.normal(size=out) for layer, (out, _) in shapes.items()}

@@ -3,6 +3,8 @@
 import numpy as np
 import pybullet
 import pytest
+from numpy.random import default_rng
+from numpy.testing import assert_allclose
 
 import harness
 from harness.record import TraceWriter
@@ -67,7 +69,7 @@ def test_one_env_beside_the_bare_loop(tmp_path, require_speed, step_through, amo
     """
     env = harness.make_env("pybullet")
     env.recorder = TraceWriter(tmp_path / "trace.parquet", env.robot.dof, env.robot.dof)
-    actions = np.random.default_rng(0).uniform(-1.0, 1.0, (amount(500, 10), 1, 6)).astype(np.float32)
+    actions = default_rng(0).uniform(-1.0, 1.0, (amount(500, 10), 1, 6)).astype(np.float32)
     reference = PyBullet(SUBSTEPS).open(env.robot, 1, PERIOD)
 
     def through_the_env():
@@ -76,4 +78,4 @@ def test_one_env_beside_the_bare_loop(tmp_path, require_speed, step_through, amo
 
     told = recorded(env.simulation.arms[0], through_the_env)
     require_speed(bare_loop(reference.arms[0], *told, calls), through_the_env, least)
-    np.testing.assert_allclose(_positions(reference.arms[0]), _positions(env.simulation.arms[0]), atol=1e-9)
+    assert_allclose(_positions(reference.arms[0]), _positions(env.simulation.arms[0]), atol=1e-9)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
 
 import harness
 from harness.env import ReachVectorEnv
@@ -36,7 +37,7 @@ def test_a_step_costs_little_more(require_speed, step_through, amount, function,
     rewards = choose(REGISTRY, "rewards", "baseline").build(REGISTRY, "rewards"), reward_class(function)()
     baseline, more = (ReachVectorEnv(simulator, ROBOT, ReachTask(), reward, num_envs) for reward in rewards)
     count = amount({1: 3000, 64: 1500, 1024: 300}[num_envs], 2)
-    actions = np.random.default_rng(0).uniform(-1.0, 1.0, (count, num_envs, 6)).astype(np.float32)
+    actions = default_rng(0).uniform(-1.0, 1.0, (count, num_envs, 6)).astype(np.float32)
     for env in (baseline, more):
         env.reset(seed=0)
     require_speed(lambda: step_through(baseline, actions), lambda: step_through(more, actions), at_least=1 / 1.1)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
 
 from harness.record import trace_of
 from harness.registry import choose, load_registry
@@ -21,7 +22,7 @@ AT_LEAST = 0.15
 @pytest.fixture(scope="module", name="rows")
 def _rows(amount):
     """A long run: episodes of 100 steps after their start row, distances that go up and down."""
-    rng = np.random.default_rng(0)
+    rng = default_rng(0)
     episodes = rng.uniform(0.0, 1.0, (amount(4_000_000, 2 * BLOCK) // EPISODE, EPISODE))
     begin = np.repeat(episodes[:, :1], EPISODE, axis=1)
     best = np.minimum.accumulate(episodes, axis=1)

@@ -6,6 +6,7 @@ import warnings
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
 
 from harness.environment import announce_all
 from harness.registry.allowed import PROGRAMS, allow_programs
@@ -24,7 +25,7 @@ def _bare(program, agents, steps):
         env = UnityEnvironment(str(program), base_port=5105 + agents, no_graphics=True)
     env.reset()
     (name,) = env.behavior_specs
-    rng = np.random.default_rng(0)
+    rng = default_rng(0)
 
     def play():
         for _ in range(steps):
@@ -43,7 +44,7 @@ def _ours(program, agents, steps):
     envs = Unity(file=str(program)).make_together(agents)
     for env in envs:
         env.reset(seed=0)
-    rng = np.random.default_rng(0)
+    rng = default_rng(0)
 
     def play():
         for _ in range(steps):

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
 
 from harness.eta import RACE, Looks, Question, rule, rule_in_looks
 from harness.eta.verdict.ruling import opposed_in, rule_places
@@ -44,7 +45,7 @@ def unequal(trainings, rng, baselines, proposed, rewards):
 
 def share_decided(trainings, seeds, places, rewards, experiments):
     """How many of the experiments claim anything."""
-    rng = np.random.default_rng([seeds, places, rewards])
+    rng = default_rng([seeds, places, rewards])
     return sum(decided(trainings.draw(rng, seeds, places, rewards)) for _ in range(experiments)) / experiments
 
 
@@ -71,7 +72,7 @@ def test_null_experiments_err_as_rarely_as_they_say(seeds, places, rewards):
 @pytest.mark.parametrize("rewards", [1, 2])
 def test_unequal_numbers_of_trainings_err_as_rarely(baselines, proposed, rewards):
     """All count, and in 5 % at most of the experiments without an effect anything is claimed."""
-    experiments, rng = 1000, np.random.default_rng([baselines, proposed, rewards])
+    experiments, rng = 1000, default_rng([baselines, proposed, rewards])
     wrong = np.mean([decided(unequal(NULL, rng, baselines, proposed, rewards)) for _ in range(experiments)])
     assert is_kept(f"{baselines} against {proposed}, {rewards} rewards", wrong, LEVEL, experiments)
 
@@ -79,7 +80,7 @@ def test_unequal_numbers_of_trainings_err_as_rarely(baselines, proposed, rewards
 @pytest.mark.slow
 def test_the_trainings_that_one_reward_has_more_of_find_more():
     """Ten baselines against five trainings that are better by 30 points, and five against five."""
-    experiments, rng = 1000, np.random.default_rng(11)
+    experiments, rng = 1000, default_rng(11)
     drawn = [unequal(replace(NULL, effect=0.3), rng, 10, 5, 1) for _ in range(experiments)]
     found = float(np.mean([decided(it) for it in drawn]))
     fewer = float(np.mean([decided([values[:, :5] for values in it]) for it in drawn]))
@@ -110,7 +111,7 @@ def pools(rng, seeds, effects, places=4):
 @pytest.mark.parametrize(("seeds", "power", "experiments"), [(6, 0.48, 300), (8, 0.67, 150)])
 def test_four_rewards_that_help_in_four_places_are_found(seeds, power, experiments):
     """By 13 points each, each of them so often; Bonferroni's correction finds 0.35 and 0.55."""
-    rng = np.random.default_rng(seeds)
+    rng = default_rng(seeds)
     found = [np.mean([it.is_decided for it in rule(pools(rng, seeds, [0.13] * 4))]) for _ in range(experiments)]
     print(f"{seeds} seeds: {np.mean(found):.3f}")  # noqa: T201
     assert np.mean(found) >= power - error(power, experiments)
@@ -121,7 +122,7 @@ def test_four_rewards_that_help_in_four_places_are_found(seeds, power, experimen
 @pytest.mark.parametrize(("seeds", "experiments"), [(6, 1000), (8, 300)])
 def test_rewards_that_do_nothing_in_four_places_are_seldom_called(seeds, experiments, effects):
     """In 5 % of the experiments at most, also beside two that help."""
-    rng, wrong = np.random.default_rng([seeds, 4]), 0
+    rng, wrong = default_rng([seeds, 4]), 0
     for _ in range(experiments):
         ruled = zip(rule(pools(rng, seeds, effects)), effects, strict=True)
         wrong += any(ruling.is_decided for ruling, effect in ruled if effect == 0.0)
@@ -141,7 +142,7 @@ def test_rewards_that_do_nothing_in_four_places_are_seldom_called(seeds, experim
 )
 def test_a_place_is_seldom_called_opposed_where_none_is(effects, low, high):
     """With six seeds; where one place loses what three gain it is told in nearly half of the experiments."""
-    experiments, rng, opposed = 500, np.random.default_rng(4), 0
+    experiments, rng, opposed = 500, default_rng(4), 0
     for _ in range(experiments):
         places = [replace(NULL, effect=effect).draw(rng, 6)[0] for effect in effects]
         question = Question.of(np.concatenate(places, axis=2))
@@ -171,7 +172,7 @@ def recorded(proposed):
 @pytest.mark.parametrize(("seeds", "power", "before"), [(6, 0.48, 0.28), (10, 0.64, 0.40)])
 def test_three_measures_find_more_than_two_of_the_engines_records(seeds, power, before):
     """`dense` against the baseline, trainings drawn anew from the ten recorded: at 5 %, and two measures at 4 %."""
-    each, rng, found = 30, np.random.default_rng(seeds), []
+    each, rng, found = 30, default_rng(seeds), []
     for values in recorded("dense"):
         for _ in range(each):
             drawn = np.stack([side[rng.integers(0, len(side), seeds)] for side in values])[:, :, None]
@@ -188,7 +189,7 @@ def test_three_measures_find_more_than_two_of_the_engines_records(seeds, power, 
 @pytest.mark.parametrize("seeds", [6, 10])
 def test_three_measures_err_as_rarely_as_they_say(seeds):
     """Both sides drawn from the trainings of both rewards: 5 %."""
-    each, rng, found = 30, np.random.default_rng(seeds), []
+    each, rng, found = 30, default_rng(seeds), []
     for values in [*recorded("dense"), *recorded("arp")]:
         pool = np.concatenate([values[0], values[1]])
         for _ in range(each):
@@ -221,7 +222,7 @@ def in_looks(trainings, looks, places, rng):
 def test_until_decided_finds_effects_in_one_place(effect, power, seeds):
     """With so many seeds on average; without an effect it errs in 5 %."""
     experiments, looks = 2000 if effect == 0.0 else 400, Looks(ONE_PLACE)
-    rng = np.random.default_rng(int(100 * effect))
+    rng = default_rng(int(100 * effect))
     ends = [next(in_looks([Trainings(effect=effect)], looks, 1, rng)) for _ in range(experiments)]
     found = float(np.mean([it.is_decided for it in ends]))
     used = float(np.mean([looks.seeds[it.look] for it in ends]))
@@ -237,7 +238,7 @@ def test_until_decided_finds_effects_in_one_place(effect, power, seeds):
 def test_until_decided_answers_two_rewards_in_eight_places():
     """One that helps by 13 points on average, one that does nothing: at most 230 trainings."""
     experiments, places, looks = 100, 8, Looks(SEVERAL_PLACES, asked=2)
-    rng, found, small, count = np.random.default_rng(8), 0, 0, 0.0
+    rng, found, small, count = default_rng(8), 0, 0, 0.0
     for _ in range(experiments):
         ends = list(in_looks([DENSE_LIKE, NULL], looks, places, rng))
         found, small = found + ends[0].is_decided, small + (ends[1].is_decided or ends[1].small is not None)
@@ -254,7 +255,7 @@ def test_until_decided_answers_two_rewards_in_eight_places():
 def test_a_sequential_study_without_effects_claims_nothing(places, rewards, experiments):
     """In 95 % of the studies at least, all looks and rewards together."""
     looks = Looks(SEVERAL_PLACES if places >= 4 else ONE_PLACE, asked=rewards)
-    rng = np.random.default_rng([places, rewards])
+    rng = default_rng([places, rewards])
     wrong = sum(any(it.is_decided for it in in_looks([NULL] * rewards, looks, places, rng)) for _ in range(experiments))
     assert is_kept(f"{places} places, {rewards} rewards", wrong / experiments, LEVEL, experiments)
 
@@ -275,7 +276,7 @@ def race_of(means, rng):
 @pytest.mark.slow
 def test_a_race_of_eight_finds_the_best():
     """Successes of .80, .65 and six times .60: wrong in 1 % at most, with 0.7 of all trainings."""
-    experiments, rng = 1000, np.random.default_rng(8)
+    experiments, rng = 1000, default_rng(8)
     ends = [race_of([0.80, 0.65, *[0.60] * 6], rng) for _ in range(experiments)]
     ends = [(it.best is not None or it.is_close, "candidate 0" not in it.living, share) for it, share in ends]
     resolved, wrong, used = np.mean(ends, axis=0)
@@ -291,6 +292,6 @@ def test_a_race_of_eight_finds_the_best():
 )
 def test_a_race_seldom_throws_out_the_best(means):
     """In 5 % at most, also where others are as good, and where many that are worse have left."""
-    experiments, rng = 1000, np.random.default_rng(9)
+    experiments, rng = 1000, default_rng(9)
     wrong = float(np.mean(["candidate 0" not in race_of(means, rng)[0].living for _ in range(experiments)]))
     assert is_kept(str(means), wrong, LEVEL, experiments)

@@ -10,6 +10,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import scipy.stats
+from numpy.random import default_rng
 
 from harness.eta import RACE, SHARE, UNBOUNDED, Looks, race
 from harness.eta.unseen import difference_bounds, mean_bounds
@@ -34,7 +35,7 @@ def failing(rng, share, shape, success=1.0):
 
 def test_without_ends_the_bounds_are_welchs():
     """Nothing is known of what was not seen; unequal counts, two places."""
-    rng = np.random.default_rng(0)
+    rng = default_rng(0)
     baseline, proposed = [rng.normal(size=4), rng.normal(size=7)], [rng.normal(size=5), rng.normal(size=6)]
     groups = [*baseline, *proposed]
     parts = [np.var(group, ddof=1) / len(group) for group in groups]
@@ -87,7 +88,7 @@ def test_the_unseen_training_is_where_it_weighs_most():
 
 def test_bounds_turn_round_with_the_rewards_and_with_the_measure():
     """Who is called proposed changes the sign; failures instead of successes too."""
-    rng = np.random.default_rng(1)
+    rng = default_rng(1)
     one, other = [failing(rng, 0.2, (6,))], [failing(rng, 0.2, (9,), 0.9)]
     low, high = difference_bounds(one, other, [SHARE])
     assert difference_bounds(other, one, [SHARE]) == pytest.approx((-high, -low))
@@ -97,7 +98,7 @@ def test_bounds_turn_round_with_the_rewards_and_with_the_measure():
 
 def test_what_was_seen_may_need_more_confidence():
     """Whichever bound is worse holds: at 99 % that of an ordinary spread, at 95 % that of perfect trainings."""
-    rng = np.random.default_rng(2)
+    rng = default_rng(2)
     ordinary, perfect = [steady(rng, 0.5, (32,), 0.18)], [np.ones(32)]
     strict, usual = 0.9999, 0.9
     wider = difference_bounds(ordinary, ordinary, [SHARE], usual, strict)
@@ -111,7 +112,7 @@ def test_what_was_seen_may_need_more_confidence():
 @pytest.mark.parametrize("seeds", [*SEEDS, 32])
 def test_bounds_hold_a_mean_where_trainings_fail(seeds, share, places):
     """Either one in 95 %, also where trainings succeed so rarely; measured 0.948 at least."""
-    experiments, rng = 4000, np.random.default_rng([seeds, places, int(1000 * share)])
+    experiments, rng = 4000, default_rng([seeds, places, int(1000 * share)])
     drawn = failing(rng, share, (experiments, places, seeds))
     found = np.array([mean_bounds(list(values), [SHARE] * places) for values in drawn])
     low, high = (found[:, 0] <= 1.0 - share).mean(), (found[:, 1] >= 1.0 - share).mean()
@@ -129,7 +130,7 @@ def says_no_difference(baseline, proposed, margin):
 
 def share_no_difference(shares, seeds, margin, experiments):
     """How often it is said in one place."""
-    rng = np.random.default_rng([seeds, *(int(1000 * share) for share in shares)])
+    rng = default_rng([seeds, *(int(1000 * share) for share in shares)])
     pairs = zip(*(failing(rng, share, (experiments, 1, seeds)) for share in shares), strict=True)
     return sum(says_no_difference(*pair, margin) for pair in pairs) / experiments
 
@@ -155,7 +156,7 @@ def test_no_difference_is_seldom_said_falsely(seeds, margin):
 @pytest.mark.parametrize(("deviation", "least"), [(0.02, 0.99), (0.04, 0.8)])
 def test_no_difference_is_said_of_small_spreads_in_several_places(deviation, least):
     """Of rewards that are alike in eight places with ten seeds each."""
-    experiments, rng = 300, np.random.default_rng(4)
+    experiments, rng = 300, default_rng(4)
     drawn = steady(rng, 0.9, (experiments, 2, 8, 10), deviation)
     said = sum(says_no_difference(*pair, CLOSE) for pair in drawn) / experiments
     print(f"spread {deviation}: {said:.3f}")  # noqa: T201
@@ -181,7 +182,7 @@ def test_neither_learns_takes_27_trainings_that_all_fail():
 @pytest.mark.parametrize("seeds", [*SEEDS, 32])
 def test_neither_learns_is_seldom_said_falsely(seeds, learn):
     """Where one reward or both learn in a few of their trainings."""
-    experiments, rng = 4000, np.random.default_rng([seeds, int(1000 * learn)])
+    experiments, rng = 4000, default_rng([seeds, int(1000 * learn)])
     for other in (0.0, learn):
         drawn = [failing(rng, 1.0 - share, (experiments, seeds)) for share in (learn, other)]
         wrong = sum(says_neither_learns(pair) for pair in zip(*drawn, strict=True)) / experiments
@@ -215,7 +216,7 @@ def test_perfect_trainings_end_it_after_32_of_each_reward(places, seeds):
 def test_a_small_difference_is_seldom_told_falsely(shares, places):
     """At all looks together, of rewards that differ by more than 10 points."""
     looks, experiments = Looks(ONE_PLACE if places == 1 else SEVERAL_PLACES), 2000 if places == 1 else 500
-    rng = np.random.default_rng([places, int(1000 * shares[1])])
+    rng = default_rng([places, int(1000 * shares[1])])
     drawn = (np.stack([failing(rng, share, (places, looks.most)) for share in shares]) for _ in range(experiments))
     wrong = sum(look_that_ends(values, looks, [SHARE] * places) is not None for values in drawn) / experiments
     assert is_kept(f"{places} places, {shares[0]:.2f} and {shares[1]:.2f} fail", wrong, LEVEL, experiments)
@@ -226,7 +227,7 @@ def test_a_small_difference_is_seldom_told_falsely(shares, places):
 def test_an_ordinary_spread_ends_it_nearly_as_often(places, deviation, lost):
     """As without the training that was not seen."""
     looks, experiments = Looks(ONE_PLACE if places == 1 else SEVERAL_PLACES), 400
-    rng = np.random.default_rng(places)
+    rng = default_rng(places)
     drawn = [steady(rng, 0.45, (2, places, looks.most), deviation) for _ in range(experiments)]
     with_it, without = (
         np.mean([look_that_ends(values, looks, [ends] * places) is not None for values in drawn])
@@ -251,7 +252,7 @@ def race_of(rng, shares, successes, places=1):
 def false_ends(shares, successes, experiments, places=1):
     """How often a race says falsely that all are within 5 points, and how often the first best one leaves."""
     means = np.array([success * (1.0 - share) for share, success in zip(shares, successes, strict=True)])
-    rng, best = np.random.default_rng(len(shares)), int(means.argmax())
+    rng, best = default_rng(len(shares)), int(means.argmax())
     ends = [race_of(rng, shares, successes, places) for _ in range(experiments)]
     far = [means[[int(name) for name in end.living]].min() < means[best] - CLOSE - ROUNDING for end in ends]
     close = sum(end.is_close and wrong for end, wrong in zip(ends, far, strict=True)) / experiments
@@ -313,7 +314,7 @@ def test_the_best_seldom_leaves_where_others_fail_rarely(rewards, share, ahead):
 @pytest.mark.slow
 def test_a_race_of_eight_with_an_ordinary_spread_still_finds_the_best():
     """Successes of .80, .65 and six times .60; without the training that was not seen 0.94 with 0.63 of all."""
-    experiments, rng = 200, np.random.default_rng(8)
+    experiments, rng = 200, default_rng(8)
     ends = []
     for _ in range(experiments):
         values = {

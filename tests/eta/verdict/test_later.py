@@ -5,6 +5,7 @@ Nothing does anything in these experiments, so every answer is false. ``pytest -
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
 
 from harness.eta import Question, rule
 from tests.eta.scenarios import LEVEL, error, is_kept
@@ -21,7 +22,7 @@ def answers(values):
 @pytest.mark.slow
 def test_rewards_that_are_added_later():
     """The last report keeps its word. Whoever counts each report on the way has 2 points more."""
-    rng, last, ever = np.random.default_rng(1), 0, 0
+    rng, last, ever = default_rng(1), 0, 0
     for _ in range(EXPERIMENTS):
         values = rng.normal(size=(5, 10))
         reports = [answers(values[: 2 + count]) for count in range(4)]
@@ -45,7 +46,7 @@ HABITS = {
 def test_what_the_pages_warn_of(habit):
     """Each report keeps its word for itself; together they do not."""
     bound, seed, shape, reports = HABITS[habit]
-    rng, ever = np.random.default_rng(seed), 0
+    rng, ever = default_rng(seed), 0
     for _ in range(EXPERIMENTS):
         ever += any(map(answers, reports(rng.normal(size=shape))))
     assert is_kept(habit, ever / EXPERIMENTS, bound, EXPERIMENTS)

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
 
 from harness.eta import Looks, rule, rule_in_looks
 from harness.eta.verdict.least_p import both_sides, crossed_before
@@ -118,7 +119,7 @@ def test_looks_that_cannot_be_used_say_why(seeds, told):
 
 def perfect_beside(steady):
     """A proposed reward of which every training succeeds, beside a baseline that is always nearly as good."""
-    baseline = steady + 0.01 * np.random.default_rng(0).normal(size=(1, ONE_PLACE[-1], 1))
+    baseline = steady + 0.01 * default_rng(0).normal(size=(1, ONE_PLACE[-1], 1))
     values = np.stack([baseline, np.ones_like(baseline)])
     return question_in_looks(values, Looks(ONE_PLACE), np.array([[[0.0, 1.0]]]))
 
@@ -138,7 +139,7 @@ def test_luck_has_one_level_over_all_looks(subtests):
         for share in [0.1, 0.2, 0.35, 0.5]:
             with subtests.test(places=places, share=share):
                 looks, levels = [places * seeds for seeds in ONE_PLACE], [0.05 * seeds / 32 for seeds in ONE_PLACE]
-                failed = (np.random.default_rng(0).random((20_000, looks[-1])) < share).cumsum(axis=1)
+                failed = (default_rng(0).random((20_000, looks[-1])) < share).cumsum(axis=1)
                 is_decided = np.zeros(len(failed), np.bool_)
                 for at, (count, level) in enumerate(zip(looks, levels, strict=True)):
                     chances = crossed_before(looks[:at], levels[:at], share) + both_sides(count, share)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import scipy.stats
 from hypothesis import given, strategies as st
+from numpy.random import default_rng
 
 from harness.eta import Question
 from tests.eta.scenarios import values_of
@@ -93,7 +94,7 @@ def test_a_training_that_is_missing_takes_none_of_the_other_reward_with_it():
 def test_rows_are_not_paired(baselines, proposed, places, seed):
     """Where the trainings of a side stand changes nothing."""
     values = with_counts(values_of(7, places, 2, effect=0.7, seed=seed), baselines, proposed)
-    rng, mixed = np.random.default_rng(seed), values.copy()
+    rng, mixed = default_rng(seed), values.copy()
     for side in (0, 1):
         mixed[side] = values[side, rng.permutation(7)]
     one, other = Question.of(values), Question.of(mixed)

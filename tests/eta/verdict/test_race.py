@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
 
 from harness.eta import RACE, race
 from harness.eta.verdict.race import spent
@@ -11,7 +12,7 @@ from harness.eta.verdict.race import spent
 
 def values_of(mean, spread=0.05, places=1, seed=0):
     """Of one candidate, (places, seeds)."""
-    return mean + spread * np.random.default_rng([seed, int(1000 * abs(mean))]).normal(size=(places, RACE[-1]))
+    return mean + spread * default_rng([seed, int(1000 * abs(mean))]).normal(size=(places, RACE[-1]))
 
 
 def raced(values, looks=7):

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scipy.stats
+from numpy.random import default_rng
 
 from harness.eta import Question, Ruling, rule
 from harness.eta.verdict.ruling import better_in, opposed_in, rule_places
@@ -197,7 +198,7 @@ def test_of_many_places_single_ones_count():
 
 def test_places_that_luck_alone_sets_apart_are_not_counted():
     """One place is better; in three every training of one reward succeeds beside a steady 80 %, as one in four do."""
-    rng = np.random.default_rng(0)
+    rng = default_rng(0)
     values = 0.8 + 0.02 * rng.normal(size=(2, 6, 4, 1))
     values[0, :, 0] -= 0.5
     values[1, :, 1:] = 1.0
@@ -217,7 +218,7 @@ def test_places_that_luck_alone_sets_apart_are_not_counted():
 
 def all_or_nothing(succeeded, failed, steady=0.8, seconds=4.0):
     """A baseline near a mean, a proposed reward that succeeds or fails; success, and minus the time, at most 10 s."""
-    count, rng = succeeded + failed, np.random.default_rng(0)
+    count, rng = succeeded + failed, default_rng(0)
     success = np.repeat([1.0, 0.0], [succeeded, failed])
     baseline = steady + 0.01 * rng.normal(size=(count, 2))
     baseline[:, 1] -= steady + seconds

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
 
 from harness.eta import Question, rule
 from tests.eta.scenarios import LEVEL, error, is_kept, steady
@@ -60,7 +61,7 @@ class Study:
 
 def share_decided(study, experiments):
     """In how many experiments any reward is called better or worse."""
-    rng = np.random.default_rng([study.seeds, study.places, study.rewards, study.measures])
+    rng = default_rng([study.seeds, study.places, study.rewards, study.measures])
     return sum(any(it.is_decided for it in rule(study.questions(rng))) for _ in range(experiments)) / experiments
 
 
@@ -101,7 +102,7 @@ def clipped(rng, mean, shape):
 )
 def test_answers_about_rewards_of_one_kind_are_kept(mean, effect, seeds, power):
     """Success alone, +20 points: in the middle all of them, towards 100 % at most 4 % fewer."""
-    experiments, rng = 1000, np.random.default_rng(seeds)
+    experiments, rng = 1000, default_rng(seeds)
     study = Study((clipped, clipped), (mean, mean + effect), seeds)
     drawn = [study.questions(rng) for _ in range(experiments)]
     found = np.mean([rule(it)[0].is_decided for it in drawn])

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
 from scipy.special import stdtrit
 
 from harness.eta import Question, change_of, swaps_of
@@ -23,7 +24,7 @@ def test_means_are_over_seeds_and_then_over_places():
 
 def test_the_interval_is_welchs():
     """Of a measure that is no share."""
-    values = np.random.default_rng(0).normal(size=(2, 6, 3))
+    values = default_rng(0).normal(size=(2, 6, 3))
     found = together(values)
     means = values.mean(axis=2)
     error = np.sqrt(means.var(axis=1, ddof=1).sum() / 6)

@@ -8,6 +8,8 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 import safetensors.numpy
+from numpy.random import default_rng
+from numpy.testing import assert_array_equal
 
 from harness.authoring.generator_state import pack_generator, restore_generator
 from harness.errors import SchemaError
@@ -161,7 +163,7 @@ def test_checkpoint_comes_back(tmp_path):
     assert (back.steps, back.seconds, back.parts, int(back.env["count"])) == (7, 1.5, (), 5)
     for name, array in algorithm.items():
         assert (back.algorithm[name].dtype, back.algorithm[name].shape) == (array.dtype, array.shape)
-        np.testing.assert_array_equal(back.algorithm[name], array)
+        assert_array_equal(back.algorithm[name], array)
 
 
 @pytest.mark.parametrize("key", ORIGIN)
@@ -220,7 +222,7 @@ def test_parts_become_one_trace(tmp_path):
 
 def test_trace_is_the_same_file_in_however_many_parts(tmp_path):
     """Byte for byte, wherever it was cut and however the rows came."""
-    rows = np.random.default_rng(0).random((3 * TraceWriter.BLOCK + 100, len(SCALARS) + 4)).round(2)
+    rows = default_rng(0).random((3 * TraceWriter.BLOCK + 100, len(SCALARS) + 4)).round(2)
     contents = []
     for cuts, batch in (((), 7), ((1, 5_000, 30_000), 1000), (range(700, 49_000, 700), 33)):
         path = tmp_path / str(batch) / TRACE
@@ -262,25 +264,25 @@ def test_env_goes_on_as_it_would_have():
     second.restore(first.state())
     assert second.environment_steps == first.environment_steps == 90
     for _ in range(2):
-        np.testing.assert_array_equal(first.reset()[0], second.reset()[0])
+        assert_array_equal(first.reset()[0], second.reset()[0])
         for _ in range(25):
-            np.testing.assert_array_equal(first.step(actions)[0], second.step(actions)[0])
-        np.testing.assert_array_equal(first.episodes.matrix, second.episodes.matrix)
+            assert_array_equal(first.step(actions)[0], second.step(actions)[0])
+        assert_array_equal(first.episodes.matrix, second.episodes.matrix)
 
 
 def test_generator_goes_on_as_it_would_have():
     """The same numbers follow."""
-    first, second = np.random.default_rng(0), np.random.default_rng(1)
+    first, second = default_rng(0), default_rng(1)
     first.normal(size=5)
     restore_generator(second, pack_generator(first))
-    np.testing.assert_array_equal(first.normal(size=5), second.normal(size=5))
+    assert_array_equal(first.normal(size=5), second.normal(size=5))
 
 
 @pytest.mark.parametrize("packed", [b"no json", b"[]", b'{"bit_generator": "MT19937"}'])
 def test_state_of_no_such_generator_is_refused(packed):
     """With the kind that was expected."""
     with pytest.raises(SchemaError, match="no state of a PCG64"):
-        restore_generator(np.random.default_rng(0), np.frombuffer(packed, np.uint8))
+        restore_generator(default_rng(0), np.frombuffer(packed, np.uint8))
 
 
 @pytest.mark.usefixtures("toys")

@@ -11,6 +11,7 @@ import numpy as np
 import pyarrow.csv
 import pyarrow.parquet as pq
 import pytest
+from numpy.testing import assert_array_equal
 
 from harness.errors import UsageError
 from harness.executor import CellOptions
@@ -360,9 +361,9 @@ def test_trainings_are_exported_as_csv(results, tmp_path):
     recorded = read_recording(results.store.cell_folder(cell) / "training")
     table = pyarrow.csv.read_csv(tmp_path / "random-toy" / "near" / "seed-1.csv")
     assert table.column_names[:4] == ["time", "env", "episode", "step"]
-    np.testing.assert_array_equal(table["reward_right"], recorded["reward/right"])
-    np.testing.assert_array_equal(table["behaviour_distance"], recorded["behaviour/distance"])
-    np.testing.assert_array_equal(table["truncated"], recorded["truncated"])
+    assert_array_equal(table["reward_right"], recorded["reward/right"])
+    assert_array_equal(table["behaviour_distance"], recorded["behaviour/distance"])
+    assert_array_equal(table["truncated"], recorded["truncated"])
 
 
 def test_folders_merge(registry, given, tmp_path):

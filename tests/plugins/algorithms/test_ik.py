@@ -4,6 +4,8 @@ import json
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
+from numpy.testing import assert_array_equal
 
 import harness
 from harness.algorithm import learns, why_not
@@ -64,7 +66,7 @@ def test_policy_of_a_pose_comes_back_from_its_folder(tmp_path):
     policy.save(tmp_path)
     env = harness.make_env("kinematic", "fd100-pose", "dense", num_envs=4)
     seen, _ = env.reset(seed=0)
-    np.testing.assert_array_equal(policy.act(seen), load_policy(tmp_path).act(seen))
+    assert_array_equal(policy.act(seen), load_policy(tmp_path).act(seen))
     card = json.loads((tmp_path / CARD).read_text())
     assert (card["observation"]["size"], card["turns"]) == (37, True)
     card["observation"]["size"] = 28
@@ -84,7 +86,7 @@ def test_policy_comes_back_from_its_folder(tmp_path, mode):
     policy = _policy(ReachTask(action=mode), mode=mode)
     policy.save(tmp_path)
     loaded = load_policy(tmp_path)
-    np.testing.assert_array_equal(policy.act(observations()), loaded.act(observations()))
+    assert_array_equal(policy.act(observations()), loaded.act(observations()))
     card = json.loads((tmp_path / CARD).read_text())
     assert card["robot"]["name"] == harness.load_robot("fd100", REGISTRY).name
     assert len(card["robot"]["urdf_sha256"]) == 64
@@ -94,8 +96,8 @@ def test_policy_comes_back_from_its_folder(tmp_path, mode):
 def test_nothing_is_drawn():
     """With a generator it does the same as without."""
     policy = _policy(ReachTask())
-    drawn = policy.act(observations(), np.random.default_rng(0))
-    np.testing.assert_array_equal(drawn, policy.act(observations()))
+    drawn = policy.act(observations(), default_rng(0))
+    assert_array_equal(drawn, policy.act(observations()))
 
 
 def test_card_has_the_size_of_the_observation():

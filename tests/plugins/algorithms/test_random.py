@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
+from numpy.testing import assert_array_equal
 from scipy import stats
 
 from harness.algorithm import learns
@@ -28,7 +30,7 @@ def test_it_takes_discrete_actions():
     """Every choice equally often."""
     policy = train(Random(), 10, space="discrete").policy
     assert isinstance(policy, UniformChoice)
-    drawn = policy.act(np.zeros((13_000, 28), np.float32), np.random.default_rng(0))
+    drawn = policy.act(np.zeros((13_000, 28), np.float32), default_rng(0))
     assert stats.chisquare(np.bincount(drawn, minlength=13)).pvalue > 1e-3
 
 
@@ -36,5 +38,5 @@ def test_it_takes_discrete_actions():
 def test_seed_decides_what_it_does(num_envs):
     """One seed, one trace; another seed, another."""
     ends = [train(Random(num_envs=num_envs), 91, seed=seed).env.episodes.matrix for seed in (0, 0, 1)]
-    np.testing.assert_array_equal(ends[0], ends[1])
+    assert_array_equal(ends[0], ends[1])
     assert not np.array_equal(ends[0], ends[2])

@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
+from numpy.testing import assert_allclose, assert_array_equal
 
 from harness.errors import UsageError
 from harness.policy import load_policy
@@ -19,7 +21,7 @@ def test_policy_acts_as_the_actor(models, tmp_path, settings):
     train_anew(Sac(**settings), STEPS).policy.save(tmp_path / "policy")
     seen = observations()
     expected, _ = models[0].predict(seen, deterministic=True)
-    np.testing.assert_allclose(load_policy(tmp_path / "policy").act(seen), expected, rtol=0.0, atol=1e-6)
+    assert_allclose(load_policy(tmp_path / "policy").act(seen), expected, rtol=0.0, atol=1e-6)
     assert expected.std(axis=0).min() > 1e-3
 
 
@@ -27,10 +29,10 @@ def test_policy_draws_as_the_actor(models):
     """With noise, mean and spread of the policy's actions are those of stable-baselines3's actor."""
     policy = train_anew(Sac(), STEPS).policy
     seen = np.repeat(observations()[:1], 20_000, axis=0)
-    ours = policy.act(seen, np.random.default_rng(0))
+    ours = policy.act(seen, default_rng(0))
     theirs, _ = models[0].predict(seen, deterministic=False)
-    np.testing.assert_allclose(ours.mean(axis=0), theirs.mean(axis=0), atol=0.03)
-    np.testing.assert_allclose(ours.std(axis=0), theirs.std(axis=0), atol=0.02)
+    assert_allclose(ours.mean(axis=0), theirs.mean(axis=0), atol=0.03)
+    assert_allclose(ours.std(axis=0), theirs.std(axis=0), atol=0.02)
 
 
 def test_settings_reach_the_library(models):
@@ -82,7 +84,7 @@ def test_policy_runs_on_after_the_training():
     before = {name: weight.copy() for name, weight in policy.weights.items()}
     train_anew(Sac(), STEPS)
     for name, weight in policy.weights.items():
-        np.testing.assert_array_equal(weight, before[name])
+        assert_array_equal(weight, before[name])
 
 
 def test_large_seed_is_taken():

@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
+from numpy.testing import assert_allclose, assert_array_equal
 
 from harness.policy import Categorical, Deterministic, Gaussian, Greedy, load_policy
 from harness.progress import Progress
@@ -34,7 +36,7 @@ def test_policy_acts_as_the_model(models, tmp_path, algorithm, space):
     trained(algorithm, space).policy.save(tmp_path / "policy")
     seen = observations()
     expected, _ = models[0].predict(seen, deterministic=True)
-    np.testing.assert_allclose(load_policy(tmp_path / "policy").act(seen), expected, rtol=0.0, atol=1e-6)
+    assert_allclose(load_policy(tmp_path / "policy").act(seen), expected, rtol=0.0, atol=1e-6)
 
 
 @pytest.mark.parametrize(("algorithm", "space"), EVERY, ids=repr)
@@ -45,7 +47,7 @@ def test_weights_are_copies(models, algorithm, space):
     for parameter in models[0].policy.parameters():
         parameter.data += 1.0
     for name, weight in policy.weights.items():
-        np.testing.assert_array_equal(weight, before[name])
+        assert_array_equal(weight, before[name])
 
 
 def test_ppo_draws_as_the_model(models):
@@ -53,10 +55,10 @@ def test_ppo_draws_as_the_model(models):
     policy = trained(Ppo(**QUICK_PPO)).policy
     assert isinstance(policy, Gaussian)
     seen = np.repeat(observations()[:1], 20_000, axis=0)
-    ours = policy.act(seen, np.random.default_rng(0))
+    ours = policy.act(seen, default_rng(0))
     theirs, _ = models[0].predict(seen, deterministic=False)
-    np.testing.assert_allclose(ours.mean(axis=0), theirs.mean(axis=0), atol=0.03)
-    np.testing.assert_allclose(ours.std(axis=0), theirs.std(axis=0), atol=0.02)
+    assert_allclose(ours.mean(axis=0), theirs.mean(axis=0), atol=0.03)
+    assert_allclose(ours.std(axis=0), theirs.std(axis=0), atol=0.02)
 
 
 def test_ppo_chooses_as_the_model(models):
@@ -65,10 +67,8 @@ def test_ppo_chooses_as_the_model(models):
     assert isinstance(policy, Categorical)
     seen = np.repeat(observations()[:1], 20_000, axis=0)
     theirs, _ = models[0].predict(seen, deterministic=False)
-    shares = [
-        np.bincount(given, minlength=13) / 20_000 for given in (policy.act(seen, np.random.default_rng(0)), theirs)
-    ]
-    np.testing.assert_allclose(*shares, atol=0.02)
+    shares = [np.bincount(given, minlength=13) / 20_000 for given in (policy.act(seen, default_rng(0)), theirs)]
+    assert_allclose(*shares, atol=0.02)
 
 
 def test_policies_draw_with_the_noise_of_the_training():
@@ -115,4 +115,4 @@ def test_looking_on_changes_nothing(algorithm, space):
     env.reset(seed=7)
     watched = algorithm.train(env, STEPS, 0, Curious())
     for name, weight in trained(algorithm, space).policy.weights.items():
-        np.testing.assert_array_equal(weight, watched.weights[name])
+        assert_array_equal(weight, watched.weights[name])

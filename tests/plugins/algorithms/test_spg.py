@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 import torch
+from numpy.random import default_rng
+from numpy.testing import assert_allclose
 
 import harness
 from harness.errors import UsageError
@@ -105,7 +107,7 @@ def test_estimate_is_the_gradient_of_j(baseline):
 
     The noise is measured; that it is small beside the gradient is required, and so is that a wrong sign would be seen.
     """
-    rng = np.random.default_rng(0)
+    rng = default_rng(0)
     policy = _policy(rng)
     exact = _finite_differences(policy)
     groups = _estimates(policy, _trials(policy, 400_000, rng), np.array(baseline))
@@ -116,7 +118,7 @@ def test_estimate_is_the_gradient_of_j(baseline):
 
 def test_baseline_takes_noise_away():
     """Here, where it is near what follows, the estimates scatter less with it."""
-    rng = np.random.default_rng(1)
+    rng = default_rng(1)
     policy = _policy(rng)
     segment = _trials(policy, 20_000, rng)
     expected = spg.rewards_to_go(segment.reward, segment.ended, np.zeros(20_000), GAMMA)[0].mean()
@@ -129,7 +131,7 @@ def test_baseline_takes_noise_away():
 
 def test_log_prob_is_that_of_the_gaussian():
     """Equal to torch's own, NOTE eq. 37 with a diagonal covariance."""
-    rng = np.random.default_rng(0)
+    rng = default_rng(0)
     policy = {name: torch.as_tensor(array) for name, array in spg.draw_layers([4, 8, 3], "mean", 1.0, rng).items()}
     policy["log_std"] = torch.tensor([-1.0, 0.0, 0.5])
     seen, action = (torch.as_tensor(rng.standard_normal((5, size)), dtype=torch.float32) for size in (4, 3))
@@ -153,16 +155,16 @@ def test_example_3_of_the_note():
     sigma, mean = STATES_3.mean().item(), ACTIONS_3.mean().item()
     assert (sigma, mean) == (0.5, 15.0)
     density = spg.log_prob(_constant_gaussian(mean, sigma), "tanh", STATES_3, ACTIONS_3).exp()
-    np.testing.assert_allclose(density, 2 * [np.exp(-25.0) / np.sqrt(np.pi)], rtol=1e-12)
-    np.testing.assert_allclose(density, 2 * [7.84e-12], rtol=1e-3)
+    assert_allclose(density, 2 * [np.exp(-25.0) / np.sqrt(np.pi)], rtol=1e-12)
+    assert_allclose(density, 2 * [7.84e-12], rtol=1e-3)
 
 
 def test_example_3_with_the_moments_of_its_actions():
     """The other reading: mean 15 and variance 25."""
     moments = ACTIONS_3.mean().item(), ACTIONS_3.var(correction=0).item()
     density = spg.log_prob(_constant_gaussian(*moments), "tanh", STATES_3, ACTIONS_3).exp()
-    np.testing.assert_allclose(density, 2 * [np.exp(-0.5) / np.sqrt(50.0 * np.pi)], rtol=1e-12)
-    np.testing.assert_allclose(density, 2 * [0.0484], rtol=1e-3)
+    assert_allclose(density, 2 * [np.exp(-0.5) / np.sqrt(50.0 * np.pi)], rtol=1e-12)
+    assert_allclose(density, 2 * [0.0484], rtol=1e-3)
 
 
 def test_rewards_to_go_stop_at_the_end_of_an_episode():
@@ -170,13 +172,13 @@ def test_rewards_to_go_stop_at_the_end_of_an_episode():
     reward = np.array([[1.0, 1.0], [2.0, 2.0], [4.0, 4.0]], np.float32)
     ended = np.array([[False, False], [True, False], [False, True]])
     to_go = spg.rewards_to_go(reward, ended, np.array([8.0, 8.0], np.float32), 0.5)
-    np.testing.assert_allclose(to_go, [[2.0, 3.0], [2.0, 4.0], [8.0, 4.0]])
+    assert_allclose(to_go, [[2.0, 3.0], [2.0, 4.0], [8.0, 4.0]])
 
 
 def test_discounts_begin_anew_with_each_episode():
     """gamma^t."""
     ended = np.array([[False, False], [True, False], [False, False]])
-    np.testing.assert_allclose(spg.discounts(ended, 0.5), [[1.0, 1.0], [0.5, 0.5], [1.0, 0.25]])
+    assert_allclose(spg.discounts(ended, 0.5), [[1.0, 1.0], [0.5, 0.5], [1.0, 0.25]])
 
 
 # ----------------------------------------------------------------------------------------------------- the training
@@ -192,7 +194,7 @@ def test_policy_acts_as_the_net_does():
     seen = observations()
     with torch.no_grad():
         mean = spg.forward(learner._policy, "tanh", torch.as_tensor(seen)).numpy()
-    np.testing.assert_allclose(learner.policy().act(seen), np.clip(mean, -1.0, 1.0), atol=1e-6)
+    assert_allclose(learner.policy().act(seen), np.clip(mean, -1.0, 1.0), atol=1e-6)
     assert mean.std(axis=0).min() > 1e-4
 
 
@@ -315,7 +317,7 @@ def test_bad_setting_is_a_usage_error(subtests):
 
 def _evaluate(policy):
     """Share of successes and mean return in 100 episodes of the FD100."""
-    env, rng = harness.make_env("kinematic", "fd100-reach", "dense", num_envs=100), np.random.default_rng(0)
+    env, rng = harness.make_env("kinematic", "fd100-reach", "dense", num_envs=100), default_rng(0)
     seen, _ = env.reset(seed=EVALUATION_SEED)
     running, returns, reached = np.ones(100, bool), np.zeros(100), np.zeros(100, bool)
     while running.any():

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 
 import harness
 from harness_plugins.arms.apart import ArmsApart
@@ -42,15 +43,15 @@ def simulation():
 def test_arms_begin_at_home(simulation):
     """Each in its own row."""
     state = simulation.read()
-    np.testing.assert_array_equal(state.qpos, HOME)
-    np.testing.assert_array_equal(state.end_effector, [[0.0] * 3, [1.0] * 3, [2.0] * 3])
+    assert_array_equal(state.qpos, HOME)
+    assert_array_equal(state.end_effector, [[0.0] * 3, [1.0] * 3, [2.0] * 3])
 
 
 def test_what_is_missed_in_a_period_is_made_up_for_in_the_next(simulation):
     """The speed leads from where the joint is: a tenth of the way is left, then a hundredth."""
     left = [np.abs(HOME + 1.0 - simulation.drive(HOME + 1.0, 0.1).qpos).max() for _ in range(3)]
-    np.testing.assert_allclose(left, [0.1, 0.01, 0.001])
-    np.testing.assert_allclose(simulation.read().qvel, 0.9 * 0.01 / 0.1)
+    assert_allclose(left, [0.1, 0.01, 0.001])
+    assert_allclose(simulation.read().qvel, 0.9 * 0.01 / 0.1)
 
 
 def test_reset_is_for_those_in_the_mask(simulation):
@@ -78,7 +79,7 @@ def test_frame_shows_the_arm_and_changes_nothing(simulation):
     simulation.place(HOME + 0.5)
     assert first.shape == (48, 64, 3)
     assert (simulation.render(0, np.array([0.5, 0.0, 0.5]), 64, 48) != first).any()
-    np.testing.assert_array_equal(simulation.read().qpos, HOME + 0.5)
+    assert_array_equal(simulation.read().qpos, HOME + 0.5)
 
 
 def test_close_lets_the_arms_go(simulation):

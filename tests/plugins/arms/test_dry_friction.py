@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from numpy.random import default_rng
+from numpy.testing import assert_allclose, assert_array_equal
 
 from harness_plugins.arms.dry_friction import DryFriction
 
@@ -10,15 +12,15 @@ from harness_plugins.arms.dry_friction import DryFriction
 @given(seed=st.integers(0, 2**32 - 1), dof=st.integers(1, 8))
 def test_each_joint_stands_still_or_is_slowed_with_all_there_is(seed, dof):
     """Speeds follow from impulses within the limits; a joint that still moves has the whole impulse against it."""
-    rng = np.random.default_rng(seed)
+    rng = default_rng(seed)
     root = rng.normal(size=(dof, dof))
     mobility, most = root @ root.T / dof + np.eye(dof), rng.uniform(0.0, 2.0, dof) * rng.integers(0, 2, dof)
     before, friction = rng.normal(size=dof), DryFriction(most)
     after, impulses = friction.slow(before, mobility), friction.impulses
-    np.testing.assert_allclose(after, before - mobility @ impulses, atol=1e-9)
+    assert_allclose(after, before - mobility @ impulses, atol=1e-9)
     assert (np.abs(impulses) <= most).all()
     moving = np.abs(after) > 1e-4
-    np.testing.assert_array_equal(impulses[moving], (np.sign(after) * most)[moving])
+    assert_array_equal(impulses[moving], (np.sign(after) * most)[moving])
 
 
 def test_one_joint_by_hand():
@@ -33,6 +35,6 @@ def test_what_was_found_before_changes_the_search_alone():
     used.slow(np.array([-5.0, 4.0]), mobility)
     speeds = np.array([0.5, 0.6])
     new = DryFriction(np.array([0.3, 0.4])).slow(speeds, mobility)
-    np.testing.assert_allclose(used.slow(speeds, mobility), new, atol=1e-9)
+    assert_allclose(used.slow(speeds, mobility), new, atol=1e-9)
     used.forget()
-    np.testing.assert_array_equal(used.slow(speeds, mobility), new)
+    assert_array_equal(used.slow(speeds, mobility), new)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 
 import harness
 from harness.authoring import Substeps
@@ -48,8 +49,8 @@ def test_references_go_from_the_last_target_to_the_next_and_come_late(simulation
     speed = np.concatenate([np.zeros(DELAY), np.full(20, 10.0), np.full(20, 20.0)])[:40]
     for arm in simulation.arms:
         positions, speeds = (np.concatenate(part) for part in zip(*arm.told, strict=True))
-        np.testing.assert_allclose(positions, ROBOT.home + way[:, None], atol=1e-12)
-        np.testing.assert_allclose(speeds, np.tile(speed[:, None], ROBOT.dof), atol=1e-9)
+        assert_allclose(positions, ROBOT.home + way[:, None], atol=1e-12)
+        assert_allclose(speeds, np.tile(speed[:, None], ROBOT.dof), atol=1e-9)
 
 
 def test_part_of_a_period_has_its_part_of_the_steps(simulation):
@@ -64,8 +65,8 @@ def test_reset_forgets_what_is_to_come(simulation):
     simulation.reset(HOME, np.array([True, False]))
     simulation.drive(HOME, 0.1)
     first, second = (arm.told[1][0][0] for arm in simulation.arms)
-    np.testing.assert_array_equal(first, ROBOT.home)
-    np.testing.assert_allclose(second, ROBOT.home + 0.9)
+    assert_array_equal(first, ROBOT.home)
+    assert_allclose(second, ROBOT.home + 0.9)
 
 
 def test_resting_arms_are_told_nothing(simulation):

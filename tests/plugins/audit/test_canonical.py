@@ -6,6 +6,7 @@ from bisect import bisect_right
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal
 
 from harness.payoff import Rollout
@@ -20,7 +21,7 @@ SAMPLES, GROUPS, CHANGES = 64, 32, 16
 
 def wander(seed, episodes, steps, largest=0.02):
     """A made-up rollout: each step changes the distance by no more than `largest`, and every third episode ends."""
-    rng = np.random.default_rng(seed)
+    rng = default_rng(seed)
     changes = rng.uniform(-largest, largest, (steps, episodes))
     distances = np.vstack([np.zeros(episodes), np.cumsum(changes, axis=0)]) + rng.uniform(0.4, 2.0, episodes)
     running = np.ones((steps, episodes), bool)

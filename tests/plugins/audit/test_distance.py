@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
+from numpy.random import default_rng
 
 from harness.payoff import record_rollouts
 from harness.reach import ReachTask
@@ -140,7 +141,7 @@ def test_dard_does_not_ask_about_steps_that_cannot_be_done(short):
         jump = np.abs(sample.distance - sample.previous_distance) > 0.1
         return BASELINE((), sample)[1] + np.where(jump, sample.previous_distance**2, 0.0)
 
-    changes = np.random.default_rng(0).uniform(-0.02, 0.02, (20, 40))
+    changes = default_rng(0).uniform(-0.02, 0.02, (20, 40))
     distances = np.vstack([np.zeros(40), np.cumsum(changes, axis=0)]) + np.linspace(0.5, 2.0, 40)
     made = replace(short[0], states={"distance": distances}, events=0.0 * changes, running=changes < 1.0)
     found = apart(Paying(jumping), BASELINE, [made])

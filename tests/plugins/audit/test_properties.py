@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
 
 from harness.payoff import score_rollout
 from harness_plugins.audit.probe import needed_beside_distances, probe_distances
@@ -170,7 +171,7 @@ def test_a_reward_that_needs_more_is_not_asked(rollouts):
     ]
 
 
-RNG = np.random.default_rng(0)
+RNG = default_rng(0)
 READERS = {
     "distances": (lambda step: step.distance - step.before.distance + step.previous_best, ()),
     "unpacked": (lambda step: step[0] + sum(step), ()),

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
 
 from harness.eta import SeedMean
 from harness.payoff import finishing_of, never_paid, payoff_of, score_rollout, temptations
@@ -119,7 +120,7 @@ def episodes(paid, **measures):
 
 def test_pairs_of_a_success_and_a_failure_are_counted():
     """Over all trainings; an episode of which nobody knows whether it succeeded is left out."""
-    rng = np.random.default_rng(0)
+    rng = default_rng(0)
     each = [episodes(rng.normal(size=6), success=rng.integers(2, size=6)) for _ in range(4)]
     each.append(episodes([100.0, -100.0], success=[np.nan, 1.0]))
     paid = np.concatenate([it.returns["a"] for it in each])
@@ -171,7 +172,7 @@ def test_reward_that_pays_most_for_another_behaviour_is_named(rows, line):
 
 def test_two_evaluations_of_a_training_are_one_in_intervals():
     """Four trainings that were evaluated twice are no eight: the interval is over four."""
-    rng = np.random.default_rng(1)
+    rng = default_rng(1)
     each = [episodes(rng.normal(size=6), success=[0.0, 1.0] * 3) for _ in range(4)]
     twice = [it for it in each for _ in range(2)]
     found, alone = rank_success(twice, "a", "success", [0, 0, 1, 1, 2, 2, 3, 3]), rank_success(each, "a", "success")

@@ -9,6 +9,7 @@ import numpy as np
 import onnx
 import onnxruntime
 import pytest
+from numpy.testing import assert_allclose
 
 from harness.cli import main
 from harness.policy import InverseKinematics, SquashedGaussian, Uniform, UniformChoice, load_policy
@@ -45,7 +46,7 @@ def test_onnx_model_of_a_cell_is_written(call, cell, inside):
     assert call(cell / inside, "--onnx", "model.onnx") == (0, "Model: model.onnx (squashed-gaussian)\n")
     seen = np.ones((3, 5), np.float32)
     (actions,) = onnxruntime.InferenceSession("model.onnx").run(None, {"observation": seen})
-    np.testing.assert_allclose(actions, load_policy(cell / "policy").act(seen), atol=1e-5)
+    assert_allclose(actions, load_policy(cell / "policy").act(seen), atol=1e-5)
     assert '"seed": 3' in onnx.load("model.onnx").metadata_props[0].value
 
 

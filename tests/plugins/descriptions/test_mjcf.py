@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 import pinocchio
 import pytest
+from numpy.random import default_rng
 
 from harness.errors import UsageError
 from harness.robot import link_frames, read_robot
@@ -72,7 +73,7 @@ ARM = """<!-- A licence may stand here. -->
 </mujoco>
 """
 SIMPLE = ARM.replace('<body name="cube" pos="0.5 0 0.1"><freejoint/>', '<body name="cube" pos="0.5 0 0.1">')
-DIRECTIONS = np.random.default_rng(1).normal(size=(40, 3))
+DIRECTIONS = default_rng(1).normal(size=(40, 3))
 
 
 def write_arm(folder, text=ARM):
@@ -98,7 +99,7 @@ def posed(path, robot, pose):
 
 def poses_of(robot):
     """Twenty at random, (20, dof)."""
-    return np.random.default_rng(0).uniform(robot.lower, robot.upper, (20, robot.dof))
+    return default_rng(0).uniform(robot.lower, robot.upper, (20, robot.dof))
 
 
 def refused(folder, text):
@@ -344,7 +345,7 @@ def test_names_that_come_twice_are_told_apart(tmp_path):
 
 def test_angles_are_exact_next_to_the_pole():
     """A pitch of 90 degrees, and a millionth beside it, where roll and yaw are hard to tell apart."""
-    rng, up = np.random.default_rng(0), np.array([0.0, 1.0, 0.0])
+    rng, up = default_rng(0), np.array([0.0, 1.0, 0.0])
     for aside in (0.0, 1e-16, 1e-9, 1e-7, 3.7e-6):
         pole = _turn(up, np.pi / 2 + aside)
         for turn in (

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
 
 from harness.record.folder import TRACE
 from harness.record.trace import read_trace
@@ -46,9 +47,9 @@ def test_recording_is_that_of_the_trace(trace, written):
     """Every number that a reward is computed from, bit for bit."""
     found, expected = open_steps(written), open_steps(trace)
     for name in (*EVENTS, *STEPS[1:]):
-        np.testing.assert_array_equal(found[name], expected[name], err_msg=name)
-    np.testing.assert_array_equal(found[PAY], expected["reward/baseline"])
-    np.testing.assert_array_equal(found["start"], expected["step"] == 0)
+        assert_array_equal(found[name], expected[name], err_msg=name)
+    assert_array_equal(found[PAY], expected["reward/baseline"])
+    assert_array_equal(found["start"], expected["step"] == 0)
 
 
 def test_other_rewards_pay_the_file_what_they_pay_the_trace(trace, written, toys, tmp_path):
@@ -64,7 +65,7 @@ def test_other_rewards_pay_the_file_what_they_pay_the_trace(trace, written, toys
 def test_prev_best_is_the_value_after_the_step(trace, written):
     """As in the experimenters' second program."""
     run = read_trace(trace)
-    np.testing.assert_array_equal(_columns(written)["prevBest"], np.minimum(run["previous_best"], run["distance"]))
+    assert_array_equal(_columns(written)["prevBest"], np.minimum(run["previous_best"], run["distance"]))
 
 
 def test_positions_are_in_unity_s_frame(trace, written):
@@ -73,7 +74,7 @@ def test_positions_are_in_unity_s_frame(trace, written):
     for theirs, ours in (("target", "target"), ("endEff", "end_effector")):
         x, y, z = (columns[f"{theirs} {axis}"] for axis in "xyz")
         for found, axis in zip((z, -x, y), "xyz", strict=True):
-            np.testing.assert_array_equal(found, run[f"{ours}_{axis}"])
+            assert_array_equal(found, run[f"{ours}_{axis}"])
 
 
 def test_cells_are_numbers_alone(written):

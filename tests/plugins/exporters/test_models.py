@@ -8,6 +8,8 @@ import onnx
 import onnxruntime
 import pytest
 from hypothesis import given, strategies as st
+from numpy.random import default_rng
+from numpy.testing import assert_allclose
 
 from harness.policy import Categorical, Deterministic, Gaussian, Greedy, SquashedGaussian
 from harness_plugins.exporters import onnx_model
@@ -27,13 +29,13 @@ every_kind = pytest.mark.parametrize("kind", NETWORKS)
 
 
 def _observations(count, scale):
-    return (scale * np.random.default_rng(2).normal(size=(count, 5))).astype(np.float32)
+    return (scale * default_rng(2).normal(size=(count, 5))).astype(np.float32)
 
 
 def _assert_equal(policy, seen):
     actions, expected = _loaded(policy)(seen), policy.act(seen)
     assert (actions.shape, actions.dtype) == (expected.shape, expected.dtype)
-    np.testing.assert_allclose(actions, expected, rtol=0.0, atol=1e-5)
+    assert_allclose(actions, expected, rtol=0.0, atol=1e-5)
 
 
 @every_kind

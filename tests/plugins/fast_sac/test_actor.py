@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 import torch
+from numpy.random import default_rng
+from numpy.testing import assert_allclose
 from stable_baselines3.common.distributions import SquashedDiagGaussianDistribution
 
 from harness_plugins.fast_sac.training import draw, put_error
@@ -40,17 +42,17 @@ def by_torch(output, noise):
 
 def test_draws_and_their_log_prob_are_those_of_the_library():
     """To the rounding of float32; the library is asked in float64, as it divides by tiny deviations."""
-    rng = np.random.default_rng(0)
+    rng = default_rng(0)
     output, noise = some_output(rng), some_noise(rng)
     ours = draw(output, noise)
     action, log_prob = by_torch(torch.tensor(output).double(), torch.tensor(noise).double())
-    np.testing.assert_allclose(ours.action, action.numpy(), rtol=1e-5, atol=1e-6)
-    np.testing.assert_allclose(ours.log_prob, log_prob.numpy(), rtol=1e-3, atol=1e-3)
+    assert_allclose(ours.action, action.numpy(), rtol=1e-5, atol=1e-6)
+    assert_allclose(ours.log_prob, log_prob.numpy(), rtol=1e-3, atol=1e-3)
 
 
 def test_error_is_the_derivative():
     """Of a loss of actions and log_prob, by automatic differentiation of the library's distribution."""
-    rng = np.random.default_rng(1)
+    rng = default_rng(1)
     output, noise = some_output(rng), some_noise(rng)
     by_action = rng.standard_normal((ROWS, SIZE), dtype=np.float32)
     leaf = torch.tensor(output, dtype=torch.float64, requires_grad=True)
@@ -59,7 +61,7 @@ def test_error_is_the_derivative():
     error = np.empty_like(output)
     put_error(output, draw(output, noise), by_action, 0.3, error)
     assert leaf.grad is not None
-    np.testing.assert_allclose(error, leaf.grad.numpy(), rtol=2e-3, atol=2e-3)
+    assert_allclose(error, leaf.grad.numpy(), rtol=2e-3, atol=2e-3)
 
 
 @pytest.mark.parametrize("log_std", [-25.0, 3.0])

@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 import stable_baselines3
 import torch
+from numpy.random import default_rng
+from numpy.testing import assert_allclose
 from stable_baselines3.common.logger import configure
 from stable_baselines3.common.type_aliases import ReplayBufferSamples
 from torch.distributions import normal
@@ -31,7 +33,7 @@ class SameNoise:
 
     def __init__(self) -> None:
         self.given: list[Float32] = []
-        self.rng = np.random.default_rng(3)
+        self.rng = default_rng(3)
 
     def standard_normal(self, shape, dtype):
         """What the learner asks for."""
@@ -89,8 +91,8 @@ def require_equal(networks, modules):
     layers = [layer for module in modules for layer in module.modules() if isinstance(layer, torch.nn.Linear)]
     flat = [(weight[k, :-1].T, weight[k, -1]) for k in range(len(networks[0])) for weight in networks]
     for layer, (weight, bias) in zip(layers, flat, strict=True):
-        np.testing.assert_allclose(weight, layer.weight.detach().numpy(), rtol=1e-3, atol=2e-4)
-        np.testing.assert_allclose(bias, layer.bias.detach().numpy(), rtol=1e-3, atol=2e-4)
+        assert_allclose(weight, layer.weight.detach().numpy(), rtol=1e-3, atol=2e-4)
+        assert_allclose(bias, layer.bias.detach().numpy(), rtol=1e-3, atol=2e-4)
 
 
 def split_heads(actor):
@@ -144,7 +146,7 @@ def test_updates_are_those_of_the_library(given, monkeypatch):
     """After 20 of them actor, critics, targets, entropy coefficient and losses are the same, to rounding."""
     settings = SacFast(**{"net_arch": (16, 24), "batch_size": ROWS, **given})
     learner, model, _ = beside(settings, monkeypatch)
-    rng = np.random.default_rng(0)
+    rng = default_rng(0)
     replay = transitions(rng)
     model.set_logger(configure(None, []))
     for _ in range(20):
@@ -153,8 +155,8 @@ def test_updates_are_those_of_the_library(given, monkeypatch):
         losses = learner.update(batch)
         model.train(1, ROWS)
         told = model.logger.name_to_value
-        np.testing.assert_allclose(losses.value, told["train/critic_loss"], rtol=1e-3)
-        np.testing.assert_allclose(losses.policy, told["train/actor_loss"], rtol=1e-3, atol=1e-4)
+        assert_allclose(losses.value, told["train/critic_loss"], rtol=1e-3)
+        assert_allclose(losses.policy, told["train/actor_loss"], rtol=1e-3, atol=1e-4)
         told.clear()
     for part, module in zip(
         split_heads(learner.actor), (model.actor.latent_pi, model.actor.mu, model.actor.log_std), strict=True
@@ -163,14 +165,14 @@ def test_updates_are_those_of_the_library(given, monkeypatch):
     require_equal(of_observation_first(learner._critics.networks), list(model.critic.q_networks))
     require_equal(of_observation_first(learner._targets), list(model.critic_target.q_networks))
     if settings.learns_coefficient:
-        np.testing.assert_allclose(learner.coefficient, model.log_ent_coef.exp().item(), rtol=1e-4)
+        assert_allclose(learner.coefficient, model.log_ent_coef.exp().item(), rtol=1e-4)
     else:
         assert learner.coefficient == pytest.approx(0.2)
 
 
 def test_a_terminated_transition_is_worth_its_reward():
     """Nothing that follows counts: with gamma 1 the critics go to the reward alone."""
-    rng = np.random.default_rng(0)
+    rng = default_rng(0)
     settings = SacFast(net_arch=(16,), batch_size=ROWS, gamma=1.0, ent_coef="0.5", learning_rate=1e-2)
     learner, replay = Learner(settings, OBSERVATION, ACTION, rng), Replay(1, OBSERVATION, ACTION)
     ones = np.ones((1, OBSERVATION), np.float32)
@@ -182,7 +184,7 @@ def test_a_terminated_transition_is_worth_its_reward():
 
 def test_a_learner_that_is_not_finite_says_so():
     """From the first update that it comes to: what it is paid is no number."""
-    rng, ones = np.random.default_rng(0), np.ones((1, OBSERVATION), np.float32)
+    rng, ones = default_rng(0), np.ones((1, OBSERVATION), np.float32)
     learner, replay = (
         Learner(SacFast(net_arch=(8,), batch_size=ROWS), OBSERVATION, ACTION, rng),
         Replay(1, OBSERVATION, ACTION),
@@ -195,7 +197,7 @@ def test_a_learner_that_is_not_finite_says_so():
 def test_entropy_is_aimed_at_minus_the_number_of_actions():
     """The coefficient rises below that, and falls above it."""
     for log_std, direction in ((-4.0, 1.0), (0.0, -1.0)):
-        rng = np.random.default_rng(0)
+        rng = default_rng(0)
         learner = Learner(SacFast(net_arch=(8,), batch_size=ROWS), OBSERVATION, ACTION, rng)
         learner.actor[-1][0, -1, ACTION:] = log_std
         before = learner.coefficient

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 import torch
 from hypothesis import given, settings, strategies as st
+from numpy.random import default_rng
+from numpy.testing import assert_allclose
 
 from harness_plugins.fast_sac.network import (
     Room,
@@ -50,31 +52,31 @@ def by_torch(networks, activation, inputs):
 @settings(max_examples=25, deadline=None)
 def test_both_ways_are_those_of_torch(activation, sizes, count, rows, shared, seed):
     """Outputs, the gradients of all weights, and that of the inputs, of any networks, to float32's rounding."""
-    rng = np.random.default_rng(seed)
+    rng = default_rng(seed)
     networks, room = drawn(count, sizes, rng), Room.of(count, rows, sizes)
     inputs = inputs_of(rng, rows, sizes[0]) if shared else inputs_of(rng, count, rows, sizes[0])
     weights, leaf, expected = by_torch(networks, activation, inputs)
     output = forward(networks, activation, inputs, room)
-    np.testing.assert_allclose(output, expected.detach().numpy(), rtol=1e-4, atol=1e-5)
+    assert_allclose(output, expected.detach().numpy(), rtol=1e-4, atol=1e-5)
     error = rng.standard_normal(output.shape, dtype=np.float32)
     expected.backward(torch.tensor(error))
     room.error[-1][...] = error
     gradient = tuple(np.empty_like(weight) for weight in networks)
     first = backward(networks, inputs, room, gradient)
     for ours, theirs in zip(gradient, weights, strict=True):
-        np.testing.assert_allclose(ours, theirs.grad.numpy(), rtol=1e-4, atol=1e-5)
+        assert_allclose(ours, theirs.grad.numpy(), rtol=1e-4, atol=1e-5)
     by_input = np.matmul(first, networks[0][:, :-1].swapaxes(-1, -2))
     by_input = by_input.sum(axis=0) if shared else by_input
-    np.testing.assert_allclose(by_input, leaf.grad.numpy(), rtol=1e-4, atol=1e-5)
+    assert_allclose(by_input, leaf.grad.numpy(), rtol=1e-4, atol=1e-5)
 
 
 def test_one_network_serves_a_stack_of_inputs():
     """The actor meets two batches in one pass: each comes out as by itself."""
-    rng, sizes = np.random.default_rng(0), [4, 8, 2]
+    rng, sizes = default_rng(0), [4, 8, 2]
     networks, inputs = drawn(1, sizes, rng), inputs_of(rng, 2, 5, 4)
     both = forward(networks, "relu", inputs, Room.of(2, 5, sizes))
     for batch, output in zip(inputs, both, strict=True):
-        np.testing.assert_allclose(forward(networks, "relu", batch, Room.of(1, 5, sizes))[0], output, rtol=1e-5)
+        assert_allclose(forward(networks, "relu", batch, Room.of(1, 5, sizes))[0], output, rtol=1e-5)
 
 
 def test_first_room_is_a_view():
@@ -88,7 +90,7 @@ def test_first_room_is_a_view():
 
 def test_without_gradients_none_is_computed():
     """The way to the inputs is the same."""
-    rng, sizes = np.random.default_rng(0), [4, 8, 2]
+    rng, sizes = default_rng(0), [4, 8, 2]
     networks, inputs, room = drawn(2, sizes, rng), inputs_of(rng, 5, 4), Room.of(2, 5, sizes)
     forward(networks, "relu", inputs, room)
     room.error[-1][...] = 1.0
@@ -114,9 +116,9 @@ def test_networks_are_views_of_one_vector():
 
 def test_first_weights_are_distributed_as_torch_draws_them():
     """Weights and biases within 1/sqrt(into), and spread as uniform numbers are."""
-    (weight,) = drawn(1, [400, 500], np.random.default_rng(0))
+    (weight,) = drawn(1, [400, 500], default_rng(0))
     theirs = torch.nn.Linear(400, 500)
     for ours, other in ((weight[0, :-1], theirs.weight), (weight[0, -1], theirs.bias)):
         assert np.abs(ours).max() <= 0.05
-        np.testing.assert_allclose(ours.std(), other.detach().numpy().std(), rtol=0.1)
-        np.testing.assert_allclose(ours.mean(), 0.0, atol=0.005)
+        assert_allclose(ours.std(), other.detach().numpy().std(), rtol=0.1)
+        assert_allclose(ours.mean(), 0.0, atol=0.005)

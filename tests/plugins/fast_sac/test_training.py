@@ -7,6 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import stable_baselines3
+from numpy.testing import assert_allclose, assert_array_equal
 
 from harness.env import ReachVectorEnv
 from harness.policy import Policy
@@ -94,7 +95,7 @@ def test_first_decisions_are_uniform(monkeypatch):
     monkeypatch.delattr(training, "forward")
     train(SacFast(**SMALL, learning_starts=200), 200)
     actions = np.concatenate(taken)
-    np.testing.assert_allclose(np.quantile(actions, [0.0, 0.25, 0.5, 0.75, 1.0]), [-1.0, -0.5, 0.0, 0.5, 1.0], atol=0.1)
+    assert_allclose(np.quantile(actions, [0.0, 0.25, 0.5, 0.75, 1.0]), [-1.0, -0.5, 0.0, 0.5, 1.0], atol=0.1)
 
 
 def test_a_cut_episode_goes_on_from_its_last_observation(monkeypatch):
@@ -122,7 +123,7 @@ def test_a_reached_target_terminates(updates):
     ended = np.concatenate([batch.goes_on == 0.0 for batch in updates])
     paid = np.concatenate([batch.reward for batch in updates])
     assert ended.any()
-    np.testing.assert_array_equal(ended, paid > 0.0)  # minus the distance, and 1 for the target
+    assert_array_equal(ended, paid > 0.0)  # minus the distance, and 1 for the target
 
 
 def test_policy_is_the_actor():
@@ -134,7 +135,7 @@ def test_policy_is_the_actor():
     inputs = np.append(observation, np.ones((1, 1), np.float32), axis=1)
     hidden = np.maximum(inputs @ run._learner.actor[0][0], 0.0)
     mean = np.append(hidden, np.ones((1, 1), np.float32), axis=1) @ run._learner.actor[1][0][:, :6]
-    np.testing.assert_allclose(policy.act(observation), np.tanh(mean), rtol=1e-5)
+    assert_allclose(policy.act(observation), np.tanh(mean), rtol=1e-5)
 
 
 def test_every_update_changes_the_policy():

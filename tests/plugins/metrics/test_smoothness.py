@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
 
 from harness.record import trace_of
 from harness_plugins.kit.metrics import recorded_trace
@@ -69,7 +70,7 @@ def test_jump_to_the_next_start_is_no_jerk():
 
 def test_scaling_the_motion_scales_it():
     """Twice the motion is twice as jerky."""
-    qpos = np.random.default_rng(0).normal(size=(9, 3))
+    qpos = default_rng(0).normal(size=(9, 3))
     assert Smoothness()(move(2.0 * qpos)) == pytest.approx(2.0 * Smoothness()(move(qpos)))
 
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from numpy.random import default_rng
 
 from harness.record import EpisodeFacts, trace_of
 from harness_plugins.kit.metrics import recorded_trace
@@ -57,7 +58,7 @@ def test_value_of_the_definition(subtests):
     for period in [0.01, 0.02, 0.1]:
         for samples in [4, 7, 33, 100]:
             with subtests.test(period=period, samples=samples):
-                speed = np.random.default_rng(samples).uniform(0.0, 1.0, samples)
+                speed = default_rng(samples).uniform(0.0, 1.0, samples)
                 assert spectral_arc(speed, period) == pytest.approx(transformed(speed, period))
 
 

@@ -2,8 +2,8 @@
 
 from itertools import chain
 
-import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
 
 from harness_plugins.parity import performance
 from harness_plugins.parity.motions import smooth_motions
@@ -47,4 +47,4 @@ def test_every_turn_is_the_same(robot, toolbox, motion):
     stopwatch = Stopwatch(toolbox.ideal, robot, motion, 0.1)
     for _ in range(2):
         stopwatch.take_turn()
-        np.testing.assert_array_equal(stopwatch._simulation.qpos[0], motion[LONGEST_TURN])
+        assert_array_equal(stopwatch._simulation.qpos[0], motion[LONGEST_TURN])

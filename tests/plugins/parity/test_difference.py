@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
 
 from harness_plugins.parity.difference import after_contact, difference_between, response_of
 from harness_plugins.parity.motions import smooth_motions
@@ -50,7 +51,7 @@ def test_a_delay_is_told_in_seconds(robot, told, track):
 
 def test_what_is_no_delay_is_not_explained_by_one(robot, told, track):
     """Noise."""
-    noise = np.random.default_rng(0).normal(0.0, 0.01, told.shape)
+    noise = default_rng(0).normal(0.0, 0.01, told.shape)
     assert difference_between(track(told), track(told + noise), told, robot, PERIOD).explained_by_lag < 0.05
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 from harness_plugins.parity.track import Track, drift_between
 
@@ -28,6 +29,6 @@ def test_figures_by_hand(tracks):
 def test_curves_by_hand(tracks):
     """One value per row, over the episodes."""
     curves = drift_between(*tracks).curves()
-    np.testing.assert_allclose(curves["max_tip_error_m"], [0.0, 5.0, 2.0])
-    np.testing.assert_allclose(curves["mean_tip_error_m"], [0.0, 2.5, 1.5])
-    np.testing.assert_allclose(curves["max_joint_error_rad"], [0.0, 0.0, 0.3])
+    assert_allclose(curves["max_tip_error_m"], [0.0, 5.0, 2.0])
+    assert_allclose(curves["mean_tip_error_m"], [0.0, 2.5, 1.5])
+    assert_allclose(curves["max_joint_error_rad"], [0.0, 0.0, 0.3])

@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
+from numpy.testing import assert_allclose, assert_array_equal
 
 from harness.robot import build_solids, link_frames
 from harness_plugins.parity import Setting
@@ -85,7 +87,7 @@ def test_dives_end_below_the_ground(orders, each_robot):
     """Each starts above and ends `DEPTH` below, in another place than the others."""
     assert (each_robot.end_effector(orders.dives[0])[:, 2] > 0.2).all()
     ends = each_robot.end_effector(orders.dives[-1])
-    np.testing.assert_allclose(ends[:, 2], -DEPTH, atol=2e-3)
+    assert_allclose(ends[:, 2], -DEPTH, atol=2e-3)
     assert np.linalg.norm(ends[:, None] - ends, axis=-1)[~np.eye(8, dtype=bool)].min() > 0.01
 
 
@@ -94,7 +96,7 @@ def test_a_seed_gives_the_same_motions(robot):
     few, many, other = (draw_orders(Setting(robot, 12, *drawn)).classes for drawn in ((2, 5), (4, 5), (2, 6)))
     for name, motion in few.items():
         rows = min(len(motion), len(many[name]))
-        np.testing.assert_array_equal(motion[:rows], many[name][:rows, :2])
+        assert_array_equal(motion[:rows], many[name][:rows, :2])
         assert not np.isclose(motion[-1], other[name][-1]).all()
     assert not np.isclose(many["smooth"][0, 0], many["smooth"][0, 1]).any()
     assert not np.isclose(few["smooth"][0], other["smooth"][0]).any()
@@ -110,7 +112,7 @@ def test_poses_cover_the_ranges(robot):
     assert (share <= 1.0).all()
     assert (share.min(axis=(0, 1)) < 0.1).all()
     assert (share.max(axis=(0, 1)) > 0.9).all()
-    np.testing.assert_array_equal(poses, again)
+    assert_array_equal(poses, again)
 
 
 def test_every_joint_really_moves(each_robot):
@@ -191,11 +193,11 @@ def test_a_fast_motion_that_cannot_go_on_stops(robot):
     """An arm whose every way leads to the ground brakes, and stays where it is."""
     low = point_heights(robot, robot.home[None])[1:].min() / CLEARANCE  # all but the second joint, which stands still
     larger = with_reach(robot, 1.5 * low)
-    motion = draw_fast(larger, np.random.default_rng(0), 30, PERIOD, GroundClearance(larger))
-    np.testing.assert_array_equal(motion[1:], np.tile(motion[0], (30, 1)))
+    motion = draw_fast(larger, default_rng(0), 30, PERIOD, GroundClearance(larger))
+    assert_array_equal(motion[1:], np.tile(motion[0], (30, 1)))
 
 
 def test_near_the_ground_there_is_no_singular_motion(robot):
     """None, not one that meets it."""
     larger = with_reach(robot, 100.0)
-    assert draw_singular(larger, np.random.default_rng(0), 5, PERIOD, GroundClearance(larger)) is None
+    assert draw_singular(larger, default_rng(0), 5, PERIOD, GroundClearance(larger)) is None

@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 from harness_plugins.parity import write_parity
 from harness_plugins.parity.page import JOINTS, TIPS, draw_all_pairs, draw_pairs
@@ -26,8 +27,8 @@ def test_a_line_for_each_pair(found):
 def test_lines_are_in_millimetres_degrees_and_seconds(found):
     """The first pair's tips are 1 mm apart from the first moment to the last."""
     tips, joints = (draw_pairs(found, curve) for curve in (TIPS, JOINTS))
-    np.testing.assert_allclose(tips.marks[0].y, 1.0)
-    np.testing.assert_allclose(tips.marks[0].x, np.arange(41) * 0.1)
+    assert_allclose(tips.marks[0].y, 1.0)
+    assert_allclose(tips.marks[0].x, np.arange(41) * 0.1)
     assert max(joints.marks[1].y) == pytest.approx(np.degrees(found.pairs[1].drift.max_joint_error_rad), rel=1e-5)
     assert "[mm]" in tips.y.title
     assert "[deg]" in joints.y.title

@@ -3,8 +3,8 @@
 import json
 from dataclasses import replace
 
-import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
 
 from harness_plugins.parity import Missing
 
@@ -155,5 +155,5 @@ def test_json_has_what_it_promises(compare, toolbox):
 def test_a_setting_gives_the_same_figures_again(compare, toolbox):
     """Apart from the cost, which is a matter of the weather."""
     first, second = (compare(one=toolbox.ideal, two=toolbox.late).pairs[0] for _ in range(2))
-    np.testing.assert_array_equal(first.drift.tip, second.drift.tip)
+    assert_array_equal(first.drift.tip, second.drift.tip)
     assert first.contact == second.contact

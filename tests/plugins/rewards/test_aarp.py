@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from numpy.testing import assert_array_equal
 
 from harness.errors import UsageError
 from harness.registry import build
@@ -34,7 +35,7 @@ def test_values_by_hand(episode):
 def test_without_growth_it_is_arp(episode, k1, k2, distances):
     """A growth of 1 pays every step as `arp`, bit for bit."""
     plain = episode(Arp(k1=k1, k2=k2), distances)
-    np.testing.assert_array_equal(episode(Aarp(k1=k1, k2=k2, growth=1.0, k_max=10.0), distances), plain)
+    assert_array_equal(episode(Aarp(k1=k1, k2=k2, growth=1.0, k_max=10.0), distances), plain)
 
 
 @given(DISTANCES, st.floats(1.0, 3.0))
@@ -79,7 +80,7 @@ def test_carry_is_the_gain_and_is_written_anew():
 def test_scaling_the_workspace_scales_the_reward(episode, distances, factor):
     """Values are in metres."""
     scaled = episode(Aarp(), [factor * distance for distance in distances])
-    np.testing.assert_array_equal(scaled, factor * episode(Aarp(), distances))
+    assert_array_equal(scaled, factor * episode(Aarp(), distances))
 
 
 def test_cap_below_the_gain_is_refused():

@@ -5,6 +5,7 @@ import itertools
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from numpy.testing import assert_array_equal
 
 from harness_plugins.kit import check_reward
 from harness_plugins.rewards.adaptive import Adaptive
@@ -82,4 +83,4 @@ def test_gain_lies_between_its_ends(episode, distances):
 def test_scaling_the_workspace_changes_nothing(episode, distances, factor):
     """Scale-free."""
     scaled = episode(Adaptive(), [factor * distance for distance in distances])
-    np.testing.assert_array_equal(scaled, episode(Adaptive(), distances))
+    assert_array_equal(scaled, episode(Adaptive(), distances))

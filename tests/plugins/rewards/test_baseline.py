@@ -2,6 +2,7 @@
 
 import numpy as np
 from hypothesis import given, strategies as st
+from numpy.testing import assert_array_equal
 
 from harness.reward import Sample
 from harness_plugins.rewards.baseline import Baseline
@@ -69,4 +70,4 @@ def test_envs_are_paid_apart():
     """A batch of gain, loss and standing still is paid element by element."""
     begin, best, distance = np.full(3, 1.0), np.array([0.5, 0.5, 0.5]), np.array([0.25, 0.75, 0.5])
     _, values = Baseline()((), Sample(begin, best, best, distance, distance - best, np.ones(3)))
-    np.testing.assert_array_equal(values, [0.75, -0.25, 0.5])
+    assert_array_equal(values, [0.75, -0.25, 0.5])

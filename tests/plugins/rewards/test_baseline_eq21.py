@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 from hypothesis import given, strategies as st
+from numpy.testing import assert_array_equal
 
 from harness_plugins.kit import check_reward
 from harness_plugins.rewards.baseline import Baseline
@@ -54,7 +55,7 @@ def test_agreement_with_the_code(episode, distances):
     delta = np.array(distances[1:]) - best
     agree = (delta == 0.0) | ((delta < 0.0) & (best == distances[0]))
     printed, run = episode(BaselineEq21(), distances), episode(Baseline(), distances)
-    np.testing.assert_array_equal(printed[agree], run[agree])
+    assert_array_equal(printed[agree], run[agree])
 
 
 @given(METRES, st.integers(1, 20))
@@ -75,4 +76,4 @@ def test_bounds(episode, distances):
 def test_scaling_the_workspace_scales_the_reward(episode, distances, factor):
     """Values are in metres."""
     scaled = episode(BaselineEq21(), [factor * distance for distance in distances])
-    np.testing.assert_array_equal(scaled, factor * episode(BaselineEq21(), distances))
+    assert_array_equal(scaled, factor * episode(BaselineEq21(), distances))

@@ -2,9 +2,9 @@
 
 import math
 
-import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from numpy.testing import assert_array_equal
 
 from harness.errors import UsageError
 from harness.registry import build
@@ -43,8 +43,8 @@ def test_bounds(episode, distances, scale):
 def test_scaling_the_workspace_scales_the_reward(episode, distances, factor):
     """So does the parameter scale, by as much."""
     values = factor * episode(Dense(), distances)
-    np.testing.assert_array_equal(episode(Dense(), [factor * distance for distance in distances]), values)
-    np.testing.assert_array_equal(episode(Dense(scale=factor), distances), values)
+    assert_array_equal(episode(Dense(), [factor * distance for distance in distances]), values)
+    assert_array_equal(episode(Dense(scale=factor), distances), values)
 
 
 def test_scale_is_positive():

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 from harness.registry import load_registry
 from harness.reward import pay
@@ -78,7 +79,7 @@ def assert_near(told, known, tolerance, x64):
     assert told.keys() == known.keys()
     for name, values in told.items():
         assert values.dtype == (np.float64 if x64 else np.float32)
-        np.testing.assert_allclose(np.asarray(values), known[name], rtol=tolerance, atol=tolerance)
+        assert_allclose(np.asarray(values), known[name], rtol=tolerance, atol=tolerance)
 
 
 @every_reward

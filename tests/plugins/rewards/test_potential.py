@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from numpy.testing import assert_array_equal
 
 from harness.errors import UsageError
 from harness.registry import build
@@ -63,8 +64,8 @@ def test_bounds(episode, distances, gamma):
 def test_scaling_the_workspace_scales_the_reward(episode, distances, factor):
     """So does the parameter scale, by as much."""
     values = factor * episode(Potential(), distances)
-    np.testing.assert_array_equal(episode(Potential(), [factor * distance for distance in distances]), values)
-    np.testing.assert_array_equal(episode(Potential(scale=factor), distances), values)
+    assert_array_equal(episode(Potential(), [factor * distance for distance in distances]), values)
+    assert_array_equal(episode(Potential(scale=factor), distances), values)
 
 
 def test_discount_is_that_of_the_default_learner():

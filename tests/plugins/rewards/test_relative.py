@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from numpy.testing import assert_array_equal
 
 from harness.errors import UsageError
 from harness.registry import build
@@ -93,4 +94,4 @@ def test_scaling_the_workspace_changes_nothing(episode, distances, factor):
     """Scale-free with either denominator, above the floor."""
     for reward in (Relative(), CURRENT):
         scaled = episode(reward, [factor * distance for distance in distances])
-        np.testing.assert_array_equal(scaled, episode(reward, distances))
+        assert_array_equal(scaled, episode(reward, distances))

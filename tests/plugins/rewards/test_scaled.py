@@ -1,8 +1,8 @@
 """A null control: another reward times a constant."""
 
-import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
+from numpy.testing import assert_array_equal
 
 import harness
 from harness.errors import UsageError
@@ -30,7 +30,7 @@ def test_factor_of_one_changes_nothing(episode, reward):
 
     @given(DISTANCES)
     def holds(distances):
-        np.testing.assert_array_equal(episode(same, distances), episode(named, distances))
+        assert_array_equal(episode(same, distances), episode(named, distances))
 
     holds()
 
@@ -40,7 +40,7 @@ def test_factor_of_one_changes_nothing(episode, reward):
 def test_value_is_multiplied(episode, distances, factor):
     """Every step pays `factor` times as much, of a reward with a carry too."""
     reward = Scaled(reward="aarp:growth=2", factor=factor)
-    np.testing.assert_array_equal(episode(reward, distances), factor * episode(Aarp(growth=2.0), distances))
+    assert_array_equal(episode(reward, distances), factor * episode(Aarp(growth=2.0), distances))
 
 
 @pytest.mark.parametrize(

@@ -1,8 +1,8 @@
 """A null control: another reward plus a constant."""
 
-import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
+from numpy.testing import assert_array_equal
 
 from harness.errors import UsageError
 from harness.registry import choose, load_registry
@@ -27,7 +27,7 @@ def test_contract(subtests):
 def test_value_is_moved(episode, distances, offset):
     """Every step pays `offset` more, of a reward with a carry too."""
     reward = Shifted(reward="aarp:growth=2", offset=offset)
-    np.testing.assert_array_equal(episode(reward, distances), episode(Aarp(growth=2.0), distances) + offset)
+    assert_array_equal(episode(reward, distances), episode(Aarp(growth=2.0), distances) + offset)
 
 
 def test_offset_of_zero_changes_nothing(episode, subtests):
@@ -39,7 +39,7 @@ def test_offset_of_zero_changes_nothing(episode, subtests):
                 Shifted(reward=reward, offset=0.0),
             )
             distances = [1.0, 0.5, 0.75, 0.25, 0.25, 0.0, 1.5]
-            np.testing.assert_array_equal(episode(same, distances), episode(named, distances))
+            assert_array_equal(episode(same, distances), episode(named, distances))
 
 
 def test_named_reward_comes_with_its_parameters():

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 import harness
 from harness.env import ReachVectorEnv
@@ -104,4 +105,4 @@ def test_returns_of_episodes_are_told():
         callback._on_step()
     ((_, values),) = told.told
     assert values["Environment/Episode Length"] == 5.0
-    np.testing.assert_allclose(values["Environment/Cumulative Reward"], returns.mean() / 2, rtol=1e-5)
+    assert_allclose(values["Environment/Cumulative Reward"], returns.mean() / 2, rtol=1e-5)

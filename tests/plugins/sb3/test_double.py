@@ -7,6 +7,7 @@ import gymnasium
 import numpy as np
 import pytest
 import torch
+from numpy.testing import assert_allclose, assert_array_equal
 from stable_baselines3 import DQN
 from stable_baselines3.common.logger import Logger
 from stable_baselines3.common.vec_env import DummyVecEnv
@@ -86,7 +87,7 @@ def test_target_of_a_batch_is_each_states_own():
     model = make(DoubleDQN)
     states = torch.tensor([[0.0, 1.0], [1.0, 0.0], [0.0, -1.0], [0.0, 2.0]])
     # In state (0, -1) the values of the online network change their signs: choice 0 is the best, of value -7.
-    np.testing.assert_array_equal(model.q_net_target(states).numpy(force=True), [[3.0], [0.0], [-7.0], [6.0]])
+    assert_array_equal(model.q_net_target(states).numpy(force=True), [[3.0], [0.0], [-7.0], [6.0]])
 
 
 def test_target_network_follows_the_online_network():
@@ -95,8 +96,8 @@ def test_target_network_follows_the_online_network():
     model.tau, model.target_update_interval = 0.25, 1
     model._on_step()
     (online,), (target,) = model.policy.q_net.q_net, model.policy.q_net_target.q_net
-    np.testing.assert_allclose(target.weight.detach(), 0.75 * np.array(TARGET) + 0.25 * np.array(ONLINE))
-    np.testing.assert_array_equal(online.weight.detach(), ONLINE)
+    assert_allclose(target.weight.detach(), 0.75 * np.array(TARGET) + 0.25 * np.array(ONLINE))
+    assert_array_equal(online.weight.detach(), ONLINE)
 
 
 def test_only_the_online_network_is_optimised():

@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 import torch
 from gymnasium.spaces import Box, Dict
+from numpy.random import default_rng
+from numpy.testing import assert_allclose
 from stable_baselines3 import SAC, HerReplayBuffer
 
 from harness.experiment.environments.batch import EnvironmentBatch
@@ -65,9 +67,9 @@ def model():
 
 def test_the_policy_sees_what_the_network_sees(model):
     """A row as the env shows it, for the parts of a dict: columns are not mixed up."""
-    seen = np.random.default_rng(0).uniform(-1.0, 1.0, (5, 28)).astype(np.float32)
+    seen = default_rng(0).uniform(-1.0, 1.0, (5, 28)).astype(np.float32)
     own, _ = model.predict(model.env._seen(seen), deterministic=True)
-    np.testing.assert_allclose(squashed_gaussian(model, "relu", "her").act(seen), own, atol=1e-6)
+    assert_allclose(squashed_gaussian(model, "relu", "her").act(seen), own, atol=1e-6)
 
 
 def test_steps_are_paid_again_by_the_reward_of_the_training(model):
@@ -77,7 +79,7 @@ def test_steps_are_paid_again_by_the_reward_of_the_training(model):
     seen = {name: part.numpy() for name, part in batch.next_observations.items()}
     in_hindsight = slice(50 - 40, None)  # the last four fifths
     again = goals.pay(seen["achieved_goal"].astype(float), seen["desired_goal"].astype(float))
-    np.testing.assert_allclose(batch.rewards.numpy()[in_hindsight, 0], again[in_hindsight], rtol=1e-5, atol=1e-6)
+    assert_allclose(batch.rewards.numpy()[in_hindsight, 0], again[in_hindsight], rtol=1e-5, atol=1e-6)
     targets = np.unique(seen["desired_goal"][:10], axis=0)
     assert len(targets) == 1
     assert len(np.unique(seen["desired_goal"][in_hindsight], axis=0)) > 5

@@ -3,8 +3,8 @@
 from pathlib import Path
 
 import gymnasium
-import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
 from stable_baselines3 import A2C, DQN
 from stable_baselines3.common.vec_env import DummyVecEnv, VecMonitor, VecNormalize
 
@@ -41,7 +41,7 @@ def test_every_step_is_recorded_as_a_wrapper_records_it(learner, tmp_path):
     assert training.facts.seed == 0
     assert training.facts.closed
     for name in ("episode", "step", "reward/own", "behaviour/lean", "terminated", "truncated"):
-        np.testing.assert_array_equal(found[name], expected[name][: len(found[name])])
+        assert_array_equal(found[name], expected[name][: len(found[name])])
     assert len(found["step"]) >= 300
 
 

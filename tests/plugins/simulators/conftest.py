@@ -7,6 +7,7 @@ from xml.etree import ElementTree
 import mujoco
 import numpy as np
 import pytest
+from numpy.random import default_rng
 from numpy.testing import assert_array_equal
 
 import harness
@@ -39,7 +40,7 @@ def open_simulator(simulator, num_envs, robot=ROBOT, period=PERIOD, **settings):
 
 def random_poses(count):
     """So many poses anywhere in the joint ranges."""
-    return np.random.default_rng(1).uniform(ROBOT.lower, ROBOT.upper, (count, ROBOT.dof))
+    return default_rng(1).uniform(ROBOT.lower, ROBOT.upper, (count, ROBOT.dof))
 
 
 def copied(state):
@@ -52,7 +53,7 @@ def wander(simulation, num_envs, periods, seed=0):
 
     Returns copies of the states, and the targets of the joints, (periods, num_envs, dof).
     """
-    rng = np.random.default_rng(seed)
+    rng = default_rng(seed)
     target, speed, states, targets = home(num_envs), np.zeros((num_envs, ROBOT.dof)), [], []
     for period in range(periods):
         if period % 4 == 0:

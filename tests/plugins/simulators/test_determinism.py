@@ -9,6 +9,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
 from numpy.testing import assert_array_equal
 
 import harness
@@ -40,7 +41,7 @@ def record(simulator, task, envs=(0, 1), steps=40, *, before=0):
             env.episodes.episode[...] = -1.0  # numbered anew
             env.recorder = recorder
             env.reset(seed=[[5, k] for k in envs])
-            drawn = [np.random.default_rng([6, k]).uniform(-1.0, 1.0, (steps, size)) for k in envs]
+            drawn = [default_rng([6, k]).uniform(-1.0, 1.0, (steps, size)) for k in envs]
             for actions in np.stack(drawn, axis=1).astype(np.float32):
                 env.step(actions)
         env.close()

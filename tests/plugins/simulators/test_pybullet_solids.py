@@ -7,6 +7,7 @@ from itertools import product
 import numpy as np
 import pybullet
 import pytest
+from numpy.random import default_rng
 from numpy.testing import assert_array_equal
 
 import harness
@@ -107,7 +108,7 @@ def touching(open_arms, robot, poses):
 
 def poses_near_the_ground(robot):
     """Poses whose lowest point is 0.2 to 30 mm above or below the ground."""
-    poses = np.random.default_rng(0).uniform(robot.lower, robot.upper, (20_000, robot.dof))
+    poses = default_rng(0).uniform(robot.lower, robot.upper, (20_000, robot.dof))
     height = np.abs(heights(robot, poses))
     near = poses[(height > 2e-4) & (height < 0.03)]
     assert len(near) > 50

@@ -6,6 +6,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
+from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal
 
 import harness
@@ -162,7 +163,7 @@ def test_neighbours_and_what_touches_at_home_do_not_collide():
 
 def test_links_that_collide_still_feel_the_ground():
     """Ground contact is told in the same poses."""
-    poses = np.random.default_rng(1).uniform(ROBOT.lower, ROBOT.upper, (200, ROBOT.dof))
+    poses = default_rng(1).uniform(ROBOT.lower, ROBOT.upper, (200, ROBOT.dof))
     placed = [Mujoco(self_collision=told).open(ROBOT, 200, PERIOD).place(poses) for told in (False, True)]
     without, collides = (state.ground_contact.copy() for state in placed)
     assert 20 < without.sum() < 180

@@ -1,6 +1,8 @@
 """Targets just above the ground, and targets that have to be met closely."""
 
 import numpy as np
+from numpy.random import default_rng
+from numpy.testing import assert_allclose, assert_array_equal
 
 import harness
 from harness.authoring import GroundContact
@@ -14,7 +16,7 @@ ROBOT = harness.load_robot("fd100")
 
 def test_targets_are_low_and_can_be_touched():
     """Within 10 cm of the ground, and for each there is a pose at it that does not touch the ground."""
-    targets = Low().draw_targets(ROBOT, np.random.default_rng(0), 100).position
+    targets = Low().draw_targets(ROBOT, default_rng(0), 100).position
     assert targets[:, 2].min() > 0.0
     assert targets[:, 2].max() < 0.1
     qpos, reached = reach_position(ROBOT, targets, np.tile(ROBOT.home, (100, 1)))
@@ -25,9 +27,9 @@ def test_box_of_another_arm_is_scaled_by_its_reach():
     """As that of `fd100-reach`; one that is given stays as it is."""
     arm = harness.load_robot("unity-arm")
     scale = arm.reach / ROBOT.reach
-    np.testing.assert_allclose(Low().target_box(arm), scale * np.array(Low().target_box(ROBOT)), rtol=1e-12)
+    assert_allclose(Low().target_box(arm), scale * np.array(Low().target_box(ROBOT)), rtol=1e-12)
     given = Low(target_center=(0.5, 0.1, 0.6), target_half_extent=(0.1, 0.2, 0.0))
-    np.testing.assert_array_equal(given.target_box(arm), [(0.5, 0.1, 0.6), (0.1, 0.2, 0.0)])
+    assert_array_equal(given.target_box(arm), [(0.5, 0.1, 0.6), (0.1, 0.2, 0.0)])
 
 
 def test_box_stays_at_the_ground_and_follows_a_mount_aside(tmp_path):
@@ -41,5 +43,5 @@ def test_box_stays_at_the_ground_and_follows_a_mount_aside(tmp_path):
 def test_small_target_is_a_fifth_of_the_usual():
     """All else is that of `fd100-reach`."""
     assert SmallTarget().epsilon == 0.01
-    one, other = (task.draw_targets(ROBOT, np.random.default_rng(1), 5) for task in (SmallTarget(), Low()))
+    one, other = (task.draw_targets(ROBOT, default_rng(1), 5) for task in (SmallTarget(), Low()))
     assert one.position.shape == other.position.shape == (5, 3)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from numpy.testing import assert_allclose
 
 import harness
 from harness.env import ReachVectorEnv, kinematics_policy
@@ -42,7 +43,7 @@ def test_target_moves_as_fast_as_it_says(way, step):
     gone = 0.02 * float(step[0]) % (length := float(np.linalg.norm(way)))
     turns_now = min(gone, length - gone) < 1e-6  # rounding decides whether it has turned already
     if np.linalg.norm(moved) > 0.02 - 1e-9 and not turns_now:
-        np.testing.assert_allclose(moved, 0.1 * velocity, atol=1e-9)
+        assert_allclose(moved, 0.1 * velocity, atol=1e-9)
 
 
 def test_target_without_a_way_stays():
@@ -64,4 +65,4 @@ def test_target_is_reached_by_staying_with_it(steps):
         assert not truncated[0]
     assert near[-steps:] == [True] * steps
     assert near.index(True) == len(near) - steps
-    np.testing.assert_allclose(shares[-steps:], np.arange(1, steps + 1) / steps, rtol=1e-6)
+    assert_allclose(shares[-steps:], np.arange(1, steps + 1) / steps, rtol=1e-6)

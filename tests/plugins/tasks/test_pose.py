@@ -5,6 +5,8 @@ import math
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
+from numpy.random import default_rng
+from numpy.testing import assert_array_equal
 
 import harness
 from harness.goal import Situation
@@ -73,11 +75,11 @@ def test_turn_of_the_flange_alone_is_an_error():
 
 def test_orientations_differ_and_can_be_taken():
     """Of 100 targets no two orientations are alike; without a turn they are those of the usual poses."""
-    rng = np.random.default_rng(0)
+    rng = default_rng(0)
     position = Pose().draw_targets(ROBOT, rng, 100).position
     assert len(np.unique(goal().draw(rng, position).round(6), axis=0)) == 100
     usual = goal(Pose(turn=0.0)).draw(rng, position)
-    np.testing.assert_array_equal(usual, goal(Pose(turn=0.0)).draw(np.random.default_rng(7), position))
+    assert_array_equal(usual, goal(Pose(turn=0.0)).draw(default_rng(7), position))
 
 
 def test_turn_that_is_left_is_seen():
@@ -86,5 +88,5 @@ def test_turn_that_is_left_is_seen():
     turned[0, -1] += math.radians(90)
     now = asked_for(turned, ROBOT.home[None])
     seen = goal().observe(now)
-    np.testing.assert_array_equal(seen[:, :6], now.numbers)
+    assert_array_equal(seen[:, :6], now.numbers)
     assert np.linalg.norm(seen[0, 6:]) == pytest.approx(0.5)

@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from numpy.random import default_rng
+from numpy.testing import assert_allclose, assert_array_equal
 
 import harness
 from harness.env import ReachVectorEnv
@@ -26,7 +28,7 @@ def from_unity(point):
 
 def rng(seed=0):
     """The same numbers every time."""
-    return np.random.default_rng(seed)
+    return default_rng(seed)
 
 
 def make(task, num_envs=1):
@@ -40,15 +42,15 @@ def make(task, num_envs=1):
 def test_fixed_start_gives_the_recorded_tip():
     """(-18, 9, -18, 9, 9) degrees, whatever is drawn, and the end effector where the experimenters had it."""
     start = Arp2021().draw_start(ARM, rng())
-    np.testing.assert_allclose(np.degrees(start), [-18, 9, -18, 9, 9], rtol=1e-12)
-    np.testing.assert_allclose(ARM.end_effector(start), from_unity(UNITY_START_TIP), atol=1e-6)
+    assert_allclose(np.degrees(start), [-18, 9, -18, 9, 9], rtol=1e-12)
+    assert_allclose(ARM.end_effector(start), from_unity(UNITY_START_TIP), atol=1e-6)
 
 
 def test_fixed_target_is_the_published_one():
     """Base + (0.45, 0.2, 0.45) of Unity, every time, in the world."""
     position, relative = Arp2021().draw_targets(ARM, rng(), 5)
-    np.testing.assert_array_equal(position, [from_unity((0.45, 0.2, 0.45))] * 5)
-    np.testing.assert_array_equal(position[0], [0.45, -0.45, 0.2])
+    assert_array_equal(position, [from_unity((0.45, 0.2, 0.45))] * 5)
+    assert_array_equal(position[0], [0.45, -0.45, 0.2])
     assert not relative.any()
 
 
@@ -82,7 +84,7 @@ def test_random_targets_are_in_the_published_boxes():
         span = np.subtract(high, low)
         assert (drawn.min(axis=0) < low + 0.02 * span).all()
         assert (drawn.max(axis=0) > high - 0.02 * span).all()
-        np.testing.assert_allclose(drawn.mean(axis=0), np.add(low, high) / 2.0, atol=0.02 * span.max())
+        assert_allclose(drawn.mean(axis=0), np.add(low, high) / 2.0, atol=0.02 * span.max())
 
 
 def test_starts_are_in_the_published_heights():
@@ -118,7 +120,7 @@ def test_start_is_the_last_draw_where_none_is_at_that_height():
 def test_action_sets_the_published_angles(action):
     """The joint angles are the action times (180, 90, 180, 90, 90) degrees, at once."""
     move = UnityReach().motion(ARM).advance(ARM.home[None], np.zeros((1, 5)), np.array([action]))
-    np.testing.assert_allclose(np.degrees(move.waypoints[-1][0]), action * DEGREES, rtol=0.0, atol=1e-12)
+    assert_allclose(np.degrees(move.waypoints[-1][0]), action * DEGREES, rtol=0.0, atol=1e-12)
     assert UnityReach().motion(ARM).jumps
 
 
@@ -155,14 +157,14 @@ def test_observation_is_the_published_one(task, base):
     env = make(task(base_position=base, horizon=30))
     observations, _ = env.reset(seed=1)
     start = np.degrees(env.simulation.read().qpos[0]) / DEGREES
-    np.testing.assert_allclose(observations[0], observed(env, start, np.array(base)), atol=1e-6)
+    assert_allclose(observations[0], observed(env, start, np.array(base)), atol=1e-6)
     generator, compared = rng(3), 0
     for _ in range(40):
         action = generator.uniform(-1.0, 1.0, 5).astype(np.float32)
         observations, _, terminated, truncated, _ = env.step(action[None])
         if not (terminated[0] or truncated[0]):
             compared += 1
-            np.testing.assert_allclose(observations[0], observed(env, action.astype(float), np.array(base)), atol=1e-6)
+            assert_allclose(observations[0], observed(env, action.astype(float), np.array(base)), atol=1e-6)
     assert observations.shape == (1, 19)
     assert compared > 10
 
@@ -170,7 +172,7 @@ def test_observation_is_the_published_one(task, base):
 def test_base_at_the_origin_stays_zero():
     """A zero vector has no direction."""
     observations, _ = make(Arp2021()).reset(seed=0)
-    np.testing.assert_array_equal(observations[0, 5:8], 0.0)
+    assert_array_equal(observations[0, 5:8], 0.0)
 
 
 # The robot
@@ -197,7 +199,7 @@ def test_every_simulator_puts_the_tip_at_the_same_place(simulator):
         *_, infos = env.step(action)
         if "final_obs" not in infos:
             expected = ARM.end_effector(np.radians(action[0].astype(float) * DEGREES))
-            np.testing.assert_allclose(env.simulation.read().end_effector[0], expected, rtol=0.0, atol=1e-6)
+            assert_allclose(env.simulation.read().end_effector[0], expected, rtol=0.0, atol=1e-6)
     env.close()
 
 
@@ -211,9 +213,9 @@ def test_every_simulator_pays_the_same(simulator):
     for _ in range(50):
         action = (ARM.home / ARM.upper + generator.uniform(-0.45, 0.45, 5)).astype(np.float32)[None]
         one, other = (env.step(np.clip(action, -1.0, 1.0)) for env in envs)
-        np.testing.assert_array_equal(one[2], other[2], err_msg="a contact that not both see")
-        np.testing.assert_allclose(one[1], other[1], rtol=0.0, atol=1e-6)
-        np.testing.assert_allclose(one[0], other[0], rtol=0.0, atol=1e-6)
+        assert_array_equal(one[2], other[2], err_msg="a contact that not both see")
+        assert_allclose(one[1], other[1], rtol=0.0, atol=1e-6)
+        assert_allclose(one[0], other[0], rtol=0.0, atol=1e-6)
         paid.append(one[1][0])
     assert len(set(paid)) == 50
     for env in envs:

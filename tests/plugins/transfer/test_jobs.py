@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 
 from harness import load_robot
 from harness.errors import NewerFormat, UsageError
@@ -66,7 +67,7 @@ def test_evaluation_is_the_cell_s_own(train, transferred_here):
         away = read_trace(folder_of(results, cell, other) / EVALUATION)
         assert len(home) == len(away) > 0
         for name, column in home.rows().columns.items():
-            np.testing.assert_allclose(away[name], column, atol=1e-12)
+            assert_allclose(away[name], column, atol=1e-12)
 
 
 def test_matrix_tells_the_simulators_apart(train, transferred_here):
@@ -312,7 +313,7 @@ def test_trained_policy_goes_between_engines(tmp_path):
         other = "kinematic" if cell.simulator.name == "mujoco" else "mujoco"
         folder = folder_of(results, cell, other)
         home, away = read_trace(results.store.cell_folder(cell) / EVALUATION), read_trace(folder / EVALUATION)
-        np.testing.assert_array_equal(home["target_x"][home["step"] == 0], away["target_x"][away["step"] == 0])
+        assert_array_equal(home["target_x"][home["step"] == 0], away["target_x"][away["step"] == 0])
         assert len(home) != len(away) or (home["distance"] != away["distance"]).any()
         before = (folder / EVALUATION).read_bytes()
         evaluate_elsewhere(results.store.cell_folder(cell), choose(load_registry(), "simulators", other), folder)

@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
+from numpy.testing import assert_allclose, assert_array_equal
 
 from harness import load_robot
 from harness.env import IdealSimulator, ReachVectorEnv
@@ -22,7 +24,7 @@ def own_task(reward, horizon=5000):
 
 def played(env, steps, seed=SEED):
     """Observations, rewards and ends of random actions."""
-    rng, rows = np.random.default_rng(seed), []
+    rng, rows = default_rng(seed), []
     observation, _ = env.reset(seed=seed)
     rows.append((observation, 0.0, False, False))
     for _ in range(steps):
@@ -46,12 +48,12 @@ def test_rewards_are_those_of_the_same_task_in_the_harness(start, reward):
         "--positions", places="(end_effector=19:22,target=22:25,renewed=22:25)"[1:-1], steps=5, own_pays="baseline"
     )
     unity = Unity(file="x", places="end_effector=19:22,target=22:25,renewed=22:25", steps=5, own_pays="baseline")
-    measure, ours, rng = unity.rewards(env)[reward], own_task(reward), np.random.default_rng(SEED)
+    measure, ours, rng = unity.rewards(env)[reward], own_task(reward), default_rng(SEED)
     observation, _ = env.reset(seed=SEED)
     expected, _ = ours.reset(seed=SEED)
     measure.reset()
     for _ in range(300):
-        np.testing.assert_array_equal(observation[:19], expected[0])
+        assert_array_equal(observation[:19], expected[0])
         action = rng.uniform(-1.0, 1.0, 5).astype(np.float32)
         after, _, terminated, truncated, info = env.step(action)
         expected, paid, ends, cuts, _ = ours.step(action[None])
@@ -91,7 +93,7 @@ def test_agents_of_one_program_move_together(start):
     """Eight arms of one program do what eight tasks of the harness do, side by side."""
     from harness.environment import announce_all
 
-    envs, rng = start("--agents", "8", "--horizon", "40", count=8), np.random.default_rng(SEED)
+    envs, rng = start("--agents", "8", "--horizon", "40", count=8), default_rng(SEED)
     rows = [env.reset(seed=SEED + k)[0] for k, env in enumerate(envs)]
     assert len({row.tobytes() for row in rows}) == 8
     ended = 0
@@ -100,7 +102,7 @@ def test_agents_of_one_program_move_together(start):
         announce_all(envs, actions)
         for k, (env, action) in enumerate(zip(envs, actions, strict=True)):
             rows[k], _, terminated, truncated, _ = env.step(action)
-            np.testing.assert_allclose(rows[k][:5], action, atol=1e-6)  # it observes its own joint angles
+            assert_allclose(rows[k][:5], action, atol=1e-6)  # it observes its own joint angles
             if terminated or truncated:
                 ended += 1
                 rows[k], _ = env.reset()

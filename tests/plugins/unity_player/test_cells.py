@@ -10,6 +10,8 @@ import time
 import numpy as np
 import psutil
 import pytest
+from numpy.random import default_rng
+from numpy.testing import assert_allclose
 
 from harness.record import CELLS, LOG, MANIFEST, Store
 from harness.registry.allowed import PROGRAMS
@@ -132,7 +134,7 @@ def test_rewards_are_paid_again_from_the_exported_file(player, start, tmp_path):
     recorded = RecordRewards(
         env, tmp_path / "run", trained_with="own", seed=0, rewards=unity.rewards(env), behaviour=unity.behaviour(env)
     )
-    rng = np.random.default_rng(0)
+    rng = default_rng(0)
     recorded.reset(seed=0)
     for _ in range(400):
         _, _, terminated, truncated, _ = recorded.step(rng.uniform(-0.4, 0.4, 5).astype(np.float32))
@@ -148,7 +150,7 @@ def test_rewards_are_paid_again_from_the_exported_file(player, start, tmp_path):
             + "".join(f"{t},{b!r},{p!r},{d!r},{paid[name]!r}\n" for t, b, p, d, paid in rows)
         )
         reward = choose(registry, "rewards", name).build(registry, "rewards")
-        np.testing.assert_allclose(pay_log(reward, open_csv(path)).total, [row[4][name] for row in rows], atol=1e-6)
+        assert_allclose(pay_log(reward, open_csv(path)).total, [row[4][name] for row in rows], atol=1e-6)
 
 
 def experimenters_rows(path):

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
 from PIL import Image, ImageColor
 
 from harness import load_robot
@@ -47,7 +48,7 @@ def test_a_film_shows_all_sides_and_holds_the_end(show):
 def test_a_side_that_ended_stands_still(show):
     """While the other one goes on."""
     first, last = (np.asarray(frame.image)[LINE : LINE + HEIGHT] for frame in list(film_of(show))[-10:-1:8])
-    np.testing.assert_array_equal(first[:, :WIDTH], last[:, :WIDTH])
+    assert_array_equal(first[:, :WIDTH], last[:, :WIDTH])
     assert (first[:, WIDTH:] != last[:, WIDTH:]).any()
 
 

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
+from numpy.random import default_rng
 from scipy import stats
 
 from harness.record.blocks import Block, Blocks
@@ -20,7 +21,7 @@ LATER = np.arange(256) >= 128
 @pytest.fixture
 def rng():
     """The same numbers in each test."""
-    return np.random.default_rng(0)
+    return default_rng(0)
 
 
 def blocks_of(pay, behaviour, steps=None):

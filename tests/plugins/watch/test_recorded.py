@@ -1,6 +1,6 @@
 """What is read of a recording while it is written, and of a trace."""
 
-import numpy as np
+from numpy.testing import assert_array_equal
 
 from harness.record import read_recording
 from harness.results import episodes_of
@@ -18,8 +18,8 @@ def test_it_says_what_the_whole_recording_says(record, step):
     whole = episodes_of(read_recording(recording.folder))
     assert recording.blocks.episodes.sum() == len(whole.last) == 71 // 3
     assert recording.blocks.steps.tolist() == (whole.last + 1).tolist()
-    np.testing.assert_array_equal(recording.blocks.means[:, 0], whole.returns["counted"])
-    np.testing.assert_array_equal(recording.blocks.means[:, 1], whole.behaviour["success"])
+    assert_array_equal(recording.blocks.means[:, 0], whole.returns["counted"])
+    assert_array_equal(recording.blocks.means[:, 1], whole.behaviour["success"])
 
 
 def test_a_full_part_is_read_once(record, step, monkeypatch):

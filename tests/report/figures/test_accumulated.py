@@ -1,5 +1,5 @@
-import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 from harness.report import Dots, Line
 from harness.report.figures.accumulated import draw_panels
@@ -24,8 +24,8 @@ def test_every_run_is_thin_and_their_mean_thick(build):
         runs = combination.curves[who, who].runs
         *thin, thick = marks(panel, Line)
         assert [line.name for line in thin] == ["seed 0", "seed 1", "seed 2"]
-        np.testing.assert_allclose([line.y for line in thin], runs)
-        np.testing.assert_allclose(thick.y, runs.mean(axis=0))
+        assert_allclose([line.y for line in thin], runs)
+        assert_allclose(thick.y, runs.mean(axis=0))
         assert thick.width > 2 * thin[0].width
         assert {line.colour for line in marks(panel, Line)} == {who}
 
@@ -39,7 +39,7 @@ def test_long_run_is_drawn_at_its_steps(build):
     assert drawn.x[-1] == (curve.runs.shape[1] - 1) * curve.stride
     assert drawn.y[-1] == pytest.approx(12_998 - 7_001, abs=curve.stride)
     assert dots.x == [1, 14_002]
-    np.testing.assert_allclose(dots.y, [-1.0, 0.0], atol=1e-6)
+    assert_allclose(dots.y, [-1.0, 0.0], atol=1e-6)
 
 
 def test_first_negative_and_crossover_are_marked(build):

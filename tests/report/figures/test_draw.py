@@ -6,6 +6,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 from harness.report import Axis, Chart, Dots, Line, draw_chart, linear_axis
 from harness.report.figures.chart import Area, Flag, Note, Word
@@ -55,8 +56,8 @@ def test_a_path_of_many_points_stays_where_they_are():
     (line,), (axis,) = parts(chart, "line"), parts(chart, "axis")
     (left, top), (_, bottom), (right, _) = points(axis)
     across, down = np.array(points(line)).T
-    np.testing.assert_allclose(across, left + (right - left) * x / 10.0, atol=0.11)
-    np.testing.assert_allclose(down, top + (bottom - top) * (1.0 - y) / 2.0, atol=0.11)
+    assert_allclose(across, left + (right - left) * x / 10.0, atol=0.11)
+    assert_allclose(down, top + (bottom - top) * (1.0 - y) / 2.0, atol=0.11)
 
 
 def test_what_has_no_points_is_not_drawn():

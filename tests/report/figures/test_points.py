@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
 
 from harness.report.figures.points import points_of_a_run, select_points
 
@@ -9,7 +10,7 @@ from harness.report.figures.points import points_of_a_run, select_points
 @pytest.mark.parametrize("count", [1_001, 54_920])
 def test_drawn_points_keep_the_extremes(count):
     """The highest, the lowest, the first and the last step of a run are drawn, in order, in at most 240 points."""
-    values = np.random.default_rng(0).normal(size=count)
+    values = default_rng(0).normal(size=count)
     steps = select_points(values)
     assert len(steps) <= 240
     assert {0, count - 1, values.argmin(), values.argmax()} <= set(steps.tolist())

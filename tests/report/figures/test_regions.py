@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from numpy.testing import assert_allclose
 
 from harness.eta import curve_of
 from harness.report.figures.accumulated import regions_of
@@ -38,8 +39,8 @@ def test_areas_add_up_to_that_between_the_curve_and_zero(curve):
 def test_curve_goes_through_zero_between_two_steps():
     """There both regions end: neither reaches to the other's side."""
     found = regions([-1.0, 3.0])
-    np.testing.assert_allclose((found[OMEGA_1].x, found[OMEGA_1].y), [[0.0, 0.25], [-1.0, 0.0]])
-    np.testing.assert_allclose((found[OMEGA_2].x, found[OMEGA_2].y), [[0.25, 1.0], [0.0, 3.0]])
+    assert_allclose((found[OMEGA_1].x, found[OMEGA_1].y), [[0.0, 0.25], [-1.0, 0.0]])
+    assert_allclose((found[OMEGA_2].x, found[OMEGA_2].y), [[0.25, 1.0], [0.0, 3.0]])
 
 
 @pytest.mark.parametrize(("curve", "name"), [([-1.0, -2.0], OMEGA_1), ([1.0, 2.0], OMEGA_2)])
@@ -52,8 +53,8 @@ def test_region_without_area_is_left_out(curve, name):
 def test_region_in_parts_is_zero_between_them():
     """A curve that turns negative again has more below 0; the points on 0 between are not drawn."""
     below = regions([-1.0, 1.0, 1.0, 1.0, 1.0, -1.0])[OMEGA_1]
-    np.testing.assert_allclose(below.x, [0.0, 0.5, 4.5, 5.0])
-    np.testing.assert_allclose(below.y, [-1.0, 0.0, 0.0, -1.0])
+    assert_allclose(below.x, [0.0, 0.5, 4.5, 5.0])
+    assert_allclose(below.y, [-1.0, 0.0, 0.0, -1.0])
 
 
 def test_centre_has_half_of_the_area_before_it():

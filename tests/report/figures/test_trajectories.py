@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 
 from harness.report import Line
 from harness.report.figures.trajectories import describe_trajectories, draw_trajectories
@@ -31,7 +32,7 @@ def test_paths_are_seen_from_above_and_from_the_side(figures):
     above, side = named(figures[1])["reached"]
     assert (above.x[:2], above.y[:2]) == ([0.0, 0.123456], [1.0, 1.5])
     assert (side.x[:2], side.y[:2]) == ([0.0, 0.123456], [2.0, 2.5])
-    np.testing.assert_array_equal(named(figures[0])["missed"][0].x, [0.0, 5.0, np.nan, 0.0, 5.0, np.nan])
+    assert_array_equal(named(figures[0])["missed"][0].x, [0.0, 5.0, np.nan, 0.0, 5.0, np.nan])
 
 
 def test_misses_are_told_apart_by_colour_and_shape(figures):
@@ -51,7 +52,7 @@ def test_axes_are_equal_and_hold_everything(figures):
     axes = [[(chart.x, chart.y) for chart in charts] for charts in figures]
     assert axes[0] == axes[1]
     lengths = [axis.high - axis.low for pair in axes[0] for axis in pair]
-    np.testing.assert_allclose(lengths, lengths[0])
+    assert_allclose(lengths, lengths[0])
     assert axes[0][0][0].low < -1.0 < 5.0 < axes[0][0][0].high
     assert all(chart.is_square for charts in figures for chart in charts)
 

@@ -3,8 +3,8 @@
 import re
 import threading
 
-import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 from harness.report import write_html
 from harness.results import shows_of
@@ -53,7 +53,7 @@ def test_the_drawn_arm_is_where_kinematics_says(page, recorded):
         expected = [
             end_effector_position(chain_of(side.scene), side.episodes[0].qpos[row]).tolist() for side in show.sides
         ]
-        np.testing.assert_allclose(page.eval_on_selector_all(VIEWS, TIPS), expected, atol=1e-3)
+        assert_allclose(page.eval_on_selector_all(VIEWS, TIPS), expected, atol=1e-3)
 
 
 def test_play_moves_the_arm_to_the_end(page):

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 from harness.record.scene import scene_from_json
 from harness.report import replay_of, write_html
@@ -25,12 +26,12 @@ def test_joint_positions_survive_the_page(recorded):
     data = json.loads(json.dumps(replay_data([show])))
     told, episode = data["shows"][0]["sides"][0]["episodes"][0], show.sides[0].episodes[0]
     values = np.frombuffer(base64.b64decode(told["values"]), "<i2").reshape(len(episode.qpos), -1) * told["scales"]
-    np.testing.assert_allclose(values[:, :6], episode.qpos, atol=1e-4)
-    np.testing.assert_allclose(values[:, 6], episode.distance, atol=1e-4)
-    np.testing.assert_allclose(values[:, 7], episode.paid, atol=np.abs(episode.paid).max() / 32_767)
+    assert_allclose(values[:, :6], episode.qpos, atol=1e-4)
+    assert_allclose(values[:, 6], episode.distance, atol=1e-4)
+    assert_allclose(values[:, 7], episode.paid, atol=np.abs(episode.paid).max() / 32_767)
     tip = end_effector_position(chain_of(scene_from_json(data["scenes"][0])), values[:, :6])
     far = np.linalg.norm(tip - episode.target, axis=1)
-    np.testing.assert_allclose(far, episode.distance, atol=2e-4)
+    assert_allclose(far, episode.distance, atol=2e-4)
 
 
 def test_an_arm_is_told_once(recorded):
@@ -49,7 +50,7 @@ def test_a_target_is_told_where_it_changes(recorded):
     data = replay_data([replace(show, numbers=(1,), sides=(moved,))])
     (first, then) = data["shows"][0]["sides"][0]["episodes"][0]["targets"]
     assert (first[0], then[0]) == (0, 5)
-    np.testing.assert_allclose(then[1:], targets[5], atol=1e-5)
+    assert_allclose(then[1:], targets[5], atol=1e-5)
 
 
 def test_names_of_strangers_are_escaped(recorded):

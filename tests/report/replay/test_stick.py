@@ -2,7 +2,7 @@
 
 import re
 
-import numpy as np
+from numpy.testing import assert_allclose
 
 from harness.report.replay.stick import draw_sticks, joints_of
 from harness.results import shows_of
@@ -17,7 +17,7 @@ def test_the_line_ends_where_kinematics_says(recorded):
         side = show.sides[1]
         qpos = side.episodes[0].qpos[row]
         expected = end_effector_position(chain_of(side.scene), qpos)
-        np.testing.assert_allclose(joints_of(side.scene, qpos)[-1], expected, atol=1e-9)
+        assert_allclose(joints_of(side.scene, qpos)[-1], expected, atol=1e-9)
 
 
 def test_each_side_is_drawn_in_one_scale(recorded):

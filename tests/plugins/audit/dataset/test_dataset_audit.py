@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
+from numpy.random import default_rng
 
 from harness import load_robot
 from harness.payoff import of_arm, pay_dataset, step_by_step, write_dataset_scores
@@ -241,7 +242,7 @@ def test_joints_of_a_robot_give_the_end_effector(minari):
     """By its forward kinematics, so that ARP is paid to an arm's log."""
     robot, arp = load_robot("fd100"), named("arp")
     target = np.tile([0.2, 0.1, 0.3], (STEPS + 1, 1))
-    joints = np.random.default_rng(0).uniform(robot.lower, robot.upper, (STEPS + 1, robot.dof))
+    joints = default_rng(0).uniform(robot.lower, robot.upper, (STEPS + 1, robot.dof))
     places = parse_places(f"joints=0:{robot.dof},target={robot.dof}:{robot.dof + 3}", robot.end_effector)
     name = minari([{**episode(STEPS), "observations": np.hstack([joints, target])}])
     expected = pay_episode(arp, robot.end_effector(joints), target)

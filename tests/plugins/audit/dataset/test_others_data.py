@@ -9,6 +9,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
+from numpy.random import default_rng
 
 from harness.errors import SchemaError
 from harness.payoff.dataset.step_by_step import Unseen
@@ -38,7 +39,7 @@ def share_of_pairs(paid, success, tasks=None):
 
 def made(number, reward, **columns):
     """An episode of LeRobot: numbers that are drawn, and columns of a value for each frame or one for all."""
-    rng, steps = np.random.default_rng(number), len(reward)
+    rng, steps = default_rng(number), len(reward)
     seen = {"observation.state": rng.normal(size=(steps, 3)), "action": rng.normal(size=(steps, 2))}
     columns = {key.replace("__", "."): np.broadcast_to(value, steps) for key, value in columns.items()}
     return {**seen, "next.reward": reward, **columns}
@@ -239,7 +240,7 @@ def test_copies_count_once(write, tmp_path):
     """In whatever order, precision and row groups they are stored."""
     distinct = labelled([number in (1, 4, 5, 7) for number in range(8)])
     one = ask(write_frames(tmp_path / "one", distinct))
-    stored = [distinct[number] for number in np.random.default_rng(0).permutation(np.repeat(np.arange(8), 9))]
+    stored = [distinct[number] for number in default_rng(0).permutation(np.repeat(np.arange(8), 9))]
     often = ask(write(stored, row_group_size=7, compression="gzip"))
     assert often.rewards[0].by_success == one.rewards[0].by_success
     assert says(often, "which counts once: 64 episodes")

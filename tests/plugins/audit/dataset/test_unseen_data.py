@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
 
 from harness.errors import SchemaError
 from harness_plugins.audit import audit_dataset
@@ -11,11 +12,11 @@ from tests.record.dataset.frames import info_of, write_frames
 from tests.record.dataset.written import opened, write_minari
 
 COUNT, STEPS = 24, 6
-PAID = np.random.default_rng(5).normal(size=(COUNT, STEPS)) + 0.2 * (np.arange(COUNT) % 2)[:, None]
+PAID = default_rng(5).normal(size=(COUNT, STEPS)) + 0.2 * (np.arange(COUNT) % 2)[:, None]
 WON = np.arange(COUNT) % 2 == 1
 WHOLE = PAID.sum(axis=1)
 AUC = float(np.mean(WHOLE[WON][:, None] > WHOLE[~WON][None, :]))
-ACTION = np.random.default_rng(0).normal(size=(COUNT, STEPS, 2))
+ACTION = default_rng(0).normal(size=(COUNT, STEPS, 2))
 
 
 @pytest.fixture

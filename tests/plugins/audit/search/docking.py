@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import gymnasium
 import numpy as np
+from numpy.random import default_rng
 
 from tests.plugins.audit.cases.docking import Docking as Calm, _Dock
 
@@ -18,7 +19,7 @@ class Ship(_Dock):
         self.waves = waves
 
     def step(self, action):
-        self.position = self.position + self.waves * np.random.default_rng().normal(size=2)
+        self.position = self.position + self.waves * default_rng().normal(size=2)
         return super().step(action)
 
     def render(self):

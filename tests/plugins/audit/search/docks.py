@@ -2,6 +2,7 @@
 
 import numpy as np
 from gymnasium.spaces import Box, Discrete
+from numpy.random import default_rng
 
 from harness_plugins.audit.search.world import Outcomes, Shown
 
@@ -21,7 +22,7 @@ class Dock:
 
     def begins(self, starts):
         seeds, which = np.unique(starts, return_inverse=True)
-        return np.array([np.random.default_rng(seed).uniform(-0.1, 0.1) for seed in seeds])[which]
+        return np.array([default_rng(seed).uniform(-0.1, 0.1) for seed in seeds])[which]
 
     def play(self, starts, actions):
         speeds = (actions - 1.0 if self.is_discrete else np.clip(actions[..., 0], -1.0, 1.0)) * self.stride

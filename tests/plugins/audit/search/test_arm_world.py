@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from gymnasium.spaces import Discrete
 from gymnasium.vector import AutoresetMode
+from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal
 
 import harness
@@ -184,7 +185,7 @@ def test_a_simulator_that_forgets_its_seed_is_told():
     class Restless(IdealSimulator):
         def open(self, robot, num_envs, control_period):
             simulation = super().open(robot, num_envs, control_period)
-            reset, rng = simulation.reset, np.random.default_rng(0)
+            reset, rng = simulation.reset, default_rng(0)
             simulation.reset = lambda qpos, mask: reset(qpos + 1e-9 * rng.random(), mask)
             return simulation
 

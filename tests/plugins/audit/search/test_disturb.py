@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from gymnasium.spaces import Box, Discrete
+from numpy.random import default_rng
 
 from harness_plugins.audit.search.behaviour import Behaviour, Three
 from harness_plugins.audit.search.disturb import Acting, disturb, noise_curve, strength_of
@@ -14,7 +15,7 @@ from tests.plugins.audit.search.toy_worlds import EnvWorld, Graph, told
 
 def rng():
     """The same one each time."""
-    return np.random.default_rng(0)
+    return default_rng(0)
 
 
 def behaviour_of(actions, paid=0.0, success=False, time=50):

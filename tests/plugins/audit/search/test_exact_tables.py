@@ -6,6 +6,7 @@ import gymnasium
 import numpy as np
 import pytest
 from gymnasium.spaces import Discrete
+from numpy.random import default_rng
 
 from harness_plugins.audit.search.held_out import act_of
 from harness_plugins.audit.search.kept import Kept
@@ -16,7 +17,7 @@ from tests.plugins.audit.search.toy_worlds import EnvWorld, Graph, random_graph,
 def solved(world, starts=(0,), budget=50_000):
     """What the tables of some starts find: by start the three by the sum of pay, and the discounted ones."""
     kept = Kept(starts, world.horizon)
-    if not search_tables(world, starts, kept.add, budget, np.random.default_rng(0)):
+    if not search_tables(world, starts, kept.add, budget, default_rng(0)):
         return None
     return [[it.three(0, 0.0, False) for it in of] for of in (kept.plain, kept.discounted)]
 

@@ -5,6 +5,7 @@ import json
 import gymnasium
 import numpy as np
 import pytest
+from numpy.random import default_rng
 from scipy import stats
 
 from harness_plugins.audit.search.held_out import act_of, mean_interval, search_by_chance, share_interval
@@ -45,7 +46,7 @@ def hacked():
 
 def searched(world, budget=10_000):
     """What a search by chance finds."""
-    return search_by_chance(world, STARTS, budget, np.random.default_rng(0))
+    return search_by_chance(world, STARTS, budget, default_rng(0))
 
 
 @pytest.fixture(scope="module")
@@ -159,12 +160,12 @@ def test_worlds_that_seeds_decide_are_not_chance(name):
 def test_slips_are_chance():
     """Also those that begin in many states, as in a rainy taxi, as long as some begin alike."""
     rainy = EnvWorld(lambda: gymnasium.make("Taxi-v4", is_rainy=True), lambda *_: False)
-    assert decides_by_chance(rainy, 20_000, np.random.default_rng(0))
+    assert decides_by_chance(rainy, 20_000, default_rng(0))
 
 
 def test_intervals_are_those_of_scipy():
     """Student's of a mean, Wilson's of a share."""
-    values = np.random.default_rng(0).normal(size=20)
+    values = default_rng(0).normal(size=20)
     mean, low, high = mean_interval(values)
     assert (low, high) == pytest.approx(stats.t.interval(0.95, 19, values.mean(), stats.sem(values)))
     assert mean == values.mean()

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
 
 from harness_plugins.audit.search.kept import Kept
 from harness_plugins.audit.search.world import Outcomes
@@ -28,7 +29,7 @@ def outcomes_of(rng, count):
 @pytest.mark.parametrize("count", [3, 60])
 def test_the_three_are_those_of_all_episodes(seed, count):
     """The best failure, the best success, the best of those as fast as the fastest; both sums, in any order."""
-    rng = np.random.default_rng(seed)
+    rng = default_rng(seed)
     kept, rows, parts = Kept([5, 9], HORIZON), [], []
     for _ in range(4):
         rows.append(rng.integers(2, size=count))

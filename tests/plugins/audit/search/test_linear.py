@@ -7,6 +7,7 @@ import gymnasium
 import numpy as np
 import pytest
 from gymnasium.spaces import Box, Dict
+from numpy.random import default_rng
 
 from harness_plugins.audit.search.held_out import act_of
 from harness_plugins.audit.search.linear import goals_of, search_linear
@@ -32,7 +33,7 @@ def searched(world, budget, seed=0):
                 row=row, actions=taken, paid=outcomes.paid[k], success=outcomes.success[k], by=made_by, policy=policy
             ))  # fmt: skip
 
-    return search_linear(world, STARTS, keep, budget, np.random.default_rng(seed)), episodes
+    return search_linear(world, STARTS, keep, budget, default_rng(seed)), episodes
 
 
 @pytest.fixture(scope="module")

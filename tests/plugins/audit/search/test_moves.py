@@ -2,6 +2,7 @@
 
 import numpy as np
 from gymnasium.spaces import Box, Discrete
+from numpy.random import default_rng
 
 from harness_plugins.audit.search.kept import Cells
 from harness_plugins.audit.search.moves import Feedback, draw_feedback, moves_in
@@ -38,7 +39,7 @@ def test_choices_are_held_too():
 
 def test_drawn_and_changed_ones_are_within_bounds():
     """They begin in the episode; half of the gains are 0; a change keeps the shape."""
-    rng = np.random.default_rng(0)
+    rng = default_rng(0)
     for moves in (NUMBERS, moves_in(Discrete(3))):
         drawn = [draw_feedback(rng, moves, np.array([1.0, 0.1]), 7) for _ in range(200)]
         gains = np.stack([it.gains for it in drawn])
@@ -53,7 +54,7 @@ def test_the_shortest_way_to_a_cell_is_kept_and_rare_cells_are_drawn_more():
     for k in range(100):
         cells.add(np.array([[0.05], [0.05], [0.15]]), np.array([k]))
     cells.add(np.array([[0.05], [0.15], [0.95]]), np.array([777]))
-    ways, steps = cells.draw(np.random.default_rng(0), 3_000)
+    ways, steps = cells.draw(default_rng(0), 3_000)
     rare = np.array([way[0] == 777 for way in ways])
     assert len(cells) == 3
     assert (set(steps[rare]), set(steps[~rare])) == ({1, 2}, {0})
@@ -63,7 +64,7 @@ def test_the_shortest_way_to_a_cell_is_kept_and_rare_cells_are_drawn_more():
 def test_boxes_and_choices_are_written_and_played_again():
     """Inside any box, with open bounds too; what is written and played is the same again."""
     box = Box(np.array([-2.0, 0.0, -np.inf]), np.array([2.0, 1.0, np.inf]), dtype=np.float64)
-    moves, rng = moves_in(box), np.random.default_rng(0)
+    moves, rng = moves_in(box), default_rng(0)
     for genes in (moves.white(rng, 5, 9), moves.coloured(rng, 5, 9)):
         played = moves.played(genes)
         assert all(box.contains(action.astype(np.float64)) for action in played.reshape(-1, 3))

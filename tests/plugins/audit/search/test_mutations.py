@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from gymnasium.spaces import Box, Discrete
+from numpy.random import default_rng
 
 from harness_plugins.audit.search.moves import moves_in
 from harness_plugins.audit.search.mutations import Pairs, mutations_of
@@ -14,14 +15,14 @@ MUTATIONS = {kind: {it.__name__: it for it in mutations_of(moves)} for kind, mov
 
 def pairs_of(kind="numbers", length=12, second_length=7):
     """Parents whose actions all differ, so that a child tells where each of its actions comes from."""
-    rng, moves = np.random.default_rng(0), MOVES[kind]
+    rng, moves = default_rng(0), MOVES[kind]
     first, second = moves.white(rng, COUNT, HORIZON), moves.white(rng, COUNT, HORIZON)
     return Pairs(moves, first, np.full(COUNT, length), second, np.full(COUNT, second_length))
 
 
 def mutated(name, pairs, kind="numbers"):
     """Children of a mutation."""
-    return MUTATIONS[kind][name](pairs, np.random.default_rng(1))
+    return MUTATIONS[kind][name](pairs, default_rng(1))
 
 
 @pytest.mark.parametrize(("kind", "name"), [(kind, name) for kind, of in MUTATIONS.items() for name in of])

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from gymnasium.spaces import Discrete
+from numpy.random import default_rng
 
 from harness_plugins.audit import read_certificate, write_certificate
 from harness_plugins.audit.search.behaviour import Rated, Rates
@@ -25,11 +26,11 @@ class Coin(Line):
 
     def __init__(self, chance=0.7, seed=None):
         super().__init__()
-        self.chance, self.rng = chance, np.random.default_rng(seed) if seed else None
+        self.chance, self.rng = chance, default_rng(seed) if seed else None
 
     def act(self, starts, policy):
         """An episode of a step for each start."""
-        draws = [(self.rng or np.random.default_rng(int(start))).random() for start in starts]
+        draws = [(self.rng or default_rng(int(start))).random() for start in starts]
         paid = np.array([float(draw < self.chance) * policy(0) for draw in draws])
         ones = np.ones(len(starts), np.int64)
         return Outcomes(ones, paid, paid, paid > 0, ones, paid, paid), [np.array([1])] * len(starts)

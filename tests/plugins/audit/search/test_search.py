@@ -4,6 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
 
 from harness_plugins.audit.search import search as searching
 from harness_plugins.audit.search.search import search
@@ -68,7 +69,7 @@ def no_tables(monkeypatch):
 def test_a_success_that_nothing_tells_is_met(is_discrete):
     """Rare places are begun from again: a dock that random actions never reach."""
     _, of = found(docks.sparse, is_discrete=is_discrete, horizon=20, budget=60_000)
-    drawn = np.random.default_rng(0).uniform(-1.0, 1.0, (2_000, 20, 1))
+    drawn = default_rng(0).uniform(-1.0, 1.0, (2_000, 20, 1))
     random = Dock(docks.sparse, horizon=20).play(np.full(2_000, 3), drawn)
     assert not random.success.any()
     assert all(three.success is not None for three in of.plain)

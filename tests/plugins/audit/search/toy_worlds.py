@@ -3,6 +3,7 @@
 import gymnasium
 import numpy as np
 from gymnasium.spaces import Discrete
+from numpy.random import default_rng
 
 from harness_plugins.audit.search.world import Outcomes, Shown
 
@@ -100,7 +101,7 @@ def told(observation, paid, terminated, info):
 
 def random_graph(seed, states=5, actions=2, lasting=False):
     """A graph drawn at random; success ends nothing if it is `lasting`."""
-    rng = np.random.default_rng(seed)
+    rng = default_rng(seed)
     edges = []
     for _ in range(states):
         row = []

@@ -4,12 +4,13 @@ import gymnasium
 import numpy as np
 import pytest
 from gymnasium.spaces import Box, Discrete
+from numpy.random import default_rng
 
 from harness.errors import UsageError
 from harness_plugins.audit import audit_rewards
 from tests.refusals import refused
 
-TABLE = np.random.default_rng(0).normal(size=(2, 3, 2, 3))
+TABLE = default_rng(0).normal(size=(2, 3, 2, 3))
 """Of two rewards, by state, action and next state."""
 
 

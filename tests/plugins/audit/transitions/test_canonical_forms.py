@@ -5,6 +5,7 @@ from itertools import product
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
+from numpy.random import default_rng
 
 from harness.recorder.sealed import Walk
 from harness_plugins.audit.distance import FORMS, centred_unit, distance_between
@@ -27,7 +28,7 @@ gammas = st.floats(0.1, 0.99)
 
 def table(seed):
     """A reward of each transition, any numbers."""
-    return np.random.default_rng(seed).normal(size=(STATES, ACTIONS, STATES))
+    return default_rng(seed).normal(size=(STATES, ACTIONS, STATES))
 
 
 def asked(values):
@@ -37,13 +38,13 @@ def asked(values):
 
 def walks(seed, lengths=(1, 2, 30)):
     """Episodes that jump anywhere."""
-    rng = np.random.default_rng([seed, 1])
+    rng = default_rng([seed, 1])
     return [Walk(rng.integers(STATES, size=n + 1).tolist(), rng.integers(ACTIONS, size=n).tolist()) for n in lengths]
 
 
 def coverages(seed, **given):
     """Of these walks."""
-    return draw_coverages(walks(seed, **given), np.random.default_rng(seed))
+    return draw_coverages(walks(seed, **given), default_rng(seed))
 
 
 def distances(one, other, gamma, seed):
@@ -56,7 +57,7 @@ def distances(one, other, gamma, seed):
 @settings(max_examples=25)
 def test_scale_and_potential_shaping_are_no_distance(seed, gamma, scale):
     """Of any potential, in all three forms; an offset too."""
-    phi = np.random.default_rng([seed, 2]).normal(size=STATES)
+    phi = default_rng([seed, 2]).normal(size=STATES)
     reward = table(seed)
     shaped = scale * reward + gamma * phi[None, None, :] - phi[:, None, None] + 3.0
     assert distances(reward, shaped, gamma, seed) == pytest.approx(dict.fromkeys(FORMS, 0.0), abs=1e-6)

@@ -6,6 +6,7 @@
 import sys
 
 import numpy as np
+from numpy.random import default_rng
 from scipy import stats
 from scipy.signal import lfilter
 
@@ -60,7 +61,7 @@ def has_hint(pay, behaviour):
 
 def count_hints(kind, trainings, seed=0):
     """Of so many trainings of a kind, those that ever have a hint."""
-    rng = np.random.default_rng([seed, list(NULLS).index(kind)])
+    rng = default_rng([seed, list(NULLS).index(kind)])
     return sum(has_hint(*NULLS[kind](rng)) for _ in range(trainings))
 
 

@@ -3,13 +3,14 @@
 from collections import defaultdict
 
 import numpy as np
+from numpy.random import default_rng
 
 RATE, DISCOUNT, LEAST_CHANCE = 0.2, 0.99, 0.05
 
 
 def q_table(env, steps, seed):
     """Q-learning; the chance of a random action falls over the first half of the steps."""
-    rng, choices = np.random.default_rng(seed), env.action_space.n
+    rng, choices = default_rng(seed), env.action_space.n
     values = defaultdict(lambda: np.zeros(choices))
     seen, _ = env.reset(seed=seed)
     for step in range(steps):
@@ -29,7 +30,7 @@ def _key(seen):
 
 def reinforce(env, steps, seed):
     """Policy gradients: a linear policy with squared features, normalised returns of ten episodes, Adam by hand."""
-    rng, choices = np.random.default_rng(seed), env.action_space.n
+    rng, choices = default_rng(seed), env.action_space.n
     size = len(_features(env.reset(seed=seed)[0]))
     weights, mean, square, updates, done = np.zeros((size, choices)), 0.0, 0.0, 0, 0
     while done < steps:
@@ -76,7 +77,7 @@ def _returns(pay):
 
 def cross_entropy(env, steps, seed):
     """The cross-entropy method: of 20 linear policies, drawn anew in each turn, the best 5 tell where to draw next."""
-    rng, low, high = np.random.default_rng(seed), env.action_space.low, env.action_space.high
+    rng, low, high = default_rng(seed), env.action_space.low, env.action_space.high
     size = len(_flat(env.reset(seed=seed)[0])) + 1
     centre, spread, done = np.zeros((size, len(low))), np.ones((size, len(low))), 0
     while done < steps:
