@@ -105,7 +105,7 @@ def test_unequal_budgets_are_no_difference(harness, tmp_path):
     [
         (["it/0.csv", "it/1.csv"], "it", "are of 1 reward, `it` 2; two are compared. Name them, --baseline"),
         (["it/a0.csv", "it/b0.csv", "it/c0.csv"], "it", "are of 3 rewards, `a` 1, `b` 1, `c` 1; two are compared"),
-        (["it/0.csv"], "it/0.csv", "harness eta --baseline it/0.csv --proposed 'OTHER/*.csv' compares CSV files of"),
+        (["it/0.csv"], "it/0.csv", "harness eta --baseline it/0.csv --proposed 'OTHER/*.csv' compares their pay"),
         ([], "minari:a/b-v0", "is a data set, which holds no trainings to compare: harness audit minari:a/b-v0"),
     ],
 )

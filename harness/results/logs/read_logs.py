@@ -503,10 +503,7 @@ def _columns(training: Training, log: Log, ends: Float, measures: Sequence[str])
 
 def _rhythm(runs: Sequence[Run]) -> tuple[int, int]:
     """After how many steps policies were evaluated, if that is the same in all trainings; and how many episodes."""
-    times = {tuple(it.facts.after for it in (*run.before, run.evaluation) if it is not None) for run in runs}
+    times = {(0, *(it.facts.after for it in (*run.before, run.evaluation) if it is not None)) for run in runs}
+    gaps = {*np.diff(min(times)).tolist()} if len(times) == 1 and len(min(times)) > 2 else set[int]()
     episodes = min((len(run.evaluation.episodes.last) for run in runs if run.evaluation), default=0)
-    if len(times) != 1:
-        return 0, episodes
-    (of,) = times
-    gaps = {*np.diff([0, *of]).tolist()}
-    return (int(gaps.pop()), episodes) if len(gaps) == 1 and len(of) > 1 else (0, episodes)
+    return gaps.pop() if len(gaps) == 1 else 0, episodes

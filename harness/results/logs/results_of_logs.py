@@ -3,6 +3,7 @@
 import glob
 import os
 import re
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -17,6 +18,7 @@ from harness.results.logs.labels import labelled
 from harness.results.logs.read_logs import Other, runs_of
 from harness.results.logs.told import FOUND_OUT, Told
 from harness.results.logs.trainings import Sorted, require_several, sort_files, sort_logs, with_reward
+from harness.results.recordings.episodes import ENDS
 from harness.results.recordings.read_runs import LooseStore
 from harness.results.results import Results
 from harness.text import command_text
@@ -47,17 +49,13 @@ def results_of_logs(
         UsageError: There is no log, or the trainings cannot be compared; says what was found and what to do.
         SchemaError: A log is damaged.
     """
-    found = _without_labels(find_logs(folder, registry, told.format), told.labels)
+    found = _opened(folder, registry, told)
     logs, other = _kept(found.logs, told)
-    if found.logs and not logs:
-        raise UsageError(f"--leave-out leaves no training of '{folder}'")
     if not logs:
-        raise _nothing(folder, registry, [f"{path}: {reason}" for path, reason in found.left_out])
-    if not any(map(_tells_episodes, logs)):
-        raise UsageError(
-            f"'{folder}' holds steps that do not tell where episodes end: {_command_of_steps(folder)} compares what "
-            "they were paid"
-        )
+        raise UsageError(f"--leave-out leaves no training of '{folder}'")
+    if not any(log.facts.unit != "step" or {*ENDS} & {*log.names} for log in logs):
+        command = _command_of_steps(folder)
+        raise UsageError(f"'{folder}' holds steps that do not tell where episodes end: {command} compares their pay")
     place = folder if folder.is_dir() else folder.parent
     sorted_ = sort_logs(place, logs, told.sort, told.baseline)
     if not told.sort:
@@ -114,7 +112,7 @@ def results_of_groups(
     """
     dropped = [(path, "") for paths in groups for path in paths if is_left_out(path, told.leave_out)]
     groups = [[path for path in paths if (path, "") not in dropped] for paths in groups]
-    opened = {path: _opened(path, registry, told.format) for paths in groups for path in paths}
+    opened = {path: _opened(path, registry, told, is_whole=True).logs for paths in groups for path in paths}
     both = [path for path in groups[0] if path in groups[1]]
     if both:
         raise UsageError(f"'{both[0]}' is in both groups: let --baseline and --proposed name different files")
@@ -126,19 +124,30 @@ def results_of_groups(
         for log in with_reward((log for path in paths for log in opened[path]), name)
     ]
     kept, other = _kept(logs, told)
-    found = sort_logs(place, _absolute(kept), told.sort, names[0])
+    absolute = [replace(log, facts=replace(log.facts, path=log.facts.path.absolute())) for log in kept]
+    found = sort_logs(place, absolute, told.sort, names[0])
     return _results(place, registry, found, told, kind, [*dropped, *other])
 
 
-def _opened(path: Path, registry: Registry, named: str) -> tuple[Log, ...]:
-    found = find_logs(path, registry, named)
-    if not found.logs or found.left_out:
-        raise _nothing(path, registry, [f"{place}: {reason}" for place, reason in found.left_out])
-    return found.logs
+def _opened(path: Path, registry: Registry, told: Told, *, is_whole: bool = False) -> Found:
+    """What lies there without the file of labels, which may look like a log.
 
+    Args:
+        path: The file or the folder.
+        registry: Has the formats.
+        told: What the user says.
+        is_whole: Whether nothing in it may be damaged.
 
-def _absolute(logs: Iterable[Log]) -> list[Log]:
-    return [replace(log, facts=replace(log.facts, path=log.facts.path.absolute())) for log in logs]
+    Raises:
+        UsageError: Nothing that can be read.
+    """
+    found = find_logs(path, registry, told.format)
+    labels = [] if told.labels is None else [told.labels]
+    logs = tuple(log for log in found.logs if not is_left_out(log.facts.path, labels))
+    damaged = tuple(it for it in found.left_out if not is_left_out(it[0], labels))
+    if not logs or (is_whole and damaged):
+        raise _nothing(path, registry, [f"{place}: {reason}" for place, reason in damaged])
+    return Found(logs, damaged)
 
 
 def _group_names(place: Path, groups: Sequence[Sequence[Path]]) -> list[str]:
@@ -183,28 +192,14 @@ def _in_steps(found: Sorted, registry: Registry, told: Told) -> Sorted:
     return found._replace(trainings=tuple(trainings))
 
 
-def _without_labels(found: Found, labels: Path | None) -> Found:
-    """The same without the file of labels, which may lie among the logs and look like one."""
-    if labels is None:
-        return found
-    own = labels.absolute()
-    return Found(
-        tuple(log for log in found.logs if log.facts.path.absolute() != own),
-        tuple((path, reason) for path, reason in found.left_out if path.absolute() != own),
-    )
-
-
-def _tells_episodes(log: Log) -> bool:
-    return log.facts.unit != "step" or "terminated" in log or "truncated" in log
-
-
 def _nothing(folder: Path, registry: Registry, damaged: Sequence[str]) -> UsageError:
     """Says which formats there are, and what was seen instead."""
     if damaged:
         return UsageError(f"'{folder}' holds no log that can be read: {'; '.join(damaged[:MOST_NAMED])}")
-    endings = _endings(folder)
-    seen = ", ".join(f"{count} {ending}" for ending, count in endings.items()) or "nothing"
-    steps = f"; {_command_of_steps(folder)} compares CSV files if a row is a step" if ".csv" in endings else ""
+    files = (it for it in (folder, *folder.rglob("*")) if it.is_file())
+    endings = Counter(it.suffix or "without an ending" for it in files).most_common(MOST_NAMED)
+    seen = ", ".join(f"{count} {ending}" for ending, count in endings) or "nothing"
+    steps = f"; {_command_of_steps(folder)} compares CSV files if a row is a step" if ".csv" in dict(endings) else ""
     return UsageError(
         f"'{folder}' is no experiment, and holds no recorded training and no log that is read. Seen: {seen}. Formats: "
         f"{', '.join(registry.names(LOGS))}; --as FORMAT:setting=value names one{steps}"
@@ -212,18 +207,5 @@ def _nothing(folder: Path, registry: Registry, damaged: Sequence[str]) -> UsageE
 
 
 def _command_of_steps(path: Path) -> str:
-    if path.is_dir():
-        return command_text("harness", "eta", path)
-    return command_text("harness", "eta", "--baseline", glob.escape(str(path)), "--proposed", "OTHER/*.csv")
-
-
-def _endings(folder: Path) -> dict[str, int]:
-    """How many files of each ending lie below a folder, those that there are most of first."""
-    files: Iterable[str] = (
-        [folder.name] if folder.is_file() else (it for _, _, names in os.walk(folder) for it in names)
-    )
-    counts: dict[str, int] = {}
-    for name in files:
-        ending = Path(name).suffix or "without an ending"
-        counts[ending] = counts.get(ending, 0) + 1
-    return dict(sorted(counts.items(), key=lambda it: -it[1])[:MOST_NAMED])
+    groups = ("--baseline", glob.escape(str(path)), "--proposed", "OTHER/*.csv")
+    return command_text("harness", "eta", *([path] if path.is_dir() else groups))
