@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 from harness.eta.behaviour_change import Quantity
 from harness.eta.headline import SUCCESS
@@ -10,7 +10,10 @@ from harness.eta.manner import TRAINING
 from harness.eta.seed_mean import SeedMean, mean_over_seeds
 from harness.results.comparison import Group
 from harness.results.learning import LearningCurve
-from harness.results.trainings import Ends, Trainings
+from harness.results.recordings.episodes import Part
+from harness.results.trainings import Trainings
+
+Ends: TypeAlias = tuple[Part, Part, Part | None]
 
 NO_BETTER = ""
 """In place of the direction of a measure that has none: pay."""
@@ -72,24 +75,28 @@ class Alone:
         }
 
 
-def stages_of(measure: Quantity, trainings: Sequence[Ends], random: float | None) -> Stages:
+def stages_of(measure: Quantity, trainings: Sequence[Ends], random: Part | None, reward: str = "") -> Stages:
     """The means of one measure over trainings.
 
     Args:
         measure: What is measured; a share of episodes where its number of them is told.
-        trainings: Of each seed.
+        trainings: The first episodes, the last ones, and the evaluation of each.
         random: What random actions came to.
+        reward: Whose pay it is, if it is no measure of behaviour.
     """
-    of_part, of_evaluation = (min((it.episodes[at] for it in trainings), default=0) for at in (0, 1))
 
-    def mean(stage: str, episodes: int) -> SeedMean:
-        values = [getattr(it, stage).get(measure.name) for it in trainings]
-        known = [value for value in values if value is not None]
-        missing = None if len(known) == len(values) else f"{len(values) - len(known)} of {len(values)} have none"
+    def value(part: Part | None) -> float | None:
+        return part and (part.returns.get(reward) if reward else part.behaviour.get(measure.name))
+
+    def mean(*stage: Part | None) -> SeedMean:
+        known = [told for it in stage if (told := value(it)) is not None]
+        missing = None if len(known) == len(stage) else f"{len(stage) - len(known)} of {len(stage)} have none"
+        episodes = min(it.episodes if it else 0 for it in stage)
         is_share = measure.episodes is not None and episodes > 0
         return mean_over_seeds(known, missing, episodes if is_share else None, measure.bounds)
 
-    return Stages(measure, mean("start", of_part), mean("end", of_part), mean("evaluation", of_evaluation), random)
+    start, end, evaluation = (mean(*stage) for stage in zip(*trainings, strict=True))
+    return Stages(measure, start, end, evaluation, value(random))
 
 
 def is_known(stages: Stages) -> bool:
@@ -97,7 +104,7 @@ def is_known(stages: Stages) -> bool:
     return any(it.mean is not None for it in (stages.start, stages.end, stages.evaluation))
 
 
-def alone_of(trainings: Trainings[Any]) -> Alone | None:
+def alone_of(trainings: Trainings) -> Alone | None:
     """What the only reward of these trainings did; None where another one, or a null control, stands beside it.
 
     Raises:
@@ -107,18 +114,19 @@ def alone_of(trainings: Trainings[Any]) -> Alone | None:
         return None
     (reward,) = trainings.rewards
     members, pay = trainings.members(reward), Quantity(trainings.pay_name(reward), "", NO_BETTER, TRAINING)
-    ends, random = [trainings.ends(it) for it in members], trainings.at_random(reward)
+    ends, random = [it.ends() for it in members], members[0].at_random()
     first = trainings.leading
     names = sorted(trainings.names, key=lambda name: first.index(name) if name in first else len(first))
-    measures = [trainings.measure(name, TRAINING, ends[0].episodes[1]) for name in names]
+    evaluated = ends[0][2].episodes if ends[0][2] else 0
+    measures = [trainings.quantity(name, TRAINING, evaluated) for name in names]
     curve = trainings.learned(reward, members)
     shown = [name for name in (*first[:1], SUCCESS) if name in curve.points][:1]
     return Alone(
         trainings.group,
         reward,
         tuple(it.seed for it in members),
-        stages_of(pay, ends, random.get(pay.name)),
-        tuple(filter(is_known, (stages_of(it, ends, random.get(it.name)) for it in measures))),
+        stages_of(pay, ends, random, reward),
+        tuple(filter(is_known, (stages_of(it, ends, random) for it in measures))),
         curve,
         (*shown, pay.name),
     )

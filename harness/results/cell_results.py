@@ -27,6 +27,7 @@ from harness.results.by_term import ByTerm, by_term, part_of
 from harness.results.kept import Kept
 from harness.results.measured import Measured, Moment, Values, value_of
 from harness.results.metrics import Unmeasurable
+from harness.results.recordings.episodes import Part
 from harness.reward import Paid
 from harness.score.installed_reward import InstalledReward
 from harness.score.scorer import SCORED
@@ -38,8 +39,6 @@ MEASURED = (*INTEGERS, *FLAGS, "distance", *(f"end_effector_{axis}" for axis in 
 """Columns that metrics read."""
 START, END = " start", " end"
 """The first and the last episodes of a training, see `harness.results.by_term.part_of`."""
-PAID = "return, as paid"
-"""What the pay of a reward's own trainings is called."""
 
 Metrics: TypeAlias = Callable[[], Mapping[str, tuple[Measure, str]]]
 
@@ -106,13 +105,15 @@ class CellResults:
         files = {**before, self.cell.steps: EVALUATION}
         return tuple(Moment(steps, self._measure(file)) for steps, file in files.items())
 
-    def ends(self) -> tuple[Values, Values, int]:
-        """Every metric, and the pay, of the first episodes of the training and of the last; how many these are each."""
+    def ends(self) -> tuple[Part, Part]:
+        """Every metric, and the pay, of the first episodes of the training and of the last."""
         paid = self.learned()[2]
         count = min(part_of(len(paid)), len(paid))
-        start, end = (self._measure(TRACE, part) for part in (START, END))
-        start[PAID], end[PAID] = (float(part.mean()) if count else None for part in (paid[:count], paid[-count:]))
-        return start, end, count
+        start, end = (
+            Part(count, {self.cell.reward.label: float(of.mean()) if count else None}, self._measure(TRACE, part), {})
+            for part, of in ((START, paid[:count]), (END, paid[-count:]))
+        )
+        return start, end
 
     def learned(self) -> Float:
         """The finished episodes of the training, in the order in which they ended, (3, episodes).

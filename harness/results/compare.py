@@ -4,7 +4,6 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property
-from typing import Any, Generic
 
 from harness.errors import Unscored
 from harness.eta.behaviour_change import Change, Quantity, change_of
@@ -28,7 +27,7 @@ from harness.results.measured import (
     learning_values,
     moments_by_due,
 )
-from harness.results.trainings import Match, Training, Trainings
+from harness.results.trainings import Match, Trainings
 from harness.results.verdicts import LookOf, with_verdicts
 
 OWN: tuple[Pair, Pair] = (BB, KK)
@@ -38,7 +37,7 @@ Moments = tuple[Sequence[Sequence[Moment]], Sequence[Sequence[Moment]]]
 
 
 def compare_all(
-    asked: Sequence[tuple[Trainings[Any], Match[Any]]],
+    asked: Sequence[tuple[Trainings, Match]],
     seeds: Collection[int],
     terms: Terms = FIRST,
     look_of: LookOf | None = None,
@@ -57,7 +56,7 @@ def compare_all(
     return with_verdicts([compare(of, match, swaps) for of, match in asked], terms, look_of, to_come)
 
 
-def compare(trainings: Trainings[Training], match: Match[Training], swaps: Swaps) -> Comparison:
+def compare(trainings: Trainings, match: Match, swaps: Swaps) -> Comparison:
     """One reward against another, by all of their trainings; p-values are not corrected yet.
 
     Args:
@@ -68,7 +67,7 @@ def compare(trainings: Trainings[Training], match: Match[Training], swaps: Swaps
     comparer = _Comparer(trainings, match, swaps)
     measured = Behaviour(
         episodes=comparer.episodes,
-        counted=trainings.counted,
+        counted=trainings.read.counted if trainings.read else {},
         deciding=trainings.deciding,
         decided_in=trainings.decided_in(comparer.episodes),
         same_starts=trainings.same_starts(match),
@@ -115,12 +114,12 @@ class _CurvesOnDemand(Mapping[Pair, GroupCurve]):
         return len(self._pairs)
 
 
-class _Comparer(Generic[Training]):
+class _Comparer:
     """Compares the trainings of two rewards."""
 
-    def __init__(self, trainings: Trainings[Training], match: Match[Training], swaps: Swaps) -> None:
+    def __init__(self, trainings: Trainings, match: Match, swaps: Swaps) -> None:
         self._trainings, self._match, self._swaps = trainings, match, swaps
-        self._one, self._other = ([trainings.measured(it) for it in side] for side in match.sides)
+        self._one, self._other = ([it.measured() for it in side] for side in match.sides)
         self.episodes = _fewest_episodes([*self._one, *self._other])
         """The number of episodes in each manner that all trainings have, as in the one with the fewest."""
 
@@ -167,7 +166,8 @@ class _Comparer(Generic[Training]):
         sides = dict(zip((self._match.proposed, self._match.baseline), reversed(self._match.sides), strict=True))
         for reward in dict.fromkeys((self._match.baseline, self._match.proposed)):
             with suppress(Unscored):
-                found = paid_at_random(reward, *self._trainings.paid_beside_random(sides[reward]))
+                paid, at_random = [it.final_pay() for it in sides[reward]], sides[reward][0].random_pay()
+                found = paid_at_random(reward, paid, at_random)
                 if found is not None:
                     yield found
 
@@ -175,7 +175,7 @@ class _Comparer(Generic[Training]):
         """The measures of the trained policies in each manner, of the trainings, and of how fast they learned."""
         found = [
             self._change(
-                self._trainings.measure(name, manner, episodes),
+                self._trainings.quantity(name, manner, episodes),
                 *([it.manners[manner].get(name) for it in side] for side in (self._one, self._other)),
             )
             for manner, episodes in self.episodes.items()
@@ -195,7 +195,7 @@ class _Comparer(Generic[Training]):
         episodes = next(iter(self.episodes.values()), 0)
         return [
             self._change(
-                self._trainings.measure(name, LAST, episodes), *([it[name] for it in side] for side in (one, other))
+                self._trainings.quantity(name, LAST, episodes), *([it[name] for it in side] for side in (one, other))
             )
             for name in names
         ]
@@ -208,7 +208,7 @@ class _Comparer(Generic[Training]):
         episodes = next(iter(self.episodes.values()))  # of the cells' own manner
 
         def change(name: str, manner: str, *sides: Sequence[float | None]) -> Change:
-            return self._change(self._trainings.measure(name, manner, episodes), *sides)
+            return self._change(self._trainings.quantity(name, manner, episodes), *sides)
 
         return changes_along(self._trainings.group, self._moments, names, change)
 
@@ -218,7 +218,7 @@ class _Comparer(Generic[Training]):
 
     @cached_property
     def _moments(self) -> Moments:
-        one, other = ([self._trainings.moments(it) for it in side] for side in self._match.sides)
+        one, other = ([it.moments() for it in side] for side in self._match.sides)
         return one, other
 
     def _change(self, measure: Quantity, *sides: Sequence[float | None]) -> Change:

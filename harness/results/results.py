@@ -3,7 +3,7 @@
 import html
 import importlib.util
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -23,21 +23,23 @@ from harness.record.manifest import Manifest
 from harness.record.store import Store
 from harness.registry.registry import Registry
 from harness.results.alone import Alone, alone_of
-from harness.results.comparison import Comparison, Group, pools_of
-from harness.results.frames import Frames
+from harness.results.compare import compare_all
+from harness.results.comparison import Comparison, pools_of
+from harness.results.frames import Frames, read_frames
 from harness.results.learning import Learning
 from harness.results.logs.told import FOUND_OUT, Told
 from harness.results.measured import Measured, Moment, Values, measure
 from harness.results.overview import overview_html
 from harness.results.pool import Pool
-from harness.results.recordings.recordings import Recordings
-from harness.results.recordings.study import PlaceStudy
+from harness.results.recordings.recordings import Recordings, older_keys
+from harness.results.recordings.runs import Runs
 from harness.results.records import Records
 from harness.results.return_matrix import ReturnMatrix
 from harness.results.table import Numbers, cell_to_json, comparison_rows, metric_columns, table_of, write_table
 from harness.results.terms_paid import TermsPaid, terms_of
 from harness.results.traces import Traces
 from harness.results.trainings import Trainings
+from harness.results.verdicts import Seen
 
 FORMAT = 1
 """The version of what reports say as JSON; docs/json.md explains it."""
@@ -85,8 +87,9 @@ class Results(Records):
         self.in_environment = kinds == {True}
         self.traces = Traces(self, metrics if not self.in_environment else None)
         self.recordings = Recordings(self, metrics) if self.in_environment else None
-        self.source: Traces | Recordings = self.recordings or self.traces
-        self.manifests = list(map(self.source.examine, self.manifests))
+        self._source: Traces | Recordings = self.recordings or self.traces
+        if self.recordings is None:
+            self.manifests = list(map(self.traces.examine, self.manifests))
         self.account = self._counted(told.leave_out if self.is_experiment else ())
 
     def _counted(self, leave_out: Collection[Path]) -> Account[Manifest]:
@@ -106,17 +109,17 @@ class Results(Records):
     @property
     def subject(self) -> str:
         """What behaves, in words."""
-        return self.source.subject
+        return self._source.subject
 
     @property
     def metrics(self) -> Mapping[str, Measure]:
         """Every registered metric, or those that were chosen, by name; none of an environment."""
-        return self.source.metrics
+        return self._source.metrics
 
     @property
     def measures(self) -> tuple[str, ...]:
         """The names of all measures of behaviour."""
-        return self.source.measures
+        return tuple(dict.fromkeys([*self.metrics, *(name for it in self.trainings for name in it.names)]))
 
     @property
     def not_measured(self) -> dict[str, str]:
@@ -127,9 +130,9 @@ class Results(Records):
         return reasons
 
     @property
-    def studies(self) -> tuple[PlaceStudy, ...]:
-        """The recorded trainings of each algorithm in each environment; none of an arm."""
-        return () if self.recordings is None else self.recordings.studies
+    def trainings(self) -> Sequence[Trainings]:
+        """Those that are done, by group, as far as there is something to compare."""
+        return self._source.trainings
 
     @cached_property
     def combinations(self) -> tuple[Comparison, ...]:
@@ -137,7 +140,16 @@ class Results(Records):
 
         A baseline that is its own proposed reward is the null control; these come last.
         """
-        return tuple(sorted(self.source.comparisons, key=lambda it: it.is_control))
+        asked, terms = self._source.asked, self.plan.terms
+        seeds = {seed for _, match in asked for of in match.seeds_of for seed in of}
+        seen, unread = Seen.of(self.manifests, terms.looks), sum(len(it.missing) for it in self._read)
+        found = compare_all(asked, seeds, terms, seen.look_of, seen.to_come + unread)
+        return tuple(sorted(found, key=lambda it: it.is_control))
+
+    @property
+    def _read(self) -> list[Runs]:
+        """What was read of recordings and logs."""
+        return [it.read for it in self.trainings if it.read]
 
     @property
     def pools(self) -> tuple[Pool, ...]:
@@ -148,17 +160,18 @@ class Results(Records):
     def notes(self) -> tuple[str, ...]:
         """What to keep in mind of the trainings, a line each; a plan of looks waits for no cell that failed."""
         is_told = self.account.missing and not self.plan.terms.looks and not self.is_temporary
-        return (*self.source.notes, *([self.account.remedy] if is_told else ()))
+        notes = self.recordings.notes if self.recordings else ()
+        return (*notes, *([self.account.remedy] if is_told else ()))
 
     @property
     def said(self) -> tuple[str, ...]:
         """How what was found was sorted and read, a line each: what to know before the first number."""
-        return tuple(self.source.said)
+        return tuple(line for it in self._read for line in it.said)
 
     @property
     def damaged_recordings(self) -> tuple[str, ...]:
         """Recordings that could not be read, a line each; a cell with a damaged file is among `damaged` instead."""
-        return tuple(self.source.damaged)
+        return tuple(dict.fromkeys(line for it in self._read for line in it.damaged))
 
     @cached_property
     def returns(self) -> tuple[ReturnMatrix, ...]:
@@ -167,7 +180,7 @@ class Results(Records):
         Raises:
             SchemaError: A file is damaged or written by a newer version.
         """
-        return self.source.returns
+        return self._source.returns
 
     @cached_property
     def terms(self) -> tuple[TermsPaid, ...]:
@@ -176,7 +189,7 @@ class Results(Records):
         Raises:
             SchemaError: A file is damaged or written by a newer version.
         """
-        return tuple(paid for trainings in self.source.trainings for paid in terms_of(trainings))
+        return tuple(paid for trainings in self.trainings for paid in terms_of(trainings))
 
     @cached_property
     def alone(self) -> tuple[Alone, ...]:
@@ -185,11 +198,7 @@ class Results(Records):
         Raises:
             SchemaError: A file is damaged or written by a newer version.
         """
-        return tuple(alone for it in self.source.trainings if (alone := alone_of(it)) is not None)
-
-    def trainings(self, group: Group) -> Trainings[Any] | None:
-        """The done trainings of a group; None where none is done."""
-        return next((it for it in self.source.trainings if it.group == group), None)
+        return tuple(alone for it in self.trainings if (alone := alone_of(it)) is not None)
 
     def learning(self, comparison: Comparison) -> Learning | None:
         """How the policies of a comparison behaved while they learned; None if that is not known.
@@ -201,24 +210,29 @@ class Results(Records):
         """
         if comparison.is_control or not comparison.has_trainings:
             return None
-        trainings = self.trainings(comparison.group)
-        return None if trainings is None else trainings.learning(comparison)
+        return next((it.learning(comparison) for it in self.trainings if it.group == comparison.group), None)
 
     def measured(self, cell: Cell) -> Measured:
         """Every measure of a done cell, by manner; none of a cell in an environment that is not compared."""
-        return self.source.measured(cell)
+        if self.recordings and cell.id not in self.recordings.runs:
+            return Measured({}, {}, {})
+        return self._source.run(cell).measured()
 
     def moments(self, cell: Cell) -> tuple[Moment, ...]:
         """Every evaluation of a done cell during its training, and the one after it."""
-        return self.source.moments(cell)
+        return tuple(self._source.run(cell).moments())
 
     def recorded(self, cell: Cell) -> Float:
         """What a done cell's own reward paid, every row of its training, (rows,)."""
-        return self.source.recorded(cell)
+        return self.recordings.recorded(cell) if self.recordings else self.traces.of(cell).recorded()
 
     def frames(self, cell: Cell, episode: int = 0) -> Frames | None:
         """Pictures of an evaluation episode that an environment drew; None of an arm, which has a replay."""
-        return self.source.frames(cell, episode)
+        if self.recordings is None:
+            return None
+        if not self.is_experiment:
+            return Frames("recordings that no experiment made hold no policies, so no episode can be played again")
+        return read_frames(self.folder, self.manifest(cell), episode)
 
     def measure(self, trace: Log) -> Values:
         """Every metric of an evaluation."""
@@ -226,7 +240,7 @@ class Results(Records):
 
     def older_keys(self) -> dict[str, Any]:
         """What a report says as JSON for readers of version 0.1 alone; these keys leave with the next format."""
-        return self.source.older_keys()
+        return older_keys(self.recordings, self.combinations) if self.recordings else {}
 
     def to_json(self) -> dict[str, Any]:
         """Combinations and cells, plain data; see `harness.report.document` for all that a report says."""
@@ -286,7 +300,7 @@ class Results(Records):
 
     def numbers(self, cell: Cell) -> Numbers:
         """The numbers of a done cell, in the columns of `write_table`."""
-        return self.source.numbers(cell)
+        return self._source.numbers(cell)
 
 
 def _data_frame(table: pa.Table, asked: str) -> Any:

@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from harness.errors import Unscored
 from harness.eta.interval import difference_interval, variance_of, why_no_interval
 from harness.eta.seed_mean import SeedMean, mean_over_seeds
 from harness.results.by_term import ByTerm
@@ -192,17 +193,21 @@ def _difference(less: Sequence[float | None], from_: Sequence[float | None]) -> 
     return SeedMean(mean, *difference_interval(one, other, (variance_of(one), variance_of(other))), seeds)
 
 
-def terms_of(trainings: Trainings[Any]) -> Iterator[TermsPaid]:
+def terms_of(trainings: Trainings) -> Iterator[TermsPaid]:
     """What each term paid, of each reward of these trainings that has terms.
 
     Raises:
         SchemaError: A file is damaged or written by a newer version.
     """
     baseline = trainings.baseline
-    for reward in filter(trainings.has_terms, trainings.rewards):
-        is_beside = reward != baseline and baseline in trainings.rewards
-        own = trainings.terms_paid(reward)
-        others, missing = trainings.terms_beside(reward, baseline) if is_beside else ([], "")
-        ours = trainings.terms_paid(baseline) if is_beside and trainings.has_terms(baseline) else []
-        names, random = (reward, baseline if is_beside else ""), trainings.terms_at_random(reward)
+    having = [name for name in trainings.rewards if any(it.has_terms for it in trainings.members(name))]
+    for reward in having:
+        is_beside, missing = reward != baseline and baseline in trainings.rewards, ""
+        own, first = trainings.terms(reward, reward), trainings.members(reward)[0]
+        try:
+            others = trainings.terms(reward, baseline) if is_beside else []
+        except Unscored as unscored:
+            others, missing = [], str(unscored)
+        ours = trainings.terms(baseline, baseline) if is_beside and baseline in having else []
+        names, random = (reward, baseline if is_beside else ""), first.terms(first, "random")
         yield from filter(None, [terms_paid(trainings.group, names, own, others, ours, random, missing)])

@@ -1,39 +1,104 @@
-"""The trainings of one group as results ask about them, the same for traces of an arm and for recordings."""
+"""The trainings of one group and how they are compared, whatever left them: an arm's cells, recordings, or logs."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Generic, Literal, NamedTuple, Protocol, Self, TypeVar
+from itertools import combinations
+from typing import Literal, NamedTuple, Protocol
 
 from harness.arrays import Float
 from harness.eta.behaviour_change import Quantity
-from harness.eta.curve import GroupCurve
+from harness.eta.curve import GroupCurve, Kind, stream_curve
+from harness.eta.headline import SUCCESS
+from harness.eta.interval import SHARE
+from harness.eta.manner import DETERMINISTIC, EVALUATION, OWN_AND_OTHER, STOCHASTIC, TRAINING, WHOLE
 from harness.eta.rescaling import Rescaling
 from harness.eta.scored_sums import Pair
+from harness.record.manifest import Manifest
 from harness.results.by_term import ByTerm
 from harness.results.comparison import Comparison, Group
-from harness.results.learning import Learning, LearningCurve
-from harness.results.measured import Counted, Measured, Mixture, Moment
+from harness.results.learning import (
+    Learning,
+    LearningCurve,
+    LearningRun,
+    Point,
+    learning_points,
+    mean_point,
+    stretches,
+)
+from harness.results.measured import Measured, Mixture, Moment, mixtures_of
+from harness.results.recordings.episodes import Part
+from harness.results.recordings.runs import Run, Runs, meet_same_starts, rescaling_between
+
+LEARNED = Quantity(SUCCESS, "", "higher", TRAINING, 1, bounds=SHARE)
+"""What is known of an arm's training: the share of its episodes that reached the target."""
+KEPT_CURVES = 2
+"""Many rewards are compared with one baseline, so that the curves that were read last are asked for again."""
 
 
-class Seeded(Protocol):
-    """A training, told from the others of its reward by its seed."""
+class Trained(Protocol):
+    """One training: what it was paid, and what it did. What is not known of its pay raises Unscored."""
 
     @property
     def seed(self) -> int:
-        """The seed of the training."""
+        """Of the training, or the number that it was given."""
 
+    @property
+    def reward(self) -> str:
+        """The label of the reward that taught it."""
 
-Training = TypeVar("Training", bound=Seeded)
+    @property
+    def cut(self) -> int:
+        """How many of its steps are compared."""
 
+    @property
+    def manifest(self) -> Manifest | None:
+        """What made it; None where a recording has notes on that instead."""
 
-class Ends(NamedTuple):
-    """What one training was paid, and what its policy did, by name."""
+    def measured(self) -> Measured:
+        """Every measure, by manner; what says most about the final policy comes first."""
 
-    start: Mapping[str, float | None]
-    end: Mapping[str, float | None]
-    evaluation: Mapping[str, float | None]
-    episodes: tuple[int, int]
-    """How many episodes start and end rest on each, and how many the evaluation."""
+    def moments(self) -> Sequence[Moment]:
+        """Its evaluations, the one after the training last."""
+
+    def reason(self, name: str, manner: str) -> str:
+        """Why a measure has no value; empty if it has one."""
+
+    def stretch(self, begin: int, end: int) -> Part:
+        """The episodes that ended in these steps."""
+
+    def on_the_way(self, every: int) -> Mapping[int, Part]:
+        """Its evaluations by the step at which they were due; empty where the training itself tells how it learned."""
+
+    def ends(self) -> tuple[Part, Part, Part | None]:
+        """Its first episodes, its last ones, and those of its evaluation, where there is one."""
+
+    def paid(self, by: "Trained") -> Float:
+        """What the reward of a training pays for each of its steps, (rows,)."""
+
+    def returned(self, by: "Trained", manner: str) -> float:
+        """What that reward pays one of its episodes of one manner."""
+
+    def final_pay(self) -> float:
+        """What its own reward paid an episode of its evaluation, with all that the training maximised."""
+
+    def random_pay(self) -> Float:
+        """What its reward pays random actions, (episodes,)."""
+
+    def at_random(self) -> Part | None:
+        """What random actions come to; None where they are not known."""
+
+    @property
+    def has_terms(self) -> bool:
+        """Whether its reward may have terms."""
+
+    def terms(self, by: "Trained", part: str) -> ByTerm | None:
+        """What the terms of a training's reward pay its ``training``, its ``evaluation``, or ``random`` actions.
+
+        None where that is not known, or not asked for.
+        """
+
+    def motion(self) -> str:
+        """A digest of all that its final policy did in its evaluation; empty where not everything is recorded."""
 
 
 class TermsOfTraining(NamedTuple):
@@ -52,216 +117,263 @@ class TermsOfTraining(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Match(Generic[Training]):
-    """The trainings of one comparison, in the order of the seeds.
+class Match:
+    """The trainings of one comparison.
 
     Attributes:
         baseline: The label of the reward that the other one is compared with.
-        proposed: The label of the other one.
-        seeds: The seeds that both have; of the null control those of the baseline. What is paid is compared on them.
-        of_baseline: The trainings by the baseline, of these seeds.
-        of_proposed: The trainings by the other reward, of these seeds.
-        control: The baseline's trainings again with other seeds, if there are some for all seeds.
-        others: The trainings of each reward whose seed the other one lacks, by seed. Behaviour is compared on them too.
+        proposed: The label of the other one; the same for the null control.
+        one: The trainings by the baseline, by seed.
+        other: Those by the other reward; of the null control the baseline's with other seeds.
+        again: The baseline's trainings with other seeds, by the seed that they stand beside.
     """
 
     baseline: str
     proposed: str
-    seeds: tuple[int, ...]
-    of_baseline: Sequence[Training]
-    of_proposed: Sequence[Training]
-    control: Sequence[Training] = ()
-    others: tuple[Mapping[int, Training], Mapping[int, Training]] = field(default=({}, {}))
-
-    @classmethod
-    def of_seeds(
-        cls,
-        names: tuple[str, str],
-        baseline: Mapping[int, Training],
-        proposed: Mapping[int, Training],
-        control: Mapping[int, Training],
-    ) -> Self:
-        """Sort trainings by what both rewards have.
-
-        Args:
-            names: The labels of both rewards. Equal ones are the null control.
-            baseline: The baseline's trainings, by seed.
-            proposed: The other reward's.
-            control: The baseline's trainings with other seeds, by the seed that they stand beside.
-        """
-        seeds = tuple(sorted(baseline.keys() & proposed.keys()))
-        again = [control[seed] for seed in seeds if seed in control]
-        alone = {seed: baseline[seed] for seed in sorted(baseline.keys() - proposed.keys())}
-        others = {seed: proposed[seed] for seed in sorted(proposed.keys() - baseline.keys())}
-        return cls(
-            *names,
-            seeds,
-            [baseline[seed] for seed in seeds],
-            [proposed[seed] for seed in seeds],
-            again if len(again) == len(seeds) else [],
-            ({}, {}) if names[0] == names[1] else (alone, others),
-        )
+    one: Mapping[int, Trained]
+    other: Mapping[int, Trained]
+    again: Mapping[int, Trained] = field(default_factory=dict)
 
     @property
-    def sides(self) -> tuple[Sequence[Training], Sequence[Training]]:
-        """All trainings of both rewards, those of the seeds that both have first."""
-        alone, others = self.others
-        return [*self.of_baseline, *alone.values()], [*self.of_proposed, *others.values()]
+    def seeds(self) -> tuple[int, ...]:
+        """The seeds that both have. What is paid is compared on them."""
+        return tuple(sorted(self.one.keys() & self.other.keys()))
 
     @property
     def seeds_of(self) -> tuple[tuple[int, ...], tuple[int, ...]]:
-        """The seeds of `sides`."""
-        alone, others = self.others
-        return (*self.seeds, *alone), (*self.seeds, *others)
+        """All seeds of each side, those of both first; the null control has no others. Behaviour is compared on all."""
+        one, other = ((*self.seeds, *sorted(it.keys() - {*self.seeds})) for it in (self.one, self.other))
+        return (self.seeds, self.seeds) if self.baseline == self.proposed else (one, other)
+
+    @property
+    def sides(self) -> tuple[list[Trained], list[Trained]]:
+        """The trainings of `seeds_of`."""
+        one, other = self.seeds_of
+        return [self.one[seed] for seed in one], [self.other[seed] for seed in other]
 
     @property
     def is_paired(self) -> bool:
         """Whether both rewards trained with the same seeds."""
-        return not any(self.others)
+        return self.seeds_of == (self.seeds, self.seeds)
 
-    def of(self, who: str) -> Sequence[Training]:
+    def of(self, who: str) -> list[Trained]:
         """The trainings of one side with the seeds that both have, ``baseline`` or ``proposed``."""
-        return self.of_baseline if who == "baseline" else self.of_proposed
-
-
-class Trainings(Protocol[Training]):
-    """The trainings of one group, as far as results ask about them: cells of an arm, or recordings."""
+        side = self.one if who == "baseline" else self.other
+        return [side[seed] for seed in self.seeds]
 
     @property
-    def group(self) -> Group:
-        """What all of them share."""
+    def control(self) -> list[Trained]:
+        """The baseline's trainings with other seeds, if there are some for all seeds."""
+        return [self.again[seed] for seed in self.seeds] if self.again.keys() >= {*self.seeds} else []
+
+
+@dataclass(frozen=True, eq=False)
+class Trainings:
+    """The trainings of one group.
+
+    Attributes:
+        group: What all of them share.
+        baseline: The label of the reward that the others are compared with; it need not be among them.
+        runs: The trainings by reward and seed, without those of the null control; rewards in their order.
+        names: The names of the measures.
+        quantity: What a measure is in the episodes of one manner, of which each training has so many at least.
+        kind: Which curves the indices are read from; see `harness.eta.curve.GroupCurve`.
+        deciding: The names of the measures that decide, in this order.
+        leading: Those that are shown first.
+        success: The name of the share of episodes by which learning is measured; empty if there is none.
+        averaged: The final policy counts with the mean over so many of the last evaluations, at most.
+        again: The baseline's trainings with other seeds, by the seed that they stand beside.
+        is_alone: Whether one reward taught them, and nothing is to be compared with it.
+        read: What was read of recordings and logs; None of an arm.
+    """
+
+    group: Group
+    baseline: str
+    runs: Mapping[tuple[str, int], Trained]
+    names: Sequence[str]
+    quantity: Callable[[str, str, int], Quantity]
+    kind: Kind
+    deciding: tuple[str, ...]
+    leading: Sequence[str]
+    success: str
+    averaged: int
+    again: Mapping[int, Trained]
+    is_alone: bool
+    read: Runs | None = None
+    _curves: dict[tuple[Trained, ...], GroupCurve] = field(default_factory=dict)
 
     @property
-    def names(self) -> Sequence[str]:
-        """The names of the measures."""
+    def rewards(self) -> list[str]:
+        """The labels of the rewards that taught."""
+        return list(dict.fromkeys(reward for reward, _ in self.runs))
 
-    @property
-    def deciding(self) -> tuple[str, ...]:
-        """The names of the measures that decide, in this order."""
+    def members(self, reward: str) -> list[Trained]:
+        """The trainings by a reward, in the order of their seeds."""
+        return [self.runs[key] for key in sorted(self.runs) if key[0] == reward]
 
-    @property
-    def leading(self) -> Sequence[str]:
-        """The names of the measures that are shown first."""
+    def match(self, baseline: str, proposed: str) -> Match:
+        """The trainings of one reward, and those of another one; of the baseline and itself the null control."""
+        one, other = ({seed: it for (name, seed), it in self.runs.items() if name == of} for of in (baseline, proposed))
+        again = self.again if baseline == self.baseline else {}
+        return Match(baseline, proposed, one, again if baseline == proposed else other, again)
 
-    @property
-    def success(self) -> str:
-        """The name of the share of episodes by which learning is measured; empty if there is none."""
-
-    @property
-    def averaged(self) -> int:
-        """The final policy counts with the mean over so many of the last evaluations, at most."""
+    def matches(self, *, pairs: bool) -> list[Match]:
+        """Each reward that taught with the baseline, or with every one before it; the null control is last."""
+        baseline, *others = self.rewards
+        control = [(baseline, baseline)] if self.again else []
+        asked = combinations(self.rewards, 2) if pairs else ((baseline, it) for it in others)
+        return [self.match(*names) for names in (*asked, *control)]
 
     @property
     def number_of(self) -> Literal["returns", "indices"]:
         """What the sentence about the number tells. Only what it tells makes a claim, besides the indices."""
+        return "returns" if self.read else "indices"
+
+    def pay_name(self, reward: str) -> str:
+        """What the pay of an episode is called in a curve."""
+        return f"return paid by {reward}" if self.read else "return, as paid"
+
+    # Behaviour
 
     def decided_in(self, episodes: Mapping[str, int]) -> str:
         """The manner that decides; empty for that of the cells."""
-
-    def measured(self, training: Training) -> Measured:
-        """Every measure of a training, by manner."""
-
-    def moments(self, training: Training) -> Sequence[Moment]:
-        """Its evaluations, the one after the training last."""
-
-    def measure(self, name: str, manner: str, episodes: int) -> Quantity:
-        """What a measure is in the episodes of one manner, of which each seed has so many at least."""
+        return "" if not self.read else next((manner for manner in episodes if episodes[manner]), WHOLE)
 
     def has_floor(self, manner: str) -> bool:
-        """Whether random actions are shown beside the episodes of a manner."""
+        """Whether random actions are shown beside the episodes of a manner; nobody measured how they learn."""
+        return manner in (DETERMINISTIC, STOCHASTIC, TRAINING) or manner.startswith(EVALUATION)
 
-    def reason(self, match: Match[Training], name: str, manner: str) -> str:
+    def reason(self, match: Match, name: str, manner: str) -> str:
         """Why a measure has no value in some training; empty if it has one in all."""
+        return next((why for side in match.sides for it in side if (why := it.reason(name, manner))), "")
 
-    def curve(self, match: Match[Training], pair: Pair) -> GroupCurve:
+    def same_steps(self, match: Match) -> bool:
+        """Whether both rewards taught the same steps: every step of each evaluation of every seed, bit for bit.
+
+        Evaluations are read only if every measure of every seed is the same.
+        """
+        both = list(zip(match.of("baseline"), match.of("proposed"), strict=True))
+        is_alike = all(one.measured().manners == other.measured().manners for one, other in both)
+        return is_alike and all(one.motion() == other.motion() != "" for one, other in both)
+
+    def same_starts(self, match: Match) -> bool:
+        """Whether policies met the same episodes in their evaluations, as far as that is known: an arm's seeds do."""
+        return meet_same_starts(_recorded(match))
+
+    def mixtures(self, match: Match) -> tuple[Mixture, ...]:
+        """Plugins of which several versions were used."""
+        everybody = dict.fromkeys(it for side in (*match.sides, match.control) for it in side)
+        return mixtures_of(it.manifest for it in everybody if it.manifest is not None)
+
+    # Pay
+
+    def curve(self, match: Match, pair: Pair) -> GroupCurve:
         """S_r(tau_q) of one pair (r, q).
 
         Raises:
             Unscored: It is not known what r pays these trainings.
         """
+        by, members = match.of(pair[0])[0], match.of(pair[1])
+        return self._curve(members) if pair[0] == pair[1] else self._paid(members, by)
 
-    def control(self, match: Match[Training]) -> GroupCurve | None:
+    def control(self, match: Match) -> GroupCurve | None:
         """The curve of the baseline's trainings with other seeds."""
+        return self._curve(match.control) if match.control else None
 
-    def return_manners(self, episodes: Mapping[str, int]) -> Sequence[str]:
-        """The manners in which mean returns are compared."""
+    def _curve(self, members: Sequence[Trained]) -> GroupCurve:
+        """What trainings by one reward were paid by it."""
+        key = tuple(members)
+        found = self._curves.pop(key, None) or self._paid(members, members[0])
+        self._curves[key] = found
+        for old in list(self._curves)[:-KEPT_CURVES]:
+            del self._curves[old]
+        return found
 
-    def returned(self, match: Match[Training], pair: Pair, manner: str) -> list[float]:
+    def _paid(self, members: Sequence[Trained], by: Trained) -> GroupCurve:
+        """The curve of trainings as one reward pays them. Only one of them at a time is in memory."""
+        return stream_curve((it.paid(by) for it in members), len(members), min(it.cut for it in members), self.kind)
+
+    def return_manners(self, episodes: Mapping[str, int]) -> list[str]:
+        """The manners in which mean returns are compared: all; of an arm that of its final evaluation alone."""
+        return list(episodes) if self.read else [*OWN_AND_OTHER[self.group.deterministic][:1]]
+
+    def returned(self, match: Match, pair: Pair, manner: str) -> list[float]:
         """R_r(q) of every seed, of one pair (r, q).
 
         Raises:
             Unscored: It is not known.
         """
+        by = match.of(pair[0])[0]
+        return [it.returned(by, manner) for it in match.of(pair[1])]
 
-    def paid_beside_random(self, trainings: Sequence[Training]) -> tuple[list[float], Float]:
-        """What one reward paid in the evaluation of each of its trainings, and what it pays random actions.
+    def rescaling(self, match: Match) -> Rescaling | None:
+        """What the proposed reward is, if it is the baseline but for scale and offset; an arm's splits say it."""
+        is_control = match.baseline == match.proposed
+        return None if is_control else rescaling_between(_recorded(match), match.proposed, match.baseline)
 
-        Args:
-            trainings: At least one; all by one reward.
-
-        Returns:
-            The mean return of an episode, of each training; the returns of random actions, (episodes,).
+    def terms(self, reward: str, trained: str) -> list[TermsOfTraining]:
+        """What the terms of one reward pay the trainings by another one, or its own.
 
         Raises:
-            Unscored: It is not known.
+            Unscored: They cannot pay these.
         """
+        by = self.members(reward)[0]
+        return [TermsOfTraining(it.terms(by, "training"), it.terms(by, "evaluation")) for it in self.members(trained)]
 
-    def same_steps(self, match: Match[Training]) -> bool:
-        """Whether both rewards taught the same steps: every step of each evaluation of every seed, bit for bit."""
-
-    def mixtures(self, match: Match[Training]) -> tuple[Mixture, ...]:
-        """Plugins of which several versions were used."""
-
-    def rescaling(self, match: Match[Training]) -> Rescaling | None:
-        """What the proposed reward is, if it is the baseline but for scale and offset; None where it is not known."""
-
-    def same_starts(self, match: Match[Training]) -> bool:
-        """Whether policies met the same episodes in their evaluations, as far as that is known."""
-
-    @property
-    def counted(self) -> Mapping[str, Counted]:
-        """By manner, what is counted where it is not all episodes."""
-
-    # What each reward did
-
-    @property
-    def rewards(self) -> Sequence[str]:
-        """The labels of the rewards that taught."""
-
-    @property
-    def baseline(self) -> str:
-        """The label of the reward that the others are compared with; it need not be among them."""
-
-    @property
-    def is_alone(self) -> bool:
-        """Whether one reward taught them, and nothing is to be compared with it."""
-
-    def members(self, reward: str) -> Sequence[Training]:
-        """The trainings by a reward, in the order of their seeds; without those of the null control."""
+    # Learning
 
     def learning(self, comparison: Comparison) -> Learning:
-        """The learning curves of both rewards, each of which has a training."""
+        """The learning curves of both rewards, each of which has a training: of evaluations, where there are some."""
+        both = zip((comparison.baseline, comparison.proposed), comparison.trained, strict=True)
+        sides = [(reward, [self.runs[reward, seed] for seed in seeds]) for reward, seeds in both]
+        if not self.read and self.group.evaluate_every:
+            one, other = (self._evaluated(*side) for side in sides)
+            if any(len(run.moments) > 1 for curve in (one, other) for run in curve.runs):
+                return Learning(
+                    one, other, {it.name: it.random for it in comparison.measured.changes_of(comparison.own_manner)}
+                )
+        one, other = (self.learned(*side) for side in sides)
+        floor = sides[0][1][0].measured().random if self.read else {}
+        return Learning(one, other, {name: floor.get(name) for name in one.points})
 
-    def learned(self, reward: str, members: Sequence[Training]) -> LearningCurve:
-        """What trainings by a reward came to, over their steps."""
+    def _evaluated(self, reward: str, members: Sequence[Trained]) -> LearningCurve:
+        runs = tuple(LearningRun(it.seed, tuple(it.moments())) for it in members)
+        measures = [self.quantity(name, "", 1) for name in self.names]
+        points = {
+            it.name: learning_points(runs, it.name, self.group, it.episodes is not None, it.bounds) for it in measures
+        }
+        return LearningCurve(reward, runs, points)
 
-    def pay_name(self, reward: str) -> str:
-        """What the pay of an episode is called in the curve."""
+    def learned(self, reward: str, members: Sequence[Trained]) -> LearningCurve:
+        """What trainings by a reward came to, over their steps: in evaluations that all have, else in stretches."""
+        every = self.group.evaluate_every
+        found = [it.on_the_way(every) if every else {} for it in members]
+        dues = sorted(set.intersection(*map(set, found)))
+        steps = self.read.steps if self.read else self.group.steps
+        parts = [(due, [of[due] for of in found]) for due in dues] or [
+            (end, [it.stretch(begin, end) for it in members]) for begin, end in stretches(steps)
+        ]
 
-    def ends(self, training: Training) -> Ends:
-        """What a training was paid, and what it did, at its start, at its end, and in its evaluation."""
+        def over(measure: Quantity) -> tuple[Point, ...]:
+            is_share = measure.episodes is not None
+            return tuple(
+                mean_point(
+                    end,
+                    [part.behaviour.get(measure.name) for part in of],
+                    (is_share and min(part.episodes for part in of)) or None,
+                    measure.bounds,
+                )
+                for end, of in parts
+            )
 
-    def at_random(self, reward: str) -> Mapping[str, float | None]:
-        """What random actions come to, by measure, and what a reward pays them, by `pay_name`."""
+        measures = [self.quantity(name, WHOLE, 1) for name in self.names] if self.read else [LEARNED]
+        points = {it.name: over(it) for it in measures}
+        for payer in self.read.rewards if self.read else (reward,):
+            paid = ((end, [part.returns.get(payer) for part in of]) for end, of in parts)
+            points[self.pay_name(payer)] = tuple(mean_point(end, values) for end, values in paid)
+        return LearningCurve(reward, (), points)
 
-    def has_terms(self, reward: str) -> bool:
-        """Whether a reward may have terms."""
 
-    def terms_paid(self, reward: str) -> list[TermsOfTraining]:
-        """What the terms of a reward paid its own trainings."""
-
-    def terms_beside(self, reward: str, trained: str) -> tuple[list[TermsOfTraining], str]:
-        """What the terms of a reward pay another one's trainings; or why they cannot."""
-
-    def terms_at_random(self, reward: str) -> ByTerm | None:
-        """What the terms of a reward pay random actions; None where that is not known."""
+def _recorded(match: Match) -> list[Run]:
+    """The recordings and logs among the trainings of both sides."""
+    return [it for side in match.sides for it in side if isinstance(it, Run)]

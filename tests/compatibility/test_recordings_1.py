@@ -17,7 +17,6 @@ import pytest
 from harness.record.recording.recorded_training import read_recording
 from harness.record.store import Store
 from harness.results import load_results
-from tests.results.recordings.conftest import load_study
 
 HERE = Path(__file__).parent / "recordings_1"
 TOLD = json.loads((HERE / "returns.json").read_text())
@@ -29,28 +28,26 @@ def here(tmp_path):
     return Path(shutil.copytree(HERE, tmp_path / "here"))
 
 
-def _returns(study):
+def _returns(results):
     return {
-        manner: {f"{payer} pays {trained}": mean.mean for (payer, trained), mean in table.items()}
-        for manner, table in study.tables.items()
+        it.manner: {f"{payer} pays {by}": mean.mean for payer, row in it.returns.items() for by, mean in row.items()}
+        for it in results.returns
     }
 
 
 def test_loose_recordings_are_reported_as_before(here):
     """The same trainings, and the same mean returns."""
-    study = load_study(here / "loose")
-    assert sorted(study.runs.members) == [(reward, seed) for reward in ("own", "slow") for seed in (0, 1)]
-    assert _returns(study) == TOLD["loose"]
+    results = load_results(here / "loose")
+    assert sorted(results.trainings[0].runs) == [(reward, seed) for reward in ("own", "slow") for seed in (0, 1)]
+    assert _returns(results) == TOLD["loose"]
 
 
 def test_experiment_in_an_environment_is_reported_as_before(here):
     """Its cells are done, and their returns are the same."""
     results = load_results(here / "experiment")
-    (told,) = results.studies
     assert results.plan.note == ""  # the plan was read, and not put together from the cells
-    assert told.study is not None
-    assert len(told.study.runs.members) == len(Store.open(here / "experiment").read_plan().cells) == 4
-    assert _returns(told.study) == TOLD["experiment"]
+    assert len(results.trainings[0].runs) == len(Store.open(here / "experiment").read_plan().cells) == 4
+    assert _returns(results) == TOLD["experiment"]
 
 
 @pytest.mark.parametrize("path", ["own-0", "own-0/evaluation"])

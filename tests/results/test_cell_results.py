@@ -11,7 +11,7 @@ import harness.results.cell_results as module
 from harness.record import read_manifest, read_trace
 from harness.record.merge import merge
 from harness.report import report_text
-from harness.results import Group, Results
+from harness.results import Results
 from harness.score.installed_reward import InstalledReward
 from harness_plugins.committed.tables import write_cells
 
@@ -102,8 +102,8 @@ def test_comparisons_hold_no_trace(ran_toys, reads):
 def test_learning_curves_hold_one_trace_at_a_time(ended, reads):
     """With nothing kept: hundreds of trainings would fill the memory."""
     results = without_kept(ended)
-    cells = [cell for cell in results.done_cells if cell.reward.label == "dense"]
-    results.trainings(Group.of(cells[0])).learned("dense", cells)
+    (trainings,) = results.trainings
+    trainings.learned("dense", trainings.members("dense"))
     assert (len(reads.files), reads.most) == (2, 1)
 
 

@@ -1,37 +1,53 @@
-"""The recorded trainings of an experiment's cells in environments, or recordings that lie loose."""
+"""The recorded trainings of an experiment's cells in environments, or recordings and logs that lie loose."""
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from functools import cached_property
-from typing import Any
+from types import MappingProxyType
+from typing import Any, NamedTuple
 
 from harness.arrays import Float
-from harness.errors import SchemaError
+from harness.errors import SchemaError, UsageError
+from harness.eta.equal import key_to_json
+from harness.eta.manner import MANNERS
+from harness.eta.seed_mean import SeedMean, mean_over_seeds
+from harness.eta.verdict.deals import smallest_p
 from harness.measure import Measure
 from harness.record.cell import Cell
-from harness.record.folder import TRAINING_RECORDING
-from harness.record.manifest import Manifest
+from harness.record.cell_folder import is_named
+from harness.record.floor import Floor, floors_in
+from harness.record.folder import RANDOM, TRAINING_RECORDING, recording_of
+from harness.record.recording.recorded_training import recordings_in
 from harness.registry.choice import split_list
-from harness.results.comparison import Comparison
-from harness.results.frames import Frames, read_frames
-from harness.results.measured import Measured, Moment
-from harness.results.recordings.read_runs import LooseStore
-from harness.results.recordings.recording_results import (
-    RecordingResults,
-    numbers_in_environment,
-    numbers_of_part,
-)
-from harness.results.recordings.run_trainings import RunTrainings
-from harness.results.recordings.runs import Run
-from harness.results.recordings.study import PlaceStudy, studies_of, study_of_loose
+from harness.results.comparison import Comparison, Group
+from harness.results.metrics import require_measures
+from harness.results.recordings.read_runs import LooseStore, read_runs
+from harness.results.recordings.recording_results import RecordingResults, numbers_in_environment, numbers_of_part
+from harness.results.recordings.runs import Run, Runs
 from harness.results.records import Records
 from harness.results.return_matrix import ReturnMatrix
 from harness.results.table import Numbers
+from harness.results.trainings import Match, Trainings
+
+
+class Place(NamedTuple):
+    """The cells of one algorithm in one environment."""
+
+    group: Group
+    cells: tuple[Cell, ...]
+    trainings: Trainings | None
+    """What they left; None if there is nothing to compare."""
+    reason: str
+    """Why there is nothing; empty if there is something."""
+    notes: tuple[str, ...] = ()
+    """What to know of the cells where nothing else says it: a line each."""
 
 
 class Recordings:
     """What cells in an environment left."""
 
     subject = "agent"
+    metrics: Mapping[str, Measure] = MappingProxyType({})
 
     def __init__(self, records: Records, measures: Iterable[str] | str | None = None) -> None:
         """Read nothing yet.
@@ -42,128 +58,79 @@ class Recordings:
         """
         self.records, self._shown = records, None if measures is None else tuple(split_list(measures))
 
-    @property
-    def metrics(self) -> Mapping[str, Measure]:
-        return {}
-
-    @property
-    def measures(self) -> tuple[str, ...]:
-        return tuple(dict.fromkeys(name for it in self.trainings for name in it.names))
-
     @cached_property
-    def studies(self) -> tuple[PlaceStudy, ...]:
-        """The recorded trainings of each algorithm in each environment."""
+    def places(self) -> tuple[Place, ...]:
+        """The done cells of each group.
+
+        Raises:
+            UsageError: A measure was chosen that no environment has.
+        """
         records, store = self.records, self.records.store
         if isinstance(store, LooseStore):
-            given = (records.folder, store.runs, records.plan.cells, records.kind, self._shown)
-            return (study_of_loose(*given, pairs=records.pairs),)
-        return studies_of(records, self._shown)
+            found: dict[Group, tuple[list[Cell], Runs | str]] = {
+                store.runs.group: (list(records.plan.cells), store.runs)
+            }
+        else:
+            found = {group: (cells, self._read(group, cells)) for group, cells in records.groups.items()}
+        read = [runs for _, runs in found.values() if isinstance(runs, Runs)]
+        if read and self._shown is not None:
+            require_measures(self._shown, {name for runs in read for name in runs.measures})
+        return tuple(self._place(group, tuple(cells), runs) for group, (cells, runs) in found.items())
+
+    def _place(self, group: Group, cells: tuple[Cell, ...], runs: Runs | str) -> Place:
+        records = self.records
+        if isinstance(runs, Runs):
+            runs = runs if self._shown is None else runs.showing(self._shown)
+            return Place(group, cells, trainings_of(runs, records), "")
+        noted = [(cell.title, note) for cell in cells if (note := records.manifest(cell).note)]
+        return Place(group, cells, None, runs, tuple(f"{title}: {note}" for title, note in noted))
+
+    def _read(self, group: Group, cells: list[Cell]) -> Runs | str:
+        """The recorded trainings of cells; why there is nothing to compare where that is so."""
+        records = self.records
+        trained, control = {cell.reward.label for cell in cells}, records.plan.control
+        planned = {it.cell.reward.label for it in records.manifests if Group.of(it.cell) == group}
+        if len(trained) < 2 and not control and planned > trained:
+            return f"nothing to compare: all done cells were trained with {cells[0].reward.label}"
+        only = [
+            path
+            for cell in cells
+            for folder in (records.store.cell_folder(cell),)
+            for path in sorted(recordings_in(folder))
+            if is_named(records.manifest(cell), path.relative_to(folder).as_posix())
+        ]
+        floor = floors_in(records.manifests, records.store).get(Floor.of(cells[0]))
+        random = None if floor is None else records.store.cell_folder(floor) / recording_of(RANDOM)
+        try:
+            return read_runs(records.folder, only, records.baseline, records.named, group, random, control)
+        except UsageError as error:
+            return str(error)
 
     @property
-    def trainings(self) -> list[RunTrainings]:
+    def trainings(self) -> list[Trainings]:
         """Those that are done, by group."""
-        return [it.study.trainings for it in self.studies if it.study]
+        return [it.trainings for it in self.places if it.trainings]
 
     @property
-    def comparisons(self) -> list[Comparison]:
-        """Those of all studies."""
-        return [comparison for it in self.studies if it.study for comparison in it.study.comparisons]
+    def asked(self) -> list[tuple[Trainings, Match]]:
+        """Each reward that taught with the baseline, or every two; the null control too."""
+        return [(it, match) for it in self.trainings for match in it.matches(pairs=self.records.pairs)]
 
     @property
-    def notes(self) -> list[str]:
+    def notes(self) -> tuple[str, ...]:
+        """What to keep in mind of the trainings, a line each."""
         told: dict[str, None] = {}
-        several = len(self.studies) > 1
-        for it in self.studies:
-            lines = it.study.runs.notes if it.study else (it.reason, *it.notes)
-            told |= dict.fromkeys(f"{it.title}: {line}" if several or not it.study else line for line in lines)
-        return [*told]
-
-    @property
-    def said(self) -> list[str]:
-        return [line for it in self.trainings for line in it.runs.said]
-
-    @property
-    def damaged(self) -> list[str]:
-        return list(dict.fromkeys(line for it in self.trainings for line in it.runs.damaged))
+        for it in self.places:
+            read = it.trainings and it.trainings.read
+            is_named = len(self.places) > 1 or not read
+            lines = read.notes if read else (it.reason, *it.notes)
+            told |= dict.fromkeys(f"{it.group.title}: {line}" if is_named else line for line in lines)
+        return tuple(told)
 
     @property
     def returns(self) -> tuple[ReturnMatrix, ...]:
         """See `Results`; a matrix for each manner."""
-        return tuple(
-            ReturnMatrix(
-                it.group,
-                it.study.runs.trained,
-                {
-                    payer: {trained: table[payer, trained] for trained in it.study.runs.trained}
-                    for payer in it.study.runs.rewards
-                },
-                {},
-                manner,
-            )
-            for it in self.studies
-            if it.study
-            for manner, table in it.study.tables.items()
-        )
-
-    def examine(self, manifest: Manifest) -> Manifest:
-        """The same: what is damaged is told when it is read."""
-        return manifest
-
-    def measured(self, cell: Cell) -> Measured:
-        """Every measure of a done cell, by manner; none of a cell that is not compared with any other."""
-        if cell.id not in self._run_of:
-            return Measured({}, {}, {})
-        run = self.run(cell)
-        steps = next(it.study.runs.steps for it in self.studies if it.study and cell in it.cells)
-        parts = run.parts(steps)
-        random = next((it.study.runs.random for it in self.studies if it.study and cell in it.cells), None)
-        return Measured(
-            {manner: dict(part.behaviour) for manner, part in parts.items()},
-            {manner: part.episodes for manner, part in parts.items()},
-            dict(random.whole.behaviour) if random else {},
-        )
-
-    def moments(self, cell: Cell) -> tuple[Moment, ...]:
-        return self.run(cell).moments(cell.steps)
-
-    def recorded(self, cell: Cell) -> Float:
-        files = self.records.store.cell_folder(cell)
-        training = files / TRAINING_RECORDING
-        return RecordingResults(self.records.folder, training if training.is_dir() else files).paid_by(
-            cell.reward.label
-        )
-
-    def run(self, cell: Cell) -> Run:
-        """The recorded training of a done cell.
-
-        Raises:
-            SchemaError: It is not compared with any other, and so was not read.
-        """
-        if cell.id not in self._run_of:
-            raise SchemaError(f"cell {cell.id} is not compared with any other")
-        return self._run_of[cell.id]
-
-    @cached_property
-    def _run_of(self) -> dict[str, Run]:
-        """By id of the cell."""
-        found: dict[str, Run] = {}
-        for it in self.studies:
-            runs = [] if it.study is None else [*it.study.runs.members.values(), *it.study.runs.control.values()]
-            of = {(run.reward, run.seed): run for run in runs}
-            found |= {cell.id: of[key] for cell in it.cells if (key := (cell.reward.label, cell.seed)) in of}
-        return found
-
-    def frames(self, cell: Cell, episode: int = 0) -> Frames | None:
-        if not self.records.is_experiment:
-            return Frames("recordings that no experiment made hold no policies, so no episode can be played again")
-        return read_frames(self.records.folder, self.records.manifest(cell), episode)
-
-    def older_keys(self) -> dict[str, Any]:
-        """See `Results`: ``studies``; of recordings that lie loose the keys of the only one stand alone."""
-        if isinstance(self.records.store, LooseStore):
-            (it,) = self.studies
-            return {} if it.study is None else it.study.to_json()
-        return {"studies": [it.to_json() for it in self.studies]}
+        return tuple(matrix for it in self.trainings for matrix in _returns(it))
 
     def numbers(self, cell: Cell) -> Numbers:
         """See `Results`: means over the episodes of the final policy, else over those that say most about it."""
@@ -171,3 +138,157 @@ class Recordings:
             run = self.run(cell)
             return numbers_of_part(next(iter(run.parts(run.steps).values())))
         return numbers_in_environment(self.records.folder, self.records.store.cell_folder(cell))
+
+    def recorded(self, cell: Cell) -> Float:
+        """See `Results`."""
+        files = self.records.store.cell_folder(cell)
+        training = files / TRAINING_RECORDING
+        recorded = RecordingResults(self.records.folder, training if training.is_dir() else files)
+        return recorded.paid_by(cell.reward.label)
+
+    def run(self, cell: Cell) -> Run:
+        """The recorded training of a done cell.
+
+        Raises:
+            SchemaError: It is not compared with any other, and so was not read.
+        """
+        if cell.id not in self.runs:
+            raise SchemaError(f"cell {cell.id} is not compared with any other")
+        return self.runs[cell.id]
+
+    @cached_property
+    def runs(self) -> dict[str, Run]:
+        """The trainings that were read, those of the null control too, by id of the cell."""
+        found: dict[str, Run] = {}
+        for it in self.places:
+            everything = [*it.trainings.runs.values(), *it.trainings.again.values()] if it.trainings else []
+            of = {(run.reward, run.seed): run for run in everything if isinstance(run, Run)}
+            found |= {cell.id: of[key] for cell in it.cells if (key := (cell.reward.label, cell.seed)) in of}
+        return found
+
+
+def trainings_of(runs: Runs, records: Records) -> Trainings:
+    """Trainings that were read, as those of a group that are compared."""
+
+    def asked(run: Run) -> Run:
+        return replace(run, cut=runs.steps, random=runs.random, apart=runs.returns_apart)
+
+    deciding = runs.measures[:1]
+    return Trainings(
+        runs.group,
+        runs.trained[0],
+        {(reward, run.seed): asked(run) for reward in runs.trained for run in runs.of(reward)},
+        runs.measures,
+        runs.measure,
+        records.kind,
+        deciding,
+        deciding,
+        next(filter(runs.is_flag, deciding), ""),
+        records.plan.terms.averaged,
+        {seed: asked(run) for seed, run in runs.control.items()},
+        is_alone=len(runs.trained) == 1 and not runs.control,
+        read=runs,
+    )
+
+
+def _returns(trainings: Trainings) -> list[ReturnMatrix]:
+    rewards = trainings.read.rewards if trainings.read else ()
+    parts = {key: run.parts(run.cut) for key, run in trainings.runs.items() if isinstance(run, Run)}
+
+    def mean(manner: str, payer: str, trained: str) -> SeedMean:
+        of = [found.get(manner) for (reward, _), found in parts.items() if reward == trained]
+        known = [value for part in of if part and (value := part.returns.get(payer)) is not None]
+        whys = (part.reasons.get(payer, "not recorded") for part in of if part and part.returns.get(payer) is None)
+        lacking = f"{len(of) - len(known)} of {len(of)} seeds have none: {next(whys, 'not recorded')}"
+        return mean_over_seeds(known, lacking if len(known) < len(of) else None)
+
+    return [
+        ReturnMatrix(
+            trainings.group,
+            tuple(trainings.rewards),
+            {payer: {trained: mean(manner, payer, trained) for trained in trainings.rewards} for payer in rewards},
+            {},
+            manner,
+        )
+        for manner in MANNERS
+        if any(manner in found for found in parts.values())
+    ]
+
+
+def older_keys(recordings: Recordings, combinations: Iterable[Comparison]) -> dict[str, Any]:
+    """What readers of version 0.1 look for: ``studies``; of recordings that lie loose the only one's keys alone."""
+    told = [_study(it, [of for of in combinations if of.group == it.group], recordings) for it in recordings.places]
+    if isinstance(recordings.records.store, LooseStore):
+        return told[0] or {}
+    return {
+        "studies": [
+            {
+                "task": group.task.label,
+                "algorithm": group.algorithm.label,
+                "steps": group.steps,
+                "reason": reason,
+                "notes": list(notes),
+                "study": study,
+            }
+            for (group, _, _, reason, notes), study in zip(recordings.places, told, strict=True)
+        ]
+    }
+
+
+def _study(place: Place, compared: Iterable[Comparison], recordings: Recordings) -> dict[str, Any] | None:
+    trainings = place.trainings
+    if trainings is None or trainings.read is None:
+        return None
+    read = trainings.read
+    return {
+        "env": read.env,
+        "rewards": list(read.rewards),
+        "trained": list(read.trained),
+        "steps": read.steps,
+        "curve": trainings.kind,
+        "notes": [*read.said, *read.notes],
+        "damaged": list(read.damaged),
+        "equal_trainings": [[key_to_json(key) for key in keys] for keys in read.equal],
+        "rescaled": [{"reward": name, "of": other, **it.to_json()} for (name, other), it in read.rescaled.items()],
+        "comparisons": [_compared(trainings, it) for it in compared],
+        "returns": {
+            it.manner: [
+                {"paid_by": payer, "trained_by": trained, **mean.to_json()}
+                for payer, row in it.returns.items()
+                for trained, mean in row.items()
+            ]
+            for it in _returns(trainings)
+        },
+        "trainings": [
+            {
+                "folder": run.path.relative_to(recordings.records.folder).as_posix(),
+                "trained_by": run.reward,
+                "seed": run.seed,
+                "steps": run.steps,
+                "parts": {manner: part._asdict() for manner, part in run.parts(read.steps).items()},
+            }
+            for run in read.members.values()
+        ],
+    }
+
+
+def _compared(trainings: Trainings, it: Comparison) -> dict[str, Any]:
+    headline = {"agent" if name == "behaviour" else name: told for name, told in it.headline.to_json().items()}
+    learning = trainings.learning(it) if it.has_trainings else None
+    return {
+        "baseline": it.baseline,
+        "proposed": it.proposed,
+        "seeds": list(it.seeds),
+        "trained": it.trained_by,
+        "headline": headline,
+        "decided_in": it.answered_in,
+        "deciding_measure": next(iter(it.measured.deciding), None),
+        "returns": {manner: split.to_json() for manner, split in it.number.returns.items()},
+        "returns_missing": dict(it.number.missing),
+        "indices": it.number.decomposition and it.number.decomposition.to_json(),
+        "behaviour": [change.to_json() for change in it.measured.changes],
+        "episodes": dict(it.measured.episodes),
+        "claims": it.answer.claims,
+        "smallest_p": smallest_p(*it.counts) if it.has_trainings else None,
+        "learning": learning and learning.to_json()["metrics"],
+    }

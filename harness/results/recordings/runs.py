@@ -2,10 +2,12 @@
 
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
-from itertools import combinations
+from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
-from typing import NamedTuple, Protocol, Self
+from typing import Any, NamedTuple, Protocol, Self
+
+import numpy as np
 
 from harness.arrays import Float
 from harness.errors import Unscored, UsageError
@@ -17,14 +19,15 @@ from harness.eta.rescaling import Rescaling, rescaling_of
 from harness.log import Log, LogFacts
 from harness.log.log import RECORDED, REWARD, SUCCESS, TIME
 from harness.record.recording.facts import TrainingFacts, facts_of
-from harness.results.by_term import ByTerm
+from harness.results.by_term import ByTerm, part_of
 from harness.results.comparison import Group
 from harness.results.logs.told import RETURN, SUCCESS_DECIDES, Deciding
-from harness.results.measured import Counted, Moment
+from harness.results.measured import Counted, Measured, Moment
 from harness.results.recordings.episodes import Episodes, Part, episodes_of
 from harness.results.recordings.recording_results import NOTHING_ALIKE, Likeness, likeness_of, terms_in
 
 NO_NAME = "an env without a name"
+UNKNOWN = "a reward is not known in all trainings"
 
 
 class Pay(Protocol):
@@ -81,6 +84,9 @@ class Run:
         evaluation: Those of its final policy, where they were recorded.
         other: Those of its final policy that acted in the other manner.
         before: Evaluations before the training ended, in order.
+        cut: How many of its steps are compared; 0 before that is known.
+        random: Random actions in the same env, where they were recorded.
+        apart: Why what two rewards paid is not compared; empty where it is.
     """
 
     recorded: Pay
@@ -92,6 +98,11 @@ class Run:
     evaluation: "Run | None" = None
     other: "Run | None" = None
     before: tuple["Run", ...] = ()
+    cut: int = 0
+    random: "Run | None" = None
+    apart: str = ""
+    manifest = None
+    has_terms = True
 
     @property
     def path(self) -> Path:
@@ -112,30 +123,97 @@ class Run:
         return self.facts.trained_with
 
     def parts(self, steps: int) -> dict[str, Part]:
-        """By manner, the training cut to so many steps."""
-        found = {
+        """By manner, the training cut to so many steps; what says most about its final policy comes first."""
+        evaluated = {
+            EVALUATION: self.evaluation,
+            **({f"{EVALUATION}, {it.facts.acted}": it} if (it := self.other) else {}),
+        }
+        return {
+            **{manner: run.whole for manner, run in evaluated.items() if run is not None},
             LAST_FIFTH: self.episodes.end(steps),
             WHOLE: self.episodes.part(0, steps),
         }
-        if self.other is not None:
-            found = {f"{EVALUATION}, {self.other.facts.acted}": self.other.whole, **found}
-        return found if self.evaluation is None else {EVALUATION: self.evaluation.whole, **found}
+
+    @cached_property
+    def _parts(self) -> dict[str, Part]:
+        return self.parts(self.cut)
 
     @property
     def whole(self) -> Part:
         """All of its episodes."""
         return self.episodes.whole
 
-    def moments(self, steps: int) -> tuple[Moment, ...]:
-        """The evaluations during the training, and the one after it, which has so many steps."""
+    # What `harness.results.trainings.Trained` asks
+
+    def measured(self) -> Measured:
+        did = {manner: dict(part.behaviour) for manner, part in self._parts.items()}
+        floor = dict(self.random.whole.behaviour) if self.random else {}
+        return Measured(did, {manner: part.episodes for manner, part in self._parts.items()}, floor)
+
+    def moments(self) -> tuple[Moment, ...]:
         evaluations = {it.facts.after: it for it in self.before}
         if self.evaluation is not None:
-            evaluations[steps] = self.evaluation
+            evaluations[self.cut] = self.evaluation
         return tuple(Moment(after, it.whole.behaviour) for after, it in evaluations.items())
 
-    def paid_by(self, reward: str) -> Float:
-        """What a reward pays for each step, read from the files, (steps,)."""
-        return self.recorded.paid_by(reward)
+    def reason(self, name: str, manner: str) -> str:
+        part = self._parts.get(manner)
+        return "" if part is None or part.behaviour.get(name) is not None else self._why(name, part)
+
+    def stretch(self, begin: int, end: int) -> Part:
+        return self.episodes.part(begin, end)
+
+    def on_the_way(self, every: int) -> Mapping[int, Part]:
+        if not self.before or self.evaluation is None:
+            return {}
+        return {**{it.facts.after // every * every: it.whole for it in self.before}, self.cut: self.evaluation.whole}
+
+    def ends(self) -> tuple[Part, Part, Part | None]:
+        last = self.episodes.last
+        count = min(part_of(len(last)), len(last))
+        start = self.stretch(0, int(last[count - 1]) + 1 if count else 0)
+        end = self.stretch(int(last[-count]), int(last[-1]) + 1) if count else start
+        return start, end, self.evaluation.whole if self.evaluation else None
+
+    def paid(self, by: Any) -> Float:
+        if by.reward not in self.facts.rewards or not self.episodes.knows(by.reward):
+            raise Unscored(UNKNOWN)
+        return self.recorded.paid_by(by.reward)
+
+    def returned(self, by: Any, manner: str) -> float:
+        if self.apart:
+            raise Unscored(self.apart)
+        part = self._parts[manner]
+        value = part.returns.get(by.reward)
+        if value is None:
+            raise Unscored(self._why(by.reward, part))
+        return value
+
+    def final_pay(self) -> float:
+        paid = None if self.evaluation is None else self.evaluation.whole.returns.get(self.reward)
+        if paid is None:
+            raise Unscored(UNKNOWN)
+        return paid
+
+    def random_pay(self) -> Float:
+        paid = None if self.random is None else self.random.episodes.returns.get(self.reward)
+        if paid is None or np.isnan(paid).any():
+            raise Unscored(UNKNOWN)
+        return paid
+
+    def at_random(self) -> Part | None:
+        return self.random.whole if self.random else None
+
+    def terms(self, by: Any, part: str) -> ByTerm | None:
+        of = {"training": self, "evaluation": self.evaluation, "random": self.random}[part]
+        return None if of is None else of.recorded.terms_paid(by.reward)
+
+    def motion(self) -> str:
+        """Nothing: a recording need not hold the actions."""
+        return ""
+
+    def _why(self, name: str, part: Part) -> str:
+        return f"{name} in '{self.path}': {part.reasons.get(name, 'not recorded')}"
 
 
 def run_of(log: Log) -> Run:
@@ -270,12 +348,6 @@ class Runs(NamedTuple):
     def of(self, reward: str) -> list[Run]:
         """Trainings with a reward, by seed."""
         return [self.members[key] for key in sorted(self.members) if key[0] == reward]
-
-    def compared(self, *, pairs: bool) -> list[tuple[str, str]]:
-        """Each reward with the baseline, or with every one before it; then the null control if there is one."""
-        baseline, *others = self.trained
-        control = [(baseline, baseline)] if self.control else []
-        return [*(combinations(self.trained, 2) if pairs else ((baseline, it) for it in others)), *control]
 
     def better(self, measure: str) -> Better:
         """Which values of a measure are better; empty where nobody says it."""

@@ -319,29 +319,28 @@ def test_a_folder_does_not_mix_with_experiments_of_arms(folder):
 
 def test_a_study_compares_the_cells(results):
     """Trainings and evaluations of all seeds, the plan's baseline first."""
-    (told,) = results.studies
-    assert told.study.runs.trained == ("near", "right")
+    (trainings,) = results.trainings
+    assert trainings.rewards == ["near", "right"]
     (comparison,) = results.combinations
-    assert results.combinations == told.study.comparisons
     assert (comparison.seeds, comparison.group.task.label) == ((0, 1), "toy")
     assert comparison.measured.deciding == ("success",)
-    assert all(run.evaluation is not None for run in told.study.runs.members.values())
+    assert all(run.evaluation is not None for run in trainings.runs.values())
 
 
 @pytest.mark.parametrize(("asked", "shown"), [("distance", ("success", "distance")), ("success", ("success",))])
 def test_chosen_measures_are_shown_beside_the_one_that_decides(folder, asked, shown):
     """No other claim is made."""
-    (told,) = load_results(folder, metrics=asked, plugins=[TOY]).studies
-    (comparison,) = told.study.comparisons
+    results = load_results(folder, metrics=asked, plugins=[TOY])
+    (comparison,) = results.combinations
     changes = tuple(dict.fromkeys(change.name for change in comparison.measured.changes))
-    assert told.study.runs.measures == changes == shown
+    assert results.measures == changes == shown
 
 
 def test_measure_that_no_environment_has_is_refused(folder):
     """With those that there are."""
     results = load_results(folder, metrics="distence", plugins=[TOY])
     with pytest.raises(UsageError, match=r"No measure 'distence'\. There is: distance, success\. Did you mean"):
-        _ = results.studies
+        _ = results.trainings
 
 
 def test_measure_that_no_environment_has_is_refused_before_a_run(registry, tmp_path):
@@ -374,8 +373,7 @@ def test_folders_merge(registry, given, tmp_path):
         for cell in plan.cells:
             _done(cell, store.cell_folder(cell), given)
     merge([tmp_path / "0", tmp_path / "1"], tmp_path / "both")
-    (told,) = load_results(tmp_path / "both", plugins=[TOY]).studies
-    assert told.study.comparisons[0].seeds == (0, 1)
+    assert load_results(tmp_path / "both", plugins=[TOY]).combinations[0].seeds == (0, 1)
 
 
 def test_a_cell_that_is_done_in_both_folders_is_taken_once(folder, results, tmp_path, report):

@@ -156,12 +156,9 @@ def test_crash_costs_only_the_cells_that_it_pays(trained):
 
 def test_first_measure_of_the_file_decides(trained):
     """None is called success; the file says of which less is better."""
-    (told,) = load_results(trained).studies
-    assert (told.study.comparisons[0].measured.deciding, told.study.runs.measures) == (
-        ("height",),
-        ("height", "effort"),
-    )
-    assert told.study.runs.better("effort") == "lower"
+    results = load_results(trained)
+    assert (results.combinations[0].measured.deciding, results.measures) == (("height",), ("height", "effort"))
+    assert {it.measure.better for it in results.combinations[0].measured.changes if it.name == "effort"} == {"lower"}
 
 
 def test_named_measure_decides(files, tmp_path):
@@ -170,8 +167,7 @@ def test_named_measure_decides(files, tmp_path):
     plugins = [files / "calm.py", files / "behaviour.py"]
     for measure, deciding in (((), "height"), (["effort"], "effort")):
         results = harness.run(**given, plugins=plugins, measure=measure, out=tmp_path / "runs")
-        (told,) = results.studies
-        assert told.study.comparisons[0].measured.deciding == (deciding,)
+        assert results.combinations[0].measured.deciding == (deciding,)
     assert len(Store.open(tmp_path / "runs").read_plan().cells) == 4
 
 

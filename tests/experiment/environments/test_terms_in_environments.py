@@ -116,13 +116,11 @@ def test_columns_pay_what_other_weights_pay(trained):
         expected = terms["upright"] + 5.0 * terms["effort"] + terms["jerk"]
         recorded = found if cell.reward.label == label else weighed(found, [label])
         assert np.abs(recorded[f"reward/{label}"] - expected).max() <= 1e-12
-    (study,) = (it.study for it in results.studies)
-    assert study is not None
-    assert set(study.runs.rewards) == {"own", "gentle", label}
-    assert all(run.episodes.knows(label) for run in study.runs.members.values())
-    assert [it.proposed for it in study.comparisons] == ["gentle", label]
-    trained = {(payer, by): value for table in study.tables.values() for (payer, by), value in table.items()}
-    assert {trained[label, by] is None for by in ("own", "gentle", label)} == {False}
+    (trainings,) = results.trainings
+    assert set(trainings.read.rewards) == {"own", "gentle", label}
+    assert all(run.episodes.knows(label) for run in trainings.runs.values())
+    assert [it.proposed for it in results.combinations] == ["gentle", label]
+    assert all(mean.mean is not None for it in results.returns for mean in it.returns[label].values())
     heavy = next(it for it in results.terms if it.reward == label)
     assert [it.name for it in heavy.terms] == ["upright", "effort", "jerk"]
     assert all(it.others.mean is not None and it.random is not None for it in heavy.terms)

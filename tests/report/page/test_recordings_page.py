@@ -83,11 +83,11 @@ def test_nothing_is_loaded(of_two):
     assert 'id="repeat"' not in page
 
 
-def test_what_was_left_out_is_told(tmp_path):
+def test_what_is_missing_is_told(tmp_path):
     """Below the recordings."""
     record(tmp_path / "short", "plain", 9, [0.1])
     _, words = pages(tmp_path, 2)
-    assert "All are cut to the 5 steps of the shortest" in words
+    assert "short' is missing: it ends after 5 steps, and another one of plain after" in words
 
 
 def test_names_are_text(tmp_path):

@@ -1,3 +1,4 @@
+from dataclasses import replace
 from itertools import starmap
 from pathlib import Path
 
@@ -86,7 +87,8 @@ def test_evaluations_stand_beside_the_training_that_they_belong_to():
     found = runs(of("base", 0), *starmap(evaluated, BESIDE))
     run = found.members["base", 1]
     assert run.evaluation.whole.behaviour == {"success": 0.5}
-    assert [(it.steps, it.values["success"]) for it in run.moments(found.steps)] == [(20, 0.0), (50, 0.5)]
+    moments = replace(run, cut=found.steps).moments()
+    assert [(it.steps, it.values["success"]) for it in moments] == [(20, 0.0), (50, 0.5)]
     assert found.group.evaluation_episodes == 2
     assert found.counted["in evaluations"] == ("episode", (40, 40))
 

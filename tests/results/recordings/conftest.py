@@ -9,9 +9,7 @@ from harness.log import in_memory
 from harness.record import TrainingFacts
 from harness.record.recording.facts import Failure
 from harness.record.recording.recording_writer import write_recording
-from harness.registry import load_registry
-from harness.results import Results
-from harness.results.recordings.read_runs import LooseStore
+from harness.results import load_results
 
 PAYS = {
     "plain": lambda arms: arms + 1.0,
@@ -93,8 +91,11 @@ def study_folder(tmp_path):
 
 
 def load_study(folder, metrics=None):
-    """The recorded trainings in a folder, compared."""
-    results = Results(folder, load_registry(), metrics=metrics, store=LooseStore(folder))
-    (found,) = results.studies
-    assert found.study is not None
-    return found.study
+    """The results of the recorded trainings in a folder."""
+    return load_results(folder, metrics=metrics)
+
+
+def paid_in(results, manner):
+    """What each reward pays the trainings by each, by both names, in one manner."""
+    (matrix,) = (it for it in results.returns if it.manner == manner)
+    return {(payer, trained): mean for payer, row in matrix.returns.items() for trained, mean in row.items()}

@@ -63,12 +63,12 @@ def test_a_copy_of_a_reward_is_told(tmp_path):
         for reward in ("plain", "copy"):
             record(tmp_path / f"{reward}-{seed}", reward, seed, ARMS + 0.01 * seed, pays=pays)
     study = load_study(tmp_path)
-    assert study.runs.notes == (
+    assert study.notes == (
         "The trainings by copy and plain are equal bit for bit, with seeds 0 and 1: between them there is nothing to "
         "compare",
         "copy pays the same as plain, in all 400 steps, for which plain paid 40 different numbers",
     )
-    data = study.to_json()
+    data = study.older_keys()
     assert data["equal_trainings"] == [
         [{"trained_by": "copy", "seed": seed}, {"trained_by": "plain", "seed": seed}] for seed in range(2)
     ]
@@ -82,7 +82,7 @@ def test_each_reward_is_told_once(tmp_path):
     pays = {"plain": lambda a: a, "twice": lambda a: 2.0 * a, "square": lambda a: a**2, "less": lambda a: 1.0 - a}
     for reward, shift in (("plain", 0.0), ("square", 0.1)):
         record(tmp_path / reward, reward, 0, ARMS + shift, pays=pays)
-    assert [*load_study(tmp_path).runs.rescaled] == [("twice", "plain"), ("less", "plain")]
+    assert [*load_study(tmp_path).trainings[0].read.rescaled] == [("twice", "plain"), ("less", "plain")]
 
 
 def test_two_seeds_that_gave_one_run_are_told(tmp_path):
@@ -90,7 +90,7 @@ def test_two_seeds_that_gave_one_run_are_told(tmp_path):
     for reward, shift in (("plain", 0.0), ("thrice", 0.1)):
         for seed in range(2):
             record(tmp_path / f"{reward}-{seed}", reward, seed, ARMS + shift)
-    equal = [note for note in load_study(tmp_path).runs.notes if "equal bit for bit" in note]
+    equal = [note for note in load_study(tmp_path).notes if "equal bit for bit" in note]
     assert equal == [
         f"The trainings by {reward} with seed 0 and by {reward} with seed 1 are equal bit for bit. They count as "
         "several, but are one"
@@ -104,7 +104,7 @@ def test_a_reward_that_is_not_known_everywhere_is_compared_where_it_is(tmp_path)
     record(tmp_path / "thrice", "thrice", 0, ARMS + 0.1)
     record(tmp_path / "more", "plain", 1, ARMS, pays={"plain": lambda arms: arms + 1.0})
     record(tmp_path / "odd", "thrice", 1, ARMS, failures={"reward/plain": 12})
-    assert load_study(tmp_path).runs.rescaled["thrice", "plain"].steps == 2 * 5 * len(ARMS)
+    assert load_study(tmp_path).trainings[0].read.rescaled["thrice", "plain"].steps == 2 * 5 * len(ARMS)
 
 
 @pytest.mark.parametrize("ends", [False, True])
@@ -137,7 +137,7 @@ def test_where_only_the_scale_differs_the_answer_says_so(tmp_path, pays, is_told
     for seed in range(6):
         record(tmp_path / f"plain-{seed}", "plain", seed, 0.3 * ARMS + 0.01 * seed, pays=rewards)
         record(tmp_path / f"other-{seed}", "other", seed, ARMS + 0.01 * seed, pays=rewards)
-    (comparison,) = load_study(tmp_path).comparisons
+    (comparison,) = load_study(tmp_path).combinations
     assert comparison.headline.answer is Answer.HELPS
     told = scale_text(comparison)
     assert ("so its scale decides here" in told) is is_told
@@ -150,7 +150,7 @@ def test_other_starts_are_told_beside_the_answer(tmp_path):
     for reward, starts in (("plain", 7), ("thrice", 8)):
         record(tmp_path / reward, reward, 0, ARMS)
         record(tmp_path / reward / "half", reward, 0, ARMS, evaluation=True, after=50, starts=starts)
-    (comparison,) = load_study(tmp_path).comparisons
+    (comparison,) = load_study(tmp_path).combinations
     assert not comparison.measured.same_starts
     assert beside_answer(comparison) == [UNLIKE_STARTS]
     assert card_of(comparison, "thrice").beside == (UNLIKE_STARTS,)

@@ -10,7 +10,7 @@ from gymnasium.spaces import Box
 
 import harness
 from harness.report import basis_text
-from tests.results.recordings.conftest import load_study
+from tests.results.recordings.conftest import load_study, paid_in
 
 PULLS, EPISODES, SEEDS = 4, 10, 6
 TRAINING, LAST, EVALUATION = "over the training", "in its last fifth", "in evaluations"
@@ -85,9 +85,9 @@ def own(reward, manner):
 @pytest.mark.parametrize("manner", [TRAINING, LAST, EVALUATION])
 def test_a_reward_that_only_scales_is_a_ruler_of_its_factor(study, manner):
     """The ratio is 3 x behaviour, and the behaviour is what the env itself pays more, to 1e-9."""
-    split = study.comparisons[0].number.returns[manner]
+    split = study.combinations[0].number.returns[manner]
     behaviour = own("scaled", manner) / own("plain", manner)
-    assert study.comparisons[0].names == ("plain", "scaled")
+    assert study.combinations[0].names == ("plain", "scaled")
     assert split.ratio.ruler.value == pytest.approx(FACTOR, abs=1e-9)
     assert split.ratio.behaviour.value == pytest.approx(behaviour, abs=1e-9)
     assert split.ratio.eta.value == pytest.approx(FACTOR * behaviour, abs=1e-9)
@@ -97,8 +97,8 @@ def test_a_reward_that_only_scales_is_a_ruler_of_its_factor(study, manner):
 @pytest.mark.parametrize("manner", [TRAINING, LAST, EVALUATION])
 def test_a_reward_that_only_adds_is_a_ruler_of_what_it_adds(study, manner):
     """The difference is 2 for each pull, ruler, and what the env itself pays more, behaviour, to 1e-9."""
-    split = study.comparisons[1].number.returns[manner]
-    assert study.comparisons[1].names == ("plain", "shifted")
+    split = study.combinations[1].number.returns[manner]
+    assert study.combinations[1].names == ("plain", "shifted")
     assert split.total.ruler.mean == pytest.approx(BONUS * PULLS, abs=1e-9)
     assert split.total.behaviour.mean == pytest.approx(own("shifted", manner) - own("plain", manner), abs=1e-9)
 
@@ -106,13 +106,13 @@ def test_a_reward_that_only_adds_is_a_ruler_of_what_it_adds(study, manner):
 def test_the_full_table_is_known_in_closed_form(study):
     """Every training paid by every reward."""
     pays = {"plain": lambda r: r, "scaled": lambda r: FACTOR * r, "shifted": lambda r: r + BONUS * PULLS}
-    for (payer, trained), mean in study.tables[TRAINING].items():
+    for (payer, trained), mean in paid_in(study, TRAINING).items():
         assert mean.mean == pytest.approx(pays[payer](own(trained, TRAINING)), abs=1e-9)
 
 
 def test_the_index_of_the_summed_reward_is_split_by_the_same_ruler(study):
     """The summed curve is never negative: I_P alone, and its ruler is the factor."""
-    comparison = study.comparisons[0]
+    comparison = study.combinations[0]
     assert list(comparison.number.index_splits) == ["eta_P"]
     assert comparison.number.index_splits["eta_P"].ruler.value == pytest.approx(FACTOR, abs=1e-9)
     assert set(comparison.curves) == {*product(("baseline", "proposed"), repeat=2)}
@@ -120,8 +120,8 @@ def test_the_index_of_the_summed_reward_is_split_by_the_same_ruler(study):
 
 def test_evaluations_decide_where_they_were_recorded(study):
     """`plain` and `scaled` end with actions above 1 in all seeds, `shifted` never: the final policies say so."""
-    scaled, shifted = study.comparisons
-    assert {it.manner for it in study.comparisons} == {EVALUATION}
+    scaled, shifted = study.combinations
+    assert {it.manner for it in study.combinations} == {EVALUATION}
     assert (scaled.decisive.baseline, scaled.decisive.proposed) == (1.0, 1.0)
     assert shifted.headline.answer.value == "hurts"
     assert "rests on evaluations of the final policies, 3 episodes" in basis_text(shifted)

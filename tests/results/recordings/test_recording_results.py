@@ -32,12 +32,12 @@ def opened(monkeypatch):
 
 
 def _told(folder):
-    return json.dumps(load_study(folder).to_json())
+    return json.dumps(load_study(folder).older_keys())
 
 
 def test_first_report_opens_each_file_once(study_folder, opened):
     """For its episodes, and for what each reward paid."""
-    load_study(study_folder)
+    load_study(study_folder).older_keys()
     files = [str(path) for path in study_folder.rglob("steps-*.parquet")]
     assert opened == dict.fromkeys(files, 1)
 
@@ -59,23 +59,23 @@ def test_report_says_the_same_without_what_is_kept(study_folder):
 
 def test_only_the_recording_that_changed_is_read_again(study_folder, opened):
     """The digests of its files are not the same."""
-    load_study(study_folder)
+    load_study(study_folder).older_keys()
     opened.clear()
     facts = study_folder / "plain-0" / "recording-0.json"
     shutil.copyfile(study_folder / "plain-1" / "recording-0.json", facts)
     with pytest.raises(Exception, match="plain-0"):  # two trainings of one seed now
-        load_study(study_folder)
+        load_study(study_folder).older_keys()
     assert {Path(path).parent.name for path in opened} == {"plain-0"}
 
 
 def test_damaged_file_is_found_although_everything_is_kept(study_folder):
     """It is one line of the report."""
-    load_study(study_folder)
+    load_study(study_folder).older_keys()
     (part,) = (study_folder / "plain-0").glob("steps-*.parquet")
     content = bytearray(part.read_bytes())
     content[len(content) // 2] ^= 1
     part.write_bytes(content)
-    assert "plain-0" in "".join(load_study(study_folder).runs.damaged)
+    assert "plain-0" in "".join(load_study(study_folder).damaged_recordings)
 
 
 def test_folder_that_allows_no_writing_is_read_all_the_same(study_folder, opened):

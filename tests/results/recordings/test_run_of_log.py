@@ -8,11 +8,11 @@ import pytest
 
 from harness.errors import SchemaError, Unscored, UsageError
 from harness.log import Failed, Log, LogFacts, in_memory
-from harness.results import episodes_of
+from harness.registry import load_registry
+from harness.results import Results, episodes_of
 from harness.results.recordings.episodes import require_ends
-from harness.results.recordings.read_runs import runs_of
+from harness.results.recordings.read_runs import LooseStore, runs_of
 from harness.results.recordings.runs import run_of
-from harness.results.recordings.study import studies_of_runs
 
 
 def _episodes(reward, seed, returns, **facts):
@@ -140,8 +140,7 @@ def test_logs_of_episodes_are_compared():
     ]
     runs = runs_of(Path(), [run_of(log) for log in logs], baseline="base")
     assert (runs.trained, runs.measures, runs.steps) == (("base", "new"), ("success",), 400)
-    (study,) = studies_of_runs(Path(), [runs], "accumulated")
-    (comparison,) = study.comparisons
+    (comparison,) = Results(Path(), load_registry(), store=LooseStore(Path(), runs)).combinations
     (change,) = (it for it in comparison.measured.changes if it.measure.manner == "over the training")
     assert (change.baseline, change.proposed) == (pytest.approx(6.5 / 40), pytest.approx(32.5 / 40))
     assert comparison.number.decomposition is None

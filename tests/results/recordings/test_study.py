@@ -10,9 +10,8 @@ from harness.record import TrainingFacts
 from harness.record.recording.facts import OWN_SOURCE, Source
 from harness.report import basis_text
 from harness.results import Deciding, Told, load_results
-from harness.results.recordings.read_runs import read_runs
-from harness.results.recordings.study import PlaceStudy, studies_of_runs
-from tests.results.recordings.conftest import PAYS, PULLS, load_study, record
+from harness.results.compare import compare_all
+from tests.results.recordings.conftest import PAYS, PULLS, load_study, paid_in, record
 
 RISING = np.linspace(0.0, 1.0, 20)
 TRAINING, LAST, EVALUATION = "over the training", "in its last fifth", "in evaluations"
@@ -35,14 +34,20 @@ ALIKE = ("The trainings by plain ", "thrice is 3 x plain + 3, in all")
 """What is told of most studies here: trainings are equal bit for bit, and rewards differ in scale and offset alone."""
 
 
+def read_of(results):
+    """What was read of the only group."""
+    (trainings,) = results.trainings
+    return trainings.read
+
+
 def notes_of(study):
     """All other notes."""
-    return [note for note in study.runs.notes if not note.startswith(ALIKE)]
+    return [note for note in read_of(study).notes if not note.startswith(ALIKE)]
 
 
 def test_a_reward_helps_by_a_corrected_test(study_folder):
     """All six seeds end with success under one reward and with none under the other."""
-    (comparison,) = load_study(study_folder).comparisons
+    (comparison,) = load_study(study_folder).combinations
     assert comparison.headline.answer.value == "helps"
     assert comparison.headline.decided_by == "success"
     assert comparison.decisive.corrected == pytest.approx(2 / math.comb(12, 6))
@@ -50,7 +55,7 @@ def test_a_reward_helps_by_a_corrected_test(study_folder):
 
 def test_without_evaluations_the_verdict_says_that_it_rests_on_training(study_folder):
     """On its last part, and how to do better."""
-    (comparison,) = load_study(study_folder).comparisons
+    (comparison,) = load_study(study_folder).combinations
     assert comparison.manner == LAST
     assert "rests on the training itself" in basis_text(comparison)
     assert "harness.evaluate_policy" in basis_text(comparison)
@@ -60,9 +65,9 @@ def test_evaluations_that_are_not_there_for_all_do_not_decide(study_folder):
     """One of twelve is told, and the training decides."""
     record(study_folder / "plain-0" / "evaluation", "plain", 0, [0.2, 0.3], evaluation=True)
     study = load_study(study_folder)
-    assert study.comparisons[0].manner == LAST
-    assert "11 of 12 trainings have no evaluation beside them" in study.runs.notes
-    assert study.tables[EVALUATION]["plain", "plain"].mean == pytest.approx(PULLS * 1.25)
+    assert study.combinations[0].manner == LAST
+    assert "11 of 12 trainings have no evaluation beside them" in read_of(study).notes
+    assert paid_in(study, EVALUATION)["plain", "plain"].mean == pytest.approx(PULLS * 1.25)
 
 
 @pytest.mark.parametrize(
@@ -88,24 +93,24 @@ def test_an_odd_recording_is_told(study_of, facts, told):
     study = study_of(facts)
     (note,) = notes_of(study)
     assert told in note
-    assert study.runs.steps == len(RISING) * PULLS
+    assert read_of(study).steps == len(RISING) * PULLS
 
 
 def test_chosen_measures_are_compared_alone(study_folder):
     """Beside the one that decides."""
-    assert load_study(study_folder, metrics="success").runs.measures == ("success",)
-    assert load_study(study_folder, metrics=["arm"]).runs.measures == ("success", "arm")
+    assert read_of(load_study(study_folder, metrics="success")).measures == ("success",)
+    assert read_of(load_study(study_folder, metrics=["arm"])).measures == ("success", "arm")
 
 
 def test_measure_that_is_not_recorded_is_refused(study_folder):
     """With those that are."""
     with pytest.raises(UsageError, match=r"No measure 'leg'\. There is: arm, success"):
-        load_study(study_folder, metrics="leg")
+        _ = load_study(study_folder, metrics="leg").combinations
 
 
 def test_returns_are_means_over_episodes_then_over_seeds(study_folder):
     """Of the last fifth: those of its episodes alone."""
-    split = load_study(study_folder).comparisons[0].number.returns[LAST]
+    split = load_study(study_folder).combinations[0].number.returns[LAST]
     arms = [np.linspace(0.0, 0.4 + 0.01 * seed, 40)[-8:].mean() for seed in range(6)]
     assert split.returns["baseline", "baseline"].mean == pytest.approx(np.mean([PULLS * (arm + 1.0) for arm in arms]))
     assert (
@@ -117,14 +122,14 @@ def test_returns_are_means_over_episodes_then_over_seeds(study_folder):
 
 def test_an_unfinished_episode_does_not_count(study_of):
     """A training that is cut in the middle of an episode has the mean of those before."""
-    assert study_of().runs.members["plain", 0].parts(PULLS * 2 + 3)[TRAINING].episodes == 2
+    assert read_of(study_of()).members["plain", 0].parts(PULLS * 2 + 3)[TRAINING].episodes == 2
 
 
 @pytest.mark.parametrize("shift", [-3.0, 0.0])
 def test_a_ratio_takes_positive_returns(study_of, shift):
     """Otherwise the reason stands in its place, the difference is split all the same, and words tell that."""
     pays = {"plain": lambda arm: arm + shift, "thrice": lambda arm: 3.0 * arm + shift}
-    (comparison,) = study_of(pays=pays).comparisons
+    (comparison,) = study_of(pays=pays).combinations
     split = comparison.number.returns[TRAINING]
     assert (split.ratio.eta.value is None) == (shift < 0.0)
     assert split.total.change.mean == pytest.approx(split.total.ruler.mean + split.total.behaviour.mean)
@@ -135,7 +140,7 @@ def test_a_ratio_takes_positive_returns(study_of, shift):
 
 def test_signs_of_the_summed_curve_decide_which_indices_there_are(study_of):
     """A sum that is always negative has I_N alone."""
-    (comparison,) = study_of(pays={"plain": lambda arm: arm - 2.0, "thrice": lambda arm: arm - 4.0}).comparisons
+    (comparison,) = study_of(pays={"plain": lambda arm: arm - 2.0, "thrice": lambda arm: arm - 4.0}).combinations
     assert list(comparison.number.index_splits) == ["eta_N"]
 
 
@@ -146,9 +151,9 @@ def test_more_rewards_are_compared_with_the_first_one(tmp_path):
         for seed in range(2):
             record(tmp_path / f"{reward}-{seed}", reward, seed, RISING, pays=pays)
     study = load_study(tmp_path)
-    assert [it.names for it in study.comparisons] == [("plain", "thrice"), ("plain", "half")]
-    assert len(study.tables[TRAINING]) == 9
-    assert len({it.answer.claims for it in study.comparisons}) == 1
+    assert [it.names for it in study.combinations] == [("plain", "thrice"), ("plain", "half")]
+    assert len(paid_in(study, TRAINING)) == 9
+    assert len({it.answer.claims for it in study.combinations}) == 1
 
 
 def test_studies_of_one_experiment_are_one_family(tmp_path):
@@ -158,31 +163,32 @@ def test_studies_of_one_experiment_are_one_family(tmp_path):
             for seed in range(5):
                 record(tmp_path / group / f"{reward}-{seed}", reward, seed, [arm + 0.01 * seed for arm in arms])
     alone = load_study(tmp_path / "first")
-    together = studies_of_runs(tmp_path, [read_runs(tmp_path / group) for group in ("first", "second")], "accumulated")
-    count = alone.comparisons[0].answer.claims
+    groups = [load_study(tmp_path / group).trainings[0] for group in ("first", "second")]
+    together = compare_all([(it, it.match("plain", "thrice")) for it in groups], range(5))
+    count = alone.combinations[0].answer.claims
     assert count > 1
-    assert [it.comparisons[0].answer.claims for it in together] == [2 * count, 2 * count]
-    pairs = zip(alone.comparisons[0].measured.changes, together[0].comparisons[0].measured.changes, strict=True)
+    assert [it.answer.claims for it in together] == [2 * count, 2 * count]
+    pairs = zip(alone.combinations[0].measured.changes, together[0].measured.changes, strict=True)
     assert all(of_all.corrected >= of_one.corrected for of_one, of_all in pairs if of_one.corrected is not None)
 
 
 def test_a_reward_that_taught_nobody_pays_all_the_same(study_of):
     """It is a row of the full table, and no comparison."""
     study = study_of(pays={**PAYS, "other": lambda arm: arm})
-    assert len(study.comparisons) == 1
-    assert ("other", "plain") in study.tables[TRAINING]
+    assert len(study.combinations) == 1
+    assert ("other", "plain") in paid_in(study, TRAINING)
 
 
 def test_measures_are_as_they_were_recorded(study_of):
     """Of one less may be better; one of zeros and ones is a share, whose interval knows of the episodes."""
-    (comparison,) = study_of(lower_is_better=("arm",)).comparisons
+    (comparison,) = study_of(lower_is_better=("arm",)).combinations
     told = {it.name: (it.measure.better, it.measure.episodes) for it in comparison.measured.changes_of(LAST)}
     assert told == {"success": ("higher", 4), "arm": ("lower", None)}
 
 
 def test_without_behaviour_rewards_alone_decide_nothing(study_of):
     """The number is told, the agent is not judged."""
-    headline = study_of(behaviour={}).comparisons[0].headline
+    headline = study_of(behaviour={}).combinations[0].headline
     assert headline.answer.value == "cannot tell"
     assert headline.robot.startswith("How the robot behaves was not measured")
     assert "times as much" in headline.number
@@ -190,7 +196,7 @@ def test_without_behaviour_rewards_alone_decide_nothing(study_of):
 
 def test_one_seed_has_values_and_no_interval(study_of):
     """And nothing can be told from it."""
-    (comparison,) = study_of(seeds=1).comparisons
+    (comparison,) = study_of(seeds=1).combinations
     ratio = comparison.number.returns[TRAINING].ratio
     assert (ratio.eta.low, ratio.p) == (None, None)
     assert ratio.eta.value is not None
@@ -201,9 +207,9 @@ def test_one_seed_has_values_and_no_interval(study_of):
 def test_longer_trainings_are_cut_to_the_shortest(study_of):
     """It is told which that is."""
     study = study_of(("short", "plain", 9, {"arms": RISING[:10], "asked": 10 * PULLS}), ("long", "thrice", 9, {}))
-    assert study.runs.steps == 10 * PULLS
-    assert study.runs.members["thrice", 9].parts(study.runs.steps)[TRAINING].episodes == 10
-    assert any("cut to the 50 steps of the shortest" in note and "short" in note for note in study.runs.notes)
+    assert read_of(study).steps == 10 * PULLS
+    assert read_of(study).members["thrice", 9].parts(read_of(study).steps)[TRAINING].episodes == 10
+    assert any("cut to the 50 steps of the shortest" in note and "short" in note for note in read_of(study).notes)
 
 
 def odd(trained_with, **facts):
@@ -223,16 +229,16 @@ def odd(trained_with, **facts):
 def test_a_reward_that_one_training_does_not_know_cannot_pay_it(study_of, facts, reason):
     """No split, with the reason; each training's own return is there."""
     study = study_of(*odd("plain", **facts))
-    split = study.comparisons[0].number.returns[TRAINING]
+    split = study.combinations[0].number.returns[TRAINING]
     assert not split.is_split
     assert reason in split.ratio.ruler.note
     assert split.ratio.eta.value is not None
-    assert "1 of 3 seeds have none" in study.tables[TRAINING]["thrice", "plain"].note
+    assert "1 of 3 seeds have none" in paid_in(study, TRAINING)["thrice", "plain"].note
 
 
 def test_an_own_reward_that_was_given_up_leaves_no_return(study_of):
     """The reason stands in place of the number; the behaviour is judged all the same."""
-    (comparison,) = study_of(*odd("thrice", failures={"reward/thrice": 12})).comparisons
+    (comparison,) = study_of(*odd("thrice", failures={"reward/thrice": 12})).combinations
     assert (comparison.number.returns, comparison.number.decomposition) == ({}, None)
     assert "given up" in comparison.number.sentence(comparison.names)
     assert comparison.decisive.seeds == 3
@@ -240,7 +246,7 @@ def test_an_own_reward_that_was_given_up_leaves_no_return(study_of):
 
 def test_a_share_that_was_given_up_in_one_training_stays_a_share(study_of):
     """Of the trainings that have it."""
-    decisive = study_of(*odd("thrice", failures={"behaviour/success": 12})).comparisons[0].decisive
+    decisive = study_of(*odd("thrice", failures={"behaviour/success": 12})).combinations[0].decisive
     assert (decisive.counts, decisive.without, decisive.measure.episodes) == ((3, 2), (0, 1), 4)
     assert "given up in step 2 of episode 2" in decisive.reason
 
@@ -256,7 +262,7 @@ def test_where_the_recorder_paid_a_copy_of_the_own_reward_is_known(study_of, pay
         (f"{reward}{seed}", reward, seed, {**facts, "pay": pay}) for seed in range(2) for reward in facts["pays"]
     ]
     evaluated = [(f"{name}/e", reward, seed, {**facts, "evaluation": True}) for name, reward, seed, _ in trained]
-    (comparison,) = study_of(*trained, *evaluated, seeds=0).comparisons
+    (comparison,) = study_of(*trained, *evaluated, seeds=0).combinations
     splits = comparison.number.returns
     assert {manner: it.is_split for manner, it in splits.items()} == dict.fromkeys((EVALUATION, LAST, TRAINING), pay)
     assert pay or "that was copy here" in splits[TRAINING].ratio.ruler.note
@@ -274,7 +280,7 @@ def test_an_evaluation_may_lack_a_measure(study_of):
     """It is n/a there, with the reason."""
     lacks = {"arms": [0.1], "evaluation": True, "behaviour": {}}
     study = study_of(*((f"{reward}-{seed}/e", reward, seed, lacks) for seed in range(2) for reward in PAYS))
-    (comparison,) = study.comparisons
+    (comparison,) = study.combinations
     assert comparison.manner == EVALUATION
     assert "success is not known: success in " in comparison.headline.robot
     assert "not recorded" in comparison.headline.robot
@@ -283,15 +289,15 @@ def test_an_evaluation_may_lack_a_measure(study_of):
 def test_of_seeds_that_only_one_reward_has_behaviour_is_compared(study_of):
     """What is paid is compared on the seeds of both."""
     study = study_of(("more", "plain", 8, {}))
-    found = study.comparisons[0]
+    found = study.combinations[0]
     assert (found.seeds, found.trained) == ((0, 1), ((0, 1, 8), (0, 1)))
     assert found.decisive.counts == (3, 2)
-    assert study.tables[TRAINING]["plain", "plain"].seeds == 3
+    assert paid_in(study, TRAINING)["plain", "plain"].seeds == 3
 
 
 def test_no_seed_in_common(study_of):
     """Behaviour is compared; that nothing else is, is said."""
-    (comparison,) = study_of(("one", "plain", 0, {}), ("other", "thrice", 1, {}), seeds=0).comparisons
+    (comparison,) = study_of(("one", "plain", 0, {}), ("other", "thrice", 1, {}), seeds=0).combinations
     assert comparison.decisive.counts == (1, 1)
     assert "no seed is done under both plain and thrice" in comparison.number.sentence(comparison.names)
 
@@ -299,8 +305,8 @@ def test_no_seed_in_common(study_of):
 def test_trainings_without_a_seed_are_numbered(study_of):
     """In the order of their folders."""
     study = study_of(*((name, reward, None, {}) for name, reward in zip("abcd", [*PAYS] * 2, strict=True)), seeds=0)
-    assert sorted(study.runs.members) == [("plain", 0), ("plain", 1), ("thrice", 0), ("thrice", 1)]
-    assert "4 trainings recorded without a seed" in study.runs.notes[0]
+    assert sorted(read_of(study).members) == [("plain", 0), ("plain", 1), ("thrice", 0), ("thrice", 1)]
+    assert "4 trainings recorded without a seed" in read_of(study).notes[0]
 
 
 @pytest.mark.parametrize(
@@ -321,13 +327,7 @@ def test_what_is_not_one_study_is_refused(study_of, beside, told):
 
 def test_one_reward_alone_is_compared_with_nothing(study_of):
     """What it paid for is told elsewhere."""
-    assert study_of(("one", "plain", 0, {}), seeds=0).comparisons == ()
-
-
-def test_a_folder_without_recordings_is_refused(study_of):
-    """What makes one is said."""
-    with pytest.raises(UsageError, match=r"no recorded training: harness\.RecordRewards makes one"):
-        study_of(seeds=0)
+    assert study_of(("one", "plain", 0, {}), seeds=0).combinations == ()
 
 
 def test_a_damaged_recording_is_missing(study_of, tmp_path):
@@ -335,9 +335,9 @@ def test_a_damaged_recording_is_missing(study_of, tmp_path):
     study_of()
     (tmp_path / "plain-1" / "recording-0.json").write_text("{}")
     study = load_study(tmp_path)
-    assert study.comparisons[0].seeds == (0,)
-    assert "plain-1" in "".join(study.runs.damaged)
-    assert study.comparisons[0].headline.answer == "interim"
+    assert study.combinations[0].seeds == (0,)
+    assert "plain-1" in "".join(read_of(study).damaged)
+    assert study.combinations[0].headline.answer == "interim"
 
 
 def test_a_training_that_goes_on_is_missing(study_of, tmp_path):
@@ -346,14 +346,14 @@ def test_a_training_that_goes_on_is_missing(study_of, tmp_path):
     facts = tmp_path / "plain-0" / "recording-0.json"
     replace(TrainingFacts.read(facts), closed=False).write(facts)
     study = load_study(tmp_path)
-    assert f"'{tmp_path / 'plain-0'}' is missing: it is still going on, or was killed" in study.runs.notes
-    assert [comparison.headline.answer for comparison in study.comparisons] == ["interim"] * len(study.comparisons)
+    assert f"'{tmp_path / 'plain-0'}' is missing: it is still going on, or was killed" in read_of(study).notes
+    assert [comparison.headline.answer for comparison in study.combinations] == ["interim"] * len(study.combinations)
 
 
 def test_learning_curves_of_every_measure_and_every_reward(study_folder):
     """Twenty points each, the mean over the episodes that ended in a stretch."""
     study = load_study(study_folder)
-    learning = study.trainings.learning(study.comparisons[0])
+    learning = study.learning(study.combinations[0])
     assert list(learning.random) == ["success", "arm", "return paid by plain", "return paid by thrice"]
     points = learning.proposed.points["arm"]
     assert [point.steps for point in points] == [10 * (place + 1) for place in range(20)]
@@ -384,9 +384,9 @@ def ending(ends, measure="height", **facts):
 def test_an_interval_stays_within_the_bounds_that_were_recorded(study_of):
     """The difference of two heights between -1 and 1 is 2 at most; so are the bands of learning."""
     study = study_of(*ending((-1.0, 0.0, 1.0), bounds={"height": (-1.0, 1.0)}), seeds=0)
-    found = study.comparisons[0].decisive
+    found = study.combinations[0].decisive
     assert (found.low, found.high) == (-2.0, 2.0)
-    band = study.trainings.learning(study.comparisons[0]).baseline.band("height")
+    band = study.learning(study.combinations[0]).baseline.band("height")
     assert {(low, high) for _, low, high in band} == {(-1.0, 1.0)}
 
 
@@ -403,14 +403,14 @@ def test_bounds_that_do_not_hold_cut_nothing(study_of, bounds, other, told):
     """Where none are recorded, where recordings disagree about them, and where the measure left them, which is told."""
     first, *rest = ending((-1.0, 0.0, 1.0), bounds=bounds)
     study = study_of((*first[:3], {**first[3], "bounds": other}), *rest, seeds=0)
-    assert study.comparisons[0].decisive.low < -2.2
+    assert study.combinations[0].decisive.low < -2.2
     assert [note.startswith("height leaves its bounds, 0 to 1, in '") for note in notes_of(study)] == [True] * told
 
 
 @pytest.mark.parametrize(("measure", "cut"), [("success", True), ("height", False)])
 def test_a_success_lies_between_0_and_1(study_of, measure, cut):
     """Also one that is a part of a success, as half of it; of another measure nobody knows."""
-    found = study_of(*ending((0.0, 0.5, 1.0), measure), seeds=0).comparisons[0].decisive
+    found = study_of(*ending((0.0, 0.5, 1.0), measure), seeds=0).combinations[0].decisive
     assert found.measure.episodes is None
     assert (found.low == -1.0) == cut
 
@@ -426,39 +426,22 @@ def test_a_measure_that_decides_has_a_direction(study_of, tmp_path):
         load_results(tmp_path, told=Told(deciding=Deciding("depth", "lower")))
 
 
-def test_repr_is_a_line(study_folder):
-    """A study holds every episode of every training; a notebook shows what it comes to."""
-    study = load_study(study_folder)
-    assert repr(study) == f"<Study of '{study_folder}': 12 trainings, 1 comparisons>"
-    place = PlaceStudy(study.runs.group, (), study, "")
-    assert len(repr(place).splitlines()) == 1
-    assert len(repr(place)) < 300
-    assert place._repr_html_() == study._repr_html_()
-    assert "<table>" in study._repr_html_()
-
-
-def test_place_without_a_study_shows_why(study_folder):
-    """In place of the table."""
-    place = PlaceStudy(load_study(study_folder).runs.group, (), None, "no seed < 2 is done")
-    assert "no seed &lt; 2 is done" in place._repr_html_()
-
-
 def test_trainings_without_a_common_seed_are_compared(study_of):
     """By four trainings against three: the answer needs no common seed, nor do learning curves; one way in 35."""
     given = [("plain", range(4), 0.4), ("thrice", range(10, 13), 0.9)]
     study = study_of(
         *((f"{it}{s}", it, s, {"arms": RISING * end + 0.01 * s}) for it, of, end in given for s in of), seeds=0
     )
-    (comparison,) = study.comparisons
-    learning = study.trainings.learning(comparison)
+    (comparison,) = study.combinations
+    learning = study.learning(comparison)
     assert [curve.points["arm"][0].value.seeds for curve in (learning.baseline, learning.proposed)] == [4, 3]
     assert "rests on the training itself" in basis_text(comparison)
-    assert study.to_json()["comparisons"][0]["smallest_p"] == pytest.approx(1 / 35)
+    assert study.older_keys()["comparisons"][0]["smallest_p"] == pytest.approx(1 / 35)
 
 
 def test_an_unfinished_plan_has_no_verdict_yet(study_folder):
     """What it will rest on is told all the same."""
-    (comparison,) = load_study(study_folder).comparisons
+    (comparison,) = load_study(study_folder).combinations
     assert basis_text(replace(comparison, answer=replace(comparison.answer, ruling=Ruling(missing=2)))).startswith(
         "The verdict will rest on the training"
     )
