@@ -37,9 +37,9 @@ from harness.files.bounded import require_regular
 from harness.log import Log, LogFacts
 from harness.log.format import HEAD
 from harness.log.log import LARGEST, RECORDED, REWARD, Array, Columns
-from harness.log.text_table import head_of, parse_table
+from harness.log.text_table import TextTable, head_of, parse_table
 from harness.reward.row_steps import TOUCHED
-from harness.score.row_meaning import NEEDED, RECORD, RowWatch, Watched, watched_columns, why_no_steps
+from harness.score.row_meaning import NEEDED, RECORD, RowWatch, roles_in, why_no_steps
 from harness.text import shortened
 
 MOST_COLUMNS = 1_000
@@ -190,7 +190,11 @@ class StepsCsv:
 
     def recognises(self, path: Path, head: bytes) -> bool:
         """A CSV file with a column 'reward' of numbers, whose first rows may be steps, and are no episodes."""
-        return names_reward(head) and not _names_rewards(_table_of(head)) and not _why_no_steps(path, head)
+        table = _first_rows(path, head)
+        if table is None or "reward" not in (names := _spelled(table.names)) or why_no_steps(table):
+            return False
+        told = [cell.strip().lower() for cell in table.cells[table.names[names.index("reward")]]]
+        return not told or any(not text[:1].isalpha() or text[:3] in ("nan", "inf") for text in told)
 
     def read(self, path: Path) -> tuple[Log, ...]:
         """The one training of the file; see `open_csv`."""
@@ -206,11 +210,6 @@ class StepsCsv:
         return path
 
 
-def names_reward(head: bytes) -> bool:
-    """Whether the beginning of a file is that of a table with a column 'reward'."""
-    return "reward" in _spelled(_table_of(head)[0])
-
-
 def open_csv(path: Path) -> Log:
     """A recorded run in a CSV file; its rows are read later.
 
@@ -220,21 +219,22 @@ def open_csv(path: Path) -> Log:
     """
     header = read_header(path)
     with path.open("rb") as file:
-        column = _why_no_steps(path, file.read(HEAD))
-    if column:
+        table = _first_rows(path, file.read(HEAD))
+    if table is not None and (column := why_no_steps(table)):
         raise UsageError(
             f"{path}: its rows are episodes, or means over some (column '{column}'), and {NEEDED}; {RECORD}. "
             f"If each row is a step, delete the column '{column}'"
         )
     spelled = _spelled(header)
     found = {name: next((text for text in SPELLINGS[name] if text in spelled), "") for name in COLUMNS}
-    found |= {name: "" for name in TOUCHED if not _has_flags(path, spelled, name)}
-    chosen = _choose_columns(name for name, text in found.items() if text)
+    cells = {} if table is None else {name.strip().lower(): {*map(str.strip, of)} for name, of in table.cells.items()}
+    words = [name for name in TOUCHED if not cells.get(name) or cells[name] - {"0", "1"}]  # other programs write those
+    chosen = _choose_columns(name for name, text in found.items() if text and name not in words)
     for name in chosen:
         if spelled.count(found[name]) > 1:
             raise UsageError(f"{path}, line 1: two columns are called '{found[name]}'")
     positions = {name: spelled.index(found[name]) for name in chosen}
-    read = partial(_read, path, Header(header, positions), watched_columns(spelled))
+    read = partial(_read, path, Header(header, positions))
     notes = () if _ends(path) else ("the last line does not end: it may be cut off",)
     there = (PAY, *(name for name in (*EVENTS, *TOUCHED) if name in chosen), *(STEPS if "distance" in chosen else ()))
     return Log(LogFacts(path=path, format="CSV of steps", first_line=2, notes=notes), there, read)
@@ -254,16 +254,6 @@ def _choose_columns(there: Iterable[str]) -> tuple[str, ...]:
     scorable = bool(best) and {"begin_distance", "distance"} <= names
     wanted = {"reward": True, **dict.fromkeys(EVENTS, set(EVENTS) <= names)}
     return tuple(name for name in COLUMNS if name in names and wanted.get(name, scorable))
-
-
-def _has_flags(path: Path, spelled: list[str], name: str) -> bool:
-    """Whether the first rows of a file have 0 or 1 in a column; other programs write words of their own."""
-    if name not in spelled:
-        return False
-    with path.open("rb") as file:
-        _, *rows = _table_of(file.read(HEAD))
-    cells = {row[spelled.index(name)].strip() for row in rows if len(row) == len(spelled)}
-    return bool(cells) and cells <= {"0", "1"}
 
 
 class _Counted:
@@ -344,36 +334,19 @@ def _spelled(header: Iterable[str]) -> list[str]:
     return [name.strip().lower() for name in header]
 
 
-def _table_of(head: bytes) -> list[list[str]]:
-    """The header and the rows of the beginning of a CSV file; of any other file an empty header."""
-    lines = head.decode("utf-8-sig", errors="ignore").splitlines()
-    whole = lines if len(head) < HEAD else lines[:-1]  # the last one goes on
-    try:
-        return list(csv.reader(whole)) or [[]]
-    except csv.Error:
-        return [[]]
+def _first_rows(path: Path, head: bytes) -> TextTable | None:
+    """The table in the first bytes of a file; its header alone if a row is damaged, None of anything else."""
+    text = head_of(path, head)
+    for rows in (text, text[: text.find("\n") + 1]):
+        with suppress(SchemaError):  # the reader names the line
+            return parse_table(path, rows)
+    return None
 
 
-def _names_rewards(table: list[list[str]]) -> bool:
-    """Whether the column 'reward' has names, as in a table of trainings, and not what was paid."""
-    header, *rows = table
-    at = _spelled(header).index("reward")
-    told = [row[at].strip().lower() for row in rows if len(row) == len(header)]
-    return bool(told) and all(text[:1].isalpha() and text[:3] not in ("nan", "inf") for text in told)
-
-
-def _why_no_steps(path: Path, head: bytes) -> str:
-    with suppress(SchemaError):  # of rows that are no table: the reader names the line
-        table = parse_table(path, head_of(path, head))
-        watched = watched_columns(_spelled(table.names))
-        return why_no_steps(table, {it.role: table.names[it.position] for it in watched})
-    return ""
-
-
-def _read(path: Path, header: Header, watched: list[Watched], names: tuple[str, ...]) -> Iterator[Columns]:
+def _read(path: Path, header: Header, names: tuple[str, ...]) -> Iterator[Columns]:
     """See `harness.log.Log.read`."""
     rows, counted = 0, _Counted()
-    for batch in _batches(path, header, watched):
+    for batch in _batches(path, header):
         if not batch.num_rows:
             continue
         columns = {name: batch.column(name).to_numpy(zero_copy_only=False) for name in header.positions}
@@ -386,16 +359,17 @@ def _read(path: Path, header: Header, watched: list[Watched], names: tuple[str, 
         raise UsageError(f"{path} has no rows")
 
 
-def _batches(path: Path, header: Header, watched: list[Watched]) -> Iterator[pa.RecordBatch]:
+def _batches(path: Path, header: Header) -> Iterator[pa.RecordBatch]:
     """The wanted columns, empty cells as nulls.
 
     Raises:
         UsageError: A row cannot be read, or rows are no steps.
     """
     keys = {str(position): name for name, position in header.positions.items()}
-    looked = {it.role: str(it.position) for it in watched}
+    roles = roles_in(header.names)
+    looked = {role: str(header.names.index(name)) for role, name in roles.items()}
     texts = dict.fromkeys([place for place in looked.values() if place not in keys], pa.string())
-    watch = RowWatch(watched, 2)
+    watch = RowWatch(roles)
     read = pa.csv.ReadOptions(column_names=[str(position) for position in range(len(header.names))], skip_rows=1)
     convert = pa.csv.ConvertOptions(
         column_types={**dict.fromkeys(keys, pa.float64()), **texts},

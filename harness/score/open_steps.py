@@ -11,7 +11,7 @@ from harness.files.file_kind import HEAD, kind_of
 from harness.log import Log
 from harness.log.open_log import formats_of, open_logs
 from harness.registry.registry import Registry
-from harness.score.csv_steps import MOST_BYTES, StepsCsv, names_reward, open_csv
+from harness.score.csv_steps import MOST_BYTES, StepsCsv, open_csv
 from harness.score.row_meaning import NEEDED, RECORD
 from harness.text import shortened
 
@@ -64,7 +64,8 @@ def open_steps(path: Path, registry: Registry | None = None) -> Log:
             raise UsageError(f"{path} is empty")
         if head.startswith(_PARQUET):
             return _trace_of(path)
-        other = None if registry is None or names_reward(head) else _other_log(path, head, registry)
+        is_plain = registry is None or StepsCsv().recognises(path, head)
+        other = None if is_plain or registry is None else _other_log(path, head, registry)
         if other is not None:
             return other
         kind = kind_of(head, path)

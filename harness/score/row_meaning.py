@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from typing import NamedTuple
 
 import numpy as np
@@ -47,28 +48,18 @@ SAYS_NOTHING = re.compile(r"time|date|host|node|ip$|uuid|_id$|_tag$|version|path
 """In names of columns whose words say nothing of a training."""
 
 
-class Watched(NamedTuple):
-    """A column that says what rows are."""
-
-    role: str
-    """``episode``, ``length``, ``counter``, ``env`` or ``run``."""
-    name: str
-    position: int
+ROLES = {"episode": EPISODE, "length": LENGTH, "counter": COUNTER, "env": (ENV,), "run": RUN}
 
 
-def watched_columns(names: Sequence[str]) -> list[Watched]:
-    """The columns that say what rows are, the first of each role.
+def roles_in(names: Sequence[str]) -> dict[str, str]:
+    """The columns that say what rows are, by what they are for, the first of each.
 
     Args:
-        names: As in the header, trimmed and in lower case.
+        names: Of all columns, as in the header.
     """
-    roles = {"episode": EPISODE, "length": LENGTH, "counter": COUNTER, "env": (ENV,), "run": RUN}
-    found = []
-    for role, of in roles.items():
-        name = next((name for name in of if name in names), None)
-        if name is not None:
-            found.append(Watched(role, name, names.index(name)))
-    return found
+    spelled = {name.strip().lower(): name for name in reversed(names)}
+    found = {role: next((it for it in of if it in spelled), None) for role, of in ROLES.items()}
+    return {role: spelled[name] for role, name in found.items() if name is not None}
 
 
 class Fault(NamedTuple):
@@ -80,16 +71,9 @@ class Fault(NamedTuple):
     """Whether the rows may be steps, so that a format of steps has to read the table."""
 
 
-def why_no_steps(table: TextTable, roles: Mapping[str, str]) -> str:
-    """The column by which each row of a table, or of its beginning, is an episode or a mean over some; empty of steps.
-
-    Args:
-        table: The table.
-        roles: The columns that it has, by their role as in `Watched`.
-
-    Raises:
-        SchemaError: Its numbers of episodes, or its lengths, are no numbers.
-    """
+def why_no_steps(table: TextTable) -> str:
+    """The column by which rows, or the first ones, are episodes or means over some; empty of steps."""
+    roles = roles_in(table.names)
     lower = {name.lower(): name for name in table.names}
     if not len(table) or any(
         (it in OF_STEPS and _is_whole(table, lower[it])) or it.startswith(BEGIN_OF_STEPS) for it in lower
@@ -100,12 +84,14 @@ def why_no_steps(table: TextTable, roles: Mapping[str, str]) -> str:
     found = by_name or roles.get("length") or roles.get("episode", "")
     if by_name or not found:
         return by_name
-    if "length" in roles and (table.numbers(roles["length"]) <= 1.0).all():
-        return ""  # an episode of one step is a step
-    runs = [name for name in table.names if names_a_run(name) and not is_of_episodes(table, name)]
-    groups = split(table, [*runs, *labels_of(table, [name for name in table.names if name not in runs])])
-    faults = [fault_of_episodes(table, roles, rows) for _, rows in groups]
-    return "" if any(fault and fault.is_steps for fault in faults) else found
+    with suppress(SchemaError):  # what is called by letters is no episode that was counted
+        if "length" in roles and (table.numbers(roles["length"]) <= 1.0).all():
+            return ""  # an episode of one step is a step
+        runs = [name for name in table.names if names_a_run(name) and not is_of_episodes(table, name)]
+        groups = split(table, [*runs, *labels_of(table, [name for name in table.names if name not in runs])])
+        faults = [fault_of_episodes(table, roles, rows) for _, rows in groups]
+        return "" if any(fault and fault.is_steps for fault in faults) else found
+    return ""
 
 
 def _is_whole(table: TextTable, name: str) -> bool:
@@ -182,8 +168,8 @@ def fault_of_episodes(table: TextTable, roles: Mapping[str, str], rows: Ints) ->
 class RowWatch:
     """Looks at all rows of a table of steps, some at a time: whether they count up, and are of one run."""
 
-    def __init__(self, columns: Sequence[Watched], first_line: int) -> None:
-        self._columns, self._line = {it.role: it for it in columns}, first_line
+    def __init__(self, columns: Mapping[str, str]) -> None:
+        self._columns, self._line = dict(columns), 2
         self._before: dict[str, float] = {}
         self._run = ""
         self._count_of_env: dict[float, float] = {}
@@ -225,7 +211,7 @@ class RowWatch:
         return self._before.get(role, np.nan)
 
     def _look_at_counter(self, counts: Float, env: Float | None) -> None:
-        name = self._columns["counter"].name
+        name = self._columns["counter"].strip().lower()
         before = self._before_of(counts, env)
         rise = counts - before
         again = (counts <= 1.0) & (rise <= 0.0) & (name not in ACROSS_EPISODES)
@@ -249,7 +235,7 @@ class RowWatch:
         before = [self._run or "".join(names[:1]), *names[:-1]]
         self._run = names[-1] if names else self._run
         changes = [row for row, (name, other) in enumerate(zip(names, before, strict=False)) if name != other]
-        column = self._columns["run"].name
+        column = self._columns["run"].strip().lower()
         if column in SEED and episodes is not None:
             rises = np.diff(episodes, prepend=self._last("episode")) == 1.0
             changes = [row for row in changes if not rises[row]]

@@ -28,7 +28,6 @@ from harness.score.row_meaning import (
     labels_of,
     names_a_run,
     split,
-    watched_columns,
     why_no_steps,
 )
 from harness.text import shortened
@@ -304,15 +303,13 @@ READER = "table"
 
 def _has_rows(table: TextTable) -> bool:
     """Whether rows are episodes, or points that are counted."""
-    lower = [name.lower() for name in table.names]
-    watched = {it.role: table.names[it.position] for it in watched_columns(lower)}
     try:
         chosen = Roles().chosen(table.path, [name for name in table.names if not _is_text(table.cells[name])])
-        is_counted = chosen.times or chosen.counter or chosen.unit == "episode"
-        is_known = chosen.kind[0] or chosen.is_mean
-        has_rows = len(table) > 0 and ("reward" not in lower or bool(why_no_steps(table, watched)))
     except (UsageError, SchemaError):
         return False
+    is_counted = chosen.times or chosen.counter or chosen.unit == "episode"
+    is_known = chosen.kind[0] or chosen.is_mean
+    has_rows = len(table) > 0 and ("reward" not in map(str.lower, table.names) or bool(why_no_steps(table)))
     return bool(is_counted and (is_known or has_rows))
 
 
