@@ -54,23 +54,6 @@ def test_names_that_people_use_give_the_same(tmp_path, header):
     assert log["time"].tolist() == [200, 380, 530]
 
 
-def test_the_order_of_columns_does_not_matter(tmp_path):
-    """Nor further columns, an index among them."""
-    text = ",length,loss,reward,episode\n0,200,,-9.5,0\n1,180,x,-7.25,1\n"
-    log = read(written(tmp_path, text))
-    assert log["reward/recorded"].tolist() == [-9.5, -7.25]
-    assert log["length"].tolist() == [200, 180]
-
-
-def test_success_and_a_measure_are_read(tmp_path):
-    """True and False too."""
-    text = "episode,reward,success,distance\n0,-9.5,False,0.5\n1,-7.25,True,0.25\n"
-    log = read(written(tmp_path, text), measure="distance")
-    assert log["behaviour/success"].tolist() == [0, 1]
-    assert log["behaviour/distance"].tolist() == [0.5, 0.25]
-    assert "length" not in log
-
-
 def test_tables_of_steps_and_of_others_are_not_recognised(tmp_path_factory, subtests):
     """A row that is a step may not be taken for an episode."""
     rows = [
@@ -98,16 +81,6 @@ def test_an_episode_that_stands_twice_is_refused_by_its_line(tmp_path):
         read(written(tmp_path, f"episode,reward\n{rows}1999,1.0\n"))
     with pytest.raises(SchemaError, match="line 5: it goes back to episode 0: the file holds several runs"):
         read(written(tmp_path, "episode,reward,length\n" + ROWS + ROWS))
-
-
-@pytest.mark.parametrize("name", ["seed", "run"])
-def test_a_column_of_runs_gives_a_log_for_each(tmp_path, name):
-    """Whichever way the rows are mixed."""
-    text = f"{name},episode,reward\n3,0,-1.0\n8,0,-2.0\n3,1,-1.5\n8,1,-2.5\n"
-    logs = read.logs(written(tmp_path, text))
-    assert [log["reward/recorded"].tolist() for log in logs] == [[-1.0, -1.5], [-2.0, -2.5]]
-    assert [log.facts.run for log in logs] == ["3", "8"]
-    assert [log.facts.seed for log in logs] == ([3, 8] if name == "seed" else [None, None])
 
 
 def test_a_seed_of_each_episode_is_no_run(tmp_path):

@@ -182,9 +182,3 @@ def test_tables_of_others_are_not_recognised(tmp_path):
     for name, text in [("monitor.csv", "reward\n1\n2\n"), ("rows.csv", ROWS), ("e", "")]:
         path = written(tmp_path, text, name)
         assert not read.is_recognised(path)
-
-
-def test_a_success_that_is_neither_0_nor_1_is_refused(tmp_path):
-    """A probability is no success."""
-    with pytest.raises(SchemaError, match=r"line 3: column 'is_success' is 0 or 1, and holds 0\.5"):
-        read(written(tmp_path, HEADER + "r,l,t,is_success\n-1.0,9,1.0,0.5\n"))

@@ -5,7 +5,7 @@ import json
 
 import pytest
 
-from harness.errors import SchemaError, UsageError
+from harness.errors import SchemaError
 from tests.plugins.logs.reading import Reader
 
 REWARD, STEPS = "rollout/ep_rew_mean", "time/total_timesteps"
@@ -164,13 +164,6 @@ def test_tables_of_other_programs_are_found_by_their_columns(tmp_path, header, p
     assert point in log.facts.thinned
 
 
-def test_a_table_that_counts_no_steps_has_iterations(tmp_path):
-    """Until somebody says how many steps one has."""
-    path = written(tmp_path, "training_iteration,episode_reward_mean\n1,2.5\n2,3.5\n")
-    assert read(path)["iteration"].tolist() == [1, 2]
-    assert read(path, per_step=4000)["time"].tolist() == [4000, 8000]
-
-
 def test_a_counter_without_a_number_is_passed_over(tmp_path):
     """RLlib has columns of older versions that nobody fills any more."""
     header = "num_env_steps_sampled_lifetime,timesteps_total,episode_reward_mean"
@@ -183,13 +176,3 @@ def test_a_table_without_a_point_is_refused(tmp_path, text):
     """No episode has ended yet."""
     with pytest.raises(SchemaError, match="has no point of rollout/ep_rew_mean"):
         read(written(tmp_path, text))
-
-
-def test_a_column_may_be_named(tmp_path):
-    """In a table that no program is known to write."""
-    path = written(tmp_path, "rounds,points,won\n1,-9.5,0.5\n2,-8.25,0.75\n")
-    assert not read.is_recognised(path)
-    [log] = read.make(reward="points", success="won").read(path)
-    assert log["behaviour/success"].tolist() == [0.5, 0.75]
-    with pytest.raises(UsageError, match="no curve of returns that is known"):
-        read.make().read(path)

@@ -104,16 +104,6 @@ def test_a_training_that_was_continued_has_its_later_file_count(tmp_path):
     assert any("1 times it goes back" in note for note in log.facts.notes)
 
 
-def test_files_that_each_begin_anew_are_trainings_of_their_own(tmp_path):
-    """Three seeds that were logged into one folder are not one training."""
-    for seed in range(3):
-        write(tmp_path, {REWARD: [(step, float(seed)) for step in (0, 10, 20)]}, stamp=seed)
-    logs = read.logs(tmp_path)
-    assert [log["reward/recorded"].tolist() for log in logs] == [[0.0] * 3, [1.0] * 3, [2.0] * 3]
-    assert len({log.facts.run for log in logs}) == 3
-    assert all("holds 3 trainings" in note for log in logs for note in log.facts.notes if "folder" in note)
-
-
 def test_steps_that_go_back_inside_a_file_are_refused(tmp_path):
     """Two seeds that one writer logged are not one training; a restart would have begun a file of its own."""
     write(tmp_path, {REWARD: [*curve(0, 50), *curve(10, 60)]})
@@ -180,25 +170,6 @@ def test_what_is_no_event_file_is_refused(tmp_path):
         read(tmp_path)
 
 
-@pytest.mark.parametrize(
-    ("tags", "thinned"),
-    [
-        (("charts/episodic_return", "charts/episodic_length"), ""),
-        (("Environment/Cumulative Reward", "Environment/Episode Length"), "since the point before"),
-        (("rewards/step", "episode_lengths/step"), "last 100"),
-        (("ray/tune/episode_reward_mean", "ray/tune/episode_len_mean"), "iteration"),
-    ],
-)
-def test_tags_of_other_programs_are_found_by_a_table(tmp_path, tags, thinned):
-    """And what a value is, is told."""
-    write(tmp_path, {tags[0]: curve(0, 30), tags[1]: [(0, 7.0), (10, 8.0), (20, 9.0)], "losses/v": curve(0, 30)})
-    log = read(tmp_path)
-    assert log["reward/recorded"].tolist() == [0.0, 2.5, 5.0]
-    assert log["length"].tolist() == [7.0, 8.0, 9.0]
-    assert thinned in log.facts.thinned
-    assert any(f"reward/recorded from '{tags[0]}'" in note for note in log.facts.notes)
-
-
 def test_several_episodes_may_end_at_one_step(tmp_path):
     """CleanRL logs each, with its length."""
     write(
@@ -235,16 +206,6 @@ def test_the_folder_of_a_cleanrl_run_tells_its_seed(tmp_path):
     assert (facts.env, facts.algorithm, facts.seed) == ("Hopper-v4", "sac", 3)
 
 
-def test_iterations_are_no_environment_steps_until_somebody_says_how_many(tmp_path):
-    """rsl_rl counts iterations, and logs nowhere how many steps one has."""
-    write(tmp_path, {"Train/mean_reward": [(0, 1.0), (1, 2.0)]})
-    log = read(tmp_path)
-    assert log["iteration"].tolist() == [0, 1]
-    assert "time" not in log
-    assert any("per_step=N" in note for note in log.facts.notes)
-    assert read(tmp_path, per_step=98_304)["time"].tolist() == [98_304, 196_608]
-
-
 def test_rllib_counts_environment_steps_by_a_tag_of_its_own(tmp_path):
     """Its newer versions number events by iterations."""
     tags = {
@@ -255,15 +216,6 @@ def test_rllib_counts_environment_steps_by_a_tag_of_its_own(tmp_path):
     assert read(tmp_path)["time"].tolist() == [4000, 8000]
     with pytest.raises(UsageError, match=r"counts environment steps in .*: leave per_step out"):
         read(tmp_path, per_step=4000)
-
-
-def test_a_curve_with_success_goes_before_one_without(tmp_path):
-    """Success decides; what else is there is told."""
-    write(tmp_path, {REWARD: curve(0, 30), "eval/mean_reward": [(20, 3.0)], "eval/success_rate": [(20, 0.75)]})
-    log = read(tmp_path)
-    assert log["behaviour/success"].tolist() == [0.75]
-    assert log.facts.evaluation
-    assert f"there are also curves of {REWARD}" in log.facts.notes
 
 
 def test_tags_may_be_named(tmp_path):
@@ -293,13 +245,6 @@ def test_a_tag_that_is_not_there_is_told_with_what_is(tmp_path):
         read(tmp_path, reward="rollout/ep_rew")
 
 
-def test_tags_that_nobody_knows_are_told(tmp_path):
-    """A folder of another kind of training."""
-    write(tmp_path, {"loss/train": curve(0, 30)})
-    with pytest.raises(UsageError, match=r"no curve of returns .* reward=NAME. It has: loss/train"):
-        read(tmp_path)
-
-
 @pytest.mark.parametrize("value", [np.inf, -np.inf, 1e300])
 def test_values_beyond_all_returns_are_refused(tmp_path, value):
     """float32 makes an infinity of 1e300."""
@@ -311,12 +256,6 @@ def test_values_beyond_all_returns_are_refused(tmp_path, value):
     writer.close()
     with pytest.raises(SchemaError, match=r"a value of reward/recorded is -?inf"):
         read(tmp_path)
-
-
-def test_a_success_in_percent_is_handed_over(tmp_path):
-    """Whoever compares trainings refuses it for all of them."""
-    write(tmp_path, {REWARD: [(10, 1.0)], SUCCESS: [(10, 37.0)]})
-    assert read(tmp_path)["behaviour/success"].tolist() == [37.0]
 
 
 def test_this_projects_own_tracker_is_read(tmp_path):

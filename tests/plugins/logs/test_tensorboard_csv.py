@@ -43,12 +43,6 @@ def test_what_the_page_itself_exports_is_read_and_said_to_be_a_sample(tmp_path):
     assert "a sample of at most 1,000 points" in log.facts.thinned
 
 
-def test_a_curve_of_success_is_success(tmp_path):
-    """By the name of the file."""
-    log = read(written(tmp_path, "run_prop_3-tag-rollout_success_rate.csv"))
-    assert log.columns == ("time", "behaviour/success", "since")
-
-
 def test_a_file_of_another_name_is_read_where_the_user_says_what_it_is(tmp_path):
     """Its columns do not tell."""
     path = written(tmp_path, "curve.csv")

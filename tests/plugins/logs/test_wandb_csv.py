@@ -1,8 +1,5 @@
 """Charts and histories as Weights & Biases exports them."""
 
-import pytest
-
-from harness.errors import UsageError
 from tests.plugins.logs.reading import Reader
 
 TAG = "charts/episodic_return"
@@ -17,17 +14,6 @@ def chart(folder, names, rows, axis="global_step"):
     lines = [header, *([row[0], *(cell for cell in row[1:] for _ in range(3))] for row in rows)]
     path.write_text("\n".join(",".join(f'"{cell}"' for cell in line) for line in lines), encoding="utf-8")
     return path
-
-
-def test_each_run_of_a_chart_is_a_log(tmp_path):
-    """With the points that it has; where another run has one, its cell is empty."""
-    path = chart(tmp_path, [f"base - {TAG}", f"prop-2 - {TAG}"], [[0, -1.5, ""], [50, "", -3.0], [100, -0.5, -2.0]])
-    base, prop = read.logs(path)
-    assert (base.facts.run, prop.facts.run) == ("base", "prop-2")
-    assert base["time"].tolist() == [0, 100]
-    assert base["reward/recorded"].tolist() == [-1.5, -0.5]
-    assert prop["time"].tolist() == [50, 100]
-    assert prop["reward/recorded"].tolist() == [-3.0, -2.0]
 
 
 def test_a_chart_says_that_it_is_thinned(tmp_path):
@@ -46,16 +32,6 @@ def test_a_curve_of_means_says_so(tmp_path):
     assert "or of the runs of a group" in log.facts.thinned
 
 
-def test_the_services_own_step_is_no_environment_step(tmp_path):
-    """It counts how often the run has logged, unless the user says what it counts."""
-    path = chart(tmp_path, [f"base - {TAG}"], [[0, -1.5], [10, -0.5]], axis="Step")
-    log = read(path)
-    assert log["iteration"].tolist() == [0, 10]
-    assert "time" not in log
-    log = read(path, per_step=2048)
-    assert log["time"].tolist() == [2048, 22_528]
-
-
 def test_a_run_of_cleanrl_tells_environment_algorithm_and_seed(tmp_path):
     """By its name."""
     log = read(chart(tmp_path, [f"Hopper-v4__ppo__5__1700000000 - {TAG}"], [[0, -1.5]]))
@@ -67,22 +43,6 @@ def test_names_with_the_separator_are_split_at_its_last_place(tmp_path):
     log = read(chart(tmp_path, ["my - base - _step", f"my - base - {TAG}"], [[0, 1, -1.5]]))
     assert log.facts.run == "my - base"
     assert log["reward/recorded"].tolist() == [-1.5]
-
-
-def test_a_chart_of_success_alone_is_read(tmp_path):
-    """Each panel is exported by itself."""
-    log = read(chart(tmp_path, ["base - rollout/success_rate"], [[0, 0.25], [100, 0.5]]))
-    assert log["behaviour/success"].tolist() == [0.25, 0.5]
-    assert log.rewards == ()
-
-
-def test_a_curve_that_no_table_knows_may_be_named(tmp_path):
-    """The message says how."""
-    path = chart(tmp_path, ["base - my/score"], [[0, 0.25], [100, 0.5]])
-    with pytest.raises(UsageError, match=r"say reward=NAME. It has: my/score"):
-        read(path)
-    log = read(path, reward="my/score")
-    assert log["reward/recorded"].tolist() == [0.25, 0.5]
 
 
 def test_the_history_of_a_run_is_read_as_its_interface_gives_it(tmp_path):
