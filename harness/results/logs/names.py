@@ -36,7 +36,6 @@ _SEED = ("seed", "s", "rng")
 _RUN = ("run", "rep", "repeat", "replicate", "trial")
 _VERSION = ("v", "version", "reward", "r", "k")
 """Words before a number: it is the seed; it is one training of several; it names a variant of a reward."""
-_SEPARATORS = re.compile(r"[-_=,. /]+")
 LONGEST_NAME = 40
 """Characters of a name that are shown."""
 _WORDS = re.compile(r"[^-_=,. /]+")
@@ -84,10 +83,8 @@ def sort_names(names: Iterable[str], template: str = "", *, is_asked: bool = Tru
         chosen = told or varying or (columns if len(of) == 1 else [])
         seeds |= zip(of, chosen[-1], strict=True) if chosen else ()
     rest = [_cut(text, seeds.get(name)) for name, text in texts.items()]
-    found = {
-        name: Named(label, int(seeds[name]["digits"]) if name in seeds else None, name)
-        for name, label in zip(texts, labels_of(rest), strict=True)
-    }
+    values = [int(seeds[name]["digits"]) if name in seeds else None for name in texts]
+    found = dict(zip(texts, map(Named, labels_of(rest), values, texts), strict=True))
     why, weighed = (why, []) if why else _doubt_of(found, texts, seeds)
     if why and is_asked:
         ways = templates_of(list(found))
@@ -112,18 +109,16 @@ def _doubt_of(
         runs = {(rest[label], place if seed is None else seed) for label, seed, place in found.values()}
         if len(runs) == len(found) and 1 < len({*rest.values()}) < len(rest):
             return "what differs may be rewards, or places where one was trained", []
-    numbers: dict[str, set[int]] = {}
-    for it in found.values():
-        numbers.setdefault(it.reward, set()).update([] if it.seed is None else [it.seed])
+    numbers = {name: {it.seed for it in found.values() if it.reward == name and it.seed is not None} for name in words}
     weighed = []
     for label, own in numbers.items() if named else ():
-        others = set[int]().union(*(it for name, it in numbers.items() if name != label))
-        is_shared = not others or 2 * len(own & others) >= len(own)
-        is_counted = len(own) < 2 or max(own) - min(own) < len(own)
-        if not (is_counted or (is_shared and any(it % 5 and it > 1 for it in own))):
+        others = {it for name, of in numbers.items() if name != label for it in of}
+        has_gaps = len(own) > 1 and max(own) - min(own) >= len(own)
+        is_shared = 2 * len(own & others) >= len(own) * bool(others)
+        if has_gaps and not (is_shared and any(it % 5 and it > 1 for it in own)):
             weighed.append(label)
-    first = ", ".join(map(str, sorted(numbers[weighed[0]]))) if weighed else ""
-    return f"{first} may be seeds of '{weighed[0]}', or its weights" if weighed else "", weighed
+    told = ", ".join(map(str, sorted(numbers[weighed[0]]))) if weighed else ""
+    return f"{told} may be seeds of '{weighed[0]}', or its weights" if weighed else "", weighed
 
 
 def _numbers_in(text: str) -> list[re.Match[str]]:
@@ -133,9 +128,8 @@ def _numbers_in(text: str) -> list[re.Match[str]]:
 
 def _cut(text: str, seed: re.Match[str] | None) -> str:
     """The text without a seed and the word that announces it."""
-    if seed is None:
-        return text
-    return text[: seed.start("word" if seed["word"].lower() in (*_SEED, *_RUN) else "digits")] + text[seed.end() :]
+    group = "word" if seed and seed["word"].lower() in (*_SEED, *_RUN) else "digits"
+    return text[: seed.start(group)] + text[seed.end() :] if seed else text
 
 
 def labels_of(texts: Sequence[str]) -> list[str]:
@@ -145,7 +139,7 @@ def labels_of(texts: Sequence[str]) -> list[str]:
     """
     words = {text: list(_WORDS.finditer(text)) for text in texts}
     if len(words) == 1:
-        parts = [_SEPARATORS.sub(" ", part).strip() and part.strip("-_=,. ") for part in texts[0].split("/")]
+        parts = [part.strip("-_=,. ") for part in texts[0].split("/")]
         return [next(filter(None, reversed(parts)), "")] * len(texts)
     said = [[it.group() for it in of] for of in words.values()]
     begin, end = _shared(said)
@@ -194,8 +188,7 @@ def templates_of(names: Sequence[str]) -> list[str]:
                 rank = min(map(rewards.count, rewards)) < 2, "{seed}" not in template, template
                 key = frozenset(zip(rewards, names, strict=True))
                 found[key] = min(rank, found.get(key, rank))
-    good = [rank for rank in found.values() if not rank[0]]
-    return [template for *_, template in sorted(good if len(good) > 1 else found.values())]
+    return [template for *_, template in sorted(found.values())]
 
 
 def _templates(marked: Sequence[str]) -> list[str]:

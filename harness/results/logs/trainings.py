@@ -2,7 +2,7 @@
 
 import hashlib
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate, pairwise
 from pathlib import Path
@@ -28,6 +28,8 @@ NUMBERED = re.compile("[0-9]+([.][0-9]+)*")
 """Names of files which a batch of environments writes: a number, or one of a process and one of its environment."""
 EVALUATED = re.compile("eval(uation)?s?([-_](env|logs?|monitor))?", re.IGNORECASE)
 """Names of files and folders of an environment in which policies were evaluated."""
+TOLD = (REWARD, BEHAVIOUR)
+"""Beginnings of names of columns that tell what a training came to."""
 FEWEST = 5
 """Values that the beginning of a training has to have, so that an equal one is no chance."""
 Key: TypeAlias = tuple[str, int | None, str]
@@ -134,9 +136,8 @@ def sort_logs(folder: Path, logs: Sequence[Log], template: str = "", baseline: s
     if not template:
         _require_apart(folder, trainings)
     notes += _left_out(logs, trainings)
-    first = _baseline(baseline, dict.fromkeys(it.reward for it in trainings))
-    ordered = sorted(trainings, key=lambda it: (it.reward != first, it.reward, it.seed))
-    return Sorted(tuple(ordered), tuple(notes))
+    order = _in_order({it.reward for it in trainings}, baseline)
+    return Sorted(tuple(sorted(trainings, key=lambda it: (order.index(it.reward), it.seed))), tuple(notes))
 
 
 def require_several(folder: Path, found: Sorted) -> None:
@@ -171,8 +172,7 @@ def sort_files(
     found: dict[str, list[Path]] = {}
     for path, name in names.items():
         found.setdefault(named[name].reward or folder.resolve().name, []).append(path)
-    first = _baseline(baseline, found)
-    return {name: found[name] for name in sorted(found, key=lambda name: (name != first, name))}
+    return {name: found[name] for name in _in_order(found, baseline)}
 
 
 def _without_evaluated(folder: Path, logs: Sequence[Log], notes: list[str]) -> Sequence[Log]:
@@ -257,21 +257,19 @@ def _named(folder: Path, logs: Sequence[Log], names: Sequence[str], template: st
     for number, log in enumerate(logs):
         kinds.setdefault((log.facts.evaluation, UNITS.index(log.facts.unit), log.facts.format), []).append(number)
     best = min(kinds, key=lambda kind: (*kind[:2], -len(kinds[kind]), kind))
-    found: dict[int, Named] = {}
-    above: dict[str, Named] = {}
+    found, above = dict[int, Named](), dict[str, Named]()
     for kind in sorted(kinds, key=lambda kind: kind != best):
-        parts = {it: list(accumulate(names[it].split("/"), "{}/{}".format)) for it in kinds[kind]}
-        homes = {it: [home for home in of[::-1] if home in above] for it, of in parts.items()}
-        alone = [it for it, home in homes.items() if not home]
+        homes = {it: [*accumulate(names[it].split("/"), "{}/{}".format)] for it in kinds[kind]}
+        named = {it: next((above[home] for home in of[::-1] if home in above), None) for it, of in homes.items()}
+        alone = [it for it, of in named.items() if not of]
         is_asked = any(not logs[it].facts.trained_with for it in alone)
-        named = sort_names((names[it] for it in alone), template, is_asked=is_asked) if alone else {}
-        for it, home in homes.items():
-            of, facts = above[home[0]] if home else named[names[it]], logs[it].facts
-            seed = of.seed if template or facts.seed is None else facts.seed
-            reward = of.reward if template else facts.trained_with or of.reward
-            found[it] = of._replace(reward=reward or folder.resolve().name, seed=seed)
-        if not template:
-            above = above or {names[it]: found[it] for it in alone}
+        own = sort_names((names[it] for it in alone), template, is_asked=is_asked) if alone else {}
+        for it, home in named.items():
+            of, facts = home or own[names[it]], logs[it].facts
+            if not template:
+                of = Named(facts.trained_with or of.reward, of.seed if facts.seed is None else facts.seed, of.place)
+            found[it] = of._replace(reward=of.reward or folder.resolve().name)
+        above = above if template or kind != best else {names[it]: found[it] for it in alone}
     return [found[number] for number in range(len(logs))]
 
 
@@ -335,44 +333,39 @@ def _require_apart(folder: Path, trainings: Iterable[Training]) -> None:
 
 def _with_seeds(best: Mapping[Key, tuple[tuple[Log, ...], Log | None]], notes: list[str]) -> list[Training]:
     """Whoever has no seed gets the lowest number that is free."""
-    taken = {(reward, seed) for reward, seed, _ in best}
-    found = []
-    for (reward, told, _), (logs, evaluation) in best.items():
+    taken, found = {key[:2] for key in best}, []
+    for (reward, told, _), of in best.items():
         seed = next(it for it in range(len(best)) if (reward, it) not in taken) if told is None else told
         taken.add((reward, seed))
-        found.append(Training(reward, seed, logs, evaluation))
+        found.append(Training(reward, seed, *of))
     numbered = sum(told is None for _, told, _ in best)
     if numbered and len(found) > len({it.reward for it in found}):
         notes.append(f"{numbered} of {len(found)} trainings tell no seed: numbered in the order of their names")
     return found
 
 
-def digest_of(logs: Sequence[Log]) -> str:
-    """SHA-256 of all numbers of a training; empty where they do not vary, so that equal ones would say nothing."""
-    digest, varies = hashlib.sha256(), False
-    for piece in (piece for log in logs for piece in log.pieces(log.names)):
-        for name in sorted(piece.columns):
-            values = np.ascontiguousarray(piece[name])
-            varies = varies or (name.startswith((REWARD, BEHAVIOUR)) and bool((values != values[:1]).any()))
-            digest.update(f"{name}\0{len(values)}\0".encode())
-            digest.update(values.data)
-    return digest.hexdigest() if varies else ""
+def digest_of(logs: Iterable[Log]) -> str:
+    """SHA-256 of the rows of a training; empty where they do not vary, so that equal ones would say nothing."""
+    rows = [rows + str(len(log)).encode() for log in logs if (rows := _rows_of(log))]
+    return hashlib.sha256(b"".join(rows)).hexdigest() if rows else ""
+
+
+def _rows_of(log: Log) -> bytes:
+    """The first numbers of a log, row by row; none where neither pay nor behaviour varies."""
+    names = [name for name in sorted(log.names) if name.startswith((*TOLD, TIME, "length", "seconds"))]
+    rows = next(log.pieces(names), Rows({}))
+    varies = any(name.startswith(TOLD) and (of != of[:1]).any() for name, of in rows.columns.items())
+    return f"{names}".encode() + np.column_stack([rows[name] for name in names]).tobytes() if varies else b""
 
 
 def _without_copies(trainings: Sequence[Training], notes: list[str]) -> list[Training]:
     """Each training once, though its rows, or the first of them, may lie in several files; a note tells each copy."""
-    begins = []
-    for number, it in enumerate(trainings):
-        log, told = it.logs[0], (REWARD, BEHAVIOUR)
-        names = [name for name in sorted(log.names) if name.startswith((*told, TIME, "length", "seconds"))]
-        rows = next(log.pieces(names), Rows({}))
-        varied = max((len(np.unique(of)) for name, of in rows.columns.items() if name.startswith(told)), default=0)
-        if varied > 1:
-            table = np.column_stack([rows[name] for name in names])
-            begins.append((it.reward, f"{names}".encode() + table.tobytes(), -number, varied))
+    begins = sorted((it.reward, _rows_of(it.logs[0]), -number) for number, it in enumerate(trainings))
     copies = set()
-    for (reward, own, number, varied), (other, longer, whole, _) in pairwise(sorted(begins)):
-        if reward == other and longer.startswith(own) and (longer == own or varied >= FEWEST):
+    for (reward, own, number), (other, longer, whole) in pairwise(begins):
+        log = trainings[-number].logs[0]
+        values = (len(np.unique(log[name])) for name in log.names if name.startswith(TOLD))
+        if own and reward == other and longer.startswith(own) and (longer == own or max(values) >= FEWEST):
             copies.add(-number)
             how = "equal to" if longer == own else "the beginning of"
             notes.append(f"{trainings[-number].shown} is {how} {trainings[-whole].shown}: the training counts once")
@@ -394,14 +387,14 @@ def _left_out(logs: Sequence[Log], trainings: Sequence[Training]) -> list[str]:
     ]
 
 
-def _baseline(given: str, rewards: Iterable[str]) -> str:
-    names = sorted(rewards)
-    if given:
-        if given not in names:
-            raise UsageError(f"--baseline {given}: no training was taught by it. There are: {', '.join(names)}")
-        return given
-    called = [name for name in names if "base" in name.lower()]
-    return min(called, key=lambda name: (not name.lower().startswith("base"), name), default=names[0])
+def _in_order(rewards: Collection[str], baseline: str) -> list[str]:
+    """The names of rewards, the baseline's first: the one that is told, or is called so."""
+    names = sorted(rewards, key=lambda name: ("base" not in name.lower(), not name.lower().startswith("base"), name))
+    if baseline and baseline not in names:
+        told = ", ".join(sorted(names))
+        raise UsageError(f"--baseline {baseline}: no training was taught by it. There are: {told}")
+    first = baseline or names[0]
+    return [first, *sorted({*names} - {first})]
 
 
 def with_reward(logs: Iterable[Log], reward: str) -> list[Log]:
