@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from harness.arrays import Float
 from harness.errors import Unmeasured
 from harness.log import Log
-from harness.record.episode_facts import episode_facts
+from harness.record.trace import episode_facts
 
 
 def steps_to_target(trace: Log) -> NDArray[np.int64]:

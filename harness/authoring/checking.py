@@ -34,13 +34,14 @@ if TYPE_CHECKING:
     from harness.experiment.workers.worker import print_into as print_into
     from harness.experiment.workers.workers import Pool as Pool
     from harness.log.format import HEAD as HEAD
-    from harness.record.episode_facts import NOTHING_KNOWN as NOTHING_KNOWN, with_episode_facts as with_episode_facts
     from harness.record.trace import (
         FLAGS as FLAGS,
         INTEGERS as INTEGERS,
+        NOTHING_KNOWN as NOTHING_KNOWN,
         NUMBERS as NUMBERS,
         OBSTACLE as OBSTACLE,
         QVEL as QVEL,
+        with_episode_facts as with_episode_facts,
     )
     from harness.recorder.column import Column as Column, made_columns as made_columns
     from harness.registry.given import PluginFile as PluginFile, is_class_name as is_class_name

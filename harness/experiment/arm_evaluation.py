@@ -18,8 +18,7 @@ from harness.env.make import World
 from harness.errors import SimulationDiverged
 from harness.eta.manner import ACTED_AT_RANDOM, DETERMINISTIC, Acted
 from harness.policy import Policy
-from harness.record.episode_facts import EpisodeFacts
-from harness.record.trace import COLUMN, SCALARS, Recorder, Rows, TraceWriter
+from harness.record.trace import COLUMN, SCALARS, EpisodeFacts, Recorder, Rows, TraceWriter
 from harness.registry.sources import description
 from harness.robot import Robot
 from harness.robot.energy import least_work, read_bodies

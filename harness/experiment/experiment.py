@@ -24,12 +24,11 @@ from harness.experiment.run_options import DEFAULTS, RunArguments, RunOptions
 from harness.experiment.trials.tried_plan import try_plan
 from harness.record.cell import Cell
 from harness.record.earlier import ALGORITHMS
-from harness.record.floor import Floor, floors_in
 from harness.record.manifest import Manifest, read_manifest
 from harness.record.out_folder import storage_errors
 from harness.record.plan_file import refuse_mixed
 from harness.record.running import read_left
-from harness.record.store import Store
+from harness.record.store import Floor, Store, floors_in
 from harness.registry.allowed import allow_typed
 from harness.registry.choice import Choice, split_list
 from harness.registry.given import Given as Plugins, read_given, require_given, split_measures

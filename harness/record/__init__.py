@@ -6,7 +6,6 @@ from harness.face import face_of
 
 if TYPE_CHECKING:
     from harness.record.cell import Cell as Cell
-    from harness.record.episode_facts import EpisodeFacts as EpisodeFacts
     from harness.record.folder import (
         DERIVED as DERIVED,
         EVALUATION as EVALUATION,
@@ -28,6 +27,7 @@ if TYPE_CHECKING:
     from harness.record.trace import (
         COLUMN as COLUMN,
         SCALARS as SCALARS,
+        EpisodeFacts as EpisodeFacts,
         TraceWriter as TraceWriter,
         read_trace as read_trace,
         trace_of as trace_of,

@@ -14,22 +14,23 @@
 """
 
 import shutil
-from collections.abc import Callable, Container, Iterator, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 from harness.errors import NewerFormat, SchemaError, UsageError
 from harness.files.whole_file import is_partial
 from harness.record.cell import Cell
-from harness.record.cell_folder import examine
+from harness.record.cell_folder import examine, is_named
 from harness.record.file_forms import Status
-from harness.record.folder import CHECKPOINT, LOG, MANIFEST, partial_folder, publish
+from harness.record.folder import CHECKPOINT, LOG, MANIFEST, RANDOM, partial_folder, publish, recording_of
 from harness.record.manifest import Manifest, now, read_manifest
 from harness.record.out_folder import folder_lock, is_held, make_folder, refuse_links, require_text
 from harness.record.plan_file import EXPERIMENT, PLAN, StoredPlan, plan_from_cells, read_plan
 from harness.record.terms import Terms
+from harness.registry.choice import Choice
 
 if TYPE_CHECKING:
     from harness.experiment.plan import Plan
@@ -254,3 +255,33 @@ def _without_none(value: Any) -> Any:
     if isinstance(value, dict):
         return {key: _without_none(item) for key, item in value.items() if item is not None}
     return [_without_none(item) for item in value] if isinstance(value, list) else value
+
+
+class Floor(NamedTuple):
+    """All that decides what random actions do in an evaluation, but for what they are paid."""
+
+    simulator: Choice
+    robot: str
+    task: Choice
+    episodes: int
+    horizon: int
+
+    @classmethod
+    def of(cls, cell: Cell) -> Self:
+        """The floor of a cell."""
+        return cls(cell.simulator, cell.robot, cell.task, cell.evaluation_episodes, cell.evaluation_horizon)
+
+
+def floors_in(manifests: Iterable[Manifest], store: Store) -> dict[Floor, Cell]:
+    """The floors that are there, each with the first done cell that evaluated it; cells of version 0.1 all did.
+
+    Args:
+        manifests: Of cells of the experiment; those that are not done are left out.
+        store: Its folder.
+    """
+    found: dict[Floor, Cell] = {}
+    for manifest in (it for it in manifests if it.status == "done"):
+        folder, names = store.cell_folder(manifest.cell), (RANDOM, recording_of(RANDOM))
+        if any((folder / name).exists() for name in names) and any(is_named(manifest, name) for name in names):
+            found.setdefault(Floor.of(manifest.cell), manifest.cell)
+    return found

@@ -16,13 +16,20 @@ from harness.log import Log
 from harness.measure import Measure
 from harness.record.cell import Cell
 from harness.record.cell_folder import is_named
-from harness.record.episode_facts import episode_facts, with_episode_facts
-from harness.record.floor import Floor, floors_in
 from harness.record.folder import EVALUATION, EVALUATIONS, RANDOM, SUFFIX, TRACE, evaluation_files
 from harness.record.manifest import Manifest
 from harness.record.returns import EVENTS, episode_sums, mean_over_episodes, mean_return, paid_in
-from harness.record.store import Store
-from harness.record.trace import FLAGS, INTEGERS, read_trace, require_plausible, term_names, terms_of
+from harness.record.store import Floor, Store, floors_in
+from harness.record.trace import (
+    FLAGS,
+    INTEGERS,
+    episode_facts,
+    read_trace,
+    require_plausible,
+    term_names,
+    terms_of,
+    with_episode_facts,
+)
 from harness.results.by_term import ByTerm, by_term, part_of
 from harness.results.kept import Kept
 from harness.results.measured import Measured, Moment, Values, value_of

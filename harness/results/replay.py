@@ -13,11 +13,10 @@ from harness.errors import SchemaError, UsageError
 from harness.eta.manner import OWN_AND_OTHER
 from harness.log import Log
 from harness.record.cell import Cell
-from harness.record.episode_facts import episode_facts, with_episode_facts
 from harness.record.folder import EVALUATION, SCENE, SUFFIX
 from harness.record.returns import PAID, paid_in
 from harness.record.scene import Scene, read_scene
-from harness.record.trace import OBSTACLE, OBSTACLES, read_trace
+from harness.record.trace import OBSTACLE, OBSTACLES, episode_facts, read_trace, with_episode_facts
 from harness.results.comparison import Comparison, Group
 from harness.results.measured import Values
 from harness.results.pairs import READ, Met, Pairs, cells_by_seed, kind_of, kinds_of

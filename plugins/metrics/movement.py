@@ -9,7 +9,7 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.log import Log
-from harness.record.episode_facts import episode_facts
+from harness.record.trace import episode_facts
 
 from ..way_to_target import paths_to_target, steps_to_target
 

@@ -7,8 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 from harness.log import Log
-from harness.record.episode_facts import episode_facts
-from harness.record.trace import OBSTACLE
+from harness.record.trace import OBSTACLE, episode_facts
 
 from ..way_to_target import steps_to_target
 

@@ -24,8 +24,8 @@ from harness.record import (
     read_manifest,
     read_trace,
 )
-from harness.record.episode_facts import episode_facts
 from harness.record.folder import evaluation_files
+from harness.record.trace import episode_facts
 from harness.registry import Choice
 from harness.score.scorer import SCORED
 

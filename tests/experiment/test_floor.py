@@ -3,7 +3,7 @@
 import pytest
 
 from harness.record import RANDOM
-from harness.record.floor import Floor, floors_in
+from harness.record.store import Floor, floors_in
 from harness.registry import Choice
 
 ARP = Choice("arp", (("k1", 1.0), ("k2", 1.5)), "arp")

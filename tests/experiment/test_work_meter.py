@@ -7,7 +7,7 @@ from harness.env.make import build_world
 from harness.experiment.arm_evaluation import act_of, evaluate
 from harness.policy import Uniform
 from harness.record import read_trace
-from harness.record.episode_facts import episode_facts
+from harness.record.trace import episode_facts
 from harness.registry import choose
 from harness.robot.energy import least_work, read_bodies
 

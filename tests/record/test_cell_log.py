@@ -8,8 +8,7 @@ from harness.experiment.checkpoints.trace_parts import TraceParts
 from harness.log.open_log import open_logs
 from harness.record import RANDOM, SCALARS, TRACE, Cell, EpisodeFacts, Manifest, TraceWriter, read_trace
 from harness.record.cell_log import CellLog
-from harness.record.episode_facts import episode_facts
-from harness.record.trace import read_parts, terms_of
+from harness.record.trace import episode_facts, read_parts, terms_of
 from harness.registry import Choice, load_registry
 
 FACTS = EpisodeFacts(horizon=2, control_period=0.1)

@@ -7,8 +7,7 @@ import pytest
 
 from harness.errors import Unmeasured, UsageError
 from harness.measure import bounds_of, is_share, needs_of
-from harness.record.episode_facts import episode_facts
-from harness.record.trace import trace_of
+from harness.record.trace import episode_facts, trace_of
 from harness.registry import build_defaults, fingerprint, load_registry, read_given
 from harness_plugins.kit import check_metric
 from harness_plugins.kit.metrics import recorded_trace

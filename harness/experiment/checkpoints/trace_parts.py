@@ -9,8 +9,7 @@ import numpy as np
 from harness.errors import SchemaError
 from harness.files.bounded import digest_of
 from harness.files.whole_file import sync
-from harness.record.episode_facts import EpisodeFacts
-from harness.record.trace import NO_EXTRAS, Rows, TraceWriter, part_of, read_trace
+from harness.record.trace import NO_EXTRAS, EpisodeFacts, Rows, TraceWriter, part_of, read_trace
 
 
 class TraceParts:

@@ -33,7 +33,7 @@ from harness.record import (
     read_manifest,
     read_trace,
 )
-from harness.record.episode_facts import episode_facts
+from harness.record.trace import episode_facts
 from harness.registry import Choice
 from harness_plugins.executors.processes import Processes
 from harness_plugins.kit.trainings import WatchedEnv

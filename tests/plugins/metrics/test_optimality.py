@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from harness.record import EpisodeFacts
-from harness.record.episode_facts import with_episode_facts
+from harness.record.trace import with_episode_facts
 from harness_plugins.kit.metrics import recorded_trace
 from harness_plugins.metrics.movement import Optimality
 

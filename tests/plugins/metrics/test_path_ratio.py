@@ -5,7 +5,7 @@ import pytest
 
 from harness.errors import Unmeasured
 from harness.record import EpisodeFacts, trace_of
-from harness.record.episode_facts import with_episode_facts
+from harness.record.trace import with_episode_facts
 from harness_plugins.kit.metrics import recorded_trace
 from harness_plugins.metrics.movement import PathRatio
 
