@@ -27,7 +27,7 @@ MOST_RESTARTS = 100
 CLEANRL_RUN = re.compile(r"(?P<env>.+?)__(?P<algorithm>[^_]+).*__(?P<seed>\d+)__\d+")
 """What CleanRL calls a run, and its folder."""
 WORDS = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
-AROUND = {"train", "training", "rollout", "charts"}
+AROUND = {"train", "training", "rollout", "charts", "100"}
 EVALUATIONS = {"eval", "evaluation", "evaluations", "test", "testing", "validation"}
 """Words around a name that say of which episodes it tells."""
 LONG = 9
@@ -43,9 +43,9 @@ def plain(name: str) -> str:
 _NAMES = {
     "reward": """
         eprewmean episodereturnmean episoderewardmean meanreward meanreturn averageepret rewardsstep totalrewardmean
-        averagereturn averagereward meanepisodereturn meanepisodereward returnsstatmean episodicreturn return returns
-        episodereturn epreturn epret returnmean rewardmean reward rewards episodereward epreward eprew episodicreward
-        totalreward totalreturn sumreward cumulativereward episodescore score r
+        averagereturn averagereward avgreturn avgreward meanepisodereturn meanepisodereward returnsstatmean
+        episodicreturn return returns episodereturn epreturn epret returnmean rewardmean reward rewards episodereward
+        epreward eprew episodicreward totalreward totalreturn sumreward cumulativereward episodescore score r
     """,
     "success": """
         successrate successratemean successmean success issuccess episodesuccess successonce succeeded successful
@@ -58,10 +58,10 @@ _NAMES = {
     "time": """
         totaltimesteps globalstep numenvstepssampledlifetime timestepstotal numenvstepssampled totalenvinteracts
         totalenvsteps timestepssofar totalsteps envsteps envstep environmentsteps cumulativesteps numtimesteps
-        totalframes collectedframes timesteps steps
+        totalframes collectedframes numframes timesteps steps
     """,
     "episode": " ".join(map(plain, EPISODE)),
-    "counter": "iteration iterations timeiterations epoch epochs update updates step episode",
+    "counter": "iteration iterations timeiterations epoch epochs update updates timestep step episode",
 }
 ROLES: Mapping[str, Sequence[str]] = {role: names.split() for role, names in _NAMES.items()}
 """What a column is for, by its `plain` name; the first of these that is there."""
@@ -160,7 +160,8 @@ class Roles:
         evaluation = min(there, key=lambda it: ("success" not in of[it], it), default=False)
         if self.reward or self.success:
             evaluation = is_evaluated(self.reward or self.success)
-        roles = of[evaluation] | {role: name for role, name in given.items() if name}
+        roles = {role: name for role, name in of[evaluation].items() if name != self.time}
+        roles |= {role: name for role, name in given.items() if name}
         if not {"reward", "success"} & roles.keys():
             raise UsageError(
                 f"{path} has no curve of returns that is known by its name: say reward=NAME. "
@@ -169,7 +170,8 @@ class Roles:
         columns = {role: roles[role] for role in VALUES if role in roles}
         chosen = Chosen(columns, episode=roles.get("episode", ""), evaluation=evaluation)
         is_history = {"_step", "_timestamp"} <= {*names}
-        if chosen.is_mean or is_history or not {"episode", "length"} & roles.keys():
+        is_known = bool(chosen.kind[0]) and not chosen.episode
+        if chosen.is_mean or is_known or is_history or not {"episode", "length"} & roles.keys():
             if not self.length and plain(columns.get("length", "")) in OF_ALL:
                 del columns["length"]
         else:

@@ -32,7 +32,7 @@ from harness.score.row_meaning import (
 )
 from harness.text import shortened
 
-from ..curves import CLEANRL_RUN, ROLES, TIME, Chosen, Roles, Series, aligned, column_of, plain, points
+from ..curves import CLEANRL_RUN, OF_ALL, ROLES, TIME, Chosen, Roles, Series, aligned, column_of, plain, points
 from ..zoo_settings import zoo_settings
 
 MONITOR = ("r", "l", "t")
@@ -56,7 +56,9 @@ SAMPLED = "TensorBoard exports a sample of at most 1,000 points, unless it was t
 JOINED = "a value is a mean of several points, or of the runs of a group: its least and greatest differ"
 GAPS = "its numbers of episodes have gaps: not every episode stands in it"
 FEW = 5
-"""Rows from which on lengths that only rise are taken for a count over all episodes."""
+"""Rows from which on that is told of a table with numbers of episodes."""
+RISES = 0.8
+"""The share of rows from which on a column that rises from row to row counts the steps of a training, or of each."""
 TAUGHT = (
     "rewardfn", "rewardfunction", "rewardname", "rewardtype", "reward", "method", "variant", "condition", "treatment",
     "algo", "algorithm", "group",
@@ -148,10 +150,19 @@ class Table(Roles):
     def _rows(self, table: TextTable) -> Iterator[Log]:
         table = self._counted(table)
         words = [name for name in table.names if name not in self._told and _is_text(table.cells[name])]
-        chosen = self.chosen(table.path, [name for name in table.names if name not in words])
+        numbers = [name for name in table.names if name not in words]
+        least = FEW if any(plain(name) in ROLES["episode"] for name in numbers) else 2
+        counts = [name for name in numbers if plain(name) in OF_ALL]
+        rising = [name for name in counts if len(table) < 2 or _rises(table, name, least)]
+        told_so = self if self.time or self.length else replace(self, time=next(iter(rising), ""))
+        chosen = told_so.chosen(table.path, numbers)
+        chosen = chosen._replace(
+            times=tuple(it for it in chosen.times if it not in counts or it in (self.time, *rising))
+        )
         used = [*chosen.columns.values(), *chosen.times, chosen.counter, chosen.episode, *self._told]
         taught, runs = self._runs(table, words, used)
-        used += [*taught, *runs]
+        seeds = [name for name in table.names if name.lower() in SEED and not is_of_episodes(table, name)]
+        used += [*taught, *runs, *seeds]
         left = shortened(", ".join(it for it in table.names if it not in used and it.lower() not in INDEX), 120)
         told = _settings_beside(table.path)
         told |= {key: table.cells[f"config/{key}"][0] for key in ("env", "seed") if f"config/{key}" in table.cells}
@@ -159,8 +170,7 @@ class Table(Roles):
         is_history = _is_history(table.names)
         for cells, rows in split(table, [*taught, *runs]):
             part = table.part(rows) if cells else table
-            seeds = [cell for name, cell in zip([*taught, *runs], cells, strict=True) if name.lower() in SEED]
-            seed = str(seeds[0] if seeds else told.get("seed"))
+            seed = str(part.cells[seeds[0]][0] if seeds and len(part) else told.get("seed"))
             facts = LogFacts(
                 path=table.path,
                 format="history of Weights & Biases" if is_history else f"table of {chosen.unit}s",
@@ -329,6 +339,12 @@ def _is_text(cells: Sequence[str]) -> bool:
     return first[:1].isalpha() and first.lower() not in (*NOTHING, "true", "false", "inf", "infinity")
 
 
+def _rises(table: TextTable, name: str, least: int) -> bool:
+    """Whether a column counts the steps of a training so far, and not those of each episode."""
+    rises = np.diff(table.numbers(name, NOTHING)) > 0.0
+    return len(table) >= least and float(rises.mean()) > RISES
+
+
 def _tag(written: str) -> str:
     """The tag that a file's name means, in which an underscore may stand for a slash."""
     for place, sign in enumerate(written):
@@ -400,10 +416,7 @@ def _episodes(table: TextTable, facts: LogFacts, chosen: Chosen) -> Log:
     notes = [", ".join(f"{role} from '{name}'" for role, name in roles.items())]
     if "length" in roles:
         columns["length"] = lengths = table.counts(roles["length"], least=1)
-        if len(lengths) >= FEW and (np.diff(lengths) > 0.0).all() and table.names[:3] != MONITOR:
-            notes.append(f"'{roles['length']}' only rises: it is taken to count the steps of all episodes")
-            columns[TIME] = columns.pop("length")
-        elif not is_gappy:
+        if not is_gappy:
             columns[TIME] = np.cumsum(lengths)
     if "time" in roles:
         columns[TIME] = table.counts(roles["time"])
