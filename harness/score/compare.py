@@ -62,42 +62,18 @@ def guess_reward(log: Log, registry: Registry) -> Guess:
     path, declared = log.facts.path, log.facts.trained_with
     if not can_be_paid(log):
         return Guess(None, f"{path} has no distances to score again")
-    head = _head_of(log)
-    if not head[pay_column(log)].any() and not declared:
+    head = next(log.pieces(log.columns, HEAD))
+    paid = head[pay_column(log)]
+    if not paid.any() and not declared:
         return Guess(None, f"{path} pays nothing in its first {len(head):,} rows, as many rewards may")
-    for text in dict.fromkeys(_candidates(log, head, registry)):
+    for text in dict.fromkeys([declared or "baseline", "baseline", *_arp_of(head, paid), *registry.names("rewards")]):
         try:
-            if _misfit_of(text, log, head, registry) is None:
+            if not _misfit(text, log, head, registry):
                 return Guess(text)
         except (Exception, SystemExit):  # a plugin may raise anything
             continue
     besides = f"; not even {declared}, which its manifest declares" if declared else ""
     return Guess(None, f"no registered reward pays what {path} recorded{besides}")
-
-
-def misfit(log: Log, text: str, registry: Registry) -> str | None:
-    """Where the reward `text` does not pay a run's first rows as recorded; None if it does.
-
-    Raises:
-        UsageError: There is no such reward.
-    """
-    if not can_be_paid(log):
-        return f"{log.facts.path} has no distances to score again"
-    problem = _misfit_of(text, log, _head_of(log), registry)
-    return None if problem is None else f"{log.facts.path}, {problem}"
-
-
-def _head_of(log: Log) -> Rows:
-    """All columns of the first rows."""
-    return next(log.pieces(log.columns, HEAD))
-
-
-def _candidates(log: Log, head: Rows, registry: Registry) -> Iterator[str]:
-    if log.facts.trained_with:
-        yield log.facts.trained_with
-    yield "baseline"
-    yield from _arp_of(head, head[pay_column(log)])
-    yield from registry.names("rewards")
 
 
 def _arp_of(head: Rows, paid: Float) -> Iterator[str]:
@@ -116,13 +92,13 @@ def _gain(value: Float, metres: Float, rows: Mask) -> float | None:
     return float(np.median(value[large] / metres[large]))
 
 
-def _misfit_of(text: str, log: Log, head: Rows, registry: Registry) -> str | None:
-    """The first row that the reward pays otherwise; None if there is none."""
+def _misfit(text: str, log: Log, head: Rows, registry: Registry) -> str:
+    """The first of some rows that the reward pays otherwise; empty if there is none."""
     choice, recorded = choose(registry, "rewards", text), head[pay_column(log)]
     try:
         payer = Payer(choice.build(registry, "rewards"), log)
     except MissingField as error:
-        return f"no column tells {error.field}, which {choice.label} reads"
+        return f"{log.facts.path}, no column tells {error.field}, which {choice.label} reads"
     with np.errstate(all="ignore"):  # a reward may divide by anything where it then takes another value
         paid = payer.pay(head).total
     misses = ~(np.abs(paid - recorded) <= _tolerance(paid, recorded, head))  # what it pays is finite, or a miss
@@ -132,9 +108,10 @@ def _misfit_of(text: str, log: Log, head: Rows, registry: Registry) -> str | Non
     if unsure.sum() <= max(1.0, LOST_SIGNS * len(paid)):
         misses &= ~unsure
     if not misses.any():
-        return None
+        return ""
     row = int(np.argmax(misses))
-    return f"line {log.facts.first_line + row}: recorded {recorded[row]:.7g}, {choice.label} pays {paid[row]:.7g}"
+    where = f"{log.facts.path}, line {log.facts.first_line + row}"
+    return f"{where}: recorded {recorded[row]:.7g}, {choice.label} pays {paid[row]:.7g}"
 
 
 def _tolerance(paid: Float, recorded: Float, head: Rows) -> Float:
@@ -269,11 +246,11 @@ def _reward_of(group: Sequence[Log], given: str | None, registry: Registry) -> G
     guess = Guess(given) if given is not None else guess_reward(group[0], registry)
     if guess.choice is None:
         return guess
-    for log in group:
-        problem = misfit(log, guess.choice, registry) if can_be_paid(log) else None
-        if problem is not None and given is not None:
+    for log in filter(can_be_paid, group):
+        problem = _misfit(guess.choice, log, next(log.pieces(log.columns, HEAD)), registry)
+        if problem and given is not None:
             raise UsageError(f"The runs were not paid by {given}: {problem}")
-        if problem is not None:
+        if problem:
             return Guess(None, f"no one reward pays all runs of a group: {problem}")
     return guess
 

@@ -249,18 +249,11 @@ class RowWatch:
 
     def _before_of(self, counts: Float, env: Float | None) -> Float:
         """What the counter was in the row before, of the same env where there are several."""
-        if env is None:
-            return np.concatenate([[self._last("counter")], counts[:-1]])
-        order = np.argsort(env, kind="stable")
-        sorted_env, sorted_counts = env[order], counts[order]
-        before = np.concatenate([[np.nan], sorted_counts[:-1]])
-        first = np.concatenate([[True], sorted_env[1:] != sorted_env[:-1]])
-        before[first] = [self._count_of_env.get(it, np.nan) for it in sorted_env[first]]
-        last = np.concatenate([first[1:], [True]])
-        newest = zip(sorted_env[last].tolist(), sorted_counts[last].tolist(), strict=True)
-        self._count_of_env |= newest
-        found = np.empty_like(counts)
-        found[order] = before
+        env, found = np.zeros(len(counts)) if env is None else np.nan_to_num(env), np.empty_like(counts)
+        for number in np.unique(env).tolist():
+            mine = env == number
+            found[mine] = np.concatenate([[self._count_of_env.get(number, np.nan)], counts[mine][:-1]])
+            self._count_of_env[number] = float(counts[mine][-1])
         return found
 
 
