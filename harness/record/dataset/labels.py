@@ -21,6 +21,8 @@ from harness.files.bounded import read_text
 from harness.text import shortened
 
 UNKNOWN, FAILURE, SUCCESS = -1, 0, 1
+WHOLE = -1
+"""In place of the number of an episode, of a label that a training has as a whole."""
 LABELS_BYTES = 2**28
 """The most bytes of a file of labels."""
 _RULE = re.compile(r"\s*(?P<key>[^<>=]+?)\s*(?:(?P<sign>>=|<=|>|<)\s*(?P<number>[^<>=\s]+)\s*)?")
@@ -111,47 +113,46 @@ def parse_success(text: str) -> SuccessRule:
     return SuccessRule(found["key"], found["sign"] or "", threshold)
 
 
-def read_labels(path: Path, rule: SuccessRule) -> dict[int, int]:
-    """By number of the episode, its label: a CSV file with the columns ``episode`` and ``success``.
+def read_labels(path: Path, rule: SuccessRule, runs: int = 0) -> dict[str, dict[int, int]]:
+    """By run and number of the episode, its label: a CSV file with the columns ``episode`` and ``success``, or ``run``.
 
     Args:
         path: The file.
         rule: Names another column than ``success``, or a threshold.
+        runs: How many trainings the column ``run`` may name; 0: it is not read, and the name of the run is empty. It
+            may be left out where there is one. Where it is there, ``episode`` may be: then `WHOLE` is the number.
 
     Raises:
         UsageError: It is not there or has other columns; a line has no number, no label, or contradicts another.
     """
-    rule = rule if rule.key else SuccessRule("success")
+    key = rule.key or "success"
+    known = {"episode": "episode", "episode_index": "episode", key.lower(): key}
+    labels: dict[str, dict[int, int]] = {}
     try:
         rows = csv.DictReader(
             io.StringIO(read_text(path, LABELS_BYTES).removeprefix("\ufeff"), newline=""), skipinitialspace=True
         )
-        rows.fieldnames = _label_columns(path, [name.strip() for name in rows.fieldnames or ()], rule)
-        labels: dict[int, int] = {}
+        names = [name.strip() for name in rows.fieldnames or ()]
+        rows.fieldnames = spelled = [name if name == key else known.get(name.lower(), name) for name in names]
+        needed = ("run" if runs > 1 or (runs and "run" in spelled) else "episode", key)
+        if any(spelled.count(name) != 1 for name in needed) or spelled.count("episode") > 1:
+            shown = shortened(", ".join(names), 100) or "none"
+            separator = next((f", and no commas but {sign!r}" for sign in ";\t" if any(sign in it for it in names)), "")
+            raise UsageError(
+                f"--labels {path} has the columns {shown}{separator}; it needs {' and '.join(needed)} once each, "
+                f"separated by commas, and a line for each {needed[0]}"
+            )
         for row in rows:
             where = f"--labels {path}, line {rows.line_num}"
             if None in row or None in row.values():
                 raise UsageError(f"{where} has other cells than the header: write decimal points, and a cell for each")
-            number = row["episode"].strip().removesuffix(".0")
-            if not re.fullmatch(r"\d{1,9}", number):
+            number = row.get("episode", str(WHOLE)).strip().removesuffix(".0")
+            if "episode" in row and not re.fullmatch(r"\d{1,9}", number):
                 raise UsageError(f"{where}: {shortened(number, 40)!r} is no number of an episode, counted from 0")
-            label = rule.of_episode(row[rule.key], where)
-            if labels.setdefault(int(number), label) != label:
-                raise UsageError(f"{where}: episode {number} has another label above")
+            label, run = rule.of_episode(row[key], where), row["run"].strip() if "run" in needed else ""
+            if labels.setdefault(run, {}).setdefault(int(number), label) != label:
+                told = f"'{run}'" if run else f"episode {number}"
+                raise UsageError(f"{where}: {told} has another label above")
     except (OSError, ValueError, csv.Error) as error:
         raise UsageError(f"--labels {path} cannot be read as CSV: {shortened(str(error), 200)}") from None
     return labels
-
-
-def _label_columns(path: Path, names: list[str], rule: SuccessRule) -> list[str]:
-    """The header, with the two columns that are read under their own names."""
-    known = {"episode": "episode", "episode_index": "episode", rule.key.lower(): rule.key}
-    spelled = [name if name == rule.key else known.get(name.lower(), name) for name in names]
-    if spelled.count("episode") != 1 or spelled.count(rule.key) != 1:
-        shown = shortened(", ".join(names), 100) or "none"
-        separator = next((f", and no commas but {sign!r}" for sign in ";\t" if any(sign in it for it in names)), "")
-        raise UsageError(
-            f"--labels {path} has the columns {shown}{separator}; it needs episode and {rule.key} once each, separated "
-            "by commas, and a line for each episode"
-        )
-    return spelled

@@ -1,7 +1,5 @@
 """Success from outside: a CSV file that says which trainings, or which of their episodes, were successes."""
 
-import csv
-import io
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -9,10 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from harness.errors import UsageError
-from harness.files.bounded import read_text
 from harness.log import Log, LogFacts, in_memory
 from harness.log.log import BEHAVIOUR, SUCCESS
-from harness.record.dataset.labels import FAILURE, LABELS_BYTES, UNKNOWN, SuccessRule, read_labels
+from harness.record.dataset.labels import FAILURE, UNKNOWN, WHOLE, SuccessRule, read_labels
 from harness.results.logs.trainings import Sorted, Training
 
 COLUMN = f"{BEHAVIOUR}{SUCCESS}"
@@ -31,7 +28,7 @@ def labelled(found: Sorted, folder: Path, path: Path) -> Sorted:
     Raises:
         UsageError: The file cannot be read, or a run or an episode of it is not there, or it leaves some out.
     """
-    labels = _read(path, is_single=len(found.trainings) == 1)
+    labels = read_labels(path, RULE, len(found.trainings))
     of = {training: _labels_of(training, folder, labels) for training in found.trainings}
     unknown = labels.keys() - {name for training in found.trainings for name in _names(training, folder)} - {""}
     if unknown:
@@ -53,41 +50,13 @@ def _names(training: Training, folder: Path) -> tuple[str, ...]:
     return (f"{training.reward}/{training.seed}", below, *([run] if run else []))
 
 
-def _labels_of(
-    training: Training, folder: Path, labels: Mapping[str, Mapping[int | None, int]]
-) -> Mapping[int | None, int] | None:
+def _labels_of(training: Training, folder: Path, labels: Mapping[str, Mapping[int, int]]) -> Mapping[int, int] | None:
     return next((labels[name] for name in ("", *_names(training, folder)) if name in labels), None)
 
 
-def _read(path: Path, *, is_single: bool) -> dict[str, dict[int | None, int]]:
-    """By name of the run and number of the episode, its label; the number is None where a run has one label."""
-    try:
-        rows = csv.DictReader(io.StringIO(read_text(path, LABELS_BYTES).removeprefix("\ufeff"), newline=""))
-        names = rows.fieldnames or ()
-    except (OSError, ValueError, csv.Error) as error:
-        raise UsageError(f"--labels {path} cannot be read as CSV: {error}") from None
-    if "run" not in names and is_single:
-        return {"": dict(read_labels(path, RULE).items())}
-    if not {"run", SUCCESS} <= {*names}:
-        raise UsageError(f"--labels {path} has the columns {', '.join(names)}: it needs run and success, and episode")
-    found: dict[str, dict[int | None, int]] = {}
-    for row in rows:
-        where = f"--labels {path}, line {rows.line_num}"
-        if None in row or None in row.values():
-            raise UsageError(f"{where} has other cells than the header: write a cell for each")
-        number = row.get("episode")
-        if number is not None and not number.strip().isdecimal():
-            raise UsageError(f"{where}: '{number}' is no number of an episode, counted from 0")
-        label = RULE.of_episode(row[SUCCESS], where)
-        episode = None if number is None else int(number)
-        if found.setdefault(row["run"].strip(), {}).setdefault(episode, label) != label:
-            raise UsageError(f"{where}: '{row['run']}' has another label above")
-    return found
-
-
-def _with_success(training: Training, labels: Mapping[int | None, int], path: Path) -> Training:
-    if None in labels:
-        return replace(training, evaluation=_verdict_on(labels[None], path))
+def _with_success(training: Training, labels: Mapping[int, int], path: Path) -> Training:
+    if WHOLE in labels:
+        return replace(training, evaluation=_verdict_on(labels[WHOLE], path))
     if len(training.logs) > 1:
         count = len(training.logs)
         raise UsageError(f"--labels {path}: the {count} files of {training.shown} number no episodes together")

@@ -236,7 +236,7 @@ def _outside(success: str, labels: str | Path | None, success_above: float | Non
     if success_above is not None and not np.isfinite(success_above):
         raise UsageError(f"--success-above {success_above}: give a finite return")
     if labels is not None:
-        return Labels(by_episode=read_labels(Path(labels), parse_success(success)))
+        return Labels(by_episode=read_labels(Path(labels), parse_success(success)).get("", {}))
     return None if success_above is None else Labels(above=success_above)
 
 

@@ -70,7 +70,7 @@ def test_another_value_of_an_episode_is_refused(value):
 def test_a_file_of_labels_may_have_a_threshold(tmp_path):
     """A file of labels may have a threshold, and another column."""
     (tmp_path / "l.csv").write_text("episode, score\n0,0.2\n1,0.7\n2,\n")
-    assert read_labels(tmp_path / "l.csv", parse_success("score>0.5")) == {0: 0, 1: 1, 2: -1}
+    assert read_labels(tmp_path / "l.csv", parse_success("score>0.5")) == {"": {0: 0, 1: 1, 2: -1}}
 
 
 @pytest.mark.parametrize(
@@ -102,4 +102,4 @@ def test_a_file_of_labels_that_is_none_is_one_line(tmp_path, text, told):
 def test_a_file_of_labels_may_be_spelled_otherwise(tmp_path, header, number):
     """Capitals, LeRobot's own name, quotes, and what pandas makes of a whole number."""
     (tmp_path / "l.csv").write_bytes(f"{header}\r\n0,False\r\n{number}, True \r\n".encode())
-    assert read_labels(tmp_path / "l.csv", parse_success("")) == {0: 0, 1: 1}
+    assert read_labels(tmp_path / "l.csv", parse_success("")) == {"": {0: 0, 1: 1}}
