@@ -20,7 +20,7 @@ SortBy = Annotated[
     flag(
         "TEMPLATE",
         "How names of logs are made, such as '{reward}/{seed}' or '*_{reward}_s{seed}'. What it fits is one "
-        "training: '{reward}' says that all files of a folder are one.",
+        "training: '{reward}' says that all files of a folder are one. 'base_{seed}|{reward}' tells two kinds.",
         "what differs: a number is the seed",
         name="--sort",
     ),

@@ -224,7 +224,7 @@ def question(names: Sequence[str], why: str, ways: Sequence[str] | None = None) 
         if found.keys() == {*names}:
             count, rewards = len({it.place for it in found.values()}), len({it.reward for it in found.values()})
             shown.append(f"{command_text('--sort', way)} ({count} trainings of {rewards} reward{'s' * (rewards != 1)})")
-    remedy = f"Say {', or '.join(shown)}" if shown else "Name them REWARD/SEED, and say --sort '{reward}/{seed}'"
+    remedy = f"Say {', or '.join(shown)}" if shown else "Call the folder of each REWARD/SEED"
     seen = " and ".join(f"'{shortened(name, LONGEST_NAME)}'" for name in dict.fromkeys([names[0], names[-1]]))
     return UsageError(f"Names such as {seen} {why}. {remedy}")
 
@@ -239,8 +239,7 @@ def sort_by_template(template: str, names: Iterable[str]) -> dict[str, Named]:
     Raises:
         UsageError: It has no ``{reward}``, or a name is not made so.
     """
-    ways = template.split("|")
-    if "{reward}" not in template or any(it.count("{reward}") > 1 or it.count("{seed}") > 1 for it in ways):
+    if "{reward}" not in template or not _is_clear(template):
         raise UsageError(f"--sort '{template}' needs {{reward}} once, and {{seed}} at most once: '{{reward}}/{{seed}}'")
     of = list(names)
     found = _fitted(template, of)
@@ -250,10 +249,14 @@ def sort_by_template(template: str, names: Iterable[str]) -> dict[str, Named]:
     return found
 
 
+def _is_clear(template: str) -> bool:
+    return all(it.count("{reward}") < 2 and it.count("{seed}") < 2 for it in template.split("|"))
+
+
 def _fitted(template: str, names: Iterable[str]) -> dict[str, Named]:
     """What a template says of the names that fit it."""
     patterns = {}
-    for way in template.split("|"):
+    for way in template.split("|") if _is_clear(template) else ():
         pattern = re.escape(way).replace(r"\{seed\}", "(?P<seed>[0-9]{1,9})").replace(r"\*", "[^/]*?")
         pattern = pattern.replace(r"\{reward\}", "(?P<reward>[^/]+?)")
         patterns[way] = re.compile(f"(?P<place>(?:.*?/)??{pattern})(?:[.][^/]*)?(?:/.*)?")

@@ -38,7 +38,7 @@ def monitor(tmp_path):
 
 def sorts_of(asked):
     """The templates that a refusal says can be typed."""
-    return re.findall("--sort '([^']*)'", str(asked.value))
+    return re.findall("--sort '([^']*)'", str(asked))
 
 
 @pytest.fixture

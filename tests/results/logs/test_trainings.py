@@ -52,7 +52,7 @@ def test_files_that_were_begun_at_other_times_are_trainings(monitor, sort):
             monitor(f"{name}/{seed}.monitor.csv", [number, seed, 1], started=1e9 + 1e4 * seed)
     with pytest.raises(UsageError, match="two numbers may be the seed") as asked:
         sort()
-    assert sorts_of(asked) == ["base_{reward}/{seed}", "base_{seed}/{reward}"]
+    assert sorts_of(asked.value) == ["base_{reward}/{seed}", "base_{seed}/{reward}"]
     assert keys(sort("base_{reward}/{seed}")) == [(name, seed, 1) for name in "12" for seed in range(2)]
 
 
@@ -61,7 +61,7 @@ def test_one_training_of_a_reward_is_asked_unless_it_was_named(tmp_path):
     logs = [curve(tmp_path / f"{name}.csv") for name in ("base", "arp")]
     with pytest.raises(UsageError, match="one training alone of base and arp") as asked:
         require_several(tmp_path, sort_logs(tmp_path, logs))
-    assert [keys(sort_logs(tmp_path, logs, it)) for it in sorts_of(asked)] == [[("base", 0, 1), ("arp", 0, 1)]]
+    assert [keys(sort_logs(tmp_path, logs, it)) for it in sorts_of(asked.value)] == [[("base", 0, 1), ("arp", 0, 1)]]
 
 
 def test_a_doubtful_folder_is_read_as_those_beside_it(monitor, sort):

@@ -12,7 +12,7 @@ from hypothesis import given, strategies as st
 
 from harness.errors import UsageError
 from harness.log import LogFacts, in_memory
-from harness.results import require_several, sort_logs
+from harness.results import require_several, sort_files, sort_logs
 from tests.results.logs.conftest import sorts_of
 
 WAYS = """
@@ -174,7 +174,7 @@ def test_each_template_that_is_asked_for_sorts(line, rewards, tmp_path):
     logs = [log_of(tmp_path / name) for name in way.names]
     with pytest.raises(UsageError, match="Names such as") as asked:
         require_several(tmp_path, sort_logs(tmp_path, logs))
-    found = [sort_logs(tmp_path, logs, template) for template in sorts_of(asked)]
+    found = [sort_logs(tmp_path, logs, template) for template in sorts_of(asked.value)]
     assert len(found) > 1
     assert {len(it.trainings) for it in found} == {len(logs)}
     assert rewards in {len(it.rewards) for it in found}
@@ -200,6 +200,48 @@ def test_names_sort_alike_wherever_they_lie(data):
         name: seed for name, (_, seed) in named.items()
     }
     assert found is None or groups_of(found) == groups_of(named)
+
+
+WORDS = st.sampled_from(
+    [
+        *[
+            "base",
+            "prop",
+            "seed",
+            "run",
+            "0",
+            "1",
+            "7",
+            "10",
+            "007",
+            "w0.5",
+            "1e-3",
+            "gpu1",
+            "2024-05-01",
+            "3f2a91c",
+            "env_0",
+            "*",
+            "|",
+            "{reward}",
+            "{seed}",
+            "(1)",
+            "é",
+        ],
+        "a b",
+    ]
+)
+NAMES = st.lists(st.lists(WORDS, min_size=3, max_size=3), min_size=1, max_size=6, unique_by=tuple)
+
+
+@given(NAMES, st.sampled_from(["{}_{}_{}.csv", "{}/{}-{}.csv", "{}/{}/{}.csv", "{}{}={}.csv"]))
+def test_any_names_are_sorted_or_asked_by_templates_that_fit(names, pattern):
+    """Whatever stands in them, also what looks like a template; and each that is printed can be typed."""
+    files = [Path("/nowhere/logs", pattern.format(*words)) for words in names]
+    try:
+        sort_files(Path("/nowhere/logs"), files)
+    except UsageError as asked:
+        for template in sorts_of(asked):
+            assert sort_files(Path("/nowhere/logs"), files, template)
 
 
 @given(st.sampled_from(CLEAR), st.data())
