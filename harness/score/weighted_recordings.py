@@ -1,6 +1,6 @@
 """Pays recorded trainings in environments by other weights of their recorded terms, without the code of a reward."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -10,7 +10,7 @@ from harness.arrays import Float
 from harness.files.sums import making
 from harness.log import Log
 from harness.log.log import REWARD
-from harness.record.recording.facts import Failure, Source, TrainingFacts, facts_of, term_column
+from harness.record.recording.facts import Source, facts_of, term_column
 from harness.record.recording.recorded_training import (
     read_recorder,
     read_recording,
@@ -70,28 +70,27 @@ def pay_by_weights(path: Path, label: str) -> int:
         place = path / scores_name(it.number)
         with making(place):
             write_scores(place, scores if it.earlier is None else scores.with_earlier(it.earlier))
-    return sum(it.steps for it in recorders)
+    return sum(len(it.log) for it in recorders)
 
 
 class _Recorder(NamedTuple):
-    """What one recorder of a recording left, and what was scored later."""
+    """What one recorder of a recording left, with what was scored later."""
 
     log: Log
     number: int
-    facts: TrainingFacts
-    steps: int
     earlier: Scores | None
 
     @classmethod
     def read(cls, path: Path, number: int) -> "_Recorder":
         """Its facts and scores; its steps are read when they are asked for."""
         log = read_recorder(path, number)
-        return cls(log, number, facts_of(log), len(log), read_scores(path / scores_name(number), partial(len, log)))
+        earlier = read_scores(path / scores_name(number), partial(len, log))
+        return cls(earlier.added_to(log) if earlier else log, number, earlier)
 
     @property
-    def terms(self) -> dict[str, tuple[str, ...]]:
+    def terms(self) -> Mapping[str, tuple[str, ...]]:
         """The terms of each reward that has some, by its label."""
-        return {**self.facts.terms, **(self.earlier.terms if self.earlier else {})}
+        return facts_of(self.log).terms
 
     def recorded(self, asked: str) -> list[str]:
         """The labels under which the terms of the reward of this name are recorded."""
@@ -104,24 +103,14 @@ class _Recorder(NamedTuple):
             for then in self.recorded(label)
         )
         then, paid = weighted_pay(label, recorded, "these trainings have")
-        columns: dict[str, Float] = {f"{REWARD}{label}": paid.total}
-        columns |= {term_column(label, name): values for name, values in paid.terms.items()}
-        failures = (*self.facts.failures, *(self.earlier.failures if self.earlier else ()))
+        was, now = f"{REWARD}{then.label}", f"{REWARD}{label}"
         return Scores(
-            columns,
+            {now: paid.total, **{term_column(label, name): values for name, values in paid.terms.items()}},
             (),
-            {f"{REWARD}{label}": Source("", f"the recorded terms of {then.label}, weighted as {label}")},
-            tuple(_of(failure, label) for failure in failures if failure.column == f"{REWARD}{then.label}"),
+            {now: Source("", f"the recorded terms of {then.label}, weighted as {label}")},
+            tuple(replace(it, column=now) for it in facts_of(self.log).failures if it.column == was),
         )
 
     def _columns(self, label: str) -> dict[str, Float]:
-        names = {name: term_column(label, name) for name in self.terms[label]}
-        scored = self.earlier.columns if self.earlier else {}
-        if set(names.values()) <= scored.keys():
-            return {name: scored[column] for name, column in names.items()}
-        read = self.log.rows(names.values())
-        return {name: read[column] for name, column in names.items()}
-
-
-def _of(failure: Failure, label: str) -> Failure:
-    return replace(failure, column=f"{REWARD}{label}")
+        told = self.log.rows(term_column(label, name) for name in self.terms[label])
+        return {name: told[term_column(label, name)] for name in self.terms[label]}
