@@ -231,11 +231,10 @@ class Tally:
             for key in (lambda of: of.door, lambda of: of.spread, lambda of: f"stopped {of.stopped}")
             for name in dict.fromkeys(sorted(key(of) for of, _ in self.oracles))
         }
-        apart = {
-            "exact": f"; at most {self.farthest:.2f} points apart",
-            "twice": f"; {len(self.differing)} pairs differ",
-        }
-        return f"{self.kind}: {len(self.claims)} claims of {len(self.oracles)}; {words}; {by}{apart.get(self.kind, '')}"
+        apart = f"; at most {self.farthest:.2f} points apart" * (self.kind == "exact")
+        if self.kind == "twice":
+            apart = f"; {len(self.differing)} pairs differ"
+        return f"{self.kind}: {len(self.claims)} claims of {len(self.oracles)}; {words}; {by}{apart}"
 
 
 def _told(oracle):
