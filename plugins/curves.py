@@ -333,16 +333,26 @@ class Series(NamedTuple):
     values: Sequence[float]
 
 
-def aligned(series: Mapping[str, Series], chosen: Chosen) -> dict[str, Float]:
-    """The tags of a curve, with a value for each point of its first tag; NaN where a tag has none at that step."""
+def curve(facts: LogFacts, series: Mapping[str, Series], told: Roles, step: str = "") -> Log:
+    """The log of one curve, of tags with points of their own: with a point for each of the tag that is read first.
+
+    Args:
+        facts: Of the file.
+        series: By tag.
+        told: What a user said.
+        step: What their steps count, see `points`.
+    """
+    chosen = told.chosen(facts.path, list(series))
     base = series.get(chosen.main, Series((), ()))
     columns = {"step": np.array(base.steps, np.float64)}
     keys = _numbered(base.steps)
     for tag in (*chosen.columns.values(), *chosen.times):
-        if tag in series:
-            values = dict(zip(_numbered(series[tag].steps), series[tag].values, strict=True))
-            columns[tag] = np.array([values.get(key, np.nan) for key in keys], np.float64)
-    return columns
+        values = dict(zip(_numbered(series[tag].steps), series[tag].values, strict=True))
+        columns[tag] = np.array([values.get(key, np.nan) for key in keys], np.float64)
+    if plain(step) in ROLES["time"]:
+        columns[step] = columns["step"]
+        chosen = chosen._replace(times=(step, *chosen.times))
+    return points(facts, chosen, columns, told, step)
 
 
 def _numbered(steps: Iterable[float]) -> list[tuple[float, int]]:

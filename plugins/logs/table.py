@@ -32,7 +32,7 @@ from harness.score.row_meaning import (
 )
 from harness.text import shortened
 
-from ..curves import CLEANRL_RUN, OF_ALL, ROLES, TIME, Chosen, Roles, Series, aligned, column_of, plain, points
+from ..curves import CLEANRL_RUN, OF_ALL, ROLES, TIME, Chosen, Roles, Series, column_of, curve, plain, points
 from ..zoo_settings import zoo_settings
 
 MONITOR = ("r", "l", "t")
@@ -124,20 +124,10 @@ class Table(Roles):
         return tuple(self._charted(table) if _is_chart(table.names) else self._rows(table))
 
     def write_example(self, folder: Path) -> Path:
-        """Three reports by stable-baselines3's own logger; the same lines where it is not installed."""
+        """Three reports, as stable-baselines3's own logger writes them."""
         path = folder / "progress.csv"
-        rows = [(-9.5, 20.0, 2048), (-7.0, 18.0, 4096), (-2.5, 11.0, 6144)]
-        names = ("rollout/ep_rew_mean", "rollout/ep_len_mean", "time/total_timesteps")
-        try:
-            from stable_baselines3.common.logger import CSVOutputFormat
-        except ImportError:
-            lines = [",".join(map(str, row)) for row in (names, *rows)]
-            path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-            return path
-        writer = CSVOutputFormat(str(path))
-        for row in rows:
-            writer.write(dict(zip(names, row, strict=True)), dict.fromkeys(names, ()))
-        writer.close()
+        header = "rollout/ep_rew_mean,rollout/ep_len_mean,time/total_timesteps"
+        path.write_text(f"{header}\n-9.5,20.0,2048\n-7.0,18.0,4096\n-2.5,11.0,6144\n", encoding="utf-8")
         return path
 
     @property
@@ -245,11 +235,10 @@ class Table(Roles):
 
     def _folder(self, path: Path) -> Log:
         """The one training whose values a program keeps in a file each."""
-        files = _curves_in(path).items()
         tables = {
-            tag: parse_table(file, read_text(file).replace(" ", ","), names.split()) for tag, (file, names) in files
+            tag: parse_table(file, read_text(file).replace(" ", ","), names.split())
+            for tag, (file, names) in _curves_in(path).items()
         }
-        chosen = self.chosen(path, list(tables))
         name, seed = path / "tags/mlflow.runName", path / "params/seed"
         told = read_text(seed).strip() if seed.is_file() else str(_settings_beside(path / "it").get("seed"))
         facts = LogFacts(
@@ -258,45 +247,37 @@ class Table(Roles):
             run=read_text(name).strip() if name.is_file() else "",
             seed=int(told) if told.isdecimal() else None,
         )
-        columns = aligned({tag: _series(it, "step", "value") for tag, it in tables.items()}, chosen)
-        return points(facts, chosen, columns, self, "" if name.is_file() else "steps of its own")
+        series = {tag: _series(it, "step", "value") for tag, it in tables.items()}
+        return curve(facts, series, self, "" if name.is_file() else "steps of its own")
 
     def _exported(self, path: Path, before: str) -> Log:
         """The curves of a run that lie beside one another, each in a file whose name has the run and the tag."""
         of = [(it, EXPORTED.fullmatch(it.name)) for it in sorted(path.parent.iterdir())]
-        tables = {
-            _tag(it["tag"]): parse_table(file, read_text(file)) for file, it in of if it and it["before"] == before
-        }
+        files = {_tag(it["tag"]): file for file, it in of if it and it["before"] == before}
+        tables = {tag: parse_table(file, read_text(file)) for tag, file in files.items()}
         notes = tuple(note for it in tables.values() for note in it.notes)
-        first = next(iter(tables.values())).path
-        chosen = self.chosen(path, list(tables))
+        first = next(iter(files.values()))
         facts = LogFacts(path=first, format="export of TensorBoard", thinned=SAMPLED, notes=notes)
-        columns = aligned({tag: _series(it, "Step", "Value") for tag, it in tables.items()}, chosen)
-        return points(facts, chosen, columns, self)
+        return curve(facts, {tag: _series(it, "Step", "Value") for tag, it in tables.items()}, self)
 
     def _charted(self, table: TextTable) -> Iterator[Log]:
         """Each run of a chart, with its curves in the charts that lie beside it."""
         axis, path = table.names[0], table.path
         places = sorted(path.parent.glob(f"{CHARTS}*.csv")) if path.name.startswith(CHARTS) else [path]
         charts = [table if it == path else parse_table(it, read_text(it)) for it in places]
-        runs: dict[str, dict[str, TextTable]] = {}
+        runs: dict[str, dict[str, tuple[TextTable, str]]] = {}
         for chart in charts:
             for name in chart.names[1:]:
                 run, between, tag = name.rpartition(BETWEEN)
                 if between and not ENDS.search(tag) and chart.names[0] == axis:
-                    runs.setdefault(run, {}).setdefault(tag, chart)
+                    runs.setdefault(run, {}).setdefault(tag, (chart, name))
         for run, of in sorted(runs.items()):
-            if table not in of.values():
+            if table not in [chart for chart, _ in of.values()]:
                 continue
-            chosen = self.chosen(path, list(of))
-            columns = aligned({tag: _series(it, axis, f"{run}{BETWEEN}{tag}") for tag, it in of.items()}, chosen)
-            if plain(axis) in ROLES["time"]:
-                columns[axis] = columns["step"]
-                chosen = chosen._replace(times=(axis, *chosen.times))
-            is_joined = any(_differ(of[tag], f"{run}{BETWEEN}{tag}") for tag in chosen.columns.values())
+            is_joined = any(_differ(*it) for it in of.values())
             named = CLEANRL_RUN.fullmatch(run)
             facts = LogFacts(
-                path=next(iter(of.values())).path,
+                path=next(iter(of.values()))[0].path,
                 format="export of Weights & Biases",
                 run=run,
                 env=named["env"] if named else "",
@@ -305,7 +286,7 @@ class Table(Roles):
                 thinned=f"{WANDB}; {JOINED}" if is_joined else WANDB,
                 notes=table.notes,
             )
-            yield points(facts, chosen, columns, self, axis)
+            yield curve(facts, {tag: _series(chart, axis, name) for tag, (chart, name) in of.items()}, self, axis)
 
 
 READER = "table"

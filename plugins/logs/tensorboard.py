@@ -14,7 +14,7 @@ from harness.eta.laws import NEARLY_ALL
 from harness.files.bounded import reading, require_regular
 from harness.log import LARGEST, Log, LogFacts
 
-from ..curves import CLEANRL_RUN, Chosen, Roles, Series, aligned, points
+from ..curves import CLEANRL_RUN, Roles, Series, curve
 
 MARK = "tfevents"
 MOST_BYTES = 2**31
@@ -69,25 +69,25 @@ class TensorBoard(Roles):
         names = sorted({tag for file in files for tag in file.series})
         if not names:
             raise SchemaError(f"{path} holds no event file with numbers")
-        curve = self.chosen(path, names)
+        main = self.chosen(path, names).main
         for file in files:  # steps only rise in one: a training that is continued begins another
-            steps = np.array(file.series.get(curve.main, _Series()).steps)
+            steps = np.array(file.series.get(main, _Series()).steps)
             back = np.flatnonzero(np.diff(steps) < 0.0)
             if len(back):
                 way = f"{steps[back[0]]:,.0f} to {steps[back[0] + 1]:,.0f}"
                 raise SchemaError(
-                    f"{file.path}: the steps of '{curve.main}' go from {way}: several trainings log into one file"
+                    f"{file.path}: the steps of '{main}' go from {way}: several trainings log into one file"
                 )
-        trainings = _trainings(files, curve.main)
-        ends = [_span(parts, curve.main)[1] for parts in trainings]
+        trainings = _trainings(files, main)
+        ends = [_span(parts, main)[1] for parts in trainings]
         is_begun_again = len(ends) > 1 and max(ends[:-1]) < NEARLY_ALL * ends[-1]
         note = f"the folder holds {len(trainings)} trainings, each in event files of its own"
         if is_begun_again:
             note = f"it was begun {len(trainings)} times, and went on to the end the last time, which counts"
         told = [note] if len(trainings) > 1 else []
         if is_begun_again or len(trainings) == 1:
-            return (self._log(path, curve, trainings[-1], "", told),)
-        return tuple(self._log(path, curve, parts, str(run), told) for run, parts in enumerate(trainings))
+            return (self._log(path, trainings[-1], "", told),)
+        return tuple(self._log(path, parts, str(run), told) for run, parts in enumerate(trainings))
 
     def write_example(self, folder: Path) -> Path:
         """Four points under the names of stable-baselines3."""
@@ -100,7 +100,7 @@ class TensorBoard(Roles):
         writer.close()
         return folder
 
-    def _log(self, path: Path, curve: Chosen, files: Sequence[_File], run: str, notes: Sequence[str]) -> Log:
+    def _log(self, path: Path, files: Sequence[_File], run: str, notes: Sequence[str]) -> Log:
         joined: dict[str, _Series] = {}
         for file in files:
             for tag, series in file.series.items():
@@ -122,7 +122,7 @@ class TensorBoard(Roles):
             notes=(*notes, *(note for file in files for note in file.notes)),
         )
         tags = {tag: Series(it.steps, it.values) for tag, it in joined.items()}
-        return points(facts, curve, aligned(tags, curve), self)
+        return curve(facts, tags, self)
 
 
 def _event_files(path: Path) -> list[Path]:

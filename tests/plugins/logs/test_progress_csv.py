@@ -1,6 +1,5 @@
-"""Tables of progress that stable-baselines3's and Ray's own loggers write, and what happens to such tables."""
+"""Tables of progress that stable-baselines3's own logger writes, and what happens to such tables."""
 
-import csv
 import json
 
 import pytest
@@ -22,38 +21,6 @@ def logged(folder, reports):
         writer.write(dict(report), dict.fromkeys(report, ()))
     writer.close()
     return folder / "progress.csv"
-
-
-def by_ray(folder, results, starts=(0,)):
-    """What Ray's CSVLoggerCallback writes: a header of the first result, then rows by the keys of each start.
-
-    Ray's own needs pandas, and a trial that runs; the files of both were compared.
-
-    Args:
-        folder: Of the trial.
-        results: As a training reports them.
-        starts: Results with which the trial began, or was begun again.
-    """
-    path = folder / "progress.csv"
-    with path.open("at") as file:
-        for row, result in enumerate(results):
-            flat = flattened({key: value for key, value in result.items() if key != "config"})
-            if row in starts:
-                writer = csv.DictWriter(file, flat.keys())
-                if row == 0:
-                    writer.writeheader()
-            writer.writerow({key: value for key, value in flat.items() if key in writer.fieldnames})
-    return path
-
-
-def flattened(nested):
-    """Names of inner keys behind those of outer ones, ``a/b``; they come after the keys of outer ones."""
-    flat = dict(nested)
-    while any(isinstance(value, dict) for value in flat.values()):
-        plain = {key: value for key, value in flat.items() if not isinstance(value, dict)}
-        inner = {key: value for key, value in flat.items() if isinstance(value, dict)}
-        flat = plain | {f"{key}/{name}": value for key, of in inner.items() for name, value in of.items()}
-    return flat
 
 
 def test_keys_that_come_later_stand_under_their_names(tmp_path):
@@ -98,33 +65,10 @@ def test_evaluations_in_rows_of_their_own_are_read_where_they_have_success(tmp_p
     assert read(tmp_path / "progress.csv", reward=REWARD)["time"].tolist() == [100, 200]
 
 
-def test_a_trial_of_rllib_is_read_as_rays_logger_flattens_it(tmp_path):
-    """Nested results, text with commas, and NaN before the first episode has ended."""
-    results = [
-        {
-            "training_iteration": number + 1,
-            "num_env_steps_sampled_lifetime": 4000 * (number + 1),
-            "env_runners": {"episode_return_mean": value, "episode_len_mean": 20.0, "hist": [1, 2]},
-            "hostname": 'a,"b"',
-            "config": {"seed": 3},
-        }
-        for number, value in enumerate([float("nan"), 1.0625, 2.125])
-    ]
-    log = read(by_ray(tmp_path, results))
-    assert log["time"].tolist() == [8000, 12_000]
-    assert log["reward/recorded"] == pytest.approx([1.0625, 2.125], abs=1e-6)
-    assert log["length"].tolist() == [20.0, 20.0]
-    assert "an iteration, or over the last 100" in log.facts.thinned
-
-
 def test_a_trial_that_was_restored_has_its_later_rows_count(tmp_path):
     """Issue 4187 of Ray: what was reported again after a checkpoint stands in the table twice."""
-    steps, values = [1000, 2000, 3000, 2000, 3000], [1.0, 2.0, 3.0, 20.0, 30.0]
-    results = [
-        {"training_iteration": step // 1000, "timesteps_total": step, "episode_reward_mean": value}
-        for step, value in zip(steps, values, strict=True)
-    ]
-    log = read(by_ray(tmp_path, results, starts=[0, 3]))
+    rows = "1,1000,1\n2,2000,2\n3,3000,3\n2,2000,20\n3,3000,30\n"
+    log = read(written(tmp_path, f"training_iteration,timesteps_total,episode_reward_mean\n{rows}"))
     assert log["time"].tolist() == [1000, 2000, 3000]
     assert log["reward/recorded"].tolist() == [1.0, 20.0, 30.0]
 

@@ -14,16 +14,19 @@ WRITTEN = Path(__file__).parent / "written"
 RISING = [-10.0, -9.0, -8.0, -7.0, -6.0]
 STEPS = [1000.0, 2000.0, 3000.0, 4000.0, 5000.0]
 SHARES = [0.0, 0.2, 0.4, 0.6, 0.8]
+OF_RLLIB = {
+    "time": [400, 800, 1200],
+    "reward/recorded": [22.111, 22.0, 20.447],
+    "length": [22.111, 22.056, 20.486],
+    "since": [0, 0, 0],
+}
 
 
 @pytest.mark.parametrize(
     ("name", "seed", "columns"),
     [
-        (
-            "rllib/result.json", 3,
-            {"time": [400, 800, 1200], "reward/recorded": [22.111, 22.0, 20.447], "length": [22.111, 22.056, 20.486],
-             "since": [0, 0, 0]},
-        ),
+        ("rllib/result.json", 3, OF_RLLIB),
+        ("rllib-table/progress.csv", 3, OF_RLLIB),
         (
             "mlflow", 1,
             {"time": STEPS, "reward/recorded": [it + 1 for it in RISING], "behaviour/success": SHARES,
