@@ -30,15 +30,16 @@ _SAYS_NOTHING = re.compile(
 git call a run, numbers of machines and jobs. It is never a seed, nor a reward."""
 _NUMBER = re.compile(
     r"[0-9]+(?:\.[0-9]+)+(?:e[-+]?[0-9]+)?|[0-9]+e[-+]?[0-9]+"
-    r"|(?P<word>[A-Za-z]*)(?P<between>[-_=. ]?)(?<![0-9]\.)(?<![0-9])(?P<digits>[0-9]{1,9})(?![0-9A-Za-z]|\.[0-9])"
+    r"|(?i:v|version|reward|r|k)[0-9]{1,9}(?![0-9A-Za-z]|\.[0-9])"
+    r"|(?P<word>(?P<seed>(?i:seed|s|rng))|(?P<run>(?i:run|rep|repeat|replicate|trial))|[A-Za-z]*)"
+    r"[-_=. ]?(?<![0-9]\.)(?<![0-9])(?P<digits>[0-9]{1,9})(?![0-9A-Za-z]|\.[0-9])"
 )
-_SEED = ("seed", "s", "rng")
-_RUN = ("run", "rep", "repeat", "replicate", "trial")
-_VERSION = ("v", "version", "reward", "r", "k")
-"""Words before a number: it is the seed; it is one training of several; it names a variant of a reward."""
+"""Decimal numbers, versions of a reward, and numbers: behind a word that says seed, or one training of several."""
 LONGEST_NAME = 40
 """Characters of a name that are shown."""
-_WORDS = re.compile(r"[^-_=,. /]+")
+BETWEEN = "-_=,. /"
+"""Characters between words."""
+_TOKENS = re.compile(r"[-_=,. /]+|[^-_=,. /]+")
 
 
 class Named(NamedTuple):
@@ -75,9 +76,9 @@ def sort_names(names: Iterable[str], template: str = "", *, is_asked: bool = Tru
     why, seeds = "", dict[str, re.Match[str]]()
     for of in alike.values():
         columns = list(zip(*(_numbers_in(texts[name]) for name in of), strict=True))
-        told = [it for it in columns if it[0]["word"].lower() in _SEED]
+        told = [it for it in columns if it[0]["seed"]]
         varying = [it for it in columns if len({int(number["digits"]) for number in it}) > 1]
-        rivals = [it for it in varying if it not in told and (not told or it[0]["word"].lower() in _RUN)]
+        rivals = [it for it in varying if it not in told and (not told or it[0]["run"])]
         if len(rivals) > 1 - bool(told):
             why = "two numbers may be the seed"
         chosen = told or varying or (columns if len(of) == 1 else [])
@@ -99,11 +100,11 @@ def _doubt_of(
     found: Mapping[str, Named], texts: Mapping[str, str], seeds: Mapping[str, re.Match[str]]
 ) -> tuple[str, list[str]]:
     """Why the numbers that were taken for seeds may be something else, and of which rewards they may be weights."""
-    named = [(texts[name], it) for name, it in seeds.items() if it["word"].lower() not in (*_SEED, *_RUN)]
+    named = [(texts[name], it) for name, it in seeds.items() if not (it["seed"] or it["run"])]
     depths = [(text[: it.start()].count("/"), text[it.end() :].count("/")) for text, it in named]
     if all(len({*it}) > 1 for it in zip(*depths, strict=True)) and depths:
         return "the number that differs does not stand at one place", []
-    words = {it.reward: _WORDS.findall(it.reward) for it in found.values()}
+    words = {it.reward: _TOKENS.findall(it.reward)[::2] for it in found.values()}
     for at in range(max(map(len, words.values()))):
         rest = {label: (*of[:at], *of[at + 1 :]) for label, of in words.items()}
         runs = {(rest[label], place if seed is None else seed) for label, seed, place in found.values()}
@@ -117,18 +118,17 @@ def _doubt_of(
         is_shared = 2 * len(own & others) >= len(own) * bool(others)
         if has_gaps and not (is_shared and any(it % 5 and it > 1 for it in own)):
             weighed.append(label)
-    told = ", ".join(map(str, sorted(numbers[weighed[0]]))) if weighed else ""
-    return f"{told} may be seeds of '{weighed[0]}', or its weights" if weighed else "", weighed
+    told = [f"{', '.join(map(str, sorted(numbers[it])))} may be seeds of '{it}', or its weights" for it in weighed]
+    return "; ".join(told[:1]), weighed
 
 
 def _numbers_in(text: str) -> list[re.Match[str]]:
-    found = (it for it in _NUMBER.finditer(text) if it["digits"])
-    return [it for it in found if it["between"] or it["word"].lower() not in _VERSION]
+    return [it for it in _NUMBER.finditer(text) if it["digits"]]
 
 
 def _cut(text: str, seed: re.Match[str] | None) -> str:
     """The text without a seed and the word that announces it."""
-    group = "word" if seed and seed["word"].lower() in (*_SEED, *_RUN) else "digits"
+    group = "word" if seed and (seed["seed"] or seed["run"]) else "digits"
     return text[: seed.start(group)] + text[seed.end() :] if seed else text
 
 
@@ -137,16 +137,13 @@ def labels_of(texts: Sequence[str]) -> list[str]:
 
     Where nothing, or only a number, would be left of some, all keep more words at the beginning.
     """
-    words = {text: list(_WORDS.finditer(text)) for text in texts}
+    words = {text: _TOKENS.findall(text.strip(BETWEEN)) for text in texts}
     if len(words) == 1:
-        parts = [part.strip("-_=,. ") for part in texts[0].split("/")]
-        return [next(filter(None, reversed(parts)), "")] * len(texts)
-    said = [[it.group() for it in of] for of in words.values()]
-    begin, end = _shared(said)
-    while begin and any("".join(it[begin : len(it) - end]).isdecimal() for it in said):
+        return [next((it for part in texts[0].split("/")[::-1] if (it := part.strip(BETWEEN))), "")] * len(texts)
+    begin, end = _shared([*words.values()])
+    while begin and any("".join(it[begin : len(it) - end]).isdecimal() for it in words.values()):
         begin -= 1
-    kept = {text: of[begin : len(of) - end] for text, of in words.items()}
-    return [text[kept[text][0].start() : kept[text][-1].end()] if kept[text] else "" for text in texts]
+    return ["".join(words[text][begin : len(words[text]) - end]).strip(BETWEEN) for text in texts]
 
 
 def _shared(words: Sequence[Sequence[str]]) -> tuple[int, int]:
@@ -183,7 +180,7 @@ def templates_of(names: Sequence[str]) -> list[str]:
             fitted = _fitted(template, names).values()
             rewards = [it.reward for it in fitted]
             runs = {(it.reward, it.place if it.seed is None else it.seed) for it in fitted}
-            of_seeds = any(it["word"].lower() in _SEED for reward in rewards for it in _numbers_in(reward))
+            of_seeds = any(it["seed"] for reward in rewards for it in _numbers_in(reward))
             if len(runs) == len(names) and not of_seeds:
                 rank = min(map(rewards.count, rewards)) < 2, "{seed}" not in template, template
                 key = frozenset(zip(rewards, names, strict=True))
@@ -193,7 +190,7 @@ def templates_of(names: Sequence[str]) -> list[str]:
 
 def _templates(marked: Sequence[str]) -> list[str]:
     """Templates that fit names in which the seeds, and what says nothing, are marked."""
-    different = [re.findall(r"[-_=,. /]+|[^-_=,. /]+", text) for text in dict.fromkeys(marked)]
+    different = [_TOKENS.findall(text) for text in dict.fromkeys(marked)]
     begin, end = _shared(different)
     found = []
     for border in (r"(/|\{seed\}|\*)", r"([-_=,. /]+|\{seed\}|\*)"):
