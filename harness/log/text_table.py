@@ -277,7 +277,7 @@ def _flat(of: Any, before: str = "") -> Iterator[tuple[str, str]]:
 
 def _rows(path: Path, lines: Iterator[str], separator: str, *, strict: bool) -> Iterator[tuple[int, list[str]]]:
     """Rows and the lines on which they end; a blank one is none."""
-    reader = csv.reader(lines, delimiter=separator, strict=strict)
+    reader = csv.reader(lines, delimiter=separator, strict=strict, skipinitialspace=True)
     try:
         for row in reader:
             if len(row) > 1 or any(cell.strip() for cell in row):

@@ -4,8 +4,6 @@ Labels are false and true, 0 and 1. NaN and -1 are what people write for "nobody
 needs a threshold, ``KEY>0.5``.
 """
 
-import csv
-import io
 import math
 import re
 from contextlib import suppress
@@ -16,15 +14,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.errors import UsageError
-from harness.files.bounded import read_text
+from harness.errors import SchemaError, UsageError
+from harness.log.text_table import parse_table, read_text
 from harness.text import shortened
 
 UNKNOWN, FAILURE, SUCCESS = -1, 0, 1
 WHOLE = -1
 """In place of the number of an episode, of a label that a training has as a whole."""
-LABELS_BYTES = 2**28
-"""The most bytes of a file of labels."""
 _RULE = re.compile(r"\s*(?P<key>[^<>=]+?)\s*(?:(?P<sign>>=|<=|>|<)\s*(?P<number>[^<>=\s]+)\s*)?")
 _COMPARE = {">": np.greater, ">=": np.greater_equal, "<": np.less, "<=": np.less_equal}
 _TRUTH, _UNTOLD = {"true": "1", "false": "0"}, ("", "none", "null")
@@ -114,7 +110,7 @@ def parse_success(text: str) -> SuccessRule:
 
 
 def read_labels(path: Path, rule: SuccessRule, runs: int = 0) -> dict[str, dict[int, int]]:
-    """By run and number of the episode, its label: a CSV file with the columns ``episode`` and ``success``, or ``run``.
+    """By run and number of the episode, its label: a table with the columns ``episode`` and ``success``, or ``run``.
 
     Args:
         path: The file.
@@ -127,32 +123,28 @@ def read_labels(path: Path, rule: SuccessRule, runs: int = 0) -> dict[str, dict[
     """
     key = rule.key or "success"
     known = {"episode": "episode", "episode_index": "episode", key.lower(): key}
-    labels: dict[str, dict[int, int]] = {}
     try:
-        rows = csv.DictReader(
-            io.StringIO(read_text(path, LABELS_BYTES).removeprefix("\ufeff"), newline=""), skipinitialspace=True
+        table = parse_table(path, f"{read_text(path).rstrip()}\n")
+    except SchemaError as error:
+        raise UsageError(f"--labels {error}") from None
+    spelled = [name if name == key else known.get(name.lower(), name) for name in table.names]
+    needed = ("run" if runs > 1 or (runs and "run" in spelled) else "episode", key)
+    if any(spelled.count(name) != 1 for name in needed) or spelled.count("episode") > 1:
+        raise UsageError(
+            f"--labels {path} has the columns {shortened(', '.join(table.names), 100)}; it needs "
+            f"{' and '.join(needed)} once each, and a line for each {needed[0]}"
         )
-        names = [name.strip() for name in rows.fieldnames or ()]
-        rows.fieldnames = spelled = [name if name == key else known.get(name.lower(), name) for name in names]
-        needed = ("run" if runs > 1 or (runs and "run" in spelled) else "episode", key)
-        if any(spelled.count(name) != 1 for name in needed) or spelled.count("episode") > 1:
-            shown = shortened(", ".join(names), 100) or "none"
-            separator = next((f", and no commas but {sign!r}" for sign in ";\t" if any(sign in it for it in names)), "")
-            raise UsageError(
-                f"--labels {path} has the columns {shown}{separator}; it needs {' and '.join(needed)} once each, "
-                f"separated by commas, and a line for each {needed[0]}"
-            )
-        for row in rows:
-            where = f"--labels {path}, line {rows.line_num}"
-            if None in row or None in row.values():
-                raise UsageError(f"{where} has other cells than the header: write decimal points, and a cell for each")
-            number = row.get("episode", str(WHOLE)).strip().removesuffix(".0")
-            if "episode" in row and not re.fullmatch(r"\d{1,9}", number):
+    cells = dict(zip(spelled, table.cells.values(), strict=True))
+    labels: dict[str, dict[int, int]] = {}
+    for row, (line, value) in enumerate(zip(table.lines, cells[key], strict=True)):
+        where = f"--labels {path}, line {line}"
+        run, number = cells["run"][row].strip() if "run" in needed else "", str(WHOLE)
+        if "episode" in cells:
+            number = cells["episode"][row].strip().removesuffix(".0")
+            if not re.fullmatch(r"\d{1,9}", number):
                 raise UsageError(f"{where}: {shortened(number, 40)!r} is no number of an episode, counted from 0")
-            label, run = rule.of_episode(row[key], where), row["run"].strip() if "run" in needed else ""
-            if labels.setdefault(run, {}).setdefault(int(number), label) != label:
-                told = f"'{run}'" if run else f"episode {number}"
-                raise UsageError(f"{where}: {told} has another label above")
-    except (OSError, ValueError, csv.Error) as error:
-        raise UsageError(f"--labels {path} cannot be read as CSV: {shortened(str(error), 200)}") from None
+        label = rule.of_episode(value, where)
+        if labels.setdefault(run, {}).setdefault(int(number), label) != label:
+            told = f"'{run}'" if run else f"episode {number}"
+            raise UsageError(f"{where}: {told} has another label above")
     return labels
