@@ -1,14 +1,11 @@
 """What was seen, in words: numbers that add up, intervals, trainings that failed."""
 
-import re
-
 import pytest
 from hypothesis import given, strategies as st
 
 from harness.eta import Quantity
-from harness.eta.amounts import difference_text, listed, seen_text, short_seen_text, short_values, unseen_text
-from harness.eta.verdict.together import Together
-from tests.eta.headlines import NAMES, SPEED, SUCCESS, TIME, change
+from harness.eta.amounts import difference_text, listed, short_values, unseen_text
+from tests.eta.headlines import NAMES, SUCCESS, TIME, change
 
 HEIGHT = Quantity("tip_height", "m", "higher", "deterministic")
 COST = Quantity("energy", "J", "lower", "deterministic")
@@ -41,40 +38,6 @@ def test_a_difference_is_that_of_the_values_beside_it(one, other):
     points = difference_text(shown, 2).partition(" ")[0]
     last = 10.0 ** -len(points.partition(".")[2])
     assert abs(proposed - baseline - float(points)) <= 1.001 * last
-
-
-def test_a_difference_has_its_interval_and_its_unit():
-    """Points of a share; a measure of several places in per cent of its size; three seeds have an interval."""
-    share = change([0.5, 0.6, 0.7], [0.8, 0.9, 1.0])
-    assert re.fullmatch(r"\+30\.0 points \([-+][\d.]+ to \+[\d.]+\)", difference_text(share, 3))
-    assert difference_text(change([0.5] * 2, [0.8] * 2), 3) == "+30.0 points"
-    assert difference_text(change([2.01] * 2, [1.9] * 2, TIME), 3) == "-0.11 s"
-    places = [change([2.0, 2.2, 2.1, 1.9], [1.0, 1.2, 1.1, 0.9], TIME) for _ in range(2)]
-    together = Together.of(places)
-    assert re.fullmatch(
-        r"-\d\d\.\d% on average over 2 places \(-[\d.]+% to -[\d.]+%\)", difference_text(together, 3, "over 2 places")
-    )
-
-
-def test_an_interval_without_a_width_is_no_certainty():
-    """Ten times that are all the horizon: there is nothing to show."""
-    assert difference_text(change([5.0] * 10, [5.0] * 10, TIME), 3) == "+0.00 s"
-
-
-def test_failures_stand_with_the_first_measure():
-    """As many as there are of each reward; those of the training are no failures."""
-    share, speed = change([0.2, 0.9, 0.9], [0.9, 0.9, 0.9]), change([0.2] * 3, [0.3] * 3, SPEED)
-    told = seen_text(NAMES, [share, speed], "")
-    assert "0 of 3 trainings failed with mine, 1 of 3 with base. Success while training +10.0 points" in told
-    assert told.endswith(": 30.0% instead of 20.0%.")
-    assert seen_text(NAMES, [speed], "").endswith("; 3 trainings of each reward.")
-    assert short_seen_text(NAMES, [share]).endswith(". 0 of 3 trainings failed with mine, 1 of 3 with base.")
-
-
-def test_which_side_is_better_is_told_where_nobody_knows():
-    """Of a measure of one's own of which less is better; the time needs no such word."""
-    assert "J, lower is better: " in seen_text(NAMES, [change([-1.0] * 2, [-2.0] * 2, COST)], "")
-    assert "better" not in seen_text(NAMES, [change([1.0] * 2, [2.0] * 2, TIME)], "")
 
 
 @pytest.mark.parametrize(("proposed", "measure"), [([0.0] + [1.0] * 9, SUCCESS), ([1.0] * 10, TIME)])

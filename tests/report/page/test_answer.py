@@ -19,18 +19,15 @@ def helped(build):
 
 
 def test_a_card_names_what_decided_first(helped):
-    """With its values, a picture, and the word."""
+    """With a picture, and its badge."""
     card = card_of(helped, "arp")
-    assert (card.answer, card.badge, card.lead) == ("HELPS", "helps", helped.lead)
-    assert card.rows[0].note == "decides"
+    assert (card.badge, card.lead) == ("helps", helped.lead)
     assert card.rows[0].figure.startswith("<svg")
-    assert [row.note for row in card.rows[1:]] == ["each training", "each training", ""]
 
 
 def test_every_training_is_a_dot_below_the_measure_that_decides(helped):
     """A row for either reward, both on one scale; further right is better."""
-    card = card_of(helped, "arp")
-    base, mine = card.rows[1:3]
+    base, mine = card_of(helped, "arp").rows[1:3]
     assert [(row.name, row.kind) for row in (base, mine)] == [("baseline", "baseline"), ("arp", "proposed")]
     places = [[float(at) for at in re.findall(r'cx="([\d.]+)"', row.figure)] for row in (base, mine)]
     assert [len(at) for at in places] == [6, 6]
@@ -44,31 +41,6 @@ def test_steps_that_are_the_same_have_no_interval(build):
     assert all(change.difference == 0.0 for change in alike.decisive_changes)
     rows = [row for row in card_of(alike, "arp").rows if not row.kind]
     assert all(row.figure == "" and "->" not in row.value for row in rows)
-
-
-def test_a_card_says_how_sure_it_is(helped):
-    """As a share of experiments in which the rewards do nothing."""
-    told = re.search(
-        r"from 6 trainings of each reward\. If the rewards did not differ, (\d+) of 1,000 experiments would show such "
-        r"a difference\.",
-        card_of(helped, "arp").sure,
-    )
-    assert 0 <= int(told[1]) - 1000.0 * helped.answer.ruling.corrected < 1.0
-
-
-def test_the_differences_stand_before_the_answer(helped):
-    """Each with its interval, and how many trainings failed of each reward."""
-    card = card_of(helped, "arp")
-    assert re.match(r"Success \+50 points \(\+\d+ to \+\d+\), success while training ", card.seen)
-    assert card.seen.endswith(" 0 of 6 trainings failed with either reward.")
-
-
-def test_a_card_without_an_answer_says_why_and_what_would_tell(one):
-    """And no measure decides."""
-    card = card_of(one, "arp")
-    assert card.sure.startswith("Fewer than 4 of each reward cannot show anything. If the difference is 5 points of ")
-    assert card.sure.endswith(" of each reward would tell.")
-    assert {row.note for row in card.rows if not row.kind} == {""}
 
 
 def _ruled(comparison, ruling):
@@ -101,30 +73,22 @@ def test_parts_of_the_pay_have_their_colours(build):
     assert all(f'class="bar {part.kind}"' in part.figure for part in parts)
 
 
-def test_what_decides_is_marked_and_named(helped):
-    """Once; where the answer is mixed, on both sides."""
-    marks = [row.note for row in card_of(helped, "arp").rows if not row.kind]
-    assert marks.count("decides") == 1
+def test_of_several_measures_that_decide_the_least_sure_is_told(helped):
+    """Where the answer is mixed it rests on both."""
     mixed = _ruled(helped, replace(helped.answer.ruling, signs=(1, -1), of_measures=(0.001, 0.02)))
-    card = card_of(mixed, "arp")
-    assert card.answer == "MIXED"
-    assert [row.note for row in card.rows if not row.kind] == ["decides", "decides"]
-    decided = "Decided by success and success while training, from 6 trainings of each reward. If the rewards did not "
-    assert f"{decided}differ, 20 of 1,000 experiments would show such a difference." in card.sure
+    assert "did not differ, 20 of 1,000 experiments would show such a difference." in card_of(mixed, "arp").sure
 
 
 def test_a_plan_that_is_not_trained_to_its_end_has_no_colour(helped):
     """No bar is better or worse, and nothing is sure."""
-    interim = _ruled(helped, Ruling(missing=12))
-    card = card_of(interim, "arp")
+    card = card_of(_ruled(helped, Ruling(missing=12)), "arp")
     assert (card.answer, card.badge, card.sure) == ("INTERIM", "interim", "")
     assert not re.search("better|worse", "".join(row.figure for row in card.rows))
 
 
 def test_a_reward_over_several_places_has_one_card(build):
     """Where there is one place there is none."""
-    several = build(seeds=6, simulators=("mujoco", "pybullet"), reached=HELPED).combinations
-    (card,) = pool_cards(several)
+    (card,) = pool_cards(build(seeds=6, simulators=("mujoco", "pybullet"), reached=HELPED).combinations)
     assert (card.name, card.answer) == ("arp", "HELPS")
     assert "over 2 places" in card.lead
     assert pool_cards(build().combinations) == []
@@ -133,8 +97,7 @@ def test_a_reward_over_several_places_has_one_card(build):
 def test_groups_are_in_the_order_of_answers(build):
     """Each comparison is in the group of its answer, and only there."""
     combinations = build(seeds=6, proposed={"arp": (9, 30), "relative": (9, 30)}, reached=HELPED).combinations
-    cards = [card_of(it, it.proposed) for it in combinations]
-    groups = groups_of(cards, combinations)
+    groups = groups_of([card_of(it, it.proposed) for it in combinations], combinations)
     order = [answer.value.upper() for answer in Answer]
     assert sorted((group["answer"] for group in groups), key=order.index) == [group["answer"] for group in groups]
     assert sorted(place for group in groups for place in group["places"]) == list(range(len(combinations)))
