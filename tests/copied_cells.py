@@ -98,8 +98,7 @@ class Copier:
 def _write(folder, manifest, files):
     """The manifest; of the files that are linked the digests are known."""
     card = f"{POLICY}/card.json"
-    known = {**files, card: digests_in(folder / POLICY)["card.json"]}
-    record = replace(manifest, files=known)
+    record = replace(manifest, files={**files, card: digests_in(folder / POLICY)["card.json"]})
     (folder / MANIFEST).write_bytes(seal({"format": Manifest.FORMAT, **record.to_json()}))
 
 
@@ -145,8 +144,7 @@ def keep_as_a_run_does(folder, registry):
     ended = EndedCells(store, registry, Plan(plan.baseline, plan.cells, (), {}))
     first = {}
     for cell in plan.cells:
-        key = ((store.cell_folder(cell) / TRACE).stat().st_ino, cell.reward.label)
-        known = first.setdefault(key, cell)
+        known = first.setdefault(((store.cell_folder(cell) / TRACE).stat().st_ino, cell.reward.label), cell)
         if known is cell:
             ended.keep(read_manifest(store.cell_folder(cell)))
         else:

@@ -26,8 +26,7 @@ EACH_REWARD = pytest.mark.parametrize("reward", REWARDS)
 def ranking(name):
     """What a record says of orders."""
     (task,) = RECORDS[name]["ranking"]["tasks"]
-    found = task
-    return found
+    return task
 
 
 def combinations(name, reward):
@@ -66,8 +65,7 @@ def kinds(name, reward):
 def over_places(name, reward):
     """The answer over all simulators."""
     (found,) = [it for it in RECORDS[name]["over_places"] if it["proposed"] == reward]
-    pool = found
-    return pool
+    return found
 
 
 def millimetres(metres):

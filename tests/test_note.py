@@ -84,8 +84,7 @@ def _is_command(line):
 
 @cache
 def _commands():
-    found = typer.main.get_command(build_app()).commands
-    return found
+    return typer.main.get_command(build_app()).commands
 
 
 def _is_ours(name):

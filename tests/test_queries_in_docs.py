@@ -47,8 +47,6 @@ def _columns(path):
 @pytest.mark.parametrize("query", QUERIES)
 def test_query_answers(folder, query):
     """As DuckDB reads it, where that is installed."""
-    duckdb = pytest.importorskip("duckdb")
-    asked = re.sub(r"'DIR/", f"'{folder.as_posix()}/", query)
-    rows = duckdb.sql(asked).fetchall()
+    rows = pytest.importorskip("duckdb").sql(re.sub(r"'DIR/", f"'{folder.as_posix()}/", query)).fetchall()
     assert rows
     assert all(value is not None for row in rows for value in row)

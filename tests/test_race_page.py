@@ -22,8 +22,7 @@ EACH = pytest.mark.parametrize("name", DECIDING)
 
 def record_of(name):
     """Everything that the report says."""
-    record = json.loads((REFERENCE / "race" / name / "results.json").read_text(encoding="utf-8"))
-    return record
+    return json.loads((REFERENCE / "race" / name / "results.json").read_text(encoding="utf-8"))
 
 
 def cells_of(name):
@@ -60,8 +59,7 @@ def test_the_race_follows_from_its_cells(name):
         reward: sum(int(np.isfinite(of_reward).sum()) >= seeds for seeds in looks)
         for reward, of_reward in values.items()
     }
-    found = race(values, looks, complete)
-    assert json.loads(json.dumps(found.to_json())) == told["race"]
+    assert json.loads(json.dumps(race(values, looks, complete).to_json())) == told["race"]
 
 
 @EACH

@@ -219,8 +219,7 @@ def test_targets_can_be_reached():
 
 def test_box_that_is_half_out_of_reach_gives_targets_within():
     """Of a box around the end of the arm's reach only the part within is used."""
-    task = ReachTask(target_center=(1.6, 0.0, 0.6), target_half_extent=(0.5, 0.2, 0.2))
-    targets = positions(task, 50)
+    targets = positions(ReachTask(target_center=(1.6, 0.0, 0.6), target_half_extent=(0.5, 0.2, 0.2)), 50)
     assert targets.shape == (50, 3)
     assert np.linalg.norm(targets - [0.0, 0.0, 0.43], axis=1).max() < ROBOT.reach
 
@@ -353,8 +352,7 @@ def test_epsilon_is_a_share_of_the_reach(tmp_path, subtests):
             assert harness.make_env("kinematic", name).task.epsilon == default
             scaled = harness.make_env("kinematic", name, robot=arm).task.epsilon
             assert scaled == pytest.approx(scale * default, rel=5e-3)
-            given = harness.make_env("kinematic", f"{name}:epsilon={default}", robot=arm).task.epsilon
-            assert given == default
+            assert harness.make_env("kinematic", f"{name}:epsilon={default}", robot=arm).task.epsilon == default
     assert harness.make_env("kinematic", "unity-reach", robot=arm).task.epsilon == 0.05
 
 

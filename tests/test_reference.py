@@ -50,14 +50,12 @@ def comparisons_of(record):
 
 def over_places(folder):
     """What a record says of each reward over all places; nothing where there is one place."""
-    found = json.loads((folder / "results.json").read_text()).get("over_places", [])
-    return found
+    return json.loads((folder / "results.json").read_text()).get("over_places", [])
 
 
 def combinations(folder):
     """What a record says of each pair of rewards."""
-    found = json.loads((folder / "results.json").read_text())["combinations"]
-    return found
+    return json.loads((folder / "results.json").read_text())["combinations"]
 
 
 def text(ratio):
@@ -162,8 +160,7 @@ def test_page_claims_what_a_test_found(subtests):
     for folder in FOLDERS:
         with subtests.test(folder=folder):
             page = page_of(folder)
-            known = set().union(*(corrected(record) for record in records_of(folder)))
-            assert unfounded(page, known) == []
+            assert unfounded(page, set().union(*(corrected(record) for record in records_of(folder)))) == []
 
 
 @pytest.mark.parametrize(

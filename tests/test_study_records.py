@@ -40,8 +40,7 @@ def beside(folder):
 
 def record_of(folder):
     """Everything that the report says."""
-    record = json.loads((folder / "results.json").read_text(encoding="utf-8"))
-    return record
+    return json.loads((folder / "results.json").read_text(encoding="utf-8"))
 
 
 def needles(record, summary, label):
@@ -71,8 +70,7 @@ def _deciding(told, summary):
     pair = summary.index(f"\n### {told['proposed']} against {told['baseline']}\n")
     table = summary[summary.index(f"\nBehaviour {told['decided_in']},", pair) :]
     name = f"| {told['deciding_measure'].replace('_', ' ')} |"
-    row = next(line for line in table.splitlines() if line.startswith(name))
-    return " | ".join(row.split(" | ")[:4])
+    return " | ".join(next(line for line in table.splitlines() if line.startswith(name)).split(" | ")[:4])
 
 
 def strange_numbers(page, records, more):

@@ -15,15 +15,13 @@ EACH = pytest.mark.parametrize("path", WORKFLOWS, ids=lambda path: path.stem)
 
 def _read(path):
     """A workflow; YAML calls its key `on` true."""
-    read = yaml.safe_load(path.read_text(encoding="utf-8"))
-    return read
+    return yaml.safe_load(path.read_text(encoding="utf-8"))
 
 
 @pytest.fixture
 def release():
     """The jobs of a release."""
-    jobs = _read(ROOT / ".github/workflows/release.yml")["jobs"]
-    return jobs
+    return _read(ROOT / ".github/workflows/release.yml")["jobs"]
 
 
 def _runs(job):

@@ -12,8 +12,7 @@ STEP = 0.005
 
 
 def _track(latency=0.0, num_envs=1):
-    servo = Servo(*[np.ones(2)] * 6, latency, True)
-    track = ServoTrack(servo, num_envs, STEP)
+    track = ServoTrack(Servo(*[np.ones(2)] * 6, latency, True), num_envs, STEP)
     track.reset(np.zeros((num_envs, 2)), np.ones(num_envs, bool))
     return track
 

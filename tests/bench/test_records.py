@@ -29,8 +29,7 @@ def test_a_run_becomes_a_record_and_a_figure(tmp_path):
 
 def test_the_figure_shows_the_last_three_records():
     """Each ratio by its bound; who points at a dot reads of which record it is."""
-    records = [replace(RECORD, date=f"2026-0{month}-01") for month in range(1, 6)]
-    figure = draw_records(records).decode()
+    figure = draw_records([replace(RECORD, date=f"2026-0{month}-01") for month in range(1, 6)]).decode()
     assert [f"2026-0{month}-01" in figure for month in range(1, 6)] == [False, False, True, True, True]
     assert "mujoco: one env: 0.8" in figure
 

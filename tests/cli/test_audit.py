@@ -25,8 +25,7 @@ def test_noise_on_actions_tells_a_knifes_edge(harness):
 
 def test_an_arm_is_searched_beside_its_scripts(harness):
     """The search begins from them: what creeping earns is found at once; and it is tried in another simulator."""
-    answer = harness("audit --reward baseline --json --episodes 2 --budget 5000 --starts 1")
-    (found,) = answer.json["cheats"]
+    (found,) = harness("audit --reward baseline --json --episodes 2 --budget 5000 --starts 1").json["cheats"]
     assert found["answer"] == "PAYS FOR FAILING"
     assert (found["success_told_by"], len(found["starts"]), len(found["elsewhere"])) == ("success", 1, 1)
     assert found["lines"][0].startswith("The best-paid failure earns ")
@@ -291,5 +290,4 @@ def test_reward_that_is_gone_is_left_out_of_an_experiment(harness, quick, gentle
     trained = next(row for row in data["earned"] if row["behaviour"] == "trained with gentle, evaluations")
     assert trained["returns"]["gentle"]["mean"] is None
     assert trained["returns"]["baseline"]["mean"] is not None
-    again = harness("audit own --json", *gentle[:2]).json
-    assert again["pairs"][0]["rewards"] == ["baseline", "gentle"]
+    assert harness("audit own --json", *gentle[:2]).json["pairs"][0]["rewards"] == ["baseline", "gentle"]

@@ -16,8 +16,7 @@ def cheats(harness, tmp_path):
 
 def test_a_search_leaves_certificates_and_their_page(cheats, harness):
     """In the folder; the page alone in the file. Each is played again, and says that it is the same."""
-    names = {path.name for path in cheats.iterdir()}
-    assert {"index.html", "scene.json", "arp-failure.json"} <= names
+    assert {"index.html", "scene.json", "arp-failure.json"} <= {path.name for path in cheats.iterdir()}
     assert 'id="replay-player"' in (cheats / "index.html").read_text()
     page = (cheats.parent / "page.html").read_text()
     assert 'id="replay-player"' in page

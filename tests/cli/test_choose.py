@@ -37,8 +37,7 @@ def troubled(trained, quick, candidates):
 
 def race_of(harness):
     """What the report says of the race."""
-    told = harness("report mine --json").json["looks"]["race"]
-    return told
+    return harness("report mine --json").json["looks"]["race"]
 
 
 def test_every_file_is_a_candidate_named_by_its_file(harness, race):

@@ -105,8 +105,7 @@ def test_score_goes_on(harness, experiment, tmp_path):
     (matrix,) = answer.json["matrices"]
     assert list(matrix["indices"]) == ["dense"]
     assert "KeyError: 'no_such'" in matrix["failed"]["ill"]
-    scores = next((tmp_path / "mine" / "cells").glob("*/scores.parquet"))
-    assert pq.read_table(scores).column_names == ["dense"]
+    assert pq.read_table(next((tmp_path / "mine" / "cells").glob("*/scores.parquet"))).column_names == ["dense"]
     assert "n/a (" in harness("score mine --reward ill").out
 
 

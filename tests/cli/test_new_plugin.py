@@ -13,8 +13,7 @@ def test_package_is_written_and_the_next_commands_are_told(harness, tmp_path):
 
 def test_kind_of_two_words_is_typed_as_one(harness, tmp_path):
     """Files have that word too; sentences have both."""
-    out = harness("new-plugin log zz-log").out
-    assert "The log format is zz-log/zz_log/log.py" in out
+    assert "The log format is zz-log/zz_log/log.py" in harness("new-plugin log zz-log").out
     assert "A log format for fd100-harness" in (tmp_path / "zz-log" / "README.md").read_text()
 
 

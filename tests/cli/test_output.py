@@ -29,8 +29,7 @@ def test_no_character_ends_a_command(tmp_path_factory, subtests):
     for encoding in ["ascii", "latin-1"]:
         for arguments in [("run", "--help"), ("describe",), ("describe", "arp"), TINY]:
             with subtests.test(encoding=encoding, arguments=arguments), pytest.MonkeyPatch.context() as monkeypatch:
-                tmp_path = tmp_path_factory.mktemp("case")
-                monkeypatch.chdir(tmp_path)
+                monkeypatch.chdir(tmp_path_factory.mktemp("case"))
                 answer = _answer(encoding, *arguments)
                 assert (answer.returncode, b"unexpected" in answer.stderr) == (0, False)
                 assert answer.stdout.decode(encoding)

@@ -59,8 +59,7 @@ def test_edited_file_is_another_plugin(harness, ran, file, tmp_path):
 
 def test_report_stands_without_the_file(harness, ran, file):
     """As with any plugin that is not installed; with it, everything is split again."""
-    without = harness("report mine --json").json["combinations"][0]
-    assert "No reward 'my_reward'" in json.dumps(without)
+    assert "No reward 'my_reward'" in json.dumps(harness("report mine --json").json["combinations"][0])
     there = harness("report mine --json --plugin my_reward.py").json["combinations"][0]
     assert "No reward" not in json.dumps(there)
 
@@ -125,5 +124,4 @@ def test_eta_takes_the_file(harness, ran, file, tmp_path):
     groups = ("--baseline", "baseline/trace.parquet", "--proposed", "my_reward/trace.parquet", "--json")
     named = ("--proposed-reward", "my_reward:scale=2")
     assert "No reward 'my_reward'" in harness("eta", *groups, *named).err
-    told = harness("eta", *groups, *named, "--plugin", file)
-    assert told.json["rewards"]["proposed"] == "my_reward:scale=2"
+    assert harness("eta", *groups, *named, "--plugin", file).json["rewards"]["proposed"] == "my_reward:scale=2"

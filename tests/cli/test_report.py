@@ -108,8 +108,7 @@ def test_a_run_reads_per_step_curves_too(harness, quick):
 
 def test_html_goes_where_it_is_told(harness, experiment, tmp_path):
     """`--html FILE` writes the page."""
-    answer = harness("report mine --html page.html")
-    assert answer.status == 0
+    assert harness("report mine --html page.html").status == 0
     assert "<html" in (tmp_path / "page.html").read_text()
 
 
@@ -129,8 +128,7 @@ def test_summary_goes_where_it_is_told(harness, experiment, tmp_path):
     """`--summary FOLDER` writes the records, says so on standard error, and prints no table."""
     answer = harness("report mine --summary records/kept")
     assert (answer.status, answer.out, answer.err) == (0, "", "Summary: records/kept\n")
-    left = {path.name for path in (tmp_path / "records" / "kept").iterdir()}
-    assert left == {*RECORDS, "figures"}
+    assert {path.name for path in (tmp_path / "records" / "kept").iterdir()} == {*RECORDS, "figures"}
 
 
 def test_summary_holds_what_json_prints(harness, experiment, tmp_path):

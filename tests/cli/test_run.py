@@ -133,16 +133,14 @@ def test_a_failed_cell_costs_itself_alone(harness, quick):
     answer = harness("run --reward arp --seeds 1 --out mine", *quick, "--algo", "wander:then=raise")
     assert answer.status == 1
     assert "FAILED: RuntimeError: the arm fell off" in answer.err
-    data = harness("report mine --json").json
-    assert {cell["status"] for cell in data["cells"]} == {"done", "failed"}
+    assert {cell["status"] for cell in harness("report mine --json").json["cells"]} == {"done", "failed"}
 
 
 def test_combinations_that_cannot_work_are_skipped_with_the_reason(harness, quick):
     """An algorithm for other actions is skipped, said so, and no failure."""
     task = "fd100-reach:action=discrete"
     line = "run --reward arp --seeds 1 --out mine"
-    answer = harness(line, *quick, "--algo", "wander,buttons", "--task", task)
-    assert answer.status == 0
+    assert harness(line, *quick, "--algo", "wander,buttons", "--task", task).status == 0
     cells = harness("report mine --json").json["cells"]
     told = {(cell["algorithm"], cell["status"], cell["reason"]) for cell in cells}
     reason = "wander takes continuous actions, the task's are discrete"
@@ -151,8 +149,7 @@ def test_combinations_that_cannot_work_are_skipped_with_the_reason(harness, quic
 
 def test_one_task_serves_continuous_and_discrete_algorithms(harness, quick):
     """Each algorithm is compared on the task in its own form, and the report names it."""
-    answer = harness("run --reward arp --seeds 2 --out mine", *quick, "--algo", "wander,buttons")
-    assert answer.status == 0
+    assert harness("run --reward arp --seeds 2 --out mine", *quick, "--algo", "wander,buttons").status == 0
     found = harness("report mine --json").json["combinations"]
     forms = {combination["algorithm"]: combination["task"] for combination in found}
     assert forms["buttons"] == f"{forms['wander']}:action=discrete:action=movej"

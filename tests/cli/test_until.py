@@ -44,8 +44,7 @@ def test_the_report_tells_of_the_looks(harness, folder):
 
 def test_status_tells_how_it_stands(harness, folder):
     """In words and as JSON."""
-    told = harness("status", folder).out
-    assert "12 cells: 8 done, 4 not needed\n1 of 1 decided\n" in told
+    assert "12 cells: 8 done, 4 not needed\n1 of 1 decided\n" in harness("status", folder).out
     assert harness("status", folder, "--json").json["looks"]["most_trainings_left"] == 0
 
 

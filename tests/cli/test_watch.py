@@ -56,8 +56,7 @@ def test_the_page_shows_the_episodes(get):
 def test_the_page_tells_when_more_cells_ended(get, experiment):
     """What it asks for every second is another when a cell's folder is there."""
     before = json.loads(get("/live")[1])
-    gone = next((experiment / "cells").iterdir())
-    shutil.rmtree(gone)
+    shutil.rmtree(next((experiment / "cells").iterdir()))
     after = json.loads(get("/live")[1])
     assert (before["done"], after["done"]) == (ALL, ALL - 1)
     assert f"{ALL - 1} of {ALL} trainings done, 1 waiting." in after["news"]
@@ -88,8 +87,7 @@ def contents(folder):
 
 def test_the_page_is_a_file(harness, experiment, tmp_path):
     """With all that there is by now, and without asking anybody for more."""
-    answer = harness("watch", experiment, "--html", tmp_path / "page.html")
-    assert answer.status == 0
+    assert harness("watch", experiment, "--html", tmp_path / "page.html").status == 0
     text = (tmp_path / "page.html").read_text()
     assert f"{ALL} of {ALL} trainings done." in text
     assert 'id="replay-player"' in text

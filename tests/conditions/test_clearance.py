@@ -61,8 +61,7 @@ def test_distance_is_that_of_the_nearest_points(kind, obstacle):
     frames = np.moveaxis(link_frames(arm.chain, qpos)[-1], -1, 0)  # (n, 3, 4)
     inside = points_in(kind, rng) @ TURNED[:3, :3].T + TURNED[:3, 3]
     for pose in range(12):
-        points = inside @ frames[pose, :, :3].T + frames[pose, :, 3]
-        nearest = distance_from(points, obstacles[pose, 0]).min()
+        nearest = distance_from(inside @ frames[pose, :, :3].T + frames[pose, :, 3], obstacles[pose, 0]).min()
         if nearest > 0.01:
             assert nearest - 0.012 < found[pose] < nearest + 1e-5
         else:

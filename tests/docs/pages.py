@@ -72,8 +72,7 @@ def commands_of(block):
     """The commands of `harness` in a block that is for a shell."""
     if block.language not in SHELL:
         return
-    lines = re.sub(r" *\\\n *", " ", block.text).splitlines()
-    for number, line in enumerate(lines):
+    for number, line in enumerate(re.sub(r" *\\\n *", " ", block.text).splitlines()):
         for part in re.split(r" && |; ", line):
             text = PROMPT.sub("", part.strip())
             if text.startswith("harness "):

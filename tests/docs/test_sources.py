@@ -66,8 +66,7 @@ def without_source(tables):
 
 def strange_figures(page, text):
     """The figures of a page that are neither a record's nor one whose source is told."""
-    links = FIGURE.findall(FENCE.sub("", text))
-    paths = [(page.parent / link).resolve().relative_to(ROOT) for link in links]
+    paths = [(page.parent / link).resolve().relative_to(ROOT) for link in FIGURE.findall(FENCE.sub("", text))]
     known = {Path("docs/pictures") / name for name in SOURCES}
     return [path.as_posix() for path in paths if path not in known and path.parts[:2] != ("results", "reference")]
 
@@ -93,8 +92,7 @@ def test_every_figure_comes_from_somewhere(subtests):
 
 def test_every_picture_has_a_source_and_every_source_a_picture():
     """Also one that no page shows."""
-    there = {path.name for path in PICTURES.iterdir() if path.suffix in {".png", ".gif", ".svg"}}
-    assert there == set(SOURCES)
+    assert {path.name for path in PICTURES.iterdir() if path.suffix in {".png", ".gif", ".svg"}} == set(SOURCES)
 
 
 def test_source_of_a_picture_is_a_command(subtests):

@@ -48,8 +48,7 @@ OFTEN = {"epsilon": 0.35, "horizon": 23}
 
 def play(env, decisions, columns=slice(None)):
     """Decisions at random; `columns`, of eight envs, are those of the env."""
-    rng = default_rng(0)
-    actions = rng.uniform(-1.0, 1.0, (decisions, 8, 6)).astype(np.float32)
+    actions = default_rng(0).uniform(-1.0, 1.0, (decisions, 8, 6)).astype(np.float32)
     return [env.step(action[columns]) for action in actions]
 
 
@@ -89,8 +88,7 @@ def test_one_row_per_environment_step(make, tmp_path):
     actions = trace["action"][1:].reshape(4, PERIOD, 6)
     assert_array_equal(actions, np.repeat(actions[:, :1], PERIOD, axis=1))
     terms = trace["reward"] + trace["reward_ground"] + trace["reward_target"] + trace["reward_step"]
-    paid = terms[1:].reshape(4, PERIOD).sum(axis=1)
-    assert_allclose(paid[1:], [step[1][0] for step in taken], rtol=1e-12)
+    assert_allclose(terms[1:].reshape(4, PERIOD).sum(axis=1)[1:], [step[1][0] for step in taken], rtol=1e-12)
 
 
 def test_horizon_counts_environment_steps(make, stand):
@@ -112,8 +110,7 @@ def test_environment_steps_are_counted_where_they_are_taken(make, recorded):
 
 def test_episode_that_ends_in_a_decision_stops_there(make, tmp_path):
     """What is told of it is told of its end: the last row that was recorded of it."""
-    path = tmp_path / "trace.parquet"
-    (_, taken), trace = record(make, path, list(range(8)), InFives(**OFTEN))
+    (_, taken), trace = record(make, tmp_path / "trace.parquet", list(range(8)), InFives(**OFTEN))
     ends = {k: iter(trace.last_rows[trace["env"][trace.last_rows] == k]) for k in range(8)}
     within, kinds = 0, set()
     for _, _, terminated, truncated, infos in taken:

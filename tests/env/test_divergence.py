@@ -47,7 +47,6 @@ def test_diverging_simulation_is_told_at_once(make, stand):
 def test_diverging_simulation_never_gets_into_a_trace(tmp_path, make, stand):
     """An infinite number raises SimulationDiverged when the trace is written, at the latest."""
     recorder = TraceWriter(tmp_path / "trace.parquet", dof=6, action_size=6)
-    env = make(3, simulator=simulator_of(LosesItAtInfinity), recorder=recorder, seed=0)
-    stand(env)
+    stand(make(3, simulator=simulator_of(LosesItAtInfinity), recorder=recorder, seed=0))
     with pytest.raises(SimulationDiverged, match="distance is not finite at env 1, episode 0, step 1"):
         recorder.close()

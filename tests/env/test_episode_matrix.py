@@ -45,8 +45,7 @@ def test_start_is_the_begin_distance(episodes):
 
 def test_measure_follows_the_state(episodes):
     """Distance, offset, difference to the best, and the distance before."""
-    distance = episodes.measure(state(1.0, 0.5, 0.25))
-    assert_allclose(distance, [2.0, np.sqrt(17.0)])
+    assert_allclose(episodes.measure(state(1.0, 0.5, 0.25)), [2.0, np.sqrt(17.0)])
     assert_allclose(episodes.delta_distance, [-1.0, np.sqrt(17.0) - 4.0])
     assert_array_equal(episodes.steps.previous_distance, [3.0, 4.0])
     assert_array_equal(episodes.offset, [[2.0, 0.0, 0.0], [-1.0, 4.0, 0.0]])

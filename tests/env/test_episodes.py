@@ -58,8 +58,7 @@ def test_horizon_truncates(make, stand):
 
 def test_target_at_the_horizon_is_no_truncation(make, drive_to, target_of):
     """An episode that reaches its target in the last step is terminated, not truncated."""
-    env = make(task=ReachTask(epsilon=0.03))
-    observations, _ = env.reset(seed=2)
+    observations, _ = make(task=ReachTask(epsilon=0.03)).reset(seed=2)
     steps = 0
     while True:
         steps += 1

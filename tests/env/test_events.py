@@ -25,8 +25,7 @@ def jump(make, recorded):
     def to(qpos, **task):
         taken = []
         env = make(1, Arp2021(decision_period=1, **task), robot=ARM)
-        trace = recorded(env, lambda env: taken.extend(env.step((qpos / ARM.upper).reshape(1, 5))))
-        return taken, trace
+        return taken, recorded(env, lambda env: taken.extend(env.step((qpos / ARM.upper).reshape(1, 5))))
 
     return to
 

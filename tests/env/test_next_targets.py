@@ -47,16 +47,14 @@ def tour(make, recorded):
     def go(*actions, task=None, **options):
         taken = []
         env = make(1, task or Tour(decision_period=1), robot=ARM, **options)
-        trace = recorded(env, lambda env: taken.extend(map(env.step, actions)))
-        return taken, trace
+        return taken, recorded(env, lambda env: taken.extend(map(env.step, actions)))
 
     return go
 
 
 def test_bonus_is_paid_once_on_entering(tour):
     """In the step that enters the target, and in none that stays in it."""
-    fixed = Arp2021(decision_period=1)
-    _, trace = tour(HOME, FIRST, FIRST, FIRST, HOME, FIRST, task=fixed)
+    _, trace = tour(HOME, FIRST, FIRST, FIRST, HOME, FIRST, task=Arp2021(decision_period=1))
     assert_array_equal(trace["reached"], [False, False, True, False, False, False, True])
     assert_array_equal(trace["reward_target"] > 0.0, trace["reached"])
 

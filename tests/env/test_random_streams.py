@@ -19,8 +19,7 @@ class Ladder(ReachTask):
 
     def draw_targets(self, robot, rng, count):
         """0, 1, 2, ... [m] on the x axis."""
-        position = np.arange(count)[:, None] * [1.0, 0.0, 0.0]
-        return Targets(position, np.arange(count) % 2 == 1)
+        return Targets(np.arange(count)[:, None] * [1.0, 0.0, 0.0], np.arange(count) % 2 == 1)
 
 
 def test_relative_targets_count_from_the_end_effector():
@@ -35,8 +34,7 @@ def test_targets_come_in_the_order_of_the_stream():
     streams, rng = Streams(ReachTask(), ROBOT, 1, [7]), np.random.SeedSequence(7).spawn(2)[1]
     generator = default_rng(rng)
     expected = [ReachTask().draw_targets(ROBOT, generator, AHEAD).position for _ in range(2)]
-    drawn = [streams.target(0, TIP)[0] for _ in range(2 * AHEAD)]
-    assert_array_equal(drawn, np.concatenate(expected))
+    assert_array_equal([streams.target(0, TIP)[0] for _ in range(2 * AHEAD)], np.concatenate(expected))
 
 
 def test_target_apart_skips_those_that_one_is_in():

@@ -16,8 +16,7 @@ Call = Callable[..., Any]
 
 def test_infos_of_every_step(make, wander):
     """Every step tells distance, shaped reward and success of every env."""
-    env = make(2, seed=0)
-    observations, _, _, _, infos = wander(env, 1)[0]
+    observations, _, _, _, infos = wander(make(2, seed=0), 1)[0]
     assert set(infos) == {"distance", "reward_shaped", "is_success"}
     assert_allclose(infos["distance"], observations[:, -1], atol=1e-6)
     assert_array_equal(infos["reward_shaped"], -infos["distance"])
@@ -26,8 +25,7 @@ def test_infos_of_every_step(make, wander):
 
 def test_rewards_are_float64(make, stand):
     """What is paid is recorded and summed over whole runs: it is not rounded to float32."""
-    env = make(2, seed=0)
-    assert stand(env)[1].dtype == np.float64
+    assert stand(make(2, seed=0))[1].dtype == np.float64
 
 
 def test_reward_sees_one_sample_per_step(make, wander):

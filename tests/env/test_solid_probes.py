@@ -92,8 +92,7 @@ def test_an_arm_of_one_solid_that_is_dropped_is_told():
 
 def test_an_arm_that_never_reaches_the_ground_has_no_probes():
     """And none without solids: nothing can be told of these."""
-    stiff = replace(ROBOT, lower=ROBOT.home - 0.05, upper=ROBOT.home + 0.05)
-    assert probes_of(stiff) == ()
+    assert probes_of(replace(ROBOT, lower=ROBOT.home - 0.05, upper=ROBOT.home + 0.05)) == ()
     assert probes_of(replace(ROBOT, link_shapes=dict.fromkeys(ROBOT.link_shapes, ()))) == ()
 
 

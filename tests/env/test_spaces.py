@@ -59,8 +59,7 @@ def test_observations_are_in_their_space(make, wander):
 def test_no_observation_is_constant(make, wander):
     """Every number of the observation changes from step to step, for every arm."""
     env = make(3, ReachTask(horizon=10), seed=0)
-    seen = np.array([observations for observations, *_ in wander(env, 60)])
-    assert (seen.std(axis=0) > 0.0).all()
+    assert (np.array([observations for observations, *_ in wander(env, 60)]).std(axis=0) > 0.0).all()
 
 
 def test_what_a_step_returns_is_the_callers(make, stand, wander):

@@ -186,8 +186,7 @@ def test_what_was_before_is_kept_with_the_state(make):
     reward = reward_class(everything)()
     env, again = (make(2, reward=reward, task=ReachTask(horizon=9), resumable=True) for _ in range(2))
     env.reset(seed=0)
-    rng = default_rng(0)
-    actions = rng.uniform(-1.0, 1.0, (12, 2, 6)).astype(np.float32)
+    actions = default_rng(0).uniform(-1.0, 1.0, (12, 2, 6)).astype(np.float32)
     for action in actions[:5]:
         env.step(action)
     again.restore(env.state())
@@ -201,6 +200,5 @@ def test_a_state_of_an_earlier_version_goes_on(make):
     env.reset(seed=0)
     action = np.full((2, 6), 0.5, np.float32)
     env.step(action)
-    state = {name: value for name, value in env.state().items() if "before" not in name}
-    again.restore(state)
+    again.restore({name: value for name, value in env.state().items() if "before" not in name})
     assert_array_equal(env.step(action)[1], again.step(action)[1])

@@ -139,8 +139,7 @@ def test_observations_come_so_many_steps_later(make, delay):
     """What is seen is what the plain env showed before; the first observation is repeated."""
     plain = told(make(2, ReachTask(horizon=50)))[1::2]
     first = make(2, ReachTask(horizon=50)).reset(seed=3)[0]
-    late = told(make(2, ReachTask(horizon=50, observation_delay=delay)))[1::2]
-    for step, seen in enumerate(late):
+    for step, seen in enumerate(told(make(2, ReachTask(horizon=50, observation_delay=delay)))[1::2]):
         assert_array_equal(seen, first if step < delay else plain[step - delay])
 
 
@@ -188,8 +187,7 @@ def test_an_obstacle_on_the_way_is_touched(make):
     """Also where the arm is past it when the period ends."""
     env = make(1, ReachTask(horizon=60, obstacles="0.75x0x0.2x0.01", start_noise=0.0), seed=0)
     episodes, around = env.episodes, env._decisions.around
-    tip = ROBOT.end_effector(episodes.qpos)[0]
-    episodes.extra("obstacles")[0, :3] = tip
+    episodes.extra("obstacles")[0, :3] = ROBOT.end_effector(episodes.qpos)[0]
     aside = np.array([0.6, 0.0, 0.0, 0.0, 0.0, 0.0])
     around._before[...], episodes.qpos[...] = episodes.qpos - aside, episodes.qpos + aside
     assert around.struck()[0]

@@ -109,8 +109,7 @@ class Training:
         width = self.width * turn
         time = np.arange(1, POINTS + 1) / POINTS
         learnt = np.logaddexp(0.0, (time - turn) / width) - np.logaddexp(0.0, -turn / width)
-        curves = (fall + climb) * width * learnt - fall * time
-        return curves
+        return (fall + climb) * width * learnt - fall * time
 
 
 @dataclass(frozen=True)

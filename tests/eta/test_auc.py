@@ -40,8 +40,7 @@ def test_the_value_is_the_share_of_pairs_within_a_task(drawn):
     paid, above, tasks = drawn
     pairs = [(a, b) for a in np.flatnonzero(above) for b in np.flatnonzero(~above) if tasks[a] == tasks[b]]
     right = sum(1.0 if paid[a] > paid[b] else 0.5 * (paid[a] == paid[b]) for a, b in pairs)
-    found = auc_of(paid, above, None, tasks)
-    assert found.value == (pytest.approx(right / len(pairs)) if pairs else None)
+    assert auc_of(paid, above, None, tasks).value == (pytest.approx(right / len(pairs)) if pairs else None)
 
 
 NOTHING = np.arange(10) < 5

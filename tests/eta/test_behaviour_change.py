@@ -143,8 +143,7 @@ def test_swapping_the_rewards_turns_the_difference(baseline, proposed):
     assert one.p == other.p
     if one.low is not None and one.high is not None:
         assert (other.low, other.high) == pytest.approx((-one.high, -one.low), abs=1e-12)
-    directions = {corrected(found, 0.01).direction for found in (one, other)}
-    assert directions in ({""}, {"better", "worse"})
+    assert {corrected(found, 0.01).direction for found in (one, other)} in ({""}, {"better", "worse"})
 
 
 # Equivalence

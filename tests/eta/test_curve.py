@@ -174,8 +174,7 @@ def test_chunks_do_not_show(rewards, kind, cuts):
 def long_runs():
     """Rewards of five runs that first cost and then pay, (5, 100_000)."""
     rng = default_rng(105)
-    drift = np.linspace(-0.5, 1.0, 100_000)
-    return drift + rng.normal(size=(5, 100_000))
+    return np.linspace(-0.5, 1.0, 100_000) + rng.normal(size=(5, 100_000))
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -218,8 +217,7 @@ def test_thinning_does_not_depend_on_chunks(rewards, cuts, points):
 def test_resample_is_the_index_of_the_drawn_runs(rewards, kind, random):
     """A draw's sums are those of a group that holds the drawn runs, each as often as it was drawn."""
     count = len(rewards)
-    drawn = [random.randrange(count) for _ in range(count)]
-    shares = np.bincount(drawn, minlength=count)[None] / count
+    shares = np.bincount([random.randrange(count) for _ in range(count)], minlength=count)[None] / count
     curve = (shares @ curve_of(list(rewards), kind).runs)[0].tolist()
     negative, positive = curve_of(list(rewards), kind).resample(shares)
     assert (negative[0], positive[0]) == pytest.approx(slow_index(curve, kind)[3:], rel=1e-9, abs=1e-9)
@@ -262,8 +260,7 @@ def test_mixture_of_long_runs_is_close(long_runs):
     short = long_runs[:2, : 3 * POINTS]
     groups = curve_of(list(long_runs)), curve_of(list(short))
     assert groups[0].stride > groups[1].stride > 1
-    shares = np.array([[0.0, 0.0, 0.5, 0.0, 0.0, 0.5, 0.0]])
-    negative, positive = mixtures(groups, shares)
+    negative, positive = mixtures(groups, np.array([[0.0, 0.0, 0.5, 0.0, 0.0, 0.5, 0.0]]))
     expected = curve_of([long_runs[2, : 3 * POINTS], short[0]]).index
     assert negative[0] + positive[0] == pytest.approx(expected.negative_sum + expected.positive_sum, rel=0.01)
     assert max(group.runs.shape[1] for group in groups) > 1024

@@ -101,8 +101,7 @@ def dip_and_climb(seeds, seed=105, steps=60, noise=1.0):
 @given(groups(), POWERS, st.sampled_from(KINDS))
 def test_scaled_baseline_is_all_ruler(runs, scale, kind):
     """A reward that is c times the baseline, on the same runs: ruler c and behaviour 1 on both paths."""
-    found = decompose(curves_of(runs, runs, scale * runs, scale * runs, kind))
-    for split in splits_of(found):
+    for split in splits_of(decompose(curves_of(runs, runs, scale * runs, scale * runs, kind))):
         one_path = [scale, 1.0]
         expected = [scale, *one_path, *one_path, *one_path]
         assert values_of(split) in ([about(value, 1e-12) for value in expected], [None] * 7)
@@ -390,8 +389,7 @@ def test_index_near_zero_beside_the_other_trainings_says_so():
 def test_other_units_are_not_near_zero(scale):
     """Indices under two rewards are not compared: a reward in millimetres makes nothing small."""
     runs = dip_and_climb(6)
-    found = decompose(curves_of(runs, runs, scale * runs, scale * runs))
-    for split in splits_of(found):
+    for split in splits_of(decompose(curves_of(runs, runs, scale * runs, scale * runs))):
         assert {part.near_zero for part in ratios_of(split)} == {None}
 
 
@@ -523,8 +521,7 @@ def test_one_seed_has_a_value_and_nothing_else():
 
 def spread_curves(spread, seeds):
     """Runs of one step whose logarithms have exactly this standard deviation; the ruler is 2 and a little."""
-    logarithms = scipy.stats.zscore(default_rng(1).normal(size=seeds), ddof=1)
-    runs = np.exp(spread * logarithms)[:, None]
+    runs = np.exp(spread * scipy.stats.zscore(default_rng(1).normal(size=seeds), ddof=1))[:, None]
     ruled = runs * np.exp(0.01 * default_rng(2).normal(size=(seeds, 1)))
     return curves_of(runs, runs[::-1], 2.0 * ruled, 2.0 * ruled[::-1])
 

@@ -18,8 +18,7 @@ def found(difference, seeds, asked, experiments=200, measures=1):
 
     Of several measures only the first shows it.
     """
-    rng = default_rng([seeds, asked])
-    values = rng.normal(size=(experiments, asked, 2, seeds, 1, measures))
+    values = default_rng([seeds, asked]).normal(size=(experiments, asked, 2, seeds, 1, measures))
     values[:, 0, 1, ..., 0] += difference
     return float(np.mean([rule([Question.of(each) for each in one])[0].is_decided for one in values]))
 

@@ -108,8 +108,7 @@ def test_tau_is_that_of_scipy_ties_included():
 def test_the_range_holds_every_order_that_is_left():
     """Whatever is told of either place: the tau of any two orders that agree with it lies within."""
     rng = default_rng(3)
-    orders = weak_orders(3)
-    for one, other in product(orders, repeat=2):
+    for one, other in product(weak_orders(3), repeat=2):
         tau = kendall(one, other)
         for shown in rng.integers(0, 2, (10, 2, 3)):
             low, high = tau_range(one * shown[0], other * shown[1])
@@ -188,8 +187,7 @@ def test_a_cost_below_the_margin_is_no_other():
 
 def test_a_choice_by_chance_is_no_claim():
     """The place where it was made does not tell its best one, so the cost does not come from the place."""
-    here = {**CLEAR, "a": [0.85, 0.97, 0.9, 0.85]}
-    found = transplant(*orders_of(here, turned(CLEAR)))
+    found = transplant(*orders_of({**CLEAR, "a": [0.85, 0.97, 0.9, 0.85]}, turned(CLEAR)))
     assert (found.chosen, found.answer) == ("c", "not decided")
     assert found.is_costly
     assert found.note == "where it was chosen, a may be as good"
@@ -197,8 +195,7 @@ def test_a_choice_by_chance_is_no_claim():
 
 def test_what_may_be_better_there_is_named():
     """The seeds there do not tell."""
-    there = {**CLEAR, "b": [0.5, 1.0, 0.9, 0.95]}
-    found = transplant(*orders_of(CLEAR, there))
+    found = transplant(*orders_of(CLEAR, {**CLEAR, "b": [0.5, 1.0, 0.9, 0.95]}))
     assert (found.answer, found.note) == ("not decided", "b may be better there")
 
 

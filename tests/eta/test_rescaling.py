@@ -46,8 +46,7 @@ def test_rewards_in_single_precision_are_found():
     """Many environments compute so; a reward in double precision beside it differs by the rounding of the other."""
     single = PAID.astype(np.float32)
     assert found(single.astype(float), (np.float32(0.3) * single).astype(float)) is not None
-    rescaling = found(single.astype(float), 2.0 * PAID)
-    assert rescaling.factor == pytest.approx(2.0, rel=1e-6)
+    assert found(single.astype(float), 2.0 * PAID).factor == pytest.approx(2.0, rel=1e-6)
 
 
 def test_a_reward_that_is_computed_again_from_observations_is_found():

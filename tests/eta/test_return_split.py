@@ -62,8 +62,7 @@ def test_a_return_that_is_not_above_0_has_no_ratio(returns, pair):
 
 def test_a_seed_without_which_a_return_is_negative_takes_the_interval():
     """Two negative means would have a ratio that looks like any other."""
-    returns = {pair: [9.0, -1.0, -1.0] for pair in (BB, KK, BK, KB)}
-    eta = split(returns).ratio.eta
+    eta = split({pair: [9.0, -1.0, -1.0] for pair in (BB, KK, BK, KB)}).ratio.eta
     assert (eta.value, eta.low) == (1.0, None)
     assert "without one of the seeds" in eta.note
 

@@ -28,8 +28,7 @@ def rng():
 def test_etas_are_near_the_recorded_ones(scenario, eta_n, eta_p):
     """SAC with arp against SAC with the baseline: within 15 %."""
     sums = true_sums(scenario, rng(), 10_000)
-    etas = np.divide(sums[KK], sums[BB])
-    assert_allclose(etas, [eta_n, eta_p], rtol=0.15)
+    assert_allclose(np.divide(sums[KK], sums[BB]), [eta_n, eta_p], rtol=0.15)
 
 
 def test_spread_of_the_depth_is_near_the_recorded_one():

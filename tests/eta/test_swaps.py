@@ -22,8 +22,7 @@ NOISE = 1e-9
 def outcomes_of(differences):
     """The mean difference in all ways."""
     values = np.asarray(differences, float)
-    outcomes = swaps_of(range(len(values))).signs @ values / len(values)
-    return outcomes
+    return swaps_of(range(len(values))).signs @ values / len(values)
 
 
 def slow_p(differences):
@@ -62,8 +61,7 @@ def test_all_ways_of_few_seeds(seeds):
     assert signs.shape == (2 ** max(0, seeds - 1), seeds)
     assert (np.abs(signs) == 1.0).all()
     assert (signs[0] == 1.0).all()
-    both = {tuple(way) for way in np.concatenate([signs, -signs]).tolist()}
-    assert len(both) == 2**seeds
+    assert len({tuple(way) for way in np.concatenate([signs, -signs]).tolist()}) == 2**seeds
 
 
 def test_many_seeds_have_drawn_ways():

@@ -39,8 +39,7 @@ def record(folder, act=stand, **other):
     """The trace of an evaluation of the cell, some of it said otherwise."""
     path = folder / "evaluation.parquet"
     cell = replace(CELL, **other)
-    world = build_world(cell, load_robot(cell.robot), REGISTRY)
-    evaluate(world, act, cell.evaluation_episodes, path)
+    evaluate(build_world(cell, load_robot(cell.robot), REGISTRY), act, cell.evaluation_episodes, path)
     return read_trace(path)
 
 

@@ -136,8 +136,7 @@ def test_whole_episodes_are_not_measured_in_environments(lay):
 @pytest.fixture(name="file", scope="module")
 def _file(tmp_path_factory):
     path = tmp_path_factory.mktemp("mine") / "mine.py"
-    said = 'lower_is_better = ["calm"]\nunits = {"calm": "rad/s"}\n'
-    path.write_text(said + CALM + NEAR, encoding="utf-8")
+    path.write_text('lower_is_better = ["calm"]\nunits = {"calm": "rad/s"}\n' + CALM + NEAR, encoding="utf-8")
     return path
 
 

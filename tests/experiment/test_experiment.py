@@ -177,8 +177,7 @@ def test_run_is_public(toys):
 def test_executor_is_given_with_its_settings(toys, tmp_path):
     """As text or as a table; its fields are its settings."""
     for number, executor in enumerate(["here", "here:note=x", {"name": "here", "note": "y"}]):
-        results = run(out=tmp_path / str(number), task=TASK, executor=executor, **QUICK)
-        assert not results.failed
+        assert not run(out=tmp_path / str(number), task=TASK, executor=executor, **QUICK).failed
     assert (tmp_path / "0").is_dir()
 
 

@@ -18,8 +18,7 @@ def run(make_plan, run_here, tmp_path):
 
 def _with_floor(results):
     """Cells of the plan that evaluated random actions."""
-    cells = results.plan.cells
-    return [cell for cell in cells if (results.store.cell_folder(cell) / RANDOM).is_file()]
+    return [cell for cell in results.plan.cells if (results.store.cell_folder(cell) / RANDOM).is_file()]
 
 
 def test_the_first_cell_does_it_for_all(make_cell, run):

@@ -41,8 +41,7 @@ def test_what_is_done_and_what_is_left(toys, tmp_path):
 def test_what_no_cell_did_is_measured(tmp_path):
     """By a few steps in another folder; what is written stays unknown."""
     asked = {"task": "gymnasium:id=Pendulum-v1", "algo": "random", "seeds": 4, "steps": 2_000}
-    run = check(check_experiment(asked), RunOptions(out=tmp_path / "mine", jobs=1))
-    found = foresee(run, measures=True)
+    found = foresee(check(check_experiment(asked), RunOptions(out=tmp_path / "mine", jobs=1)), measures=True)
     assert found.seconds > 0.0
     assert found.measured > 0
     assert (found.horizon, found.bytes) == (200, None)

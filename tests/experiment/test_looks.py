@@ -42,8 +42,7 @@ def test_terms_of_an_experiment(toys, fields, terms):
 
 def test_all_seeds_of_the_last_look_are_planned(toys):
     """They are foreseen before the first one is trained."""
-    plan = planned(toys, looks=[2, 3])
-    assert len(plan.cells) == 2 * 3
+    assert len(planned(toys, looks=[2, 3]).cells) == 2 * 3
 
 
 def test_places_have_seeds_of_their_own(make_cell):

@@ -282,8 +282,7 @@ def test_resolved_experiment_reads_back_to_the_same_cells(toys, tmp_path):
         seeds=[3, 1],
         steps=30,
     )
-    store = Store.create(tmp_path / "out", plan)
-    again = expand(read_experiment(store.folder / EXPERIMENT, {}), toys)
+    again = expand(read_experiment(Store.create(tmp_path / "out", plan).folder / EXPERIMENT, {}), toys)
     assert again == plan
     assert [cell.id for cell in again.cells] == [cell.id for cell in plan.cells]
 

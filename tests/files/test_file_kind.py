@@ -30,8 +30,7 @@ def write_hdf5(*names):
     """A file with data sets of these names, as h5py writes them."""
 
     def write(path):
-        h5py = pytest.importorskip("h5py")
-        with h5py.File(path, "w") as file:
+        with pytest.importorskip("h5py").File(path, "w") as file:
             for name in names:
                 file[name] = np.zeros(3)
 

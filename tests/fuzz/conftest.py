@@ -73,8 +73,7 @@ def all_readers(toy_folder, tmp_path_factory):
         patch.syspath_prepend(toy_folder)
         patch.delenv("HARNESS_PLUGINS", raising=False)
         registry = load_registry()
-        choice = [choose(registry, kind, name) for kind, name in KINDS.items()]
-        simulator, task, algorithm, reward = choice
+        simulator, task, algorithm, reward = [choose(registry, kind, name) for kind, name in KINDS.items()]
         cell = Cell(simulator, "fd100", task, algorithm, reward, 0, 12, 2)
         yield readers(registry, cell, tmp_path_factory.mktemp("examples"))
 

@@ -103,8 +103,7 @@ def test_command_says_which_extra_it_needs(core, answers, place, name):
 
 def test_every_command_is_tried(core, place):
     """Each that `harness --all` shows; the others are hidden on purpose."""
-    told = core.harness("--all", cwd=place).out
-    shown = set(re.findall(r"^  ([a-z][a-z-]+)  +[A-Z]", told, re.MULTILINE))
+    shown = set(re.findall(r"^  ([a-z][a-z-]+)  +[A-Z]", core.harness("--all", cwd=place).out, re.MULTILINE))
     assert len(shown) == 19
     assert shown == {name.partition(",")[0] for name in (*COMMANDS, *NEEDS_AN_EXTRA)} | {SERVES}
 
@@ -120,8 +119,7 @@ def test_page_is_whole(answers, place, page):
 
 def test_pages_are_all_that_there_are(answers, place):
     """A command that makes another one stands in the list too."""
-    made = {path.relative_to(place).as_posix() for path in place.rglob("*.html")}
-    assert made == set(PAGES)
+    assert {path.relative_to(place).as_posix() for path in place.rglob("*.html")} == set(PAGES)
 
 
 def test_watch_serves_its_page(core, answers, place):
@@ -130,8 +128,7 @@ def test_watch_serves_its_page(core, answers, place):
     with subprocess.Popen(command, cwd=place, stderr=subprocess.PIPE, text=True) as process:
         try:
             assert process.stderr is not None
-            line = process.stderr.readline()
-            (address,) = re.findall(r"http://\S+", line)
+            (address,) = re.findall(r"http://\S+", process.stderr.readline())
             with urllib.request.urlopen(address, timeout=20) as answer:
                 assert "<canvas" in answer.read().decode()
         finally:

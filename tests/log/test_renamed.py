@@ -47,5 +47,4 @@ def test_loaded_log_is_read_once():
 
 def test_term_is_no_reward():
     """Though the name of a reward may have a slash."""
-    log = _log([]).renamed({"reward/b": "reward/other/b"})
-    assert log.rewards == ("a", "other/b")
+    assert _log([]).renamed({"reward/b": "reward/other/b"}).rewards == ("a", "other/b")

@@ -68,8 +68,7 @@ def test_what_is_no_table_is_refused(text, why):
 
 def test_numbers_are_those_that_python_reads():
     """True and False too; underscores are no digits here."""
-    table = parse_table(PATH, "a\n1\n-2.5e-3\n True \nfalse\n")
-    assert table.numbers("a").tolist() == [1.0, -0.0025, 1.0, 0.0]
+    assert parse_table(PATH, "a\n1\n-2.5e-3\n True \nfalse\n").numbers("a").tolist() == [1.0, -0.0025, 1.0, 0.0]
     with pytest.raises(SchemaError, match="line 2: column 'a' holds 1_000, which is no number"):
         parse_table(PATH, "a\n1_000\n").numbers("a")
 
@@ -154,8 +153,7 @@ def test_a_count_with_a_decimal_comma_is_refused():
 
 def test_names_in_objects_are_joined():
     """As RLlib nests its results."""
-    table = parse_table(PATH, '{"a": {"b": {"c": 1}, "d": true}}\n')
-    assert table.cells == {"a/b/c": ["1"], "a/d": ["True"]}
+    assert parse_table(PATH, '{"a": {"b": {"c": 1}, "d": true}}\n').cells == {"a/b/c": ["1"], "a/d": ["True"]}
     with pytest.raises(SchemaError, match="line 2: it is no object"):
         parse_table(PATH, '{"a": 1}\n[2]\n')
 

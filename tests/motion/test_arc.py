@@ -35,8 +35,7 @@ def test_an_arc_is_the_circle_through_its_points(via, end, share):
     length, center, radius = arc.length[0, 0], arc.radius[0] * arc.inward[0], arc.radius[0, 0]
     assert_array_equal(on(arc, 0.0), 0.0)
     assert_allclose(on(arc, length), end, atol=1e-6)
-    points = arc.point(np.linspace(0.0, arc.length[0], 4001))
-    assert np.linalg.norm(points - via, axis=1).min() < length / 4000
+    assert np.linalg.norm(arc.point(np.linspace(0.0, arc.length[0], 4001)) - via, axis=1).min() < length / 4000
     place, step = share * length, 1e-4 * radius
     for point in (np.zeros(3), via, end, on(arc, place)):
         assert np.linalg.norm(point - center) == pytest.approx(radius, rel=1e-6)

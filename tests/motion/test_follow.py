@@ -19,8 +19,7 @@ def follower(fd100, setting_of):
 
 def test_a_point_out_of_reach_is_held_at_once(follower, fd100):
     """Stretched out, the arm is told to go on: it is held and does not move."""
-    stretched = np.radians([[0.0, 90.0, -78.0, 0.0, 0.0, 0.0]])
-    straight = _most_stretched(fd100, stretched)
+    straight = _most_stretched(fd100, np.radians([[0.0, 90.0, -78.0, 0.0, 0.0, 0.0]]))
     outward = fd100.end_effector(straight) * [1.0, 1.0, 0.0]
     move = follower.pass_along(straight, np.zeros((1, 6)), lambda gone: gone * 0.05 * outward, 4)
     assert move.held.all()
@@ -67,8 +66,7 @@ def test_a_range_that_blocks_is_held(setting_of, course_of):
 def test_leaves_the_edge_again(fd100, setting_of, course_of, directions):
     """From where it was held at the edge of its reach the arm comes back when it is told to."""
     motion, outward = build_motion("movel", setting_of(fd100)), directions(20)
-    start = np.tile(fd100.home, (20, 1))
-    out = course_of(motion, start, [outward] * 60)
+    out = course_of(motion, np.tile(fd100.home, (20, 1)), [outward] * 60)
     back = course_of(motion, out.qpos[-1], [-outward] * 60)
     tips = fd100.end_effector(back.qpos)
     gone = np.vecdot(tips[-1] - tips[0], -outward)
@@ -104,5 +102,4 @@ def _most_stretched(robot, qpos):
     poses = np.tile(qpos, (third.size, 1))
     poses[:, 2], poses[:, 4] = third.ravel(), fifth.ravel()
     shoulder = np.array([0.18, 0.0, 0.43])
-    farthest = np.linalg.norm(robot.end_effector(poses) - shoulder, axis=1).argmax()
-    return poses[[farthest]]
+    return poses[[np.linalg.norm(robot.end_effector(poses) - shoulder, axis=1).argmax()]]

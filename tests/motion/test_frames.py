@@ -15,8 +15,7 @@ POINT = st.tuples(COORDINATE, COORDINATE, COORDINATE)
 
 def test_world_axes_change_nothing(fd100):
     """In the WCS a vector is what it is."""
-    axes = CartesianMode().axes(fd100)
-    assert_array_equal(axes.to_world(fd100.home[None], np.eye(3)[None])[0], np.eye(3))
+    assert_array_equal(CartesianMode().axes(fd100).to_world(fd100.home[None], np.eye(3)[None])[0], np.eye(3))
 
 
 def test_users_axes_of_a_turned_table(fd100):

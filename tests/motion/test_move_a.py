@@ -58,8 +58,7 @@ def test_a_long_arc_is_gone_at_tip_speed(fd100, setting_of, course_of):
         (c, s) = np.cos(k), np.sin(k)  # a period is one radian of a circle of 1 cm
         actions.append((points @ [[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]]).reshape(1, 6))
     tips = fd100.end_effector(course_of(motion, fd100.home[None], actions).qpos[:, 0])
-    chords = np.linalg.norm(np.diff(tips[-5:], axis=0), axis=1)
-    assert_allclose(chords, 2.0 * 0.01 * np.sin(0.125), rtol=0.02)
+    assert_allclose(np.linalg.norm(np.diff(tips[-5:], axis=0), axis=1), 2.0 * 0.01 * np.sin(0.125), rtol=0.02)
 
 
 def test_axes_are_those_of_the_frame(fd100, setting_of, course_of):

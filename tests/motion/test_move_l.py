@@ -142,8 +142,7 @@ def test_tool_axis_of_the_action(fd100, setting_of, course_of):
 )
 def test_out_of_reach_it_is_held_and_stands(arm, setting_of, course_of, directions):
     """Driven on in one direction every arm ends held, at rest, and it stays so."""
-    motion = build_motion("movel", setting_of(arm))
-    course = course_of(motion, near_home(arm)[:12], [directions(12)] * 150)
+    course = course_of(build_motion("movel", setting_of(arm)), near_home(arm)[:12], [directions(12)] * 150)
     standing = np.abs(course.qpos[-40:] - course.qpos[-1]).max(axis=(0, 2)) < 1e-9
     assert standing.mean() > 0.97
     assert course.held[-10:, standing].all()
@@ -152,8 +151,7 @@ def test_out_of_reach_it_is_held_and_stands(arm, setting_of, course_of, directio
 def test_acceleration_is_no_hold(fd100, setting_of, course_of, directions):
     """An arm that gathers speed in the middle of its reach is not held, though it does less than it is told."""
     motion = build_motion("movel", setting_of(fd100))
-    course = course_of(motion, np.tile(fd100.home, (COUNT, 1)), [directions(COUNT)] * 3)
-    assert not course.held.any()
+    assert not course_of(motion, np.tile(fd100.home, (COUNT, 1)), [directions(COUNT)] * 3).held.any()
 
 
 def test_brakes_on_the_line(fd100, setting_of, course_of, directions):
@@ -162,8 +160,7 @@ def test_brakes_on_the_line(fd100, setting_of, course_of, directions):
     actions = [world] * 4 + [np.zeros_like(world)] * 4
     course = course_of(motion, np.tile(fd100.home, (COUNT, 1)), actions)
     way = fd100.end_effector(course.qpos) - fd100.end_effector(fd100.home)
-    beside = np.linalg.norm(way - np.vecdot(way, world)[..., None] * world, axis=-1)
-    assert beside.max() < 2e-3
+    assert np.linalg.norm(way - np.vecdot(way, world)[..., None] * world, axis=-1).max() < 2e-3
     assert_array_equal(course.qvel[-1], 0.0)
     assert not course.held.any()
 

@@ -228,8 +228,7 @@ def matters(rng, folder):
 def in_folder(rng, folder):
     """A robot.toml names the end effector, which stands in the middle of the chain."""
     arm = draw_arm(rng)
-    last = [place for place, joint in enumerate(arm) if joint.is_driven][2]
-    end = rng.randrange(last, len(arm))
+    end = rng.randrange([place for place, joint in enumerate(arm) if joint.is_driven][2], len(arm))
     (folder / "arm.urdf").write_text(text_of(arm, rng.choice(STYLES), rng), newline="")
     lines = ['name = "mine"', 'urdf = "arm.urdf"', f'end_effector = "link_{end + 1}"']
     rng.shuffle(lines)

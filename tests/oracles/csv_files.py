@@ -144,8 +144,7 @@ def no_matter(rng, folder):
         turned = Table(
             [table.header[place] for place in places], [[row[place] for place in places] for row in table.rows]
         )
-        named = path.with_name(f"{rng.randrange(10**6)}-{path.name}")
-        named.write_bytes(style(turned, rng))
+        path.with_name(f"{rng.randrange(10**6)}-{path.name}").write_bytes(style(turned, rng))
 
     write_groups(groups, folder, write)
     return Trial(f"written as {style.__name__}", lambda: ask(folder), [answer_of(groups)])

@@ -56,8 +56,7 @@ def write(cells, folder, plan=None):
     told = {"sim": ["kinematic"], "algo": ["random"]}
     store = Store.create(folder, Plan(BASELINE.label, planned, (), told, {}))
     for done in cells:
-        none = [False] * EPISODES
-        finish(store, done.cell, done.distances, done.reached, none, done.rewards)
+        finish(store, done.cell, done.distances, done.reached, [False] * EPISODES, done.rewards)
     return folder
 
 
@@ -155,8 +154,7 @@ def keys_in_another_order(folder, rng):
 def lies_in_derived(folder, rng):
     """What an earlier report kept is changed: it follows from the cells, and not the other way around."""
     call("report", folder, "--json")
-    kept = [path for path in folder.rglob("*") if path.is_file() and "derived" in path.parts]
-    for path in kept:
+    for path in [path for path in folder.rglob("*") if path.is_file() and "derived" in path.parts]:
         text = path.read_bytes()
         place = rng.randrange(len(text))
         path.write_bytes(text[:place] + bytes([text[place] ^ 1]) + text[place + 1 :])

@@ -37,9 +37,7 @@ def partly(rng, folder):
 def _long(parts, rng, least=2):
     """The rows of an episode of so many rows at least; one is made longer if there is none."""
     number = parts.columns["episode_index"]
-    counts = np.bincount(number)
-    fitting = np.flatnonzero(counts >= least).tolist()
-    return np.flatnonzero(number == rng.choice(fitting))
+    return np.flatnonzero(number == rng.choice(np.flatnonzero(np.bincount(number) >= least).tolist()))
 
 
 def drop_row(parts, rng):

@@ -89,8 +89,7 @@ def _write_episode(group, number, run, layout):
         _put(group, "observations", states, layout)
     _put(group, "actions", run.actions, layout)
     _put(group, "rewards", run.rewards.astype(layout.pay_type), layout)
-    ends = np.arange(len(run)) == len(run) - 1
-    _put(group, "terminations", ends, layout)
+    _put(group, "terminations", np.arange(len(run)) == len(run) - 1, layout)
     _put(group, "truncations", np.zeros(len(run), bool), layout)
     told = np.concatenate([[0.0], run.success]) if layout.info_before else run.success
     if np.isin(run.success, (0, 1)).all():
@@ -145,8 +144,7 @@ def changed(rng, folder):
     """
     runs = draw_runs(rng)
     change = rng.choice(CHANGES)
-    layout = replace(draw_layout(rng), chunks="guessed", compression=None, in_file=False)
-    write(runs, layout, folder)
+    write(runs, replace(draw_layout(rng), chunks="guessed", compression=None, in_file=False), folder)
     with h5py.File(folder / MAIN, "r+") as file:
         rest, may_refuse, tells = change(file, runs, rng)
     right = [answer_of(one) for one in rest]
@@ -304,8 +302,7 @@ CHANGES = (
 
 def lie_on_totals(rng, folder):
     """Metadata tell of more episodes, or steps, than there are."""
-    runs = draw_runs(rng)
-    write(runs, replace(draw_layout(rng), in_file=False), folder)
+    write(draw_runs(rng), replace(draw_layout(rng), in_file=False), folder)
     told = json.loads((folder / METADATA).read_text())
     key = rng.choice(("total_episodes", "total_steps"))
     (folder / METADATA).write_text(json.dumps({**told, key: told[key] + rng.choice((1, 10))}))

@@ -142,8 +142,7 @@ EXPERIMENT_CHANGES = {
 
 
 def _layers(draw, sizes, heads):
-    pairs = list(itertools.pairwise(sizes))
-    made = {f"hidden.{place}": pair for place, pair in enumerate(pairs)}
+    made = {f"hidden.{place}": pair for place, pair in enumerate(list(itertools.pairwise(sizes)))}
     made |= {name: (sizes[-1], size) for name, size in heads.items()}
     arrays = {f"{name}.weight": draw.normal(size=(out, into)) for name, (into, out) in made.items()}
     arrays |= {f"{name}.bias": draw.normal(size=out) for name, (_, out) in made.items()}
@@ -155,8 +154,7 @@ def _acted(weights, kind, card, seen):
     values = seen.astype(float)
     if "observation.mean" in weights:
         values = (values - weights["observation.mean"]) / weights["observation.std"]
-    depth = sum(name.startswith("hidden") for name in weights) // 2
-    for place in range(depth):
+    for place in range(sum(name.startswith("hidden") for name in weights) // 2):
         values = values @ weights[f"hidden.{place}.weight"].astype(float).T + weights[f"hidden.{place}.bias"]
         values = np.tanh(values) if card["activation"] == "tanh" else np.maximum(values, 0)
     head = "mean" if kind == "squashed-gaussian" else "value"

@@ -93,8 +93,7 @@ def test_what_is_paid_after_the_end_does_not_count(by_script):
     """Not even where it is no number."""
     finish = by_script["finish"]
     after = Paying(lambda sample: np.where(sample.distance > 0.05, 1.0, np.nan))
-    last = np.where(finish.running, finish.distances[1:] > 0.05, True)
-    late = finish.running & ~last
+    late = finish.running & ~np.where(finish.running, finish.distances[1:] > 0.05, True)
     assert late.any()
     with pytest.raises(SimulationDiverged):
         score_rollout(after, finish)

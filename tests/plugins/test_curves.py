@@ -85,5 +85,4 @@ def test_a_point_tells_from_where_on_it_averages(names, settings, since):
     told, steps = Roles(**settings), np.array([500.0, 1500.0, 2500.0])
     columns = {"timesteps_total": steps, "step": steps, **dict.fromkeys(names, np.full(3, 16.0))}
     chosen = told.chosen(PATH, [*names, "timesteps_total"])
-    log = points(LogFacts(path=PATH, format="it"), chosen, columns, told)
-    assert_array_equal(log["since"], since)
+    assert_array_equal(points(LogFacts(path=PATH, format="it"), chosen, columns, told)["since"], since)

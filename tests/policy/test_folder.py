@@ -99,8 +99,7 @@ def test_kinds_have_names_of_their_own():
 
 def test_card_says_what_the_policy_is(make_network, tmp_path):
     """Another program finds format, kind, sizes, bounds, normalisation and the training cell in plain JSON."""
-    policy = make_network(Deterministic, is_normalised=True, low=-0.5)
-    policy.save(tmp_path / "policy", {"seed": 3})
+    make_network(Deterministic, is_normalised=True, low=-0.5).save(tmp_path / "policy", {"seed": 3})
     assert _card(tmp_path / "policy") == {
         "format": FORMAT,
         "kind": "deterministic",

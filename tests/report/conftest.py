@@ -241,8 +241,7 @@ def _write_trace(path, episodes, paid=None):
     rows = np.concatenate(episodes)
     if paid is not None:
         known = paid if paid.params or paid.name == BASELINE else _reward(BASELINE)
-        reward = known.build(_plugins(), "rewards")
-        rows[:, COLUMN["reward"]] = pay_log(reward, _trace(rows)).total
+        rows[:, COLUMN["reward"]] = pay_log(known.build(_plugins(), "rewards"), _trace(rows)).total
     path.write_bytes(_parquet(rows.tobytes(), rows.shape))
 
 

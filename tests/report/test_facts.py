@@ -14,8 +14,7 @@ def test_shared_facts_stand_once(build):
 
 def test_differing_facts_are_all_listed(build):
     """Where cells differ, every value stands with the number of its cells; cells that never ran do not count."""
-    results = build(ended={("arp", 2): ("pending", "")})
-    first, *others = results.manifests
+    first, *others = build(ended={("arp", 2): ("pending", "")}).manifests
     moved = replace(first, environment={**first.environment, "commit": "fedcba"})
     facts = [fact[1:] for fact in shared_facts([moved, *others]) if fact.name == "commit"]
     assert facts == [("fedcba", "1 of 5 cells"), ("0123456789abcdef", "4 of 5 cells")]

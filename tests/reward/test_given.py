@@ -111,8 +111,7 @@ def test_terms_by_name_are_functions_and_keys():
 
 def test_weights_multiply_terms():
     """Others are what they are."""
-    weighed = Terms({"both": lambda step: {"a": 2.0, "b": 3.0}}, {"b": 5.0})
-    assert dict(weighed(STEP)) == {"a": 2.0, "b": 15.0}
+    assert dict(Terms({"both": lambda step: {"a": 2.0, "b": 3.0}}, {"b": 5.0})(STEP)) == {"a": 2.0, "b": 15.0}
 
 
 def test_weight_of_no_term_is_refused():

@@ -54,8 +54,7 @@ def test_copied_steps_have_every_field():
 def test_steps_are_mapped_with_what_was_before():
     """Arrays of both; rows are a case of it."""
     steps = made_up(6, 6)
-    doubled = map_steps(lambda array: 2 * array, steps)
-    assert (doubled.before.qpos == 2 * steps.before.qpos).all()
+    assert (map_steps(lambda array: 2 * array, steps).before.qpos == 2 * steps.before.qpos).all()
     assert rows_of(steps, slice(1, 2)).before.qpos.shape == (1, 6)
 
 
@@ -112,5 +111,4 @@ def test_a_total_of_another_library_is_taken_as_it_is():
         def __call__(self, carry, steps):
             return carry, (Opaque(), {"reach": Opaque()})
 
-    opaque = pay(Fixed(), (), None)[1].terms["reach"]
-    assert isinstance(opaque, Opaque)
+    assert isinstance(pay(Fixed(), (), None)[1].terms["reach"], Opaque)

@@ -46,8 +46,7 @@ def test_a_plain_value_has_no_terms():
 
 def test_a_number_among_arrays_is_that_of_every_env():
     """As in `{"alive": 1.0}`."""
-    paid = paid_of({"reach": ONE, "alive": 1.0})
-    assert_array_equal(paid.terms["alive"], [1.0, 1.0])
+    assert_array_equal(paid_of({"reach": ONE, "alive": 1.0}).terms["alive"], [1.0, 1.0])
 
 
 def test_masks_are_added_as_numbers():

@@ -51,8 +51,7 @@ def changed(*pairs, text=ARM):
 
 def in_joint(joint, more, text=ARM):
     """The arm with more in one of its joints."""
-    begin = text.index(f'<joint name="{joint}"')
-    end = text.index("</joint>", begin)
+    end = text.index("</joint>", text.index(f'<joint name="{joint}"'))
     return text[:end] + more + text[end:]
 
 

@@ -212,8 +212,7 @@ def test_a_name_that_is_taken_is_no_obstacle(tmp_path):
     wanted = [pose(*BASES[TABLE]) * frame for frame in tips(text, robot, poses, "tool")]
     assert differ(robot, poses, wanted) <= 1e-12
     simulation = opened(robot, "mujoco")
-    found = simulation.place(poses[:1]).end_effector[0]
-    assert_allclose(found, wanted[0].translation, rtol=0, atol=1e-12)
+    assert_allclose(simulation.place(poses[:1]).end_effector[0], wanted[0].translation, rtol=0, atol=1e-12)
     simulation.close()
 
 

@@ -97,8 +97,7 @@ def test_end_effector_is_that_of_pinocchio(tmp_path_factory, subtests):
     """At twenty random poses, to 1e-12 m; where ROS's parser refuses the file, that of the file without its fault."""
     for name in BROUGHT:
         with subtests.test(name=name):
-            tmp_path = tmp_path_factory.mktemp("case")
-            robot = read_arm(tmp_path, BROUGHT[name])
+            robot = read_arm(tmp_path_factory.mktemp("case"), BROUGHT[name])
             poses, text = poses_of(robot), ARM if name in NOT_READ_BY_ROS else BROUGHT[name]
             assert_allclose(robot.end_effector(poses), tips_of_pinocchio(text, robot, poses), rtol=0, atol=1e-12)
 
@@ -230,8 +229,7 @@ def test_what_engines_get_is_xml_to_every_parser(tmp_path_factory, subtests):
     """Also to one that knows namespaces: the tags are those of a URDF."""
     for name in [*BROUGHT, *ALIKE]:
         with subtests.test(name=name):
-            tmp_path = tmp_path_factory.mktemp("case")
-            robot = read_arm(tmp_path, {**BROUGHT, **ALIKE}[name])
+            robot = read_arm(tmp_path_factory.mktemp("case"), {**BROUGHT, **ALIKE}[name])
             root = ElementTree.fromstring(robot.urdf)
             assert root.tag == "robot"
             assert len(root.findall("link")) >= 6

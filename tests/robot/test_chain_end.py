@@ -42,8 +42,7 @@ def test_tip_is_where_one_chain_ends(subtests):
 def test_early_branches_may_be_arms():
     """A body with two arms has no end; the answer names the branches and what to do."""
     two_arms = arm("a>body", "body>b", "b>c", "c>d", "body>x", "x>y", "y>z")
-    message = r"branches at link 'body' into 'b', 'x'.*end_effector in a robot\.toml"
-    with refused(message):
+    with refused(r"branches at link 'body' into 'b', 'x'.*end_effector in a robot\.toml"):
         find_chain_end(two_arms)
 
 

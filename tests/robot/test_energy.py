@@ -65,8 +65,7 @@ def test_energy_is_that_of_mujoco(name, request):
 
 def test_any_leading_shape(slider):
     """A batch of batches has the energies of its rows."""
-    rng = default_rng(1)
-    qpos, qvel = rng.uniform(0.0, 0.5, (2, 4, 5, 3))
+    qpos, qvel = default_rng(1).uniform(0.0, 0.5, (2, 4, 5, 3))
     bodies = read_bodies(slider)
     whole = energy(slider.chain, bodies, qpos, qvel)
     assert whole.shape == (4, 5)

@@ -60,8 +60,7 @@ def test_frames_do_not_depend_on_the_batch(chain, count):
     qpos = random_joints(1000)
     many = link_frames(chain, qpos)
     for start in range(0, 900, 131):
-        few = link_frames(chain, qpos[start : start + count])
-        assert_array_equal(few, many[..., start : start + count])
+        assert_array_equal(link_frames(chain, qpos[start : start + count]), many[..., start : start + count])
 
 
 def test_frames_of_the_wrong_number_of_joints_are_refused(chain):

@@ -27,8 +27,7 @@ def test_found_poses_are_there():
     """Where it says so, the end effector is within the tolerance of the point; where not, it is not."""
     points = np.concatenate([reachable_points(), [[5.0, 0.0, 0.0]]])
     qpos, reached = from_home(points)
-    error = np.linalg.norm(ROBOT.end_effector(qpos) - points, axis=1)
-    assert_array_equal(reached, error <= 1e-3)
+    assert_array_equal(reached, np.linalg.norm(ROBOT.end_effector(qpos) - points, axis=1) <= 1e-3)
 
 
 def test_most_of_what_can_be_reached_is_found():

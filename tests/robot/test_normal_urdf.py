@@ -238,8 +238,7 @@ def test_collision_mesh_that_stands_still_is_left_out(tmp_path, file):
 
 def test_collision_mesh_that_moves_says_what_reads_it(tmp_path, monkeypatch):
     """A COLLADA file without its reader: as a part of the arm refused, off the arm left out."""
-    shapes = read_shapes(with_mesh(tmp_path, "good.dae", "collision").urdf)
-    assert len(shapes["arm"][0].points) == 4
+    assert len(read_shapes(with_mesh(tmp_path, "good.dae", "collision").urdf)["arm"][0].points) == 4
     monkeypatch.setitem(sys.modules, "collada", None)
     with refused(r"Link 'arm' has a collision mesh: .* pip install 'fd100-harness\[meshes\]'"):
         read_shapes(with_mesh(tmp_path, "good.dae", "collision").urdf)

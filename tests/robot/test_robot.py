@@ -380,8 +380,7 @@ def test_more_joints_than_eight_are_refused(tmp_path):
         '<link name="{0}"/><joint name="{0}" type="prismatic"><parent link="{1}"/><child link="{0}"/>'
         '<limit lower="0" upper="1" velocity="1" effort="1"/></joint>'
     )
-    links = ["base", *"abcdefghi"]
-    joints = "".join(joint.format(child, parent) for parent, child in pairwise(links))
+    joints = "".join(joint.format(child, parent) for parent, child in pairwise(["base", *"abcdefghi"]))
     (tmp_path / "long.urdf").write_text(f'<robot name="long"><link name="base"/>{joints}</robot>', encoding="utf-8")
     with refused(r"long\.urdf: 9 joints move between the root link and 'i'; allowed: 3 to 8\."):
         read_robot(tmp_path / "long.urdf")

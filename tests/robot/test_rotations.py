@@ -39,8 +39,7 @@ def test_angle_is_0_where_both_are_alike(one):
 @given(ROTATIONS, ROTATIONS)
 def test_turn_leads_from_one_to_the_other(one, other):
     """In the world frame; so where there is none, they are alike."""
-    turn = Rotation.from_rotvec(rotation_between(one, other)).as_matrix()
-    assert_allclose(turn @ one, other, atol=1e-7)
+    assert_allclose(Rotation.from_rotvec(rotation_between(one, other)).as_matrix() @ one, other, atol=1e-7)
 
 
 @given(ROTATIONS)

@@ -32,8 +32,7 @@ def test_all_kinds_are_read(arm_text):
 def test_origin_is_the_transform(arm_text):
     """A shape's origin is read as a joint's; without one the shape sits in the link's frame."""
     box, cylinder = read_shapes(parse_urdf(arm_text))["upper"]
-    expected = transform((0.1, 0.2, 0.3), (0.4, 0.5, 0.6))
-    assert_allclose(box.T_link_shape, expected, atol=1e-15)
+    assert_allclose(box.T_link_shape, transform((0.1, 0.2, 0.3), (0.4, 0.5, 0.6)), atol=1e-15)
     assert_array_equal(box.T_link_shape[:3, 3], [0.1, 0.2, 0.3])
     assert_array_equal(cylinder.T_link_shape, np.eye(4))
 

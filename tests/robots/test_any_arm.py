@@ -112,8 +112,7 @@ def test_end_effector_and_joints_of_a_published_arm(name):
 def test_kinematics_is_that_of_the_published_file(name, bullet):
     """Where Bullet, reading the maker's own file, puts the end effector, to 1e-6 m."""
     robot = published(name)
-    data = pytest.importorskip("pybullet_data")
-    pybullet.setAdditionalSearchPath(data.getDataPath(), physicsClientId=bullet)
+    pybullet.setAdditionalSearchPath(pytest.importorskip("pybullet_data").getDataPath(), physicsClientId=bullet)
     body = pybullet.loadURDF(PUBLISHED[name][0], useFixedBase=True, physicsClientId=bullet)
     count = pybullet.getNumJoints(body, physicsClientId=bullet)
     infos = [pybullet.getJointInfo(body, k, physicsClientId=bullet) for k in range(count)]
@@ -151,10 +150,8 @@ def test_simulators_agree_on_ground_contact(robot):
     simulations = [
         simulator.open(robot, len(qpos) if isinstance(simulator, Kinematic) else 1, 0.1) for simulator in SIMULATORS
     ]
-    kinematic = simulations[-1]
-    touching = kinematic.place(qpos).ground_contact.copy()
-    clear = _height(robot, qpos)
-    certain = np.flatnonzero(np.abs(clear) > 3e-3)
+    touching = simulations[-1].place(qpos).ground_contact.copy()
+    certain = np.flatnonzero(np.abs(_height(robot, qpos)) > 3e-3)
     assert 5 < touching.sum() < 195
     for simulation in simulations[:-1]:
         contacts = [bool(simulation.place(qpos[k : k + 1]).ground_contact[0]) for k in certain]

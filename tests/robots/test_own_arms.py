@@ -78,5 +78,4 @@ def test_end_effector_and_jacobian_are_those_of_pinocchio(robot):
 def test_velocity_limits_of_both_files_agree(robot):
     """The URDF's velocity limits are the largest speeds of robot.toml."""
     chain = read_chain(parse_urdf(robot.urdf), robot.end_effector_link)
-    velocities = [joint.velocity for joint in chain if joint.kind != "fixed"]
-    assert_allclose(velocities, robot.max_speed, rtol=1e-15)
+    assert_allclose([joint.velocity for joint in chain if joint.kind != "fixed"], robot.max_speed, rtol=1e-15)

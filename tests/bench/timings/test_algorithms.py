@@ -32,8 +32,7 @@ def test_algorithm_beside_the_bare_one(tmp_path, require_speed, amount, name):
     """Through the harness, trace on, it is nearly as fast as bare stable-baselines3 on the same envs, or faster."""
     settings, task, full = CASES[name]
     steps = amount(full, ENOUGH)
-    envs = [ReachEnv(task=task) for _ in range(settings.num_envs)]
-    bare = bare_training(settings, envs, steps, 0)
+    bare = bare_training(settings, [ReachEnv(task=task) for _ in range(settings.num_envs)], steps, 0)
 
     def through_the_harness():
         env = harness.make_env(task=task, num_envs=settings.num_envs)

@@ -42,8 +42,7 @@ class Standing(Progress):
 def _standing(algorithm, steps):
     """What a training and its env hold after half of so many steps."""
     registry = load_registry()
-    asked = Experiment(sim=["mujoco"], algo=[algorithm], reward=["arp"], steps=4_800)
-    cell = expand(asked, registry).cells[0]
+    cell = expand(Experiment(sim=["mujoco"], algo=[algorithm], reward=["arp"], steps=4_800), registry).cells[0]
     robot, built = harness.load_robot("fd100", registry), cell.algorithm.build(registry, "algorithms")
     env = build_world(cell, robot, registry).open(built.num_envs, resumable=True)
     env.reset(seed=0)

@@ -71,7 +71,6 @@ def test_one_env_beside_the_bare_loop(tmp_path, require_speed, step_through, amo
         step_through(env, actions)
 
     (arm,) = env.simulation.arms
-    told = recorded(arm, through_the_env)
-    require_speed(bare_loop(reference, told), through_the_env, at_least=0.7)
+    require_speed(bare_loop(reference, recorded(arm, through_the_env)), through_the_env, at_least=0.7)
     first, second = (one.model.plant.GetPositions(one.context) for one in (reference, arm))
     assert_array_equal(first, second)

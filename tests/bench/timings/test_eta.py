@@ -42,8 +42,7 @@ def write_run(path, seed, k2, rows=ROWS):
     """A file as the K2 program writes them, or, with k2 = 1, as the base line does; five equal steps per decision."""
     rng = default_rng(seed)
     begin, target = 1.110047, "0.45,0.2,0.45,-0.1857659,1.049303,0.1233658"
-    progress = np.linspace(0.0, 1.0, rows // 5)
-    decided = np.repeat(rng.uniform(0.05, 1.6 - 0.7 * progress), 5)
+    decided = np.repeat(rng.uniform(0.05, 1.6 - 0.7 * np.linspace(0.0, 1.0, rows // 5)), 5)
     lines, step, best = [HEADER], 0, begin
     for distance in decided.tolist():
         before, far = best, begin if step == 0 else distance

@@ -39,8 +39,7 @@ def nothing(observation, action, next_observation, info):
 
 
 def _record(env, path):
-    rewards = {"v1": nothing, "v2": nothing}
-    return harness.RecordRewards(env, path, trained_with="own", rewards=rewards)
+    return harness.RecordRewards(env, path, trained_with="own", rewards={"v1": nothing, "v2": nothing})
 
 
 @pytest.mark.bench

@@ -22,8 +22,7 @@ AT_LEAST = 0.15
 @pytest.fixture(scope="module", name="rows")
 def _rows(amount):
     """A long run: episodes of 100 steps after their start row, distances that go up and down."""
-    rng = default_rng(0)
-    episodes = rng.uniform(0.0, 1.0, (amount(4_000_000, 2 * BLOCK) // EPISODE, EPISODE))
+    episodes = default_rng(0).uniform(0.0, 1.0, (amount(4_000_000, 2 * BLOCK) // EPISODE, EPISODE))
     begin = np.repeat(episodes[:, :1], EPISODE, axis=1)
     best = np.minimum.accumulate(episodes, axis=1)
     best = np.concatenate([begin[:, :1], best[:, :-1]], axis=1)
@@ -43,8 +42,7 @@ def pieces(rows):
 def reward(name):
     """By its name."""
     registry = load_registry()
-    built = choose(registry, "rewards", name).build(registry, "rewards")
-    return built
+    return choose(registry, "rewards", name).build(registry, "rewards")
 
 
 @pytest.fixture

@@ -98,8 +98,7 @@ def test_bounds_turn_round_with_the_rewards_and_with_the_measure():
 
 def test_what_was_seen_may_need_more_confidence():
     """Whichever bound is worse holds: at 99 % that of an ordinary spread, at 95 % that of perfect trainings."""
-    rng = default_rng(2)
-    ordinary, perfect = [steady(rng, 0.5, (32,), 0.18)], [np.ones(32)]
+    ordinary, perfect = [steady(default_rng(2), 0.5, (32,), 0.18)], [np.ones(32)]
     strict, usual = 0.9999, 0.9
     wider = difference_bounds(ordinary, ordinary, [SHARE], usual, strict)
     assert wider == pytest.approx(difference_bounds(ordinary, ordinary, [UNBOUNDED], strict))

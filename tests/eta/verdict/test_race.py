@@ -76,8 +76,7 @@ def test_a_candidate_whose_trainings_fail_leaves():
 def test_several_places_count_with_their_mean():
     """A candidate that is best in one and worst in the other is not the best."""
     torn = np.concatenate([values_of(1.0, 0.01), values_of(0.0, 0.01)])
-    found = raced({"torn": torn, "steady": values_of(0.8, 0.01, places=2)})
-    assert found.best == "steady"
+    assert raced({"torn": torn, "steady": values_of(0.8, 0.01, places=2)}).best == "steady"
 
 
 def test_a_look_spends_with_the_square_of_its_seeds():

@@ -124,8 +124,7 @@ def test_a_question_in_which_nothing_varies_takes_nothing_from_the_others():
 
 def test_questions_of_unlike_seeds_are_corrected_by_holm():
     """They share no ways to deal labels."""
-    questions = [question_of(5, effect=3.0), question_of(7, effect=3.0, seed=1)]
-    found = rule(questions)
+    found = rule([question_of(5, effect=3.0), question_of(7, effect=3.0, seed=1)])
     low, high = sorted(found, key=lambda it: it.p)
     assert low.corrected == pytest.approx(2 * low.p)
     assert high.corrected == pytest.approx(max(low.corrected, high.p))
@@ -149,8 +148,7 @@ def test_measures_that_both_pass_with_opposite_signs_are_contrary():
 def test_questions_over_places_are_corrected_as_those_in_one_place():
     """By the step-down procedure: the largest p of three that all pass is not multiplied by three."""
     effects = (1.5, 2.0, 2.5)
-    questions = [question_of(8, places=3, effect=effect, seed=seed) for seed, effect in enumerate(effects)]
-    found = rule(questions)
+    found = rule([question_of(8, places=3, effect=effect, seed=seed) for seed, effect in enumerate(effects)])
     assert all(it.is_decided for it in found)
     last = max(found, key=lambda it: it.p)
     assert last.corrected < 3 * last.p
@@ -198,8 +196,7 @@ def test_of_many_places_single_ones_count():
 
 def test_places_that_luck_alone_sets_apart_are_not_counted():
     """One place is better; in three every training of one reward succeeds beside a steady 80 %, as one in four do."""
-    rng = default_rng(0)
-    values = 0.8 + 0.02 * rng.normal(size=(2, 6, 4, 1))
+    values = 0.8 + 0.02 * default_rng(0).normal(size=(2, 6, 4, 1))
     values[0, :, 0] -= 0.5
     values[1, :, 1:] = 1.0
     values[1, 0, 1:] = 0.0
@@ -254,8 +251,7 @@ def test_every_measure_has_a_least_p_of_its_own():
 
 def test_what_no_failure_could_make_up_for_has_no_least_p():
     """The proposed reward always succeeds and is slower: failures would make it slower yet."""
-    found = ruling_of(all_or_nothing(10, 0, steady=0.9, seconds=1.5))
-    assert found.of_measures[1] < 0.001
+    assert ruling_of(all_or_nothing(10, 0, steady=0.9, seconds=1.5)).of_measures[1] < 0.001
 
 
 @pytest.mark.parametrize("end", [np.nan, -np.inf])

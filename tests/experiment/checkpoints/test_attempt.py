@@ -69,6 +69,5 @@ def test_checkpoint_of_another_cell_is_of_no_use(make_cell, tmp_path):
 def test_what_was_left_without_a_checkpoint_is_removed(make_cell, tmp_path):
     """A process that was killed before its first checkpoint, or that writes none."""
     (tmp_path / "trace.0").touch()
-    attempt = _begin(make_cell(), tmp_path)
-    assert attempt.note == "started over: no checkpoint was left"
+    assert _begin(make_cell(), tmp_path).note == "started over: no checkpoint was left"
     assert [path.name for path in tmp_path.iterdir()] == [LOG]

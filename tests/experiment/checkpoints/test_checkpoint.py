@@ -338,8 +338,7 @@ def test_cell_whose_process_alone_was_killed_is_reopened(make_cell, store):
     cell = make_cell()
     _begun(store, cell)
     store.record(cell, "failed", "its process was ended by SIGKILL")
-    partial = store.reopen(cell)
-    assert {path.name for path in partial.iterdir()} == {"checkpoint.safetensors"}
+    assert {path.name for path in store.reopen(cell).iterdir()} == {"checkpoint.safetensors"}
     assert not store.cell_folder(cell).exists()
 
 

@@ -80,8 +80,7 @@ def test_an_arm_has_the_defaults_of_the_fields(registry):
 
 def test_the_same_written_out_is_the_same_cell(registry):
     """Two ways to ask for it are asked for once."""
-    both = expand(_asked(algo="ppo,ppo:gamma=0.99"), registry)
-    assert both.cells == expand(_asked(), registry).cells
+    assert expand(_asked(algo="ppo,ppo:gamma=0.99"), registry).cells == expand(_asked(), registry).cells
 
 
 @pytest.mark.parametrize("algo", ["ppo", "ppo:gamma=0.8"])

@@ -148,8 +148,7 @@ def _left(folder):
 def test_the_learner_is_paid_by_the_reward_of_its_cell(registry, given, tmp_path):
     """And told of success, as other processes see it."""
     words = []
-    cell = _plan(registry).cells[1]
-    _done(cell, tmp_path / "cell", given, words)
+    _done(_plan(registry).cells[1], tmp_path / "cell", given, words)
     training = read_recording(tmp_path / "cell" / "training")
     ended = np.flatnonzero(training["terminated"] | training["truncated"])
     paid = np.add.reduceat(training["reward/right"], [0, *(ended[:-1] + 1)])[: len(ended)]
@@ -185,8 +184,7 @@ def test_a_killed_cell_without_a_checkpoint_starts_over(registry, given, tmp_pat
     left = partial_folder(tmp_path / "killed")
     (left / "training").mkdir(parents=True)
     (left / "training" / "recording-0.json").write_text("half")
-    manifest = _done(cell, tmp_path / "killed", given)
-    assert manifest.note.startswith("started over")
+    assert _done(cell, tmp_path / "killed", given).note.startswith("started over")
     assert _left(tmp_path / "whole") == _left(tmp_path / "killed")
 
 
@@ -299,8 +297,7 @@ def test_an_evaluation_that_hangs_is_ended(tmp_path):
     )
     asked = check_experiment({"task": "hanging", "algo": "random", "seeds": 1, "steps": STEPS, "reward": []})
     options = RunOptions(out=tmp_path / "out", stall_after=2.0, jobs=1)
-    results = prepare(asked, options, read_given([file])).run()
-    (failed,) = results.failed
+    (failed,) = prepare(asked, options, read_given([file])).run().failed
     assert failed.reason == "no progress for 2 s (--stall-after)"
 
 

@@ -148,8 +148,7 @@ def test_an_env_that_fails_when_it_does_it_again_starts_over(registry, given, tm
 
 def test_nothing_of_a_checkpoint_is_left(registry, given, tmp_path):
     """In the folder of a cell that is done; while it trains there is one, with the actions in files that grow."""
-    cell = _cell(registry)
-    _leave(cell, tmp_path / "killed", given)
+    _leave(_cell(registry), tmp_path / "killed", given)
     left = {path.name for path in partial_folder(tmp_path / "killed").iterdir()}
     assert {"checkpoint.safetensors", "training"} <= left
     assert sorted(name for name in left if name.startswith("ring.")) == [

@@ -70,8 +70,7 @@ def lay(tmp_path):
         (tmp_path / "behaviour.py").write_text(f"def place({HEAD}):\n    return float(next_observation[0])\n")
         for name, body in bodies.items():
             (tmp_path / f"{name}.py").write_text(f"def {name}({HEAD}):\n    {body}\n")
-        asked = [tmp_path / "*.py"] if optional else sorted(tmp_path.glob("*.py"))
-        return read_given(asked)
+        return read_given([tmp_path / "*.py"] if optional else sorted(tmp_path.glob("*.py")))
 
     return written
 

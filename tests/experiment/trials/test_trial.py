@@ -16,8 +16,7 @@ def works(given):
 
 def test_what_ends_the_process_is_named_and_the_rest_is_tried(lay):
     """One process is lost, and the next one finds what only raises."""
-    given = lay(ends="__import__('os')._exit(3)", far="return 1.0", raises="return 1 / 0")
-    (tried,) = try_tasks(works(given))
+    (tried,) = try_tasks(works(lay(ends="__import__('os')._exit(3)", far="return 1.0", raises="return 1 / 0")))
     lost, raises = tried.faults
     assert lost == Fault(
         "reward",

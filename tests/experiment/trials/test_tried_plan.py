@@ -90,8 +90,7 @@ def test_a_run_is_checked_so_until_all_is_done(lay, tmp_path, monkeypatch):
     """Then nothing is tried again; the seven of others' figures are those of a run without what fails."""
     lay(optional=True, far=GOOD, bad=BAD)
     asked = {"task": "walking", "algo": "random", "seeds": 1, "steps": 16, "evaluation_episodes": 1}
-    given = [tmp_path / "*.py"]
-    results = harness.run(**asked, plugins=given, out=tmp_path / "runs", jobs=1)
+    results = harness.run(**asked, plugins=[tmp_path / "*.py"], out=tmp_path / "runs", jobs=1)
     assert {(it.cell.reward.label, it.status) for it in results.manifests} == {
         ("own", "done"), ("far", "done"), ("bad", "skipped"),
     }  # fmt: skip

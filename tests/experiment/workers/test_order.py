@@ -26,8 +26,7 @@ def test_order_is_read_as_it_was_given(make_cell, tmp_path_factory, subtests):
     """Of every kind of work: its class and all that it holds come back from one line of text."""
     for case, work in WORKS.items():
         with subtests.test(case):
-            tmp_path = tmp_path_factory.mktemp("case")
-            order = Order(tmp_path / "cell", work(make_cell()))
+            order = Order(tmp_path_factory.mktemp("case") / "cell", work(make_cell()))
             line = order.line()
             assert "\n" not in line
             assert read_order(line)[0] == order

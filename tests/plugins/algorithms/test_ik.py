@@ -64,8 +64,7 @@ def test_policy_of_a_pose_comes_back_from_its_folder(tmp_path):
     task = choose(REGISTRY, "tasks", "fd100-pose").build(REGISTRY, "tasks")
     policy = kinematics_policy(task, harness.load_robot("fd100", REGISTRY), "ik")
     policy.save(tmp_path)
-    env = harness.make_env("kinematic", "fd100-pose", "dense", num_envs=4)
-    seen, _ = env.reset(seed=0)
+    seen, _ = harness.make_env("kinematic", "fd100-pose", "dense", num_envs=4).reset(seed=0)
     assert_array_equal(policy.act(seen), load_policy(tmp_path).act(seen))
     card = json.loads((tmp_path / CARD).read_text())
     assert (card["observation"]["size"], card["turns"]) == (37, True)
@@ -96,8 +95,7 @@ def test_policy_comes_back_from_its_folder(tmp_path, mode):
 def test_nothing_is_drawn():
     """With a generator it does the same as without."""
     policy = _policy(ReachTask())
-    drawn = policy.act(observations(), default_rng(0))
-    assert_array_equal(drawn, policy.act(observations()))
+    assert_array_equal(policy.act(observations(), default_rng(0)), policy.act(observations()))
 
 
 def test_card_has_the_size_of_the_observation():

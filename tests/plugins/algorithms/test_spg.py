@@ -213,8 +213,7 @@ def test_update_climbs_along_the_estimate():
     learner.update(segment)
     for slope, (name, trained) in zip(expected, learner._policy.items(), strict=True):
         torch.testing.assert_close(trained.grad, slope)
-        moved = (trained - policy[name]).detach()
-        assert (moved * slope).sum() > 0.0
+        assert ((trained - policy[name]).detach() * slope).sum() > 0.0
 
 
 def test_policy_stays_when_the_training_goes_on():
@@ -334,8 +333,7 @@ def test_defaults_learn_the_fd100_task(seed):
     """In 100,000 steps on the simulator kinematic under the reward dense: success and return far above random."""
     env = harness.make_env("kinematic", "fd100-reach", "dense", num_envs=Spg().num_envs)
     env.reset(seed=seed)
-    policy = Spg().train(env, 100_000, seed, Progress())
-    success, returns = _evaluate(policy)
+    success, returns = _evaluate(Spg().train(env, 100_000, seed, Progress()))
     floor_success, floor_returns = _evaluate(Uniform((-1.0,) * 6, (1.0,) * 6))
     assert (success > 0.9, floor_success < 0.2) == (True, True)
     assert (returns > -5.0, floor_returns < -40.0) == (True, True)

@@ -152,7 +152,6 @@ def test_a_reward_of_distances_with_terms_is_asked_about_made_up_ones(judge):
 
 def test_the_other_reward_may_read_more(rollouts, judge):
     """Then distances rest on recorded transitions, and properties are asked as ever."""
-    action = Paying(lambda step: -(step.action**2).sum(-1))
-    found = audit_reward(BASELINE, action, rollouts, 0.95).scripts
+    found = audit_reward(BASELINE, Paying(lambda step: -(step.action**2).sum(-1)), rollouts, 0.95).scripts
     assert (found.recorded_because, found.needed) == (("action",), ())
     assert found.properties == judge("baseline").scripts.properties

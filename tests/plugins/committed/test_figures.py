@@ -116,8 +116,7 @@ def learned(build, figures):
 def test_learning_says_how_many_trainings_its_lines_are_of(build, figures):
     """All of each reward, also where they have other seeds."""
     results = build(learned={10: 1}, ended={("arp", 2): ("failed", "it broke")})
-    told = words(figures(results)["learning"])
-    assert any("3 trainings with baseline, 2 with arp" in text for text in told)
+    assert any("3 trainings with baseline, 2 with arp" in text for text in words(figures(results)["learning"]))
 
 
 def test_learning_names_its_curves(learned):

@@ -17,8 +17,7 @@ def page(summarise, **given):
 
 def test_table_has_what_the_report_says(build, tmp_path):
     """Both etas with their intervals, the split, the success rates, the seeds."""
-    results = build()
-    write_summary(results, tmp_path / "mine")
+    write_summary(build(), tmp_path / "mine")
     line = next(line for line in (tmp_path / "mine" / "summary.md").read_text().split("\n") if line.startswith("| 1 |"))
     cells = [cell.strip() for cell in line.strip("|").split("|")]
     assert cells == [
@@ -159,8 +158,7 @@ def lacking(text):
 def test_seconds_are_added_and_the_span_is_from_first_to_last(build):
     """Cells that run beside one another take less together; what never ran counts as nothing."""
     first, second, third, *_ = build(seeds=2, ended={("baseline", 1): ("pending", "")}).manifests
-    later = replace(second, started="2026-01-01T00:00:10+00:00", seconds=100.0)
-    effort = effort_of([later, first, third])
+    effort = effort_of([replace(second, started="2026-01-01T00:00:10+00:00", seconds=100.0), first, third])
     assert (effort.cells, effort.seconds, effort.span) == (2, 112.5, 110.0)
 
 

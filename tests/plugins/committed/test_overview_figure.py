@@ -58,5 +58,4 @@ def test_an_eta_without_a_number_is_words(build, drawn):
 
 def test_no_number_no_overview(build, figures):
     """Where neither eta has one."""
-    results = build(baseline=(40, 0), proposed={"arp": (0, 0)})
-    assert "overview" not in figures(results)
+    assert "overview" not in figures(build(baseline=(40, 0), proposed={"arp": (0, 0)}))

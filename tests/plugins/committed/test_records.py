@@ -79,8 +79,7 @@ def test_same_results_give_the_same_bytes(build, tmp_path):
 
 def test_no_finished_combination_is_a_summary_too(summarise):
     """It has every record, and no figure."""
-    left = names(summarise(ended={("arp", seed): ("failed", "it broke") for seed in range(3)}))
-    assert left == RECORDS
+    assert names(summarise(ended={("arp", seed): ("failed", "it broke") for seed in range(3)})) == RECORDS
 
 
 def test_null_control_has_figures(summarise):
@@ -116,16 +115,14 @@ def test_nothing_heavy_is_imported(build, tmp_path):
 
 def test_names_are_safe_and_say_what_it_is(build):
     """Lower-case letters, digits, dots and hyphens."""
-    results = build(proposed={"arp:k1=2,k2=3.25": (9, 30)})
-    (stem,) = figure_stems(results.combinations)
+    (stem,) = figure_stems(build(proposed={"arp:k1=2,k2=3.25": (9, 30)}).combinations)
     assert stem == "mujoco-sac-fd100-fd100-reach-arp-k1-2-k2-3.25-against-baseline"
 
 
 def test_no_two_are_alike(build):
     """Labels that differ in signs alone still give two names."""
     (combination,) = build().combinations
-    twins = [replace(combination, proposed=label) for label in ("x:k=1", "x:k=-1", "X:k=1")]
-    stems = figure_stems(twins)
+    stems = figure_stems([replace(combination, proposed=label) for label in ("x:k=1", "x:k=-1", "X:k=1")])
     assert len({stem.lower() for stem in stems}) == 3
 
 
@@ -194,8 +191,7 @@ def test_killed_writer_leaves_whole_old_files(folder):
         "pathlib.Path.write_bytes = write_half\n"
         f"put_files(pathlib.Path(sys.argv[1]), {NEW!r}, 'figures')\n"
     )
-    ended = subprocess.run([sys.executable, "-c", code, str(folder)], check=False)
-    assert ended.returncode == -9
+    assert subprocess.run([sys.executable, "-c", code, str(folder)], check=False).returncode == -9
     left = {name: content for name, content in read(folder).items() if not name.startswith(PARTIAL)}
     assert left == {**OLD, "published.toml": b"theirs"}
     assert (folder / PARTIAL).is_dir()

@@ -81,8 +81,7 @@ def test_text_is_text_and_inside(figure):
 
 def test_legend_has_every_name_once(figure):
     """Though both panels have it."""
-    samples = [node for node in ET.fromstring(figure).iter() if node.get("class") == "chart sample"]
-    assert len(samples) == 1
+    assert len([node for node in ET.fromstring(figure).iter() if node.get("class") == "chart sample"]) == 1
 
 
 def test_panels_stand_below_one_another():

@@ -58,8 +58,7 @@ def test_numbers_are_read_back_exactly(build, rows):
 
 def test_failed_cell_has_its_reason_and_no_values(build, rows):
     """A reason of several lines stands in one."""
-    results = build(ended={("arp", 0): ("failed", 'it "broke",\nbadly')})
-    row = rows(results)[1]
+    row = rows(build(ended={("arp", 0): ("failed", 'it "broke",\nbadly')}))[1]
     assert (row["status"], row["reason"]) == ("failed", 'it "broke", badly')
     known = ("id", "simulator", "task", "robot", "algorithm", "reward", "seed", "steps", "status", "reason")
     assert {row[name] for name in row if name not in known} == {""}
@@ -81,8 +80,7 @@ def test_lines_end_alike_everywhere(build, left):
 @pytest.mark.parametrize("reason", ["=1+1", "+1", "-1", "@SUM(A1)", "=HYPERLINK()"])
 def test_a_text_is_no_formula(build, reason, rows):
     """A spreadsheet shows it, behind an apostrophe, and computes nothing."""
-    row = rows(build(ended={("arp", 0): ("failed", reason)}))[1]
-    assert row["reason"] == f"'{reason}"
+    assert rows(build(ended={("arp", 0): ("failed", reason)}))[1]["reason"] == f"'{reason}"
 
 
 def test_negative_numbers_stay_numbers(build, rows):

@@ -203,8 +203,7 @@ def extent_in_mujoco(model, data, geom):
     kind = model.geom_type[geom]
     if kind == mujoco.mjtGeom.mjGEOM_MESH:
         mesh = model.mesh(model.geom_dataid[geom])
-        points = model.mesh_vert[mesh.vertadr[0] : mesh.vertadr[0] + mesh.vertnum[0]]
-        reach = (local @ points.T).max(axis=1)
+        reach = (local @ model.mesh_vert[mesh.vertadr[0] : mesh.vertadr[0] + mesh.vertnum[0]].T).max(axis=1)
     elif kind == mujoco.mjtGeom.mjGEOM_BOX:
         reach = np.abs(local) @ size
     else:
@@ -301,8 +300,7 @@ def test_two_arms_ask_for_one(tmp_path):
     text = ARM[:begin] + body + second + ARM[end : ARM.index("<keyframe>")] + "</mujoco>"
     assert "The arm branches at link 'world' into 'base', 'other_base'" in refused(tmp_path, text)
     (tmp_path / "robot.toml").write_text('end_effector = "other_attachment_site"\n')
-    robot = read_robot(tmp_path / "arm.xml")
-    assert robot.joint_names[0] == "other_pan"
+    assert read_robot(tmp_path / "arm.xml").joint_names[0] == "other_pan"
 
 
 REFUSED = {

@@ -33,8 +33,7 @@ def _built(given):
     if missing:
         pytest.skip(f"needs {', '.join(missing)}")
     registry = load_registry()
-    built = choose(registry, "environments", given).build(registry, "environments")
-    return built
+    return choose(registry, "environments", given).build(registry, "environments")
 
 
 @pytest.mark.parametrize("given", GIVEN)

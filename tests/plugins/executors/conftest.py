@@ -210,8 +210,7 @@ def slurm(tmp_path_factory):
         patch.setenv("PATH", DAEMONS)
         log = stack.enter_context((folder / "log").open("w"))
         for command in commands:
-            process = stack.enter_context(subprocess.Popen(command, stdout=log, stderr=log))
-            stack.callback(process.terminate)
+            stack.callback(stack.enter_context(subprocess.Popen(command, stdout=log, stderr=log)).terminate)
         _wait_for_idle_node(folder / "log")
         yield
 
@@ -219,8 +218,7 @@ def slurm(tmp_path_factory):
 def _free_port():
     with socket.socket() as server:
         server.bind(("127.0.0.1", 0))
-        port = server.getsockname()[1]
-        return port
+        return server.getsockname()[1]
 
 
 def _wait_for_idle_node(log):

@@ -119,8 +119,7 @@ def test_worker_dies_with_a_killed_parent(that, tmp_path, toys):
         "Processes().run([Job(cell, Path(sys.argv[2]))], 1, lambda event: None)\n"
     )
     parent = subprocess.Popen([sys.executable, "-c", script, json.dumps(cell.to_json()), str(tmp_path / "cell")])
-    worker = int(note.read_text())
-    watch = os.pidfd_open(worker)
+    watch = os.pidfd_open(int(note.read_text()))
     try:
         parent.kill()
         parent.wait()

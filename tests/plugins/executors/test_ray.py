@@ -181,8 +181,7 @@ def test_killed_processes_and_nodes_lose_nothing(two_nodes, tmp_path, place):
                 two_nodes.add()
             elif killed["processes"] < KILLED_PROCESSES:
                 with suppress(psutil.NoSuchProcess, IndexError):
-                    busy = [slot for slot in two_nodes.slots() if slot.children()]
-                    rng.choice(busy).kill()
+                    rng.choice([slot for slot in two_nodes.slots() if slot.children()]).kill()
                     killed["processes"] += 1
 
     thread = threading.Thread(target=disturb)

@@ -101,8 +101,7 @@ def test_onnx_model_has_names_and_the_card(make_network):
 
 def test_choices_are_a_row_of_whole_numbers(make_network):
     """The action of a policy that chooses is (batch,) of int64."""
-    model = onnx.load_from_string(onnx_model.model_of(make_network(Greedy), CARD))
-    (action,) = model.graph.output
+    (action,) = onnx.load_from_string(onnx_model.model_of(make_network(Greedy), CARD)).graph.output
     assert action.type.tensor_type.elem_type == onnx.TensorProto.INT64
     assert [axis.dim_param for axis in action.type.tensor_type.shape.dim] == ["batch"]
 

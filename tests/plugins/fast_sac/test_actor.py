@@ -69,8 +69,7 @@ def test_no_way_back_where_the_deviation_is_cut_off(log_std):
     """A deviation that cannot change is not asked to."""
     output = np.array([[0.1, log_std]], np.float32)
     error = np.empty_like(output)
-    noise = np.ones((1, 1), np.float32)
-    put_error(output, draw(output, noise), np.ones((1, 1), np.float32), 0.5, error)
+    put_error(output, draw(output, np.ones((1, 1), np.float32)), np.ones((1, 1), np.float32), 0.5, error)
     assert error[0, 1] == 0.0
 
 

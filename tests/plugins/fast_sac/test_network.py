@@ -74,8 +74,7 @@ def test_one_network_serves_a_stack_of_inputs():
     """The actor meets two batches in one pass: each comes out as by itself."""
     rng, sizes = default_rng(0), [4, 8, 2]
     networks, inputs = drawn(1, sizes, rng), inputs_of(rng, 2, 5, 4)
-    both = forward(networks, "relu", inputs, Room.of(2, 5, sizes))
-    for batch, output in zip(inputs, both, strict=True):
+    for batch, output in zip(inputs, forward(networks, "relu", inputs, Room.of(2, 5, sizes)), strict=True):
         assert_allclose(forward(networks, "relu", batch, Room.of(1, 5, sizes))[0], output, rtol=1e-5)
 
 

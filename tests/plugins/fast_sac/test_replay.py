@@ -48,8 +48,7 @@ def test_only_what_was_added_is_drawn():
 def test_every_transition_is_drawn_as_often():
     """Uniform: 10,000 draws of 10."""
     drawn = filled(10, range(10)).draw(10_000, default_rng(0)).inputs[0][:, -2]
-    counts = np.bincount(drawn.astype(int), minlength=10)
-    assert abs(counts - 1_000).max() < 150
+    assert abs(np.bincount(drawn.astype(int), minlength=10) - 1_000).max() < 150
 
 
 def test_the_oldest_are_forgotten():

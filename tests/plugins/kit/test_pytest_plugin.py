@@ -127,8 +127,7 @@ def test_a_cell_is_trained_and_evaluated(pytester):
 def test_a_marker_that_nobody_understands_is_an_error(pytester, marker, told):
     """It says what was given and what there is."""
     source = f"import pytest\n@pytest.mark.harness({marker})\ndef test_it(simulation):\n    pass\n"
-    result = _passes(pytester, source, errors=1)
-    result.stdout.fnmatch_lines([f"*{told}*"])
+    _passes(pytester, source, errors=1).stdout.fnmatch_lines([f"*{told}*"])
 
 
 def test_it_imports_nothing_before_a_test_asks():
@@ -151,5 +150,4 @@ def test_pytest_finds_it_by_its_entry_point():
 def test_the_fixtures_are_those_of_the_page(pytester):
     """The last snippet of docs/authoring.md passes as it stands."""
     page = (ROOT / "docs" / "authoring.md").read_text(encoding="utf-8")
-    snippet = page.rsplit("```python\n", 1)[1].split("```")[0]
-    _passes(pytester, snippet, "--benchmark-disable", passed=3)
+    _passes(pytester, page.rsplit("```python\n", 1)[1].split("```")[0], "--benchmark-disable", passed=3)

@@ -24,8 +24,7 @@ def test_share_of_the_finished_episodes(ends, share):
 def test_outcomes_make_one(seed):
     """Reached, on the ground before, and out of time are all that there is, in tasks that go on too."""
     trace = recorded_trace(seed, ("reached", "truncated", "ground", "touched", "ground", "truncated", "truncated"))
-    shares = [metric(trace) for metric in (SuccessRate(), GroundHits(), Timeouts())]
-    assert sum(shares) == pytest.approx(1.0)
+    assert sum([metric(trace) for metric in (SuccessRate(), GroundHits(), Timeouts())]) == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize("ends", [(), ("",)])

@@ -10,8 +10,7 @@ ROWS, GRACE = 20, 5
 
 def touching(*firsts):
     """Contact from a row on, for each episode; never where None."""
-    rows = np.arange(ROWS)[:, None]
-    return rows >= np.array([ROWS if first is None else first for first in firsts])
+    return np.arange(ROWS)[:, None] >= np.array([ROWS if first is None else first for first in firsts])
 
 
 CONTACTS = {

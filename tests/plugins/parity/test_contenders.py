@@ -68,8 +68,7 @@ def test_a_named_one_that_is_not_installed_is_a_usage_error():
 def test_a_broken_plugin_costs_its_simulator_alone():
     """Unless it is named: then it is what was asked for."""
     both = registry(spec("ideal"), spec("broken", target="harness_plugins.kit:Nothing"))
-    contenders = choose_contenders(both, [], None)
-    assert "harness_plugins.kit:Nothing" in contenders.simulators["broken"].reason
+    assert "harness_plugins.kit:Nothing" in choose_contenders(both, [], None).simulators["broken"].reason
     with pytest.raises(PluginError):
         choose_contenders(both, ["broken"], None)
 

@@ -61,8 +61,7 @@ def test_a_drive_that_is_too_weak_falls_short(robot, told, track):
     slow = np.minimum(np.maximum(speed, -0.5 * robot.max_speed), 0.5 * robot.max_speed)
     weak = told[0] + np.concatenate([np.zeros_like(told[:1]), np.cumsum(slow * PERIOD, axis=0)])
     found = response_of(track(weak), told, robot, PERIOD)
-    share = np.abs(speed) / robot.max_speed
-    assert found.falls_short == pytest.approx((share > 0.6).mean())
+    assert found.falls_short == pytest.approx((np.abs(speed) / robot.max_speed > 0.6).mean())
     assert found.falls_short > 0.0
     assert found.speed_reached == pytest.approx(0.5)
 
@@ -84,8 +83,7 @@ def test_differences_where_joints_turn_are_told(robot, told, track):
     speed = np.diff(told, axis=0, prepend=told[:1]) / PERIOD
     share = (np.abs(np.diff(speed, axis=0, prepend=speed[:1])) / PERIOD / robot.max_acceleration).max(axis=-1)
     offset = np.where(share >= 0.5 * share.max(), 0.01, 0.001)[..., None]
-    found = difference_between(track(told), track(told + offset), told, robot, PERIOD)
-    assert 5.0 < found.turning < 20.0
+    assert 5.0 < difference_between(track(told), track(told + offset), told, robot, PERIOD).turning < 20.0
 
 
 def test_after_contact_counts_from_the_first_one_that_either_sees(robot, told, track):

@@ -44,8 +44,7 @@ def test_no_difference_has_no_place_on_a_logarithmic_axis(found):
 
 def test_without_the_reference_every_line_is_shown(compare, toolbox):
     """There is nothing else to show."""
-    broken = compare(bad=toolbox.closed, one=toolbox.ideal, two=toolbox.late)
-    assert len(draw_pairs(broken, TIPS).marks) == 1
+    assert len(draw_pairs(compare(bad=toolbox.closed, one=toolbox.ideal, two=toolbox.late), TIPS).marks) == 1
 
 
 def test_the_page_is_whole_and_loads_nothing(found, tmp_path):

@@ -120,8 +120,7 @@ def test_a_reference_that_fails_is_still_named(compare, toolbox):
 def test_an_arm_that_does_not_reach_the_ground_has_no_contact_figures(compare, toolbox, robot):
     """Null with a reason, not 0."""
     stiff = replace(robot, lower=robot.home - 0.05, upper=robot.home + 0.05)
-    parity = compare(arm=stiff, one=toolbox.ideal, two=toolbox.late)
-    (pair,) = parity.to_json()["pairs"]
+    (pair,) = compare(arm=stiff, one=toolbox.ideal, two=toolbox.late).to_json()["pairs"]
     assert pair["contact_disagreement"] is None
     assert pair["mean_contact_delay_s"] is None
     assert "contact" not in pair["classes"]

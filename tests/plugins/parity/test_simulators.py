@@ -62,8 +62,7 @@ def test_a_placed_arm_is_the_robot(simulator, name):
 @pytest.mark.parametrize(("name", "bound"), DRIVEN)
 def test_a_driven_arm_is_near_where_it_was_told_to_be(simulator, name, bound):
     """Over 200 steps of smooth motion; it does move, so that it is not exactly there."""
-    tracking = simulator(name).tracking
-    assert 1e-7 < tracking.max_tip_error_m < bound
+    assert 1e-7 < simulator(name).tracking.max_tip_error_m < bound
 
 
 def test_the_kinematic_arm_is_exactly_where_it_was_told_to_be(simulator):

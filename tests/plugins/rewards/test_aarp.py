@@ -53,8 +53,7 @@ def test_gain_is_the_closed_formula(episode, distances, growth):
 @given(DISTANCES)
 def test_bounds(episode, distances):
     """-k1 d(t) <= r <= k_max Bd, and never less than ARP pays."""
-    reward = Aarp(k1=2.0, k2=1.5, growth=1.5, k_max=3.0)
-    values = episode(reward, distances)
+    values = episode(Aarp(k1=2.0, k2=1.5, growth=1.5, k_max=3.0), distances)
     assert (values <= 3.0 * distances[0]).all()
     assert (values >= -2.0 * np.array(distances[1:])).all()
     assert (values >= episode(Arp(k1=2.0, k2=1.5), distances)).all()
@@ -62,8 +61,7 @@ def test_bounds(episode, distances):
 
 def test_a_long_row_stays_bounded(episode):
     """After ten thousand improvements the gain is k_max, and nothing has overflowed."""
-    values = episode(Aarp(growth=10.0), np.linspace(1.0, 0.0, 10_001))
-    assert values[-1] == 3.0
+    assert episode(Aarp(growth=10.0), np.linspace(1.0, 0.0, 10_001))[-1] == 3.0
 
 
 def test_carry_is_the_gain_and_is_written_anew():

@@ -80,8 +80,7 @@ def test_steps_are_paid_again_by_the_reward_of_the_training(model):
     in_hindsight = slice(50 - 40, None)  # the last four fifths
     again = goals.pay(seen["achieved_goal"].astype(float), seen["desired_goal"].astype(float))
     assert_allclose(batch.rewards.numpy()[in_hindsight, 0], again[in_hindsight], rtol=1e-5, atol=1e-6)
-    targets = np.unique(seen["desired_goal"][:10], axis=0)
-    assert len(targets) == 1
+    assert len(np.unique(seen["desired_goal"][:10], axis=0)) == 1
     assert len(np.unique(seen["desired_goal"][in_hindsight], axis=0)) > 5
 
 
@@ -109,8 +108,7 @@ def test_it_learns_what_the_library_learns_by_itself(tmp_path):
     """In the same env, with the same settings and seed: the same network in the end."""
     settings = {"learning_starts": 30, "batch_size": 16, "gamma": 0.9, "learning_rate": 1e-3}
     env = _Line()
-    rewards = {"own": "own"}
-    recorded = RecordRewards(env, tmp_path, trained_with="own", rewards=rewards, pay=True)
+    recorded = RecordRewards(env, tmp_path, trained_with="own", rewards={"own": "own"}, pay=True)
     batch = EnvironmentBatch([recorded], lambda achieved, desired: env.compute_reward(achieved, desired, []))
     batch.reset(seed=7)
     policy = Her(net_arch=(8,), ent_coef="0.1", **settings).train(batch, 200, 3, Progress())

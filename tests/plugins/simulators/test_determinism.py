@@ -86,8 +86,7 @@ def told_elsewhere():
         "print(json.dumps({f'{pair}': module.digest(module.record(*pair)) for pair in pairs}))\n"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    told = json.loads(done.stdout.splitlines()[-1])
-    return told
+    return json.loads(done.stdout.splitlines()[-1])
 
 
 def test_same_seed_same_trace_in_another_process(simulator, task, told_elsewhere):

@@ -102,8 +102,7 @@ def test_joints_have_their_names(open_arms):
     pose = np.radians([-50.0, -30.0, 20.0, 70.0, 110.0, 200.0])
     simulation = open_arms(1)
     simulation.place(pose[None])
-    named = simulation.arms[0].physics.named.data.qpos[list(ROBOT.joint_names)]
-    assert_array_equal(named, pose)
+    assert_array_equal(simulation.arms[0].physics.named.data.qpos[list(ROBOT.joint_names)], pose)
 
 
 @pytest.mark.parametrize("target", [np.nan, np.inf])

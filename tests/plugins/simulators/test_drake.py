@@ -19,8 +19,7 @@ def test_servo_is_as_fast_as_its_bandwidth(open_arms):
         simulation.place(home(1))
         target = home(1)
         target[0, joint] += 0.001
-        speed = simulation.drive(target, 0.005).qvel[0, joint]
-        assert 1.0 - speed / 0.2 == pytest.approx(0.5, abs=0.02)
+        assert 1.0 - simulation.drive(target, 0.005).qvel[0, joint] / 0.2 == pytest.approx(0.5, abs=0.02)
 
 
 def test_number_of_steps_never_wavers(open_arms):
@@ -29,8 +28,7 @@ def test_number_of_steps_never_wavers(open_arms):
     (arm,) = simulation.arms
     for _ in range(3000):
         simulation.drive(home(1), 0.1)
-    updates = arm.simulator.get_num_discrete_updates()
-    assert updates == 9000
+    assert arm.simulator.get_num_discrete_updates() == 9000
 
 
 def test_it_says_nothing(open_arms, caplog):

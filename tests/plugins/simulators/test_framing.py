@@ -92,8 +92,7 @@ def test_a_marker_is_where_the_camera_projects_it(robot, simulator):
         frame = simulation.render(0, marker, WIDTH, HEIGHT)
         coloured = np.ptp(frame.astype(int), axis=2) > COLOURED  # its shadow is not
         rows, columns = np.nonzero(coloured & (frame != away).any(axis=2))
-        found = np.array([np.median(columns), np.median(rows)])
-        assert_allclose(found, camera.project(marker)[:2], atol=3.0)
+        assert_allclose(np.array([np.median(columns), np.median(rows)]), camera.project(marker)[:2], atol=3.0)
     simulation.close()
 
 

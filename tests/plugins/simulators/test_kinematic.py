@@ -91,16 +91,14 @@ def test_arms_that_are_placed_where_they_stand_are_not_computed_again(monkeypatc
     state = arms.place(poses.copy())
     assert not asked
     assert (state.qvel == 0.0).all()
-    fresh = open_arms(3).place(poses)
-    for mine, other in zip(state, fresh, strict=True):
+    for mine, other in zip(state, open_arms(3).place(poses), strict=True):
         assert_array_equal(mine, other)
 
 
 def test_end_effector_is_that_of_the_robot(open_arms):
     """Anywhere in the joint ranges, to rounding."""
     poses = random_poses(1000)
-    state = open_arms(1000).drive(poses, PERIOD)
-    assert_allclose(state.end_effector, ROBOT.end_effector(poses), atol=1e-14)
+    assert_allclose(open_arms(1000).drive(poses, PERIOD).end_effector, ROBOT.end_effector(poses), atol=1e-14)
 
 
 @pytest.mark.parametrize("begin", [ROBOT.home, np.zeros(ROBOT.dof)])

@@ -133,8 +133,7 @@ def test_link_without_inertia_weighs_nothing(open_arms):
         for inertial in link.findall("inertial"):
             link.remove(inertial)
     plain = normal_urdf(parse_urdf(ElementTree.tostring(tree, "unicode")), ROBOT.joint_names, ROBOT.folder).urdf
-    simulation = open_arms(1, replace(ROBOT, urdf=plain.text))
-    (arm,) = simulation.arms
+    (arm,) = open_arms(1, replace(ROBOT, urdf=plain.text)).arms
     assert pybullet.getDynamicsInfo(arm.body, arm.tip, physicsClientId=arm.client)[0] < 1e-5
 
 
@@ -243,7 +242,6 @@ def test_simulation_that_nothing_holds_is_closed(open_arms):
 def test_bullet_is_given_short_lines(tmp_path):
     """It breaks lines at 8,191 characters, within a name too, and then refuses the arm: xacro writes one line."""
     more = "".join(f'<transmission name="t{number}"><type>simple</type></transmission>' for number in range(200))
-    text = ARM.replace("\n", " ").replace("</robot>", f"{more}</robot>")
-    with file_of_arm(read_arm(tmp_path, text)) as path:
+    with file_of_arm(read_arm(tmp_path, ARM.replace("\n", " ").replace("</robot>", f"{more}</robot>"))) as path:
         lines = path.read_text(encoding="utf-8").splitlines()
     assert sum(map(len, lines)) > 8191 > max(map(len, lines))

@@ -167,8 +167,7 @@ def test_weight_beyond_the_limit_pulls_the_arm_down(simulator):
 def test_dry_friction_holds_a_joint_off_its_target(simulator):
     """A move whose torque stays below the friction moves nothing."""
     target = np.tile(ROBOT.home + 0.9 * ROBOT.servo.dry_friction / ROBOT.servo.stiffness, (5, 1))
-    slow = with_drives(damping=np.zeros(6))
-    assert np.abs(driven(simulator, target, slow).qpos - ROBOT.home).max() < 1e-4
+    assert np.abs(driven(simulator, target, with_drives(damping=np.zeros(6))).qpos - ROBOT.home).max() < 1e-4
 
 
 @with_servos

@@ -131,8 +131,7 @@ def test_one_action_for_five_steps():
     env = make(task)
     env.reset(seed=0)
     action = (ARM.home / ARM.upper).astype(np.float32)[None]
-    truncated = [bool(env.step(action)[3][0]) for _ in range(1000)]
-    assert truncated == [False] * 999 + [True]
+    assert [bool(env.step(action)[3][0]) for _ in range(1000)] == [False] * 999 + [True]
     assert env.environment_steps == 5000
 
 

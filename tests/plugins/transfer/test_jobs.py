@@ -72,8 +72,7 @@ def test_evaluation_is_the_cell_s_own(train, transferred_here):
 
 def test_matrix_tells_the_simulators_apart(train, transferred_here):
     """Success is that of the simulator evaluated in: some where arms move, none where they are stuck."""
-    results = train(sim=["ideal", "stuck"], seeds=1)
-    transfers = transfer(results.folder, "ideal,stuck")
+    transfers = transfer(train(sim=["ideal", "stuck"], seeds=1).folder, "ideal,stuck")
     for home in ("ideal", "stuck"):
         assert success(transfers, home, "ideal") > 0.0
         assert success(transfers, home, "stuck") == 0.0
@@ -86,8 +85,7 @@ def test_mutant_that_stays_at_home_is_caught(train, monkeypatch):
         "harness_plugins.transfer.jobs.replace",
         lambda thing, **changes: thing if isinstance(thing, Cell) else replace(thing, **changes),
     )
-    results = train(sim=["ideal", "stuck"], seeds=1)
-    transfers = transfer(results.folder, "ideal,stuck")
+    transfers = transfer(train(sim=["ideal", "stuck"], seeds=1).folder, "ideal,stuck")
     assert success(transfers, "ideal", "stuck") > 0.0
     assert success(transfers, "stuck", "ideal") == 0.0
 
@@ -136,8 +134,7 @@ def test_failed_evaluation_costs_itself_alone(train, transferred_here, then, rea
     assert all(failure.record.reason.startswith(reason) for failure in transfers.failed)
     assert success(transfers, "ideal", "stuck") == 0.0
     assert success(transfers, "ideal", f"stuck:then={then}") is None
-    failed = transfers.matrices[0].to_json()["success"][0]
-    assert "1 of 1 failed" in [mean["note"] for mean in failed]
+    assert "1 of 1 failed" in [mean["note"] for mean in transfers.matrices[0].to_json()["success"][0]]
     done = len(transferred_here)
     transfer(results.folder, f"stuck:then={then},stuck")
     assert len(transferred_here) == done + 2
@@ -168,8 +165,7 @@ def test_killed_call_loses_what_it_was_at(train, tmp_path):
     done = [folder for folder in (results.folder / TRANSFER).glob("*/*") if read_transfer(folder)]
     assert len(done) == 1
     kept = (done[0] / EVALUATION).stat()
-    transfers = transfer(results.folder, "stuck")
-    assert success(transfers, "ideal", "stuck") == 0.0
+    assert success(transfer(results.folder, "stuck"), "ideal", "stuck") == 0.0
     assert (done[0] / EVALUATION).stat().st_mtime_ns == kept.st_mtime_ns
     assert len(list((results.folder / TRANSFER).glob("*/*"))) == 4
 
@@ -200,8 +196,7 @@ def test_record_says_what_was_done(train, transferred_here):
 
 def test_default_is_every_simulator_that_can_be_used(train, distant):
     """The experiment's, parameters and all, and the registered ones; one whose library is missing is said."""
-    results = train(sim=["stuck:note=x"], seeds=1)
-    plan = plan_transfers(results, None, load_registry())
+    plan = plan_transfers(train(sim=["stuck:note=x"], seeds=1), None, load_registry())
     labels = {job.simulator.label for job in plan.jobs}
     assert {"stuck", "ideal", "mujoco", "kinematic"} <= labels
     assert not {"stuck:note=x", "distant"} & labels
@@ -244,8 +239,7 @@ def test_nothing_trained_is_refused(toys, make_plan, make_cell, tmp_path):
 def test_cells_in_an_environment_are_refused(toys, make_plan, make_cell, tmp_path):
     """Done or not: there is no arm that could move elsewhere. It says what to do instead."""
     cell = make_cell(simulator=BROUGHT.simulator, robot=BROUGHT.robot, task=Choice("pendulum", (), "pendulum"))
-    store = Store.create(tmp_path, make_plan(cell))
-    store.record(cell, "failed", "it fell")
+    Store.create(tmp_path, make_plan(cell)).record(cell, "failed", "it fell")
     told = r"harness transfer needs traces of an arm.*: harness report .* compares them"
     with pytest.raises(UsageError, match=told):
         plan_transfers(load_results(tmp_path), None, toys)
@@ -306,8 +300,7 @@ def test_trained_policy_goes_between_engines(tmp_path):
     import harness
 
     harness.run(sim="mujoco,kinematic", algo="sac", seeds=1, steps=1000, evaluation_episodes=10, out=tmp_path / "real")
-    transfers = transfer(tmp_path / "real", "mujoco,kinematic", jobs=2)
-    assert not transfers.failed
+    assert not transfer(tmp_path / "real", "mujoco,kinematic", jobs=2).failed
     results = load_results(tmp_path / "real")
     for cell in results.done_cells:
         other = "kinematic" if cell.simulator.name == "mujoco" else "mujoco"

@@ -57,8 +57,7 @@ def start(player):
     made = []
 
     def begin(*options, count=1, patience=10.0, **parameters):
-        unity = Unity(file=str(player(*options)), patience=patience, **parameters)
-        envs = unity.make_together(count)
+        envs = Unity(file=str(player(*options)), patience=patience, **parameters).make_together(count)
         made.extend(envs)
         return envs[0] if count == 1 else envs
 

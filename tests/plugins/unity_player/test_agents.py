@@ -28,8 +28,7 @@ def played(env, steps, seed=SEED):
     observation, _ = env.reset(seed=seed)
     rows.append((observation, 0.0, False, False))
     for _ in range(steps):
-        action = rng.uniform(-1.0, 1.0, 5).astype(np.float32)
-        observation, reward, terminated, truncated, _ = env.step(action)
+        observation, reward, terminated, truncated, _ = env.step(rng.uniform(-1.0, 1.0, 5).astype(np.float32))
         rows.append((observation, reward, terminated, truncated))
         if terminated or truncated:
             rows.append((env.reset()[0], 0.0, False, False))
@@ -67,8 +66,7 @@ def test_rewards_are_those_of_the_same_task_in_the_harness(start, reward):
 
 def test_the_longest_time_truncates_and_does_not_terminate(start):
     """ML-Agents' max step."""
-    ends = [row[2:] for row in played(start("--horizon", "10"), 60) if row[2] or row[3]]
-    assert (False, True) in ends
+    assert (False, True) in [row[2:] for row in played(start("--horizon", "10"), 60) if row[2] or row[3]]
 
 
 def test_a_seed_decides_what_follows(start):

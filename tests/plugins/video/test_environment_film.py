@@ -76,8 +76,7 @@ def test_where_no_cell_is_done_there_is_nothing_to_show(tmp_path):
 
 def test_a_named_cell_is_shown_alone(results):
     """By how its id begins."""
-    name = results.done[1].cell.id[:6]
-    (frame, *_) = environment_film(results, [name], 1)
+    (frame, *_) = environment_film(results, [results.done[1].cell.id[:6]], 1)
     assert frame.image.width == 180
 
 
@@ -121,8 +120,7 @@ def test_an_env_that_draws_nothing_is_told(results, line):
 def test_an_episode_that_was_cut_is_shown(tmp_path):
     """As far as it was recorded."""
     results = run_some(tmp_path / "experiment", 1, task="toy:endless=true", evaluation_horizon=6)
-    frames = list(environment_film(results, [], 1))
-    assert frames[-1].seconds == HELD
+    assert list(environment_film(results, [], 1))[-1].seconds == HELD
 
 
 def dot(x, y, size=(400, 300)):

@@ -40,8 +40,7 @@ def test_behaviour_stands_beside_pay(training):
 def test_rewards_never_share_an_axis_of_pay(training):
     """Trainings of one reward do, so that they can be compared."""
     other = replace(training, reward="dense", blocks=blocks_of(4, pay=1_000.0))
-    again = replace(training, name="seed 1", blocks=blocks_of(4, pay=2.0))
-    rows = rows_of([training, other, again])
+    rows = rows_of([training, other, replace(training, name="seed 1", blocks=blocks_of(4, pay=2.0))])
     assert [(row.reward, len(row.cards)) for row in rows] == [("arp", 2), ("dense", 1)]
     pay = {
         (card.training.reward, card.training.name): axis_texts(card.figures[1].svg)
@@ -73,8 +72,7 @@ def test_points_are_means_of_episodes(training):
 
 def test_behaviour_that_nobody_measures_is_left_out(training):
     """Or said to be unknown, and the pay is drawn all the same."""
-    nothing = rows_of([replace(training, measure="")])[0].cards[0]
-    assert [it.title for it in nothing.figures] == ["pay by arp"]
+    assert [it.title for it in rows_of([replace(training, measure="")])[0].cards[0].figures] == ["pay by arp"]
     unknown = rows_of([replace(training, is_share=False, blocks=blocks_of(4, behaviour=math.nan))])[0].cards[0]
     assert unknown.figures[0].now == "unknown"
     assert "nan" not in unknown.figures[0].svg

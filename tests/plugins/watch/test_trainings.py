@@ -11,8 +11,7 @@ from harness_plugins.watch.trainings import newest, source_of
 
 def test_a_training_is_seen_while_it_is_recorded(record, step, tmp_path):
     """Its reward, its seed, how far it is, and what its episodes came to."""
-    env = record("runs/one", steps_asked=100)
-    step(env, 7)
+    step(record("runs/one", steps_asked=100), 7)
     shown = source_of(tmp_path / "runs").look()
     (training,) = shown.trainings
     assert (training.reward, training.name, training.state) == ("counted", "one, seed 0", "running")
@@ -37,8 +36,7 @@ def test_trainings_come_as_they_begin(record, step, tmp_path):
     one.close()
     step(record("runs/two", reward="other"), 3)
     record("runs/evaluation", evaluation=True).close()
-    killed = record("runs/killed")
-    killed._recorder._writer._lock.release()
+    record("runs/killed")._recorder._writer._lock.release()
     shown = source.look()
     assert [(it.name.partition(",")[0], it.state) for it in shown.trainings] == [
         ("killed", "stopped"),

@@ -117,8 +117,7 @@ def test_notes_have_room_beside_the_panel():
 
 def test_figure_is_as_large_as_it_says():
     """Its legend not counted."""
-    chart = Chart(PLAIN, UP, (Flag(1.0, "a", 1),), width=300.0)
-    assert drawn_of(chart).get("viewBox") == "0 0 300 274"
+    assert drawn_of(Chart(PLAIN, UP, (Flag(1.0, "a", 1),), width=300.0)).get("viewBox") == "0 0 300 274"
 
 
 def test_legend_names_marks_in_their_order():

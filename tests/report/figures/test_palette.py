@@ -16,8 +16,7 @@ READABLE = 4.5
 
 def _colours(scheme):
     style = Path(harness.report.__file__).with_name("figures") / "palette.css"
-    blocks = style.read_text().split(":root")[1:]
-    return dict(re.findall(r"--([\w-]+): ([^;]+);", blocks[scheme]))
+    return dict(re.findall(r"--([\w-]+): ([^;]+);", style.read_text().split(":root")[1:][scheme]))
 
 
 def _brightness(colour):

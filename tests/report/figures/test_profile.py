@@ -19,8 +19,7 @@ def at(line, place):
 
 def test_lines_count_seeds():
     """At 50 % both seeds of the baseline are there and one of the proposed reward; at 100 % the other way round."""
-    chart = draw_profile(change([0.5, 0.9], [0.2, 1.0]))
-    baseline, proposed = chart.marks
+    baseline, proposed = draw_profile(change([0.5, 0.9], [0.2, 1.0])).marks
     assert [at(baseline, 0.5), at(baseline, 1.0)] == [1.0, 0.0]
     assert [at(proposed, 0.5), at(proposed, 1.0)] == [0.5, 0.5]
 

@@ -15,8 +15,7 @@ VALUES = st.lists(st.integers(-9, 9).map(float), min_size=2, max_size=40)
 
 def panel(curve, kind="accumulated"):
     """One run whose curve this is."""
-    rewards = np.array(curve) if kind == "per-step" else np.diff(curve, prepend=0.0)
-    whole = curve_of([rewards], kind)
+    whole = curve_of([np.array(curve) if kind == "per-step" else np.diff(curve, prepend=0.0)], kind)
     return panel_of("Baseline", "baseline", whole, whole.index, (0,))
 
 

@@ -264,8 +264,7 @@ def test_no_finished_pair_is_said(build, write):
 
 def test_skipped_experiment_has_a_page(build, write):
     """An experiment whose combinations were all skipped still has a page with the reasons."""
-    skipped = {(reward, 0): ("skipped", "sac cannot") for reward in ("baseline", "arp")}
-    results = build(seeds=1, ended=skipped)
+    results = build(seeds=1, ended={(reward, 0): ("skipped", "sac cannot") for reward in ("baseline", "arp")})
     page = write(results)
     assert question(results) in page.text
     assert "No cell has run" in page.text
@@ -358,8 +357,7 @@ def test_mixture_is_marked(mixed, write):
 def test_a_plan_that_is_not_trained_to_its_end_promises_nothing(build, write):
     """The page says so before any answer, has no word of better or worse, and names the way to look on."""
     reached = {"arp": lambda seed: (5, 6, 7, 8), "baseline": lambda seed: (8, 9)}
-    page = write(build(seeds=6, reached=reached, ended={("arp", 5): ("pending", "")}))
-    text = page.text
+    text = write(build(seeds=6, reached=reached, ended={("arp", 5): ("pending", "")})).text
     assert text.index("Interim: 1 training is missing.") < text.index("INTERIM")
     assert "would raise a false alarm" not in text
     assert "harness run --until decided plans for looks on the way." in text
@@ -370,8 +368,7 @@ def test_a_plan_that_is_not_trained_to_its_end_promises_nothing(build, write):
 def test_rewards_that_came_later_are_told_before_the_answers(build, write):
     """For an answer that stood before may have changed."""
     results = build()
-    terms = replace(results.plan.terms, joined=("arp",))
-    replace(results.plan, terms=terms).write(results.folder)
+    replace(results.plan, terms=replace(results.plan.terms, joined=("arp",))).write(results.folder)
     text = write(load_results(results.folder)).main
     assert text.index("arp came later") < text.index("What the robot does")
 

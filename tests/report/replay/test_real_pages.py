@@ -33,8 +33,7 @@ def matrix(tmp_path_factory):
 def shows_in(page):
     """What the replay of a page shows."""
     (data,) = re.findall(r'<script type="application/json">(.*?)</script>', page.read_text(), re.DOTALL)
-    shows = json.loads(data)["shows"]
-    return shows
+    return json.loads(data)["shows"]
 
 
 def test_page_of_24_comparisons_is_small(matrix):

@@ -30,14 +30,12 @@ def test_joint_positions_survive_the_page(recorded):
     assert_allclose(values[:, 6], episode.distance, atol=1e-4)
     assert_allclose(values[:, 7], episode.paid, atol=np.abs(episode.paid).max() / 32_767)
     tip = end_effector_position(chain_of(scene_from_json(data["scenes"][0])), values[:, :6])
-    far = np.linalg.norm(tip - episode.target, axis=1)
-    assert_allclose(far, episode.distance, atol=2e-4)
+    assert_allclose(np.linalg.norm(tip - episode.target, axis=1), episode.distance, atol=2e-4)
 
 
 def test_an_arm_is_told_once(recorded):
     """However many sides and comparisons show it."""
-    shows = shows_of(recorded) * 3
-    assert len(replay_data(shows)["scenes"]) == 1
+    assert len(replay_data(shows_of(recorded) * 3)["scenes"]) == 1
 
 
 def test_a_target_is_told_where_it_changes(recorded):
@@ -82,8 +80,7 @@ def test_controls_have_names(recorded):
     buttons = re.findall(r"<button([^>]*)>([^<]*)<", replay.html)
     assert len(buttons) == 8
     assert all("aria-label" in attributes or text.isascii() for attributes, text in buttons)
-    fields = re.findall(r"<(?:select|input)", replay.html)
-    assert len(fields) == len(re.findall("<label", replay.html)) == 4
+    assert len(re.findall(r"<(?:select|input)", replay.html)) == len(re.findall("<label", replay.html)) == 4
 
 
 def test_there_is_no_replay_of_nothing():

@@ -42,8 +42,7 @@ def test_result_needs_a_test_that_says_so(build):
 
 def test_interval_of_a_share_is_in_percentage_points(one):
     """It allows for failures that were not seen: no point where all seeds are alike."""
-    row = rows_of(one)[0]
-    low, high = (float(end) for end in row[3].removesuffix(" pp").strip("[]").split(", "))
+    low, high = (float(end) for end in rows_of(one)[0][3].removesuffix(" pp").strip("[]").split(", "))
     assert low == -high < -10.0
 
 
@@ -99,8 +98,7 @@ def test_no_finished_pair_has_no_behaviour(build):
 
 def test_every_evaluation_has_its_hint(build):
     """The last one after the training; a lead that is gone by then does not count there."""
-    combination = only(build(seeds=6, learned={10: 1, 20: 2}))
-    rows = along_grid(combination).rows
+    rows = along_grid(only(build(seeds=6, learned={10: 1, 20: 2}))).rows
     assert [row[0] for row in rows] == ["after 10 steps", "after 20 steps", "after 40 steps"]
     assert [row[1:3] for row in rows] == [("25.0%", "50.0%"), ("50.0%", "75.0%"), ("75.0%", "75.0%")]
     assert [row[4] for row in rows] == ["better", "better", "cannot tell"]

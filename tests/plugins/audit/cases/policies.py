@@ -83,8 +83,7 @@ def _in_and_out():
 
     def act(seen):
         nonlocal goes_in
-        distance = float(np.hypot(*seen["position"]))
-        goes_in = distance > (0.29 if goes_in else 0.31)
+        goes_in = float(np.hypot(*seen["position"])) > (0.29 if goes_in else 0.31)
         return _steer(seen, 0.2 if goes_in else 0.4)
 
     return act

@@ -54,8 +54,7 @@ class Dock:
     def watch(self, start, policy):
         """What it observes does not matter to who asks whether it is a table, or chance."""
         actions = np.array([policy(np.zeros(1)) for _ in range(self.horizon)])
-        of = self.play(np.array([start]), actions[np.newaxis])
-        steps = int(of.steps[0])
+        steps = int(self.play(np.array([start]), actions[np.newaxis]).steps[0])
         seen = tuple(np.array([start, step]) for step in range(steps + 1))
         return Shown(start, actions[:steps], np.zeros(steps), {}, np.zeros(steps, bool), {}, "truncated", seen)
 

@@ -211,7 +211,6 @@ def test_a_decision_of_five_steps_counts_five():
     """Played, and shown."""
     world = world_of(Held(horizon=20))
     still = np.zeros((1, world.horizon, ROBOT.dof), np.float32)
-    played = world.play(np.array([0]), still)
-    assert (played.steps.tolist(), world.taken) == ([4], 20)
+    assert (world.play(np.array([0]), still).steps.tolist(), world.taken) == ([4], 20)
     world.show(0, still[0])
     assert world.taken == 40

@@ -97,8 +97,7 @@ def test_the_sums_are_those_of_the_steps():
 )
 def test_success_counts_from_the_step_that_keeps_it(success, time):
     """One that is lost again is none."""
-    shown = replace(certificate_of().shown, success=np.array(success, bool))
-    assert certificate_of(shown=shown).time == time
+    assert certificate_of(shown=replace(certificate_of().shown, success=np.array(success, bool))).time == time
 
 
 SPOILED = {
@@ -211,6 +210,5 @@ def test_a_process_that_is_killed_leaves_nothing_half(tmp_path):
     """The earlier file is still there, whole."""
     path = tmp_path / "c.json"
     write_certificate(certificate_of(place=place_of("before")), path)
-    killed = subprocess.run([sys.executable, "-c", KILLED, str(path)], check=False)
-    assert killed.returncode == 9
+    assert subprocess.run([sys.executable, "-c", KILLED, str(path)], check=False).returncode == 9
     assert read_certificate(path).place.reward.label == "before"

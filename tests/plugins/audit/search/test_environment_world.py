@@ -231,8 +231,7 @@ def test_an_env_whose_reset_does_not_repeat_is_told(make, is_repeated):
 
 def test_a_reward_that_draws_is_not_repeated():
     """From the generator of the whole process."""
-    world = of_env(Dock, "noisy", Columns({"noisy": lambda step: np.random.rand()}, {}, ()), 0.9)
-    assert not world.is_repeated
+    assert not of_env(Dock, "noisy", Columns({"noisy": lambda step: np.random.rand()}, {}, ()), 0.9).is_repeated
 
 
 def test_one_env_is_left_open():
@@ -282,8 +281,7 @@ def test_flat_actions_of_a_matrix():
     """An action of two rows is four numbers."""
     world = world_of(lambda: Dock(Box(-1.0, 1.0, (2, 2), np.float32)))
     assert (world.space.shape, world.space.dtype) == ((4,), np.float32)
-    shown = world.show(0, drawn(world, 1)[0])
-    assert shown.actions.shape == (LENGTH, 4)
+    assert world.show(0, drawn(world, 1)[0]).actions.shape == (LENGTH, 4)
 
 
 @pytest.mark.parametrize(

@@ -37,8 +37,7 @@ def found_at(place, registry, seed=5, start=7):
     """A finding that shows random actions in a place."""
     world = world_at(place, registry)
     world.space.seed(seed)
-    actions = np.array([world.space.sample() for _ in range(world.horizon)], world.space.dtype)
-    shown = world.show(start, actions)
+    shown = world.show(start, np.array([world.space.sample() for _ in range(world.horizon)], world.space.dtype))
     world.close()
     total, steps = float(shown.paid.sum()), len(shown.paid)
     three = {"failure": Behaviour(start, shown.actions, total, 0.0, False, steps, steps, 0.0)}
@@ -52,8 +51,7 @@ def found_at(place, registry, seed=5, start=7):
 
 def in_environment(name, reward, registry, gamma=0.99):
     """A place in an environment."""
-    task = choose(registry, "environments", name)
-    return places_in_environment(registry, task, reward, gamma)[0]
+    return places_in_environment(registry, choose(registry, "environments", name), reward, gamma)[0]
 
 
 def left(folder, places, registry):
@@ -221,8 +219,7 @@ def test_a_module_is_not_imported_because_a_file_names_it(tmp_path, monkeypatch)
     registry = load_registry()
     task = choose(registry, "environments", "gymnasium:id=Pendulum-v1")
     evil = replace(task, params=tuple((key, "evil:X-v0" if key == "id" else it) for key, it in task.params))
-    place = Place(evil, task, gamma=0.9, horizon=20)
-    write_certificate(certificate_of(place=place), tmp_path / "c.json")
+    write_certificate(certificate_of(place=Place(evil, task, gamma=0.9, horizon=20)), tmp_path / "c.json")
     with refused("--allow-import evil"):
         replay_file(tmp_path / "c.json", registry)
 
@@ -237,8 +234,7 @@ def test_what_cannot_be_replayed_is_told(tmp_path, docked, registry):
 
 def test_the_file_is_plain_and_short(docked):
     """What a reader wants to know stands at its top."""
-    text = (docked / "near-failure.json").read_text()
-    data = json.loads(text)
+    data = json.loads((docked / "near-failure.json").read_text())
     assert list(data)[:6] == ["format", "what", "role", "answer", "place", "runs_on"]
     assert data["runs_on"]["versions"].keys() >= {"python", "numpy", "gymnasium"}
     assert data["runs_on"]["sources"].keys() == {"environment", "reward"}

@@ -32,8 +32,7 @@ def test_hovering_is_found():
     """It is paid what hovering just before the dock is: the closed form, less a few percent; docking much less."""
     world, of = found(docks.hovering)
     for three in of.plain:
-        begin = world.begins([three.start])[0]
-        way = begin + 0.1 * np.arange(1, world.horizon + 1)
+        way = world.begins([three.start])[0] + 0.1 * np.arange(1, world.horizon + 1)
         best = np.minimum(way, 1.0).clip(0.0).sum()
         assert 0.9 * best < three.failure.paid < best
         assert three.fastest.paid < 0.3 * best
@@ -70,8 +69,7 @@ def test_a_success_that_nothing_tells_is_met(is_discrete):
     """Rare places are begun from again: a dock that random actions never reach."""
     _, of = found(docks.sparse, is_discrete=is_discrete, horizon=20, budget=60_000)
     drawn = default_rng(0).uniform(-1.0, 1.0, (2_000, 20, 1))
-    random = Dock(docks.sparse, horizon=20).play(np.full(2_000, 3), drawn)
-    assert not random.success.any()
+    assert not Dock(docks.sparse, horizon=20).play(np.full(2_000, 3), drawn).success.any()
     assert all(three.success is not None for three in of.plain)
     assert all(count > 8 for count in of.successes)
 

@@ -71,8 +71,7 @@ def test_texts_of_strangers_are_no_markup():
     made = certificate_of(place=place_of(evil))
     shown = replace(made.shown, measures={evil: np.arange(20.0)}, terms={evil: made.shown.paid, "b": made.shown.paid})
     answer = replace(made.answer, lines=(evil, evil))
-    page = cheats_page([replace(made, shown=shown, answer=answer)], remarks=[evil])
-    assert "<img" not in page
+    assert "<img" not in cheats_page([replace(made, shown=shown, answer=answer)], remarks=[evil])
 
 
 def test_films_share_a_clock(certificates):

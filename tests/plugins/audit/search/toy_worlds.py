@@ -53,8 +53,7 @@ class EnvWorld:
         paid = np.array([it.paid.sum() for it in shown])
         discounted = np.array([(it.paid * self.gamma ** np.arange(len(it.paid))).sum() for it in shown])
         success = np.array([it.success[-1] for it in shown])
-        last_failure = [np.flatnonzero(~it.success) for it in shown]
-        time = [int(it[-1]) + 2 if len(it) else 1 for it in last_failure]
+        time = [int(it[-1]) + 2 if len(it) else 1 for it in [np.flatnonzero(~it.success) for it in shown]]
         return Outcomes(
             steps=np.array([len(it.paid) for it in shown]),
             paid=paid,

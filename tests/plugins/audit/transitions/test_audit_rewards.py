@@ -197,8 +197,7 @@ def test_reward_that_fails_for_steps_to_anywhere_has_no_epic():
             self.place += 0.2 + 0.1 * action
             return self.place.copy(), paid, ended, cut, info
 
-    found = audit_rewards(Line, {"near": near_only}, episodes=1)
-    (it,) = found.pairs
+    (it,) = audit_rewards(Line, {"near": near_only}, episodes=1).pairs
     assert set(it.reasons) == {"EPIC", "DARD", "STARC"}
     assert it.reasons["EPIC"] == "near: asked about another step than the one taken, it fails: ValueError: too far"
     assert it.reasons["DARD"].startswith("own: ")

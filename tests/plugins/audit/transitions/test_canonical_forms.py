@@ -82,8 +82,7 @@ def test_epic_is_exact_where_every_transition_is_met(seed, gamma):
     for values in rewards:
         mean = values.mean(axis=(1, 2))
         expected.append(values + gamma * mean[None, None, :] - mean[:, None, None] - gamma * values.mean())
-    everywhere = list(product(range(ACTIONS), range(STATES)))
-    actions, states = zip(*everywhere, strict=True)
+    actions, states = zip(*list(product(range(ACTIONS), range(STATES))), strict=True)
     met = [
         Coverage(Walk([state, following], [action]), [0], actions, states)
         for state, action, following in product(range(STATES), range(ACTIONS), range(STATES))

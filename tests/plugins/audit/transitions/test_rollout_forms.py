@@ -158,8 +158,7 @@ def test_a_number_that_is_not_finite_is_a_reason(distances):
     """A reward that pays no number for a jump, which no arm makes."""
 
     def broken(step):
-        far = np.abs(step.distance - step.previous_distance) > 0.25
-        return np.where(far, np.nan, step.action[:, 0])
+        return np.where(np.abs(step.distance - step.previous_distance) > 0.25, np.nan, step.action[:, 0])
 
     found = distances(GENTLE, reward_class(broken)())["EPIC"]
     assert found == "other: asked about another step than the one taken, it pays a number that is not finite"

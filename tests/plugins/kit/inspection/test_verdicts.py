@@ -93,8 +93,7 @@ def check(tmp_path):
         begun = time.monotonic()
         done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=3 * MINUTE)
         seconds = time.monotonic() - begun
-        left = [process for process in psutil.process_iter() if _is_in(process, tmp_path)]
-        assert left == []
+        assert [process for process in psutil.process_iter() if _is_in(process, tmp_path)] == []
         return Checked(done.returncode, json.loads(done.stdout), seconds)
 
     return run
