@@ -58,7 +58,8 @@ def describe_name(registry: Registry, kind: str, given: str, robot: str | None) 
         return f"command {given}: {command.summary} (plugin '{command.plugin}' of {command.package})"
     name, params = parse(given)
     spec = registry.get(kind, name)
-    if not (params or spec.missing) and _has_to_be_given(spec.load()):  # nothing can be built of the bare name
+    if not (params or spec.missing or all(it.has_default for it in parameters_of(spec.load()))):
+        # nothing can be built of the bare name
         parts = [*_head(spec, name, spec.load()), _describe_parameters(spec.load(), {})]
     else:
         load = partial(load_robot, registry=registry)
@@ -156,11 +157,6 @@ def _head(spec: Spec, label: str, target: Any) -> list[str]:
     # A plugin in a file has its docstring's first line for a summary.
     told = [text] if text != spec.summary else []
     return [f"{NOUNS[spec.kind]} {label}: {spec.summary} (plugin '{spec.plugin}' of {spec.package})", *told]
-
-
-def _has_to_be_given(target: Any) -> bool:
-    """Whether a parameter has no default."""
-    return not all(parameter.has_default for parameter in parameters_of(target))
 
 
 def describe_task(task: Task, robot: Robot) -> str:

@@ -1,7 +1,7 @@
 """Turns the layers of any library into the weights of a policy."""
 
 from collections.abc import Sequence
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -39,7 +39,7 @@ def layer_weights(hidden: Sequence[Layer], **heads: Layer) -> dict[str, Float32]
 
 def _add(weights: dict[str, Float32], name: str, layer: Layer, inputs: int | None) -> int:
     """Returns how many outputs the layer has."""
-    weight, bias = (_copy(part) for part in layer)
+    weight, bias = (np.array(part, np.float32) for part in layer)
     fits = weight.ndim == 2 and bias.shape == weight.shape[:1] and inputs in {None, weight.shape[1]}
     if not fits:
         wanted = "in" if inputs is None else inputs
@@ -49,7 +49,3 @@ def _add(weights: dict[str, Float32], name: str, layer: Layer, inputs: int | Non
         )
     weights[f"{name}.weight"], weights[f"{name}.bias"] = weight, bias
     return int(weight.shape[0])
-
-
-def _copy(part: Any) -> Float32:
-    return np.array(part, np.float32)

@@ -92,7 +92,9 @@ def answer_of(
     if ruling.is_decided:
         return _answer_of_decided(deciding, ruling, is_opposed)
     # A plan of looks has a test of its own for small differences, which may be asked again and again.
-    is_small = ruling.small is not None or (not ruling.has_plan and _are_within(deciding))
+    is_small = ruling.small is not None or (
+        not ruling.has_plan and all(is_within(change, margin_of(change)) for change in deciding)
+    )
     return Answer.NO_DIFFERENCE if is_small or same_steps else Answer.CANNOT_TELL
 
 
@@ -242,13 +244,13 @@ def _clear(names: Names, deciding: Sequence[Compared], ruling: Ruling, answer: A
     if answer in (Answer.LEARNS_FASTER, Answer.LEARNS_SLOWER):
         ends = [it for it in deciding if not it.measure.is_while_training]
         return f"{told}; {end_text(ends)}."
-    speed = [p for other, p in enumerate(ruling.of_measures) if other != at and _tells_speed(deciding, ruling, other)]
+    speed = [
+        p
+        for other, p in enumerate(ruling.of_measures)
+        if other != at and deciding[other].measure.is_while_training and ruling.passes(other)
+    ]
     word = "faster" if ruling.sign > 0 else "more slowly"
     return f"{told}{f'; it also learns {word}, corrected p {p_text(speed[0])}' if speed else ''}."
-
-
-def _tells_speed(deciding: Sequence[Compared], ruling: Ruling, at: int) -> bool:
-    return deciding[at].measure.is_while_training and ruling.passes(at)
 
 
 def _sides(names: Names, deciding: Sequence[Compared], ruling: Ruling, there: str) -> str:
@@ -260,10 +262,6 @@ def _sides(names: Names, deciding: Sequence[Compared], ruling: Ruling, there: st
         sides += [f"{word} in {listed(told)}"] if told else []
     average = f" on average{there}" if there else ""
     return f"{names.proposed} is {' and '.join(sides)}{average}."
-
-
-def _are_within(deciding: Sequence[Compared]) -> bool:
-    return all(is_within(change, margin_of(change)) for change in deciding)
 
 
 def _certainly_fail(change: Compared) -> bool:

@@ -104,7 +104,7 @@ def parameters_of(target: Any) -> list[Parameter]:
             _type_name(hints[field.name]),
             _default_of(field),
             _description_of(extras[field.name]),
-            _has_default(field),
+            field.default is not dataclasses.MISSING or field.default_factory is not dataclasses.MISSING,
         )
         for field in dataclasses.fields(target)
         if field.init
@@ -158,10 +158,6 @@ def _default_of(field: "dataclasses.Field[Any]") -> Any:
     if field.default_factory is not dataclasses.MISSING:
         return field.default_factory()
     return None if field.default is dataclasses.MISSING else field.default
-
-
-def _has_default(field: "dataclasses.Field[Any]") -> bool:
-    return not (field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING)
 
 
 def _description_of(hint: Any) -> str:

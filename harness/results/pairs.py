@@ -111,7 +111,10 @@ def environment_pairs(results: Results, comparison: Comparison) -> Pairs | None:
     """
     if not results.is_experiment:
         return None
-    sides = [[_recorded(results, cell) for cell in cells] for cells in cells_by_seed(results, comparison)]
+    sides = [
+        [read_recording(results.store.cell_folder(cell) / EVALUATION_RECORDING) for cell in cells]
+        for cells in cells_by_seed(results, comparison)
+    ]
     wanted = (SUCCESS, *comparison.measured.deciding)
     name = next((it for it in wanted if all(it in log.measures for logs in sides for log in logs)), None)
     if name is None or not comparison.seeds:
@@ -158,10 +161,6 @@ def shown_pair(results: Results, comparison: Comparison) -> ShownPair | None:
     it = pairs.met[pairs.typical(pairs.usual)]
     at = comparison.seeds.index(it.seed)
     return ShownPair((baseline[at], proposed[at]), it.number, pairs)
-
-
-def _recorded(results: Results, cell: Cell) -> Log:
-    return read_recording(results.store.cell_folder(cell) / EVALUATION_RECORDING)
 
 
 def _outcomes(log: Log, name: str) -> list[tuple[int, float]]:

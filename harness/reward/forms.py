@@ -76,7 +76,11 @@ def reward_class(function: Callable[[Steps], Any]) -> type[Reward]:
         needs = needs_of(plain())
     except UsageError as error:
         failed = f"Reward '{function.__name__}': {error}"
-    fields = [(name, Weight, dataclasses.field(default=1.0)) for name in needs.terms if _can_be_weighted(name)]
+    fields = [
+        (name, Weight, dataclasses.field(default=1.0))
+        for name in needs.terms
+        if name.isidentifier() and not keyword.iskeyword(name) and name not in MEMBERS
+    ]
     call = _call_weighted(function) if needs.terms else _call_plain(function)
     members = {**_members(function, call), "needs": frozenset(needs.fields), FAILED: failed}
     made: type[Reward] = dataclasses.make_dataclass(function.__name__, fields, frozen=True, namespace=members)
@@ -94,11 +98,6 @@ def weighted(terms: Mapping[str, Any], weights: Mapping[str, float]) -> dict[str
     return {
         name: value if (weight := weights.get(name, 1.0)) == 1.0 else weight * value for name, value in terms.items()
     }
-
-
-def _can_be_weighted(term: str) -> bool:
-    """Whether a term's name can be that of a parameter."""
-    return term.isidentifier() and not keyword.iskeyword(term) and term not in MEMBERS
 
 
 def _members(function: Callable[..., Any], call: Callable[..., Any]) -> dict[str, Any]:

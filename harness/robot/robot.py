@@ -237,7 +237,7 @@ def _read_robot(path: Path, registry: Registry | None) -> Robot:
             *changes,
             *long,
             *warn_of_speeds(driven, limits.max_speed),
-            *_warn_of_lacking_speeds(settings, driven, described),
+            *([described.speeds] if described.speeds and None in settings.values("max_speed", driven) else []),
             *_warn_of_jaw(settings, given, joints),
         ),
     )
@@ -250,11 +250,6 @@ def _warn_of_length(urdf: Urdf, chain: Chain, driven: Sequence[Joint]) -> list[s
         return []
     given = f"{named(long)}: a mesh {max(long.values()):.3g} m long, and the arm reaches {reach:.3g} m"
     return [f'{given}. If the file is in millimetres, give the <mesh> scale="0.001 0.001 0.001"']
-
-
-def _warn_of_lacking_speeds(settings: RobotSettings, driven: Sequence[Joint], described: Description) -> list[str]:
-    """What a format without speeds says of them, if robot.toml leaves some out."""
-    return [described.speeds] if described.speeds and None in settings.values("max_speed", driven) else []
 
 
 def _warn_of_jaw(settings: RobotSettings, urdf: Urdf, joints: Sequence[Joint]) -> list[str]:

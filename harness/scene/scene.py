@@ -93,11 +93,7 @@ def _turned(profile: Sequence[tuple[float, float]]) -> Mesh:
             faces.append(np.stack([low + here, low + after, high + after], axis=1))
         if next_across > 0.0:
             faces.append(np.stack([low + here, high + after, high + here], axis=1))
-    return Mesh(_rounded(points), np.concatenate(faces).astype(np.int32))
-
-
-def _rounded(points: Float) -> Float:
-    return np.round(points, 12)
+    return Mesh(np.round(points, 12), np.concatenate(faces).astype(np.int32))
 
 
 TRIANGLES = 16_000

@@ -13,7 +13,6 @@ from harness.authoring.pages import (
     POOLED_TITLE,
     RACE,
     RACE_TITLE,
-    Fact,
     alone_grid,
     answer_text,
     behaviour_row,
@@ -113,7 +112,11 @@ def _race(results: Results, picture: str) -> list[str]:
 
 def what_it_took(results: Results) -> list[str]:
     """Time, machine and versions of all cells, the last part of a summary."""
-    facts = [fact for fact in shared_facts(results.manifests) if _is_told(fact)]
+    facts = [
+        fact
+        for fact in shared_facts(results.manifests)
+        if fact.name not in NOT_TOLD and not fact.name.startswith("source of ")
+    ]
     rows = [(fact.name, fact.value, fact.cells or "all") for fact in facts]
     return ["## What it took", _effort(results), *([markdown_table(("", "", "cells"), rows)] if rows else [])]
 
@@ -208,10 +211,6 @@ def _effort(results: Results) -> str:
         f"{effort.cells} {noun}, {duration_text(effort.seconds)} in all; {duration_text(effort.span)} from the start "
         f"of the first, {begun}, to the end of the last, {ended}."
     )
-
-
-def _is_told(fact: Fact) -> bool:
-    return fact.name not in NOT_TOLD and not fact.name.startswith("source of ")
 
 
 def markdown_table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

@@ -239,19 +239,26 @@ def run_transfers(plan: TransferPlan, at_once: int, on_event: OnEvent = lambda e
     with storage_errors(plan.store.folder), plan.store.locked():
         _discard_partial(plan.store)
         try:
-            run_orders([_order(job, plan) for job in plan.missing], at_once, tell)
+            run_orders(
+                [
+                    Order(job.folder, EvaluateElsewhere(plan.store.cell_folder(job.cell), job.simulator, plan.plugins))
+                    for job in plan.missing
+                ],
+                at_once,
+                tell,
+            )
         finally:
             _discard_partial(plan.store)
 
 
 def _choose(to: str | Sequence[Named], registry: Registry) -> tuple[list[Choice], tuple[str, ...]]:
     """The simulators that were asked for, each once."""
-    given = split_list(to) if isinstance(to, str) else [name for item in to for name in _split(item)]
+    given = (
+        split_list(to)
+        if isinstance(to, str)
+        else [name for item in to for name in (split_list(item) if isinstance(item, str) else [item])]
+    )
     return list(dict.fromkeys(choose(registry, "simulators", item) for item in given)), ()
-
-
-def _split(item: Named) -> list[str] | list[dict[str, Any]]:
-    return split_list(item) if isinstance(item, str) else [item]
 
 
 def _choose_all(cells: Iterable[Cell], registry: Registry) -> tuple[list[Choice], tuple[str, ...]]:
@@ -291,10 +298,6 @@ def _require_plugins(jobs: Sequence[TransferJob], folder: Path, registry: Regist
             require_drives(simulator.build(registry, "simulators"), arm)
         except UsageError as error:
             raise UsageError(f"Cells of '{folder}' cannot be evaluated: {error}") from None
-
-
-def _order(job: TransferJob, plan: TransferPlan) -> Order:
-    return Order(job.folder, EvaluateElsewhere(plan.store.cell_folder(job.cell), job.simulator, plan.plugins))
 
 
 def _reason(job: TransferJob, news: News, store: Store) -> str:

@@ -58,7 +58,7 @@ class TransferMatrix:
             "deterministic": self.group.deterministic,
             "trained_in": [simulator.label for simulator in self.trained_in],
             "evaluated_in": [simulator.label for simulator in self.evaluated_in],
-            **{name: _to_json(grid) for name, grid in self._grids().items()},
+            **{name: [[mean.to_json() for mean in row] for row in grid] for name, grid in self._grids().items()},
         }
 
     def _grids(self) -> dict[str, Grid]:
@@ -208,7 +208,3 @@ def _evaluation(results: Results, cell: Cell, record: TransferRecord | None) -> 
         folder = results.folder / TRANSFER / cell.id / simulator_id(record.simulator)
     trace = read_trace(folder / EVALUATION)
     return Evaluation(results.measure(trace).get(SUCCESS), mean_return(trace))
-
-
-def _to_json(grid: Grid) -> list[list[dict[str, Any]]]:
-    return [[mean.to_json() for mean in row] for row in grid]

@@ -37,13 +37,12 @@ def environment_film(results: Results, ids: Sequence[str], episodes: int) -> Ite
     require_pillow()
     cells = [find_done(results, name) for name in ids] or _first_cells(results)
     with ExitStack() as opened:
-        sides = [opened.enter_context(closing(_side(results, cell))) for cell in cells]
+        sides = [
+            opened.enter_context(closing(_Side(cell, results.store.cell_folder(cell), results.registry)))
+            for cell in cells
+        ]
         for number in range(min(episodes, *(len(side.episodes) for side in sides))):
             yield from _episode(sides, number)
-
-
-def _side(results: Results, cell: Cell) -> "_Side":
-    return _Side(cell, results.store.cell_folder(cell), results.registry)
 
 
 def _first_cells(results: Results) -> list[Cell]:

@@ -124,7 +124,7 @@ def card_of(training: Training, last: int, did: Range, paid: Range, terms: Range
     steps, figures = curves.steps, list[Figure]()
     if measure:
         values = curves.behaviour
-        axis = _shares() if training.is_share else _axis(did)
+        axis = Axis(-0.03, 1.03, "", ((0.0, "0 %"), (0.5, "50 %"), (1.0, "100 %"))) if training.is_share else _axis(did)
         shown = f"{100 * values[-1]:.0f} %" if training.is_share else _number(values[-1])
         lower = ", less is better" if training.better == "lower" else ""
         figures.append(_figure(f"{measure}{lower}", shown, steps, values, "behaviour", axis, last))
@@ -177,10 +177,6 @@ def _short(steps: float) -> str:
         if steps >= 10 * size:
             return f"{steps / size:.3g}{unit}"
     return f"{steps:,.0f}"
-
-
-def _shares() -> Axis:
-    return Axis(-0.03, 1.03, "", ((0.0, "0 %"), (0.5, "50 %"), (1.0, "100 %")))
 
 
 def _axis(ends: Range) -> Axis:

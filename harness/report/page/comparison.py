@@ -257,7 +257,9 @@ def comparison_section(
         curves=curves,
         payoffs=payoffs,
         profiles=_profile_panels(comparison),
-        other_behaviour=_full([along_grid(comparison), *grids[1:], seeds_grid(comparison)]),
+        other_behaviour=[
+            grid for grid in [along_grid(comparison), *grids[1:], seeds_grid(comparison)] if grid.rows or grid.notes
+        ],
         numbers=numbers,
         has_number=bool(comparison.seeds and (splits or indices or curves or payoffs or numbers or returned.rows)),
         symbol=symbol_of(headline.answer),
@@ -419,7 +421,3 @@ def _curve_panels(comparison: Comparison, points: int) -> list[Panel]:
             (2, "Proposed", comparison.proposed, charts[1]),
         )
     ]
-
-
-def _full(grids: list[Grid]) -> list[Grid]:
-    return [grid for grid in grids if grid.rows or grid.notes]

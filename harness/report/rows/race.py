@@ -82,7 +82,7 @@ def _row(
     standing: Standing, name: str, points: list[tuple[int, float]], is_share: bool, comparison: Comparison | None
 ) -> tuple[str, ...]:
     seeds, value = points[-1] if points else (0, None)
-    told = NOTHING if value is None else _value(value, is_share)
+    told = NOTHING if value is None else f"{value:.1%}" if is_share else format_number(value)
     return (
         name,
         _end(standing, name),
@@ -107,10 +107,6 @@ def _points(results: Results, standing: Standing, name: str, sign: float) -> lis
 def _rank(race: Race, name: str, points: list[tuple[int, float]], sign: float) -> tuple[int, float]:
     left = race.beaten[name].look if name in race.beaten else race.looks
     return -left, -sign * (points[-1][1] if points else 0.0)
-
-
-def _value(value: float, is_share: bool) -> str:
-    return f"{value:.1%}" if is_share else format_number(value)
 
 
 def _end(standing: Standing, name: str) -> str:

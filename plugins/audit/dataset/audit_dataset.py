@@ -225,7 +225,11 @@ def audit_dataset(
     found = judge(paid, below, arm, by_file)
     if outside is None:
         return found
-    return replace(found, success=_said_by(labels, success_above), notes=(*_unmatched(outside, paid), *found.notes))
+    return replace(
+        found,
+        success=f"the file {labels}" if labels is not None else f"a recorded return above {success_above:g}",
+        notes=(*_unmatched(outside, paid), *found.notes),
+    )
 
 
 def _outside(success: str, labels: str | Path | None, success_above: float | None) -> Labels | None:
@@ -238,10 +242,6 @@ def _outside(success: str, labels: str | Path | None, success_above: float | Non
     if labels is not None:
         return Labels(by_episode=read_labels(Path(labels), parse_success(success)).get("", {}))
     return None if success_above is None else Labels(above=success_above)
-
-
-def _said_by(labels: str | Path | None, success_above: float | None) -> str:
-    return f"the file {labels}" if labels is not None else f"a recorded return above {success_above:g}"
 
 
 def _unmatched(outside: Labels, paid: PaidDataset) -> list[str]:

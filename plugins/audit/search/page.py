@@ -16,7 +16,6 @@ from harness.text import number, visible
 
 from .certificate import Certificate, file_names
 from .finding import CANNOT_TELL, FAILING, LOITERING, NAMES, Role
-from .world import Shown
 
 TEMPLATE = Path(__file__).parent / "cheats.html.j2"
 BADGES: Mapping[str, str] = {FAILING: "hurts", LOITERING: "hurts", CANNOT_TELL: "cannot-tell"}
@@ -270,16 +269,12 @@ def _show(group: Mapping[Role, Certificate], scene: Scene) -> Show | None:
     if not shown:
         return None
     sides = tuple(
-        Side(title, ("",), (it.shown.start,), scene, (_episode(it),), _period(it.shown)) for title, it in shown.items()
+        Side(title, ("",), (it.shown.start,), scene, (_episode(it),), float(it.shown.drawn["time"][1, 0]))
+        for title, it in shown.items()
     )
     first = next(iter(shown.values()))
     told = f"{first.place.reward.label}, start {first.shown.start}"
     return Show(first.place.reward.label, (1,), sides, told=told)
-
-
-def _period(shown: Shown) -> float:
-    """The duration of a step, [s]."""
-    return float(shown.drawn["time"][1, 0])
 
 
 def _episode(it: Certificate) -> Episode:
