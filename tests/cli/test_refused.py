@@ -212,7 +212,7 @@ AMONG = {
         "--summary s": "--summary does not go with a folder of logs",
         "--measure speed": "the logs tell success, return, length",
         "--measure success --measure length": "one measure of the logs decides",
-        "--measure length": "say which is better",
+        "--measure length": "nobody says whether less or more",
         "--as evaluations": "holds no recorded training and no log that is read. Seen: 4 .csv",
     },
     "report": {

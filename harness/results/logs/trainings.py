@@ -361,14 +361,18 @@ def _rows_of(log: Log) -> bytes:
 def _without_copies(trainings: Sequence[Training], notes: list[str]) -> list[Training]:
     """Each training once, though its rows, or the first of them, may lie in several files; a note tells each copy."""
     begins = sorted((it.reward, _rows_of(it.logs[0]), -number) for number, it in enumerate(trainings))
-    copies = set()
-    for (reward, own, number), (other, longer, whole) in pairwise(begins):
-        log = trainings[-number].logs[0]
+    pairs = [*pairwise(begins), *pairwise(sorted(begins, key=lambda it: it[1]))]  # whatever begins so follows at once
+    copies = set[int]()
+    for (reward, own, number), (other, longer, whole) in pairs:
+        log, is_same = trainings[-number].logs[0], reward == other
         values = (len(np.unique(log[name])) for name in log.names if name.startswith(TOLD))
-        if own and reward == other and longer.startswith(own) and (longer == own or max(values) >= FEWEST):
-            copies.add(-number)
+        if not own or -number in copies or not longer.startswith(own):
+            continue
+        if is_same if longer == own else max(values) >= FEWEST:
+            copies |= {-number} if is_same else set()
             how = "equal to" if longer == own else "the beginning of"
-            notes.append(f"{trainings[-number].shown} is {how} {trainings[-whole].shown}: the training counts once")
+            once = ": the training counts once" if is_same else f", though one is of {reward} and one of {other}"
+            notes.append(f"{trainings[-number].shown} is {how} {trainings[-whole].shown}{once}")
     return [it for number, it in enumerate(trainings) if number not in copies]
 
 

@@ -140,14 +140,17 @@ def test_runs_of_one_file_are_sorted_by_their_own_names(tmp_path):
 def test_the_beginning_of_a_training_is_a_copy(tmp_path):
     """It lacks the last points, and would count twice; of few values an equal beginning may be chance."""
     points = np.sqrt(np.arange(8.0))
-    logs = [curve(tmp_path / f"base_{seed}.csv") for seed in range(3)]
     logs = [
-        in_memory(log.facts, {"time": np.arange(float(count)), "reward/recorded": points[:count]})
-        for log, count in zip(logs, (8, 6, 4), strict=True)
+        in_memory(
+            curve(tmp_path / f"{name}.csv").facts,
+            {"time": np.arange(float(count)), "reward/recorded": points[:count]},
+        )
+        for name, count in (("base_0", 8), ("base_1", 6), ("base_2", 4), ("prop_0", 7))
     ]
     found = sort_logs(tmp_path, logs)
-    assert keys(found) == [("base", 0, 1), ("base", 2, 1)]
+    assert keys(found) == [("base", 0, 1), ("base", 2, 1), ("prop", 0, 1)]
     assert "base_1.csv' is the beginning of " in found.notes[0]
+    assert found.notes[1].endswith("base_0.csv', though one is of prop and one of base")
 
 
 def test_curves_of_one_training_are_never_added_up(tmp_path):
