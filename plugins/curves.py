@@ -72,7 +72,7 @@ POINTS: Mapping[str, tuple[str, bool]] = {
     "eprewmean": (LAST_100, True),
     "rewardsstep": (LAST_100, True),
     "meanreward": (LAST_100, False),
-    "totalrewardmean": (LAST_100, False),
+    "totalrewardmean": (NEW, False),
     "episodereturnmean": (LAST_100_OR_NEW, False),
     "episoderewardmean": (LAST_100_OR_NEW, False),
     "averageepret": (NEW, False),

@@ -32,7 +32,7 @@ A log of steps has ``episode`` and ``step``, a log of episodes ``length`` or ``t
 ``iteration``. Each has a ``reward/NAME`` or a ``behaviour/NAME``. Rows are in order of time, and episodes count up by
 one in each env; without ``env`` there is one. ``terminated`` and ``truncated`` are true only in the last row of an
 episode. Where a log has both, one of them is true there; the last episode of an env may be unfinished. NaN says that
-nobody knows, never of pay unless it failed.
+nobody knows; of pay, that it failed, or was NaN as the learner was told.
 
 A cell's trace has columns of its own names, see `harness.record.trace`. A CSV file of an arm's steps has distances by
 these names: ``begin_distance``, ``previous_best``, ``distance``, ``delta_distance``.

@@ -36,6 +36,11 @@ OF_RLLIB = {
             "torchrl", None,
             {"iteration": STEPS, "reward/recorded": RISING, "behaviour/success": SHARES, "since": [np.nan] * 5},
         ),
+        (
+            "skrl", None,
+            {"iteration": [50, 100, 150, 200], "reward/recorded": [-10, -7.5, -5, -2.5], "length": [10] * 4,
+             "since": [0, 50, 100, 150]},
+        ),
         ("d3rlpy", 1, {"iteration": STEPS, "reward/recorded": RISING, "since": STEPS}),
         (
             "tianshou", None,
