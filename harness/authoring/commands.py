@@ -111,7 +111,6 @@ if TYPE_CHECKING:
     from harness.policy.folder import read_folder as read_folder
     from harness.policy.network import MEAN as MEAN, STD as STD
     from harness.record.blocks import Block as Block, Blocks as Blocks, read_blocks as read_blocks
-    from harness.record.cell_folder import require_files as require_files
     from harness.record.dataset.labels import (
         UNKNOWN as UNKNOWN,
         SuccessRule as SuccessRule,
@@ -131,7 +130,12 @@ if TYPE_CHECKING:
         require_form as require_form,
     )
     from harness.record.folder import TRAINING_RECORDING as TRAINING_RECORDING
-    from harness.record.manifest import Ending as Ending, now as now, read_record as read_record
+    from harness.record.manifest import (
+        Ending as Ending,
+        now as now,
+        read_record as read_record,
+        require_files as require_files,
+    )
     from harness.record.out_folder import (
         folder_lock as folder_lock,
         is_held as is_held,

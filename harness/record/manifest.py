@@ -1,22 +1,27 @@
-"""What a `manifest.json` says: what was done in its folder, how it ended, on what machine, with which versions."""
+"""What a `manifest.json` says: what was done in its folder, how it ended, on what machine, with which versions.
+
+And whether the folder, of a cell or of an evaluation elsewhere, still is what was left there.
+"""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any, ClassVar, Self, TypeVar
 
 from pydantic import TypeAdapter
 
 import harness.record.file_forms as forms
-from harness.files.bounded import reading
+from harness.errors import NewerFormat, SchemaError
+from harness.files.bounded import digest_of, reading
 from harness.files.plain import Plain
 from harness.files.sealed import read_sealed, seal
-from harness.files.whole_file import write_whole
+from harness.files.sums import SUMS
+from harness.files.whole_file import files_in, is_partial, write_whole
 from harness.record.cell import Cell
 from harness.record.earlier import whole_manifest
 from harness.record.file_forms import Status, require_form
-from harness.record.folder import MANIFEST, digests_in
+from harness.record.folder import EVALUATIONS, LOG, MANIFEST, POLICY, SCORES, TENSORBOARD, digests_in
 
 SEALED_SINCE = 2
 """The first format of manifests, those of added folders included, that names the digests of its folder's files."""
@@ -25,6 +30,11 @@ SHOWN_DIGITS = 8
 OF_A_GOAL = ("error", "unit")
 """Left out of the file where the task has none: it is as it was before there were any."""
 Told = TypeVar("Told")
+REMEDY = "run again to replace it"
+NO_RECORDINGS = (".", EVALUATIONS, POLICY)
+"""Folders of a cell, its own included, whose files are no recording."""
+PAID_LATER = "scores"
+"""What the names of files begin with that `harness score` adds to a cell."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -145,3 +155,82 @@ def write_log(path: Path, text: str) -> None:
     """Append a line with the time, UTC."""
     with path.open("a", encoding="utf-8") as log:
         log.write(f"{now()} harness: {text}\n")
+
+
+def examine(folder: Path, cell: Cell) -> Manifest:
+    """What there is to say of a cell: its manifest, if every file is what the cell left; else damaged, or pending.
+
+    Raises:
+        NewerFormat: A newer version made the cell.
+    """
+    if not folder.is_symlink() and not folder.exists():
+        return Manifest(cell, status="pending", reason="not run yet")
+    try:
+        return whole_cell(folder)
+    except NewerFormat:
+        raise
+    except SchemaError as error:
+        return Manifest(cell, status="damaged", reason=f"{error}; {REMEDY}")
+
+
+def whole_cell(folder: Path) -> Manifest:
+    """The manifest of the cell whose folder this is, by its name, if every file is what the cell left.
+
+    Raises:
+        SchemaError: It is not.
+        NewerFormat: A newer version made the cell.
+    """
+    try:
+        if folder.is_symlink() or not folder.is_dir():
+            raise SchemaError(f"{folder} is no folder")
+        manifest = read_manifest(folder)
+        if manifest.cell.id != folder.name:
+            raise SchemaError(f"{folder} holds another cell, {manifest.cell.id}")
+        require_files(folder, manifest)
+        # A reader takes all that lies in the folder of a recording.
+        recordings = {PurePosixPath(name).parent for name in manifest.files} - {*map(PurePosixPath, NO_RECORDINGS)}
+        for name in added_files(folder, manifest) if recordings else ():
+            if PurePosixPath(name).parent in recordings:
+                raise SchemaError(f"{folder / name} was added to what was recorded")
+    except OSError as error:
+        raise SchemaError(f"{folder} cannot be read: {error.strerror}") from error
+    return manifest
+
+
+def require_files(folder: Path, record: Ending) -> None:
+    """See whether the files in `folder` are those that its record names.
+
+    Raises:
+        SchemaError: One is not what was written, or is missing and no report can do without it; the message names it.
+    """
+    for name, digest in record.files.items():
+        path = folder / name
+        if path.is_symlink():
+            raise SchemaError(f"{path} is a link")
+        if not path.is_file():
+            if is_needed(name):
+                raise SchemaError(f"{path} is missing")
+            continue
+        try:
+            found = digest_of(path)
+        except OSError as error:
+            raise SchemaError(f"{path} cannot be read: {error.strerror}") from error
+        if found != digest:
+            raise SchemaError(f"{path} is not what was written: its SHA-256 differs")
+
+
+def is_named(record: Ending, name: str) -> bool:
+    """Whether a record names a file, or files of a folder."""
+    return name in record.files or any(known.startswith(f"{name}/") for known in record.files)
+
+
+def added_files(folder: Path, record: Ending) -> list[str]:
+    """Files in `folder` that its record does not name, nor a command of the harness adds. No report reads them."""
+    there = [path for path in files_in(folder) if path.name not in (MANIFEST, SUMS) and not is_partial(path)]
+    names = [path.relative_to(folder).as_posix() for path in there if not path.name.startswith(PAID_LATER)]
+    return [name for name in names if name not in record.files]
+
+
+def is_needed(name: str) -> bool:
+    """Whether reports read this file of a cell; others may be taken away, to make a folder smaller."""
+    return PurePosixPath(name).parts[0] not in (POLICY, TENSORBOARD, LOG, SCORES)

@@ -11,7 +11,6 @@ from harness.errors import NewerFormat, SchemaError, UsageError
 from harness.files.whole_file import files_in, is_partial
 from harness.record.added import Owner, owners
 from harness.record.cell import Cell
-from harness.record.cell_folder import require_files
 from harness.record.file_forms import Status
 from harness.record.folder import (
     DERIVED,
@@ -21,7 +20,7 @@ from harness.record.folder import (
     partial_folder,
     publish,
 )
-from harness.record.manifest import Manifest
+from harness.record.manifest import Manifest, require_files
 from harness.record.out_folder import refuse_links, storage_errors
 from harness.record.plan_file import StoredPlan, unite
 from harness.record.recording.recorded_training import STEPS

@@ -23,10 +23,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self
 from harness.errors import NewerFormat, SchemaError, UsageError
 from harness.files.whole_file import is_partial
 from harness.record.cell import Cell
-from harness.record.cell_folder import examine, is_named
 from harness.record.file_forms import Status
 from harness.record.folder import CHECKPOINT, LOG, MANIFEST, RANDOM, partial_folder, publish, recording_of
-from harness.record.manifest import Manifest, now, read_manifest
+from harness.record.manifest import Manifest, examine, is_named, now, read_manifest
 from harness.record.out_folder import folder_lock, is_held, make_folder, refuse_links, require_text
 from harness.record.plan_file import EXPERIMENT, PLAN, StoredPlan, plan_from_cells, read_plan
 from harness.record.terms import Terms
@@ -158,7 +157,7 @@ class Store:
         return self.cell_folder(cell) / LOG
 
     def examine(self, cell: Cell) -> Manifest:
-        """What there is to say of a cell; see `harness.record.cell_folder.examine`."""
+        """What there is to say of a cell; see `harness.record.manifest.examine`."""
         return examine(self.cell_folder(cell), cell)
 
     def record(self, cell: Cell, status: Status, reason: str, instead_of: Manifest | None = None) -> Manifest:

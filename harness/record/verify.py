@@ -19,10 +19,9 @@ from harness.files.sums import SUMS, changed_since_made, forget_made, read_sums
 from harness.files.whole_file import files_in, is_partial, write_whole
 from harness.record.added import owners
 from harness.record.cell import Cell
-from harness.record.cell_folder import REMEDY, added_files, require_files, whole_cell
 from harness.record.file_forms import MOST_CELLS
 from harness.record.folder import DERIVED, SCORES
-from harness.record.manifest import read_manifest
+from harness.record.manifest import REMEDY, added_files, read_manifest, require_files, whole_cell
 from harness.record.plan_file import EXPERIMENT, PLAN, is_experiment_of_plan, read_plan
 from harness.record.store import CELLS, REPORT, RESULTS, Store
 

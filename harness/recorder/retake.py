@@ -98,8 +98,7 @@ class Retake:
             log, path = read_recorder(folder, number), folder / scores_name(number)
             rows = _calls_in(folder, log)
             scores = self._of_recorder(folder, facts_of(log), rows, done)
-            earlier = read_scores(path, partial(len, rows))
-            found[path] = scores if earlier is None else scores.with_earlier(earlier)
+            found[path] = scores.with_earlier(read_scores(path, partial(len, rows)))
             done += len(rows)
         for path, scores in found.items():
             with making(path):

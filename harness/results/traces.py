@@ -13,9 +13,8 @@ from harness.eta.behaviour_change import Quantity
 from harness.eta.headline import DECIDING, SUCCESS
 from harness.measure import Measure, is_share
 from harness.record.cell import Cell
-from harness.record.cell_folder import REMEDY
 from harness.record.folder import EVALUATION, RANDOM, TRACE
-from harness.record.manifest import Manifest
+from harness.record.manifest import REMEDY, Manifest
 from harness.registry.choice import Choice
 from harness.results.by_term import ByTerm
 from harness.results.cell_results import CellResults, Floors

@@ -69,7 +69,7 @@ def pay_by_weights(path: Path, label: str) -> int:
     for it, scores in zip(recorders, found, strict=True):
         place = path / scores_name(it.number)
         with making(place):
-            write_scores(place, scores if it.earlier is None else scores.with_earlier(it.earlier))
+            write_scores(place, scores.with_earlier(it.earlier))
     return sum(len(it.log) for it in recorders)
 
 

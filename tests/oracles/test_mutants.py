@@ -11,7 +11,7 @@ from harness.eta import GroupCurve
 from harness.payoff.dataset.paid_dataset import Fingerprint
 from harness.policy import kinds
 from harness.policy.network import ACTIVATIONS
-from harness.record import cell_folder
+from harness.record import manifest
 from harness.record.dataset.labels import SuccessRule
 from harness.record.recording import recorded_training
 from harness.robot import kinematics
@@ -82,7 +82,7 @@ def _steps_may_be_missing(patch):
 
 
 def _digests_are_not_looked_at(patch):
-    patch.setattr(cell_folder, "require_files", lambda folder, record: None)
+    patch.setattr(manifest, "require_files", lambda folder, record: None)
 
 
 def _relu_for_tanh(patch):

@@ -86,8 +86,10 @@ class Scores:
         )
         return replace(log, facts=told).add(self.columns)
 
-    def with_earlier(self, earlier: "Scores") -> "Scores":
+    def with_earlier(self, earlier: "Scores | None") -> "Scores":
         """These columns, and those that only `earlier` has."""
+        if earlier is None:
+            return self
         kept = {
             name: it for name, it in earlier.columns.items() if reward_column(name, earlier.sources) not in self.columns
         }

@@ -14,8 +14,8 @@ from harness.eta.seed_mean import SeedMean, mean_over_seeds
 from harness.eta.verdict.deals import smallest_p
 from harness.measure import Measure
 from harness.record.cell import Cell
-from harness.record.cell_folder import is_named
 from harness.record.folder import RANDOM, TRAINING_RECORDING, recording_of
+from harness.record.manifest import is_named
 from harness.record.recording.recorded_training import recordings_in
 from harness.record.store import Floor, floors_in
 from harness.registry.choice import split_list

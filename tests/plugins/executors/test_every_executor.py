@@ -10,7 +10,7 @@ import pytest
 from harness.authoring import run_job
 from harness.executor import CellOptions, Event, Job, Limits
 from harness.record import LOG, Cell, partial_folder, read_manifest
-from harness.record.cell_folder import examine
+from harness.record.manifest import examine
 from harness.registry import choose
 
 ELSEWHERE = ("ray", "ray:fetch=true", "slurm:cluster=local", "slurm:memory=0.5")

@@ -19,7 +19,7 @@ from harness.experiment import expand
 from harness.experiment.jobs import run_jobs
 from harness.experiment.plan import Experiment
 from harness.record import LOG, MANIFEST
-from harness.record.cell_folder import examine
+from harness.record.manifest import examine
 from harness.registry import load_registry
 from harness_plugins.executors.ray import Ray
 

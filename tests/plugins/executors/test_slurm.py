@@ -12,7 +12,7 @@ import pytest
 from harness.errors import UsageError
 from harness.executor import CellOptions, Event, Job
 from harness.record import LOG, partial_folder
-from harness.record.cell_folder import examine
+from harness.record.manifest import examine
 from harness_plugins.executors.slurm import Slurm
 
 pytestmark = [
