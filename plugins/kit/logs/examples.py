@@ -124,7 +124,7 @@ def _faults_of_numbers(facts: LogFacts) -> Iterator[str]:
 
 
 def _faults_of_columns(log: Log) -> Iterator[str]:
-    for name in (*log.facts.lower_is_better, *log.facts.bounds):
+    for name in (*log.facts.lower_is_better, *log.facts.higher_is_better, *log.facts.bounds):
         if name not in log.measures:
             yield f"facts tell of the measure {name}, which has no column {BEHAVIOUR}{name}"
     for failed in log.facts.failed:
