@@ -130,7 +130,7 @@ def _usable(registry: Registry, name: str) -> Measure:
 def _build(registry: Registry, name: str) -> Measure:
     metric: Measure = Choice(name).build(registry, "metrics")
     if metric.better not in BETTER:
-        raise Unmeasured(f"its 'better' is {metric.better!r}: allowed are higher, lower and nothing")
+        raise Unmeasured(f"its 'better' is {metric.better!r}: allowed are higher and lower, or an empty text")
     if not are_bounds(bounds_of(metric)):
         raise Unmeasured(f"its 'bounds' are {bounds_of(metric)!r}: allowed are two numbers, the lower one first")
     return metric

@@ -67,7 +67,9 @@ def lay(tmp_path):
 
     def written(*, optional=False, **bodies):
         (tmp_path / "walking.py").write_text(ENVS)
-        (tmp_path / "behaviour.py").write_text(f"def place({HEAD}):\n    return float(next_observation[0])\n")
+        (tmp_path / "behaviour.py").write_text(
+            f"higher_is_better = ['place']\ndef place({HEAD}):\n    return float(next_observation[0])\n"
+        )
         for name, body in bodies.items():
             (tmp_path / f"{name}.py").write_text(f"def {name}({HEAD}):\n    {body}\n")
         return read_given([tmp_path / "*.py"] if optional else sorted(tmp_path.glob("*.py")))
