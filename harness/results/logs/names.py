@@ -18,11 +18,12 @@ from harness.text import command_text, shortened
 
 _DAY = "20[0-9]{2}[-_/]?[01][0-9][-_/]?[0-3][0-9]|2[0-9](?:0[1-9]|1[0-2])(?:0[1-9]|[12][0-9]|3[01])"
 _MONTH = "(?:Jan|Feb|Mar|Apr|May|Jun|Jul|Aug|Sep|Oct|Nov|Dec)[0-3][0-9]"
-_HOUR = "[0-2][0-9][-_:h]?[0-5][0-9](?:[-_:m]?[0-9]{2})?"
+_HOUR = "[0-2][0-9][-_:h]?[0-5][0-9](?:[-_:m]?[0-9]{2})?|/[0-2][0-9][-_:h][0-5][0-9](?:[-_:m][0-9]{2})?"
 _HEX = "[0-9a-f]"
 _SAYS_NOTHING = re.compile(
-    rf"(?<![0-9])(?:1[0-9]{{9}}(?:\.[0-9]+)?|(?:{_DAY}|{_MONTH})(?:[-_T /]?{_HOUR})?(?:-[0-9a-z]{{8}})?)(?![0-9])"
-    rf"|(?<![0-9A-Za-z])(?:{_HEX}{{8}}(?:-{_HEX}{{4}}){{3}}-{_HEX}{{12}}|{_HEX}{{5}}_[0-9]{{5}}(?:_[0-9]+)?"
+    rf"run-20[0-9]{{6}}_[0-9]{{6}}-[0-9a-z]{{8}}(?![0-9A-Za-z])"
+    rf"|(?<![0-9])(?:1[0-9]{{9}}(?:\.[0-9]+)?|(?:{_DAY}|{_MONTH})(?:[-_T ]?(?:{_HOUR}))?)(?![0-9])"
+    rf"|(?<![0-9A-Za-z])(?:{_HEX}{{8}}(?:-{_HEX}{{4}}){{3}}-{_HEX}{{12}}|{_HEX}{{5}}_0[0-9]{{4}}(?:_[0-9]+)?"
     rf"|(?={_HEX}*(?:[0-9][a-f]+[0-9]|[a-f][0-9]+[a-f])){_HEX}{{7,40}}"
     r"|(?:gpu|cuda|node|host|job|slurm)[-_:=]?[0-9]+)(?![0-9A-Za-z])"
 )
@@ -118,7 +119,7 @@ def _doubt_of(
         is_shared = 2 * len(own & others) >= len(own) * bool(others)
         if has_gaps and not (is_shared and any(it % 5 and it > 1 for it in own)):
             weighed.append(label)
-    told = [f"{', '.join(map(str, sorted(numbers[it])))} may be seeds of '{it}', or its weights" for it in weighed]
+    told = [f"{', '.join(map(str, sorted(numbers[it])[:4]))} may be seeds of '{it}', or its weights" for it in weighed]
     return "; ".join(told[:1]), weighed
 
 

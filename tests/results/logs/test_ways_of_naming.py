@@ -234,6 +234,11 @@ def test_files_that_were_split_into_folders_sort_alike_or_are_asked(way, data):
         (["k1_0", "k1_1", "k2_0", "k2_1"], ["k1", "k1", "k2", "k2"], [0, 1, 0, 1]),
         (["base_1", "base_2", "p:k2=0.5_1", "p:k2=0.5_2"], ["base"] * 2 + ["p:k2=0.5"] * 2, [1, 2, 1, 2]),
         (["base1", "base2", "base_shaped1", "base_shaped2"], ["base"] * 2 + ["base_shaped"] * 2, [1, 2, 1, 2]),
+        (
+            ["2024-05-01-baseline_1", "2024-05-01-baseline_2", "2024-05-01-shaped22_1"],
+            ["baseline"] * 2 + ["shaped22"],
+            [1, 2, 1],
+        ),
         (["ppo/Pendulum-v1_1", "ppo/Pendulum-v1_2"], ["Pendulum-v1"] * 2, [1, 2]),
         (["base/20240501-1200", "base/20240502-1230"], ["base", "base"], [0, 1]),
         (["base_0", "base_1", "prop_7", "prop_0"], ["base", "base", "prop", "prop"], [0, 1, 0, 7]),
