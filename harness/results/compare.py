@@ -17,7 +17,7 @@ from harness.eta.scored_sums import BB, BK, KB, KK, Pair
 from harness.eta.splits import Decomposition
 from harness.eta.swaps import Swaps, swaps_of
 from harness.record.terms import FIRST, Terms
-from harness.results.comparison import Behaviour, Comparison, Group, Number, StepChange
+from harness.results.comparison import Behaviour, Comparison, Number, StepChange
 from harness.results.measured import (
     AREA,
     STEPS_TO_GOAL,
@@ -181,9 +181,19 @@ class _Comparer:
             for manner, episodes in self.episodes.items()
             for name in self._trainings.names
         ]
-        success = self._trainings.success if self._is_evaluated else ""
-        learned = learning_changes(self._trainings.group, self._moments, success, self._change) if success else []
-        return (*found, *self._last(), *learned)
+        return (*found, *self._last(), *self._learned())
+
+    def _learned(self) -> list[Change]:
+        """How fast the trainings learned, by the share of episodes that end in success."""
+        success, steps = self._trainings.success, self._trainings.group.steps
+        if not success or not self._is_evaluated:
+            return []
+        one, other = ([learning_values(its, steps, success) for its in side] for side in self._moments)
+        measures = (
+            Quantity(AREA, "", "higher", LEARNING, bounds=SHARE),
+            Quantity(STEPS_TO_GOAL, "steps", "lower", LEARNING, bounds=(0.0, float(steps))),
+        )
+        return [self._change(it, *([values[it.name] for values in side] for side in (one, other))) for it in measures]
 
     def _last(self) -> list[Change]:
         """The measures that decide, means over the last evaluations; none where only the final policy was evaluated."""
@@ -201,16 +211,24 @@ class _Comparer:
         ]
 
     def along(self) -> tuple[StepChange, ...]:
-        """The measures that decide, at each evaluation before the end of the trainings."""
+        """The measures that decide, at each evaluation before the end of the trainings that all have."""
         if not self._is_evaluated:
             return ()
-        names = [name for name in self._trainings.deciding if name in self._trainings.names]
+        group, names = self._trainings.group, [it for it in self._trainings.deciding if it in self._trainings.names]
         episodes = next(iter(self.episodes.values()))  # of the cells' own manner
+        one, other = (
+            [dict(moments_by_due(its, group.evaluate_every, group.steps)) for its in side] for side in self._moments
+        )
 
-        def change(name: str, manner: str, *sides: Sequence[float | None]) -> Change:
-            return self._change(self._trainings.quantity(name, manner, episodes), *sides)
+        def at(due: int) -> tuple[Change, ...]:
+            measures = [self._trainings.quantity(name, f"after {due:,} steps", episodes) for name in names]
+            return tuple(
+                self._change(it, *([its[due].values.get(it.name) for its in side] for side in (one, other)))
+                for it in measures
+            )
 
-        return changes_along(self._trainings.group, self._moments, names, change)
+        in_all = set.intersection(*(set(its) for its in (*one, *other)))
+        return tuple(StepChange(due, at(due)) for due in sorted(in_all) if due < group.steps)
 
     @property
     def _is_evaluated(self) -> bool:
@@ -237,45 +255,3 @@ def _fewest_episodes(measured: Sequence[Measured]) -> dict[str, int]:
         for manner in manners
         if all(manner in it.manners for it in measured)
     }
-
-
-def changes_along(
-    group: Group, moments: Moments, names: Sequence[str], change: Callable[..., Change]
-) -> tuple[StepChange, ...]:
-    """The measures that decide, at each evaluation before the end that all trainings have.
-
-    Args:
-        group: What the trainings share.
-        moments: Their evaluations.
-        names: The names of the measures.
-        change: A function of a measure's name, its manner, and the values of both sides by seed.
-    """
-    one, other = ([dict(moments_by_due(its, group.evaluate_every, group.steps)) for its in side] for side in moments)
-    in_all = set.intersection(*(set(its) for its in (*one, *other)))
-
-    def at(due: int) -> tuple[Change, ...]:
-        return tuple(
-            change(
-                name, f"after {due:,} steps", *([its[due].values.get(name) for its in side] for side in (one, other))
-            )
-            for name in names
-        )
-
-    return tuple(StepChange(due, at(due)) for due in sorted(in_all) if due < group.steps)
-
-
-def learning_changes(group: Group, moments: Moments, success: str, change: Callable[..., Change]) -> list[Change]:
-    """How fast the trainings learned, by the share of episodes that end in success.
-
-    Args:
-        group: What the trainings share.
-        moments: Their evaluations.
-        success: The name of that measure.
-        change: A function of a measure, and the values of both sides by seed.
-    """
-    one, other = ([learning_values(its, group.steps, success) for its in side] for side in moments)
-    measures = (
-        Quantity(AREA, "", "higher", LEARNING, bounds=SHARE),
-        Quantity(STEPS_TO_GOAL, "steps", "lower", LEARNING, bounds=(0.0, float(group.steps))),
-    )
-    return [change(it, *([values[it.name] for values in side] for side in (one, other))) for it in measures]

@@ -11,6 +11,7 @@ from harness.arrays import Float
 from harness.errors import NewerFormat, SchemaError, Unscored
 from harness.eta.behaviour_change import Quantity
 from harness.eta.headline import DECIDING, SUCCESS
+from harness.eta.seed_mean import SeedMean, mean_over_seeds
 from harness.measure import Measure, is_share
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, RANDOM, TRACE
@@ -24,12 +25,13 @@ from harness.results.measured import Measured, Moment
 from harness.results.metrics import measure_of
 from harness.results.recordings.episodes import Part
 from harness.results.records import Records
-from harness.results.return_matrix import ReturnMatrix, return_matrices
+from harness.results.return_matrix import ReturnMatrix
 from harness.results.table import Numbers, numbers_of
-from harness.results.trainings import Match, Trainings
+from harness.results.trainings import Match, Trained, Trainings
 from harness.score.installed_reward import InstalledReward
 
 Told = TypeVar("Told")
+EVENTS, UNFINISHED = "", "no finished episode in some seeds"
 FILES = {"training": TRACE, "evaluation": EVALUATION}
 
 
@@ -50,7 +52,7 @@ class CellRun:
 
     @property
     def cut(self) -> int:
-        return self.ask(lambda it: it.rows())
+        return self.ask(CellResults.rows)
 
     def measured(self) -> Measured:
         return self._measured
@@ -72,7 +74,7 @@ class CellRun:
 
     @cached_property
     def _moments(self) -> Sequence[Moment]:
-        return self.ask(lambda it: it.moments())
+        return self.ask(CellResults.moments)
 
     def reason(self, name: str, manner: str) -> str:
         return self._measured.reasons.get(name, "")
@@ -86,7 +88,7 @@ class CellRun:
 
     @cached_property
     def _learned(self) -> Float:
-        return self.ask(lambda it: it.learned())
+        return self.ask(CellResults.learned)
 
     def on_the_way(self, every: int) -> Mapping[int, Part]:
         return {}
@@ -94,12 +96,12 @@ class CellRun:
     def ends(self) -> tuple[Part, Part, Part]:
         measured, pay = self._measured, self.ask(lambda it: it.recorded_return(EVALUATION))
         evaluated = Part(next(iter(measured.episodes.values())), {self.reward: pay}, measured.own, {})
-        return (*self.ask(lambda it: it.ends()), evaluated)
+        return (*self.ask(CellResults.ends), evaluated)
 
     def paid(self, by: Any) -> Float:
         """See `Trained`: its own reward's pay is recorded."""
         if by.reward == self.reward:
-            return self.ask(lambda it: it.recorded())
+            return self.ask(CellResults.recorded)
         reward = self._traces.unchanged(by, TRACE)
         return self.ask(lambda it: it.paid_by(reward))
 
@@ -110,7 +112,7 @@ class CellRun:
 
     def final_pay(self) -> float:
         """See `Trained`: its events included."""
-        return self._known(self.ask(lambda it: it.evaluation_paid()))
+        return self._known(self.ask(CellResults.evaluation_paid))
 
     def random_pay(self) -> Float:
         return self._traces.floor_returns(self.cell, self._traces.unchanged(self, EVALUATION))
@@ -149,7 +151,7 @@ class CellRun:
             return None
 
     def motion(self) -> str:
-        return self.ask(lambda it: it.motion())
+        return self.ask(CellResults.motion)
 
 
 class Traces:
@@ -233,12 +235,47 @@ class Traces:
     @property
     def returns(self) -> tuple[ReturnMatrix, ...]:
         """See `Results`; scored by every reward of the experiment."""
-        records = self.records
-        scoring = dict.fromkeys(it.cell.reward for it in records.manifests if it.status != "skipped")
-        groups: dict[Group, dict[Choice, list[CellResults]]] = {}
-        for cell in sorted(records.done_cells, key=lambda cell: cell.seed):
-            groups.setdefault(Group.of(cell), {}).setdefault(cell.reward, []).append(self.of(cell))
-        return return_matrices(list(scoring), groups, self.installed)
+        scoring = dict.fromkeys(it.cell.reward for it in self.records.manifests if it.status != "skipped")
+        return tuple(self._matrix(it, scoring) for it in self.trainings)
+
+    def _matrix(self, of: Trainings, scoring: Iterable[Choice]) -> ReturnMatrix:
+        payers = {choice.label: self._payer(choice, of) for choice in scoring}
+        columns = {label: self._column(of.members(label), payers) for label in payers if label in of.rewards}
+        rows = {payer: {trained: column[payer] for trained, column in columns.items()} for payer in payers}
+        return ReturnMatrix(
+            of.group, tuple(columns), rows, {label: column[EVENTS] for label, column in columns.items()}
+        )
+
+    def _payer(self, choice: Choice, of: Trainings) -> InstalledReward | str:
+        """A reward, or why it cannot pay what it paid in the experiment; one that taught nobody is not checked."""
+        try:
+            taught = [it for it in of.members(choice.label) if isinstance(it, CellRun)]
+            return self.unchanged(taught[0], EVALUATION) if taught else self.installed(choice)
+        except Unscored as unscored:
+            return str(unscored)
+
+    def _column(self, members: Iterable[Trained], payers: Mapping[str, InstalledReward | str]) -> dict[str, SeedMean]:
+        """What each reward pays trainings by one, and what events paid. Each evaluation is read once."""
+        why = {payer: it for payer, it in payers.items() if isinstance(it, str)}
+        paid: dict[str, list[float | None]] = {payer: [] for payer in (EVENTS, *payers)}
+        for found in (self.of(it.cell) for it in members if isinstance(it, CellRun)):
+            paid[EVENTS].append(found.evaluation_events())
+            for payer, it in payers.items():
+                try:
+                    if payer not in why and not isinstance(it, str):
+                        paid[payer].append(found.evaluation_return(it))
+                except Unscored as unscored:
+                    why[payer] = str(unscored)
+            found.finish()
+
+        def mean(values: list[float | None]) -> SeedMean:
+            known = [value for value in values if value is not None]
+            return mean_over_seeds(known, None if len(known) == len(values) else UNFINISHED)
+
+        return {
+            payer: SeedMean(None, notes=(why[payer],)) if payer in why else mean(values)
+            for payer, values in paid.items()
+        }
 
     def examine(self, manifest: Manifest) -> Manifest:
         """What there is to say of a cell. Files that are what was written may still hold what no cell can have done."""

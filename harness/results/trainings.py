@@ -258,7 +258,7 @@ class Trainings:
 
     def same_starts(self, match: Match) -> bool:
         """Whether policies met the same episodes in their evaluations, as far as that is known: an arm's seeds do."""
-        return meet_same_starts(_recorded(match))
+        return not self.read or meet_same_starts(_recorded(match))
 
     def mixtures(self, match: Match) -> tuple[Mixture, ...]:
         """Plugins of which several versions were used."""
@@ -308,8 +308,8 @@ class Trainings:
 
     def rescaling(self, match: Match) -> Rescaling | None:
         """What the proposed reward is, if it is the baseline but for scale and offset; an arm's splits say it."""
-        is_control = match.baseline == match.proposed
-        return None if is_control else rescaling_between(_recorded(match), match.proposed, match.baseline)
+        is_known = self.read and match.baseline != match.proposed
+        return rescaling_between(_recorded(match), match.proposed, match.baseline) if is_known else None
 
     def terms(self, reward: str, trained: str) -> list[TermsOfTraining]:
         """What the terms of one reward pay the trainings by another one, or its own.
