@@ -35,10 +35,13 @@ class Whole(Plain):
     place: Path = Path()
     seen: frozenset[int] = frozenset()
     count: int | None = None
+    perhaps: tuple[tuple[int, ...], ...] | None = None
     noun: ClassVar[str] = "whole"
 
 
-WHOLE = Whole(Part("a", (1.0, 2.5)), (Other("b"), Part("c")), (("d", 1),), Path("e/f"), frozenset({3, 1}), 4)
+WHOLE = Whole(
+    Part("a", (1.0, 2.5)), (Other("b"), Part("c")), (("d", 1),), Path("e/f"), frozenset({3, 1}), 4, ((1,), ())
+)
 
 
 @pytest.mark.parametrize("whole", [WHOLE, Whole(Part("a"))])
@@ -51,7 +54,7 @@ def test_what_was_told_comes_back(whole):
 def test_fields_stand_in_their_order():
     """Sets are sorted, tuples are lists, paths are text; what belongs to the class does not stand there."""
     told = WHOLE.to_json()
-    assert list(told) == ["part", "parts", "pairs", "place", "seen", "count"]
+    assert list(told) == ["part", "parts", "pairs", "place", "seen", "count", "perhaps"]
     assert told["part"] == {"name": "a", "numbers": [1.0, 2.5]}
     assert (told["pairs"], told["place"], told["seen"]) == ([["d", 1]], "e/f", [1, 3])
 

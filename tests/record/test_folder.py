@@ -15,8 +15,3 @@ def test_evaluations_come_in_order_of_their_steps(tmp_path):
     for name in ("1000.parquet", "200.parquet", ".1200.parquet"):
         (tmp_path / "evaluations" / name).touch()
     assert list(evaluation_files(tmp_path)) == [200, 1000]
-
-
-def test_folder_without_evaluations_has_none(tmp_path):
-    """They are made when the first one is."""
-    assert evaluation_files(tmp_path) == {}

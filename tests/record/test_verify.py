@@ -59,13 +59,6 @@ def test_every_file_can_be_found_damaged(ran):
         path.write_bytes(before)
 
 
-def test_missing_data_is_damage(ran, first):
-    """A report cannot do without a trace."""
-    (first / TRACE).unlink()
-    [problem] = verify(ran)
-    assert problem.what.endswith(f"{TRACE} is missing")
-
-
 def test_folder_of_another_cell_is_damage(ran, first):
     """A cell under another one's name would be counted for it."""
     shutil.copytree(first, sorted((ran / "cells").iterdir())[1], dirs_exist_ok=True)
