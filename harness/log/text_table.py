@@ -40,7 +40,6 @@ class TextTable:
         cells: By name, of the columns that were asked for.
         lines: Of each row, its line in the file, counted from 1.
         comments: Lines of JSON behind ``#``, and their numbers.
-        headers: Lines at which the header stands once more: somebody has gone on with the file.
         cut: The line of a last row that is left out because it does not end: it is being written, or was cut; else 0.
         has_commas: Whether semicolons part its cells, and a comma is the decimal point of its numbers.
     """
@@ -50,7 +49,6 @@ class TextTable:
     cells: dict[str, list[str]]
     lines: Sequence[int]
     comments: tuple[tuple[int, str], ...] = ()
-    headers: tuple[int, ...] = ()
     cut: int = 0
     has_commas: bool = False
 
@@ -215,7 +213,6 @@ def parse_table(path: Path, text: str, names: Sequence[str] = ()) -> TextTable:
         raise SchemaError(f"{path} has no header, a header that is cut off, or names a column twice in it")
     columns: list[list[str]] = [[] for _ in known]
     numbers: list[int] = []
-    headers: list[int] = []
     cut = 0
     for line, row in rows:
         if line == open_end:
@@ -224,14 +221,13 @@ def parse_table(path: Path, text: str, names: Sequence[str] = ()) -> TextTable:
         if len(row) != len(known):
             raise SchemaError(f"{path}, line {line}: it has {len(row)} cells, and there are {len(known)} columns")
         if row[0].strip() == known[0] and tuple(cell.strip() for cell in row) == known:
-            headers.append(line)
-            continue
+            continue  # somebody has gone on with the file
         numbers.append(line)
         for column, cell in zip(columns, row, strict=True):
             column.append(cell)
     has_commas = separator == ";" and any(re.fullmatch(r"\s*-?\d+,\d+\s*", cell) for of in columns for cell in of)
     cells = dict(zip(known, columns, strict=True))
-    return TextTable(path, known, cells, numbers, tuple(comments), tuple(headers), cut, has_commas)
+    return TextTable(path, known, cells, numbers, tuple(comments), cut, has_commas)
 
 
 def require_columns(path: Path, names: Sequence[str], *wanted: str) -> None:

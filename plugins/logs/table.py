@@ -70,6 +70,7 @@ OF_D3RLPY = re.compile(r"\d+,\d+,[-\d.e+naif]+\n")
 """Epoch, step and value."""
 D3RLPY = {"environment": "eval/mean_reward"}
 """What d3rlpy calls its evaluations in its own examples."""
+KEYS = ("env", "env_name", "exp_name", "seed")
 SETTINGS = ("params.json", "config.json")
 """What RLlib and Spinning Up keep beside a table: the settings of the training."""
 KNOWN = {key for keys in ROLES.values() for key in keys}
@@ -154,20 +155,19 @@ class Table(Roles):
         seeds = [name for name in table.names if name.lower() in SEED and not is_of_episodes(table, name)]
         used += [*taught, *runs, *seeds]
         left = shortened(", ".join(it for it in table.names if it not in used and it.lower() not in INDEX), 120)
-        told = _settings_beside(table.path)
+        told = _settings_beside(table.path.parent)
         told |= {key: table.cells[f"config/{key}"][0] for key in ("env", "seed") if f"config/{key}" in table.cells}
-        env = told.get("env", told.get("env_name"))
         is_history = _is_history(table.names)
         for cells, rows in split(table, [*taught, *runs]):
             part = table.part(rows) if cells else table
-            seed = str(part.cells[seeds[0]][0] if seeds and len(part) else told.get("seed"))
+            seed = str(part.cells[seeds[0]][0] if seeds and len(part) else told.get("seed", ""))
             facts = LogFacts(
                 path=table.path,
                 format="history of Weights & Biases" if is_history else f"table of {chosen.unit}s",
                 unit=chosen.unit,
                 run="_".join(cells),
-                env=env if isinstance(env, str) else "",
-                algorithm=told["exp_name"] if isinstance(told.get("exp_name"), str) else "",
+                env=told.get("env", told.get("env_name", "")),
+                algorithm=told.get("exp_name", ""),
                 seed=int(seed) if seed.isdecimal() else None,
                 thinned=WANDB if is_history else "",
                 notes=(*([f"not used: {left}"] if left else []), *table.notes),
@@ -240,7 +240,7 @@ class Table(Roles):
             for tag, (file, names) in _curves_in(path).items()
         }
         name, seed = path / "tags/mlflow.runName", path / "params/seed"
-        told = read_text(seed).strip() if seed.is_file() else str(_settings_beside(path / "it").get("seed"))
+        told = read_text(seed).strip() if seed.is_file() else _settings_beside(path).get("seed", "")
         facts = LogFacts(
             path=path,
             format="folder of curves",
@@ -346,15 +346,14 @@ def _differ(table: TextTable, name: str) -> bool:
     return len(ends) == 2 and bool(np.nansum(np.abs(ends[0] - ends[1])) > 0.0)
 
 
-def _settings_beside(path: Path) -> dict[str, Any]:
-    """The settings of the training, where a program left them in the same folder; empty if they cannot be read."""
+def _settings_beside(folder: Path) -> dict[str, str]:
+    """The settings of the training, where a program left them in the folder; empty if they cannot be read."""
     for name in SETTINGS:
-        try:
-            told = read_json(path.with_name(name))
-        except (OSError, ValueError):
-            continue
-        if isinstance(told, dict):
-            return told
+        with suppress(OSError, ValueError):
+            told = read_json(folder / name)
+            if isinstance(told, dict):
+                kept = (str, int, float)
+                return {key: str(value) for key, value in told.items() if isinstance(value, kept) and key in KEYS}
     return {}
 
 

@@ -22,10 +22,10 @@ def test_cells_are_kept_with_their_lines():
 
 
 def test_a_header_that_comes_again_is_no_row():
-    """Somebody has appended to the file; its line is told."""
+    """Somebody has appended to the file."""
     table = parse_table(PATH, "a,b\n1,2\na,b\n3,4\n")
     assert table.cells["a"] == ["1", "3"]
-    assert table.headers == (3,)
+    assert table.lines == [2, 4]
 
 
 @pytest.mark.parametrize("ending", ["\n", "\r\n", "\r"])
