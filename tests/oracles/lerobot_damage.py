@@ -28,7 +28,10 @@ def partly(rng, folder):
     rest, may_refuse, tells = change(parts, runs, rng)
     write(parts, folder)
     told = f"{change.__name__}, {parts.layout.version}"
-    return Trial(told, lambda: ask(folder), [answer_of(one) for one in rest], may_refuse, tells)
+    right = [answer_of(one) for one in rest]
+    if change is nan_pay:  # one reward loses the episode, and the data set does not
+        right = [answer_of(runs) | {"auc": right[0]["auc"]}]
+    return Trial(told, lambda: ask(folder), right, may_refuse, tells)
 
 
 # Damage
@@ -167,10 +170,8 @@ def nan_pay(parts, runs, rng):
 
 def nan_state(parts, runs, rng):
     """A state is not finite; what was paid is."""
-    row = rng.randrange(len(parts.place))
-    number = int(parts.columns["episode_index"][row])
-    parts.columns["observation.state"][row, rng.randrange(3)] = np.nan
-    return [runs, [run for place, run in enumerate(runs) if place != number]], False, ""
+    parts.columns["observation.state"][rng.randrange(len(parts.place)), rng.randrange(3)] = np.nan
+    return [runs], False, ""
 
 
 def fewer_told(parts, runs, rng):

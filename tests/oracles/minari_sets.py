@@ -148,6 +148,8 @@ def changed(rng, folder):
     with h5py.File(folder / MAIN, "r+") as file:
         rest, may_refuse, tells = change(file, runs, rng)
     right = [answer_of(one) for one in rest]
+    if change is nan_pay:  # one reward loses the episode, and the data set does not
+        right = [answer_of(runs) | {"auc": right[0]["auc"]}]
     if change in {linked_copy, link_instead}:  # copies may be counted where no pairs are
         right = [{"auc": one["auc"]} for one in right]
     return Trial(change.__name__, lambda: ask(folder), right, may_refuse, tells)
