@@ -105,6 +105,13 @@ def test_a_file_without_a_header_is_read_as_issue_2282_of_the_library_has_it(cou
     assert read(path, success="column 4")["behaviour/success"].tolist() == [0, 1, 0]
 
 
+def test_lengths_that_count_up_are_lengths(tmp_path):
+    """A row of Monitor is never a step."""
+    log = read(written(tmp_path, f"{HEADER}r,l,t\n-3,1,0.5\n-2,2,1\n-1,3,2\n-1,4,3\n-1,5,4\n"))
+    assert log["length"].tolist() == [1, 2, 3, 4, 5]
+    assert log["time"].tolist() == [1, 3, 6, 10, 15]
+
+
 def test_two_files_joined_into_one_are_one_log(tmp_path):
     """Both headers stand in it."""
     log = read(written(tmp_path, 2 * (HEADER + "r,l,t\n" + ROWS)))
