@@ -8,7 +8,7 @@ from numpy.random import default_rng
 from numpy.testing import assert_allclose
 
 from harness.authoring import Deterministic, layer_weights
-from harness.errors import UsageError
+from tests.refusals import refused
 
 RNG = default_rng(0)
 
@@ -48,6 +48,6 @@ def test_arrays_are_copies_in_single_precision():
 )
 def test_layers_that_do_not_fit_are_named(hidden, head, told):
     """With both shapes, and with what to do: libraries differ in how they keep a weight."""
-    with pytest.raises(UsageError, match=re.escape(told)) as error:
+    with refused(re.escape(told)) as error:
         layer_weights(hidden, mean=head)
     assert "Transpose the weight" in str(error.value)

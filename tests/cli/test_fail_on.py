@@ -6,11 +6,11 @@ from itertools import combinations, product
 import pytest
 
 from harness.cli.fail_on import NAMES, Said, decide, named_answers, status_of
-from harness.errors import UsageError
 from harness.eta import RANKS, Answer
 from harness.screen import CANNOT_TELL, FAILING, LOITERING, NOTHING
 from tests.cli.conftest import QUICK
 from tests.cli.test_logs import write_monitor
+from tests.refusals import refused
 
 
 def said(*words, question="pay"):
@@ -82,7 +82,7 @@ def test_names_are_read_as_they_are_shown():
 @pytest.mark.parametrize("named", ["hurt", "", "hurts,", "failing"])
 def test_unknown_answer_is_refused(named):
     """With all that there are."""
-    with pytest.raises(UsageError, match="There is: cannot-tell, helps, hurts, "):
+    with refused("There is: cannot-tell, helps, hurts, "):
         named_answers([named], "behaviour")
 
 

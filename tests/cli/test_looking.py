@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import harness
+from tests.left import files_of
 
 LISTEN = """
 import json, os, sys
@@ -86,11 +87,11 @@ def test_a_lock_that_is_a_link_is_not_followed(ran, tmp_path):
 def test_two_folders_are_read_in_place(ran, tmp_path):
     """Nothing of them is changed, and nothing is left in the folder for temporary files."""
     shutil.copytree(ran, tmp_path / "other")
-    before = {path: path.read_bytes() for path in sorted(ran.rglob("*")) if path.is_file()}
+    before = files_of(ran)
     scratch = tmp_path / "scratch"
     scratch.mkdir()
     environment = {**os.environ, "TMPDIR": str(scratch)}
     command = [sys.executable, "-m", "harness", "report", str(ran), str(tmp_path / "other")]
     assert subprocess.run(command, capture_output=True, check=False, env=environment).returncode == 0
-    assert {path: path.read_bytes() for path in sorted(ran.rglob("*")) if path.is_file()} == before
+    assert files_of(ran) == before
     assert not list(scratch.iterdir())

@@ -3,6 +3,7 @@ import shlex
 
 import pytest
 
+from tests.left import files_of
 from tests.plugins.committed.kept import RECORDS
 from tests.report.conftest import build_results
 
@@ -69,14 +70,14 @@ def test_several_folders_are_read_as_one(harness, quick, tmp_path):
     """Nothing is written, and no command names the folder that they were read in."""
     for name, seeds in (("one", "0,1"), ("two", "2")):
         harness("run", *quick, "--reward", "arp", "--seeds", f"{seeds},", "--out", name)
-    before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+    before = files_of(tmp_path)
     answer = harness("report one two")
     assert (answer.status, answer.err) == (0, "")
     assert "3 seeds" in answer.out
     assert "harness report one two --details" in answer.out
     assert "harness-report-" not in answer.out
     assert len(harness("report one two --json").json["cells"]) == 6
-    assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
+    assert files_of(tmp_path) == before
 
 
 def test_damage_in_one_of_several_folders_is_told(harness, quick, tmp_path):
@@ -149,10 +150,10 @@ def test_summary_keeps_what_else_is_there(harness, experiment, tmp_path):
 def test_committed_records_open(harness, experiment, tmp_path):
     """The table from the committed files; what needs cells says where they come from, and status is 2."""
     harness("report mine --summary records")
-    before = {path: path.read_bytes() for path in (tmp_path / "records").rglob("*") if path.is_file()}
+    before = files_of(tmp_path / "records")
     answer = harness("report records")
     assert (answer.status, answer.err) == (0, "")
-    assert {path: path.read_bytes() for path in (tmp_path / "records").rglob("*") if path.is_file()} == before
+    assert files_of(tmp_path / "records") == before
     assert "Committed records of 4 cells, 4 done." in answer.out
     assert harness("report records --json").out == harness("report mine --json").out
     for command in (("report", "records", "--html", "page.html"), ("report", "records", experiment)):

@@ -8,6 +8,7 @@ from dataclasses import replace
 import pytest
 
 from harness.record import Store
+from tests.left import files_of
 
 
 def test_missing_tensorboard_is_told_before_anything_runs(harness, quick, tmp_path, monkeypatch):
@@ -61,11 +62,11 @@ def test_summaries_are_refused(harness, quick, tmp_path):
     """The records of an experiment are left alone, its `experiment.toml` among them."""
     harness("run --reward arp --seeds 1 --out mine", *quick)
     harness("report mine --summary kept")
-    before = {path: path.read_bytes() for path in (tmp_path / "kept").rglob("*") if path.is_file()}
+    before = files_of(tmp_path / "kept")
     answer = harness("run --reward arp --seeds 2 --out kept", *quick)
     assert (answer.status, answer.err.count("\n")) == (2, 1)
     assert "--out 'kept' holds something else than an experiment" in answer.err
-    assert {path: path.read_bytes() for path in (tmp_path / "kept").rglob("*") if path.is_file()} == before
+    assert files_of(tmp_path / "kept") == before
 
 
 def test_a_missing_library_names_its_extra(harness, distant):

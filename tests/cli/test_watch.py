@@ -6,7 +6,6 @@ from http.client import HTTPConnection
 import numpy as np
 import pytest
 
-from harness.errors import UsageError
 from harness.record import Store, read_trace
 from harness.record.returns import mean_return
 from harness_plugins.audit.search.certificate import write_certificate
@@ -14,6 +13,7 @@ from harness_plugins.watch.recorded import blocks_of_trace
 from harness_plugins.watch.trainings import source_of
 from harness_plugins.watch.watch import HOST, Pages, open_server, pages_of
 from tests.plugins.audit.search.certified import certificate_of
+from tests.refusals import refused
 
 ALL = 2
 """Trainings of an experiment with one seed."""
@@ -103,7 +103,7 @@ def test_nothing_else_is_served(get):
 def test_a_taken_port_is_refused(experiment):
     """The message says what to do."""
     pages = Pages(experiment)
-    with open_server(pages, 0) as server, pytest.raises(UsageError, match="Give another"):
+    with open_server(pages, 0) as server, refused("Give another"):
         open_server(pages, server.server_port)
 
 
@@ -160,7 +160,7 @@ def test_certificates_that_are_gone_are_told(certificates):
     """In a line."""
     pages = pages_of(certificates)
     (certificates / "near-failure.json").unlink()
-    with pytest.raises(UsageError, match="has no certificate any more"):
+    with refused("has no certificate any more"):
         pages.page()
 
 

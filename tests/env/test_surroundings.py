@@ -77,12 +77,16 @@ def test_an_episode_is_the_same_however_the_one_before_went(make):
     assert_array_equal(*firsts)
 
 
+def begin_alike(plain, varied):
+    """As many records, each of which is the plain one in the columns that that has."""
+    for usual, more in zip(plain, varied, strict=True):
+        assert_array_equal(usual, more[:, : usual.shape[1]])
+
+
 def test_conditions_that_change_nothing_are_the_plain_task(make):
     """A variation of arms that is next to nothing, and obstacles far away: the same record, bit for bit."""
     plain = told(make(2, ReachTask(horizon=9)))
-    around = told(make(2, ReachTask(horizon=9, obstacles="9x9x9x0.1", observation_delay=0)))
-    for usual, more in zip(plain, around, strict=True):
-        assert_array_equal(usual, more[:, : usual.shape[1]])
+    begin_alike(plain, told(make(2, ReachTask(horizon=9, obstacles="9x9x9x0.1", observation_delay=0))))
 
 
 @pytest.mark.parametrize("share", ["mass_variation", "length_variation"])
@@ -91,9 +95,7 @@ def test_an_arm_as_drawn_is_the_plain_arm(make, monkeypatch, share):
     monkeypatch.setattr(surroundings, "draw_robot", lambda conditions, robot, number: robot)
     plain = told(make(3, ReachTask(horizon=9), simulator=Kinematic()))
     varied = told(make(3, ReachTask(horizon=9, **{share: 0.1}), simulator=Kinematic()))
-    assert len(varied) == len(plain)
-    for usual, more in zip(plain, varied, strict=True):
-        assert_array_equal(usual, more[:, : usual.shape[1]])
+    begin_alike(plain, varied)
 
 
 def test_noise_has_its_standard_deviation(make):

@@ -33,23 +33,24 @@ class Counted(IdealSimulation):
         self.is_closed = True
 
 
-def test_arms_are_opened_when_first_met_and_kept():
-    """An env that comes back to an arm finds the same simulation."""
+def met(arms):
+    """A simulation that has met these arms, and what it opened."""
     opened = []
     varied = VariedSimulation(Counting(opened), lambda number: ROBOT, ROBOT.dof, 1, 0.1)
-    for arm in (0, 1, 0, 1, 2):
+    for arm in arms:
         varied.arms[:] = arm
         varied.reset(ROBOT.home[None], np.ones(1, bool))
-    assert len(opened) == 3
+    return varied, opened
+
+
+def test_arms_are_opened_when_first_met_and_kept():
+    """An env that comes back to an arm finds the same simulation."""
+    assert len(met((0, 1, 0, 1, 2))[1]) == 3
 
 
 def test_no_more_than_a_few_wait():
     """Those that were left first are closed, and in the end all are."""
-    opened = []
-    varied = VariedSimulation(Counting(opened), lambda number: ROBOT, ROBOT.dof, 1, 0.1)
-    for arm in range(MOST_IDLE + 3):
-        varied.arms[:] = arm
-        varied.reset(ROBOT.home[None], np.ones(1, bool))
+    varied, opened = met(range(MOST_IDLE + 3))
     assert [simulation.is_closed for simulation in opened] == [True] * 2 + [False] * (MOST_IDLE + 1)
     varied.close()
     varied.close()

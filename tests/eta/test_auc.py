@@ -76,12 +76,16 @@ def test_rounding_of_sums_makes_no_order():
     assert auc_of(np.array([0.1 + 0.2, 0.3]), np.array([True, False])).value == 0.5
 
 
+def of_operators(seed):
+    """Pay of 60 episodes, which succeed, and whose they are: those of an operator are paid alike."""
+    rng, operator = default_rng(seed), np.repeat(np.arange(12), 5)
+    above = operator % 2 == 0
+    return rng.normal(size=12)[operator] + 0.1 * rng.normal(size=60) + above, above, operator
+
+
 def test_episodes_of_an_operator_widen_the_interval():
     """Where they are paid alike."""
-    rng = default_rng(0)
-    operator = np.repeat(np.arange(12), 5)
-    above = operator % 2 == 0
-    paid = rng.normal(size=12)[operator] + 0.1 * rng.normal(size=60) + above
+    paid, above, operator = of_operators(0)
     alone, together = auc_of(paid, above), auc_of(paid, above, operator)
     assert together.high - together.low > 1.5 * (alone.high - alone.low)
 
@@ -125,14 +129,11 @@ def test_one_task_is_as_none():
 
 def test_an_operator_of_several_tasks_is_one():
     """What it adds to several tasks is no new evidence: ten tasks of the same operators are as one."""
-    rng = default_rng(1)
-    operator = np.repeat(np.arange(12), 5)
-    above = operator % 2 == 0
-    paid = rng.normal(size=12)[operator] + 0.1 * rng.normal(size=60) + above
+    paid, above, operator = of_operators(1)
     once = auc_of(paid, above, operator)
     tasks = np.repeat(np.arange(10), 60)
-    often = auc_of(np.tile(paid, 10), np.tile(above, 10), np.tile(operator, 10), tasks)
-    apart = auc_of(np.tile(paid, 10), np.tile(above, 10), np.tile(operator, 10) + 12 * tasks, tasks)
+    *ten, operators = (np.tile(it, 10) for it in (paid, above, operator))
+    often, apart = (auc_of(*ten, operators + more * tasks, tasks) for more in (0, 12))
     assert often.value == pytest.approx(once.value)
     assert often.high - often.low == pytest.approx(once.high - once.low, rel=0.1)
     assert apart.high - apart.low < 0.5 * (once.high - once.low)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from harness.errors import UsageError
 from harness.eta import Curve, Curves, Span, counted, latest_shared, require_share, shortfall_beside, within
+from tests.refusals import refused
 
 A, B = Path("runs/a"), Path("runs/b")
 
@@ -52,7 +52,7 @@ def test_whatever_was_begun_is_whole_or_missing_or_left_out_by_name():
         "'runs/b/1' is left out, as --leave-out says: it broke off",
         "'runs/b/it's' is left out, as --leave-out says: it is no log",
     )
-    with pytest.raises(UsageError, match="--leave-out runs/c: no training lies there"):
+    with refused("--leave-out runs/c: no training lies there"):
         counted(begun, [Path("runs/c")])
 
 
@@ -67,5 +67,5 @@ def test_who_stopped_before_others_of_its_reward_is_short():
 def test_a_share_beyond_one_is_refused_for_all():
     """The message counts them."""
     require_share("success", {"a": np.array([0.0, np.nan, 1.0])}, str)
-    with pytest.raises(UsageError, match="is 40 in b, one of 1 of 2 trainings"):
+    with refused("is 40 in b, one of 1 of 2 trainings"):
         require_share("success", {"a": np.array([0.5]), "b": np.array([0.0, 40.0])}, str)

@@ -6,7 +6,6 @@ import pyarrow.parquet as pq
 import pytest
 
 import harness
-from harness.errors import UsageError
 from harness.experiment import check_experiment, expand
 from harness.experiment.arm_world import evaluation_scalars
 from harness.experiment.experiment import check
@@ -17,6 +16,7 @@ from harness.registry import load_registry, read_given
 from harness.report.document import report_text
 from harness.results import load_results
 from harness.results.metrics import fields_needed
+from tests.refusals import refused
 
 CALM = "def calm(step):\n    return abs(step.qvel).max(-1)\n"
 NEAR = "def near(step):\n    return step.distance < 0.9\n"
@@ -68,14 +68,14 @@ def test_experiment_keeps_what_decides(lay, source, asked, kept):
 
 def test_a_measure_decides_only_where_it_is_known_what_is_better(lay):
     """Else it is refused before anything is trained, with what to write; then it decides."""
-    with pytest.raises(UsageError, match=r"'calm' decides.*write lower_is_better = \['calm'\] or higher_is_better"):
+    with refused(r"'calm' decides.*write lower_is_better = \['calm'\] or higher_is_better"):
         _plan(lay(CALM), measure=["calm"])
     assert _plan(lay("higher_is_better = ['calm']\n" + CALM), measure=["calm"]).resolved["measure"] == ["calm"]
 
 
 def test_name_of_no_measure_is_refused(lay):
     """With the nearest."""
-    with pytest.raises(UsageError, match=r"No measure 'clam'\. .*Did you mean 'calm'\?"):
+    with refused(r"No measure 'clam'\. .*Did you mean 'calm'\?"):
         _plan(lay(CALM), measure=["clam"])
 
 
@@ -88,7 +88,7 @@ def test_function_for_environments_is_told(lay):
 
 def test_what_fails_on_made_up_steps_is_refused_in_the_plan(lay):
     """It reads what no step has."""
-    with pytest.raises(UsageError, match="Measure 'calm': A step of an arm has no 'speed'"):
+    with refused("Measure 'calm': A step of an arm has no 'speed'"):
         _plan(lay("def calm(step):\n    return step.speed"))
 
 
@@ -121,7 +121,7 @@ def test_speeds_are_there_in_the_trial(lay):
 def test_failing_measure_is_refused_before_a_run(lay, tmp_path):
     """With its file."""
     given = lay(LONG).given
-    with pytest.raises(UsageError, match=r"measure 'calm' \('.*behaviour\.py'\) fails in an episode"):
+    with refused(r"measure 'calm' \('.*behaviour\.py'\) fails in an episode"):
         check(check_experiment({**ARM, "seeds": 1}), given=given)
 
 
@@ -129,7 +129,7 @@ def test_whole_episodes_are_not_measured_in_environments(lay):
     """The refusal says what to write."""
     registry = lay("def wobble(episode):\n    return 1.0\n")
     asked = {"task": "gymnasium:id=CartPole-v1", "algo": "random", "reward": "own", "steps": 10, "seeds": 1}
-    with pytest.raises(UsageError, match=r"'wobble' takes \(episode\).*In an environment write wobble\(step\)"):
+    with refused(r"'wobble' takes \(episode\).*In an environment write wobble\(step\)"):
         expand(check_experiment(asked), registry)
 
 

@@ -14,6 +14,7 @@ from harness.experiment.provenance import describe_environment
 from harness.record import Store, partial_folder, read_manifest
 from harness.registry import Choice, load_registry
 from harness.robot.robot import load_robot
+from tests.refusals import refused
 
 OLD, NEW = "9340a572" + "0" * 56, "f96dd784" + "0" * 56
 
@@ -127,14 +128,14 @@ def test_message_about_many_plugins_stays_short(make_cell):
 def test_run_beside_changed_cells_is_refused(store, one_and_two):
     """By default, and nothing is written."""
     before = _files(store.folder)
-    with pytest.raises(UsageError, match=r"1 done cell was made by another cem \([0-9a-f]{8}, now [0-9a-f]{8}\): "):
+    with refused(r"1 done cell was made by another cem \([0-9a-f]{8}, now [0-9a-f]{8}\): "):
         _run(one_and_two[1], store)
     assert _files(store.folder) == before
 
 
 def test_run_of_changed_cells_alone_is_refused(store, one_and_two):
     """Who edits a plugin and asks for the same again does not get the old results without a word."""
-    with pytest.raises(UsageError, match="1 done cell was made by another cem"):
+    with refused("1 done cell was made by another cem"):
         _run(one_and_two[0], store)
 
 
@@ -191,7 +192,7 @@ def test_cell_that_was_lost_while_it_was_done_again_has_failed(store, one_and_tw
 
 def test_other_choices_are_refused():
     """However they were given."""
-    with pytest.raises(UsageError, match="changed='ask': allowed are refuse, keep, again"):
+    with refused("changed='ask': allowed are refuse, keep, again"):
         RunOptions(changed="ask")  # type: ignore[arg-type]
 
 

@@ -6,13 +6,14 @@ from pathlib import Path
 import pytest
 
 import harness
-from harness.errors import UsageError
 from harness.executor import Event, Limits
 from harness.experiment import ExperimentRun, RunOptions, check_experiment, expand
 from harness.experiment.experiment import check, default_folder, run
 from harness.record import LOG, Manifest, Store, partial_folder
 from harness.registry import Choice
 from harness.results import Results
+from tests.left import files_of
+from tests.refusals import refused
 
 QUICK = {
     "sim": "ideal",
@@ -126,11 +127,11 @@ def test_folder_in_use_is_refused(toys, tmp_path):
     """Two runs do not meet in one folder."""
     plan = _plan(toys)
     store = Store.create(tmp_path, plan)
-    before = {path: path.read_bytes() for path in tmp_path.rglob("*.*") if path.is_file()}
-    refused = ExperimentRun(plan, store, toys, toys.get("executors", "here").load()(), RunOptions(wait=False))
-    with store.locked(), pytest.raises(UsageError, match="Another run is using"):
-        refused.run()
-    assert {path: path.read_bytes() for path in tmp_path.rglob("*.*") if path.is_file()} == before
+    before = files_of(tmp_path)
+    second = ExperimentRun(plan, store, toys, toys.get("executors", "here").load()(), RunOptions(wait=False))
+    with store.locked(), refused("Another run is using"):
+        second.run()
+    assert files_of(tmp_path) == before
 
 
 REFUSED = {
@@ -149,9 +150,9 @@ REFUSED = {
 @pytest.mark.parametrize(("keys", "message"), REFUSED.values(), ids=REFUSED)
 def test_what_cannot_be_used_writes_nothing(toys, tmp_path, keys, message):
     """A usage error comes before the folder does."""
-    with pytest.raises(UsageError, match=f"^{message}") as refused:
+    with refused(f"^{message}") as told:
         run(out=tmp_path / "out", **{**QUICK, **keys})
-    assert str(refused.value).count("wander") <= 1, "a reason is said once"
+    assert str(told.value).count("wander") <= 1, "a reason is said once"
     assert not list(tmp_path.iterdir())
 
 
@@ -194,7 +195,7 @@ def test_executor_is_given_with_its_settings(toys, tmp_path):
 )
 def test_options_out_of_range_are_refused(options, message):
     """However they were given."""
-    with pytest.raises(UsageError, match=message):
+    with refused(message):
         RunOptions(**options)
 
 

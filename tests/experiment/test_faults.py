@@ -1,17 +1,17 @@
 """A full or failing disk at every single write: no traceback, nothing lost, and the same command goes on."""
 
 import errno
-import hashlib
 import os
 from contextlib import suppress
 
 import pytest
 
 from harness.errors import HarnessError, StorageError
-from harness.record import CELLS, LOG, MANIFEST, Store
+from harness.record import Store
 from harness.record.verify import verify
 from harness.registry import Choice
 from tests.experiment.faults import faults
+from tests.left import left_by_cells
 
 __all__ = ["faults"]
 
@@ -22,12 +22,6 @@ ARP = Choice("arp", (("k1", 1.0), ("k2", 1.5)), "arp")
 def plan(make_cell, make_plan):
     """Two cells."""
     return make_plan(*(make_cell(reward=reward) for reward in (make_cell().reward, ARP)))
-
-
-def _left(folder):
-    """Digests of what the cells left; manifests and logs tell of times."""
-    paths = [path for path in (folder / CELLS).rglob("*") if path.is_file() and path.name not in (MANIFEST, LOG)]
-    return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() for path in paths}
 
 
 def _fail(number):
@@ -49,7 +43,7 @@ def test_fault_at_any_write_loses_nothing(faults, run_here, plan, tmp_path, numb
     """Cells fail, or the run stops with an error of ours; the same run then leaves what an undisturbed one leaves."""
     with faults.armed(tmp_path / "whole"):
         run_here(plan, tmp_path / "whole")
-    expected, writes = _left(tmp_path / "whole"), faults.count
+    expected, writes = left_by_cells(tmp_path / "whole"), faults.count
     assert writes > 40
     for number in numbers:
         for at in range(0, writes, stride):
@@ -57,9 +51,9 @@ def test_fault_at_any_write_loses_nothing(faults, run_here, plan, tmp_path, numb
             with faults.armed(folder, at, _fail(number)), suppress(HarnessError):
                 run_here(plan, folder)
             done = {m.cell.id for m in Store(folder).manifests() if m.status == "done"}
-            kept = {path: digest for path, digest in _left(folder).items() if path.split("/")[1] in done}
+            kept = {path: digest for path, digest in left_by_cells(folder).items() if path.split("/")[1] in done}
             run_here(plan, folder)
-            assert _left(folder) == expected, at
+            assert left_by_cells(folder) == expected, at
             assert kept.items() <= expected.items()
             assert verify(folder) == [], at
 

@@ -3,10 +3,10 @@
 import pytest
 
 from harness.cli.foreseen import foreseen_lines
-from harness.errors import UsageError
 from harness.experiment import RunOptions, check_experiment
 from harness.experiment.experiment import check, prepare
 from harness.experiment.foresee import foresee
+from tests.refusals import refused
 
 ASKED = {"sim": "ideal", "algo": "wander", "reward": "arp", "seeds": 2, "steps": 12, "evaluation_episodes": 2}
 
@@ -75,5 +75,5 @@ def test_what_cannot_work_has_its_reason(toys, tmp_path):
 def test_foreign_folder_is_refused(toys, tmp_path):
     """As the run would refuse it."""
     (tmp_path / "thesis.txt").write_text("all of it")
-    with pytest.raises(UsageError, match="holds something else"):
+    with refused("holds something else"):
         ready(tmp_path)

@@ -5,10 +5,10 @@ import shutil
 
 import pytest
 
-from harness.errors import UsageError
 from harness.experiment.installation import describe_installation, describe_workers, differences
 from harness.registry import Choice, load_registry, read_given
 from harness.robot.robot import load_robot
+from tests.refusals import refused
 from tests.registry.test_given import REWARD
 
 
@@ -44,13 +44,13 @@ def test_a_worker_has_a_file_that_is_not_there(toys, make_cell, tmp_path):
     path.unlink()
     assert describe_workers([cell], given) == here
     assert "source of reward 'my_reward'" in here
-    with pytest.raises(UsageError, match="No reward 'my_reward'"):
+    with refused("No reward 'my_reward'"):
         describe_workers([cell])
 
 
 def test_what_a_worker_lacks_is_told(toys, make_cell):
     """As it would be here."""
-    with pytest.raises(UsageError, match="No algorithm 'wonder'"):
+    with refused("No algorithm 'wonder'"):
         describe_workers([make_cell(algorithm=Choice("wonder"))])
 
 

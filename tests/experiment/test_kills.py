@@ -1,6 +1,5 @@
 """Runs that are killed at any moment and started again end as if they had not been."""
 
-import hashlib
 import os
 import random
 import shutil
@@ -11,8 +10,9 @@ import time
 
 import pytest
 
-from harness.record import CELLS, LOG, MANIFEST, Store
+from harness.record import Store
 from harness.record.verify import verify
+from tests.left import left_by_cells
 
 # A shell that starts this in the background has INT ignored, which children inherit. Before `main` is there, Python
 # alone decides what INT does: here it ends the process, so that any traceback is ours.
@@ -54,11 +54,6 @@ def _disturb(process, rng):
         os.kill(rng.choice(workers), signal.SIGKILL)
 
 
-def _left(folder):
-    paths = [path for path in (folder / CELLS).rglob("*") if path.is_file() and path.name not in (MANIFEST, LOG)]
-    return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() for path in paths}
-
-
 @pytest.mark.skipif(shutil.which("pgrep") is None, reason="there is no pgrep")
 @pytest.mark.slow
 @pytest.mark.parametrize("algorithms", CASES)
@@ -67,7 +62,7 @@ def test_killed_runs_lose_nothing(tmp_path, algorithms):
     whole, err, rng = tmp_path / "whole", tmp_path / "err", random.Random(7)
     began = time.monotonic()
     assert _start(algorithms, whole, err).wait() == 0
-    seconds, expected = time.monotonic() - began, _left(whole)
+    seconds, expected = time.monotonic() - began, left_by_cells(whole)
     assert len(Store(whole).manifests()) == 2 * len(algorithms.split(","))
     done, kills = 0, CASES[algorithms][2]
     while done < kills:
@@ -83,7 +78,7 @@ def test_killed_runs_lose_nothing(tmp_path, algorithms):
             finished = process.wait() == 0
             after = {manifest.cell.id for manifest in Store(folder).manifests() if manifest.status == "done"}
             assert before <= after
-        assert _left(folder) == expected
+        assert left_by_cells(folder) == expected
         assert verify(folder) == []
         shutil.rmtree(folder)
     assert b"Traceback" not in err.read_bytes()

@@ -12,6 +12,8 @@ from harness.experiment.experiment import prepare
 from harness.experiment.looks import own_seed
 from harness.record import Store, Terms
 from harness.registry import Choice
+from tests.left import files_of
+from tests.refusals import refused
 
 
 def planned(registry, **fields):
@@ -75,7 +77,7 @@ def test_a_seed_of_its_own_is_the_same_on_every_machine(make_cell):
 )
 def test_what_cannot_be_asked_says_why(toys, fields, told):
     """Before anything is written."""
-    with pytest.raises(UsageError, match=told):
+    with refused(told):
         planned(toys, **fields)
 
 
@@ -93,11 +95,6 @@ def begun(toys, tmp_path):
         return ""
 
     return prepare_again
-
-
-def files_of(folder):
-    """Every file and what is in it."""
-    return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
 @pytest.mark.parametrize(

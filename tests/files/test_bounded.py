@@ -8,6 +8,7 @@ import pytest
 
 from harness.errors import SchemaError, UsageError
 from harness.files import digest_of, open_regular, read_json, read_text, reading
+from tests.refusals import refused
 
 
 def test_regular_file_is_read(tmp_path):
@@ -64,13 +65,13 @@ def test_whatever_a_reader_raises_is_one_line(tmp_path, error):
 
 def test_reader_of_what_a_user_named_raises_a_usage_error(tmp_path):
     """The caller says so."""
-    with pytest.raises(UsageError, match="no readable robot"), reading(tmp_path, "robot", UsageError):
+    with refused("no readable robot"), reading(tmp_path, "robot", UsageError):
         raise KeyError
 
 
 def test_our_own_errors_pass(tmp_path):
     """They say more."""
-    with pytest.raises(UsageError, match="mine"), reading(tmp_path, "mesh"):
+    with refused("mine"), reading(tmp_path, "mesh"):
         raise UsageError("mine")
 
 

@@ -3,10 +3,9 @@
 from pathlib import Path
 
 import numpy as np
-import pytest
 
-from harness.errors import UsageError
 from harness.log import Failed, Log, LogFacts
+from tests.refusals import refused
 
 
 def _log(passes):
@@ -32,7 +31,7 @@ def test_columns_have_their_new_names():
 
 def test_two_columns_of_one_name_are_refused():
     """The numbers of one of them would be lost."""
-    with pytest.raises(UsageError, match="'reward/a' cannot be called 'reward/b': some has a column of that name"):
+    with refused("'reward/a' cannot be called 'reward/b': some has a column of that name"):
         _log([]).renamed({"reward/a": "reward/b"})
 
 

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-from harness.errors import SchemaError, UsageError
+from harness.errors import SchemaError
 from harness.log.text_table import NOTHING, head_of, parse_table, read_text, require_columns
+from tests.refusals import refused
 
 PATH = Path("table.csv")
 
@@ -161,5 +162,5 @@ def test_names_in_objects_are_joined():
 def test_columns_that_a_user_named_have_to_be_there():
     """The message has what is there, and the nearest."""
     require_columns(PATH, ["reward", "length"], "reward", "")
-    with pytest.raises(UsageError, match=r"has no 'rewrd'\. It has: reward, length\. Did you mean 'reward'"):
+    with refused(r"has no 'rewrd'\. It has: reward, length\. Did you mean 'reward'"):
         require_columns(PATH, ["reward", "length"], "rewrd")

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from harness.errors import UsageError
 from harness.motion import Discrete, build_motion
+from tests.refusals import refused
 
 INNER = ("movej", "movej-absolute", "movel", "movea", "set-joints")
 
@@ -52,5 +52,5 @@ def test_no_two_choices_are_the_same_move(discrete, fd100):
 def test_a_choice_that_is_none_is_refused(fd100, setting_of, choice):
     """Neither below 0 nor beyond the last one, and it says which there are."""
     motion = build_motion("discrete", setting_of(fd100))
-    with pytest.raises(UsageError, match="from 0 to 12"):
+    with refused("from 0 to 12"):
         motion.decode(np.array([0, choice]), np.tile(fd100.home, (2, 1)))

@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given, strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
-from harness.errors import UsageError
 from harness.motion.tip import CartesianMode
 from harness.robot import forward
+from tests.refusals import refused
 
 COORDINATE = st.floats(-2.0, 2.0).map(lambda number: round(number, 2))
 POINT = st.tuples(COORDINATE, COORDINATE, COORDINATE)
@@ -45,7 +45,7 @@ def test_users_axes_are_right_handed_and_through_the_points(fd100, origin, on_x,
 def test_points_on_one_line_are_a_usage_error(fd100, points):
     """Three points that span no plane are refused, with the three."""
     mode = CartesianMode(frame="ucs", ucs_origin=points[0], ucs_x=points[1], ucs_xy=points[2])
-    with pytest.raises(UsageError, match="one line"):
+    with refused("one line"):
         mode.axes(fd100)
 
 

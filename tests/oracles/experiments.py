@@ -11,9 +11,10 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from harness.experiment import Plan
-from harness.files import digest_of, seal
+from harness.files import digest_of
 from harness.record import EVALUATION, MANIFEST, TRACE, Cell, Store
 from harness.registry import Choice
+from tests.cli.forging import change as sealed_again
 from tests.oracles.answers import Row, accelerated, etas, indices
 from tests.oracles.trial import Shown, Trial, call, call_json
 from tests.results.folders import finish
@@ -105,14 +106,6 @@ def ask(folder):
 def cells_in(folder):
     """The folders of its cells."""
     return sorted((folder / "cells").iterdir())
-
-
-def sealed_again(path, by):
-    """Another content of a sealed file, and the digest after it."""
-    content = json.loads(path.read_text())
-    del content["digest"]
-    by(content)
-    path.write_bytes(seal(content))
 
 
 def rewrite(cell, name, by, is_sealed=True, **how):

@@ -233,13 +233,26 @@ def reduced(told):
     }
 
 
-def no_matter(rng, folder):
-    """Written in another way, in another order."""
-    runs = draw_runs(rng, rng.choice((1, 1, 2, 3)))
-    change = rng.choice(NO_MATTER)
-    layout = draw_layout(rng)
+def rewritten(rng, folder, runs, changes, how):
+    """The same episodes in another way; `how` is what writes them, what draws a layout, and what asks."""
+    put, draw, ask = how
+    change, layout = rng.choice(changes), draw(rng)
     put(change(runs, rng), layout, folder)
     return Trial(f"{change.__name__}, {layout}", lambda: ask(folder), [answer_of(runs)])
+
+
+def altered(rng, folder, runs, changes, how):
+    """Other episodes, whose answer follows."""
+    (put, draw, ask), change = how, rng.choice(changes)
+    changed = change(runs, rng)
+    put(changed, draw(rng), folder)
+    tells = LEFT_OUT if change.__name__ == "unlabel" else ""
+    return Trial(change.__name__, lambda: ask(folder), [answer_of(changed)], tells=tells)
+
+
+def no_matter(rng, folder):
+    """Written in another way, in another order."""
+    return rewritten(rng, folder, draw_runs(rng, rng.choice((1, 1, 2, 3))), NO_MATTER, (put, draw_layout, ask))
 
 
 def copied(rng, folder, put, layout, draw, ask):
@@ -255,11 +268,8 @@ def copied(rng, folder, put, layout, draw, ask):
 def matters(rng, folder):
     """Other episodes: the answer is another, and follows."""
     runs = draw_runs(rng, rng.choice((1, 2)))
-    change = rng.choice((*MATTERS, *((other_task,) if max(run.task for run in runs) else ())))
-    changed = change(runs, rng)
-    put(changed, draw_layout(rng), folder)
-    tells = LEFT_OUT if change.__name__ == "unlabel" else ""
-    return Trial(change.__name__, lambda: ask(folder), [answer_of(changed)], tells=tells)
+    changes = (*MATTERS, *((other_task,) if max(run.task for run in runs) else ()))
+    return altered(rng, folder, runs, changes, (put, draw_layout, ask))
 
 
 ORACLES = {

@@ -12,7 +12,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from tests.oracles.lerobot_sets import LEFT_OUT, copied, reduced
+from tests.oracles.lerobot_sets import LEFT_OUT, altered, copied, reduced, rewritten
 from tests.oracles.recorded_runs import MATTERS, NO_MATTER, answer_of, draw_runs
 from tests.oracles.trial import Trial, call_json
 
@@ -120,20 +120,12 @@ def ask(folder, *flags):
 
 def no_matter(rng, folder):
     """Written in another way, in another order."""
-    runs = draw_runs(rng)
-    change = rng.choice(NO_MATTER)
-    layout = draw_layout(rng)
-    write(change(runs, rng), layout, folder)
-    return Trial(f"{change.__name__}, {layout}", lambda: ask(folder), [answer_of(runs)])
+    return rewritten(rng, folder, draw_runs(rng), NO_MATTER, (write, draw_layout, ask))
 
 
 def matters(rng, folder):
     """Other episodes: the answer is another, and follows."""
-    change = rng.choice(MATTERS)
-    changed = change(draw_runs(rng), rng)
-    write(changed, draw_layout(rng), folder)
-    tells = LEFT_OUT if change.__name__ == "unlabel" else ""
-    return Trial(change.__name__, lambda: ask(folder), [answer_of(changed)], tells=tells)
+    return altered(rng, folder, draw_runs(rng), MATTERS, (write, draw_layout, ask))
 
 
 def changed(rng, folder):

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-from harness.errors import UsageError
 from harness.log import LogFacts
 from harness_plugins.curves import Roles, points
+from tests.refusals import refused
 
 PATH = Path("log")
 SB3 = ("rollout/ep_rew_mean", "rollout/success_rate", "rollout/ep_len_mean")
@@ -62,7 +62,7 @@ def test_what_a_user_names_goes_before_all():
 
 def test_a_log_without_a_known_curve_is_told_what_to_say():
     """And what it has."""
-    with pytest.raises(UsageError, match=r"say reward=NAME\. It has: loss"):
+    with refused(r"say reward=NAME\. It has: loss"):
         Roles().chosen(PATH, ["loss"])
 
 

@@ -12,6 +12,7 @@ from harness.reward import pay
 from harness.reward.forms import FAILED, is_function_of_steps, reward_class
 from harness.reward.needs import Needs, made_up, needs_of, terms_of
 from harness_plugins.kit.trainings import NegativeDistance
+from tests.refusals import refused
 
 
 def gentle(step):
@@ -111,7 +112,7 @@ def test_terms_of_a_reward_that_fails_are_told_by_its_first_real_step():
             return carry, steps.speedy
 
     assert terms_of(Fails(), 6, 6) == ()
-    with pytest.raises(UsageError, match="'speedy'"):
+    with refused("'speedy'"):
         terms_of(Misses(), 6, 6)
 
 
@@ -159,5 +160,5 @@ def test_a_term_without_a_name_of_a_parameter_has_no_weight():
 )
 def test_what_is_no_number_an_arm_is_said_before_a_run(returned, told):
     """By the shape, and what to return instead."""
-    with pytest.raises(UsageError, match=told):
+    with refused(told):
         needs_of(reward_class(returned)())

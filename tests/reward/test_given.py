@@ -5,9 +5,9 @@ import functools
 import numpy as np
 import pytest
 
-from harness.errors import UsageError
 from harness.reward import MissingField
 from harness.reward.given import Before, Now, Terms, Untold, of_step, opened, told_under, zeros_of
+from tests.refusals import refused
 
 STEP = Now._make((2.0, 3.0, {"left": 4.0}, Before._make((1.0, 0.5, {}))))
 
@@ -99,7 +99,7 @@ REFUSED = {
 def test_what_cannot_be_asked_is_refused(subtests):
     """By its name."""
     for case, (given, told) in REFUSED.items():
-        with subtests.test(case), pytest.raises(UsageError, match=rf"^reward 'v1'.*{told}"):
+        with subtests.test(case), refused(rf"^reward 'v1'.*{told}"):
             opened(given, "reward 'v1'")
 
 
@@ -116,5 +116,5 @@ def test_weights_multiply_terms():
 
 def test_weight_of_no_term_is_refused():
     """With the names of the terms."""
-    with pytest.raises(UsageError, match=r"Reward 'both' has no term 'c' to weigh\. It has: aa, b"):
+    with refused(r"Reward 'both' has no term 'c' to weigh\. It has: aa, b"):
         Terms({"both": lambda step: {"aa": 2.0, "b": 3.0}}, {"c": 5.0})(STEP)

@@ -11,7 +11,12 @@ import resource
 import statistics
 from pathlib import Path
 
+import numpy as np
 import pytest
+from numpy.random import default_rng
+
+import harness
+from harness.record import TraceWriter
 
 RATIOS = pytest.StashKey[dict[str, dict[str, float]]]()
 """What a run measured: by the name of a timing its ratio and its bound."""
@@ -96,6 +101,24 @@ def require_speed(request, is_timed, require_ratio):
         require_ratio(ratio, at_least, "(reference {:.4g} s, candidate {:.4g} s)".format(*medians))
 
     return require
+
+
+@pytest.fixture
+def recorded_env(tmp_path, step_through, amount):
+    """Makes an env that writes its trace, and a function that takes so many steps in it from the same beginning."""
+
+    def make(simulator, steps):
+        env = harness.make_env(simulator)
+        env.recorder = TraceWriter(tmp_path / "trace.parquet", env.robot.dof, env.robot.dof)
+        actions = default_rng(0).uniform(-1.0, 1.0, (amount(steps, 10), 1, 6)).astype(np.float32)
+
+        def through_the_env():
+            env.reset(seed=0)
+            step_through(env, actions)
+
+        return env, through_the_env
+
+    return make
 
 
 @pytest.fixture(scope="session")

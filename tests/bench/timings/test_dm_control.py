@@ -8,11 +8,8 @@ from dm_control import mujoco
 from dm_control.rl import control
 from dm_control.suite import base
 from dm_control.utils import rewards
-from numpy.random import default_rng
 from numpy.testing import assert_array_equal
 
-import harness
-from harness.record import TraceWriter
 from harness_plugins.mujoco_model import TARGET, TOUCH
 
 pytestmark = pytest.mark.bench
@@ -74,15 +71,9 @@ def recorded(arm, run):
     return starts, told
 
 
-def test_one_env_beside_an_environment_of_dm_control(tmp_path, require_speed, step_through, amount):
+def test_one_env_beside_an_environment_of_dm_control(recorded_env, require_speed):
     """Observation, reward and trace on, one env does nearly as many steps as `control.Environment`."""
-    env = harness.make_env("dm_control")
-    env.recorder = TraceWriter(tmp_path / "trace.parquet", env.robot.dof, env.robot.dof)
-    actions = default_rng(0).uniform(-1.0, 1.0, (amount(500, 10), 1, 6)).astype(np.float32)
-
-    def through_the_env():
-        env.reset(seed=0)
-        step_through(env, actions)
+    env, through_the_env = recorded_env("dm_control", 500)
 
     arm = env.simulation.arms[0]
     starts, told = recorded(arm, through_the_env)

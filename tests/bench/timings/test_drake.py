@@ -2,11 +2,8 @@
 
 import numpy as np
 import pytest
-from numpy.random import default_rng
 from numpy.testing import assert_array_equal
 
-import harness
-from harness.record import TraceWriter
 from harness.registry import load_registry
 
 pytestmark = pytest.mark.bench
@@ -57,18 +54,12 @@ def recorded(arm, run):
     return told
 
 
-def test_one_env_beside_the_bare_loop(tmp_path, require_speed, step_through, amount):
+def test_one_env_beside_the_bare_loop(recorded_env, require_speed):
     """Observation, reward and trace on, one env does most of the steps of the bare API on the same motion."""
     pytest.importorskip("pydrake", reason="pydrake is not installed: pip install 'fd100-harness[drake]'")
-    env = harness.make_env("drake")
-    env.recorder = TraceWriter(tmp_path / "trace.parquet", env.robot.dof, env.robot.dof)
-    actions = default_rng(0).uniform(-1.0, 1.0, (amount(300, 10), 1, 6)).astype(np.float32)
+    env, through_the_env = recorded_env("drake", 300)
     simulator = load_registry().get("simulators", "drake").load()(substeps=SUBSTEPS)
     (reference,) = simulator.open(env.robot, 1, PERIOD).arms
-
-    def through_the_env():
-        env.reset(seed=0)
-        step_through(env, actions)
 
     (arm,) = env.simulation.arms
     require_speed(bare_loop(reference, recorded(arm, through_the_env)), through_the_env, at_least=0.7)

@@ -1,13 +1,9 @@
 """What the environment costs on top of PyBullet."""
 
-import numpy as np
 import pybullet
 import pytest
-from numpy.random import default_rng
 from numpy.testing import assert_allclose
 
-import harness
-from harness.record import TraceWriter
 from harness_plugins.bullet_arms import exact_timestep
 from harness_plugins.simulators.pybullet import PyBullet
 
@@ -61,20 +57,14 @@ def _positions(arm):
 
 
 @pytest.mark.parametrize(("calls", "least"), [(SUBSTEPS, 0.72), (1, 0.72)], ids=["a call a substep", "one call"])
-def test_one_env_beside_the_bare_loop(tmp_path, require_speed, step_through, amount, calls, least):
+def test_one_env_beside_the_bare_loop(recorded_env, require_speed, calls, least):
     """Observation, reward and trace on, one env does most of the steps of the bare API on the same motion.
 
     A loop that calls Bullet for each substep, and the fastest there is, in which Bullet takes all substeps of a period
     in one call, as the simulator does. 0.90 and 0.86 were measured.
     """
-    env = harness.make_env("pybullet")
-    env.recorder = TraceWriter(tmp_path / "trace.parquet", env.robot.dof, env.robot.dof)
-    actions = default_rng(0).uniform(-1.0, 1.0, (amount(500, 10), 1, 6)).astype(np.float32)
+    env, through_the_env = recorded_env("pybullet", 500)
     reference = PyBullet(SUBSTEPS).open(env.robot, 1, PERIOD)
-
-    def through_the_env():
-        env.reset(seed=0)
-        step_through(env, actions)
 
     told = recorded(env.simulation.arms[0], through_the_env)
     require_speed(bare_loop(reference.arms[0], *told, calls), through_the_env, least)

@@ -4,13 +4,13 @@ from pathlib import Path
 
 import pytest
 
-from harness.errors import UsageError
 from harness.experiment import expand, read_experiment
 from harness.experiment.experiment import run
 from harness.record import EXPERIMENT, RANDOM, read_recording
 from harness.record.folder import evaluation_files, recording_of
 from harness.registry import load_registry, read_given
 from harness.results import ranking_of
+from tests.refusals import refused
 
 HERE = Path(__file__).parent
 TOLD = {"task": "toy", "algo": "random", "steps": 64, "seeds": 2, "evaluation_episodes": 3, "jobs": 1}
@@ -122,7 +122,7 @@ def test_rewards_are_ranked_over_environments(of_two):
 
 def test_tasks_of_an_arm_do_not_go_with_environments(tmp_path):
     """In one line; nothing is written."""
-    with pytest.raises(UsageError, match="some are tasks of an arm, some environments"):
+    with refused("some are tasks of an arm, some environments"):
         _run(tmp_path / "out", task=["toy", "fd100-reach"], sim="kinematic")
     assert not (tmp_path / "out").exists()
 

@@ -13,7 +13,6 @@ import pyarrow.parquet as pq
 import pytest
 from numpy.testing import assert_array_equal
 
-from harness.errors import UsageError
 from harness.executor import CellOptions
 from harness.experiment import RunOptions, check_experiment, expand
 from harness.experiment.experiment import check, prepare
@@ -39,6 +38,7 @@ from harness.registry import load_registry, read_given
 from harness.results import load_results
 from harness_plugins.exporters.csv_runs import write_runs
 from tests.plugins.committed.kept import RECORDS
+from tests.refusals import refused
 
 TOY = Path(__file__).with_name("toy.py")
 STEPS = 32
@@ -88,7 +88,7 @@ def test_members_name_measures(tmp_path, member):
     file = tmp_path / "slip.py"
     text = TOY.read_text().replace("class Toy", "class Slip").replace("np.inf)}", 'np.inf), "far": (0.0, 1.0)}')
     file.write_text(text if member == "bounds" else text.replace('frozenset({"distance"})', 'frozenset({"far"})'))
-    with pytest.raises(UsageError, match=f"slip: {member} names 'far', which is none of"):
+    with refused(f"slip: {member} names 'far', which is none of"):
         _plan(load_registry(given=read_given([file])), task="slip")
 
 
@@ -104,7 +104,7 @@ def test_members_name_measures(tmp_path, member):
 )
 def test_what_does_not_go_with_an_environment_is_refused(registry, keys, told):
     """In a line that says what was given and what is allowed."""
-    with pytest.raises(UsageError, match=told.replace("?", r"\?")):
+    with refused(told.replace("?", r"\?")):
         _plan(registry, **keys)
 
 
@@ -264,7 +264,7 @@ def test_the_horizon_of_evaluations_belongs_to_a_cell(registry):
 def test_a_horizon_of_evaluations_goes_with_environments_alone(registry):
     """A task of an arm has its own."""
     asked = {"sim": "kinematic", "algo": "random"}
-    with pytest.raises(UsageError, match="--evaluation-horizon goes with an environment"):
+    with refused("--evaluation-horizon goes with an environment"):
         expand(check_experiment({**asked, "evaluation_horizon": 9}), registry)
     assert "evaluation_horizon" not in expand(check_experiment(asked), registry).resolved
 
@@ -310,7 +310,7 @@ def test_status_and_verify_know_it(folder):
 def test_a_folder_does_not_mix_with_experiments_of_arms(folder):
     """Their reports have nothing in common."""
     asked = check_experiment({"sim": "kinematic", "algo": "random", "steps": 10, "seeds": 1})
-    with pytest.raises(UsageError, match="do not go into one folder"):
+    with refused("do not go into one folder"):
         check(asked, RunOptions(out=folder))
 
 
@@ -336,7 +336,7 @@ def test_chosen_measures_are_shown_beside_the_one_that_decides(folder, asked, sh
 def test_measure_that_no_environment_has_is_refused(folder):
     """With those that there are."""
     results = load_results(folder, metrics="distence", plugins=[TOY])
-    with pytest.raises(UsageError, match=r"No measure 'distence'\. There is: distance, success\. Did you mean"):
+    with refused(r"No measure 'distence'\. There is: distance, success\. Did you mean"):
         _ = results.trainings
 
 
@@ -344,7 +344,7 @@ def test_measure_that_no_environment_has_is_refused_before_a_run(registry, tmp_p
     """Nothing is written."""
     asked = {"task": "toy", "algo": "random", "steps": STEPS}
     options = RunOptions(out=tmp_path / "new", metrics="work")
-    with pytest.raises(UsageError, match="No measure 'work'"):
+    with refused("No measure 'work'"):
         prepare(check_experiment(asked), options, read_given([TOY]))
     assert not (tmp_path / "new").exists()
 
@@ -398,7 +398,7 @@ def test_two_trainings_of_a_cell_that_differ_are_refused(folder, tmp_path, part)
     _write_again(
         Store(tmp_path / "other").cell_folder(cell), part, lambda it: it.add({"truncated": np.roll(it["truncated"], 1)})
     )
-    with pytest.raises(UsageError, match=f"Cell {cell.id} .* was trained in '{folder}' .* and the steps differ"):
+    with refused(f"Cell {cell.id} .* was trained in '{folder}' .* and the steps differ"):
         merge([folder, tmp_path / "other"], tmp_path / "both")
     assert not (tmp_path / "both").exists()
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from gymnasium.spaces import Box, Dict, Discrete
 
-from harness.errors import UsageError
 from harness.experiment.environments.spaces import flat_observation, goal_columns
+from tests.refusals import refused
 
 PAIR, TRIPLE = Box(-1.0, 1.0, (2,)), Box(-1.0, 1.0, (3,))
 
@@ -32,5 +32,5 @@ def test_columns_are_those_of_the_goals():
 )
 def test_other_observations_have_no_goals(space):
     """The message says what they would be."""
-    with pytest.raises(UsageError, match="they would be a dict with achieved_goal and desired_goal"):
+    with refused("they would be a dict with achieved_goal and desired_goal"):
         goal_columns(space)

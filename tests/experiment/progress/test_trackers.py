@@ -6,11 +6,12 @@ from dataclasses import dataclass, field
 
 import pytest
 
-from harness.errors import PluginError, UsageError
+from harness.errors import PluginError
 from harness.executor import Event
 from harness.experiment.progress.trackers import Trackers, Tracking, build_trackers, tracked_cell
 from harness.record.running import Running
 from harness.registry import Choice
+from tests.refusals import refused
 
 NUMBERS = {"Training/Success Rate": 0.5}
 
@@ -192,7 +193,7 @@ def test_trackers_are_built_from_text_tables_and_lists(toys):
 
 def test_one_that_cannot_be_used_is_refused(toys):
     """With its own reason."""
-    with pytest.raises(UsageError, match="Tracker 'clumsy:mood=bad' cannot be used: not now"):
+    with refused("Tracker 'clumsy:mood=bad' cannot be used: not now"):
         build_trackers("clumsy:mood=bad", toys)
 
 

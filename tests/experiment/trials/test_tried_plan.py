@@ -6,12 +6,12 @@ from dataclasses import replace
 import pytest
 
 import harness
-from harness.errors import UsageError
 from harness.experiment import RunOptions, check_experiment
 from harness.experiment.experiment import check
 from harness.experiment.trials.tried_plan import try_plan
 from harness.record import Terms
 from tests.experiment.trials.conftest import planned
+from tests.refusals import refused
 
 GOOD, BAD = "return 1.0", "return 1 / 0"
 
@@ -32,9 +32,7 @@ def test_rewards_of_our_own_arms_start_no_process(monkeypatch):
 def test_named_file_that_fails_is_refused(lay):
     """Before anything is written, with what it did and where."""
     plan, registry = planned(lay(far=GOOD, bad=BAD))
-    with pytest.raises(
-        UsageError, match=r"reward 'bad' \('.*bad\.py'\) fails in step 0: ZeroDivisionError.*bad\.py, li"
-    ):
+    with refused(r"reward 'bad' \('.*bad\.py'\) fails in step 0: ZeroDivisionError.*bad\.py, li"):
         try_plan(plan, registry)
 
 
@@ -82,7 +80,7 @@ def test_race_goes_on_without_a_named_candidate(lay):
 def test_what_nothing_goes_on_without_is_refused_in_a_race_too(lay, keys, files, told):
     """The baseline, and what measures."""
     plan, registry = planned(lay(optional=True, **files), **keys)
-    with pytest.raises(UsageError, match=re.escape(told)):
+    with refused(re.escape(told)):
         try_plan(replace(plan, terms=Terms(race=True)), registry)
 
 

@@ -4,8 +4,8 @@ import os
 
 import pytest
 
-from harness.errors import UsageError
 from harness.experiment.workers.workers import core_count, worker_count
+from tests.refusals import refused
 
 
 def test_cores_are_counted_where_the_system_does_not_say_which_may_be_used(monkeypatch):
@@ -26,5 +26,5 @@ def test_workers_are_as_many_as_asked_for():
 @pytest.mark.parametrize("jobs", [0, -2])
 def test_fewer_than_one_worker_is_refused(jobs):
     """The message says what was given and what is allowed."""
-    with pytest.raises(UsageError, match=f"^jobs={jobs}: must be at least 1$"):
+    with refused(f"^jobs={jobs}: must be at least 1$"):
         worker_count(jobs)

@@ -7,7 +7,6 @@ from numpy.random import default_rng
 from numpy.testing import assert_allclose
 
 import harness
-from harness.errors import UsageError
 from harness.experiment.arm_evaluation import EVALUATION_SEED
 from harness.policy import Gaussian, Policy, Uniform
 from harness.progress import Progress, TrainingState
@@ -15,6 +14,7 @@ from harness.registry import build
 from harness_plugins.algorithms import spg
 from harness_plugins.algorithms.spg import Learner, Segment, Spg
 from harness_plugins.kit.trainings import ENV_SEED, WatchedEnv, observations, train
+from tests.refusals import refused
 
 # ------------------------------------------------------------------- a decision process of two states, solved exactly
 # The action is a number; above 0 the process mostly goes to the other state. Nothing else of the action matters, so
@@ -307,7 +307,7 @@ def test_large_seed_is_taken():
 def test_bad_setting_is_a_usage_error(subtests):
     """A hyperparameter that cannot be is refused before anything runs."""
     for name in ["learning_rate", "net_arch", "std", "baseline_updates", "decisions", "num_envs"]:
-        with subtests.test(name=name), pytest.raises(UsageError, match=name):
+        with subtests.test(name=name), refused(name):
             build(Spg, {name: "" if name == "net_arch" else 0}, "algorithm 'spg'")
 
 

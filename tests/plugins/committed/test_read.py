@@ -5,11 +5,12 @@ import json
 import pytest
 from rich.console import Console
 
-from harness.errors import SchemaError, UsageError
+from harness.errors import SchemaError
 from harness.report.document import report_text
 from harness.report.rows.ratios import interval_text
 from harness.results.overview import decider_text, measure_text
 from harness_plugins.committed import committed_table, committed_text, is_committed, refuse_committed
+from tests.refusals import refused
 
 
 @pytest.fixture
@@ -101,7 +102,7 @@ def test_json_is_the_file(build, commit):
 
 def test_what_needs_cells_is_refused(build, commit):
     """With the way to get them."""
-    with pytest.raises(UsageError, match=r"--html needs cells.*harness run .*experiment.toml --out NEW"):
+    with refused(r"--html needs cells.*harness run .*experiment.toml --out NEW"):
         refuse_committed(commit(build()), "--html")
 
 

@@ -10,12 +10,12 @@ from dataclasses import replace
 
 import pytest
 
-from harness.errors import UsageError
 from harness.report.document import report_text
 from harness.text import LONGEST_STEM
 from harness_plugins.committed.records import PARTIAL, figure_stems, put_files, write_summary
 from harness_plugins.committed.svg import CREATOR
 from tests.plugins.committed.kept import RECORDS
+from tests.refusals import refused
 
 STEM = "mujoco-sac-fd100-fd100-reach-arp-against-baseline"
 
@@ -92,7 +92,7 @@ def test_folder_of_an_experiment_is_refused(build):
     """Another experiment's own record would be overwritten."""
     results, other = build(), build()
     before = names(other.folder)
-    with pytest.raises(UsageError, match="is the folder of an experiment: name another"):
+    with refused("is the folder of an experiment: name another"):
         write_summary(results, other.folder)
     assert names(other.folder) == before
 
@@ -174,7 +174,7 @@ def test_error_while_writing_leaves_the_old_files(folder, monkeypatch):
         written.append(path)
 
     monkeypatch.setattr("pathlib.Path.write_bytes", refuse)
-    with pytest.raises(UsageError, match="mine' cannot be written: No space left on device"):
+    with refused("mine' cannot be written: No space left on device"):
         put_files(folder, NEW, "figures")
     assert read(folder) == {**OLD, "published.toml": b"theirs"}
 
@@ -243,5 +243,5 @@ def test_figures_of_another_creator_stay(folder):
 def test_folder_that_is_a_file_is_refused(tmp_path):
     """In one line."""
     (tmp_path / "mine").touch()
-    with pytest.raises(UsageError, match="mine' cannot be written"):
+    with refused("mine' cannot be written"):
         put_files(tmp_path / "mine", NEW, "figures")

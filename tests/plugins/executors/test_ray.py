@@ -13,7 +13,6 @@ import psutil
 import pytest
 
 import harness
-from harness.errors import UsageError
 from harness.executor import CellOptions, Job
 from harness.experiment import expand
 from harness.experiment.jobs import run_jobs
@@ -22,6 +21,7 @@ from harness.record import LOG, MANIFEST
 from harness.record.manifest import examine
 from harness.registry import load_registry
 from harness_plugins.executors.ray import Ray
+from tests.refusals import refused
 
 pytestmark = pytest.mark.slow
 
@@ -129,13 +129,13 @@ def test_a_node_whose_sources_differ_gets_no_cells(toys, make_cell, two_nodes, t
     assert "gets no cells: source of harness " in complaint
     assert " here, " in complaint
     two_nodes.kill_node()
-    with pytest.raises(UsageError, match=r"No node of the Ray cluster can run these cells: .*source of harness"):
+    with refused(r"No node of the Ray cluster can run these cells: .*source of harness"):
         _run(executor, cells, tmp_path / "again")
 
 
 def test_a_plugin_that_a_node_lacks_is_named(two_nodes, tmp_path, toys, make_cell):
     """The nodes were started without the toys."""
-    with pytest.raises(UsageError, match="No simulator 'ideal'"):
+    with refused("No simulator 'ideal'"):
         _run(Ray(address=two_nodes.address), [make_cell()], tmp_path / "cells")
 
 
@@ -149,14 +149,14 @@ def test_plugins_come_by_a_runtime_environment(two_nodes, tmp_path, toys, make_c
 
 def test_cells_that_no_node_has_room_for_are_refused(toys, make_cell, two_nodes, tmp_path):
     """Ray itself would wait for such a node for ever."""
-    with pytest.raises(UsageError, match="it has no room for 64 CPUs"):
+    with refused("it has no room for 64 CPUs"):
         _run(Ray(address=two_nodes.address, cpus=64), [make_cell()], tmp_path / "cells")
 
 
 def test_a_cluster_that_is_not_there_is_refused(toys, make_cell, tmp_path):
     """The message says how to start one."""
     pytest.importorskip("ray")
-    with pytest.raises(UsageError, match="No Ray cluster at address=auto can be joined: start one"):
+    with refused("No Ray cluster at address=auto can be joined: start one"):
         _run(Ray(address="auto"), [make_cell()], tmp_path / "cells")
 
 

@@ -9,11 +9,11 @@ import time
 import psutil
 import pytest
 
-from harness.errors import UsageError
 from harness.executor import CellOptions, Event, Job
 from harness.record import LOG, partial_folder
 from harness.record.manifest import examine
 from harness_plugins.executors.slurm import Slurm
+from tests.refusals import refused
 
 pytestmark = [
     pytest.mark.slow,
@@ -47,7 +47,7 @@ def test_a_cluster_that_takes_no_jobs_is_told(that, tmp_path, monkeypatch):
         (tmp_path / name).chmod(0o755)
     monkeypatch.setenv("PATH", f"{tmp_path}:{os.environ['PATH']}")
     cell = that("last", tmp_path / "note")
-    with pytest.raises(UsageError, match=r"^Slurm takes no jobs: sbatch: fatal: no source\. Run harness where sbatch"):
+    with refused(r"^Slurm takes no jobs: sbatch: fatal: no source\. Run harness where sbatch"):
         Slurm().run([Job(cell, tmp_path / "cells" / cell.id)], 1, lambda event: None)
 
 
@@ -97,6 +97,6 @@ def test_a_job_that_has_to_make_room_goes_on(that, tmp_path):
 def test_without_a_cluster_it_says_what_there_is(make_cell, tmp_path, state, monkeypatch):
     """Nothing is left in the folder of the jobs."""
     monkeypatch.setenv("PATH", "/nowhere")
-    with pytest.raises(UsageError, match=r"No Slurm cluster: .* Run harness where sbatch works"):
+    with refused(r"No Slurm cluster: .* Run harness where sbatch works"):
         Slurm().run([Job(make_cell(), tmp_path / "cells" / "one")], 1, lambda event: None)
     assert list(state.iterdir()) == []

@@ -10,7 +10,6 @@ from pathlib import Path
 
 import pytest
 
-from harness.errors import UsageError
 from harness.hookspecs import WORDS
 from harness_plugins.kit import check_metric, check_reward, check_task
 from harness_plugins.kit.new_plugin import (
@@ -20,6 +19,7 @@ from harness_plugins.kit.new_plugin import (
     package_files,
     write_package,
 )
+from tests.refusals import refused
 
 MOST_LINES = 15
 """Of a reward of one's own."""
@@ -119,7 +119,7 @@ def test_folder_that_is_there_is_left_alone(tmp_path):
     (tmp_path / "full" / "mine").write_text("mine")
     (tmp_path / "link").symlink_to("nowhere")
     for folder in ("full", "link"):
-        with pytest.raises(UsageError, match="is there already, and nothing is written over"):
+        with refused("is there already, and nothing is written over"):
             write_package({"a": "b"}, tmp_path / folder)
     assert (tmp_path / "full" / "mine").read_text() == "mine"
     assert sorted(path.name for path in tmp_path.rglob("*")) == ["full", "link", "mine"]
@@ -134,17 +134,17 @@ def test_nothing_is_left_half_written(tmp_path):
 
 def test_folder_to_hold_it_has_to_be_there(tmp_path):
     """A slip of the finger makes no folders."""
-    with pytest.raises(UsageError, match="is no folder"):
+    with refused("is no folder"):
         write_package({"a": "b"}, tmp_path / "nowhere" / "new")
 
 
 def test_unknown_kind_is_answered_by_the_nearest():
     """With the list of all."""
-    with pytest.raises(UsageError, match=r"No kind of plugin 'rewards'.*Did you mean 'reward'"):
+    with refused(r"No kind of plugin 'rewards'.*Did you mean 'reward'"):
         package_files("rewards", name_of("reward"))
 
 
 def test_name_that_its_code_uses_is_refused():
     """A reward called `carry` would be a class `Carry`, which its code imports."""
-    with pytest.raises(UsageError, match="would make 'Carry' mean two things"):
+    with refused("would make 'Carry' mean two things"):
         package_files("reward", PluginName("carry"))

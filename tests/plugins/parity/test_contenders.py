@@ -4,9 +4,10 @@ from dataclasses import replace
 
 import pytest
 
-from harness.errors import PluginError, UsageError
+from harness.errors import PluginError
 from harness.registry import Registry, Spec
 from harness_plugins.parity import Missing, choose_contenders
+from tests.refusals import refused
 
 
 def spec(name, target="harness_plugins.kit:IdealSimulator", requires=(), plugin="toys"):
@@ -61,7 +62,7 @@ def test_what_is_not_installed_is_listed_with_its_extra():
 
 def test_a_named_one_that_is_not_installed_is_a_usage_error():
     """With the remedy."""
-    with pytest.raises(UsageError, match=r"needs no_such_engine: pip install 'toy-arm\[extra\]'"):
+    with refused(r"needs no_such_engine: pip install 'toy-arm\[extra\]'"):
         choose_contenders(registry(spec("distant", requires=("no_such_engine",))), ["distant"], None)
 
 
@@ -91,5 +92,5 @@ def test_a_name_that_two_plugins_claim_stands_under_both_qualified_names():
 )
 def test_what_cannot_be_compared_is_told(found, given, told):
     """A name twice, an unknown name, nothing at all."""
-    with pytest.raises(UsageError, match=told):
+    with refused(told):
         choose_contenders(found, given, None)

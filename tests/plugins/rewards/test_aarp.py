@@ -5,12 +5,12 @@ import pytest
 from hypothesis import given, strategies as st
 from numpy.testing import assert_array_equal
 
-from harness.errors import UsageError
 from harness.registry import build
 from harness.reward import Sample
 from harness_plugins.kit import check_reward
 from harness_plugins.rewards.aarp import Aarp
 from harness_plugins.rewards.arp import Arp
+from tests.refusals import refused
 
 METRES = st.integers(0, 3072).map(lambda n: n / 1024)
 DISTANCES = st.lists(METRES, min_size=2, max_size=30)
@@ -83,12 +83,12 @@ def test_scaling_the_workspace_scales_the_reward(episode, distances, factor):
 
 def test_cap_below_the_gain_is_refused():
     """The gain cannot begin above its largest value."""
-    with pytest.raises(UsageError, match="Reward 'aarp': k_max=3 should be at least k2=5"):
+    with refused("Reward 'aarp': k_max=3 should be at least k2=5"):
         build(Aarp, {"k2": 5}, "reward 'aarp'")
 
 
 @pytest.mark.parametrize("given", [{"growth": 0.9}, {"k1": 0}, {"k_max": "inf"}])
 def test_parameter_out_of_range_is_refused(given):
     """In one line that names it."""
-    with pytest.raises(UsageError, match=f"Reward 'aarp': {next(iter(given))}="):
+    with refused(f"Reward 'aarp': {next(iter(given))}="):
         build(Aarp, given, "reward 'aarp'")

@@ -6,10 +6,10 @@ import pytest
 from hypothesis import given, strategies as st
 from numpy.testing import assert_array_equal
 
-from harness.errors import UsageError
 from harness.registry import build
 from harness_plugins.kit import check_reward
 from harness_plugins.rewards.dense import Dense
+from tests.refusals import refused
 
 METRES = st.integers(0, 3072).map(lambda n: n / 1024)
 DISTANCES = st.lists(METRES, min_size=2, max_size=30)
@@ -49,5 +49,5 @@ def test_scaling_the_workspace_scales_the_reward(episode, distances, factor):
 
 def test_scale_is_positive():
     """Paying for distance is refused."""
-    with pytest.raises(UsageError, match="scale=-1: Input should be greater than 0"):
+    with refused("scale=-1: Input should be greater than 0"):
         build(Dense, {"scale": -1}, "reward 'dense'")

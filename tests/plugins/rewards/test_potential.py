@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given, strategies as st
 from numpy.testing import assert_array_equal
 
-from harness.errors import UsageError
 from harness.registry import build
 from harness_plugins.algorithms.sac import Sac
 from harness_plugins.kit import check_reward
 from harness_plugins.rewards.potential import Potential
+from tests.refusals import refused
 
 METRES = st.integers(0, 3072).map(lambda n: n / 1024)
 DISTANCES = st.lists(METRES, min_size=2, max_size=30)
@@ -76,5 +76,5 @@ def test_discount_is_that_of_the_default_learner():
 @pytest.mark.parametrize("gamma", [0, 1.01])
 def test_discount_out_of_range_is_refused(gamma):
     """In one line that names it."""
-    with pytest.raises(UsageError, match=f"gamma={gamma}: Input should be "):
+    with refused(f"gamma={gamma}: Input should be "):
         build(Potential, {"gamma": gamma}, "reward 'potential'")

@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given, strategies as st
 from numpy.testing import assert_array_equal
 
-from harness.errors import UsageError
 from harness.registry import build
 from harness_plugins.kit import check_reward
 from harness_plugins.rewards.relative import FLOOR, Relative
+from tests.refusals import refused
 
 METRES = st.floats(0.0, 1e3)
 DISTANCES = st.lists(METRES, min_size=2, max_size=30)
@@ -26,7 +26,7 @@ def test_contract(denominator):
 
 def test_unknown_denominator_is_refused():
     """The message says what there is."""
-    with pytest.raises(UsageError, match="denominator='smaller': Input should be 'larger' or 'current'"):
+    with refused("denominator='smaller': Input should be 'larger' or 'current'"):
         build(Relative, {"denominator": "smaller"}, "reward 'relative'")
 
 

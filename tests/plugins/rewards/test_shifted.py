@@ -4,11 +4,11 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from numpy.testing import assert_array_equal
 
-from harness.errors import UsageError
 from harness.registry import choose, load_registry
 from harness_plugins.kit import check_reward
 from harness_plugins.rewards.aarp import Aarp
 from harness_plugins.rewards.shifted import Shifted
+from tests.refusals import refused
 
 REGISTRY = load_registry()
 OTHERS = [name for name in REGISTRY.names("rewards") if name != "shifted"]
@@ -60,5 +60,5 @@ def test_named_reward_comes_with_its_parameters():
 )
 def test_what_cannot_be_named_is_refused_at_once(text, message):
     """In one line, when it is typed."""
-    with pytest.raises(UsageError, match=message):
+    with refused(message):
         choose(REGISTRY, "rewards", text)

@@ -4,7 +4,7 @@ import stat
 
 import pytest
 
-from harness.errors import UsageError
+from tests.refusals import refused
 
 PARAMETERS = {"name": "harness", "slurm_max_num_timeout": 0}
 
@@ -47,5 +47,5 @@ def test_no_job_is_read_from_a_folder_of_others(state):
 
     state.mkdir(parents=True)
     state.chmod(0o777)
-    with pytest.raises(UsageError, match="is open to others"), open_cluster("local", 1, **PARAMETERS):
+    with refused("is open to others"), open_cluster("local", 1, **PARAMETERS):
         pass

@@ -12,7 +12,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from harness import load_robot
-from harness.errors import NewerFormat, UsageError
+from harness.errors import NewerFormat
 from harness.experiment import check_experiment, expand
 from harness.policy import WEIGHTS
 from harness.record import EVALUATION, MANIFEST, POLICY, Cell, Store, partial_folder, read_manifest, read_trace
@@ -29,6 +29,7 @@ from harness_plugins.transfer import (
     transfer,
 )
 from harness_plugins.transfer.jobs import evaluate_elsewhere
+from tests.refusals import refused
 
 EASY = "fd100-reach:epsilon=0.25,horizon=40"
 """Acting at random reaches some targets; an arm that does not move reaches none."""
@@ -216,7 +217,7 @@ def test_default_is_every_simulator_that_can_be_used(train, distant):
 def test_bad_arguments_are_refused(train, to, jobs, told):
     """Before anything is written."""
     results = train(seeds=1)
-    with pytest.raises(UsageError, match=told.replace("?", r"\?")):
+    with refused(told.replace("?", r"\?")):
         transfer(results.folder, to, jobs)
     assert not (results.folder / TRANSFER).exists()
 
@@ -225,14 +226,14 @@ def test_missing_plugins_are_refused(train, monkeypatch):
     """A task that is not registered any more is told, with what there is."""
     results, registry = train(seeds=1), load_registry()
     del registry.specs["tasks", "fd100-reach"]
-    with pytest.raises(UsageError, match="cannot be evaluated: No task 'fd100-reach'"):
+    with refused("cannot be evaluated: No task 'fd100-reach'"):
         plan_transfers(results, "stuck", registry)
 
 
 def test_nothing_trained_is_refused(toys, make_plan, make_cell, tmp_path):
     """An experiment without a done cell has no policy."""
     Store.create(tmp_path / "empty", make_plan(make_cell()))
-    with pytest.raises(UsageError, match="has no finished cell"):
+    with refused("has no finished cell"):
         transfer(tmp_path / "empty")
 
 
@@ -241,7 +242,7 @@ def test_cells_in_an_environment_are_refused(toys, make_plan, make_cell, tmp_pat
     cell = make_cell(simulator=BROUGHT.simulator, robot=BROUGHT.robot, task=Choice("pendulum", (), "pendulum"))
     Store.create(tmp_path, make_plan(cell)).record(cell, "failed", "it fell")
     told = r"harness transfer needs traces of an arm.*: harness report .* compares them"
-    with pytest.raises(UsageError, match=told):
+    with refused(told):
         plan_transfers(load_results(tmp_path), None, toys)
 
 
@@ -249,7 +250,7 @@ def test_folder_in_use_is_refused(train):
     """While a run or another transfer is at it."""
     results = train(seeds=1)
     plan = plan_transfers(results, "stuck", load_registry())
-    with results.store.locked(), pytest.raises(UsageError, match="Another run is using"):
+    with results.store.locked(), refused("Another run is using"):
         run_transfers(plan, 1)
 
 
@@ -324,5 +325,5 @@ def test_policies_of_a_robot_without_drives_do_not(train, tmp_path):
     """One line says what is missing, before anything is evaluated."""
     (tmp_path / "arm.urdf").write_text(load_robot("fd100").urdf)
     bare = train(seeds=1, robot=str(tmp_path / "arm.urdf"))
-    with pytest.raises(UsageError, match=r"cannot be evaluated: Robot 'arm' has no drives to simulate"):
+    with refused(r"cannot be evaluated: Robot 'arm' has no drives to simulate"):
         plan_transfers(bare, "mujoco:drive=servo", load_registry())

@@ -7,9 +7,9 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from harness import load_robot
 from harness.env import IdealSimulator, ReachVectorEnv
-from harness.errors import UsageError
 from harness.registry import choose, load_registry
 from harness_plugins.environments.unity import Unity
+from tests.refusals import refused
 
 SEED = 7
 
@@ -138,11 +138,11 @@ def test_a_behaviour_is_named_without_its_team(start):
 
 def test_an_unknown_behaviour_is_refused(start):
     """The message names what there is."""
-    with pytest.raises(UsageError, match=r"behavior=Leg: Unity has no such behaviour. There is: Arm"):
+    with refused(r"behavior=Leg: Unity has no such behaviour. There is: Arm"):
         start(behavior="Leg")
 
 
 def test_places_beyond_the_observation_are_refused(start):
     """Before anything is trained."""
-    with pytest.raises(UsageError, match=r"places: 19:20 is beyond the 19 numbers that there are"):
+    with refused(r"places: 19:20 is beyond the 19 numbers that there are"):
         start(places="distance=19:20")

@@ -6,8 +6,8 @@ import socket
 import numpy as np
 import pytest
 
-from harness.errors import UsageError
 from harness_plugins.unity_player.messages import UnityError
+from tests.refusals import refused
 
 FROM_THE_START = {
     "crash": r"the player ended \(exit status 3; its last line: NullReferenceException",
@@ -42,7 +42,7 @@ def stand_still(env):
 def test_a_fault_at_the_start_refuses_the_program(start, fault):
     """A usage error that names the program."""
     patience = 4.0 if fault in ("hang", "silent") else 10.0
-    with pytest.raises(UsageError, match=FROM_THE_START[fault]) as told:
+    with refused(FROM_THE_START[fault]) as told:
         start("--fault", fault, patience=patience)
     assert re.match(r"Unity \(.*player\): [^\n]+$", str(told.value))
 
@@ -69,5 +69,5 @@ def test_a_port_that_is_taken_is_refused(start):
     """Another run waits there for the editor."""
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
-        with pytest.raises(UsageError, match=rf"port={port} is taken on this machine.*--jobs 1"):
+        with refused(rf"port={port} is taken on this machine.*--jobs 1"):
             start(port=port)

@@ -8,9 +8,9 @@ import time
 import psutil
 import pytest
 
-from harness.errors import UsageError
 from harness_plugins.unity_player.guard import MOST
 from harness_plugins.unity_player.process import PlayerProcess, find_program
+from tests.refusals import refused
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="the programs of these tests are shell scripts")
 
@@ -126,12 +126,12 @@ def test_a_program_is_found_without_its_ending(tmp_path):
 
 def test_a_program_that_is_not_there_is_refused(tmp_path):
     """The path stands in the message."""
-    with pytest.raises(UsageError, match="no such program"):
+    with refused("no such program"):
         find_program(str(tmp_path / "arm"))
 
 
 def test_a_program_that_may_not_be_run_is_refused(tmp_path):
     """The message says what to do."""
     (tmp_path / "arm").write_text("")
-    with pytest.raises(UsageError, match=r"chmod \+x .*arm"):
+    with refused(r"chmod \+x .*arm"):
         find_program(str(tmp_path / "arm"))

@@ -7,7 +7,6 @@ import pytest
 from PIL import Image
 
 from harness.cli import main
-from harness.errors import UsageError
 from harness.executor import CellOptions
 from harness.experiment import check_experiment, expand
 from harness.experiment.run_cell import run_cell
@@ -16,6 +15,7 @@ from harness.registry import load_registry, read_given
 from harness.results import load_results
 from harness_plugins.video.environment_film import box_of, environment_film
 from harness_plugins.video.film import HEIGHT, HELD, WIDTH
+from tests.refusals import refused
 
 TOY = str(Path(__file__).parents[2] / "experiment" / "environments" / "toy.py")
 
@@ -70,7 +70,7 @@ def test_a_baseline_without_another_reward_is_shown_alone(tmp_path):
 
 def test_where_no_cell_is_done_there_is_nothing_to_show(tmp_path):
     """It is told by the folder."""
-    with pytest.raises(UsageError, match="has nothing to show: no cell is done"):
+    with refused("has nothing to show: no cell is done"):
         list(environment_film(run_some(tmp_path / "experiment", 0), [], 1))
 
 
@@ -85,7 +85,7 @@ def test_an_episode_that_goes_another_way_is_refused(results, line):
     patch, _, env = line
     step = env.step
     patch.setattr(env, "step", lambda self, action: (*step(self, action)[:2], True, False, {}))
-    with pytest.raises(UsageError, match=r"takes 1 here\. Is another version"):
+    with refused(r"takes 1 here\. Is another version"):
         list(environment_film(results, [], 1))
 
 
@@ -93,7 +93,7 @@ def test_an_env_that_draws_no_arrays_is_refused(results, line):
     """In one line that names the mode."""
     patch, _, env = line
     patch.setattr(env, "metadata", {"render_modes": ["human"]})
-    with pytest.raises(UsageError, match="has no render mode 'rgb_array'"):
+    with refused("has no render mode 'rgb_array'"):
         list(environment_film(results, [], 1))
 
 
@@ -105,7 +105,7 @@ def test_a_missing_renderer_is_told_in_one_line(results, line):
         raise ImportError("no OpenGL\nhere")
 
     patch.setattr(env, "render", render)
-    with pytest.raises(UsageError, match=r"toy cannot draw here: no OpenGL here\. Without a screen set MUJOCO_GL=egl"):
+    with refused(r"toy cannot draw here: no OpenGL here\. Without a screen set MUJOCO_GL=egl"):
         list(environment_film(results, [], 1))
 
 
@@ -113,7 +113,7 @@ def test_an_env_that_draws_nothing_is_told(results, line):
     """And no film is written."""
     patch, _, env = line
     patch.setattr(env, "render", lambda self: None)
-    with pytest.raises(UsageError, match="draws no picture"):
+    with refused("draws no picture"):
         list(environment_film(results, [], 1))
 
 

@@ -10,10 +10,10 @@ from numpy.testing import assert_array_equal
 from PIL import Image, ImageColor
 
 from harness import load_robot
-from harness.errors import UsageError
 from harness.results.replay import Episode, Show, Side
 from harness.scene import scene_of
 from harness_plugins.video.film import FRAMES, HEIGHT, HELD, LINE, RATE, WIDTH, Frame, film_of, write_film
+from tests.refusals import refused
 
 
 def episode(steps, outcome):
@@ -78,20 +78,20 @@ def test_a_gif_has_every_picture(tmp_path):
 
 def test_another_ending_is_refused(tmp_path):
     """The message says which there are."""
-    with pytest.raises(UsageError, match=r"\.gif or \.mp4"):
+    with refused(r"\.gif or \.mp4"):
         write_film(PICTURES, tmp_path / "a.avi")
 
 
 def test_mp4_says_what_to_install(tmp_path, monkeypatch):
     """What writes them comes with the extra video."""
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
-    with pytest.raises(UsageError, match=r"fd100-harness\[video\]"):
+    with refused(r"fd100-harness\[video\]"):
         write_film(PICTURES, tmp_path / "a.mp4")
 
 
 def test_a_folder_that_is_not_there_is_said_in_one_line(tmp_path):
     """No film, and no traceback."""
-    with pytest.raises(UsageError, match="cannot be written"):
+    with refused("cannot be written"):
         write_film(PICTURES, tmp_path / "nowhere" / "a.gif")
 
 

@@ -4,9 +4,9 @@ import shutil
 
 import pytest
 
-from harness.errors import UsageError
 from harness.record import TrainingFacts
 from harness_plugins.watch.trainings import newest, source_of
+from tests.refusals import refused
 
 
 def test_a_training_is_seen_while_it_is_recorded(record, step, tmp_path):
@@ -84,7 +84,7 @@ def test_a_recording_may_go_while_it_is_watched(record, step, tmp_path):
     shutil.rmtree(tmp_path / "runs/one")
     assert source.look().trainings == ()
     shutil.rmtree(tmp_path / "runs")
-    with pytest.raises(UsageError, match="any more"):
+    with refused("any more"):
         source.look()
 
 
@@ -92,7 +92,7 @@ def test_a_recording_may_go_while_it_is_watched(record, step, tmp_path):
 def test_what_is_nothing_is_refused(tmp_path, name):
     """In a line that says what to name."""
     (tmp_path / "empty").mkdir()
-    with pytest.raises(UsageError, match=name):
+    with refused(name):
         source_of(tmp_path / name)
 
 

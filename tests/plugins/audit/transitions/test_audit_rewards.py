@@ -1,12 +1,13 @@
 """`audit_rewards` in a small env whose next state is drawn anew in every step."""
 
+import re
+
 import gymnasium
 import numpy as np
 import pytest
 from gymnasium.spaces import Box, Discrete
 from numpy.random import default_rng
 
-from harness.errors import UsageError
 from harness_plugins.audit import audit_rewards
 from tests.refusals import refused
 
@@ -246,10 +247,8 @@ def fails(state, action, following, info):
 )
 def test_what_cannot_be_used_is_one_line(env, rewards, given, told):
     """It says what was given and what is allowed."""
-    with pytest.raises(UsageError) as caught:
+    with refused(re.escape(told)):
         audit_rewards(env, rewards, **given)
-    assert told in str(caught.value)
-    assert "\n" not in str(caught.value)
 
 
 def test_a_reward_that_is_another_but_for_its_scale_is_told():

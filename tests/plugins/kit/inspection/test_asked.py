@@ -2,10 +2,8 @@
 
 import json
 
-import pytest
-
-from harness.errors import UsageError
 from harness_plugins.kit.inspection.finding import Asked, read_plugins
+from tests.refusals import refused
 
 
 def test_what_was_asked_for_survives_the_way_through_json(tmp_path):
@@ -27,5 +25,5 @@ def test_class_is_not_imported():
 
 def test_file_that_is_not_there_is_refused(tmp_path):
     """Before any process is started."""
-    with pytest.raises(UsageError, match=r"mine\.py"):
+    with refused(r"mine\.py"):
         read_plugins([str(tmp_path / "mine.py")])
