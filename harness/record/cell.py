@@ -4,9 +4,9 @@ import hashlib
 import json
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
-from harness.eta.manner import OWN_AND_OTHER
+from harness.eta.manner import OWN_AND_OTHER, Manner
 from harness.files.plain import Plain
 from harness.registry.choice import Choice
 
@@ -83,7 +83,7 @@ class Cell(Plain):
         return self.task if self.is_in_environment else self.simulator
 
     @property
-    def acted(self) -> Literal["deterministic", "stochastic"]:
+    def acted(self) -> Manner:
         """How evaluated policies act."""
         return OWN_AND_OTHER[self.deterministic][0]
 

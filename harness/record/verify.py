@@ -153,8 +153,17 @@ def _gone(folder: Path) -> Iterator[Problem]:
     """Cells that the table of results tells of, and that are not there."""
     if RESULTS in changed_since_made(folder) or RESULTS not in read_sums(folder):
         return
+    path = folder / RESULTS
     try:
-        done = _done_in_table(folder / RESULTS)
+        with reading(path, "table"):
+            require_regular(path, TABLE_BYTES)
+            file = pq.ParquetFile(path, read_dictionary=OF_A_CELL)
+            if file.metadata.num_rows > MOST_CELLS:
+                raise SchemaError(f"{path} has more than {MOST_CELLS:,} rows")
+            require_room(file, OF_A_CELL)
+            table = file.read(OF_A_CELL)
+            # A text may stand in very many rows.
+            done = {*map(str, table.filter(pc.equal(table["status"], "done"))["id"].unique().to_pylist())}
     except SchemaError as error:
         yield Problem(Path(RESULTS), str(error), MADE_REMEDY)
         return
@@ -172,18 +181,6 @@ def _planned(folder: Path) -> Sequence[Cell]:
         raise
     except SchemaError:
         return ()
-
-
-def _done_in_table(path: Path) -> set[str]:
-    with reading(path, "table"):
-        require_regular(path, TABLE_BYTES)
-        file = pq.ParquetFile(path, read_dictionary=OF_A_CELL)
-        if file.metadata.num_rows > MOST_CELLS:
-            raise SchemaError(f"{path} has more than {MOST_CELLS:,} rows")
-        require_room(file, OF_A_CELL)
-        table = file.read(OF_A_CELL)
-        # A text may stand in very many rows.
-        return {*map(str, table.filter(pc.equal(table["status"], "done"))["id"].unique().to_pylist())}
 
 
 def _of_added(folder: Path) -> Iterator[Problem]:
