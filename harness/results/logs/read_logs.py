@@ -27,16 +27,16 @@ from harness.eta.laws import (
 from harness.eta.manner import EVALUATION, LAST_FIFTH, WHOLE
 from harness.log import Log, LogFacts, Unit, in_memory
 from harness.log.log import BEHAVIOUR, RECORDED, REWARD, SINCE, SUCCESS, TIME
-from harness.record.cell import BROUGHT, UNKNOWN_ALGORITHM
+from harness.record.cell import UNKNOWN_ALGORITHM
 from harness.registry.choice import Choice
 from harness.results.comparison import Group
 from harness.results.logs.labels import LABELS
 from harness.results.logs.told import LENGTH, RETURN, SUCCESS_DECIDES, Deciding
 from harness.results.logs.trainings import Sorted, Training, digest_of
 from harness.results.measured import Counted
-from harness.results.recordings.episodes import LAST_SHARE, Points, require_ends
+from harness.results.recordings.episodes import LAST_SHARE, Points, cut_notes, require_ends
 from harness.results.recordings.recording_results import NOTHING_ALIKE
-from harness.results.recordings.runs import DIRECTION, NO_NAME, Directions, Run, Runs, run_of
+from harness.results.recordings.runs import DIRECTION, NO_NAME, Directions, Run, Runs, brought, run_of
 
 NO_STEPS = (
     "An index of steps, I_N or I_P, needs the reward of each environment step, and these logs keep {}. "
@@ -137,21 +137,6 @@ def _shortfall(training: Training) -> str:
     return ""
 
 
-def budget_notes(trainings: Sequence[Training], steps: Sequence[int], noun: str) -> list[str]:
-    """Trainings that went on after the shortest had ended.
-
-    Args:
-        trainings: All of them.
-        steps: How long each was.
-        noun: What is counted, ``steps`` or ``episodes``.
-    """
-    shortest = min(steps)
-    longer = [it for it in steps if it > shortest]
-    last = trainings[steps.index(shortest)]
-    told = f"All are cut to the {shortest:,} {noun} of the shortest, {last.shown}"
-    return [f"{told}: {len(longer)} of {len(steps)} went on, to {max(longer):,} at most"] if longer else []
-
-
 def facts_notes(logs: Sequence[Log]) -> list[str]:
     """What logs tell of themselves, each line once: how they were thinned, and what to keep in mind."""
     kinds = dict.fromkeys((log.facts.format, log.facts.unit) for log in logs)
@@ -233,7 +218,7 @@ def runs_of(
             *account.lines,
             *found.notes,
             *facts_notes([log for log in logs if log.facts.format != LABELS]),
-            *budget_notes(trainings, steps, axis.noun),
+            *cut_notes({it.shown: of for it, of in zip(trainings, steps, strict=True)}, axis.noun),
             *equal_sentences(equal),
         ),
         counted=_counted(trainings, runs, min(steps)),
@@ -365,15 +350,7 @@ def _group(trainings: Sequence[Training], steps: int, every: int, episodes: int)
     algorithms = {it.logs[0].facts.algorithm for it in trainings}
     name = algorithms.pop() if len(algorithms) == 1 else ""
     algorithm = Choice(name, (), name) if name else UNKNOWN_ALGORITHM
-    return Group(
-        BROUGHT.robot,
-        Choice(env, (), env),
-        algorithm,
-        steps,
-        episodes,
-        evaluate_every=every,
-        simulator=BROUGHT.simulator,
-    )
+    return brought(env, algorithm, steps, episodes, every)
 
 
 # One training
@@ -426,7 +403,8 @@ def _ends(log: Log, axis: Axis) -> Float:
 def _run(training: Training, steps: int, until: int, measures: Sequence[str], axis: Axis) -> Run:
     """A training of so many steps with its evaluations, of which those after `until` are left out."""
     if training.logs[0].facts.unit == "step":
-        return run_of(_named_after(training, training.logs[0]))
+        (log,) = training.logs
+        return run_of(replace(log, facts=replace(log.facts, trained_with=training.reward, seed=training.seed)))
     whole = in_memory(_facts(training, training.path), _joined(training, axis, measures))
     evaluated = training.evaluated
     if training.is_evaluated_alone:
@@ -453,10 +431,6 @@ def _evaluations(training: Training, log: Log, measures: Sequence[str], axis: Ax
         run = run_of(in_memory(facts, rows))
         runs.append(replace(run, facts=replace(run.facts, after=int(after))))
     return runs
-
-
-def _named_after(training: Training, log: Log) -> Log:
-    return replace(log, facts=replace(log.facts, trained_with=training.reward, seed=training.seed))
 
 
 def _facts(training: Training, path: Path) -> LogFacts:

@@ -234,6 +234,19 @@ def count_text(number: int, noun: str) -> str:
     return f"{number:,} {noun}" + "s" * (number != 1)
 
 
+def cut_notes(steps: Mapping[str, int], noun: str = "steps") -> list[str]:
+    """A line that trainings went on after the shortest had ended; none where all are of one length.
+
+    Args:
+        steps: How long each was, by what it is called.
+        noun: What is counted.
+    """
+    last = min(steps, key=steps.__getitem__)
+    longer = [it for it in steps.values() if it > steps[last]]
+    told = f"All are cut to the {steps[last]:,} {noun} of the shortest, {last}: {count_text(len(longer), 'training')}"
+    return [f"{told} went on, for {max(longer):,} {noun} at most"] if longer else []
+
+
 def cut_text(cut: int, episodes: int, horizon: int) -> str:
     """How many of the episodes of evaluations were cut at the horizon, in words."""
     return f"{cut:,} of {episodes:,} evaluation episodes were cut after {horizon:,} steps"

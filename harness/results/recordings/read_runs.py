@@ -21,7 +21,7 @@ from harness.record.store import MOST_NAMED, Store
 from harness.registry.choice import Choice
 from harness.results.comparison import Group
 from harness.results.logs.told import SUCCESS_DECIDES, Deciding
-from harness.results.recordings.episodes import count_text, cut_text
+from harness.results.recordings.episodes import count_text, cut_notes, cut_text
 from harness.results.recordings.recording_results import RecordingResults
 from harness.results.recordings.runs import (
     DIRECTION,
@@ -30,6 +30,7 @@ from harness.results.recordings.runs import (
     Directions,
     Run,
     Runs,
+    brought,
     meet_same_starts,
     rescaling_between,
 )
@@ -52,7 +53,7 @@ def notes_on(everything: Sequence[Run], trained: Sequence[str], members: Mapping
     """
     runs = list(members.values())
     return [
-        *_length_notes(runs, min(run.steps for run in runs)),
+        *_length_notes(runs),
         *([] if meet_same_starts(runs) else [UNLIKE_STARTS]),
         *_end_notes(trained, members),
         *_code_notes(everything),
@@ -60,16 +61,10 @@ def notes_on(everything: Sequence[Run], trained: Sequence[str], members: Mapping
     ]
 
 
-def _length_notes(runs: Iterable[Run], shortest: int) -> list[str]:
-    longer = [run.steps for run in runs if run.steps > shortest]
-    last = next(run for run in runs if run.steps == shortest)
-    told = f"All are cut to the {shortest:,} steps of the shortest, '{last.path}'"
-    notes = (
-        [f"{told}: {count_text(len(longer), 'training')} went on, for {max(longer):,} steps at most"] if longer else []
-    )
-    if longer and any(run.evaluation for run in runs):
-        notes.append("Evaluations are of policies at the end of their trainings, which were not of one length")
-    return notes
+def _length_notes(runs: Iterable[Run]) -> list[str]:
+    told = cut_notes({f"'{run.path}'": run.steps for run in runs})
+    late = ["Evaluations are of policies at the end of their trainings, which were not of one length"]
+    return [*told, *(late if told and any(run.evaluation for run in runs) else [])]
 
 
 def _end_notes(trained: Sequence[str], members: Mapping[tuple[str, int], Run]) -> list[str]:
@@ -214,8 +209,7 @@ def runs_of(
     notes += _told_notes(everything)
     at_random = random or next((it for it in evaluated if it.facts.acted == ACTED_AT_RANDOM), None)
     return Runs(
-        group
-        or Group(BROUGHT.robot, Choice(env, (), env), UNKNOWN_ALGORITHM, shortest, 0, simulator=BROUGHT.simulator),
+        group or brought(env, UNKNOWN_ALGORITHM, shortest),
         rewards,
         trained,
         _in_order([deciding, *(run.facts.behaviour for run in members.values())]),
@@ -400,17 +394,12 @@ def env_of(folder: Path, runs: Sequence[Run]) -> tuple[str, list[str]]:
 
 def _with_seeds(runs: Sequence[Run]) -> tuple[list[Run], list[str]]:
     """Whoever has no seed gets the lowest number that is free: any pairs do that do not depend on what came out."""
-    taken: dict[str, set[int]] = {}
+    taken, found = {(run.reward, run.seed) for run in runs}, []
     for run in runs:
-        taken.setdefault(run.reward, set()).add(run.seed)
-    found, numbered = [], 0
-    for run in runs:
-        number = run.seed
-        if number < 0:
-            numbered += 1
-            number = next(free for free in range(len(runs) + 1) if free not in taken[run.reward])
-            taken[run.reward].add(number)
-        found.append(replace(run, seed=number))
+        free = next(it for it in range(len(runs) + 1) if (run.reward, it) not in taken)
+        found.append(replace(run, seed=free if run.seed < 0 else run.seed))
+        taken.add((run.reward, found[-1].seed))
+    numbered = sum(run.seed < 0 for run in runs)
     told = f"{count_text(numbered, 'training')} recorded without a seed: numbered in the order of their folders"
     return found, [told] if numbered else []
 

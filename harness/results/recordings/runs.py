@@ -18,7 +18,9 @@ from harness.eta.manner import EVALUATION, LAST_FIFTH, WHOLE
 from harness.eta.rescaling import Rescaling, rescaling_of
 from harness.log import Log, LogFacts
 from harness.log.log import RECORDED, REWARD, SUCCESS, TIME
+from harness.record.cell import BROUGHT
 from harness.record.recording.facts import TrainingFacts, facts_of
+from harness.registry.choice import Choice
 from harness.results.by_term import ByTerm, part_of
 from harness.results.comparison import Group
 from harness.results.logs.told import RETURN, SUCCESS_DECIDES, Deciding
@@ -270,6 +272,12 @@ def meet_same_starts(runs: Iterable[Run]) -> bool:
 
 NO_CONTROL: Mapping[int, int] = MappingProxyType({})
 NO_RUNS: Mapping[int, Run] = MappingProxyType({})
+
+
+def brought(env: str, algorithm: Choice, steps: int, episodes: int = 0, every: int = 0) -> Group:
+    """The group of trainings that no experiment made: as `Group` tells it."""
+    simulator = BROUGHT.simulator
+    return Group(BROUGHT.robot, Choice(env, (), env), algorithm, steps, episodes, every, simulator=simulator)
 
 
 class Directions(NamedTuple):
