@@ -63,6 +63,15 @@ def mean_over_seeds(
     return _mean(values, missing, lambda known: share_variance(known, [float(np.mean(known))], episodes), SHARE)
 
 
+def mean_of_known(
+    values: Sequence[float | None], missing: str, episodes: int | None = None, bounds: Bounds = UNBOUNDED
+) -> SeedMean:
+    """The mean over those seeds that have a value; how many have none is told, with `missing` behind it."""
+    known = [value for value in values if value is not None]
+    told = f"{len(values) - len(known)} of {len(values)} {missing}" if len(known) < len(values) else None
+    return mean_over_seeds(known, told, episodes, bounds)
+
+
 def mean_lost_share(pairs: Sequence[tuple[float, float]], missing: str | None, episodes: int) -> SeedMean:
     """The mean over seeds of one share minus another one; its interval stays in [-1, 1].
 

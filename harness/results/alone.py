@@ -7,7 +7,7 @@ from typing import Any, NamedTuple, TypeAlias
 from harness.eta.behaviour_change import Quantity
 from harness.eta.headline import SUCCESS
 from harness.eta.manner import TRAINING
-from harness.eta.seed_mean import SeedMean, mean_over_seeds
+from harness.eta.seed_mean import SeedMean, mean_of_known
 from harness.results.comparison import Group
 from harness.results.learning import LearningCurve
 from harness.results.recordings.episodes import Part
@@ -89,11 +89,9 @@ def stages_of(measure: Quantity, trainings: Sequence[Ends], random: Part | None,
         return part and (part.returns.get(reward) if reward else part.behaviour.get(measure.name))
 
     def mean(*stage: Part | None) -> SeedMean:
-        known = [told for it in stage if (told := value(it)) is not None]
-        missing = None if len(known) == len(stage) else f"{len(stage) - len(known)} of {len(stage)} have none"
         episodes = min(it.episodes if it else 0 for it in stage)
         is_share = measure.episodes is not None and episodes > 0
-        return mean_over_seeds(known, missing, episodes if is_share else None, measure.bounds)
+        return mean_of_known(list(map(value, stage)), "have none", episodes if is_share else None, measure.bounds)
 
     start, end, evaluation = (mean(*stage) for stage in zip(*trainings, strict=True))
     return Stages(measure, start, end, evaluation, value(random))

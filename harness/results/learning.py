@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from harness.eta.interval import UNBOUNDED, Bounds
-from harness.eta.seed_mean import SeedMean, mean_over_seeds
+from harness.eta.seed_mean import SeedMean, mean_of_known
 from harness.results.comparison import Group
 from harness.results.measured import Moment, Values, moments_by_due
 
@@ -112,7 +112,15 @@ def learning_points(
         for due, moment in moments_by_due(run.moments, group.evaluate_every, group.steps):
             found.setdefault(due, []).append(moment)
     episodes = group.evaluation_episodes if is_share else None
-    return tuple(_point(moments, metric, len(runs), episodes, bounds) for _, moments in sorted(found.items()))
+    return tuple(
+        mean_point(
+            round(sum(it.steps for it in moments) / len(moments)),
+            [*(it.values[metric] for it in moments), *[None] * (len(runs) - len(moments))],
+            episodes,
+            bounds,
+        )
+        for _, moments in sorted(found.items())
+    )
 
 
 def stretches(steps: int) -> Iterator[tuple[int, int]]:
@@ -128,20 +136,9 @@ def mean_point(
     """The mean over seeds in a stretch.
 
     Args:
-        end: Where the stretch ends.
+        end: Where the stretch ends, or when the policies were evaluated.
         values: The value of each seed; None where it has none.
         episodes: How many episodes it is a share of, if it is one.
         bounds: What a value can be.
     """
-    known = [value for value in values if value is not None]
-    missing = (
-        None if len(known) == len(values) else f"{len(values) - len(known)} of {len(values)} seeds have no value here"
-    )
-    return Point(end, mean_over_seeds(known, missing, episodes, bounds))
-
-
-def _point(moments: list[Moment], metric: str, seeds: int, episodes: int | None, bounds: Bounds) -> Point:
-    values = [value for moment in moments if (value := moment.values[metric]) is not None]
-    missing = None if len(values) == seeds else f"{seeds - len(values)} of {seeds} seeds have no value here"
-    steps = round(sum(moment.steps for moment in moments) / len(moments))
-    return Point(steps, mean_over_seeds(values, missing, episodes, bounds))
+    return Point(end, mean_of_known(values, "seeds have no value here", episodes, bounds))

@@ -11,13 +11,13 @@ from typing import Any
 
 from harness.errors import Unscored
 from harness.eta.interval import difference_interval, variance_of, why_no_interval
-from harness.eta.seed_mean import SeedMean, mean_over_seeds
+from harness.eta.seed_mean import SeedMean, mean_of_known
 from harness.results.by_term import ByTerm
 from harness.results.comparison import Group
 from harness.results.trainings import TermsOfTraining, Trainings
 
 PATH = "behaviour under {reward}, the ruler on the episodes of {baseline}'s trainings"
-NOTHING = SeedMean(None)
+NOTHING, LACKING = SeedMean(None), "have none"
 
 
 @dataclass(frozen=True)
@@ -161,25 +161,20 @@ def _term(
     ours: Sequence[TermsOfTraining],
     random: ByTerm | None,
 ) -> TermPaid:
-    trained = [it.training.terms[name] for it in own if it.training is not None and name in it.training.terms]
+    trained = [it.training.terms.get(name) if it.training is not None else None for it in own]
     mine, theirs, before = ([it.final(name) for it in side] for side in (own, others, ours))
     acted = random.terms.get(name) if random is not None else None
     return TermPaid(
         name,
-        _mean([it.start for it in trained], len(own)),
-        _mean([it.end for it in trained], len(own)),
-        _mean(mine, len(own)) if all(it.evaluation for it in own) else NOTHING,
-        _mean(theirs, len(others)) if others else NOTHING,
+        mean_of_known([it.start if it else None for it in trained], LACKING),
+        mean_of_known([it.end if it else None for it in trained], LACKING),
+        mean_of_known(mine, LACKING) if all(it.evaluation for it in own) else NOTHING,
+        mean_of_known(theirs, LACKING) if others else NOTHING,
         acted.whole if acted is not None else None,
         _difference(theirs, mine),
         _difference(before, theirs),
-        not any(it.pays for it in trained),
+        not any(it and it.pays for it in trained),
     )
-
-
-def _mean(values: Sequence[float | None], count: int) -> SeedMean:
-    known = [value for value in values if value is not None]
-    return mean_over_seeds(known, None if len(known) == count else f"{count - len(known)} of {count} have none")
 
 
 def _difference(less: Sequence[float | None], from_: Sequence[float | None]) -> SeedMean:

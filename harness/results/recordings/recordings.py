@@ -10,8 +10,7 @@ from harness.arrays import Float
 from harness.errors import SchemaError, UsageError
 from harness.eta.equal import key_to_json
 from harness.eta.manner import MANNERS
-from harness.eta.seed_mean import SeedMean, mean_over_seeds
-from harness.eta.verdict.deals import smallest_p
+from harness.eta.seed_mean import SeedMean, mean_of_known
 from harness.measure import Measure
 from harness.record.cell import Cell
 from harness.record.folder import RANDOM, TRAINING_RECORDING, recording_of
@@ -28,6 +27,25 @@ from harness.results.records import Records
 from harness.results.return_matrix import ReturnMatrix
 from harness.results.table import Numbers
 from harness.results.trainings import Match, Trainings
+
+OLDER = [
+    "baseline",
+    "proposed",
+    "seeds",
+    "trained",
+    "headline",
+    "decided_in",
+    "deciding_measure",
+    "returns",
+    "returns_missing",
+    "indices",
+    "behaviour",
+    "episodes",
+    "claims",
+    "smallest_p",
+    "learning",
+]
+"""What version 0.1 told of a comparison, in its order."""
 
 
 class Place(NamedTuple):
@@ -197,10 +215,9 @@ def _returns(trainings: Trainings) -> list[ReturnMatrix]:
 
     def mean(manner: str, payer: str, trained: str) -> SeedMean:
         of = [found.get(manner) for (reward, _), found in parts.items() if reward == trained]
-        known = [value for part in of if part and (value := part.returns.get(payer)) is not None]
         whys = (part.reasons.get(payer, "not recorded") for part in of if part and part.returns.get(payer) is None)
-        lacking = f"{len(of) - len(known)} of {len(of)} seeds have none: {next(whys, 'not recorded')}"
-        return mean_over_seeds(known, lacking if len(known) < len(of) else None)
+        paid = [part.returns.get(payer) if part else None for part in of]
+        return mean_of_known(paid, f"seeds have none: {next(whys, 'not recorded')}")
 
     return [
         ReturnMatrix(
@@ -275,20 +292,11 @@ def _study(place: Place, compared: Iterable[Comparison], recordings: Recordings)
 def _compared(trainings: Trainings, it: Comparison) -> dict[str, Any]:
     headline = {"agent" if name == "behaviour" else name: told for name, told in it.headline.to_json().items()}
     learning = trainings.learning(it) if it.has_trainings else None
-    return {
-        "baseline": it.baseline,
-        "proposed": it.proposed,
-        "seeds": list(it.seeds),
-        "trained": it.trained_by,
+    others = {
         "headline": headline,
-        "decided_in": it.answered_in,
         "deciding_measure": next(iter(it.measured.deciding), None),
-        "returns": {manner: split.to_json() for manner, split in it.number.returns.items()},
-        "returns_missing": dict(it.number.missing),
         "indices": it.number.decomposition and it.number.decomposition.to_json(),
-        "behaviour": [change.to_json() for change in it.measured.changes],
-        "episodes": dict(it.measured.episodes),
-        "claims": it.answer.claims,
-        "smallest_p": smallest_p(*it.counts) if it.has_trainings else None,
         "learning": learning and learning.to_json()["metrics"],
     }
+    told = {**it.to_json(), **others}
+    return {name: told[name] for name in OLDER}
