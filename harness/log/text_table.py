@@ -110,7 +110,9 @@ class TextTable:
             SchemaError: A cell is something else, such as a probability.
         """
         values = self.numbers(name)
-        self._require(name, np.isin(values, (0.0, 1.0)), "is 0 or 1")
+        self._require(
+            name, np.isin(values, (0.0, 1.0)), f"is 0 or 1{', and not in percent' * bool((values > 1.0).any())}"
+        )
         return values
 
     def part(self, rows: Iterable[int]) -> "TextTable":

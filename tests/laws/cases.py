@@ -38,7 +38,6 @@ class Case:
         untrue: Remedies that say what is not so of this input: whoever types them lies.
         then: Which of the words is right once a remedy was typed; any of them if none is named.
         without: How many trainings stay of each reward if one leaves those out that have no end.
-        law: The law that is broken today; empty where the answer is right.
     """
 
     name: str
@@ -54,7 +53,6 @@ class Case:
     untrue: str = "(?!)"
     then: tuple[str, ...] = ()
     without: tuple[int, ...] = ()
-    law: str = ""
 
     def wrong(self, said: Said) -> str:
         """What is wrong with an answer; empty where it is right."""

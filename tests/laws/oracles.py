@@ -212,8 +212,9 @@ class Tally:
 
     @property
     def farthest(self):
-        """Points between the two rewards."""
-        return max((abs(said.shares[1] - said.shares[0]) for _, said in self.oracles if said.shares), default=0.0)
+        """Points between the two rewards, where no training is missing."""
+        whole = (said.shares for _, said in self.oracles if said.shares and said.word != INTERIM)
+        return max((abs(proposed - baseline) for baseline, proposed in whole), default=0.0)
 
     @property
     def differing(self):

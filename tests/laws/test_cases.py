@@ -26,12 +26,6 @@ def there(tmp_path, monkeypatch):
     return write
 
 
-def rows(cases=(*CASES, *ASKED)):
-    """A row of each, which fails as long as its law is broken."""
-    wrong = {it: pytest.mark.xfail(strict=True, raises=AssertionError, reason=it) for it in {it.law for it in cases}}
-    return [pytest.param(it, id=it.line.replace(" ", "_"), marks=[wrong[it.law]] if it.law else []) for it in cases]
-
-
 def followed(case, said, deep=0, seen=None):
     """Types whatever an answer tells to type: yields each line with what is wrong with its answer.
 
@@ -65,7 +59,7 @@ def followed(case, said, deep=0, seen=None):
         yield line, wrong, led
 
 
-@pytest.mark.parametrize("case", rows())
+@pytest.mark.parametrize("case", [*CASES, *ASKED], ids=lambda it: it.line.replace(" ", "_"))
 def test_what_is_said_is_right_or_leads_there(there, case, record_property):
     """By words, shares and counts; every remedy that is printed is typed on the same input."""
     first = say(there(case))

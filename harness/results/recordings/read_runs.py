@@ -34,6 +34,7 @@ from harness.results.recordings.runs import (
     meet_same_starts,
     rescaling_between,
 )
+from harness.text import command_text
 
 UNLIKE_STARTS = (
     "The policies did not meet the same starts: the first observations of their evaluations differ, so that luck with "
@@ -410,8 +411,8 @@ def _by_key(runs: Iterable[Run]) -> dict[tuple[str, int], Run]:
         other = found.setdefault((run.reward, run.seed), run)
         if other is not run:
             raise UsageError(
-                f"'{other.path}' and '{run.path}' were both trained with {run.reward} and seed {run.seed}: keep one, "
-                "or give every training a seed of its own"
+                f"'{other.path}' and '{run.path}' were both trained with {run.reward} and seed {run.seed}: "
+                f"{command_text('--leave-out', run.path)} leaves one out; or give every training a seed of its own"
             )
     return found
 
