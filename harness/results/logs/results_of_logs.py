@@ -17,7 +17,7 @@ from harness.registry.registry import Registry
 from harness.results.logs.labels import labelled
 from harness.results.logs.read_logs import Other, runs_of
 from harness.results.logs.told import FOUND_OUT, Told
-from harness.results.logs.trainings import Sorted, require_several, sort_files, sort_logs, with_reward
+from harness.results.logs.trainings import Sorted, require_several, sort_files, sort_logs
 from harness.results.recordings.episodes import ENDS
 from harness.results.recordings.read_runs import LooseStore
 from harness.results.results import Results
@@ -119,9 +119,10 @@ def results_of_groups(
     place = Path(os.path.commonpath([path.absolute().parent for path in opened]))
     names = _group_names(place, groups)
     logs = [
-        log
+        replace(log, facts=replace(log.facts, trained_with=name))
         for name, paths in zip(names, groups, strict=True)
-        for log in with_reward((log for path in paths for log in opened[path]), name)
+        for path in paths
+        for log in opened[path]
     ]
     kept, other = _kept(logs, told)
     absolute = [replace(log, facts=replace(log.facts, path=log.facts.path.absolute())) for log in kept]

@@ -3,7 +3,7 @@
 import hashlib
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import accumulate, pairwise
 from pathlib import Path
 from typing import NamedTuple, TypeAlias
@@ -155,10 +155,10 @@ def require_several(folder: Path, found: Sorted) -> None:
     if single and len(found.rewards) > 1:
         batches = [it for it in found.trainings if len(it.logs) > 1]
         paths = [(log.facts.path, log.facts.run) for it in batches or found.trainings for log in it.logs]
-        more = f" and {len(single) - 3} more" if len(single) > 3 else ""
         raise question(
             list(dict.fromkeys(_name_of(folder, *it) for it in paths)),
-            f"say that there is one training alone of {listed(single[:3])}{more}, and chance cannot be told from one",
+            f"say that there is one training alone of {listed(single[:3])}{', ...' * (len(single) > 3)}, and chance "
+            "cannot be told from one",
             _ways(folder, [it.path for it in batches])[::-1] if batches else None,
         )
 
@@ -362,18 +362,19 @@ def _without_copies(trainings: Sequence[Training], notes: list[str]) -> list[Tra
     """Each training once, though its rows, or the first of them, may lie in several files; a note tells each copy."""
     begins = sorted((it.reward, _rows_of(it.logs[0]), -number) for number, it in enumerate(trainings))
     pairs = [*pairwise(begins), *pairwise(sorted(begins, key=lambda it: it[1]))]  # whatever begins so follows at once
-    copies = set[int]()
+    copies = set[Training]()
     for (reward, own, number), (other, longer, whole) in pairs:
-        log, is_same = trainings[-number].logs[0], reward == other
+        copy, is_equal, is_same = trainings[-number], longer == own, reward == other
+        log = copy.logs[0]
         values = (len(np.unique(log[name])) for name in log.names if name.startswith(TOLD))
-        if not own or -number in copies or not longer.startswith(own):
+        if not own or copy in copies or not longer.startswith(own):
             continue
-        if is_same if longer == own else max(values) >= FEWEST:
-            copies |= {-number} if is_same else set()
-            how = "equal to" if longer == own else "the beginning of"
+        if is_same if is_equal else max(values) >= FEWEST:
+            copies.update([copy] * is_same)
             once = ": the training counts once" if is_same else f", though one is of {reward} and one of {other}"
-            notes.append(f"{trainings[-number].shown} is {how} {trainings[-whole].shown}{once}")
-    return [it for number, it in enumerate(trainings) if number not in copies]
+            told = f"{copy.shown} is {'equal to' if is_equal else 'the beginning of'} {trainings[-whole].shown}"
+            notes.append(told + once)
+    return [it for it in trainings if it not in copies]
 
 
 def _left_out(logs: Sequence[Log], trainings: Sequence[Training]) -> list[str]:
@@ -399,8 +400,3 @@ def _in_order(rewards: Collection[str], baseline: str) -> list[str]:
         raise UsageError(f"--baseline {baseline}: no training was taught by it. There are: {told}")
     first = baseline or names[0]
     return [first, *sorted({*names} - {first})]
-
-
-def with_reward(logs: Iterable[Log], reward: str) -> list[Log]:
-    """The same logs, of which the user says what taught them."""
-    return [replace(log, facts=replace(log.facts, trained_with=reward)) for log in logs]
