@@ -84,13 +84,6 @@ def test_json_is_one_object(harness, flags, told):
     assert (hover == 30.0) == ("horizon=30" in flags)
 
 
-def test_a_scaled_reward_is_no_other(harness):
-    """The distances to --against ignore a gain on everything."""
-    data = harness("audit --reward arp:k1=2,k2=2 --against baseline --json", *FEW).json
-    assert data["distance"]["value"] == pytest.approx(0.0, abs=1e-9)
-    assert data["reachable_distance"]["value"] == pytest.approx(0.0, abs=1e-9)
-
-
 GENTLE = """
 def gentle(step):
     return {"reach": -step.distance, "effort": -0.01 * (step.action**2).sum(-1), "dock": 0.0 * step.distance}
@@ -186,16 +179,6 @@ def test_recorded_trainings_are_audited(harness, recordings):
         "an arm, and a recording has none.",
     ):
         assert text in out
-
-
-def test_recorded_trainings_are_told_as_json(harness, recordings):
-    """One object; paths are those inside the folder."""
-    data = harness("audit runs --json").json
-    assert (data["env"], data["rewards"], data["recordings"]) == ("Bandit-v0", ["plain", "square"], ["0", "1", "2"])
-    assert data["pairs"][0]["steps"]["count"] == len(data["pairs"][0]["each"]) == 3
-    assert [row["behaviour"] for row in data["earned"]] == [
-        "trained with plain, first fifth", "trained with plain, last fifth",
-    ]  # fmt: skip
 
 
 def test_damaged_recording_is_status_1(harness, recordings):

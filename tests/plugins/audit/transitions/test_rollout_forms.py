@@ -7,7 +7,7 @@ from numpy.testing import assert_array_equal
 from harness.payoff import record_rollouts, score_rollout
 from harness.reach import ReachTask
 from harness.reward.forms import reward_class
-from harness_plugins.audit.distance import FORMS, SHAPING, compare_forms
+from harness_plugins.audit.distance import FORMS, compare_forms
 from harness_plugins.audit.transitions.rollout_forms import ask_of, forms_of_rollouts, rows_of_rollouts
 from harness_plugins.kit import IdealSimulator
 from tests.payoff.conftest import named
@@ -33,11 +33,6 @@ def shaped(step):
     """The same three times, with an offset and shaping by the potential."""
     terms = {name: 3.0 * value for name, value in gentle(step).items()}
     return {**terms, "shaping": GAMMA * phi(step.distance) - phi(step.before.distance), "offset": 0.0 * step.step + 2.0}
-
-
-def negative(step):
-    """The opposite."""
-    return {name: -value for name, value in gentle(step).items()}
 
 
 def restless(step):
@@ -79,42 +74,14 @@ def distances(rollouts):
     return distances
 
 
-@pytest.fixture(scope="module")
-def between(distances):
-    """The same; None where there is none."""
-    return lambda one, other: {form: None if it == SHAPING else it for form, it in distances(one, other).items()}
-
-
-def test_scale_and_potential_shaping_are_no_distance(between):
+def test_scale_and_potential_shaping_are_no_distance(distances):
     """In all three forms; an offset is none either."""
-    assert between(GENTLE, reward_class(shaped)()) == pytest.approx(dict.fromkeys(FORMS, 0.0), abs=1e-9)
+    assert distances(GENTLE, reward_class(shaped)()) == pytest.approx(dict.fromkeys(FORMS, 0.0), abs=1e-9)
 
 
-def test_shaping_alone_has_no_distance(between):
-    """It is constant in EPIC and DARD."""
-
-    def potential(step):
-        return GAMMA * phi(step.distance) - phi(step.before.distance) + 0.0 * step.action[:, 0]
-
-    assert between(reward_class(potential)(), GENTLE) == dict.fromkeys(FORMS)
-
-
-def test_other_rewards_are_apart(between):
-    """All of them, in all forms."""
-    for other in (named("baseline"), DENSE, reward_class(restless)()):
-        assert all(0.01 < value < 1.0 for value in between(GENTLE, other).values())
-
-
-def test_the_opposite_is_farthest_and_order_does_not_count(between):
-    """From 0 to 1, as everywhere."""
-    assert between(GENTLE, GENTLE) == dict.fromkeys(FORMS, 0.0)
-    assert between(GENTLE, reward_class(negative)()) == pytest.approx(dict.fromkeys(FORMS, 1.0))
-    assert between(DENSE, GENTLE) == pytest.approx(between(GENTLE, DENSE))
-
-
-def test_a_weight_changes_the_distance(between):
+def test_a_weight_changes_the_distance(distances):
     """The more effort counts, the farther it is from the distance alone."""
-    near, far = (between(reward_class(gentle)(effort=weight), DENSE)["EPIC"] for weight in (1.0, 50.0))
+    near, far = (distances(reward_class(gentle)(effort=weight), DENSE)["EPIC"] for weight in (1.0, 50.0))
     assert near < far
 
 
