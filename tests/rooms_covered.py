@@ -77,7 +77,7 @@ def wanted(room, tests):
 def main(report, *tests):
     """Print the table; returns the exit status."""
     installed = [library for library in LIBRARIES.values() if find_spec(library)]
-    rooms = rooms_of(json.loads(Path(report).read_text(encoding="utf-8"))["files"], installed)
+    rooms = rooms_of(json.loads(Path(report).read_text())["files"], installed)
     rooms = [room for room in rooms if wanted(room.name, tests)]
     print(f"{'room':<36} {'branches':>8} {'run':>9} {'lines':>8} {'run':>9}", *rooms, sep="\n")  # noqa: T201
     short = [room.name for room in rooms if room.share < LEAST]

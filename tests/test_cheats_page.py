@@ -11,7 +11,7 @@ import alarms as study
 ROOT = Path(__file__).parents[1]
 if not study.RECORD.exists():
     pytest.skip("`python experiments/cheats/alarms.py` writes the record", allow_module_level=True)
-PAGE = (ROOT / "docs" / "studies" / "cheats.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "studies" / "cheats.md").read_text()
 ROWS = study.read()
 
 

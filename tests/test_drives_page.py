@@ -10,9 +10,9 @@ from tests.test_reference import REFERENCE, three
 
 ROOT = Path(__file__).parents[1]
 FOLDER = REFERENCE / "drives" / "until-decided"
-PAGE = (ROOT / "docs" / "studies" / "drives.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "studies" / "drives.md").read_text()
 PROSE = " ".join(PAGE.split())
-RECORD = json.loads((FOLDER / "results.json").read_text(encoding="utf-8"))
+RECORD = json.loads((FOLDER / "results.json").read_text())
 POOLS = RECORD["over_places"]
 LOOKS = RECORD["terms"]["looks"]
 
@@ -45,7 +45,7 @@ def test_both_questions_are_decided_at_the_looks_that_the_page_names():
 
 def test_page_says_what_it_cost():
     """Trainings that were done, the most that there could have been, and those of ten seeds each."""
-    with (FOLDER / "cells.csv").open(newline="", encoding="utf-8") as file:
+    with (FOLDER / "cells.csv").open(newline="") as file:
         statuses = [row["status"] for row in csv.DictReader(file)]
     places, rewards = len(POOLS[0]["places"]), 1 + len(POOLS)
     assert f"{statuses.count('done')} trainings of at most {len(statuses)}" in PROSE

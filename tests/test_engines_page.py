@@ -10,7 +10,7 @@ from tests.test_reference import three
 
 ROOT = Path(__file__).parents[1]
 FOLDER = ROOT / "results" / "reference" / "engines"
-PAGE = (ROOT / "docs" / "studies" / "engines.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "studies" / "engines.md").read_text()
 RECORDS = {path.parent.name: json.loads(path.read_text()) for path in sorted(FOLDER.glob("*/results.json"))}
 PARITY = json.loads((FOLDER / "parity.json").read_text())
 SERVO = ":drive=servo"

@@ -15,7 +15,7 @@ def _name_of(path):
     return ".".join(["harness", *path.relative_to(ROOT).with_suffix("").parts]).removesuffix(".__init__")
 
 
-SOURCES = {_name_of(path): path.read_text(encoding="utf-8") for path in sorted(ROOT.rglob("*.py"))}
+SOURCES = {_name_of(path): path.read_text() for path in sorted(ROOT.rglob("*.py"))}
 FACE = "harness"
 """The package itself: for type checkers it imports what it looks up by name when somebody asks."""
 

@@ -12,7 +12,7 @@ from harness_plugins.kit.metrics import recorded_trace
 
 def test_shares_say_that_they_are(subtests):
     """Means over episodes of something between 0 and 1; optimality may be above 1."""
-    rows = [
+    for name, share in [
         ("success_rate", True),
         ("ground_hits", True),
         ("timeouts", True),
@@ -20,8 +20,7 @@ def test_shares_say_that_they_are(subtests):
         ("optimality", False),
         ("time_to_target", False),
         ("work", False),
-    ]
-    for name, share in rows:
+    ]:
         with subtests.test(name=name, share=share):
             assert is_share(build_defaults(load_registry(), "metrics")[name]) == share
 

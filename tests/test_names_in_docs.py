@@ -130,7 +130,7 @@ def _homes_of_classes():
     for package, folder in HOMES.items():
         for path in folder.rglob("*.py"):
             module = ".".join([package, *path.relative_to(folder).with_suffix("").parts]).removesuffix(".__init__")
-            for name in CLASS.findall(path.read_text(encoding="utf-8")):
+            for name in CLASS.findall(path.read_text()):
                 homes.setdefault(name, []).append(module)
     return homes
 
@@ -151,8 +151,8 @@ def prose_of(source):
 
 def test_every_name_that_people_read_exists():
     """In the pages, and in the docstrings and comments of the code."""
-    texts = {path: path.read_text(encoding="utf-8") for path in PAGES}
-    texts |= {path: prose_of(path.read_text(encoding="utf-8")) for path in MODULES}
+    texts = {path: path.read_text() for path in PAGES}
+    texts |= {path: prose_of(path.read_text()) for path in MODULES}
     wrong = [
         f"{path.relative_to(ROOT)}:{name.line}: {name.text}"
         for path, text in texts.items()

@@ -110,12 +110,12 @@ def _is_module(name):
 
 def test_page_leaves_nothing_out():
     """Every equation, definition, table, example and figure of the note has its line, in the note's order."""
-    assert missing_items(PAGE.read_text(encoding="utf-8")) == []
+    assert missing_items(PAGE.read_text()) == []
 
 
 def test_page_names_what_is_there():
     """Code, registered names, columns, commands, files and links."""
-    page = PAGE.read_text(encoding="utf-8")
+    page = PAGE.read_text()
     assert len(QUOTED.findall(page)) > 100
     assert wrong_names(page) == []
 
@@ -126,7 +126,7 @@ LINES = {"Equations": "| 17 |", "Definitions": "| Definition 4 |", "Tables": "| 
 @pytest.mark.parametrize(("section", "line"), {**LINES, "Figures": "| 8 | the acc"}.items(), ids=str)
 def test_line_left_out_is_found(section, line):
     """The mutants: a page without one line."""
-    page = PAGE.read_text(encoding="utf-8")
+    page = PAGE.read_text()
     before, heading, after = page.partition(f"## {section}\n")
     assert f"\n{line}" in after
     less = re.sub(rf"\n{re.escape(line)}[^\n]*", "", after, count=1)
@@ -135,7 +135,7 @@ def test_line_left_out_is_found(section, line):
 
 def test_lines_out_of_order_are_found():
     """Twice the same, or in another order."""
-    page = PAGE.read_text(encoding="utf-8")
+    page = PAGE.read_text()
     (line,) = re.findall(r"^\| 24 \|.*\n", page, re.MULTILINE)
     assert missing_items(page.replace(line, 2 * line)) == ["Equations: out of order"]
 
@@ -159,6 +159,6 @@ MUTANTS = [
 @pytest.mark.parametrize(("right", "wrong"), MUTANTS, ids=[wrong for _, wrong in MUTANTS])
 def test_wrong_name_is_found(right, wrong):
     """The mutants: a slip in any kind of name."""
-    page = PAGE.read_text(encoding="utf-8")
+    page = PAGE.read_text()
     assert right in page
     assert len(wrong_names(page.replace(right, wrong, 1))) == 1

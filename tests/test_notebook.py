@@ -5,7 +5,7 @@ import json
 from pathlib import Path
 
 NOTEBOOK = Path(__file__).parent.parent / "examples" / "first-steps.ipynb"
-CODE = [it for it in json.loads(NOTEBOOK.read_text(encoding="utf-8"))["cells"] if it["cell_type"] == "code"]
+CODE = [it for it in json.loads(NOTEBOOK.read_text())["cells"] if it["cell_type"] == "code"]
 
 
 def run_cells(cells):
@@ -45,5 +45,5 @@ def test_first_output_is_a_table():
 
 def test_notebook_names_no_place():
     """Neither a time nor a machine's folder."""
-    text = NOTEBOOK.read_text(encoding="utf-8")
+    text = NOTEBOOK.read_text()
     assert not any(it in text for it in ("/root", "/home", "/tmp", 'execution": {'))

@@ -121,11 +121,7 @@ def _is_visible(node):
 def found_in(root):
     """All ways of the packages below a folder: file, way."""
     paths = [path for package in ("harness", "plugins") for path in sorted((root / package).rglob("*.py"))]
-    return {
-        (path.relative_to(root).as_posix(), way)
-        for path in paths
-        for way in ways_to_write(path.read_text(encoding="utf-8"))
-    }
+    return {(path.relative_to(root).as_posix(), way) for path in paths for way in ways_to_write(path.read_text())}
 
 
 def test_nothing_else_writes_to_a_terminal():

@@ -13,7 +13,7 @@ PAGE = ROOT / "docs" / "folders.md"
 
 
 def _queries():
-    yield from re.findall(r'duckdb -c "([^"]*)"', PAGE.read_text(encoding="utf-8"))
+    yield from re.findall(r'duckdb -c "([^"]*)"', PAGE.read_text())
 
 
 QUERIES = list(_queries())

@@ -14,7 +14,7 @@ from harness.report.rows.ratios import format_number
 from tests.test_reference import RACES, REFERENCE
 
 ROOT = Path(__file__).parents[1]
-PAGE = (ROOT / "docs" / "studies" / "race.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "studies" / "race.md").read_text()
 PROSE = " ".join(PAGE.split())
 DECIDING = {"pendulum": "behaviour_success", "arm": "success_rate"}
 EACH = pytest.mark.parametrize("name", DECIDING)
@@ -22,12 +22,12 @@ EACH = pytest.mark.parametrize("name", DECIDING)
 
 def record_of(name):
     """Everything that the report says."""
-    return json.loads((REFERENCE / "race" / name / "results.json").read_text(encoding="utf-8"))
+    return json.loads((REFERENCE / "race" / name / "results.json").read_text())
 
 
 def cells_of(name):
     """A row for each, in the order of the plan."""
-    with (REFERENCE / "race" / name / "cells.csv").open(newline="", encoding="utf-8") as file:
+    with (REFERENCE / "race" / name / "cells.csv").open(newline="") as file:
         return list(csv.DictReader(file))
 
 

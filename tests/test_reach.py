@@ -64,10 +64,9 @@ def test_box_of_the_fd100_is_the_same_bit_for_bit():
 
 def test_box_follows_a_mount_on_a_table(tmp_path):
     """It stands as high over a table as another one over the ground, and the arm reaches as much of it."""
-    heights = {"table": 0.8, "stand": 0.2}
     arms = [
         read_arm(tmp_path / name, changed(('xyz="0 0 0.1" rpy', f'xyz="0 0 {height}" rpy')))
-        for name, height in heights.items()
+        for name, height in {"table": 0.8, "stand": 0.2}.items()
     ]
     (center, half), (low, same_half) = map(ReachTask().target_box, arms)
     assert_array_equal(half, same_half)
@@ -299,7 +298,7 @@ def test_every_target_pays_the_same():
 
 def test_bad_override_is_a_usage_error(subtests):
     """An override that cannot be is refused in one line that names it."""
-    rows = [
+    for override, message in [
         ("epsilon=0", "epsilon"),
         ("epsilon=-0.1", "epsilon"),
         ("epsilon=wide", "epsilon"),
@@ -319,8 +318,7 @@ def test_bad_override_is_a_usage_error(subtests):
         ("action=movel:frame=xyz", "frame"),
         ("gravity=9.81", "gravity"),
         ("epsilon", "epsilon"),
-    ]
-    for override, message in rows:
+    ]:
         with subtests.test(override=override, message=message), refused(message):
             harness.make_env(task=f"fd100-reach:{override}")
 

@@ -35,8 +35,7 @@ def test_simulator_that_names_none_is_a_family_of_its_own():
 
 
 @pytest.mark.parametrize("simulator", FAMILIES)
-@pytest.mark.usefixtures("installed")
-def test_built_in_simulators_name_their_engine(simulator):
+def test_built_in_simulators_name_their_engine(installed, simulator):
     """In the class, and in the line that is listed without importing it."""
     spec = REGISTRY.get("simulators", simulator)
     family = family_of(spec.load())

@@ -30,7 +30,7 @@ def name_of(folder):
 
 def page_of(folder):
     """The page of all records of a folder."""
-    return (PAGES / f"{folder.relative_to(REFERENCE).parts[0]}.md").read_text(encoding="utf-8")
+    return (PAGES / f"{folder.relative_to(REFERENCE).parts[0]}.md").read_text()
 
 
 def beside(folder):
@@ -40,7 +40,7 @@ def beside(folder):
 
 def record_of(folder):
     """Everything that the report says."""
-    return json.loads((folder / "results.json").read_text(encoding="utf-8"))
+    return json.loads((folder / "results.json").read_text())
 
 
 def needles(record, summary, label):
@@ -199,7 +199,7 @@ each_study = pytest.mark.parametrize("folder", STUDIES, ids=name_of)
 @each_study
 def test_page_says_what_the_record_holds(folder):
     """The answer, every eta with its interval, ruler and behaviour, and the measure that decides."""
-    page, summary = page_of(folder), (folder / "summary.md").read_text(encoding="utf-8")
+    page, summary = page_of(folder), (folder / "summary.md").read_text()
     assert [it for it in needles(record_of(folder), summary, label_of(folder)) if it not in page] == []
 
 
@@ -356,7 +356,7 @@ def test_a_page_that_says_something_else_is_found(small, there, wrong):
 
 def test_a_number_from_nowhere_is_found(small, subtests):
     """Code and links are no numbers, and a source may bring some."""
-    rows = [
+    for passage, strange in [
         ("It earned 14.5.", []),
         ("It earned 14.7.", ["14.7"]),
         ("It earned 77 %.", ["77 %"]),
@@ -365,8 +365,7 @@ def test_a_number_from_nowhere_is_found(small, subtests):
         ("It earned 77, [they say](https://example.org).", []),
         ("Of v4 and `77`, [here](pictures/77.gif).", []),
         ("It earned 1,450 more.", ["1,450"]),
-    ]
-    for passage, strange in rows:
+    ]:
         with subtests.test(passage=passage, strange=strange):
             assert strange_numbers(passage, [small], []) == strange
 

@@ -16,7 +16,7 @@ from harness.text import LONGEST_MESSAGE, command_text, file_stems, number, one_
 
 def test_what_is_not_seen_is_written_out(subtests):
     """Control characters of both sets, turns of the direction, marks without width, separators of lines."""
-    rows = [
+    for text, shown in [
         ("\x1b[31mred", "\\x1b[31mred"),
         ("\x9b2J", "\\x9b2J"),
         ("a\u202eb", "a\\u202eb"),
@@ -25,8 +25,7 @@ def test_what_is_not_seen_is_written_out(subtests):
         ("a\nb\tc", "a\\nb\\tc"),
         ("name\udc80", "name\\udc80"),
         ("\U000e0041", "\\U000e0041"),
-    ]
-    for text, shown in rows:
+    ]:
         with subtests.test(text=text, shown=shown):
             assert visible(text) == shown
 

@@ -15,7 +15,7 @@ EACH = pytest.mark.parametrize("path", WORKFLOWS, ids=lambda path: path.stem)
 
 def _read(path):
     """A workflow; YAML calls its key `on` true."""
-    return yaml.safe_load(path.read_text(encoding="utf-8"))
+    return yaml.safe_load(path.read_text())
 
 
 @pytest.fixture
@@ -40,20 +40,20 @@ def test_there_are_workflows_to_look_at():
 @EACH
 def test_every_action_is_named_by_its_commit(path):
     """A tag can be moved to other code; behind the commit stands the version, for people and for Dependabot."""
-    named = re.findall(r"uses: *(.*)", path.read_text(encoding="utf-8"))
+    named = re.findall(r"uses: *(.*)", path.read_text())
     assert named
     assert [name for name in named if not PINNED.fullmatch(name)] == []
 
 
 def test_an_action_has_one_commit():
     """In all workflows."""
-    named = re.findall(r"uses: *(.*)", "".join(path.read_text(encoding="utf-8") for path in WORKFLOWS))
+    named = re.findall(r"uses: *(.*)", "".join(path.read_text() for path in WORKFLOWS))
     assert len(set(named)) == len({name.partition("@")[0] for name in named})
 
 
 def test_actions_are_kept_up_to_date():
     """A commit that stays for ever keeps its faults."""
-    updates = yaml.safe_load((ROOT / ".github/dependabot.yml").read_text(encoding="utf-8"))["updates"]
+    updates = yaml.safe_load((ROOT / ".github/dependabot.yml").read_text())["updates"]
     assert "github-actions" in {update["package-ecosystem"] for update in updates}
 
 
@@ -119,12 +119,12 @@ def test_files_are_attested_before_they_are_published(release):
 
 def test_a_bill_of_materials_comes_with_the_release(release):
     """Made from the locks, by tools that have a lock too."""
-    recipe = (ROOT / "Makefile").read_text(encoding="utf-8")
+    recipe = (ROOT / "Makefile").read_text()
     assert re.search(r"^make (\w+ )*sbom ", _runs(release["build"])[0])
     assert "build/sbom/fd100-harness-run.cdx.json requirements/run.txt" in recipe
     assert "build/sbom/fd100-harness-dev.cdx.json requirements/dev.txt" in recipe
     assert re.search(r"--no-deps --require-hashes --requirement \$<\n\ttouch", recipe)
-    assert re.search(r"^cyclonedx-bom==", (ROOT / "requirements/sbom.txt").read_text(encoding="utf-8"), re.MULTILINE)
+    assert re.search(r"^cyclonedx-bom==", (ROOT / "requirements/sbom.txt").read_text(), re.MULTILINE)
     assert "build/sbom/*.json" in _runs(release["files"])[-1]
 
 

@@ -14,7 +14,7 @@ import pytest
 from harness.cli.app import main
 from harness.record import read_recording
 
-PAGE = (Path(__file__).parents[1] / "docs" / "your-environment.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[1] / "docs" / "your-environment.md").read_text()
 EXAMPLES = re.findall(r"^```python\n(.*?)^```", PAGE, re.DOTALL | re.MULTILINE)
 STEPS = 64
 VERDICT = "from harness import RecordRewards, evaluate_policy"
@@ -31,7 +31,7 @@ def _run(folder, monkeypatch, needle, **told):
     short = example.replace("20_000", str(STEPS)).replace('PPO("MlpPolicy", env,', 'PPO("MlpPolicy", env, n_steps=64,')
     monkeypatch.chdir(folder)
     short = short.replace("range(6)", "range(2)").replace('"evaluation", ', '"evaluation", episodes=1, ')
-    (folder / "example.py").write_text(short.replace("n_steps=512", "n_steps=16"), encoding="utf-8")
+    (folder / "example.py").write_text(short.replace("n_steps=512", "n_steps=16"))
     return runpy.run_path("example.py")
 
 

@@ -17,7 +17,7 @@ BOUNDS = Path(__file__).with_name("bounds.toml")
 
 def read_bounds():
     """The bound of each figure, in the order of the file."""
-    return tomllib.loads(BOUNDS.read_text(encoding="utf-8"))
+    return tomllib.loads(BOUNDS.read_text())
 
 
 def above(figures, bounds):
@@ -43,7 +43,7 @@ def main(arguments):
         with tempfile.TemporaryDirectory() as folder:
             figures |= measured_by_running(Path(folder))
     if "--lower" in arguments:
-        BOUNDS.write_text(lowered(figures, read_bounds()), encoding="utf-8")
+        BOUNDS.write_text(lowered(figures, read_bounds()))
     bounds = read_bounds()
     rows = [f"{name:<52} {figure:>8g} {bounds.get(name, float('nan')):>8g}" for name, figure in figures.items()]
     grown = above(figures, bounds)

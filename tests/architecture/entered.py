@@ -69,7 +69,7 @@ def enter(arguments, folder, tops=(ROOT / "harness", ROOT / "plugins")):
     back = set()
     root = tops[0].parent
     for process in sorted(into.iterdir()):
-        seen = json.loads(process.read_text(encoding="utf-8"))
+        seen = json.loads(process.read_text())
         name = {file: Path(file).relative_to(root).as_posix() for file in seen["files"]}
         files |= set(name.values())
         hops |= {(name[caller], name[called]) for caller, called in seen["hops"]}
@@ -89,7 +89,7 @@ def enter_harness(command, folder):
             }
             for end, lines in rows.items():
                 file = folder / ("logs" if end == "monitor.csv" else ".") / f"{name}_{number}.{end}"
-                file.write_text("\n".join([*map(str, lines), ""]), encoding="utf-8")
+                file.write_text("\n".join([*map(str, lines), ""]))
     if command in BEFORE:
         subprocess.run([sys.executable, "-m", "harness", *BEFORE[command]], cwd=folder, check=True, capture_output=True)
     out = ("--out", "out") if command.startswith("run") else ()

@@ -29,7 +29,7 @@ def files_of(*tops):
 @cache
 def text_of(path):
     """A file's content."""
-    return path.read_text(encoding="utf-8")
+    return path.read_text()
 
 
 def module_of(path):

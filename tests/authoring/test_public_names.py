@@ -12,7 +12,7 @@ import pytest
 import harness.authoring
 
 PAGE = Path(__file__).parents[2] / "docs" / "authoring.md"
-TEXT = PAGE.read_text(encoding="utf-8")
+TEXT = PAGE.read_text()
 MODULES = ("harness.authoring", "harness_plugins.sb3")
 
 

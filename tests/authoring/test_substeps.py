@@ -28,9 +28,8 @@ def test_parts_that_do_not_divide_are_a_usage_error(count, parts):
         Substeps(count, PERIOD).within(PERIOD / parts)
 
 
-@pytest.mark.usefixtures("installed")
 @pytest.mark.parametrize("simulator", SIMULATORS[1:])
-def test_every_engine_says_that_it_cannot_divide(simulator):
+def test_every_engine_says_that_it_cannot_divide(installed, simulator):
     """Through the env: the first step that would need a part of a physics step is refused."""
     env = harness.make_env(f"{simulator}:substeps=20", "fd100-reach:action=movel:parts=3")
     env.reset(seed=0)
@@ -41,10 +40,9 @@ def test_every_engine_says_that_it_cannot_divide(simulator):
         env.close()
 
 
-@pytest.mark.usefixtures("installed")
 @pytest.mark.parametrize("frame", ["wcs", "tcs"])
 @pytest.mark.parametrize("simulator", SIMULATORS)
-def test_every_engine_follows_the_line(simulator, frame):
+def test_every_engine_follows_the_line(installed, simulator, frame):
     """At the end of every part the driven end effector is within 4 mm of the line that movel commands."""
     robot = harness.load_robot("fd100")
     motion = build_motion(f"movel:frame={frame}", Setting(robot, PERIOD, 0.8, 0.6))

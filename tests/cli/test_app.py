@@ -34,7 +34,7 @@ def test_what_nobody_foresaw_is_one_line_and_a_log(harness, logs, monkeypatch):
     assert "KeyError" in answer.err
     assert "\x1b" not in answer.err
     assert str(log) in answer.err
-    assert "in broken" in log.read_text(encoding="utf-8")
+    assert "in broken" in log.read_text()
 
 
 def test_interruption_before_a_command_runs_is_quiet(harness, monkeypatch):

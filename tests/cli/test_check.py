@@ -176,9 +176,8 @@ CHECKED = {
 """By what stands behind ``harness check``: the status, a check with its verdict, and what is told."""
 
 
-@pytest.mark.usefixtures("mine")
 @pytest.mark.parametrize("line", CHECKED)
-def test_what_is_checked_is_told_in_rows(harness, tmp_path, line):
+def test_what_is_checked_is_told_in_rows(mine, harness, tmp_path, line):
     """A row for each check, and how many there were; what is not of its kind is told alone, before it runs."""
     (tmp_path / "bare").mkdir()
     for name, text in FILES.items():
@@ -190,8 +189,7 @@ def test_what_is_checked_is_told_in_rows(harness, tmp_path, line):
     assert len(found) == 1 or (check, verdict) != ("target", "error")
 
 
-@pytest.mark.usefixtures("mine")
-def test_a_broken_reward_is_told_with_its_numbers(harness):
+def test_a_broken_reward_is_told_with_its_numbers(mine, harness):
     """Status 1; a sentence for each check that fails, and nothing that the plugin prints is among them."""
     answer = harness("check gift:amount=2")
     assert answer.status == 1
@@ -202,8 +200,7 @@ def test_a_broken_reward_is_told_with_its_numbers(harness):
     assert "a gift" in answer.err
 
 
-@pytest.mark.usefixtures("mine")
-def test_what_raises_is_a_sentence(harness):
+def test_what_raises_is_a_sentence(mine, harness):
     """With the file, the line and what the check holds; a plugin that wants to leave is held."""
     answer = harness("check leaver")
     assert answer.status == 1
@@ -214,14 +211,12 @@ def test_what_raises_is_a_sentence(harness):
     assert "Traceback" not in answer.out + answer.err
 
 
-@pytest.mark.usefixtures("mine")
-def test_verbose_shows_the_traceback(harness):
+def test_verbose_shows_the_traceback(mine, harness):
     """On standard error."""
     assert 'sys.exit("no licence")' in harness("check leaver --verbose").err
 
 
-@pytest.mark.usefixtures("mine")
-def test_a_name_of_two_kinds_takes_the_kind(harness):
+def test_a_name_of_two_kinds_takes_the_kind(mine, harness):
     """Without it, one line says which there are."""
     answer = harness("check twin")
     assert (answer.status, answer.out) == (2, "")

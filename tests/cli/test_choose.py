@@ -96,8 +96,7 @@ def test_as_json_it_is_the_report(harness, quick, race):
     assert harness(LINE, *quick, "--json").json["looks"]["race"]["is_over"]
 
 
-@pytest.mark.usefixtures("race")
-def test_the_page_shows_the_race(tmp_path):
+def test_the_page_shows_the_race(race, tmp_path):
     """Who left when."""
     page = (tmp_path / "mine" / "report.html").read_text()
     assert "a race for the best reward" in page

@@ -22,7 +22,7 @@ def test_names_are_offered_behind_a_comma(toys):
 
 def test_bash_completes(harness, monkeypatch, subtests):
     """As bash asks, by the environment."""
-    rows = [
+    for words, name in [
         ("run --sim ide", "ideal"),
         ("run --algo wan", "wander"),
         ("run --reward scal", "scaled"),
@@ -40,8 +40,7 @@ def test_bash_completes(harness, monkeypatch, subtests):
         ("eta --baseline-reward ar", "arp"),
         ("eta --proposed-reward ar", "arp"),
         ("describe --robot fd", "fd100"),
-    ]
-    for words, name in rows:
+    ]:
         with subtests.test(words=words, name=name):
             monkeypatch.setenv("_HARNESS_COMPLETE", "complete_bash")
             monkeypatch.setenv("COMP_WORDS", f"harness {words}")

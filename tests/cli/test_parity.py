@@ -123,12 +123,12 @@ def test_html_writes_a_page_beside_the_table(harness, tmp_path):
     answer = harness("parity --sim exact,high --html p.html", *FEW)
     assert (answer.status, answer.err) == (0, "Page: p.html\n")
     assert "1 mm (high)" in answer.out
-    assert "high against exact" in (tmp_path / "p.html").read_text(encoding="utf-8")
+    assert "high against exact" in (tmp_path / "p.html").read_text()
 
 
 def test_usage_errors_are_one_line(harness, tmp_path, subtests):
     """Status 2, one line that says what was given, nothing on standard output, nothing written."""
-    rows = [
+    for arguments, text in [
         (("--sim", "exct"), "Did you mean 'exact'?"),
         (("--sim", "exact,exact"), "--sim names 'exact' twice"),
         (("--sim", "high:by=much"), "by"),
@@ -141,8 +141,7 @@ def test_usage_errors_are_one_line(harness, tmp_path, subtests):
         (("--period", "0"), "--period 0: must be above 0"),
         (("--period", "nan"), "--period nan: must be above 0"),
         (("--sim", "exact,high", "--html", "no/p.html", *FEW), "'no/p.html' cannot be written"),
-    ]
-    for arguments, text in rows:
+    ]:
         with subtests.test(arguments=arguments, text=text):
             answer = harness("parity", *arguments)
             assert (answer.status, answer.out, answer.err.count("\n")) == (2, "", 1)

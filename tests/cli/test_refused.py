@@ -282,8 +282,7 @@ def place(finished, tmp_path):
     return tmp_path
 
 
-@pytest.mark.usefixtures("place")
-def test_what_cannot_be_done_with_a_folder_is_said_in_one_line(refused, subtests):
+def test_what_cannot_be_done_with_a_folder_is_said_in_one_line(place, refused, subtests):
     """And the folder stays as it is."""
     for begun, lines in AMONG.items():
         for rest, told in lines.items():

@@ -62,7 +62,7 @@ def test_a_folder_in_the_command_of_the_page_is_quoted(harness, experiment, tmp_
     named = ";touch X; a b"
     (tmp_path / "mine").rename(tmp_path / named)
     assert harness("report", named, "--html", "page.html").status == 0
-    page = html.unescape((tmp_path / "page.html").read_text(encoding="utf-8"))
+    page = html.unescape((tmp_path / "page.html").read_text())
     assert f"harness run '{named}/experiment.toml' --out NEW" in page
 
 

@@ -64,7 +64,7 @@ def test_the_page_is_written(harness, recorded, tmp_path, flags):
     pytest.importorskip("jinja2")
     answer = harness(flags)
     assert (answer.status, answer.err) == (0, "Report: page.html\n")
-    assert "Bandit-v0" in (tmp_path / "page.html").read_text(encoding="utf-8")
+    assert "Bandit-v0" in (tmp_path / "page.html").read_text()
 
 
 def test_the_curve_of_the_indices_can_be_chosen(harness, recorded):

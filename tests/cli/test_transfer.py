@@ -5,11 +5,8 @@ import signal
 import subprocess
 import sys
 
-import pytest
 
-
-@pytest.mark.usefixtures("transferred_here")
-def test_json_is_all_that_goes_to_standard_output(harness, experiment):
+def test_json_is_all_that_goes_to_standard_output(transferred_here, harness, experiment):
     """`--json` prints one JSON document: a matrix per algorithm and reward, and what failed."""
     answer = harness("transfer mine --to stuck --json")
     data = answer.json
@@ -34,8 +31,7 @@ def test_engine_that_talks_does_not_disturb_the_json(harness, quick, tmp_path):
     assert json.loads(told.stdout)["combinations"][0]["evaluated_in"] == ["ideal", "pybullet"]
 
 
-@pytest.mark.usefixtures("transferred_here")
-def test_table_has_the_matrix(harness, experiment):
+def test_table_has_the_matrix(transferred_here, harness, experiment):
     """Without a flag: a row per simulator trained in, a column per simulator evaluated in, the home marked."""
     out = harness("transfer mine --to stuck").out
     assert "ideal: success" in out
@@ -53,8 +49,7 @@ def test_second_call_evaluates_nothing(harness, experiment):
     assert second.out == first.out
 
 
-@pytest.mark.usefixtures("transferred_here")
-def test_failed_evaluation_ends_with_1(harness, experiment):
+def test_failed_evaluation_ends_with_1(transferred_here, harness, experiment):
     """Its reason is on both streams; the rest is there."""
     answer = harness("transfer mine --to stuck,stuck:then=raise")
     assert answer.status == 1
@@ -79,8 +74,7 @@ def test_only_the_home_is_nothing_to_do(harness, experiment):
     assert answer.out.startswith("Nothing to evaluate")
 
 
-@pytest.mark.usefixtures("transferred_here")
-def test_report_shows_what_is_recorded(harness, experiment, tmp_path):
+def test_report_shows_what_is_recorded(transferred_here, harness, experiment, tmp_path):
     """The report has a section on transfer once there is one, in table, JSON and page; before, it has none."""
     assert "Transfer" not in harness("report mine").out
     before = {*harness("report mine --json").json}

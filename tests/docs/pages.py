@@ -57,7 +57,7 @@ class Command(NamedTuple):
 def blocks():
     """All fenced blocks of all pages, in order."""
     for path in PAGES:
-        yield from blocks_of(path.relative_to(ROOT).as_posix(), path.read_text(encoding="utf-8"))
+        yield from blocks_of(path.relative_to(ROOT).as_posix(), path.read_text())
 
 
 def blocks_of(page, text):

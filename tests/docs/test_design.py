@@ -4,7 +4,7 @@ import re
 
 from tests.docs.pages import ROOT
 
-PAGE = (ROOT / "docs/design.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs/design.md").read_text()
 NAMED = re.compile(r"`(\w+)`\s+\(`([\w/]+\.py)`\)")
 
 
@@ -17,7 +17,7 @@ def misplaced(text):
     return [
         f"{name} ({path})"
         for name, path in places
-        if not re.search(rf"^\s*(class|def) {name}\b|^{name}\b.*=", sources[path].read_text(encoding="utf-8"), re.M)
+        if not re.search(rf"^\s*(class|def) {name}\b|^{name}\b.*=", sources[path].read_text(), re.M)
     ]
 
 

@@ -20,7 +20,7 @@ TWICE = "benchmark(lambda action: (env.step(action), env.step(action)), env.acti
 
 
 def _blocks(page, language):
-    text = (ROOT / "docs" / page).read_text(encoding="utf-8")
+    text = (ROOT / "docs" / page).read_text()
     return [it.text for it in blocks_of(page, text) if it.language == language]
 
 
@@ -31,7 +31,7 @@ def test_a_package_that_became_slower_is_noticed(pytester, monkeypatch):
     keep, compare = (shlex.split(it)[1:] for it in _blocks("how-to/timings.md", ""))
 
     def became_slower(arguments, step=STEP):
-        (pytester.path / "test_speed.py").write_text(program.replace(STEP, step), encoding="utf-8")
+        (pytester.path / "test_speed.py").write_text(program.replace(STEP, step))
         ran = pytester.runpytest_inprocess(*arguments, "--benchmark-max-time=0.5")
         is_slower = "test_step" in ran.stdout.str() and "PerformanceRegression" in ran.stderr.str()
         assert is_slower == (ran.ret != 0)
@@ -54,7 +54,7 @@ def search(toys, tmp_path, monkeypatch):
     program = program.replace('out="tuned"', 'seeds=1, steps=60, evaluation_episodes=2, out="tuned"')
 
     def do(trials):
-        Path("page.py").write_text(program.replace("EPISODES = 20,", f"EPISODES = {trials},"), encoding="utf-8")
+        Path("page.py").write_text(program.replace("EPISODES = 20,", f"EPISODES = {trials},"))
         return runpy.run_path("page.py")
 
     return do

@@ -6,7 +6,7 @@ import pytest
 
 from tests.docs.pages import FENCE, PAGES, ROOT
 
-DOCS = {page: page.read_text(encoding="utf-8") for page in PAGES if ROOT / "docs" in page.parents}
+DOCS = {page: page.read_text() for page in PAGES if ROOT / "docs" in page.parents}
 MOST_WORDS = 55_000
 LONGEST_MEAN = 12.0
 END = re.compile(r"(?<=[.!?])[*\")]*\s+(?=[A-Z\"*`\[(0-9])")

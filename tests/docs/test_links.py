@@ -33,7 +33,7 @@ def _leads_somewhere(page, text, link):
         return False
     if not anchor or there.suffix != ".md":
         return not anchor
-    return anchor in anchors_of(there.read_text(encoding="utf-8") if path else text)
+    return anchor in anchors_of(there.read_text() if path else text)
 
 
 def anchors_of(text):
@@ -51,7 +51,7 @@ def test_no_link_leads_nowhere(subtests):
     """Neither to a file that is gone, nor to a heading."""
     for page in LINKED:
         with subtests.test(page=page):
-            assert dead_links(page, page.read_text(encoding="utf-8")) == []
+            assert dead_links(page, page.read_text()) == []
 
 
 PAGE = ROOT / "docs" / "page.md"

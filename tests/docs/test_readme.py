@@ -7,7 +7,7 @@ import pytest
 from harness.cli import main
 from tests.docs.pages import ROOT, blocks_of, commands_of
 
-README = (ROOT / "README.md").read_text(encoding="utf-8")
+README = (ROOT / "README.md").read_text()
 COMMANDS = [it.text for block in blocks_of("README.md", README) for it in commands_of(block)]
 FIRST_SCREEN = 32
 """Lines of the source that a forge shows on a screen of 900 pixels, with the picture."""

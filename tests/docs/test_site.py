@@ -14,14 +14,14 @@ sys.path.insert(0, str(ROOT / "docs" / "site"))
 from generated_pages import MODULES, checks_page, module_page, sidebar
 
 DOCS = ROOT / "docs"
-INDEX = (DOCS / "index.md").read_text(encoding="utf-8")
+INDEX = (DOCS / "index.md").read_text()
 MOST = 50
 """Pages that a sidebar may have."""
 
 
 def links_of(page):
     """The pages of ``docs`` that a page leads to."""
-    prose = FENCE.sub("", page.read_text(encoding="utf-8"))
+    prose = FENCE.sub("", page.read_text())
     for link in re.findall(r"\]\(<?([^)\s>#]+\.md)", prose):
         there = (page.parent / link).resolve()
         if DOCS in there.parents and there.is_file():

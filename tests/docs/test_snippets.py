@@ -80,19 +80,19 @@ def folder(recorded, tmp_path, monkeypatch):
     for path, text in package_files("robot", PluginName("my-robot")).items():
         if "/arm/" in path:
             (tmp_path / "arm").mkdir(exist_ok=True)
-            (tmp_path / "arm" / Path(path).name).write_text(text, encoding="utf-8")
+            (tmp_path / "arm" / Path(path).name).write_text(text)
     (own,) = (it for it in BLOCKS if it.page == "docs/how-to/own-reward.md" and "def gentle" in it.text)
-    (tmp_path / "gentle.py").write_text(own.text, encoding="utf-8")
+    (tmp_path / "gentle.py").write_text(own.text)
     (whole,) = (it for it in BLOCKS if it.page == "docs/writing/reward.md" and "class MyReward" in it.text)
-    (tmp_path / "my_reward.py").write_text(whole.text, encoding="utf-8")
+    (tmp_path / "my_reward.py").write_text(whole.text)
     (metric,) = (it for it in BLOCKS if it.page == "docs/how-to/own-metric.md" and "class LowestPoint" in it.text)
-    (tmp_path / "my_metric.py").write_text(metric.text, encoding="utf-8")
+    (tmp_path / "my_metric.py").write_text(metric.text)
     for page, of_page in (("reward-files", "rewards"), ("language-model-rewards", "candidates")):
         (tmp_path / of_page).mkdir()
         for block in (it for it in BLOCKS if it.page == f"docs/how-to/{page}.md" and it.language == "python"):
             first = re.findall(r"def (\w+)", block.text)[0]
             name = "behaviour" if first in MEASURES else first
-            (tmp_path / of_page / f"{name}.py").write_text(block.text, encoding="utf-8")
+            (tmp_path / of_page / f"{name}.py").write_text(block.text)
     (tmp_path / "my_package").mkdir()
     shutil.copy(ROOT / "examples/reward-plugin/cautious_reward/reward.py", tmp_path / "my_package" / "cautious.py")
     monkeypatch.chdir(tmp_path)
@@ -180,7 +180,7 @@ def test_python_of_a_page_is_executed(its, folder, monkeypatch):
     script = "\n".join(it.text for it in its if not any(part in it.text for part in SKIPPED))
     for long, short in SHORTER:
         script = script.replace(long, short)
-    (folder / "page.py").write_text(script, encoding="utf-8")
+    (folder / "page.py").write_text(script)
     runpy.run_path("page.py")
 
 

@@ -10,7 +10,7 @@ import pytest
 from tests.docs.pages import FENCE, PAGES, ROOT
 
 PICTURES = ROOT / "docs" / "pictures"
-SOURCES = tomllib.loads((PICTURES / "sources.toml").read_text(encoding="utf-8"))
+SOURCES = tomllib.loads((PICTURES / "sources.toml").read_text())
 FIGURE = re.compile(r"!\[[^]]*\]\(([^)\s]+)\)")
 COMMAND = re.compile(r"\bharness [a-z]+|\bmake [a-z]+|\bpython docs/|^drawn by hand: ")
 NAMED = re.compile(
@@ -72,9 +72,7 @@ def strange_figures(page, text):
 
 
 OF_SITE = [page for page in PAGES if page == ROOT / "README.md" or ROOT / "docs" in page.parents]
-TABLES = [
-    it for page in OF_SITE for it in tables_of(page.relative_to(ROOT).as_posix(), page.read_text(encoding="utf-8"))
-]
+TABLES = [it for page in OF_SITE for it in tables_of(page.relative_to(ROOT).as_posix(), page.read_text())]
 
 
 def test_every_table_of_measurements_names_its_source():
@@ -87,7 +85,7 @@ def test_every_figure_comes_from_somewhere(subtests):
     """From a record, or from a command that ``docs/pictures/sources.toml`` names."""
     for page in PAGES:
         with subtests.test(page=page):
-            assert strange_figures(page, page.read_text(encoding="utf-8")) == []
+            assert strange_figures(page, page.read_text()) == []
 
 
 def test_every_picture_has_a_source_and_every_source_a_picture():
@@ -104,7 +102,7 @@ def test_source_of_a_picture_is_a_command(subtests):
 
 def test_every_picture_of_a_record_is_in_it():
     """The links lead to files that are committed; ``test_links`` looks whether they are there."""
-    assert any("results/reference" in it for page in PAGES for it in FIGURE.findall(page.read_text(encoding="utf-8")))
+    assert any("results/reference" in it for page in PAGES for it in FIGURE.findall(page.read_text()))
 
 
 NUMBERS = "| reward | time | eta |\n| --- | --- | --- |\n| arp | 1.2 s | 0.800 [0.677, 0.946] |\n"

@@ -5,14 +5,14 @@ import pytest
 from harness.cli import main
 from tests.docs.pages import ROOT, blocks_of, commands_of
 
-TUTORIAL = (ROOT / "docs" / "tutorial.md").read_text(encoding="utf-8")
+TUTORIAL = (ROOT / "docs" / "tutorial.md").read_text()
 COMMANDS = [it for block in blocks_of("docs/tutorial.md", TUTORIAL) for it in commands_of(block)]
 BUDGET = ("--steps 10000", "--steps 64 --seeds 1 --evaluation-episodes 2")
 
 
 def test_tutorial_names_the_run_whose_pictures_it_shows():
     """As `docs/pictures/take.py` does."""
-    told = (ROOT / "docs" / "pictures" / "take.py").read_text(encoding="utf-8")
+    told = (ROOT / "docs" / "pictures" / "take.py").read_text()
     runs = [it.text for it in COMMANDS if it.words[0] in {"demo", "run"} and "--dry-run" not in it.words]
     assert len(runs) == 2
     assert all(run in told for run in runs)
@@ -29,6 +29,6 @@ def test_every_command_of_the_tutorial_runs(tmp_path, monkeypatch):
         assert stopped.value.code == 0, command.text
     assert len(COMMANDS) > 8
     for folder in ("my-first", "first"):
-        page = (tmp_path / folder / "report.html").read_text(encoding="utf-8")
+        page = (tmp_path / folder / "report.html").read_text()
         for text in ("The robot.", "The number, taken apart", ">Behaviour<", ">Replay<", "How to repeat it"):
             assert text in page, text

@@ -63,7 +63,7 @@ def test_target_pays_half_and_the_upright_cosine(jump):
 
 def test_upright_cosine_is_that_of_the_original():
     """Unity's `transform.up`, computed from the prefab's own chain, dotted with its up."""
-    nodes = json.loads((Path(__file__).parents[1] / "robots" / "unity_arm_nodes.json").read_text(encoding="utf-8"))
+    nodes = json.loads((Path(__file__).parents[1] / "robots" / "unity_arm_nodes.json").read_text())
     poses = default_rng(0).uniform(ARM.lower, ARM.upper, (50, 5))
     expected = [0.5 + min(max(up_of_the_tip(nodes["chain"], pose)[1], 0.0), 1.0) for pose in poses]
     assert_allclose(UnityReach().target_rewards(ARM, poses), expected, rtol=0.0, atol=1e-9)

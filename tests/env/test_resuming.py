@@ -56,7 +56,6 @@ def _is_same(first, second):
     )
 
 
-@pytest.mark.usefixtures("installed")
 @pytest.mark.parametrize(
     ("simulator", "task", "num_envs"),
     [*((simulator, "joints", num_envs) for simulator in REGISTRY.names("simulators") for num_envs in (1, 3)),
@@ -64,7 +63,7 @@ def _is_same(first, second):
      ("mujoco", "next targets", 3), ("mujoco", "arcs", 1),
      ("mujoco", "worse", 1), ("pybullet", "long decisions", 3), ("pybullet", "poses", 1)],
 )  # fmt: skip
-def test_restored_env_goes_on_as_the_other(simulator, task, num_envs):
+def test_restored_env_goes_on_as_the_other(installed, simulator, task, num_envs):
     """Observations, rewards, ends, infos and the whole record, in the middle of episodes and where they end."""
     env = _open(simulator, TASKS[task], num_envs)
     env.reset(seed=5)
@@ -92,9 +91,8 @@ def test_restored_env_goes_on_as_the_other(simulator, task, num_envs):
         opened.close()
 
 
-@pytest.mark.usefixtures("installed")
 @pytest.mark.parametrize("simulator", REGISTRY.names("simulators"))
-def test_the_ground_was_touched_in_these_episodes(simulator):
+def test_the_ground_was_touched_in_these_episodes(installed, simulator):
     """The test above says something about contact too."""
     env = _open(simulator, SHORT_TASK, 3)
     env.reset(seed=5)

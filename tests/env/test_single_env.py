@@ -92,8 +92,7 @@ def test_a_window_is_gymnasiums(env):
         ReachEnv(render_mode="human")
 
 
-@pytest.mark.usefixtures("egl")
-def test_gymnasium_finds_no_fault_with_its_frames(run_without_display):
+def test_gymnasium_finds_no_fault_with_its_frames(egl, run_without_display):
     """Gymnasium's checker passes without a warning in the render mode rgb_array, without a display."""
     code = (
         "import gymnasium, harness\n"

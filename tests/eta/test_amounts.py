@@ -13,7 +13,7 @@ COST = Quantity("energy", "J", "lower", "deterministic")
 
 def test_values_have_as_many_digits_as_tell_them_apart(subtests):
     """Two; more where a reader would compute another difference from them."""
-    rows = [
+    for measure, (one, other), shown in [
         (SUCCESS, (0.81, 1.0), ("81", "100 %")),
         (SUCCESS, (0.99, 1.0), ("99.0", "100.0 %")),
         (SUCCESS, (0.75, 0.75), ("75", "75 %")),
@@ -24,8 +24,7 @@ def test_values_have_as_many_digits_as_tell_them_apart(subtests):
         (TIME, (2.01, 1.9), ("2.01", "1.90 s")),
         (TIME, (9.96, 12.3), ("10.0", "12.3 s")),
         (HEIGHT, (1234.5, -0.0123), ("1,234.5", "-0.0 m")),
-    ]
-    for measure, (one, other), shown in rows:
+    ]:
         with subtests.test(shown):
             assert short_values(change([one] * 2, [other] * 2, measure)) == shown
 

@@ -28,7 +28,7 @@ ARM = {"sim": "kinematic", "algo": "random", "reward": "arp", "steps": 100, "eva
 @pytest.fixture(name="lay")
 def _lay(tmp_path):
     def lay(source, name="behaviour.py"):
-        (tmp_path / name).write_text(source, encoding="utf-8")
+        (tmp_path / name).write_text(source)
         return load_registry(given=read_given((), [tmp_path / name]))
 
     return lay
@@ -136,7 +136,7 @@ def test_whole_episodes_are_not_measured_in_environments(lay):
 @pytest.fixture(name="file", scope="module")
 def _file(tmp_path_factory):
     path = tmp_path_factory.mktemp("mine") / "mine.py"
-    path.write_text('lower_is_better = ["calm"]\nunits = {"calm": "rad/s"}\n' + CALM + NEAR, encoding="utf-8")
+    path.write_text('lower_is_better = ["calm"]\nunits = {"calm": "rad/s"}\n' + CALM + NEAR)
     return path
 
 

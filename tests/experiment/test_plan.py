@@ -177,7 +177,7 @@ def test_any_reward_may_be_the_baseline(toys):
 
 def test_unknown_names_are_refused(toys, subtests):
     """One line, before anything runs."""
-    rows = [
+    for keys, message in [
         ({"sim": ["idael"]}, "No simulator 'idael'. There is: dm_control, drake, ideal, "),
         ({"algo": ["wonder"]}, "No algorithm 'wonder'."),
         ({"reward": ["apr"]}, "No reward 'apr'."),
@@ -185,8 +185,7 @@ def test_unknown_names_are_refused(toys, subtests):
         ({"task": "reach"}, "No task 'reach'."),
         ({"robot": "fd10"}, "No robot 'fd10'."),
         ({"robot": "./nowhere"}, "No robot at './nowhere'"),
-    ]
-    for keys, message in rows:
+    ]:
         with subtests.test(keys=keys, message=message), refused(f"^{re.escape(message)}"):
             _plan(toys, **keys)
 

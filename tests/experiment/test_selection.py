@@ -22,15 +22,14 @@ def cells(make_cell):
 
 def test_words_of_one_kind_are_alternatives_and_kinds_narrow(cells, subtests):
     """As ``--only`` takes them."""
-    rows = [
+    for text, count in [
         ("sac", 6),
         ("sac,ppo", 12),
         ("ppo:gamma=0.9", 6),
         ("arp,seed=1", 2),
         ("seed=0,seed=2,sac", 4),
         ("ideal", 12),
-    ]
-    for text, count in rows:
+    ]:
         with subtests.test(text=text, count=count):
             assert len(select(cells, text)) == count
 

@@ -15,7 +15,7 @@ def test_file_takes_the_place_of_the_old_one(tmp_path):
     path = tmp_path / "plan.json"
     path.write_text("old")
     write_whole(path, "new \u03b7")
-    assert path.read_text(encoding="utf-8") == "new \u03b7"
+    assert path.read_text() == "new \u03b7"
     assert list(tmp_path.iterdir()) == [path]
 
 

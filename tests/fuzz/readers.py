@@ -278,7 +278,7 @@ def _exhaust(path):
 
 def _text(registry, kind, text):
     def read(folder):
-        choose(registry, kind, (folder / "text").read_text(encoding="utf-8", errors="surrogateescape"))
+        choose(registry, kind, (folder / "text").read_text(errors="surrogateescape"))
 
     return Reader({"text": text}, {"text": mutate_text}, read)
 

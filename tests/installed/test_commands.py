@@ -111,7 +111,7 @@ def test_every_command_is_tried(core, place):
 @pytest.mark.parametrize("page", PAGES)
 def test_page_is_whole(answers, place, page):
     """It has its text, and its style and its code are inside."""
-    text = (place / page).read_text(encoding="utf-8")
+    text = (place / page).read_text()
     assert PAGES[page] in text
     assert "<style" in text
     assert text.rstrip().endswith("</html>")

@@ -76,13 +76,13 @@ APART = ("robotics", "metaworld")
 
 def test_every_extra_is_tried():
     """Here or elsewhere."""
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     assert {*USES, *ELSEWHERE} == set(project["optional-dependencies"])
 
 
 def _use(env, use, folder):
     for name, content in use.needs.items():
-        (folder / name).write_text(content, encoding="utf-8")
+        (folder / name).write_text(content)
     for arguments in use.commands:
         given = [_cell_in(folder) if argument == "out/cells" else argument for argument in arguments]
         status, out, err = env.harness(*given, cwd=folder, MUJOCO_GL="egl")

@@ -32,8 +32,7 @@ def in_root(monkeypatch):
     monkeypatch.chdir(ROOT)
 
 
-@pytest.mark.usefixtures("in_root")
-def test_wheel_will_hold_every_file_of_the_packages():
+def test_wheel_will_hold_every_file_of_the_packages(in_root):
     """Templates, style sheets and robots too: a checkout has them anyway, so nothing else finds what is forgotten."""
     distribution = run_setup("setup.py", script_args=["--quiet"], stop_after="init")
     distribution.parse_config_files()
@@ -55,12 +54,11 @@ def _files_in_git():
     return {name for name in listed.stdout.splitlines() if (ROOT / name).is_file()}
 
 
-@pytest.mark.usefixtures("in_root")
-def test_source_archive_will_hold_every_file_of_the_repository():
+def test_source_archive_will_hold_every_file_of_the_repository(in_root):
     """By MANIFEST.in."""
     files = FileList()
     files.findall()
-    for line in (ROOT / "MANIFEST.in").read_text(encoding="utf-8").splitlines():
+    for line in (ROOT / "MANIFEST.in").read_text().splitlines():
         if line and not line.startswith("#"):
             files.process_template_line(line)
     assert sorted(_files_in_git() - {Path(name).as_posix() for name in files.files}) == []

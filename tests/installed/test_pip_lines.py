@@ -33,7 +33,7 @@ def pip_lines(text):
     return [line.strip() for part in (*blocks, *spans) for line in PIP_LINE.findall(part)]
 
 
-LINES = {line: page for page in reversed(PAGES) for line in pip_lines(page.read_text(encoding="utf-8"))}
+LINES = {line: page for page in reversed(PAGES) for line in pip_lines(page.read_text())}
 """Each distinct line, and the first page that has it."""
 
 

@@ -67,7 +67,7 @@ def test_workflow_of_a_new_plugin_needs_no_index_for_the_harness(core, wheel, tm
     package = tmp_path / "zz-kept"
     (package / "wheels").mkdir()
     shutil.copy(wheel, package / "wheels")
-    workflow = (package / ".github/workflows/test.yml").read_text(encoding="utf-8")
+    workflow = (package / ".github/workflows/test.yml").read_text()
     first, *others = [shlex.split(line)[1:] for line in re.findall(r"- run: (.*)", workflow)]
     env = make_environment(tmp_path / "env")
     env.install(*first[first.index("install") + 1 :], cwd=package)

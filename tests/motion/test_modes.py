@@ -107,7 +107,7 @@ def test_the_mode_within_a_task_has_its_parameters(text, action, epsilon):
 
 def test_what_is_wrong_is_said_in_one_line(fd100, setting_of, subtests):
     """Each is one UsageError."""
-    rows = [
+    for text, message in [
         ("moveL", "No action mode 'moveL'.*Did you mean 'movel'"),
         ("movej:speed=1", "Action mode 'movej' has no parameter 'speed'. There is: none"),
         ("movel:fram=tcs", "has no parameter 'fram'.*Did you mean 'frame'"),
@@ -124,7 +124,6 @@ def test_what_is_wrong_is_said_in_one_line(fd100, setting_of, subtests):
         ("discrete:action=walk", "No action mode 'walk'"),
         ("discrete:action=movel,parts=2", "Action mode 'discrete' has no parameter 'parts'"),
         ("discrete:action=movel:speed=2", "Action mode 'movel' has no parameter 'speed'"),
-    ]
-    for text, message in rows:
+    ]:
         with subtests.test(text=text, message=message), refused(message):
             build_motion(text, setting_of(fd100))

@@ -213,7 +213,7 @@ def _column(values, layout):
 
 
 def _write_text(path, text, layout):
-    path.write_text(text, encoding="utf-8", newline=layout.newline)
+    path.write_text(text, newline=layout.newline)
 
 
 def ask(folder, *flags):

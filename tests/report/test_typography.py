@@ -9,7 +9,7 @@ from harness.report.typography import to_html
 
 def test_a_sign_is_set(subtests):
     """What a keyboard lacks."""
-    rows = [
+    for plain, printed in [
         ("ruler x behaviour", "ruler × behaviour"),
         ("-78.9 [-80, -.5]", "−78.9 [−80, −.5]"),
         ("99 -> 100 %", "99 → 100\u202f%"),
@@ -18,8 +18,7 @@ def test_a_sign_is_set(subtests):
         ("p <= 0.05", "p ≤ 0.05"),
         ("1e-4, 1e5 and -3.2e-05", "10⁻⁴, 10⁵ and −3.2 × 10⁻⁵"),
         ("9.81 m/s^2, rad^-1", "9.81\u202fm/s², rad⁻¹"),
-    ]
-    for plain, printed in rows:
+    ]:
         with subtests.test(plain=plain, printed=printed):
             assert typeset(plain) == printed
 

@@ -122,7 +122,7 @@ def _helper(x):
 
 def test_a_function_of_steps_has_an_argument_of_that_name(subtests):
     """Any other function is the file's own."""
-    rows = [
+    for found, is_one in [
         (gentle, True),
         (_helper, False),
         (lambda step, k=1.0: k, True),
@@ -131,8 +131,7 @@ def test_a_function_of_steps_has_an_argument_of_that_name(subtests):
         (lambda step, other: 0, False),
         (NegativeDistance(), False),
         ("own", False),
-    ]
-    for found, is_one in rows:
+    ]:
         with subtests.test(found=found, is_one=is_one):
             assert is_function_of_steps(found) is is_one
 

@@ -73,7 +73,7 @@ def test_a_single_term_called_total_is_a_term():
 
 def test_what_are_no_terms_is_refused(subtests):
     """With what to return instead."""
-    rows = [
+    for returned, told in [
         ((ONE, {"a": ONE, "b": TWO}), r"The total 1 is not the sum of its terms, 1\.5 \(a 1, b 0\.5\)"),
         ({"a": ONE, "b": TWO, "total": ONE}, "is not the sum of its terms"),
         ((ONE * np.nan, {"a": ONE}), "is not the sum of its terms"),
@@ -82,8 +82,7 @@ def test_what_are_no_terms_is_refused(subtests):
         ({"": ONE}, "'' is no name of a term"),
         ({3: ONE}, "3 is no name of a term"),
         ({"x" * 61: ONE}, "at most 60"),
-    ]
-    for returned, told in rows:
+    ]:
         with subtests.test(returned=returned, told=told), refused(told):
             paid_of(returned)
 

@@ -91,9 +91,9 @@ BROUGHT = {
 def read_arm(folder, text, toml=""):
     """The robot of a URDF's text, and of a robot.toml where one is given."""
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / "arm.urdf").write_text(text, encoding="utf-8")
+    (folder / "arm.urdf").write_text(text)
     if toml:
-        (folder / "robot.toml").write_text(toml, encoding="utf-8")
+        (folder / "robot.toml").write_text(toml)
     return read_robot(folder / "arm.urdf")
 
 

@@ -23,7 +23,7 @@ def arm(*joints):
 
 def test_tip_is_where_one_chain_ends(subtests):
     """The last link of a single chain, the palm of a hand; frames fixed beside the way do not count."""
-    rows = [
+    for joints, tip in [
         (("a>b", "b>c", "c>d"), "d"),
         (("a>b", "b>c", "c>d", "d-e", "e-f"), "f"),
         (("a-world", "a>b", "b>c", "c>d", "d-e"), "e"),
@@ -32,8 +32,7 @@ def test_tip_is_where_one_chain_ends(subtests):
         (("a>b", "b>c", "c>d", "d-hand", "hand>left", "hand>right", "hand-grasp"), "grasp"),
         (("a>b", "b>c", "c>d", "d-hand", "hand-palm", "palm>one", "one>two", "palm>three"), "palm"),
         (("a>b", "b>c", "c>d", "d-left", "left>x", "d-right", "right>y"), "d"),
-    ]
-    for joints, tip in rows:
+    ]:
         with subtests.test(joints=joints, tip=tip):
             assert find_chain_end(arm(*joints)) == tip
             assert find_chain_end(arm(*reversed(joints))) == tip

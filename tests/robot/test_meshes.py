@@ -64,15 +64,14 @@ def test_stl_is_its_triangles(tmp_path_factory, subtests):
 
 def test_obj_is_its_points_and_polygons(tmp_path_factory, subtests):
     """Objects are taken as one, textures and normals are left, a polygon becomes a fan of triangles."""
-    rows = [
+    for faces in [
         "f 1 2 3 4",
         "f 1/1 2/2 3/3 4/4",
         "f 1//7 2//7 3//7 4//7",
         "f -4 -3 -2 -1",
         "f 1/1/1 2/2/2 3/3/3\nf 1 3 4",
         "f 1 2 \\\n3 4",
-    ]
-    for faces in rows:
+    ]:
         with subtests.test(faces=faces):
             tmp_path = tmp_path_factory.mktemp("case")
             points = "mtllib a.mtl\no one\nv 0 0 0\nv 1 0 0 1.0\nvn 0 0 1\nvt 0 0\no two\n  v 1 1 0\nv 0 1 0\n"
@@ -84,7 +83,7 @@ def test_obj_is_its_points_and_polygons(tmp_path_factory, subtests):
 
 def test_bad_mesh_is_refused_in_one_line(tmp_path_factory, subtests):
     """The line names the file, what is wrong, and what to do."""
-    rows = [
+    for name, data, message in [
         ("a.step", b"", "is none of .stl, .obj, .dae, .glb, .gltf, .ply. Convert it to STL"),
         ("a.dae", b"<COLLADA/>", NONE),
         ("a.dae", b"<!DOCTYPE a [<!ENTITY b 'c'>]><COLLADA/>", "it has a <!DOCTYPE>, which no mesh needs"),
@@ -119,8 +118,7 @@ def test_bad_mesh_is_refused_in_one_line(tmp_path_factory, subtests):
         ("a.obj", b"v 1e400 0 0\n", NONE),
         ("a.obj", b"v 1\n", NONE),
         ("a.obj", b"v 1 2 3\nf  \n", NONE),
-    ]
-    for name, data, message in rows:
+    ]:
         with subtests.test(name=name, data=data, message=message):
             tmp_path = tmp_path_factory.mktemp("case")
             (tmp_path / name).write_bytes(data)

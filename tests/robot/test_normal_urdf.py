@@ -69,15 +69,14 @@ def test_text_is_that_of_the_element(tmp_path):
 
 def test_other_joints_are_fixed_where_they_are_nearest_to_zero(tmp_path_factory, subtests):
     """What the joint carries is, in the fixed one, exactly where it was at that position."""
-    rows = [
+    for kind, limits, position in [
         ("prismatic", (0.02, 0.05), 0.02),
         ("prismatic", (-0.05, -0.01), -0.01),
         ("prismatic", (-1.0, 1.0), 0.0),
         ("revolute", (0.7, 1.5), 0.7),
         ("revolute", (-3.0, 1.5), 0.0),
         ("continuous", (0.5, 0.7), 0.0),
-    ]
-    for kind, limits, position in rows:
+    ]:
         with subtests.test(kind=kind, limits=limits, position=position):
             tmp_path = tmp_path_factory.mktemp("case")
             given = 'lower="{}" upper="{}"'.format(*limits)

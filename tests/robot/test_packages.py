@@ -50,8 +50,7 @@ def test_files_of_packages_are_found(site):
         ("no.such:one.urdf", r"No package 'no.such' is installed\. .*install it, or give the path"),
     ],
 )
-@pytest.mark.usefixtures("site")
-def test_what_is_not_there_is_told_with_what_is(name, message):
+def test_what_is_not_there_is_told_with_what_is(site, name, message):
     """A near miss of the package, or of its files."""
     with refused(message):
         load_robot(name)
@@ -110,8 +109,7 @@ def test_nobody_is_sent_to_where_packages_lie(site):
         assert before == f"{given}: joint 'j1' and 3 more: no velocity limit above 0. "
 
 
-@pytest.mark.usefixtures("site")
-def test_missing_package_of_a_robot_toml_names_the_file(tmp_path):
+def test_missing_package_of_a_robot_toml_names_the_file(site, tmp_path):
     """And so does a folder of meshes in one."""
     (tmp_path / "robot.toml").write_text('urdf = "fake_arm:one.urdf"\n')
     with refused(r"^.*/robot\.toml: No package 'fake_arm' is installed"):
@@ -121,8 +119,7 @@ def test_missing_package_of_a_robot_toml_names_the_file(tmp_path):
         read_robot(tmp_path)
 
 
-@pytest.mark.usefixtures("site")
-def test_registered_names_stay_what_they_are():
+def test_registered_names_stay_what_they_are(site):
     """Qualified ones look like paths, and are none."""
     registry = load_registry()
     assert load_robot("fd100", registry).name == "fd100"

@@ -47,8 +47,8 @@ max_acceleration_m_s2 = [2]
 
 
 def _write(folder, toml=TOML, urdf=URDF):
-    (folder / "robot.toml").write_text(toml, encoding="utf-8")
-    (folder / "arm.urdf").write_text(urdf, encoding="utf-8")
+    (folder / "robot.toml").write_text(toml)
+    (folder / "arm.urdf").write_text(urdf)
     return folder
 
 
@@ -201,7 +201,7 @@ def test_file_beside_a_urdf_says_what_it_knows(tmp_path):
 
 def test_file_of_another_urdf_is_not_taken(tmp_path):
     """A robot.toml that names another URDF says nothing of this one."""
-    (_write(tmp_path) / "other.urdf").write_text(URDF.replace('type="continuous"', 'type="fixed"'), encoding="utf-8")
+    (_write(tmp_path) / "other.urdf").write_text(URDF.replace('type="continuous"', 'type="fixed"'))
     with refused(r"other\.urdf: 2 joints move between the root link and 'tip'; allowed: 3 to 8"):
         read_robot(tmp_path / "other.urdf")
 
@@ -259,7 +259,7 @@ def test_mesh_in_millimetres_is_told(tmp_path):
 
 def test_bad_settings_are_refused_in_one_line(tmp_path_factory, subtests):
     """Each fault of robot.toml is a UsageError of one line that names the file."""
-    rows = [
+    for old, new, message in [
         (
             'name = "arm"',
             "name = arm",
@@ -314,8 +314,7 @@ def test_bad_settings_are_refused_in_one_line(tmp_path_factory, subtests):
         ('"arm.urdf"', '"a\\u0000b"', "is no readable robot: ValueError: .*embedded null"),
         ('"arm.urdf"', '"' + "x" * 5_000 + '"', "cannot be read"),
         ('"arm.urdf"', '"/dev/zero"', "it is no regular file"),
-    ]
-    for old, new, message in rows:
+    ]:
         with subtests.test(old=old, new=new, message=message):
             tmp_path = tmp_path_factory.mktemp("case")
             toml = TOML.replace(old, new)
@@ -379,7 +378,7 @@ def test_more_joints_than_eight_are_refused(tmp_path):
         '<limit lower="0" upper="1" velocity="1" effort="1"/></joint>'
     )
     joints = "".join(joint.format(child, parent) for parent, child in pairwise(["base", *"abcdefghi"]))
-    (tmp_path / "long.urdf").write_text(f'<robot name="long"><link name="base"/>{joints}</robot>', encoding="utf-8")
+    (tmp_path / "long.urdf").write_text(f'<robot name="long"><link name="base"/>{joints}</robot>')
     with refused(r"long\.urdf: 9 joints move between the root link and 'i'; allowed: 3 to 8\."):
         read_robot(tmp_path / "long.urdf")
 

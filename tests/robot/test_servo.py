@@ -54,8 +54,8 @@ OPTIONAL = ("viscous", "dry", "latency", "gravity")
 
 
 def _read(folder, toml=TOML, urdf=URDF):
-    (folder / "robot.toml").write_text(toml, encoding="utf-8")
-    (folder / "arm.urdf").write_text(urdf, encoding="utf-8")
+    (folder / "robot.toml").write_text(toml)
+    (folder / "arm.urdf").write_text(urdf)
     return read_robot(folder / "arm.urdf")
 
 
@@ -111,7 +111,7 @@ def test_torque_that_is_left_out_is_the_effort_of_the_urdf(tmp_path):
 
 def test_bad_drives_are_refused_in_one_line(tmp_path_factory, subtests):
     """Each fault is a UsageError of one line that names the file and the table."""
-    rows = [
+    for old, new, message in [
         ("[servo]", "servo = 5", r"robot.toml: servo is 5. Write a table: \[servo\], and its keys below."),
         ("latency_s", "delay_s", r"robot.toml: \[servo\]: unknown delay_s. The keys are max_torque_nm, max_force_n"),
         (
@@ -127,8 +127,7 @@ def test_bad_drives_are_refused_in_one_line(tmp_path_factory, subtests):
         ("0.012", "-1", r"\[servo\]: latency_s is -1. Give 0 or more."),
         ("0.012", '"soon"', r"\[servo\]: latency_s is 'soon'. Give a finite number."),
         ("= false", "= 1", r"\[servo\]: gravity_compensated is 1. Give true or false."),
-    ]
-    for old, new, message in rows:
+    ]:
         with subtests.test(old=old, new=new, message=message):
             tmp_path = tmp_path_factory.mktemp("case")
             toml = TOML.replace(old, new) if new != "servo = 5" else "servo = 5\n" + TOML[: TOML.index("[servo]")]

@@ -61,7 +61,7 @@ def test_shape_of_a_fixed_link_is_in_the_frame_of_its_joint(attached):
 
 def test_malformed_shape_is_a_usage_error(arm_text, subtests):
     """One line names the link, what was given and what belongs there."""
-    rows = [
+    for good, bad, message in [
         ('<box size="0.1 0.2 0.3"/>', '<box size="0.1 0.2"/>', "3 finite numbers"),
         ('<box size="0.1 0.2 0.3"/>', "<box/>", "3 finite numbers"),
         ('<box size="0.1 0.2 0.3"/>', '<box size="0.1 -0.2 0.3"/>', "positive"),
@@ -74,8 +74,7 @@ def test_malformed_shape_is_a_usage_error(arm_text, subtests):
         ('<cylinder radius="0.05" length="0.4"/>', '<cylinder radius="0" length="0.4"/>', "<cylinder radius=...>"),
         ('xyz="0.1 0.2 0.3" rpy', 'xyz="0.1 0.2" rpy', "<origin>"),
         ('rpy="0.4 0.5 0.6"/> <geometry>', 'rpy="a b c"/> <geometry>', "<origin>"),
-    ]
-    for good, bad, message in rows:
+    ]:
         with subtests.test(good=good, bad=bad, message=message):
             assert arm_text.count(good) == 1
             with refused(re.escape(message)) as caught:

@@ -91,7 +91,7 @@ def test_defaults_are_those_of_the_urdf_reference():
 
 def test_bad_file_is_refused_in_one_line(subtests):
     """Each fault of a URDF is a UsageError of one line that names what was given."""
-    rows = [
+    for old, new, message in [
         ("</robot>", "", "The URDF is not well-formed XML: no element found"),
         ("robot", "mujoco", "The outermost element is <mujoco>, a URDF's is <robot>."),
         ('<link name="finger"/>', '<link name="finger"/> <link/>', "A <link> of the URDF has no name."),
@@ -126,8 +126,7 @@ def test_bad_file_is_refused_in_one_line(subtests):
         ('upper="2"', 'upper="inf"', "Joint 'bend' has 'inf' where a finite number belongs."),
         ("0 0 -2", "0 0 1_0", "Joint 'bend' has '1_0' where a finite number belongs."),
         ('<axis xyz="0 0 -2"/>', "<axis/>", "Joint 'bend' has an <axis> without xyz."),
-    ]
-    for old, new, message in rows:
+    ]:
         with subtests.test(old=old, new=new, message=message):
             urdf = ARM.replace(old, new)
             assert urdf != ARM

@@ -32,7 +32,7 @@ def test_text_that_every_parser_reads_stays_as_it_is(text):
 
 def test_other_text_is_written_again(subtests):
     """Without the names that a parser with namespaces would stop at."""
-    rows = [
+    for text in [
         f'<robot xmlns="http://x">{LINK}</robot>',
         f"<robot><x:a/>{LINK}<x:b><link/></x:b></robot>",
         f'<robot x:a="b">{LINK}</robot>',
@@ -40,8 +40,7 @@ def test_other_text_is_written_again(subtests):
         f"<robot>{LINK}<a: :b='c'/></robot>",
         f'\n<?xml version="1.0"?><robot>{LINK}</robot>',
         f'<!-- <?xml ?> --> <!--->--><?xml version="1.0"\n?><robot>{LINK}</robot>',
-    ]
-    for text in rows:
+    ]:
         with subtests.test(text=text):
             read = read_xml(text)
             assert read.text == f"<robot>{LINK.replace('/', ' /')}</robot>"

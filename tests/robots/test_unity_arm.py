@@ -18,7 +18,7 @@ from harness.robot import forward, read_robot
 
 ROBOT = read_robot(harness_robots.UNITY_ARM)
 LINKS = {link.get("name"): link for link in ElementTree.fromstring(ROBOT.urdf).findall("link")}
-ORIGINAL = json.loads(Path(__file__).with_name("unity_arm_nodes.json").read_text(encoding="utf-8"))
+ORIGINAL = json.loads(Path(__file__).with_name("unity_arm_nodes.json").read_text())
 COLLIDING = {"Axis02": "Box003", "Axis03": "Line010", "Axis04": "Cylinder011", "Axis05": "Rotor"}
 CAPSULES = [next(each for each in ORIGINAL["colliders"] if each["node"] == node) for node in COLLIDING.values()]
 

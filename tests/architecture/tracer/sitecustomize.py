@@ -53,7 +53,7 @@ def _write():
     sys.settrace(None)
     if files:
         told = {"files": list(files), "hops": sorted(hops), "back": sorted(back)}
-        Path(os.environ["ENTERED_INTO"], f"{os.getpid()}.json").write_text(json.dumps(told), encoding="utf-8")
+        Path(os.environ["ENTERED_INTO"], f"{os.getpid()}.json").write_text(json.dumps(told))
 
 
 atexit.register(_write)

@@ -44,8 +44,7 @@ def copies(tmp_path, steps, proposed, seeds, executor, *, kept=True):
     return tmp_path / "copies"
 
 
-@pytest.mark.usefixtures("toys")
-def test_copies_are_compared(tmp_path):
+def test_copies_are_compared(toys, tmp_path):
     """Every reward with the baseline over all seeds, split by what the other would have paid."""
     folder = copies(tmp_path, 300, many_rewards(2), 6, "here")
     for combination in json.loads(report(folder).out)["combinations"]:

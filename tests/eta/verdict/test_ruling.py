@@ -46,7 +46,7 @@ def test_p_of_one_question_is_that_of_all_permutations(subtests):
 
 def test_p_of_as_many_trainings_of_each_stays(subtests):
     """To the last bit, as it was when only trainings with a namesake under the other reward counted."""
-    rows = [
+    for seeds, places, measures, effect, seed, p in [
         (4, 1, 1, 0.5, 0, (0.11428571428571428,)),
         (5, 1, 2, 0.8, 1, (0.9444444444444444, 0.2222222222222222)),
         (6, 3, 2, 0.6, 2, (0.36147186147186144, 0.025974025974025976)),
@@ -54,8 +54,7 @@ def test_p_of_as_many_trainings_of_each_stays(subtests):
         (10, 4, 2, 0.3, 4, (0.0118, 0.35765)),
         (20, 1, 2, 0.4, 5, (0.00135, 0.36555)),
         (7, 2, 1, -0.7, 6, (0.0944055944055944,)),
-    ]
-    for seeds, places, measures, effect, seed, p in rows:
+    ]:
         with subtests.test(seeds=seeds, places=places, measures=measures, effect=effect, seed=seed, p=p):
             found = ruling_of(question_of(seeds, places, measures, effect, seed))
             assert (found.p, found.of_measures) == (min(p), p)

@@ -69,7 +69,6 @@ def _checkpoint(**fields):
 # --------------------------------------------------------------------------------------------------- whole cells
 
 
-@pytest.mark.usefixtures("toys")
 @pytest.mark.parametrize(
     ("fields", "every", "kills"),
     [
@@ -83,6 +82,7 @@ def _checkpoint(**fields):
     ids=["twice", "near the end", *LEARNERS],
 )
 def test_killed_cell_ends_as_if_it_had_not_been(
+    toys,
     train_in_a_process,
     make_cell,
     tmp_path,
@@ -103,7 +103,6 @@ def test_killed_cell_ends_as_if_it_had_not_been(
     assert _contents(tmp_path / "killed") == _contents(tmp_path / "whole")
 
 
-@pytest.mark.usefixtures("toys")
 @pytest.mark.parametrize(
     "name",
     [
@@ -113,7 +112,7 @@ def test_killed_cell_ends_as_if_it_had_not_been(
         *(pytest.param(name, marks=pytest.mark.slow) for name in ("sac-fast, 3 envs", "sb3-sac")),
     ],
 )
-def test_checkpoints_change_nothing(make_cell, tmp_path, name):
+def test_checkpoints_change_nothing(toys, make_cell, tmp_path, name):
     """With checkpoints and without, every file is the same, byte for byte; nothing of them is left in the folder."""
     cell = make_cell(**LEARNERS[name])
     contents = []
@@ -124,8 +123,7 @@ def test_checkpoints_change_nothing(make_cell, tmp_path, name):
     assert contents[0] == contents[1]
 
 
-@pytest.mark.usefixtures("toys")
-def test_cell_without_a_checkpoint_starts_over_and_says_so(train_in_a_process, make_cell, tmp_path):
+def test_cell_without_a_checkpoint_starts_over_and_says_so(toys, train_in_a_process, make_cell, tmp_path):
     """An algorithm that writes none loses what it had done, and log and manifest tell."""
     waiting = Choice("wander", (("note", str(tmp_path / "note")), ("then", "wait")), "wander")
     train_in_a_process(make_cell(algorithm=waiting), tmp_path / "cell", 1, until=12)
@@ -136,8 +134,7 @@ def test_cell_without_a_checkpoint_starts_over_and_says_so(train_in_a_process, m
     assert "this one started over" in (tmp_path / "cell" / LOG).read_text()
 
 
-@pytest.mark.usefixtures("toys")
-def test_damaged_checkpoint_starts_over(train_in_a_process, make_cell, tmp_path):
+def test_damaged_checkpoint_starts_over(toys, train_in_a_process, make_cell, tmp_path):
     """The cell is done all the same, from its beginning, and says why."""
     cell = make_cell(**RANDOM)
     train_in_a_process(cell, tmp_path / "cell", 1000, until=2500)
@@ -285,11 +282,10 @@ def test_state_of_no_such_generator_is_refused(packed):
         restore_generator(default_rng(0), np.frombuffer(packed, np.uint8))
 
 
-@pytest.mark.usefixtures("toys")
 @pytest.mark.parametrize(
     ("seconds", "every", "count"), [(0.0, None, 400), (600.0, None, 0), (0.0, 0, 0), (0.0, 150, 2)]
 )
-def test_checkpoints_are_made_as_the_options_say(make_cell, tmp_path, monkeypatch, seconds, every, count):
+def test_checkpoints_are_made_as_the_options_say(toys, make_cell, tmp_path, monkeypatch, seconds, every, count):
     """By the clock, which a cell of ten minutes outlasts, by steps, or not at all."""
     made = []
     write = Checkpoint.write

@@ -60,15 +60,14 @@ def _as_in_0_2(cell):
 
 def test_the_discount_that_nobody_chose_is_the_fields(registry, subtests):
     """As if the user had written it. What was chosen stays, and so does what a preset brings."""
-    rows = [
+    for algo, label in [
         ("ppo", "ppo:gamma=0.99"),
         ("sac-fast:net_arch=4", "sac-fast:gamma=0.99,net_arch=4"),
         ("ppo:gamma=0.8", "ppo"),
         ("ppo:gamma=0.9", "ppo:gamma=0.9"),
         ("ppo:preset=unity", "ppo:preset=unity"),
         ("random", "random"),
-    ]
-    for algo, label in rows:
+    ]:
         with subtests.test(algo=algo, label=label):
             assert _labels(expand(_asked(algo=algo), registry)) == [label]
 

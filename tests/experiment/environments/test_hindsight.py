@@ -52,8 +52,9 @@ def test_what_cannot_be_paid_again_is_skipped(registry, keys, told):
 
 def test_other_rewards_of_the_matrix_train(registry):
     """What is skipped is the reward that is no function of goals, and with this algorithm alone."""
-    plan = _plan(registry, "her,sac-fast", reward=["slow"])
-    assert [(cell.algorithm.name, cell.reward.label) for cell in plan.cells] == [
+    assert [
+        (cell.algorithm.name, cell.reward.label) for cell in _plan(registry, "her,sac-fast", reward=["slow"]).cells
+    ] == [
         ("her", "there"),
         ("sac-fast", "there"),
         ("sac-fast", "slow"),

@@ -137,15 +137,14 @@ def test_training_yields_the_policy():
 
 def test_what_it_cannot_do_has_a_reason(subtests):
     """Of the action mode, and of the observation."""
-    rows = [
+    for task, reason in [
         ("fd100-reach", ""),
         ("fd100-reach:action=movej-absolute", ""),
         ("fd100-reach:action=movel", "ik knows the action modes movej, movej-absolute, set-joints"),
         ("fd100-pose", ""),
         ("fd100-moving", ""),
         ("unity-reach", "ik reads joint angles and target from the observation of fd100-reach"),
-    ]
-    for task, reason in rows:
+    ]:
         with subtests.test(task=task, reason=reason):
             built = choose(REGISTRY, "tasks", task).build(REGISTRY, "tasks")
             said = why_not(Ik(), built, harness.load_robot(built.robot, REGISTRY))

@@ -30,9 +30,8 @@ CASES = [
 ]
 
 
-@pytest.mark.usefixtures("installed")
 @pytest.mark.parametrize(("algorithm", "simulator", "num_envs"), CASES)
-def test_training_goes_on_as_if_nothing_had_happened(tmp_path, algorithm, simulator, num_envs):
+def test_training_goes_on_as_if_nothing_had_happened(installed, tmp_path, algorithm, simulator, num_envs):
     """From the middle of episodes: the same steps, weights and scalars as one that made no checkpoints."""
 
     def open_env(learner):

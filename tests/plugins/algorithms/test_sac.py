@@ -94,7 +94,7 @@ def test_large_seed_is_taken():
 
 def test_bad_setting_is_a_usage_error(subtests):
     """A hyperparameter that cannot be is refused before anything runs."""
-    rows = [
+    for given in [
         {"learning_rate": 0},
         {"gamma": 1.5},
         {"net_arch": "64x0"},
@@ -109,7 +109,6 @@ def test_bad_setting_is_a_usage_error(subtests):
         {"activation": "gelu"},
         {"num_envs": 0},
         {"momentum": 0.9},
-    ]
-    for given in rows:
+    ]:
         with subtests.test(given=given), refused(next(iter(given))):
             build(Sac, given, "algorithm 'sac'")

@@ -24,15 +24,14 @@ def test_settings_are_those_of_sac():
 
 def test_entropy_coefficient_is_read(subtests):
     """What is learned from where, and what is fixed."""
-    rows = [
+    for given, learns, first in [
         ("auto", True, 1.0),
         ("auto_0.3", True, 0.3),
         ("auto_.01", True, 0.01),
         ("auto_12.5", True, 12.5),
         ("0.2", False, 0.2),
         ("0", False, 0.0),
-    ]
-    for given, learns, first in rows:
+    ]:
         with subtests.test(given=given, learns=learns, first=first):
             settings = SacFast(ent_coef=given)
             assert (settings.learns_coefficient, settings.first_coefficient) == (learns, first)

@@ -83,7 +83,7 @@ def test_policies_draw_with_the_noise_of_the_training():
 
 def test_budget_is_spent_exactly(subtests):
     """Neither the number of envs nor the rhythm of the updates makes a training longer than its budget."""
-    rows = [
+    for algorithm in [
         Td3(num_envs=4),
         Td3(num_envs=4, train_freq=3),
         Dqn(num_envs=4),
@@ -91,8 +91,7 @@ def test_budget_is_spent_exactly(subtests):
         Ppo(num_envs=4),
         Ppo(rollout=60, batch_size=20, num_envs=3),
         Ppo(rollout=500, batch_size=50, num_envs=1),
-    ]
-    for algorithm in rows:
+    ]:
         with subtests.test(algorithm=algorithm):
             the_budget_is_spent_exactly(algorithm)
 

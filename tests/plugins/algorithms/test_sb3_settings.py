@@ -100,7 +100,7 @@ def test_label_names_the_preset_and_what_differs_from_it(text):
 
 def test_bad_setting_is_a_usage_error(subtests):
     """A hyperparameter that cannot be is refused before anything runs."""
-    rows = [
+    for algorithm, given in [
         (Td3, {"action_noise": -0.1}),
         (Td3, {"policy_delay": 0}),
         (Td3, {"gamma": 1.5}),
@@ -112,7 +112,6 @@ def test_bad_setting_is_a_usage_error(subtests):
         (Ppo, {"rollout": 100}),
         (Ppo, {"num_envs": 5}),
         (Ppo, {"preset": "unity", "batch_size": 100}),
-    ]
-    for algorithm, given in rows:
+    ]:
         with subtests.test(algorithm=algorithm, given=given), refused(list(given)[-1]):
             build(algorithm, given, "algorithm")

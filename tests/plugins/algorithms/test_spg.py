@@ -231,15 +231,14 @@ def test_policy_stays_when_the_training_goes_on():
 
 def test_every_setting_trains_and_matters(subtests):
     """The budget is kept, and other weights come out than with the defaults."""
-    rows = [
+    for settings in [
         {"baseline": False},
         {"normalize": False},
         {"discount_states": True},
         {"activation": "relu"},
         {"num_envs": 3, "decisions": 7, "restart": 2},
         {"gamma": 1.0},
-    ]
-    for settings in rows:
+    ]:
         with subtests.test(settings=settings):
             usual, done = train(Spg(), 1000), train(Spg(**settings), 1000)
             assert done.env.steps == done.told[-1]

@@ -8,7 +8,7 @@ import pytest
 from harness.record import read_recording
 from harness.screen import CANNOT_TELL, FAILING, LOITERING, NOTHING
 
-PAGE = (Path(__file__).parents[3] / "docs" / "audit.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[3] / "docs" / "audit.md").read_text()
 CHEATED, RECORDED, ASKED = re.findall(r"^```python\n(.*?)^```", PAGE, re.DOTALL | re.MULTILINE)
 WORDS = (CANNOT_TELL, FAILING, LOITERING, NOTHING)
 SHORT = ("gamma=0.99,", "gamma=0.99, episodes=1, steps=30,")

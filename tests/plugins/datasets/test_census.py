@@ -35,15 +35,14 @@ def test_an_episode_that_is_declared_without_a_step_is_told():
 
 def test_a_gap_is_refused(subtests):
     """A gap is refused, or told where a part is enough."""
-    rows = [
+    for declared, told in [
         (Declared(listed=(0, 1, 2)), r"1 episode \(2\) declared and not there"),
         (Declared(episodes=3), "3 episodes declared, 2 there"),
         (Declared(episodes=1), "1 episodes declared, 2 there"),
         (Declared(steps=8), "8 steps declared, 7 there"),
         (Declared(lengths={1: 5}), "episode 1 has 4 steps, 5 are declared"),
         (Declared(episodes=3, listed=(0, 1)), "3 episodes declared, 2 listed"),
-    ]
-    for declared, told in rows:
+    ]:
         with subtests.test(declared=declared, told=told):
             found = {0: 3, 5 if declared.episodes == 1 else 1: 4}
             if declared.episodes == 1:

@@ -82,7 +82,7 @@ def write_arm(folder, text=ARM):
     faces = [(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)]
     triangles = b"".join(struct.pack("<12fH", 0, 0, 0, *corners[list(face)].ravel(), 0) for face in faces)
     (folder / "wedge.stl").write_bytes(bytes(80) + struct.pack("<I", len(faces)) + triangles)
-    (folder / "arm.xml").write_text(text, encoding="utf-8")
+    (folder / "arm.xml").write_text(text)
     return folder / "arm.xml"
 
 

@@ -51,8 +51,7 @@ def test_a_cluster_that_takes_no_jobs_is_told(that, tmp_path, monkeypatch):
         Slurm().run([Job(cell, tmp_path / "cells" / cell.id)], 1, lambda event: None)
 
 
-@pytest.mark.usefixtures("slurm")
-def test_a_job_that_can_tell_nothing_more_is_told(that, tmp_path, state):
+def test_a_job_that_can_tell_nothing_more_is_told(slurm, that, tmp_path, state):
     """The cell has failed, with what the cluster says; its log is kept, and the jobs' folder is removed."""
     note, told = tmp_path / "note", list[Event]()
     cell = that("wait", note)
@@ -74,8 +73,7 @@ def test_a_job_that_can_tell_nothing_more_is_told(that, tmp_path, state):
     assert list(state.iterdir()) == []
 
 
-@pytest.mark.usefixtures("slurm")
-def test_a_job_that_has_to_make_room_goes_on(that, tmp_path):
+def test_a_job_that_has_to_make_room_goes_on(slurm, that, tmp_path):
     """The cluster queues it again, and the cell is told to have begun once."""
     note, told = tmp_path / "note", list[Event]()
     cell = that("last", note)

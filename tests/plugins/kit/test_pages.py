@@ -14,7 +14,7 @@ LONGEST = 140
 
 def page_of(kind):
     """The page of a kind."""
-    return (DOCS / "writing" / f"{kind}.md").read_text(encoding="utf-8")
+    return (DOCS / "writing" / f"{kind}.md").read_text()
 
 
 @pytest.mark.parametrize("kind", kinds())
@@ -48,7 +48,7 @@ def test_page_answers_what_its_reader_asks(kind):
 
 def test_entry_page_leads_to_every_page():
     """And every link of these pages leads to a file."""
-    entry = (DOCS / "plugins.md").read_text(encoding="utf-8")
+    entry = (DOCS / "plugins.md").read_text()
     assert all(f"(writing/{kind}.md)" in entry for kind in kinds())
     pages = {DOCS / "plugins.md": entry} | {DOCS / "writing" / f"{kind}.md": page_of(kind) for kind in kinds()}
     for path, page in pages.items():

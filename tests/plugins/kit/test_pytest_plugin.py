@@ -149,5 +149,5 @@ def test_pytest_finds_it_by_its_entry_point():
 
 def test_the_fixtures_are_those_of_the_page(pytester):
     """The last snippet of docs/authoring.md passes as it stands."""
-    page = (ROOT / "docs" / "authoring.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "authoring.md").read_text()
     _passes(pytester, page.rsplit("```python\n", 1)[1].split("```")[0], "--benchmark-disable", passed=3)

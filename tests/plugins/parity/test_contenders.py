@@ -28,15 +28,14 @@ THREE = registry(spec("ideal"), spec("mujoco"), spec("zeta"))
 
 def test_the_reference_comes_first(subtests):
     """The one that was named, or else mujoco, or else the first; a named one is taken in."""
-    rows = [
+    for given, reference, order in [
         ([], None, ["mujoco", "ideal", "zeta"]),
         (["zeta,ideal"], None, ["zeta", "ideal"]),
         (["zeta", "mujoco"], None, ["mujoco", "zeta"]),
         (["ideal,mujoco"], "ideal", ["ideal", "mujoco"]),
         (["ideal,mujoco"], "zeta", ["zeta", "ideal", "mujoco"]),
         ([], "zeta", ["zeta", "ideal", "mujoco"]),
-    ]
-    for given, reference, order in rows:
+    ]:
         with subtests.test(given=given, reference=reference, order=order):
             contenders = choose_contenders(THREE, given, reference)
             assert list(contenders.simulators) == order

@@ -59,7 +59,7 @@ def _ask(cluster, **token):
 
 def test_the_oldest_ray_that_may_be_installed_asks_for_a_token():
     """Before 2.52 whoever reached the cluster ran code in it."""
-    extras = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["optional-dependencies"]
+    extras = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
     (needed,) = map(Requirement, extras["ray"])
     assert not any(needed.specifier.contains(version) for version in ("2.50.0", "2.51.2"))
     assert needed.specifier.contains("2.52.0")

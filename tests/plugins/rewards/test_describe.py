@@ -29,15 +29,14 @@ def test_page_has_a_section(subtests):
 
 def test_contradictions_are_told(subtests):
     """Where the sources contradict one another, or say nothing, the description says so."""
-    rows = [
+    for name, told in [
         ("baseline-eq21", ["eq. 21", "ARP eq. 20", "the reverse of the code", "sqrt(6.25) - sqrt(4.25)"]),
         ("baseline", ["the other way round"]),
         ("relative", ["eq. 31", "sqrt(4.25)", "sqrt(6.25) - sqrt(4.25)"]),
         ("arp", ["k2 = 1.5", "k1 = 1, k2 = 2", "k2 = 1.1", "eq. 20", "larger I_P"]),
         ("adaptive", ["This project's own definition", "less thoughtful design"]),
         ("aarp", ["This project's own definition"]),
-    ]
-    for name, told in rows:
+    ]:
         with subtests.test(name=name, told=told):
             text = " ".join(describe_name(REGISTRY, "rewards", name, "fd100").split())
             assert [phrase for phrase in told if phrase not in text] == []

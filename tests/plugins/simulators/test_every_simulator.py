@@ -242,8 +242,7 @@ def test_urdf_that_cannot_be_read_is_a_usage_error(open_arms, engine):
 
 
 @pytest.mark.parametrize(("simulator", "given"), [(name, given) for name, bad in BAD_SETTINGS.items() for given in bad])
-@pytest.mark.usefixtures("installed")
-def test_bad_setting_is_a_usage_error(simulator, given):
+def test_bad_setting_is_a_usage_error(installed, simulator, given):
     """A setting that cannot be is refused, in one line that names it."""
     with refused(given.partition("=")[0]):
         harness.make_env(f"{simulator}:{given}")
@@ -279,8 +278,7 @@ NEAR, FAR = np.array([0.6, 0.3, 0.6]), np.array([0.9, -0.4, 0.9])
 
 
 @every_engine
-@pytest.mark.usefixtures("egl")
-def test_frame_shows_something(open_arms):
+def test_frame_shows_something(egl, open_arms):
     """A frame has the size asked for, a second one another, and neither is of one colour."""
     simulation = open_arms(1)
     for width, height in ((320, 240), (64, 48), (75, 33), (1024, 768)):
@@ -290,8 +288,7 @@ def test_frame_shows_something(open_arms):
 
 
 @every_engine
-@pytest.mark.usefixtures("egl")
-def test_frame_shows_the_arm_and_the_target(open_arms):
+def test_frame_shows_the_arm_and_the_target(egl, open_arms):
     """Another arm, another pose and another target give another frame; the same ones give the same."""
     simulation, poses = open_arms(2), np.stack([ROBOT.home, ROBOT.home + 0.5])
     simulation.place(poses)
@@ -304,8 +301,7 @@ def test_frame_shows_the_arm_and_the_target(open_arms):
 
 
 @every_engine
-@pytest.mark.usefixtures("egl")
-def test_frames_change_nothing(open_arms):
+def test_frames_change_nothing(egl, open_arms):
     """An arm that is looked at moves, bit for bit, as one that is not."""
     seen, unseen = open_arms(1), open_arms(1)
     for period in range(5):
@@ -315,8 +311,7 @@ def test_frames_change_nothing(open_arms):
 
 
 @every_engine
-@pytest.mark.usefixtures("egl")
-def test_frame_is_the_callers(open_arms):
+def test_frame_is_the_callers(egl, open_arms):
     """A frame stays as it is when the next one is drawn."""
     simulation = open_arms(1)
     frame = simulation.render(0, NEAR, 64, 48)
@@ -326,8 +321,7 @@ def test_frame_is_the_callers(open_arms):
 
 
 @every_engine
-@pytest.mark.usefixtures("egl")
-def test_closing_one_leaves_the_frames_of_another(open_arms):
+def test_closing_one_leaves_the_frames_of_another(egl, open_arms):
     """Whichever of two simulations drew last, closing one changes no frame of the other."""
     first, second = open_arms(1), open_arms(1)
     first.render(0, NEAR, 320, 240)

@@ -77,10 +77,9 @@ def test_the_arm_fills_the_frame_and_stays_within(robot, size):
         assert np.abs(shares(centre + half * corners, camera)).max() < 1.0
 
 
-@pytest.mark.usefixtures("egl")
 @pytest.mark.parametrize("robot", ["fd100", *ARMS[2::2]], indirect=True)
 @pytest.mark.parametrize("simulator", ["mujoco", "dm_control", "pybullet", "kinematic"])
-def test_a_marker_is_where_the_camera_projects_it(robot, simulator):
+def test_a_marker_is_where_the_camera_projects_it(egl, robot, simulator):
     """Within three pixels: what an engine draws and what the harness computes are the same camera."""
     simulation = open_simulator(simulator, 1, robot)
     simulation.place(robot.home[None])

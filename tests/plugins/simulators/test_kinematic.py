@@ -25,7 +25,7 @@ def read_changed(tmp_path):
 
     def read(urdf):
         shutil.copytree(ROBOT.folder, tmp_path / "arm")
-        (tmp_path / "arm" / "fd100.urdf").write_text(urdf, encoding="utf-8")
+        (tmp_path / "arm" / "fd100.urdf").write_text(urdf)
         return harness.load_robot(tmp_path / "arm")
 
     return read

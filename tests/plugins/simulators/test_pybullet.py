@@ -243,5 +243,5 @@ def test_bullet_is_given_short_lines(tmp_path):
     """It breaks lines at 8,191 characters, within a name too, and then refuses the arm: xacro writes one line."""
     more = "".join(f'<transmission name="t{number}"><type>simple</type></transmission>' for number in range(200))
     with file_of_arm(read_arm(tmp_path, ARM.replace("\n", " ").replace("</robot>", f"{more}</robot>"))) as path:
-        lines = path.read_text(encoding="utf-8").splitlines()
+        lines = path.read_text().splitlines()
     assert sum(map(len, lines)) > 8191 > max(map(len, lines))

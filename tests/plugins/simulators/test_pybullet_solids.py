@@ -175,7 +175,7 @@ def test_the_arm_of_primitive_shapes_is_read_as_it_was(open_arms):
 def test_what_bullet_prints_about_a_file_is_visible(rods, open_arms, capfd):
     """Bullet warns of a joint without an axis by its name, which may hold what moves a terminal's cursor."""
     text = arm(rods).urdf.replace('<axis xyz="0 0 1"', "<axis-of-old", 1)
-    (rods / "arm.urdf").write_text(text.replace('"j1"', '"j1\u202e\x9b2J"'), encoding="utf-8")
+    (rods / "arm.urdf").write_text(text.replace('"j1"', '"j1\u202e\x9b2J"'))
     open_arms(read_robot(rods / "arm.urdf"))
     printed = capfd.readouterr()
     assert printed.out == ""

@@ -69,33 +69,29 @@ def library():
 
 
 @mujoco_engines
-@pytest.mark.usefixtures("egl")
-def test_two_envs_render_in_a_row_unasked(run):
+def test_two_envs_render_in_a_row_unasked(egl, run):
     """Without a display and without MUJOCO_GL frames are drawn, in a second env as in the first."""
     run("frames = [make().render()[0] for _ in range(2)]\nassert all(frame.std() > 10.0 for frame in frames)")
 
 
 @pytest.mark.parametrize("simulator", ["mujoco"])  # the renderer of both
-@pytest.mark.usefixtures("egl")
-def test_who_imported_mujoco_does_not_matter(run):
+def test_who_imported_mujoco_does_not_matter(egl, run):
     """Frames are drawn also where MuJoCo was imported before, without a thought of rendering."""
     run("import mujoco\nassert make().render()[0].std() > 10.0")
 
 
 @mujoco_engines
-@pytest.mark.usefixtures("egl")
-def test_rendering_changes_no_environment_variable(run):
+def test_rendering_changes_no_environment_variable(egl, run):
     """Processes that are started after a frame was drawn choose for themselves."""
     run("make().render()\nassert not {'MUJOCO_GL', 'PYOPENGL_PLATFORM'} & set(os.environ)")
 
 
-@pytest.mark.usefixtures("egl")
 @pytest.mark.parametrize("simulator", ["mujoco"])  # the renderer of both
 @pytest.mark.parametrize(
     "end",
     ["", slow("del one, other\ngc.collect()"), "one.close()", slow("one.close()\nother.close()")],
 )
-def test_renderers_close_quietly(run, end):
+def test_renderers_close_quietly(egl, run, end):
     """Nothing is printed, whether envs are closed, forgotten, or left open until the interpreter ends."""
     run(f"one, other = make(), make()\none.render()\nother.render()\n{end}", warnings="error")
 

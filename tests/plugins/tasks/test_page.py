@@ -5,7 +5,7 @@ from pathlib import Path
 from harness.registry import load_registry
 
 REGISTRY = load_registry()
-PAGE = (Path(__file__).parents[3] / "docs" / "tasks.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[3] / "docs" / "tasks.md").read_text()
 BUILT_IN = [name for name in REGISTRY.names("tasks") if REGISTRY.get("tasks", name).plugin == "tasks"]
 
 

@@ -11,7 +11,7 @@ from harness.env import why_not_kinematics
 from harness.goal import Situation
 from harness_plugins.kit import check_task
 
-PAGE = (Path(__file__).parents[3] / "docs" / "writing" / "task.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[3] / "docs" / "writing" / "task.md").read_text()
 ROBOT = harness.load_robot("fd100")
 
 

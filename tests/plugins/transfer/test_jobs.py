@@ -79,8 +79,7 @@ def test_matrix_tells_the_simulators_apart(train, transferred_here):
         assert success(transfers, home, "stuck") == 0.0
 
 
-@pytest.mark.usefixtures("transferred_here")
-def test_mutant_that_stays_at_home_is_caught(train, monkeypatch):
+def test_mutant_that_stays_at_home_is_caught(transferred_here, train, monkeypatch):
     """An evaluation that forgot to change the simulator would give the success of the wrong one."""
     monkeypatch.setattr(
         "harness_plugins.transfer.jobs.replace",

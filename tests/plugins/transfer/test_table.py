@@ -24,7 +24,7 @@ def test_terminal_has_every_number_whole(transferred, width):
 def test_page_has_a_section(transferred, tmp_path):
     """A cell for each pair, the home framed, tinted by its share; reasons are shown, not interpreted."""
     write_html(transferred, tmp_path / "report.html")
-    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    page = (tmp_path / "report.html").read_text()
     section = page[page.index('<h3 id="transfer">') : page.index('<section aria-labelledby="cells">')]
     assert section.count('class="home" style="--share: 0.750"') == 2
     assert section.count('style="--share: 0.000"') == 2
@@ -35,4 +35,4 @@ def test_page_has_a_section(transferred, tmp_path):
 def test_page_without_transfer_has_no_section(build, tmp_path):
     """Nothing is said of what nobody asked."""
     write_html(build(), tmp_path / "report.html")
-    assert 'id="transfer"' not in (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert 'id="transfer"' not in (tmp_path / "report.html").read_text()

@@ -65,8 +65,7 @@ def test_number_without_unit_above_one_is_no_percentage(one):
 def test_manner_that_decides_comes_first(build):
     """Whatever the order in which they were measured; the title says how policies acted, and how often."""
     combination = only(build(learned={10: 1}))
-    grids = behaviour_grids(combination)
-    assert [grid.title for grid in grids] == [
+    assert [grid.title for grid in behaviour_grids(combination)] == [
         "Behaviour of the trained policies, deterministic, 4 episodes per seed",
         "Behaviour while training, 1 episode or more per seed",
         "Behaviour while learning",

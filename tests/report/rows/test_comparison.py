@@ -205,7 +205,7 @@ def test_heading_says_which_curve_the_indices_are_of(one):
 
 def test_numbers_have_three_significant_digits(subtests):
     """Three significant digits, an exponent only far from 1, and n/a for what is no number."""
-    rows = [
+    for value, text in [
         (0.21173264, "0.212"),
         (9.996, "10.0"),
         (25.6, "25.6"),
@@ -217,8 +217,7 @@ def test_numbers_have_three_significant_digits(subtests):
         (999_400.0, "999,000"),
         (1e6, "1.00e+06"),
         (None, "n/a"),
-    ]
-    for value, text in rows:
+    ]:
         with subtests.test(value=value, text=text):
             assert format_number(value) == text
 

@@ -59,15 +59,14 @@ def test_nothing_compared_has_no_pay(build):
 
 def test_nearly_all_is_more_than_nine_tenths(subtests):
     """Of the change, whichever way the behaviour goes."""
-    rows = [
+    for ruler, behaviour, is_ruler in [
         (1.0, 0.05, True),
         (1.0, -0.05, True),
         (1.0, 0.5, False),
         (1.0, -0.9, False),
         (0.0, 1.0, False),
         (0.0, 0.0, False),
-    ]
-    for ruler, behaviour, is_ruler in rows:
+    ]:
         with subtests.test(ruler=ruler, behaviour=behaviour, is_ruler=is_ruler):
             pay = PaySentence("", (PayPart("ruler", "", ruler), PayPart("behaviour", "", behaviour)), "")
             assert pay.is_ruler is is_ruler

@@ -63,9 +63,8 @@ def no_tables(monkeypatch):
     monkeypatch.setattr(searching, "search_by_chance", lambda *_: None)
 
 
-@pytest.mark.usefixtures("no_tables")
 @pytest.mark.parametrize("is_discrete", [True, False])
-def test_a_success_that_nothing_tells_is_met(is_discrete):
+def test_a_success_that_nothing_tells_is_met(no_tables, is_discrete):
     """Rare places are begun from again: a dock that random actions never reach."""
     _, of = found(docks.sparse, is_discrete=is_discrete, horizon=20, budget=60_000)
     drawn = default_rng(0).uniform(-1.0, 1.0, (2_000, 20, 1))
@@ -74,9 +73,8 @@ def test_a_success_that_nothing_tells_is_met(is_discrete):
     assert all(count > 8 for count in of.successes)
 
 
-@pytest.mark.usefixtures("no_tables")
 @pytest.mark.parametrize("pays", [docks.loop, docks.honest, docks.hovering])
-def test_brute_force_finds_no_more(pays):
+def test_brute_force_finds_no_more(no_tables, pays):
     """Of all 3^9 sequences none is paid more than what was found, and none is faster."""
     _, of = found(pays, is_discrete=True, horizon=9, stride=0.2, budget=60_000)
     for three in of.plain:

@@ -31,9 +31,9 @@ def certificates():
 
 def test_the_answer_is_the_first_sentence(certificates):
     """With its three numbers, and a badge."""
-    page = cheats_page(certificates)
     assert re.search(
-        r'<span class="badge hurts">PAYS FOR FAILING, ROBUST</span> near</h2>\s*<p class="lead">Failing', page
+        r'<span class="badge hurts">PAYS FOR FAILING, ROBUST</span> near</h2>\s*<p class="lead">Failing',
+        cheats_page(certificates),
     )
 
 
