@@ -82,7 +82,8 @@ class TextTable:
             if "_" in "".join(cells):
                 raise ValueError
         except ValueError:
-            values = np.array([_number(cell) for cell in cells], np.float64)
+            known = {cell: _number(cell) for cell in {*cells}}  # a column of True and False has two
+            values = np.fromiter(map(known.__getitem__, cells), np.float64, len(cells))
         wrong = ~(np.abs(values) <= LARGEST)
         for row in np.flatnonzero(wrong):
             if cells[row].strip().lower() not in lacks or not math.isnan(values[row]):
