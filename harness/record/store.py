@@ -35,6 +35,8 @@ if TYPE_CHECKING:
     from harness.experiment.plan import Plan
 
 CELLS, RESULTS, REPORT, LOCK = "cells", "results.parquet", "report.html", ".lock"
+FLOORS = (RANDOM, recording_of(RANDOM))
+"""Where a cell, of an arm or in an environment, leaves what random actions did."""
 MOST_NAMED = 5
 """Most experiments that a message about the folder above them names."""
 
@@ -280,7 +282,7 @@ def floors_in(manifests: Iterable[Manifest], store: Store) -> dict[Floor, Cell]:
     """
     found: dict[Floor, Cell] = {}
     for manifest in (it for it in manifests if it.status == "done"):
-        folder, names = store.cell_folder(manifest.cell), (RANDOM, recording_of(RANDOM))
-        if any((folder / name).exists() for name in names) and any(is_named(manifest, name) for name in names):
+        folder = store.cell_folder(manifest.cell)
+        if any((folder / name).exists() for name in FLOORS) and any(is_named(manifest, name) for name in FLOORS):
             found.setdefault(Floor.of(manifest.cell), manifest.cell)
     return found

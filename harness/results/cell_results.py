@@ -16,7 +16,7 @@ from harness.log import Log
 from harness.measure import Measure
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, EVALUATIONS, RANDOM, SUFFIX, TRACE, evaluation_files
-from harness.record.manifest import Manifest, is_named
+from harness.record.manifest import Manifest
 from harness.record.returns import EVENTS, episode_sums, mean_over_episodes, mean_return, paid_in
 from harness.record.store import Floor, Store, floors_in
 from harness.record.trace import (
@@ -294,7 +294,7 @@ class CellResults:
         return self.cell.evaluation_episodes * (1 + max(self.cell.steps, SLACK))
 
     def _is_there(self, name: str) -> bool:
-        return is_named(self._done, name) and (self._files / name).is_file()
+        return name in self._done.files and (self._files / name).is_file()
 
     def finish(self) -> None:
         """Keep the numbers and drop the traces, because a report asks for one cell after the other."""
