@@ -164,16 +164,6 @@ def test_a_training_that_lacks_what_it_declares_is_missing(short):
     assert any("--leave-out '/runs/base2' leaves it out" in line for line in found.said)
 
 
-def test_trainings_that_the_user_leaves_out_are_told_and_miss_nothing():
-    """Whatever became of them; a path at which no training lies is refused."""
-    them = [of("base", 0), of("base", 1), of("base", 2, count=3)]
-    found = runs(*them, leave_out=[Path("/runs/base2")])
-    assert (len(found.members), found.missing) == (2, ())
-    assert any("'/runs/base2' is left out, as --leave-out says: it ends after" in line for line in found.said)
-    with pytest.raises(UsageError, match="--leave-out /runs/elsewhere: no training lies there"):
-        runs(*them, leave_out=[Path("/runs/elsewhere")])
-
-
 def test_the_last_episode_need_not_end_with_the_training():
     """A budget of 52 steps and episodes of 5: the one that had not ended is no row."""
     assert len(runs(of("base", 0, asked=52)).members) == 1

@@ -127,16 +127,6 @@ def test_what_a_log_tells_itself_counts_more_than_its_name(tmp_path):
     assert keys(sort_logs(tmp_path, logs)) == [("arp", 6, 1), ("arp", 7, 1)]
 
 
-def test_runs_of_one_file_are_sorted_by_their_own_names(tmp_path):
-    """An exported chart holds several trainings."""
-    names = ["base-seed0", "base-seed1", "prop-seed0", "prop-seed1"]
-    logs = [
-        curve(tmp_path / "export.csv", run=name).add({"behaviour/x": np.array([0, 1, it])})
-        for it, name in enumerate(names)
-    ]
-    assert keys(sort_logs(tmp_path, logs)) == [("base", 0, 1), ("base", 1, 1), ("prop", 0, 1), ("prop", 1, 1)]
-
-
 def test_the_beginning_of_a_training_is_a_copy(tmp_path):
     """It lacks the last points, and would count twice; of few values an equal beginning may be chance."""
     points = np.sqrt(np.arange(8.0))
@@ -151,13 +141,6 @@ def test_the_beginning_of_a_training_is_a_copy(tmp_path):
     assert keys(found) == [("base", 0, 1), ("base", 2, 1), ("prop", 0, 1)]
     assert "base_1.csv' is the beginning of " in found.notes[0]
     assert found.notes[1].endswith("base_0.csv', though one is of prop and one of base")
-
-
-def test_curves_of_one_training_are_never_added_up(tmp_path):
-    """Only Monitor's files stand side by side, also where the user puts two logs together."""
-    logs = [curve(tmp_path / f"base_1-{name}.csv") for name in "ab"]
-    with pytest.raises(UsageError, match=r"was trained with seed 1: --leave-out .*base_1-b.csv keeps one"):
-        sort_logs(tmp_path, logs, "{reward}_{seed}-*")
 
 
 def test_trainings_without_a_seed_are_numbered(monitor, sort):
