@@ -54,26 +54,6 @@ def test_names_that_people_use_give_the_same(tmp_path, header):
     assert log["time"].tolist() == [200, 380, 530]
 
 
-def test_tables_of_steps_and_of_others_are_not_recognised(tmp_path_factory, subtests):
-    """A row that is a step may not be taken for an episode."""
-    rows = [
-        "reward\n1\n2\n",
-        "step,reward\n0,1\n1,2\n",
-        "episode,reward\n0,1\n0,2\n1,1\n",
-        "episode,step,reward\n0,0,1\n0,1,2\n",
-        "reward,steps\n0.5,1\n0.25,2\n0.5,3\n0.1,4\n",
-        "episode,reward,action_0\n0,1,0.5\n1,2,0.5\n",
-        "episode,loss\n0,1\n1,2\n",
-        "episode,reward,length\n",
-        "episode,reward\n0,1",
-        "",
-    ]
-    for text in rows:
-        with subtests.test(text=text):
-            tmp_path = tmp_path_factory.mktemp("case")
-            assert not read.is_recognised(written(tmp_path, text))
-
-
 def test_an_episode_that_stands_twice_is_refused_by_its_line(tmp_path):
     """Far down, where nobody looks first: the table is one of steps after all, or of two runs, one behind the other."""
     rows = "".join(f"{number},1.0\n" for number in range(2000))
@@ -140,9 +120,3 @@ def test_a_table_without_a_column_of_returns_is_told_how_to_name_it(tmp_path):
         read.make().read(path)
     [log] = read.make(reward="points").read(path)
     assert log["reward/recorded"].tolist() == [1.0, 2.0]
-
-
-def test_a_probability_of_success_is_refused(tmp_path):
-    """An episode succeeds or not."""
-    with pytest.raises(SchemaError, match=r"line 2: column 'success' is 0 or 1, and holds 0\.7"):
-        read(written(tmp_path, "episode,reward,success\n0,1.0,0.7\n"))

@@ -38,13 +38,6 @@ def test_keys_that_come_later_stand_under_their_names(tmp_path):
     assert any("2 points that lack one of these are left out" in note for note in log.facts.notes)
 
 
-def test_a_row_of_another_width_is_refused(tmp_path):
-    """Issue 774 of baselines, where nobody padded: every value behind the new key stands under another name."""
-    path = written(tmp_path, f"aaa/new,{REWARD},{STEPS}\n-9.5,100\n1.0,-8.25,200\n")
-    with pytest.raises(SchemaError, match=r"progress\.csv, line 2: it has 2 cells, and there are 3 columns"):
-        read(path)
-
-
 def test_values_under_names_of_others_are_refused_by_the_counter(tmp_path):
     """As wide as the header, but in another order: steps are whole numbers, returns mostly not."""
     path = written(tmp_path, f"{REWARD},{STEPS}\n-9.5,100\n200,-8.25\n")
