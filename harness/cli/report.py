@@ -121,7 +121,7 @@ def report(
     from harness.registry.given import read_given
     from harness.results import load_results
 
-    beside = {"--html": html, "--summary": summary, "--details": details, "--fail-on": named}
+    beside = {"--html": html, "--summary": summary, "--details": details, "--fail-on": named, "--leave-out": leave_out}
     records = records_in(folders)
     if records is not None:
         return _show_records(records, folders, as_json, [name for name, value in beside.items() if value])
