@@ -167,6 +167,8 @@ def test_no_verdict_is_given_without_a_cell_that_failed(harness, tmp_path):
     results = build_results(tmp_path / "runs", ended={("arp", 2): ("failed", "no luck")})
     told = harness("report", "runs", "--json").json
     assert told["combinations"][0]["headline"]["answer"] == "interim"
+    assert "1 training is missing" in harness("report", "runs").out
+    assert "says which failed" in " ".join(harness("report", "runs").out.split())
     (remedy,) = (note for note in told["notes"] if "--leave-out" in note)
     flags = shlex.split(remedy[remedy.index("--leave-out") :].removesuffix(" leaves it out"))
     assert flags == ["--leave-out", f"runs/cells/{results.failed[0].cell.id}"]

@@ -66,8 +66,10 @@ def what_decides(results: Results) -> str:
 def interim_text(results: Results) -> str:
     """A line that trainings are missing, which stands before everything else; empty where none is."""
     missing = still_to_come(results.combinations)
-    looks = " harness run --until decided plans for looks on the way." if results.is_experiment else ""
-    return f"{interim_line(missing)}{looks}" if missing else ""
+    how = " harness run --until decided plans for looks on the way." if results.is_experiment else ""
+    if results.account.missing:
+        how = " harness report --details says which failed, and how to leave them out."
+    return f"{interim_line(missing)}{how}" if missing else ""
 
 
 def interim_line(missing: int) -> str:
