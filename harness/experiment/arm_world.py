@@ -25,12 +25,13 @@ from harness.experiment.telling import TELL_EVERY, Beat, named_scalars
 from harness.experiment.trials.tried import Tried
 from harness.experiment.workers.order import Report
 from harness.log import Log
+from harness.log.log import OpenEpisodes
 from harness.policy import Policy
 from harness.progress import LAST_EPISODES, RETURN, SPEED, SUCCESS, TERMS, TrainingState
 from harness.record.blocks import BEHAVIOUR, OWN, Blocks, read_blocks
 from harness.record.cell import Cell
 from harness.record.folder import SUFFIX, TRACE
-from harness.record.returns import PAID, OpenEpisodes, mean_over_episodes, mean_return
+from harness.record.returns import PAID, mean_over_episodes, mean_return
 from harness.record.scene import write_scene
 from harness.record.trace import COLUMN, SCALARS, TERM, Recorder, Rows, read_trace, terms_of
 from harness.registry.choice import Choice

@@ -24,7 +24,9 @@ from harness.log.log import (
     SUCCESS,
     TASK,
     Log,
+    OpenEpisodes,
     Rows,
+    episode_sums,
     in_memory,
 )
 
@@ -49,7 +51,9 @@ __all__ = [
     "Log",
     "LogFacts",
     "LogFormat",
+    "OpenEpisodes",
     "Rows",
     "Unit",
+    "episode_sums",
     "in_memory",
 ]

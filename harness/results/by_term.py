@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float, Mask
-from harness.record.returns import episode_sums
+from harness.log.log import episode_sums
 
 PART = 0.1
 """The first and the last episodes of a training, as a share of them; at least one."""

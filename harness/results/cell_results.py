@@ -13,11 +13,12 @@ from harness.arrays import Float
 from harness.errors import Unmeasured
 from harness.eta.manner import OWN_AND_OTHER, TRAINING
 from harness.log import Log
+from harness.log.log import episode_sums
 from harness.measure import Measure
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, EVALUATIONS, RANDOM, SUFFIX, TRACE, evaluation_files
 from harness.record.manifest import Manifest
-from harness.record.returns import EVENTS, episode_sums, mean_over_episodes, mean_return, paid_in
+from harness.record.returns import EVENTS, mean_over_episodes, mean_return, paid_in
 from harness.record.store import Floor, Store, floors_in
 from harness.record.trace import (
     FLAGS,

@@ -23,8 +23,8 @@ from harness.authoring.commands import (
     term_column,
     terms_of,
 )
-from harness.log import BEHAVIOUR, REWARD, SUCCESS
-from harness.record import OpenEpisodes, TrainingFacts, paid_in, read_trace
+from harness.log import BEHAVIOUR, REWARD, SUCCESS, OpenEpisodes
+from harness.record import TrainingFacts, paid_in, read_trace
 
 
 class Ended(NamedTuple):

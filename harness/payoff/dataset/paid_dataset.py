@@ -26,12 +26,12 @@ from harness.log.log import (
     SUCCESS as SUCCESS_NAME,
     TASK,
     Array,
+    sums_from,
 )
 from harness.payoff.dataset.rewards import Recorded
 from harness.payoff.dataset.steps import Movement, Payer, seen_after, steps_by_episode
 from harness.record.dataset.labels import FAILURE, SUCCESS, UNKNOWN
 from harness.record.dataset.open_dataset import MOST_EPISODES, DatasetFacts, dataset_facts
-from harness.record.returns import sums_from
 from harness.reward import LARGEST_PAID
 
 if TYPE_CHECKING:

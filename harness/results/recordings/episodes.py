@@ -12,9 +12,8 @@ from harness.errors import SchemaError, UsageError
 from harness.eta.interval import Bounds, are_within
 from harness.eta.laws import LEAST_POINTS, Curve, Curves, Span, within
 from harness.log import Log, LogFacts
-from harness.log.log import BEHAVIOUR, REWARD, SINCE, TIME
+from harness.log.log import BEHAVIOUR, REWARD, SINCE, TIME, OpenEpisodes
 from harness.record.recording.facts import TrainingFacts, facts_of
-from harness.record.returns import OpenEpisodes
 
 UNKNOWN = "not a number in some episodes"
 ENDS = ("terminated", "truncated")
