@@ -7,6 +7,7 @@ from hashlib import sha256
 from importlib.metadata import version
 
 import numpy as np
+from numpy.linalg import norm
 from numpy.random import default_rng
 
 LIBRARIES = ("numpy", "gymnasium", "mujoco")
@@ -24,7 +25,7 @@ def arithmetic():
         for rows in ROWS:
             for into in WIDTHS:
                 inputs = rng.uniform(-1.0, 1.0, (2, rows, into + 1)).astype(kind)
-                digest.update(np.linalg.norm(inputs[0, 0]).tobytes() + np.vdot(inputs, inputs).tobytes())
+                digest.update(norm(inputs[0, 0]).tobytes() + np.vdot(inputs, inputs).tobytes())
                 for function in (*FUNCTIONS, np.sum, lambda values: np.log(values * values + 1e-6)):
                     digest.update(function(inputs).tobytes())
                 for out in WIDTHS:

@@ -21,7 +21,7 @@ def test_shares_say_that_they_are(subtests):
         ("time_to_target", False),
         ("work", False),
     ]:
-        with subtests.test(name=name, share=share):
+        with subtests.test(name=name):
             assert is_share(build_defaults(load_registry(), "metrics")[name]) == share
 
 

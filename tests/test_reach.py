@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from numpy.linalg import norm
 from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal, assert_array_less
 from scipy.spatial.transform import Rotation
@@ -213,14 +214,14 @@ def test_targets_can_be_reached():
     """For every target there is a pose within the joint ranges whose end effector is there."""
     targets = positions(ReachTask(), 100)
     qpos, _ = reach_position(ROBOT, targets, np.tile(ROBOT.home, (100, 1)))
-    assert np.linalg.norm(ROBOT.end_effector(qpos) - targets, axis=1).max() <= 1e-3
+    assert norm(ROBOT.end_effector(qpos) - targets, axis=1).max() <= 1e-3
 
 
 def test_box_that_is_half_out_of_reach_gives_targets_within():
     """Of a box around the end of the arm's reach only the part within is used."""
     targets = positions(ReachTask(target_center=(1.6, 0.0, 0.6), target_half_extent=(0.5, 0.2, 0.2)), 50)
     assert targets.shape == (50, 3)
-    assert np.linalg.norm(targets - [0.0, 0.0, 0.43], axis=1).max() < ROBOT.reach
+    assert norm(targets - [0.0, 0.0, 0.43], axis=1).max() < ROBOT.reach
 
 
 def test_box_out_of_reach_is_refused():
@@ -319,7 +320,7 @@ def test_bad_override_is_a_usage_error(subtests):
         ("gravity=9.81", "gravity"),
         ("epsilon", "epsilon"),
     ]:
-        with subtests.test(override=override, message=message), refused(message):
+        with subtests.test(override=override), refused(message):
             harness.make_env(task=f"fd100-reach:{override}")
 
 

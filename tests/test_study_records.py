@@ -366,7 +366,7 @@ def test_a_number_from_nowhere_is_found(small, subtests):
         ("Of v4 and `77`, [here](pictures/77.gif).", []),
         ("It earned 1,450 more.", ["1,450"]),
     ]:
-        with subtests.test(passage=passage, strange=strange):
+        with subtests.test(passage=passage):
             assert strange_numbers(passage, [small], []) == strange
 
 

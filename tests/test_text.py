@@ -26,7 +26,7 @@ def test_what_is_not_seen_is_written_out(subtests):
         ("name\udc80", "name\\udc80"),
         ("\U000e0041", "\\U000e0041"),
     ]:
-        with subtests.test(text=text, shown=shown):
+        with subtests.test(text=text):
             assert visible(text) == shown
 
 

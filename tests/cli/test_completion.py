@@ -41,7 +41,7 @@ def test_bash_completes(harness, monkeypatch, subtests):
         ("eta --proposed-reward ar", "arp"),
         ("describe --robot fd", "fd100"),
     ]:
-        with subtests.test(words=words, name=name):
+        with subtests.test(words=words):
             monkeypatch.setenv("_HARNESS_COMPLETE", "complete_bash")
             monkeypatch.setenv("COMP_WORDS", f"harness {words}")
             monkeypatch.setenv("COMP_CWORD", "3")

@@ -1,7 +1,6 @@
 """``--fail-on``: the exit status by what was answered."""
 
 import shlex
-from itertools import combinations, product
 
 import pytest
 
@@ -28,6 +27,7 @@ def said(*words, question="pay"):
         (["failing", "loitering"], [LOITERING], 1),
         (["failing"], [CANNOT_TELL], 3),
         (["failing"], [NOTHING, CANNOT_TELL], 3),
+        (["failing"], [LOITERING, CANNOT_TELL], 3),
         (["failing", "cannot-tell"], [NOTHING, CANNOT_TELL], 1),
         (["cannot-tell"], [NOTHING], 0),
         (["cannot-tell"], [], 3),
@@ -37,16 +37,6 @@ def said(*words, question="pay"):
 def test_status_follows_from_what_was_said(named, words, status):
     """A named answer comes before one that is not known, and that before none."""
     assert decide(named, said(*words))[0] == status
-
-
-def test_status_is_that_of_the_rule_said_otherwise():
-    """Over all sets of names and all answers to two rewards: the worst status of any answer by itself."""
-    names = {FAILING: "failing", LOITERING: "loitering", CANNOT_TELL: "cannot-tell", NOTHING: "nothing"}
-    for count in (1, 2):
-        for named, words in product(combinations(("failing", "loitering"), count), product(names, repeat=2)):
-            of_each = ["101"[names[it] in named] if it != CANNOT_TELL else "2" for it in words]
-            worst = 1 if any(names[it] in named for it in words) else 3 if "2" in of_each else 0
-            assert decide(named, said(*words))[0] == worst, (named, words)
 
 
 def test_question_that_nobody_asked_cannot_be_told():

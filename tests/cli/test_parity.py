@@ -142,7 +142,7 @@ def test_usage_errors_are_one_line(harness, tmp_path, subtests):
         (("--period", "nan"), "--period nan: must be above 0"),
         (("--sim", "exact,high", "--html", "no/p.html", *FEW), "'no/p.html' cannot be written"),
     ]:
-        with subtests.test(arguments=arguments, text=text):
+        with subtests.test(arguments=arguments):
             answer = harness("parity", *arguments)
             assert (answer.status, answer.out, answer.err.count("\n")) == (2, "", 1)
             assert text in answer.err

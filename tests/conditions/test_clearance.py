@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.linalg import norm
 from numpy.random import default_rng
 
 import harness
@@ -38,7 +39,7 @@ def points_in(kind, rng, count=4000):
     if kind in ("box", "mesh"):
         return np.clip(rng.uniform(-1.5, 1.5, (count, 3)), -1.0, 1.0) * size / 2.0
     direction = rng.normal(size=(count, 3))
-    direction /= np.linalg.norm(direction, axis=1)[:, None]
+    direction /= norm(direction, axis=1)[:, None]
     if kind == "sphere":
         return direction * size[0]
     along = np.clip(rng.uniform(-1.5, 1.5, count), -1.0, 1.0) * size[1] / 2.0

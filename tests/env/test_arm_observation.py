@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.linalg import norm
 from numpy.testing import assert_allclose, assert_array_equal
 
 import harness
@@ -77,7 +78,7 @@ def test_offset_leads_to_the_target(env):
     """Target = end effector + offset, and the distance is the offset's length."""
     seen = step(env, -0.7)
     assert_allclose(seen[:, TARGET], seen[:, END_EFFECTOR] + seen[:, OFFSET], atol=1e-6)
-    assert_allclose(seen[:, DISTANCE], np.linalg.norm(seen[:, OFFSET], axis=1), atol=1e-6)
+    assert_allclose(seen[:, DISTANCE], norm(seen[:, OFFSET], axis=1), atol=1e-6)
 
 
 def test_target_stands_still_in_an_episode(env):

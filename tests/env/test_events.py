@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.linalg import norm
 from numpy.random import default_rng
 from numpy.testing import assert_allclose
 
@@ -83,7 +84,7 @@ def up_of_the_tip(chain, qpos):
 
 def turned(quaternion_xyzw, vector):
     """The vector turned by the quaternion, whose length need not be 1."""
-    x, y, z, w = np.array(quaternion_xyzw) / np.linalg.norm(quaternion_xyzw)
+    x, y, z, w = np.array(quaternion_xyzw) / norm(quaternion_xyzw)
     axis = np.array([x, y, z])
     return vector + 2.0 * np.cross(axis, np.cross(axis, vector) + w * vector)
 

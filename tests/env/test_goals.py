@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.linalg import norm
 from numpy.testing import assert_allclose, assert_array_equal
 from pydantic.dataclasses import dataclass
 
@@ -69,9 +70,9 @@ def test_target_is_recorded_where_it_is(make, wander, recorded):
     """In each row; and the distance is that to it."""
     trace = recorded(make(3, Moving(horizon=12, target_speed=0.2)), lambda env: wander(env, 60))
     target, tip = (np.stack([trace[f"{name}_{axis}"] for axis in "xyz"], 1) for name in ("target", "end_effector"))
-    assert_allclose(trace["distance"], np.linalg.norm(target - tip, axis=1), rtol=1e-12)
+    assert_allclose(trace["distance"], norm(target - tip, axis=1), rtol=1e-12)
     for rows in trace.episodes:
-        ways = np.linalg.norm(np.diff(target[rows], axis=0), axis=1)
+        ways = norm(np.diff(target[rows], axis=0), axis=1)
         assert (ways <= 0.02 + 1e-9).all()
         assert np.median(ways) == pytest.approx(0.02)
 

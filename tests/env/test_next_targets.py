@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.linalg import norm
 from numpy.testing import assert_allclose, assert_array_equal
 
 import harness
@@ -86,7 +87,7 @@ def test_next_target_is_seen_at_once(tour):
     taken, _ = tour(FIRST)
     observations, *_, infos = taken[0]
     assert infos["distance"][0] < 1e-5
-    assert observations[0, 17] == pytest.approx(np.linalg.norm(PLACES[0] - PLACES[1]), abs=1e-5)
+    assert observations[0, 17] == pytest.approx(norm(PLACES[0] - PLACES[1]), abs=1e-5)
 
 
 def test_distances_restart_with_the_next_target(tour):
@@ -95,7 +96,7 @@ def test_distances_restart_with_the_next_target(tour):
     target = np.stack([trace[f"target_{axis}"] for axis in "xyz"], axis=1)
     tip = np.stack([trace[f"end_effector_{axis}"] for axis in "xyz"], axis=1)
     assert_array_equal(target, PLACES[[0, 0, 0, 1, 1, 2]])
-    begin = np.linalg.norm(PLACES - tip[[0, 2, 4]], axis=1)
+    begin = norm(PLACES - tip[[0, 2, 4]], axis=1)
     assert_allclose(trace["begin_distance"], begin[[0, 0, 0, 1, 1, 2]], rtol=1e-12)
     assert_array_equal(trace["previous_best"][[3, 5]], trace["begin_distance"][[3, 5]])
     assert_array_equal(trace["delta_distance"], trace["distance"] - trace["previous_best"])

@@ -1,6 +1,7 @@
 """What the env leaves in a trace."""
 
 import numpy as np
+from numpy.linalg import norm
 from numpy.testing import assert_allclose, assert_array_equal
 
 import harness
@@ -26,7 +27,7 @@ def test_recorded_columns_follow_from_one_another(recorded, make, wander):
     """Step, begin distance, best, distance and delta are recorded as the NOTE defines them: Pb is the value before."""
     trace = recorded(make(1, ReachTask(horizon=15)), lambda env: wander(env, 100))
     target, tip = (np.stack([trace[f"{name}_{axis}"] for axis in "xyz"], 1) for name in ("target", "end_effector"))
-    assert_allclose(trace["distance"], np.linalg.norm(target - tip, axis=1))
+    assert_allclose(trace["distance"], norm(target - tip, axis=1))
     assert_allclose(ROBOT.end_effector(trace["qpos"]), tip, atol=1e-9)
     assert_allclose(trace["delta_distance"], trace["distance"] - trace["previous_best"], atol=1e-15)
     starts = np.flatnonzero(trace["step"] == 0)

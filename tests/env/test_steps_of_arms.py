@@ -181,24 +181,28 @@ def test_other_terms_than_at_first_end_the_run(make):
         env.step(np.zeros((1, 6), np.float32))
 
 
-def test_what_was_before_is_kept_with_the_state(make):
+@pytest.fixture
+def goes_on(make):
+    """Has an env go on from the state of another one, or from what is kept of it: it pays as that one does."""
+
+    def goes_on(kept=lambda state: state, **given):
+        env, again = (make(2, task=ReachTask(horizon=9), resumable=True, **given) for _ in range(2))
+        env.reset(seed=0)
+        actions = default_rng(0).uniform(-1.0, 1.0, (12, 2, 6)).astype(np.float32)
+        for action in actions[:5]:
+            env.step(action)
+        again.restore(kept(env.state()))
+        for action in actions[5:]:
+            assert_array_equal(env.step(action)[1], again.step(action)[1])
+
+    return goes_on
+
+
+def test_what_was_before_is_kept_with_the_state(goes_on):
     """An env that goes on from another's state pays as that one does."""
-    reward = reward_class(everything)()
-    env, again = (make(2, reward=reward, task=ReachTask(horizon=9), resumable=True) for _ in range(2))
-    env.reset(seed=0)
-    actions = default_rng(0).uniform(-1.0, 1.0, (12, 2, 6)).astype(np.float32)
-    for action in actions[:5]:
-        env.step(action)
-    again.restore(env.state())
-    for action in actions[5:]:
-        assert_array_equal(env.step(action)[1], again.step(action)[1])
+    goes_on(reward=reward_class(everything)())
 
 
-def test_a_state_of_an_earlier_version_goes_on(make):
+def test_a_state_of_an_earlier_version_goes_on(goes_on):
     """It does not tell what was before: rewards of its time did not read that."""
-    env, again = (make(2, task=ReachTask(horizon=9), resumable=True) for _ in range(2))
-    env.reset(seed=0)
-    action = np.full((2, 6), 0.5, np.float32)
-    env.step(action)
-    again.restore({name: value for name, value in env.state().items() if "before" not in name})
-    assert_array_equal(env.step(action)[1], again.step(action)[1])
+    goes_on(lambda state: {name: value for name, value in state.items() if "before" not in name})

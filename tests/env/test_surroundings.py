@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.linalg import norm
 from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal
 
@@ -110,7 +111,7 @@ def test_noise_has_its_standard_deviation(make):
             found.append(getattr(seen, name) - getattr(env.episodes, name))
         assert_allclose(seen.end_effector, ROBOT.end_effector(seen.qpos), atol=1e-12)
         assert_allclose(seen.offset, seen.target - seen.end_effector)
-        assert_allclose(seen.distance, np.linalg.norm(seen.offset, axis=1))
+        assert_allclose(seen.distance, norm(seen.offset, axis=1))
     for name, deviation in (("qpos", 0.03), ("qvel", 0.2), ("qvel_change", 0.2 * np.sqrt(2.0)), ("target", 0.04)):
         assert np.std(differences[name]) == pytest.approx(deviation, rel=0.03)
         assert abs(np.mean(differences[name])) < 0.05 * deviation

@@ -4,6 +4,7 @@ import re
 from dataclasses import replace
 
 import numpy as np
+from hypothesis import strategies as st
 
 from harness.eta import (
     TRAINING,
@@ -22,6 +23,8 @@ SUCCESS = Quantity("success_rate", "", "higher", "deterministic", episodes=100)
 TIME = Quantity("time_to_target", "s", "lower", "deterministic")
 SPEED = Quantity("success_rate", "", "higher", TRAINING, episodes=100)
 DECIDED = (Answer.HELPS, Answer.HURTS, Answer.LEARNS_FASTER, Answer.LEARNS_SLOWER, Answer.MIXED)
+PAIRS = st.lists(st.tuples(st.floats(0.0, 1.0), st.floats(0.0, 1.0)), min_size=1, max_size=8)
+"""Of shares of success under both rewards."""
 CLAIM = re.compile(r"\b([Bb]etter|[Ww]orse|helps|hurts|reaches|succeeds|faster|slower|slowly)\b")
 """What is said only where a test says it."""
 

@@ -78,7 +78,7 @@ def test_who_failed_is_counted_of_a_share_of_which_more_is_better():
 @given(st.lists(st.tuples(NUMBER, NUMBER), min_size=3, max_size=10))
 def test_interval_is_that_of_welchs_t_test(pairs):
     """Scipy's."""
-    one, other = (list(values) for values in zip(*pairs, strict=True))
+    one, other = zip(*pairs, strict=True)
     assume(min(np.std(one), np.std(other)) > 1e-3)
     expected = scipy.stats.ttest_ind(other, one, equal_var=False).confidence_interval()
     found = change(one, other)
@@ -105,7 +105,7 @@ def test_few_pairs_have_no_interval(seeds):
 @given(st.lists(st.tuples(NUMBER, NUMBER), min_size=2, max_size=8))
 def test_p_value_is_that_of_swapped_names(pairs):
     """In how many ways to swap the names of the trainings the difference is as large."""
-    one, other = (list(values) for values in zip(*pairs, strict=True))
+    one, other = zip(*pairs, strict=True)
     outcomes = swaps_of(range(len(pairs))).signs @ np.subtract(other, one) / len(pairs)
     found = change(one, other)
     assert found.p == p_of(outcomes)

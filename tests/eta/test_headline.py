@@ -24,7 +24,7 @@ from harness.eta import (
     swaps_of,
 )
 from harness.eta.power import seeds_to_tell
-from tests.eta.headlines import CLAIM, DECIDED, NAMES, SPEED, SUCCESS, TIME, change, headline_of, ruling_of
+from tests.eta.headlines import CLAIM, DECIDED, NAMES, PAIRS, SPEED, SUCCESS, TIME, change, headline_of, ruling_of
 
 SEEDS = 10
 SAME = (-100.0, 100.0)
@@ -244,14 +244,13 @@ def test_behaviour_that_was_not_measured(changes):
 
 
 @given(
-    st.lists(st.tuples(st.floats(0.0, 1.0), st.floats(0.0, 1.0)), min_size=1, max_size=8),
+    PAIRS,
     st.none() | st.floats(0.0, 1.0),
     st.sampled_from([SUCCESS, TIME, SPEED]),
 )
 def test_no_claim_without_a_corrected_p_value(pairs, p, measure):
     """No word of better or worse, helps or hurts, faster or slower, stands where p is above 0.05 or is not known."""
-    one, other = (list(values) for values in zip(*pairs, strict=True))
-    found = ruled(change(one, other, measure, p))
+    found = ruled(change(*zip(*pairs, strict=True), measure, p))
     sentences = found.robot.replace("Whether mine helps or hurts", "")
     if p is None or p > 0.05:
         assert found.answer in (Answer.CANNOT_TELL, Answer.NO_DIFFERENCE, Answer.NEITHER_LEARNS)

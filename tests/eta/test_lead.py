@@ -14,7 +14,7 @@ from harness.eta import (
     judge,
     lead_of,
 )
-from tests.eta.headlines import CLAIM, DECIDED, NAMES, SPEED, TIME, change
+from tests.eta.headlines import CLAIM, DECIDED, NAMES, PAIRS, SPEED, TIME, change
 
 HEIGHT = Quantity("tip_height", "m", "higher", "deterministic")
 
@@ -155,7 +155,7 @@ def test_the_answer_is_said(row):
 
 
 @given(
-    st.lists(st.tuples(st.floats(0.0, 1.0), st.floats(0.0, 1.0)), min_size=1, max_size=8),
+    PAIRS,
     st.floats(0.0, 1.0),
     st.sampled_from([-1, 0, 1]),
 )

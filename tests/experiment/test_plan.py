@@ -186,7 +186,7 @@ def test_unknown_names_are_refused(toys, subtests):
         ({"robot": "fd10"}, "No robot 'fd10'."),
         ({"robot": "./nowhere"}, "No robot at './nowhere'"),
     ]:
-        with subtests.test(keys=keys, message=message), refused(f"^{re.escape(message)}"):
+        with subtests.test(keys=keys), refused(f"^{re.escape(message)}"):
             _plan(toys, **keys)
 
 

@@ -30,7 +30,7 @@ def test_words_of_one_kind_are_alternatives_and_kinds_narrow(cells, subtests):
         ("seed=0,seed=2,sac", 4),
         ("ideal", 12),
     ]:
-        with subtests.test(text=text, count=count):
+        with subtests.test(text=text):
             assert len(select(cells, text)) == count
 
 

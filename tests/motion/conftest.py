@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from numpy.linalg import norm
 from numpy.random import default_rng
 
 from harness.motion import Setting
@@ -155,6 +156,6 @@ def directions():
 
     def draw(count, seed=0):
         vectors = default_rng(seed).normal(size=(count, 3))
-        return vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
+        return vectors / norm(vectors, axis=1, keepdims=True)
 
     return draw

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from hypothesis import assume, given, strategies as st
+from numpy.linalg import norm
 from numpy.testing import assert_allclose, assert_array_equal
 
 from harness.motion.tip import arc_through
@@ -23,8 +24,8 @@ def on(arc, distance):
 
 def spans_a_plane(via, end):
     """Whether the three points are clearly no line."""
-    sides = np.linalg.norm(via) * np.linalg.norm(end)
-    return np.linalg.norm(np.cross(via, end)) > 0.01 * sides and np.linalg.norm(end - via) > 0.01
+    sides = norm(via) * norm(end)
+    return norm(np.cross(via, end)) > 0.01 * sides and norm(end - via) > 0.01
 
 
 @given(POINT, POINT, st.floats(0.0, 1.0))
@@ -35,11 +36,11 @@ def test_an_arc_is_the_circle_through_its_points(via, end, share):
     length, center, radius = arc.length[0, 0], arc.radius[0] * arc.inward[0], arc.radius[0, 0]
     assert_array_equal(on(arc, 0.0), 0.0)
     assert_allclose(on(arc, length), end, atol=1e-6)
-    assert np.linalg.norm(arc.point(np.linspace(0.0, arc.length[0], 4001)) - via, axis=1).min() < length / 4000
+    assert norm(arc.point(np.linspace(0.0, arc.length[0], 4001)) - via, axis=1).min() < length / 4000
     place, step = share * length, 1e-4 * radius
     for point in (np.zeros(3), via, end, on(arc, place)):
-        assert np.linalg.norm(point - center) == pytest.approx(radius, rel=1e-6)
-    assert np.linalg.norm(on(arc, place + step) - on(arc, place)) == pytest.approx(step, rel=1e-4)
+        assert norm(point - center) == pytest.approx(radius, rel=1e-6)
+    assert norm(on(arc, place + step) - on(arc, place)) == pytest.approx(step, rel=1e-4)
 
 
 def test_half_a_circle():

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
+from numpy.linalg import norm
 from numpy.random import default_rng
 from numpy.testing import assert_allclose
 
@@ -51,7 +52,7 @@ def test_a_joint_at_its_end_leaves_the_way_to_the_others(fd100, setting_of, cour
         course = course_of(motion, start[None], [0.2 * direction[None]] * 4)
         way = np.diff(fd100.end_effector(course.qpos[[0, -1], 0]), axis=0)[0]
         assert not course.held.any()
-        assert_allclose(way / np.linalg.norm(way), direction, atol=1e-2)
+        assert_allclose(way / norm(way), direction, atol=1e-2)
 
 
 def test_a_range_that_blocks_is_held(setting_of, course_of):
@@ -91,7 +92,7 @@ def test_a_way_of_no_length_brakes(follower, fd100):
     """Nothing asked for is nothing held: the joints slow down in their ratio."""
     qvel = np.array([[0.5, -0.4, 0.3, 0.0, 0.1, 0.0]])
     move = follower.pass_along(fd100.home[None], qvel, lambda gone: np.zeros((1, 3)), 1)
-    assert_allclose(move.qvel / np.linalg.norm(move.qvel), qvel / np.linalg.norm(qvel))
+    assert_allclose(move.qvel / norm(move.qvel), qvel / norm(qvel))
     assert np.abs(move.qvel).max() < 0.5
     assert not move.held.any()
 
@@ -102,4 +103,4 @@ def _most_stretched(robot, qpos):
     poses = np.tile(qpos, (third.size, 1))
     poses[:, 2], poses[:, 4] = third.ravel(), fifth.ravel()
     shoulder = np.array([0.18, 0.0, 0.43])
-    return poses[[np.linalg.norm(robot.end_effector(poses) - shoulder, axis=1).argmax()]]
+    return poses[[norm(robot.end_effector(poses) - shoulder, axis=1).argmax()]]

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from numpy.linalg import norm
 from numpy.testing import assert_allclose, assert_array_equal
 
 from harness.motion.tip import CartesianMode
@@ -29,14 +30,14 @@ def test_users_axes_of_a_turned_table(fd100):
 def test_users_axes_are_right_handed_and_through_the_points(fd100, origin, on_x, on_xy):
     """The axes are a rotation; the second point has positive x and no y nor z, the third positive y and no z."""
     edges = np.array(on_x) - origin, np.array(on_xy) - origin
-    if np.linalg.norm(np.cross(*edges)) < 1e-3:
+    if norm(np.cross(*edges)) < 1e-3:
         return
     mode = CartesianMode(frame="ucs", ucs_origin=origin, ucs_x=on_x, ucs_xy=on_xy)
     columns = mode.axes(fd100).to_world(fd100.home[None], np.eye(3)[None])[0].T
     assert_allclose(columns.T @ columns, np.eye(3), atol=1e-9)
     assert np.linalg.det(columns) == pytest.approx(1.0)
     x_point, xy_point = (columns.T @ edge for edge in edges)
-    assert_allclose(x_point, [np.linalg.norm(edges[0]), 0.0, 0.0], atol=1e-9)
+    assert_allclose(x_point, [norm(edges[0]), 0.0, 0.0], atol=1e-9)
     assert xy_point[1] > 0.0
     assert xy_point[2] == pytest.approx(0.0, abs=1e-9)
 

@@ -125,5 +125,5 @@ def test_what_is_wrong_is_said_in_one_line(fd100, setting_of, subtests):
         ("discrete:action=movel,parts=2", "Action mode 'discrete' has no parameter 'parts'"),
         ("discrete:action=movel:speed=2", "Action mode 'movel' has no parameter 'speed'"),
     ]:
-        with subtests.test(text=text, message=message), refused(message):
+        with subtests.test(text=text), refused(message):
             build_motion(text, setting_of(fd100))

@@ -2,6 +2,7 @@
 
 import numpy as np
 from hypothesis import given, settings, strategies as st
+from numpy.linalg import norm
 from numpy.testing import assert_allclose
 
 from harness.motion import build_motion
@@ -17,7 +18,7 @@ def beside_the_arc(points, via, end):
     arc = arc_through(via[None], end[None])
     center, normal = arc.radius[0] * arc.inward[0], np.cross(arc.forward[0], arc.inward[0])
     out = points @ normal
-    return np.hypot(np.linalg.norm(points - center - out[:, None] * normal, axis=1) - arc.radius[0, 0], out)
+    return np.hypot(norm(points - center - out[:, None] * normal, axis=1) - arc.radius[0, 0], out)
 
 
 @settings(max_examples=30)
@@ -25,7 +26,7 @@ def beside_the_arc(points, via, end):
 def test_the_end_effector_stays_on_the_circle(fd100, setting_of, course_of, action):
     """From rest it is on the circle through start, via and end at each waypoint, however tight that is."""
     via, end = WAY * action[:3], WAY * action[3:]
-    if np.linalg.norm(np.cross(via, end)) <= 1e-2 * np.linalg.norm(via) * np.linalg.norm(end) or not end.any():
+    if norm(np.cross(via, end)) <= 1e-2 * norm(via) * norm(end) or not end.any():
         return
     course = course_of(build_motion("movea", setting_of(fd100)), fd100.home[None], [action[None]])
     tips = fd100.end_effector(course.qpos[:, 0])
@@ -38,7 +39,7 @@ def test_it_goes_over_the_via_point(fd100, setting_of, course_of):
     action = np.array([[0.5, 0.5, 0.0, 1.0, 0.0, 0.0]])
     tips = fd100.end_effector(course_of(build_motion("movea", setting_of(fd100)), fd100.home[None], [action]).qpos)
     first = (tips[1] - tips[0])[0]
-    assert_allclose(first / np.linalg.norm(first), [0.0, 1.0, 0.0], atol=0.15)
+    assert_allclose(first / norm(first), [0.0, 1.0, 0.0], atol=0.15)
 
 
 def test_three_points_on_a_line_are_movel(fd100, setting_of, course_of):
@@ -58,7 +59,7 @@ def test_a_long_arc_is_gone_at_tip_speed(fd100, setting_of, course_of):
         (c, s) = np.cos(k), np.sin(k)  # a period is one radian of a circle of 1 cm
         actions.append((points @ [[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]]).reshape(1, 6))
     tips = fd100.end_effector(course_of(motion, fd100.home[None], actions).qpos[:, 0])
-    assert_allclose(np.linalg.norm(np.diff(tips[-5:], axis=0), axis=1), 2.0 * 0.01 * np.sin(0.125), rtol=0.02)
+    assert_allclose(norm(np.diff(tips[-5:], axis=0), axis=1), 2.0 * 0.01 * np.sin(0.125), rtol=0.02)
 
 
 def test_axes_are_those_of_the_frame(fd100, setting_of, course_of):

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.linalg import norm
 from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal
 
@@ -45,9 +46,9 @@ def driven(arm, setting_of, directions):
 def require_line(tips, held, world):
     """Within 1 mm while not held, and of some length."""
     way = tips - tips[0]
-    beside = np.linalg.norm(way - np.vecdot(way, world)[..., None] * world, axis=-1)
+    beside = norm(way - np.vecdot(way, world)[..., None] * world, axis=-1)
     assert np.where(held, 0.0, beside).max() < 1e-3
-    assert np.linalg.norm(way, axis=-1).max() > 0.2
+    assert norm(way, axis=-1).max() > 0.2
 
 
 def test_the_end_effector_stays_on_the_line(driven, directions):
@@ -69,7 +70,7 @@ def test_the_check_on_the_line_sees_a_fault(fd100, setting_of, directions, monke
     world = directions(COUNT)
     tips, held = drive_along(build_motion("movel", setting_of(fd100)), fd100, world, 30)
     way = tips - tips[0]
-    beside = np.linalg.norm(way - np.vecdot(way, world)[..., None] * world, axis=-1)
+    beside = norm(way - np.vecdot(way, world)[..., None] * world, axis=-1)
     assert np.where(held, 0.0, beside).max() > 1e-3
 
 
@@ -94,7 +95,7 @@ def test_the_speed_becomes_tip_speed(fd100, setting_of, course_of, parts):
     """With a constant action the end effector gets to tip_speed, and no farther, into however many parts it is cut."""
     motion = build_motion(f"movel:tip_speed=0.3,parts={parts}", setting_of(fd100))
     course = course_of(motion, fd100.home[None], [np.array([[-0.6, 0.0, 0.8]])] * 6)
-    speeds = np.linalg.norm(np.diff(fd100.end_effector(course.qpos[:, 0]), axis=0), axis=1) / (0.1 / parts)
+    speeds = norm(np.diff(fd100.end_effector(course.qpos[:, 0]), axis=0), axis=1) / (0.1 / parts)
     assert speeds[-1] == pytest.approx(0.3, rel=1e-3)
     assert speeds.max() < 0.3 * 1.001
 
@@ -112,7 +113,7 @@ def test_a_long_action_is_one_of_length_1(fd100, setting_of, course_of):
     for action in ([1.0, 1.0, 1.0], [1e300, 1e300, np.inf]):
         course = course_of(motion, fd100.home[None], [np.array([action])] * 4)
         tips = fd100.end_effector(course.qpos[:, 0])
-        assert np.linalg.norm(tips[-1] - tips[-5]) == pytest.approx(0.02, rel=1e-3)
+        assert norm(tips[-1] - tips[-5]) == pytest.approx(0.02, rel=1e-3)
 
 
 @pytest.mark.parametrize(
@@ -124,7 +125,7 @@ def test_axes_of_the_action(fd100, setting_of, course_of, frame, axis, world):
     motion = build_motion(f"movel:frame={frame}", setting_of(fd100))
     course = course_of(motion, fd100.home[None], [np.eye(3)[axis][None]] * 2)
     way = np.diff(fd100.end_effector(course.qpos[[0, -1], 0]), axis=0)[0]
-    assert_allclose(way / np.linalg.norm(way), world, atol=1e-3)
+    assert_allclose(way / norm(way), world, atol=1e-3)
 
 
 def test_tool_axis_of_the_action(fd100, setting_of, course_of):
@@ -132,7 +133,7 @@ def test_tool_axis_of_the_action(fd100, setting_of, course_of):
     course = course_of(build_motion("movel:frame=tcs", setting_of(fd100)), fd100.home[None], [np.array([[0, 0, 1.0]])])
     way = np.diff(fd100.end_effector(course.qpos[[0, -1], 0]), axis=0)[0]
     tool = forward(fd100.chain, fd100.home)[:3, 2]
-    assert_allclose(way / np.linalg.norm(way), tool, atol=1e-3)
+    assert_allclose(way / norm(way), tool, atol=1e-3)
 
 
 @pytest.mark.parametrize(
@@ -160,7 +161,7 @@ def test_brakes_on_the_line(fd100, setting_of, course_of, directions):
     actions = [world] * 4 + [np.zeros_like(world)] * 4
     course = course_of(motion, np.tile(fd100.home, (COUNT, 1)), actions)
     way = fd100.end_effector(course.qpos) - fd100.end_effector(fd100.home)
-    assert np.linalg.norm(way - np.vecdot(way, world)[..., None] * world, axis=-1).max() < 2e-3
+    assert norm(way - np.vecdot(way, world)[..., None] * world, axis=-1).max() < 2e-3
     assert_array_equal(course.qvel[-1], 0.0)
     assert not course.held.any()
 

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.linalg import norm
 from numpy.random import default_rng
 
 from harness.robot.robot import load_robot
@@ -45,7 +46,7 @@ def draw_arm(rng):
 
 def _draw_joint(rng, name, kind):
     axis = np.array([rng.gauss(0, 1) for _ in range(3)])
-    axis = axis / np.linalg.norm(axis) if rng.random() < 0.3 else np.eye(3)[rng.randrange(3)] * rng.choice((-1, 1))
+    axis = axis / norm(axis) if rng.random() < 0.3 else np.eye(3)[rng.randrange(3)] * rng.choice((-1, 1))
     upper = 0.1 if kind == "prismatic" else 2.0
     return Joint(
         name,

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode
+from numpy.linalg import norm
 from numpy.random import default_rng
 from numpy.testing import assert_allclose
 
@@ -119,5 +120,5 @@ def test_the_target_of_a_state_is_that_of_its_distance(task):
     """Also where a task sets the next one at the end of a step."""
     for rollout in record_rollouts(IdealSimulator(), load_robot(task.robot), task, 6):
         states = rollout.states
-        away = np.linalg.norm(states["target"] - states["end_effector"], axis=-1)
+        away = norm(states["target"] - states["end_effector"], axis=-1)
         assert_allclose(away, states["distance"], atol=1e-12)

@@ -68,6 +68,8 @@ def build(tmp_path_factory):
 
 
 OLD, NEW = "9340a572" + "0" * 56, "f96dd784" + "0" * 56
+NO_PAIR = {"seeds": 1, "ended": {("arp", 0): ("failed", "it broke")}}
+"""Of results in which no seed is done under both rewards."""
 MIXTURE = "1 of 6 cells was made by another sac (9340a572; the others f96dd784): they are not the same algorithm"
 
 
@@ -344,3 +346,17 @@ def barriers():
         return [f"{it['id']}: {node['html'][:200]}: {node['failureSummary']}" for it in found for node in it["nodes"]]
 
     return find
+
+
+@pytest.fixture
+def fits(show, barriers):
+    """A page, unfolded in a browser, complains of nothing, is no wider than its window, and axe finds nothing."""
+
+    def fits(path, width, scheme):
+        page = show(path.as_uri(), width, scheme)
+        page.evaluate("for (const part of document.querySelectorAll('details')) part.open = true")
+        assert page.complaints == []
+        assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+        assert barriers(page) == []
+
+    return fits

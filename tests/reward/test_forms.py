@@ -132,7 +132,7 @@ def test_a_function_of_steps_has_an_argument_of_that_name(subtests):
         (NegativeDistance(), False),
         ("own", False),
     ]:
-        with subtests.test(found=found, is_one=is_one):
+        with subtests.test(found=found):
             assert is_function_of_steps(found) is is_one
 
 

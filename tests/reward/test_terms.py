@@ -83,7 +83,7 @@ def test_what_are_no_terms_is_refused(subtests):
         ({3: ONE}, "3 is no name of a term"),
         ({"x" * 61: ONE}, "at most 60"),
     ]:
-        with subtests.test(returned=returned, told=told), refused(told):
+        with subtests.test(returned=returned), refused(told):
             paid_of(returned)
 
 

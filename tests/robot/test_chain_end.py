@@ -33,7 +33,7 @@ def test_tip_is_where_one_chain_ends(subtests):
         (("a>b", "b>c", "c>d", "d-hand", "hand-palm", "palm>one", "one>two", "palm>three"), "palm"),
         (("a>b", "b>c", "c>d", "d-left", "left>x", "d-right", "right>y"), "d"),
     ]:
-        with subtests.test(joints=joints, tip=tip):
+        with subtests.test(joints=joints):
             assert find_chain_end(arm(*joints)) == tip
             assert find_chain_end(arm(*reversed(joints))) == tip
 

@@ -89,8 +89,7 @@ def test_lowest_point_where_it_is_known(solids, flat, upright):
 def test_lowest_point_of_a_box_is_a_corner():
     """In any orientation of the link, wherever in the link the box is."""
     frames, pose = rotations(200), transform((0.5, -0.6, 0.7), (0.4, 0.5, 0.6))
-    corners = np.stack(np.meshgrid([-0.1, 0.1], [-0.2, 0.2], [-0.3, 0.3])).reshape(3, -1)
-    in_link = pose[:3, :3] @ corners + pose[:3, 3:]
+    in_link = pose[:3, :3] @ CORNERS.T + pose[:3, 3:]
     heights = np.einsum("kn,kc->nc", frames[0, 2, :3], in_link).min(axis=1)
     box = build_solids([[Shape("box", (0.2, 0.4, 0.6), pose)]])
     assert_allclose(box.lowest(frames), heights, atol=1e-14)

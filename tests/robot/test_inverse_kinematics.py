@@ -1,6 +1,7 @@
 """Inverse kinematics: what is found is right, and most of what can be reached is found."""
 
 import numpy as np
+from numpy.linalg import norm
 from numpy.random import default_rng
 from numpy.testing import assert_array_equal
 
@@ -12,10 +13,15 @@ ROBOT = harness.load_robot("fd100")
 COUNT = 200
 
 
-def reachable_points():
-    """End effectors of random poses within 60 degrees of home."""
+def near_home():
+    """Random poses within 60 degrees of home."""
     noise = default_rng(0).uniform(-np.pi / 3, np.pi / 3, (COUNT, ROBOT.dof))
-    return ROBOT.end_effector(np.clip(ROBOT.home + noise, ROBOT.lower, ROBOT.upper))
+    return np.clip(ROBOT.home + noise, ROBOT.lower, ROBOT.upper)
+
+
+def reachable_points():
+    """Their end effectors."""
+    return ROBOT.end_effector(near_home())
 
 
 def from_home(points):
@@ -27,7 +33,7 @@ def test_found_poses_are_there():
     """Where it says so, the end effector is within the tolerance of the point; where not, it is not."""
     points = np.concatenate([reachable_points(), [[5.0, 0.0, 0.0]]])
     qpos, reached = from_home(points)
-    assert_array_equal(reached, np.linalg.norm(ROBOT.end_effector(qpos) - points, axis=1) <= 1e-3)
+    assert_array_equal(reached, norm(ROBOT.end_effector(qpos) - points, axis=1) <= 1e-3)
 
 
 def test_most_of_what_can_be_reached_is_found():
@@ -53,7 +59,7 @@ def test_tighter_tolerance_is_kept():
     start = np.tile(ROBOT.home, (COUNT, 1))
     qpos, reached = reach_position(ROBOT, points, start, tolerance=1e-6, iterations=200)
     assert reached.mean() >= 0.9
-    assert np.linalg.norm(ROBOT.end_effector(qpos) - points, axis=1)[reached].max() <= 1e-6
+    assert norm(ROBOT.end_effector(qpos) - points, axis=1)[reached].max() <= 1e-6
 
 
 def test_start_is_left_alone():
@@ -74,13 +80,12 @@ def test_a_far_target_does_not_throw_the_arm():
 
 def test_poses_are_found_with_their_orientation():
     """Where it says so, place and orientation are within the tolerances; of poses about home nearly all are found."""
-    noise = default_rng(0).uniform(-np.pi / 3, np.pi / 3, (COUNT, ROBOT.dof))
-    wanted = forward(ROBOT.chain, np.clip(ROBOT.home + noise, ROBOT.lower, ROBOT.upper))
+    wanted = forward(ROBOT.chain, near_home())
     start = np.tile(ROBOT.home, (COUNT, 1))
     qpos, reached = reach_pose(ROBOT, wanted[:, :3, 3], wanted[:, :3, :3], start)
     found = forward(ROBOT.chain, qpos)
-    way = np.linalg.norm(found[:, :3, 3] - wanted[:, :3, 3], axis=1)
-    turn = np.linalg.norm(rotation_between(found[:, :3, :3], wanted[:, :3, :3]), axis=1)
+    way = norm(found[:, :3, 3] - wanted[:, :3, 3], axis=1)
+    turn = norm(rotation_between(found[:, :3, :3], wanted[:, :3, :3]), axis=1)
     assert_array_equal(reached, (way <= 1e-3) & (turn <= 1e-2))
     assert reached.mean() > 0.9
     assert ((qpos >= ROBOT.lower) & (qpos <= ROBOT.upper)).all()

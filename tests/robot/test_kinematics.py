@@ -4,6 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
+from numpy.linalg import norm
 from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal
 
@@ -50,7 +51,7 @@ def test_chain_holds_the_joints_that_move():
     assert CHAIN.kinds == ("continuous", "revolute", "prismatic", "revolute")
     assert CHAIN.dof == 4
     assert CHAIN.T_previous_joint.shape == (4, 4, 4)
-    assert_allclose(np.linalg.norm(CHAIN.axes, axis=-1), 1.0, rtol=1e-15)
+    assert_allclose(norm(CHAIN.axes, axis=-1), 1.0, rtol=1e-15)
     for array in (CHAIN.T_previous_joint, CHAIN.axes, CHAIN.T_last_tip, *CHAIN.terms):
         assert not array.flags.writeable
 

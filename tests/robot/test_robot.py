@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.linalg import norm
 from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal
 
@@ -165,7 +166,7 @@ def test_reach_is_the_chain_stretched_out(robot):
     assert (robot.reach, robot.extent) == pytest.approx((0.95, 5.95))
     poses = default_rng(0).uniform(robot.lower, robot.upper, (1000, 3))
     for origin, most in ((5.0, robot.reach), (0.0, robot.extent)):
-        assert np.linalg.norm(robot.end_effector(poses) - [0.0, 0.0, origin], axis=1).max() < most
+        assert norm(robot.end_effector(poses) - [0.0, 0.0, origin], axis=1).max() < most
 
 
 def test_wrong_shape_is_refused(robot):
@@ -315,7 +316,7 @@ def test_bad_settings_are_refused_in_one_line(tmp_path_factory, subtests):
         ('"arm.urdf"', '"' + "x" * 5_000 + '"', "cannot be read"),
         ('"arm.urdf"', '"/dev/zero"', "it is no regular file"),
     ]:
-        with subtests.test(old=old, new=new, message=message):
+        with subtests.test(old=old):
             tmp_path = tmp_path_factory.mktemp("case")
             toml = TOML.replace(old, new)
             assert toml != TOML

@@ -2,19 +2,20 @@
 
 import numpy as np
 from hypothesis import given, strategies as st
+from numpy.linalg import norm
 from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
 from harness.robot import rotation_of_axes
 from harness.robot.kinematics import axes_of_rotation, rotation_between
 
-QUATERNIONS = st.lists(st.floats(-1.0, 1.0), min_size=4, max_size=4).filter(lambda q: np.linalg.norm(q) > 0.1)
+QUATERNIONS = st.lists(st.floats(-1.0, 1.0), min_size=4, max_size=4).filter(lambda q: norm(q) > 0.1)
 ROTATIONS = QUATERNIONS.map(lambda q: Rotation.from_quat(q).as_matrix()[None])
 
 
 def angle(one, other):
     """Between two orientations, [rad]."""
-    return float(np.linalg.norm(rotation_between(one, other)))
+    return float(norm(rotation_between(one, other)))
 
 
 @given(ROTATIONS, ROTATIONS)

@@ -128,7 +128,7 @@ def test_bad_drives_are_refused_in_one_line(tmp_path_factory, subtests):
         ("0.012", '"soon"', r"\[servo\]: latency_s is 'soon'. Give a finite number."),
         ("= false", "= 1", r"\[servo\]: gravity_compensated is 1. Give true or false."),
     ]:
-        with subtests.test(old=old, new=new, message=message):
+        with subtests.test(old=old):
             tmp_path = tmp_path_factory.mktemp("case")
             toml = TOML.replace(old, new) if new != "servo = 5" else "servo = 5\n" + TOML[: TOML.index("[servo]")]
             assert toml != TOML

@@ -75,7 +75,7 @@ def test_malformed_shape_is_a_usage_error(arm_text, subtests):
         ('xyz="0.1 0.2 0.3" rpy', 'xyz="0.1 0.2" rpy', "<origin>"),
         ('rpy="0.4 0.5 0.6"/> <geometry>', 'rpy="a b c"/> <geometry>', "<origin>"),
     ]:
-        with subtests.test(good=good, bad=bad, message=message):
+        with subtests.test(good=good):
             assert arm_text.count(good) == 1
             with refused(re.escape(message)) as caught:
                 read_shapes(parse_urdf(arm_text.replace(good, bad)))

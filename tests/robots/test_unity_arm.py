@@ -9,6 +9,7 @@ from xml.etree import ElementTree
 import mujoco
 import numpy as np
 import pytest
+from numpy.linalg import norm
 from numpy.random import default_rng
 from numpy.testing import assert_allclose
 
@@ -100,7 +101,7 @@ def _mirrored(unity):
 
 def _turned(quaternion_xyzw, vector):
     """The vector turned by the quaternion, whose length need not be 1."""
-    x, y, z, w = np.array(quaternion_xyzw) / np.linalg.norm(quaternion_xyzw)
+    x, y, z, w = np.array(quaternion_xyzw) / norm(quaternion_xyzw)
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     twice = 2.0 * cross @ vector
     return vector + w * twice + cross @ twice
@@ -130,7 +131,7 @@ def _capsule_ends(capsule, qpos):
 def test_end_effector_is_that_of_the_original(subtests):
     """At the same angles in degrees the end effector is the mirror image of the original's."""
     for angles_deg, unity in CHECK_POINTS:
-        with subtests.test(angles_deg=angles_deg, unity=unity):
+        with subtests.test(angles_deg=angles_deg):
             assert_allclose(ROBOT.end_effector(np.radians(angles_deg)), _mirrored(unity), rtol=0.0, atol=1e-6)
 
 
@@ -197,7 +198,7 @@ def test_capsules_are_where_the_original_has_them(model, data, link, capsule, at
     assert_allclose(data.geom_xpos[spheres], ends, rtol=0.0, atol=1e-9)
     assert_allclose(data.geom_xpos[cylinder], ends.mean(axis=0), rtol=0.0, atol=1e-9)
     assert_allclose(np.cross(data.geom_xmat[cylinder].reshape(3, 3)[:, 2], span), 0.0, atol=1e-9)
-    assert_allclose(model.geom_size[cylinder, :2], [radius, np.linalg.norm(span) / 2.0], rtol=1e-9)
+    assert_allclose(model.geom_size[cylinder, :2], [radius, norm(span) / 2.0], rtol=1e-9)
     assert_allclose(model.geom_size[spheres, 0], radius, rtol=1e-12)
 
 

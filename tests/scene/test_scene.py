@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.linalg import norm
 from numpy.random import default_rng
 from numpy.testing import assert_allclose
 
@@ -37,7 +38,7 @@ def test_the_drawn_fd100_lies_where_its_shapes_are():
     """Its hand is drawn around the end effector, and its foot stands on the ground."""
     robot = load_robot("fd100")
     corners, _ = corners_of(scene_of(robot), robot.home)
-    assert np.linalg.norm(corners.reshape(-1, 3) - robot.end_effector(robot.home), axis=1).min() < 0.05
+    assert norm(corners.reshape(-1, 3) - robot.end_effector(robot.home), axis=1).min() < 0.05
     assert corners[..., 2].min() == pytest.approx(0.0, abs=1e-9)
 
 
@@ -100,7 +101,7 @@ def test_what_has_no_colour_is_grey(tmp_path_factory, subtests):
         ('<material name="own"><color rgba="nan 0 0 1"/></material>', GREY),
     ]
     for material, colour in rows:
-        with subtests.test(material=material, colour=colour):
+        with subtests.test(material=material):
             tmp_path = tmp_path_factory.mktemp("case")
             assert {body.colour for body in scene_of(meshed(tmp_path, material=material)).bodies} == {colour}
 

@@ -8,6 +8,7 @@ from dm_control import mujoco
 from dm_control.rl import control
 from dm_control.suite import base
 from dm_control.utils import rewards
+from numpy.linalg import norm
 from numpy.testing import assert_array_equal
 
 from harness_plugins.mujoco_model import TARGET, TOUCH
@@ -48,17 +49,17 @@ class Reach(base.Task):
             target=xpos[TARGET].copy(),
             end_effector=xpos[self.tip].copy(),
             to_target=self.to_target(physics),
-            distance=np.linalg.norm(self.to_target(physics)),
+            distance=norm(self.to_target(physics)),
         )
 
     def get_reward(self, physics):
         """1 at the target, less around it."""
-        return rewards.tolerance(np.linalg.norm(self.to_target(physics)), (0.0, self.epsilon), margin=1.0)
+        return rewards.tolerance(norm(self.to_target(physics)), (0.0, self.epsilon), margin=1.0)
 
     def get_termination(self, physics):
         """At the target, or on the ground."""
         touched = physics.named.data.sensordata[TOUCH][0] > 0.0
-        return 0.0 if touched or np.linalg.norm(self.to_target(physics)) <= self.epsilon else None
+        return 0.0 if touched or norm(self.to_target(physics)) <= self.epsilon else None
 
 
 def recorded(arm, run):

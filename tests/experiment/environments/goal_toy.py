@@ -6,6 +6,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 from gymnasium.spaces import Box, Dict
+from numpy.linalg import norm
 
 NEAR, LASTS = 0.2, 8
 
@@ -36,7 +37,7 @@ class _Square(gymnasium.Env[Any, Any]):
 
     def compute_reward(self, achieved, desired, info):
         """0 where it is there, -1 elsewhere."""
-        return -(np.linalg.norm(achieved - desired, axis=-1) > NEAR).astype(float)
+        return -(norm(achieved - desired, axis=-1) > NEAR).astype(float)
 
     def _observed(self):
         return {"achieved_goal": self.at.copy(), "desired_goal": self.goal.copy(), "observation": self.at - self.before}

@@ -32,7 +32,7 @@ def test_entropy_coefficient_is_read(subtests):
         ("0.2", False, 0.2),
         ("0", False, 0.0),
     ]:
-        with subtests.test(given=given, learns=learns, first=first):
+        with subtests.test(given=given):
             settings = SacFast(ent_coef=given)
             assert (settings.learns_coefficient, settings.first_coefficient) == (learns, first)
 

@@ -113,5 +113,5 @@ def test_bad_setting_is_a_usage_error(subtests):
         (Ppo, {"num_envs": 5}),
         (Ppo, {"preset": "unity", "batch_size": 100}),
     ]:
-        with subtests.test(algorithm=algorithm, given=given), refused(list(given)[-1]):
+        with subtests.test(algorithm=algorithm), refused(list(given)[-1]):
             build(algorithm, given, "algorithm")

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import torch
+from numpy.linalg import norm
 from numpy.random import default_rng
 from numpy.testing import assert_allclose
 
@@ -113,7 +114,7 @@ def test_estimate_is_the_gradient_of_j(baseline):
     groups = _estimates(policy, _trials(policy, 400_000, rng), np.array(baseline))
     noise = groups.std(axis=0, ddof=1) / np.sqrt(len(groups))
     assert (np.abs(groups.mean(axis=0) - exact) < 4.5 * noise + 1e-6).all()
-    assert np.linalg.norm(noise) < 0.05 * np.linalg.norm(exact)
+    assert norm(noise) < 0.05 * norm(exact)
 
 
 def test_baseline_takes_noise_away():
@@ -123,7 +124,7 @@ def test_baseline_takes_noise_away():
     segment = _trials(policy, 20_000, rng)
     expected = spg.rewards_to_go(segment.reward, segment.ended, np.zeros(20_000), GAMMA)[0].mean()
     without, good = (_estimates(policy, segment, np.full(2, level)).std(axis=0) for level in (0.0, expected / 2.0))
-    assert np.linalg.norm(good) < np.linalg.norm(without)
+    assert norm(good) < norm(without)
 
 
 # ---------------------------------------------------------------------------------------------------- the equations

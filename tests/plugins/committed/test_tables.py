@@ -10,6 +10,7 @@ import pytest
 from harness.eta import BB, BK, KB, KK
 from harness.record import TRACE, read_trace
 from harness_plugins.committed import write_summary
+from tests.report.conftest import NO_PAIR
 
 
 @pytest.fixture
@@ -165,7 +166,7 @@ def test_unscored_runs_have_their_own_curves(build, read):
 
 def test_no_finished_pair_no_rows(build, read):
     """The columns are there, and what they mean."""
-    table, _ = read(build(seeds=1, ended={("arp", 0): ("failed", "it broke")}))
+    table, _ = read(build(**NO_PAIR))
     assert table.num_rows == 0
     assert table.column_names[-1] == "value"
     assert b"n is the column 'every'" in table.schema.metadata[b"about"]

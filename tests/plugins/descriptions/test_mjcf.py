@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 import pinocchio
 import pytest
+from numpy.linalg import norm
 from numpy.random import default_rng
 
 from harness.errors import UsageError
@@ -193,7 +194,7 @@ def extent(pose, shape):
         reach = np.abs(local) @ np.array(shape.size) / 2
     else:
         long = shape.size[1] / 2 if shape.kind == "capsule" else 0.0
-        reach = shape.size[0] * np.linalg.norm(local, axis=1) + np.abs(local[:, 2]) * long
+        reach = shape.size[0] * norm(local, axis=1) + np.abs(local[:, 2]) * long
     return DIRECTIONS @ pose[:3, 3] + reach
 
 
@@ -208,7 +209,7 @@ def extent_in_mujoco(model, data, geom):
         reach = np.abs(local) @ size
     else:
         long = size[1] if kind == mujoco.mjtGeom.mjGEOM_CAPSULE else 0.0
-        reach = size[0] * np.linalg.norm(local, axis=1) + np.abs(local[:, 2]) * long
+        reach = size[0] * norm(local, axis=1) + np.abs(local[:, 2]) * long
     return DIRECTIONS @ data.geom_xpos[geom] + reach
 
 
@@ -358,5 +359,5 @@ def test_rotation_is_that_of_mujoco():
     """Of any quaternion."""
     quaternion = np.array([0.5, -0.1, 0.7, 0.2])
     matrix = np.zeros(9)
-    mujoco.mju_quat2Mat(matrix, quaternion / np.linalg.norm(quaternion))
+    mujoco.mju_quat2Mat(matrix, quaternion / norm(quaternion))
     assert np.allclose(_rotation(quaternion), matrix.reshape(3, 3), atol=1e-15)

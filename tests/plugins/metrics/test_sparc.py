@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from numpy.linalg import norm
 from numpy.random import default_rng
 
 from harness.record import EpisodeFacts, trace_of
@@ -44,7 +45,7 @@ def transformed(speed, period):
     magnitude = np.abs((np.exp(-2j * np.pi * turns) * speed).sum(axis=1)) / speed.sum()
     end = max(index for index, value in enumerate(magnitude) if value >= 0.05)
     points = np.stack([frequencies[: end + 1] / frequencies[end], magnitude[: end + 1]], axis=1)
-    return -float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
+    return -float(norm(np.diff(points, axis=0), axis=1).sum())
 
 
 def test_value_that_the_authors_publish():

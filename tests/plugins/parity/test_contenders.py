@@ -36,7 +36,7 @@ def test_the_reference_comes_first(subtests):
         (["ideal,mujoco"], "zeta", ["zeta", "ideal", "mujoco"]),
         ([], "zeta", ["zeta", "ideal", "mujoco"]),
     ]:
-        with subtests.test(given=given, reference=reference, order=order):
+        with subtests.test(given=given):
             contenders = choose_contenders(THREE, given, reference)
             assert list(contenders.simulators) == order
             assert contenders.reference == order[0]

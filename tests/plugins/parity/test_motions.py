@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.linalg import norm
 from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal
 
@@ -88,7 +89,7 @@ def test_dives_end_below_the_ground(orders, each_robot):
     assert (each_robot.end_effector(orders.dives[0])[:, 2] > 0.2).all()
     ends = each_robot.end_effector(orders.dives[-1])
     assert_allclose(ends[:, 2], -DEPTH, atol=2e-3)
-    assert np.linalg.norm(ends[:, None] - ends, axis=-1)[~np.eye(8, dtype=bool)].min() > 0.01
+    assert norm(ends[:, None] - ends, axis=-1)[~np.eye(8, dtype=bool)].min() > 0.01
 
 
 def test_a_seed_gives_the_same_motions(robot):

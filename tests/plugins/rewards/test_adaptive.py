@@ -33,7 +33,7 @@ def test_value_by_hand(episode, subtests):
         ([0.0, 1.0], (0.5 + 0.5) * -1.0),  # and left
     ]
     for distances, expected in rows:
-        with subtests.test(distances=distances, expected=expected):
+        with subtests.test(distances=distances):
             assert episode(Adaptive(), distances)[-1] == expected
 
 

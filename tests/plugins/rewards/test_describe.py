@@ -37,6 +37,6 @@ def test_contradictions_are_told(subtests):
         ("adaptive", ["This project's own definition", "less thoughtful design"]),
         ("aarp", ["This project's own definition"]),
     ]:
-        with subtests.test(name=name, told=told):
+        with subtests.test(name=name):
             text = " ".join(describe_name(REGISTRY, "rewards", name, "fd100").split())
             assert [phrase for phrase in told if phrase not in text] == []

@@ -8,6 +8,7 @@ import numpy as np
 import pinocchio
 import pybullet
 import pytest
+from numpy.linalg import norm
 from numpy.testing import assert_allclose
 
 import harness
@@ -59,7 +60,7 @@ def test_a_heavy_tool_gets_the_iterations_that_it_needs(needed, off, open_arms, 
     errors = []
     for step in range(1, 11):
         target = light.home + step * turn
-        errors.append(np.linalg.norm(simulation.drive(target[None], PERIOD).end_effector - light.end_effector(target)))
+        errors.append(norm(simulation.drive(target[None], PERIOD).end_effector - light.end_effector(target)))
     assert off[0] <= max(errors) < off[1]
 
 

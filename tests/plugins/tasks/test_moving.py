@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from numpy.linalg import norm
 from numpy.testing import assert_allclose
 
 import harness
@@ -25,24 +26,24 @@ def goal(**given):
 @given(WAYS, STEPS)
 def test_target_stays_on_its_way(way, step):
     """Between its two ends, whenever."""
-    moved, length = goal().displacement(way, step)[0], np.linalg.norm(way)
+    moved, length = goal().displacement(way, step)[0], norm(way)
     along = float(moved @ way[0]) / length if length > 1e-6 else 0.0
     assert -1e-9 <= along <= length + 1e-9
-    assert np.linalg.norm(np.cross(moved, way[0])) <= 1e-9
+    assert norm(np.cross(moved, way[0])) <= 1e-9
 
 
-@given(WAYS.filter(lambda way: np.linalg.norm(way) > 0.1), STEPS)
+@given(WAYS.filter(lambda way: norm(way) > 0.1), STEPS)
 def test_target_moves_as_fast_as_it_says(way, step):
     """By speed times period in a step, less where it turns; where its velocity says, but where it turns."""
     task = goal(target_speed=0.2)
     moved = task.displacement(way, step + 1.0) - task.displacement(way, step)
     now = Situation(*(np.zeros((1, 3)),) * 3, way, step, np.zeros(1))
     velocity = task.observe(now)[:, :3]
-    assert np.linalg.norm(moved) <= 0.02 + 1e-9
-    assert np.linalg.norm(velocity) == pytest.approx(0.2)
-    gone = 0.02 * float(step[0]) % (length := float(np.linalg.norm(way)))
+    assert norm(moved) <= 0.02 + 1e-9
+    assert norm(velocity) == pytest.approx(0.2)
+    gone = 0.02 * float(step[0]) % (length := float(norm(way)))
     turns_now = min(gone, length - gone) < 1e-6  # rounding decides whether it has turned already
-    if np.linalg.norm(moved) > 0.02 - 1e-9 and not turns_now:
+    if norm(moved) > 0.02 - 1e-9 and not turns_now:
         assert_allclose(moved, 0.1 * velocity, atol=1e-9)
 
 

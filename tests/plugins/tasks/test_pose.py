@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
+from numpy.linalg import norm
 from numpy.random import default_rng
 from numpy.testing import assert_array_equal
 
@@ -57,8 +58,8 @@ def test_error_is_the_same_both_ways(one, other):
 def test_within_epsilon_means_near_and_turned_alike(at, target):
     """The error is at most epsilon where the distance is and the angle is at most 10 degrees; and nowhere else."""
     task, (one, other) = Pose(), (forward(ROBOT.chain, qpos) for qpos in (at, target))
-    distance = np.linalg.norm(one[0, :3, 3] - other[0, :3, 3])
-    angle = np.linalg.norm(rotation_between(one[:, :3, :3], other[:, :3, :3]))
+    distance = norm(one[0, :3, 3] - other[0, :3, 3])
+    angle = norm(rotation_between(one[:, :3, :3], other[:, :3, :3]))
     for epsilon in (0.02, 0.2, 2.0):  # the same question on a coarser scale: random poses are seldom within 2 cm
         wide = Pose(epsilon=epsilon, angle=min(math.pi, task.angle * epsilon / task.epsilon))
         found = goal(wide).errors(asked_for(at, target))[0]
@@ -89,4 +90,4 @@ def test_turn_that_is_left_is_seen():
     now = asked_for(turned, ROBOT.home[None])
     seen = goal().observe(now)
     assert_array_equal(seen[:, :6], now.numbers)
-    assert np.linalg.norm(seen[0, 6:]) == pytest.approx(0.5)
+    assert norm(seen[0, 6:]) == pytest.approx(0.5)

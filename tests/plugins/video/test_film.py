@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.linalg import norm
 from numpy.testing import assert_array_equal
 from PIL import Image, ImageColor
 
@@ -21,7 +22,7 @@ def episode(steps, outcome):
     robot = load_robot("fd100")
     qpos = robot.home + np.linspace(0, 0.5, steps + 1)[:, None] * np.eye(6)[0]
     target = np.tile(robot.end_effector(qpos[-1]), (steps + 1, 1))
-    distance = np.linalg.norm(robot.end_effector(qpos) - target, axis=1)
+    distance = norm(robot.end_effector(qpos) - target, axis=1)
     return Episode(np.arange(steps + 1), qpos, target, distance, -distance, outcome, {})
 
 

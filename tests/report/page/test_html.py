@@ -13,7 +13,8 @@ from harness.report import SPLIT, describe_split, question, scales_text, typeset
 from harness.report.typography import to_html
 from harness.results import load_results
 from tests.refusals import refused
-from tests.report.conftest import MIXTURE
+from tests.report.conftest import MIXTURE, NO_PAIR
+from tests.report.page.test_answer import HELPED
 
 LOADING = {"src", "srcset", "href", "data", "action", "poster", "background"}
 
@@ -153,7 +154,7 @@ def test_answer_in_full_is_folded(build, write):
 
 def test_what_is_empty_is_left_out(build, write):
     """Neither a heading nor a link leads to nothing; a filter is for many rows."""
-    page = write(build(seeds=1, ended={("arp", 0): ("failed", "it broke")}))
+    page = write(build(**NO_PAIR))
     assert not {"learning", "number", "see"} & page.ids
     assert "form" not in page.tags
 
@@ -256,7 +257,7 @@ def test_failed_cell_has_its_reason(build, write):
 
 def test_no_finished_pair_is_said(build, write):
     """Without a finished pair the page says so and draws nothing."""
-    results = build(seeds=1, ended={("arp", 0): ("failed", "it broke")})
+    results = build(**NO_PAIR)
     page = write(results)
     assert results.combinations[0].number.eta_n.note in page.text
     assert page.figures == []
@@ -356,13 +357,12 @@ def test_mixture_is_marked(mixed, write):
 
 def test_a_plan_that_is_not_trained_to_its_end_promises_nothing(build, write):
     """The page says so before any answer, has no word of better or worse, and names the way to look on."""
-    reached = {"arp": lambda seed: (5, 6, 7, 8), "baseline": lambda seed: (8, 9)}
-    text = write(build(seeds=6, reached=reached, ended={("arp", 5): ("pending", "")})).text
+    text = write(build(seeds=6, reached=HELPED, ended={("arp", 5): ("pending", "")})).text
     assert text.index("Interim: 1 training is missing.") < text.index("INTERIM")
     assert "would raise a false alarm" not in text
     assert "harness run --until decided plans for looks on the way." in text
     assert "HELPS" not in text
-    assert "would raise a false alarm" in write(build(seeds=6, reached=reached)).text
+    assert "would raise a false alarm" in write(build(seeds=6, reached=HELPED)).text
 
 
 def test_rewards_that_came_later_are_told_before_the_answers(build, write):

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.linalg import norm
 from numpy.testing import assert_allclose
 
 from harness.record.scene import scene_from_json
@@ -30,7 +31,7 @@ def test_joint_positions_survive_the_page(recorded):
     assert_allclose(values[:, 6], episode.distance, atol=1e-4)
     assert_allclose(values[:, 7], episode.paid, atol=np.abs(episode.paid).max() / 32_767)
     tip = end_effector_position(chain_of(scene_from_json(data["scenes"][0])), values[:, :6])
-    assert_allclose(np.linalg.norm(tip - episode.target, axis=1), episode.distance, atol=2e-4)
+    assert_allclose(norm(tip - episode.target, axis=1), episode.distance, atol=2e-4)
 
 
 def test_an_arm_is_told_once(recorded):

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 from harness.report import along_grid, behaviour_grids
+from tests.report.conftest import NO_PAIR
 
 
 def only(results):
@@ -90,7 +91,7 @@ def test_seeds_without_a_value_are_counted(build):
 
 def test_no_finished_pair_has_no_behaviour(build):
     """No grids at all."""
-    combination = only(build(seeds=1, ended={("arp", 0): ("failed", "it broke")}))
+    combination = only(build(**NO_PAIR))
     assert behaviour_grids(combination) == []
     assert along_grid(combination).rows == []
 

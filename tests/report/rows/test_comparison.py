@@ -9,7 +9,7 @@ from harness.eta.splits import SplitPath
 from harness.report import comparison_table, format_number, what_decides
 from harness.report.rows.comparison import advice
 from harness.report.rows.ratios import index_grid, path_grid, ratio_grid, split_grid, sum_grid
-from tests.report.conftest import printed, squeezed
+from tests.report.conftest import NO_PAIR, printed, squeezed
 
 
 def told(results):
@@ -188,7 +188,7 @@ def test_no_advice_where_it_would_not_help(build):
 
 def test_no_finished_pair_has_no_grids(build):
     """Without a finished pair there is the reason, and nothing else."""
-    combination = only(build(seeds=1, ended={("arp", 0): ("failed", "it broke")}))
+    combination = only(build(**NO_PAIR))
     note, *_ = ratio_grid(combination.number.splits).notes
     assert note == f"eta_N n/a, eta_P n/a: {combination.number.eta_n.note}"
     splits = combination.number.splits
@@ -218,7 +218,7 @@ def test_numbers_have_three_significant_digits(subtests):
         (1e6, "1.00e+06"),
         (None, "n/a"),
     ]:
-        with subtests.test(value=value, text=text):
+        with subtests.test(value=value):
             assert format_number(value) == text
 
 

@@ -9,6 +9,7 @@ import pytest
 from harness.report import format_number
 from harness.report.rows.pay_sentence import PayPart, PaySentence, pay_of
 from harness.results import load_results
+from tests.report.conftest import NO_PAIR
 from tests.results.recordings.conftest import PAYS, record
 
 
@@ -53,7 +54,7 @@ def test_what_is_not_split_has_its_reason(build):
 
 def test_nothing_compared_has_no_pay(build):
     """No seed is done under both."""
-    (combination,) = build(seeds=1, ended={("arp", 0): ("failed", "it broke")}).combinations
+    (combination,) = build(**NO_PAIR).combinations
     assert pay_of(combination) is None
 
 

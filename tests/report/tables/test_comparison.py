@@ -7,7 +7,7 @@ import pytest
 from harness.report import SPLIT, along_grid, behaviour_grids, comparison_table, what_decides
 from harness.report.rows.ratios import index_grid, ratio_grid, split_grid, sum_grid
 from tests.report import conftest
-from tests.report.conftest import MIXTURE, squeezed
+from tests.report.conftest import MIXTURE, NO_PAIR, squeezed
 
 CASES = {
     "plain": {},
@@ -146,7 +146,7 @@ def test_command_for_more_seeds_stands_under_the_answer(build):
 
 def test_no_finished_pair_is_said(build):
     """A combination without a finished pair shows n/a and why, and no empty tables."""
-    results = build(seeds=1, ended={("arp", 0): ("failed", "it broke")})
+    results = build(**NO_PAIR)
     text = printed(results)
     assert results.combinations[0].number.eta_n.note in squeezed(text)
     assert "success rate" not in text
