@@ -40,7 +40,7 @@ class Trained(Protocol):
 
     @property
     def seed(self) -> int:
-        """Of the training, or the number that it was given."""
+        """The seed of the training, or the number that it was given."""
 
     @property
     def reward(self) -> str:
