@@ -116,12 +116,14 @@ def eta(
     from harness.score.open_steps import matched_paths, open_steps
 
     paths = [matched_paths(patterns) for patterns in opened]
-    account = counted([(it, it, "") for it in dict.fromkeys([*paths[0], *paths[1]])], leave_out or ())
-    for line in account.lines:
-        complain(line)
+    if leave_out:
+        account = counted([(it, it, "") for it in dict.fromkeys([*paths[0], *paths[1]])], leave_out)
+        paths = [[it for it in of if it in account.whole] for of in paths]
+        for line in account.lines:
+            complain(line)
     comparison = compare_logs(
-        [open_steps(it, registry) for it in paths[0] if it in account.whole],
-        [open_steps(it, registry) for it in paths[1] if it in account.whole],
+        [open_steps(it, registry) for it in paths[0]],
+        [open_steps(it, registry) for it in paths[1]],
         registry,
         kind=curve,
         with_events=with_events,

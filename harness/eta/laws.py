@@ -129,23 +129,23 @@ def counted(trainings: Iterable[tuple[T | None, Path, str]], leave_out: Collecti
     return Account(tuple(whole), tuple(missing), tuple(left))
 
 
-def shortfall_beside(done: Mapping[T, tuple[float, int]], reward_of: Callable[[T], str], noun: str) -> dict[T, str]:
+def shortfall_beside(done: Mapping[T, tuple[str, float, int]], noun: str) -> dict[T, str]:
     """Why trainings are not whole that stopped before others of their reward did, which followed one plan.
 
     Args:
-        done: How much of each was done, counted in `noun`, and in rows: a plan may be of either.
-        reward_of: The reward that taught it.
+        done: The reward that taught each, and how much of it was done, counted in `noun`, and in rows: a plan may be of
+            either.
         noun: What the first number counts, ``steps``.
     """
     most: dict[str, tuple[float, int]] = {}
-    for it, (length, rows) in done.items():
-        longest, fullest = most.get(reward_of(it), (0.0, 0))
-        most[reward_of(it)] = max(longest, length), max(fullest, rows)
+    for reward, length, rows in done.values():
+        longest, fullest = most.get(reward, (0.0, 0))
+        most[reward] = max(longest, length), max(fullest, rows)
     found = {}
-    for it, (length, rows) in done.items():
-        longest, fullest = most[reward_of(it)]
+    for it, (reward, length, rows) in done.items():
+        longest, fullest = most[reward]
         if length < NEARLY_ALL * longest and rows < NEARLY_ALL * fullest:
-            found[it] = f"it ends after {length:,.0f} {noun}, and another one of {reward_of(it)} after {longest:,.0f}"
+            found[it] = f"it ends after {length:,.0f} {noun}, and another one of {reward} after {longest:,.0f}"
     return found
 
 

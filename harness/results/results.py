@@ -96,7 +96,7 @@ class Results(Records):
         """The account of all cells that ended; those that the user leaves out are skipped from here on."""
         ended = {self.store.cell_folder(it.cell): it for it in self.manifests if it.status in LEFT_SOMETHING}
         named = [next((folder for folder in ended if is_left_out(path, [folder])), path) for path in leave_out]
-        account = counted(((it, folder, it.reason) for folder, it in ended.items()), named)
+        account = counted([(it, folder, it.reason) for folder, it in ended.items()], named)
         out = {
             ended[it.path].cell: f"left out, as --leave-out says{': ' * bool(it.why)}{it.why}"
             for it in account.left_out

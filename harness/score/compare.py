@@ -278,12 +278,14 @@ def _require_whole(sides: Sequence["ComparedRows"]) -> None:
     Raises:
         UsageError: Some did; says how to leave them out.
     """
-    group_of = {run: name for side, name in zip(sides, ("the baseline", "the proposed reward"), strict=True)
-                for run in side.group}  # fmt: skip
-    rows = {run: (float(it), it) for side in sides for run, it in zip(side.group, side.rows, strict=True)}
-    why = shortfall_beside(rows, group_of.__getitem__, "steps")
+    done = {
+        run: (name, float(rows), rows)
+        for side, name in zip(sides, ("the baseline", "the proposed reward"), strict=True)
+        for run, rows in zip(side.group, side.rows, strict=True)
+    }
+    why = shortfall_beside(done, "steps")
     why |= {run: f"it is paid no number from step {it:,} on" for side in sides for run, it in side.torn.items()}
-    account = counted((run, run.facts.path, why.get(run, "")) for run in group_of)
+    account = counted([(run, run.facts.path, why.get(run, "")) for run in done])
     if account.missing:
         raise UsageError(". ".join(account.lines))
 

@@ -6,8 +6,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from harness.errors import SchemaError, UsageError
-from harness.files.bounded import open_regular, reading
-from harness.files.file_kind import HEAD, kind_of
+from harness.files.bounded import HEAD, kind_of, open_regular, reading
 from harness.log import Log
 from harness.log.open_log import formats_of, open_logs
 from harness.registry.registry import Registry

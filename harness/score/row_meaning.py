@@ -75,7 +75,7 @@ def why_no_steps(table: TextTable) -> str:
     """The column by which rows, or the first ones, are episodes or means over some; empty of steps."""
     roles = roles_in(table.names)
     lower = {name.lower(): name for name in table.names}
-    if not len(table) or any(
+    if not table.lines or any(
         (it in OF_STEPS and _is_whole(table, lower[it])) or it.startswith(BEGIN_OF_STEPS) for it in lower
     ):
         return ""

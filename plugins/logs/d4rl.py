@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 
 from harness.arrays import Mask
 from harness.errors import SchemaError, UsageError
-from harness.files.bounded import reading, require_regular
-from harness.files.file_kind import names_in_hdf5
+from harness.files.bounded import names_in_hdf5, reading, require_regular
 from harness.log import Log
 from harness.log.log import ACTION, BEFORE, BEHAVIOUR, INFO, OBSERVATION, OPERATOR, RECORDED, REWARD, SEEN, SUCCESS
 from harness.record.dataset.labels import SuccessRule

@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.errors import SchemaError, UsageError
-from harness.files.bounded import reading, require_regular
-from harness.files.file_kind import names_in_hdf5
+from harness.files.bounded import names_in_hdf5, reading, require_regular
 from harness.log import Log
 from harness.log.log import ACTION, BEFORE, BEHAVIOUR, OBSERVATION, OPERATOR, RECORDED, REWARD, SEEN, SUCCESS
 from harness.record.dataset.labels import UNKNOWN, SuccessRule

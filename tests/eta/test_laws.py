@@ -59,7 +59,7 @@ def test_whatever_was_begun_is_whole_or_missing_or_left_out_by_name():
 def test_who_stopped_before_others_of_its_reward_is_short():
     """By steps and by rows, as a plan may be of either; another reward may have another plan."""
     done = {"a1": (100, 40), "a2": (96, 12), "a3": (60, 12), "a4": (60, 39), "b1": (60, 12)}
-    assert shortfall_beside(done, lambda name: name[0], "steps") == {
+    assert shortfall_beside({it: (it[0], *of) for it, of in done.items()}, "steps") == {
         "a3": "it ends after 60 steps, and another one of a after 100"
     }
 

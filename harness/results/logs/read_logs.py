@@ -103,8 +103,8 @@ def account_of(
     ran = [it for it in trainings if it not in short]
     if ran:
         axis = _axis_of(ran)
-        done = {it: (_steps(it, axis), sum(map(len, it.logs))) for it in ran}
-        short |= shortfall_beside(done, lambda it: it.reward, axis.noun)
+        done = {it: (it.reward, _steps(it, axis), sum(map(len, it.logs))) for it in ran}
+        short |= shortfall_beside(done, axis.noun)
     begun = [*((it, it.place, short.get(it, "")) for it in trainings), *((None, *it) for it in other)]
     account = counted(begun, leave_out)
     if not account.whole:

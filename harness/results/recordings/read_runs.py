@@ -285,8 +285,8 @@ def account_of(
     """
     why = {run: why_short(run) for run in runs}
     trainings = [run for run in runs if not run.facts.evaluation]
-    untold = {it: (it.steps, len(it.episodes.last)) for it in trainings if not (why[it] or it.facts.asked > 0)}
-    why |= shortfall_beside(untold, lambda it: it.reward, "steps")
+    untold = [it for it in trainings if not (why[it] or it.facts.asked > 0)]
+    why |= shortfall_beside({it: (it.reward, it.steps, len(it.episodes.last)) for it in untold}, "steps")
     whole = {_place(run): run for run in runs if not why[run]}
     replaced = [run for run in runs if why[run] and (_place(run) in whole or run.facts.acted == ACTED_AT_RANDOM)]
     lines = [f"'{run.path}' is left out: {why[run]}" for run in replaced]
