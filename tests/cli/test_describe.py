@@ -55,12 +55,6 @@ def test_a_folder_beside_needs_no_slash(harness, tmp_path, monkeypatch):
     assert "robot unity-arm: 5 joints" in harness("describe unity-arm").out
 
 
-def test_robot_alone_is_described_itself(harness, tmp_path):
-    """`--robot FILE` is as good as `FILE`."""
-    shutil.copy(Path(harness_robots.UNITY_ARM, "unity_arm.urdf"), tmp_path / "mine.urdf")
-    assert harness("describe --robot", tmp_path / "mine.urdf").out == harness("describe", tmp_path / "mine.urdf").out
-
-
 def test_an_arm_with_a_jaw_is_described_with_what_to_write(harness, tmp_path):
     """A run tells it too, before anything is trained, and the line is not cut."""
     path = tmp_path / "arm.urdf"

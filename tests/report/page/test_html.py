@@ -152,13 +152,6 @@ def test_answer_in_full_is_folded(build, write):
         assert " ".join(Page(to_html(part)).words) in text
 
 
-def test_what_is_empty_is_left_out(build, write):
-    """Neither a heading nor a link leads to nothing; a filter is for many rows."""
-    page = write(build(**NO_PAIR))
-    assert not {"learning", "number", "see"} & page.ids
-    assert "form" not in page.tags
-
-
 @pytest.mark.parametrize("simulators", [("mujoco",), ("mujoco", "pybullet", "kinematic")])
 def test_every_place_has_a_name_of_its_own(build, write, simulators):
     """And every link within the page leads to one of them, or into the replay."""
@@ -232,16 +225,6 @@ def test_badge_has_the_answer(build, write, reached, badge):
     assert f'<b class="badge {badge}">{told}</b>' in write(results).raw
 
 
-def test_behaviour_has_its_result(build, write):
-    """A measure that differs in every one of six seeds is marked, with its interval and the p-value."""
-    page = write(build(seeds=6, reached={"arp": lambda seed: (8,)}))
-    assert re.search(
-        r"success rate ↑ higher is better share of episodes that reach the target "
-        r"75\.0 % 25\.0 % \[−\d+\.\d, −\d+\.\d\] pp 0\.0 % 0\.002 worse",
-        page.text,
-    )
-
-
 def test_one_seed_has_a_page(build, write):
     """One seed gives ratios and figures without intervals."""
     page = write(build(seeds=1))
@@ -256,11 +239,16 @@ def test_failed_cell_has_its_reason(build, write):
 
 
 def test_no_finished_pair_is_said(build, write):
-    """Without a finished pair the page says so and draws nothing."""
+    """Without a finished pair the page says so and draws nothing: neither a heading nor a link leads to nothing.
+
+    A filter is for many rows.
+    """
     results = build(**NO_PAIR)
     page = write(results)
     assert results.combinations[0].number.eta_n.note in page.text
     assert page.figures == []
+    assert not {"learning", "number", "see"} & page.ids
+    assert "form" not in page.tags
 
 
 def test_skipped_experiment_has_a_page(build, write):
