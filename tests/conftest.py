@@ -81,8 +81,7 @@ def run_without_display():
 @pytest.fixture(scope="session")
 def _egl_fault():
     """Why this machine has no EGL, or nothing; found by trying, without the code that is tested."""
-    code = "from mujoco.egl import GLContext\nGLContext(8, 8).make_current()"
-    done = _run_without_display(code, library="egl")
+    done = _run_without_display("from mujoco.egl import GLContext\nGLContext(8, 8).make_current()", library="egl")
     return "" if done.returncode == 0 else (done.stderr.splitlines() or ["it fails without a word"])[-1]
 
 

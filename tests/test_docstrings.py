@@ -28,8 +28,7 @@ def without_subject(source):
 def test_every_docstring_has_a_subject(folder):
     """Also below constants, fields and private functions."""
     paths = sorted((ROOT / folder).rglob("*.py"))
-    found = [f"{path.relative_to(ROOT)}:{line}" for path in paths for line in without_subject(path.read_text())]
-    assert not found
+    assert not [f"{path.relative_to(ROOT)}:{line}" for path in paths for line in without_subject(path.read_text())]
 
 
 def methods(source):

@@ -62,8 +62,7 @@ def test_modules_can_be_imported_alone(modules):
 
 def test_every_module_can_be_imported_in_reverse_order():
     """Where one needs another it imports that one; `test_layers` looks for circles in all of them."""
-    script = f"import importlib\nfor name in {MODULES[::-1]}:\n    importlib.import_module(name)"
-    ended = _python(script, "-W", "error")
+    ended = _python(f"import importlib\nfor name in {MODULES[::-1]}:\n    importlib.import_module(name)", "-W", "error")
     assert (ended.returncode, ended.stderr) == (0, "")
 
 

@@ -118,8 +118,7 @@ def test_box_on_a_wall_and_under_a_ceiling_is_the_one_of_the_floor(subtests):
             moved, turned_half = ReachTask().target_box(arm)
             assert_allclose(moved, mount[:3, :3] @ center + mount[:3, 3], atol=1e-12)
             assert_allclose(turned_half, np.abs(mount[:3, :3]) @ half, atol=1e-12)
-            there = points @ mount[:3, :3].T + mount[:3, 3]
-            assert reach_position(arm, there, np.tile(arm.home, (64, 1)))[1].all()
+            assert reach_position(arm, points @ mount[:3, :3].T + mount[:3, 3], np.tile(arm.home, (64, 1)))[1].all()
             tips = arm.end_effector(default_rng(1).uniform(arm.lower, arm.upper, (20_000, 6)))
             assert (np.abs(tips - moved) <= turned_half).all(axis=1).sum() > 50
 

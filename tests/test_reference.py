@@ -159,8 +159,7 @@ def test_page_claims_what_a_test_found(subtests):
     """Where a page says better or worse it quotes a corrected p, and the record holds it."""
     for folder in FOLDERS:
         with subtests.test(folder=folder):
-            page = page_of(folder)
-            assert unfounded(page, set().union(*(corrected(record) for record in records_of(folder)))) == []
+            assert unfounded(page_of(folder), set().union(*(corrected(record) for record in records_of(folder)))) == []
 
 
 @pytest.mark.parametrize(

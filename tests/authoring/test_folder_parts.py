@@ -17,8 +17,7 @@ def test_a_folder_comes_together_again(tmp_path):
     assert max(len(part.content) for part in parts) == PART_BYTES
     add_parts(tmp_path / "here", parts)
     here = tmp_path / "here"
-    found = {path.relative_to(here).as_posix(): path.read_bytes() for path in here.rglob("*") if path.is_file()}
-    assert found == files
+    assert {path.relative_to(here).as_posix(): path.read_bytes() for path in here.rglob("*") if path.is_file()} == files
 
 
 def test_a_folder_that_is_not_there_has_no_parts(tmp_path):

@@ -76,8 +76,7 @@ def test_a_new_target_begins_distances_anew():
 
 def test_a_distance_alone_counts_a_touched_target_as_reached_wholly():
     """How close the arm came is not observed."""
-    pays = ObservedReward(Distance(), ALONE)
-    assert pays(np.array([0.4, 0.0]), None, np.array([2.0, 1.0]), {}) == pytest.approx(0.4)
+    assert ObservedReward(Distance(), ALONE)(np.array([0.4, 0.0]), None, np.array([2.0, 1.0]), {}) == pytest.approx(0.4)
 
 
 @given(st.lists(st.floats(0.0, 10.0), min_size=2, max_size=8))

@@ -40,8 +40,7 @@ def screens_search_for_a_moment():
     find_in = find.find_in
 
     def find_quickly(world, asked, *given, **named):
-        short = replace(asked, budget=1_000, starts=1) if asked == SCREENED else asked
-        return find_in(world, short, *given, **named)
+        return find_in(world, replace(asked, budget=1_000, starts=1) if asked == SCREENED else asked, *given, **named)
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(find, "find_in", find_quickly)

@@ -153,8 +153,7 @@ def _scores(columns):
 
     def forge(folder):
         cell = first_cell(folder)
-        rows = pq.read_metadata(cell / "trace.parquet").num_rows
-        pq.write_table(pa.table(columns(rows)), cell / "scores.parquet")
+        pq.write_table(pa.table(columns(pq.read_metadata(cell / "trace.parquet").num_rows)), cell / "scores.parquet")
         note_made(cell / "scores.parquet")
 
     return forge

@@ -80,8 +80,7 @@ def test_json_is_one_object(harness, flags, told):
     assert (data["reward"], data["best"], data["distance"]["value"]) == ("baseline", "creep", 0.0)
     assert data["verdict"][0].startswith("Not finishing pays more")
     assert {row["gamma"] for row in data["not_finishing_pays"]} == {1.0, data["gamma"]}
-    hover = {row["policy"]: row["steps"] for row in data["policies"]}["hover"]
-    assert (hover == 30.0) == ("horizon=30" in flags)
+    assert ({row["policy"]: row["steps"] for row in data["policies"]}["hover"] == 30.0) == ("horizon=30" in flags)
 
 
 GENTLE = """

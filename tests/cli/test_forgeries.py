@@ -121,8 +121,7 @@ def test_kept_results_of_another_machine_are_not_believed(harness, folder, tmp_p
     """Every number set to 1: the report is what it was."""
     expected = harness("report", folder, "--json").json
     for path in sorted((folder / "derived").glob("*/values")):
-        values = json.loads(path.read_bytes().split(b"\n", 3)[3])
-        forged = {name: [key, 1.0] for name, (key, _) in values.items()}
+        forged = {name: [key, 1.0] for name, (key, _) in json.loads(path.read_bytes().split(b"\n", 3)[3]).items()}
         signed_by_another(path, json.dumps(forged).encode(), monkeypatch, tmp_path / "another")
     assert harness("report", folder, "--json").json == expected
 

@@ -20,8 +20,7 @@ TINY = (
 def _answer(encoding, *arguments):
     """What a process leaves whose streams have an encoding."""
     command = [sys.executable, "-m", "harness", *arguments]
-    environment = {**os.environ, "PYTHONIOENCODING": encoding}
-    return subprocess.run(command, env=environment, capture_output=True, check=False)
+    return subprocess.run(command, env={**os.environ, "PYTHONIOENCODING": encoding}, capture_output=True, check=False)
 
 
 def test_no_character_ends_a_command(tmp_path_factory, subtests):

@@ -60,8 +60,7 @@ def test_edited_file_is_another_plugin(harness, ran, file, tmp_path):
 def test_report_stands_without_the_file(harness, ran, file):
     """As with any plugin that is not installed; with it, everything is split again."""
     assert "No reward 'my_reward'" in json.dumps(harness("report mine --json").json["combinations"][0])
-    there = harness("report mine --json --plugin my_reward.py").json["combinations"][0]
-    assert "No reward" not in json.dumps(there)
+    assert "No reward" not in json.dumps(harness("report mine --json --plugin my_reward.py").json["combinations"][0])
 
 
 def test_commands_that_a_report_suggests_give_the_file(harness, quick, file, tmp_path):

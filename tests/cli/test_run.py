@@ -142,8 +142,7 @@ def test_combinations_that_cannot_work_are_skipped_with_the_reason(harness, quic
     task = "fd100-reach:action=discrete"
     line = "run --reward arp --seeds 1 --out mine"
     assert harness(line, *quick, "--algo", "wander,buttons", "--task", task).status == 0
-    cells = harness("report mine --json").json["cells"]
-    told = {(cell["algorithm"], cell["status"], cell["reason"]) for cell in cells}
+    told = {(cell["algorithm"], cell["status"], cell["reason"]) for cell in harness("report mine --json").json["cells"]}
     reason = "wander takes continuous actions, the task's are discrete"
     assert told == {("wander", "skipped", reason), ("buttons", "done", "")}
 

@@ -17,8 +17,7 @@ def test_a_finished_run_is_all_done(harness, experiment):
 
 def test_failed_cells_are_named_with_their_reason(harness, quick):
     """And what is to be run yet."""
-    line = "run --algo wander:then=raise --reward arp --seeds 1 --only wander:then=raise --limit 1 --out here"
-    harness(line, *quick)
+    harness("run --algo wander:then=raise --reward arp --seeds 1 --only wander:then=raise --limit 1 --out here", *quick)
     out = harness("status here").out
     assert "4 cells: 1 failed, 3 pending" in out
     assert "RuntimeError: the arm fell off" in out

@@ -64,8 +64,7 @@ def test_the_experiment_file_repeats_it(harness, folder, tmp_path):
 def test_an_experiment_that_named_seeds_can_be_asked_so(harness, quick, tmp_path):
     """The seeds of its file make room for the looks."""
     harness("run --reward dense --seeds 1 --out before", *quick)
-    line = "run before/experiment.toml --until decided --looks 2,4 --executor here --out mine"
-    assert harness(line).status == 0
+    assert harness("run before/experiment.toml --until decided --looks 2,4 --executor here --out mine").status == 0
     assert done(tmp_path / "mine") == 8
 
 

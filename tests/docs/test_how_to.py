@@ -20,8 +20,7 @@ TWICE = "benchmark(lambda action: (env.step(action), env.step(action)), env.acti
 
 
 def _blocks(page, language):
-    text = (ROOT / "docs" / page).read_text()
-    return [it.text for it in blocks_of(page, text) if it.language == language]
+    return [it.text for it in blocks_of(page, (ROOT / "docs" / page).read_text()) if it.language == language]
 
 
 def test_a_package_that_became_slower_is_noticed(pytester, monkeypatch):

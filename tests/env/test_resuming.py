@@ -25,8 +25,7 @@ def _moments(episode):
 def _open(simulator, task, num_envs, reward="baseline"):
     goal = build("tasks", task)
     robot = harness.load_robot(goal.robot, REGISTRY)
-    world = World(build("simulators", simulator), robot, goal, build("rewards", reward))
-    return world.open(num_envs, resumable=True)
+    return World(build("simulators", simulator), robot, goal, build("rewards", reward)).open(num_envs, resumable=True)
 
 
 def _actions(env, count):

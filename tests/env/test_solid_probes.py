@@ -21,8 +21,7 @@ class TouchesWith(IdealSimulation):
 
     def __init__(self, robot: Robot, num_envs: int, first: int) -> None:
         super().__init__(robot, num_envs)
-        shapes = [group if joint < first else () for joint, group in enumerate(robot.joint_shapes)]
-        self.solids = build_solids(shapes)
+        self.solids = build_solids([group if joint < first else () for joint, group in enumerate(robot.joint_shapes)])
 
     def state(self):
         """With the contact of these."""

@@ -212,8 +212,7 @@ class Rate:
         if self.mean in (0.0, 1.0):
             return np.full(shape, self.mean)
         size = 1.0 / self.likeness - 1.0
-        own = rng.beta(self.mean * size, (1.0 - self.mean) * size, size=shape)
-        return rng.binomial(EPISODES, own) / EPISODES
+        return rng.binomial(EPISODES, rng.beta(self.mean * size, (1.0 - self.mean) * size, size=shape)) / EPISODES
 
 
 RATES = {

@@ -213,8 +213,7 @@ class Tasks(NamedTuple):
         rates = rng.uniform(0.3, 0.7, self.tasks)
         while True:
             above = rng.random(len(task)) < rates[task]
-            both = [it for it in range(self.tasks) if 0 < above[task == it].sum() < self.episodes]
-            used = np.isin(task, both)
+            used = np.isin(task, [it for it in range(self.tasks) if 0 < above[task == it].sum() < self.episodes])
             if min(len(np.unique(cluster[used & kind])) for kind in (above, ~above)) >= 3:
                 break
         alike = 0.3 if self.size > 1 or self.shared else 0.0

@@ -236,8 +236,7 @@ def test_many_draws_are_taken_in_parts(kind):
 @pytest.mark.parametrize("kind", KINDS)
 def test_curve_that_is_never_negative_has_no_negative_part_in_any_draw(kind):
     """Exactly 0, so that a ratio to it is seen to be none."""
-    rng = default_rng(2)
-    negative, _ = curve_of(list(rng.uniform(0.1, 1.0, (4, 50))), kind).resample(np.full((3, 4), 0.25))
+    negative, _ = curve_of(list(default_rng(2).uniform(0.1, 1.0, (4, 50))), kind).resample(np.full((3, 4), 0.25))
     assert negative.tolist() == [0.0, 0.0, 0.0]
 
 

@@ -90,8 +90,7 @@ def dip_and_climb(seeds, seed=105, steps=60, noise=1.0):
     x = np.linspace(0.0, 1.0, steps)
     depth = 10.0 + noise * rng.normal(size=(seeds, 1))
     height = 30.0 + 3.0 * noise * rng.normal(size=(seeds, 1))
-    curves = -depth * np.sin(np.pi * x) * (x < 0.5) + height * (x - 0.4) * (x >= 0.5)
-    return np.diff(curves, axis=1, prepend=0.0)
+    return np.diff(-depth * np.sin(np.pi * x) * (x < 0.5) + height * (x - 0.4) * (x >= 0.5), axis=1, prepend=0.0)
 
 
 # What holds exactly
@@ -134,8 +133,7 @@ def test_both_paths_multiply_to_eta(scored, kind):
             continue
         (r1, b1), (r2, b2) = ((path.ruler.value, path.behaviour.value) for path in split.paths)
         parts = [(r1 * r2) ** 0.5, (b1 * b2) ** 0.5, r1 / r2]
-        shown = [split.ruler.value, split.behaviour.value, split.interaction.value]
-        assert shown == pytest.approx(parts, rel=1e-9)
+        assert [split.ruler.value, split.behaviour.value, split.interaction.value] == pytest.approx(parts, rel=1e-9)
         assert split.ruler.value * split.behaviour.value == pytest.approx(split.eta.value, rel=1e-9)
 
 

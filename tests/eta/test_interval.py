@@ -174,8 +174,7 @@ def test_unit_does_not_matter(unit):
 )
 def test_number_is_defined_if_it_is_without_any_seed(value, left_out):
     """One seed that alone keeps it from being none is too few."""
-    knife = Jackknife(value, (np.zeros(2), np.array([1.0, left_out])))
-    assert knife.is_defined == ((value, left_out) == (1.0, 2.0))
+    assert Jackknife(value, (np.zeros(2), np.array([1.0, left_out]))).is_defined == ((value, left_out) == (1.0, 2.0))
 
 
 def test_number_is_taken_of_what_is_left():
@@ -212,8 +211,7 @@ def test_a_cut_interval_holds_every_mean_that_it_held(values, truth, variance):
 def test_an_interval_is_cut_at_the_ends_that_are_known(bounds, cut):
     """Either may be infinite; ends that a value leaves are wrong, and cut nothing."""
     values = [0.0, 1.0, 2.0]
-    variance = 3.0 * (10.0 / scipy.stats.t.ppf(0.975, 2)) ** 2
-    assert mean_interval(values, variance, bounds=bounds) == pytest.approx(cut)
+    assert mean_interval(values, 3.0 * (10.0 / scipy.stats.t.ppf(0.975, 2)) ** 2, bounds=bounds) == pytest.approx(cut)
 
 
 def test_rounding_does_not_leave_the_bounds():

@@ -178,11 +178,9 @@ def test_task_that_does_not_vary_has_one_deterministic_episode(make_cell, done, 
     """All of them would be alike; drawn actions differ."""
     task = Choice("arp-2021", (("horizon", 5),), "arp-2021:horizon=5")
     world = {"simulator": Choice("kinematic", (), "kinematic"), "robot": "unity-arm", "task": task}
-    cell = make_cell(**NARRATE, **world, deterministic=deterministic, evaluation_episodes=3, evaluate_every=5)
-    folder = done(cell)
+    folder = done(make_cell(**NARRATE, **world, deterministic=deterministic, evaluation_episodes=3, evaluate_every=5))
     assert {name: len(read_trace(folder / name).episodes) for name in episodes} == episodes
-    before = {len(read_trace(path).episodes) for path in evaluation_files(folder).values()}
-    assert before == {episodes[EVALUATION]}
+    assert {len(read_trace(path).episodes) for path in evaluation_files(folder).values()} == {episodes[EVALUATION]}
 
 
 def test_every_evaluation_tells_the_facts_of_its_episodes(often):

@@ -70,8 +70,7 @@ def _first_rows(folder):
     """What was done and paid at the first steps of the training."""
     told = _told(folder)
     log = next(told[name] for name in ("trace.parquet", "training") if name in told)
-    columns = [log[name][:ROWS].reshape(ROWS, -1) for name in COLUMNS if name in log.columns]
-    return np.concatenate(columns, axis=1)
+    return np.concatenate([log[name][:ROWS].reshape(ROWS, -1) for name in COLUMNS if name in log.columns], axis=1)
 
 
 @pytest.fixture(scope="module")

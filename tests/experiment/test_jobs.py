@@ -42,8 +42,7 @@ def test_a_job_in_this_process_does_the_same(tmp_path):
     """For executors that start processes themselves."""
     cell = _cells(QUICK)[0]
     assert run_job(Job(cell, tmp_path / "here")).status == "done"
-    apart = _left((cell,), tmp_path, CellOptions())
-    assert apart[f"{cell.id}/{TRACE}"] == (tmp_path / "here" / TRACE).read_bytes()
+    assert _left((cell,), tmp_path, CellOptions())[f"{cell.id}/{TRACE}"] == (tmp_path / "here" / TRACE).read_bytes()
 
 
 def test_the_order_of_a_job_holds_all_of_it(tmp_path):

@@ -53,8 +53,7 @@ def test_epsilon_of_another_arm_stands_in_the_cell(toys):
     epsilon = dict(other.task.params)["epsilon"]
     assert other.task.label == f"fd100-reach:epsilon={epsilon}"
     assert epsilon == pytest.approx(0.05 * load_robot("unity-arm").reach / load_robot("fd100").reach, rel=5e-3)
-    again = _plan(toys, **{**_plan(toys, seeds=1, robot="unity-arm").resolved, "seeds": 1})
-    assert again.cells[0].id == other.id
+    assert _plan(toys, **{**_plan(toys, seeds=1, robot="unity-arm").resolved, "seeds": 1}).cells[0].id == other.id
     given = _plan(toys, seeds=1, robot="unity-arm", task="fd100-reach:epsilon=0.05").cells[0]
     assert (given.task.label, dict(given.task.params)["epsilon"]) == ("fd100-reach", 0.05)
 

@@ -25,6 +25,5 @@ def test_never_overshoots(arm, setting_of, course_of, poses):
 
 def test_goes_as_fast_as_it_may(fd100, setting_of, course_of):
     """On a long way every joint reaches its largest speed."""
-    motion = build_motion("movej-absolute", setting_of(fd100))
-    course = course_of(motion, fd100.lower[None], [np.ones((1, 6))] * 30)
+    course = course_of(build_motion("movej-absolute", setting_of(fd100)), fd100.lower[None], [np.ones((1, 6))] * 30)
     assert_allclose(course.qvel[:, 0].max(axis=0), 0.8 * fd100.max_speed)

@@ -46,8 +46,7 @@ def driven(arm, setting_of, directions):
 def require_line(tips, held, world):
     """Within 1 mm while not held, and of some length."""
     way = tips - tips[0]
-    beside = norm(way - np.vecdot(way, world)[..., None] * world, axis=-1)
-    assert np.where(held, 0.0, beside).max() < 1e-3
+    assert np.where(held, 0.0, norm(way - np.vecdot(way, world)[..., None] * world, axis=-1)).max() < 1e-3
     assert norm(way, axis=-1).max() > 0.2
 
 
@@ -70,8 +69,7 @@ def test_the_check_on_the_line_sees_a_fault(fd100, setting_of, directions, monke
     world = directions(COUNT)
     tips, held = drive_along(build_motion("movel", setting_of(fd100)), fd100, world, 30)
     way = tips - tips[0]
-    beside = norm(way - np.vecdot(way, world)[..., None] * world, axis=-1)
-    assert np.where(held, 0.0, beside).max() > 1e-3
+    assert np.where(held, 0.0, norm(way - np.vecdot(way, world)[..., None] * world, axis=-1)).max() > 1e-3
 
 
 def test_it_goes_the_way_it_is_told(driven, directions):
@@ -171,5 +169,4 @@ def test_an_arm_alone_does_what_it_does_among_others(fd100, setting_of, course_o
     motion, start, action = build_motion("movel", setting_of(fd100)), poses(fd100, 8), directions(8)
     together = course_of(motion, start, [action] * 5).qpos
     for k in range(8):
-        alone = course_of(motion, start[k : k + 1], [action[k : k + 1]] * 5).qpos
-        assert_array_equal(alone[:, 0], together[:, k])
+        assert_array_equal(course_of(motion, start[k : k + 1], [action[k : k + 1]] * 5).qpos[:, 0], together[:, k])

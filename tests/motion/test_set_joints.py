@@ -17,8 +17,7 @@ def test_the_arm_is_there_at_once(arm, setting_of, poses):
 def test_it_jumps(fd100, setting_of):
     """The arm is put there without dynamics; that of the other modes is driven."""
     modes = ("set-joints", "movej", "movej-absolute", "movel", "movea", "discrete:action=set-joints")
-    jumps = [build_motion(mode, setting_of(fd100)).jumps for mode in modes]
-    assert jumps == [True, False, False, False, False, True]
+    assert [build_motion(mode, setting_of(fd100)).jumps for mode in modes] == [True, False, False, False, False, True]
 
 
 def test_the_unity_arm_turns_as_published(setting_of):

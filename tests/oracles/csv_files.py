@@ -128,8 +128,7 @@ def ask(folder):
 
 def _groups(rng):
     steps, counts = rng.choice((3, 20, 90, 300)), rng.random() < 0.5
-    k2 = rng.choice((1.0, 1.5, 2.0))
-    groups = [draw_group(rng, rng.randrange(1, 5), steps, one, counts) for one in (1.0, k2)]
+    groups = [draw_group(rng, rng.randrange(1, 5), steps, one, counts) for one in (1.0, rng.choice((1.0, 1.5, 2.0)))]
     return groups if rng.random() < 0.6 else [[plain(table) for table in group] for group in groups]
 
 

@@ -54,8 +54,7 @@ def _draw_cell(rng, reward, seed, steps):
 def write(cells, folder, plan=None):
     """The folder of an experiment; of a plan that may have more cells."""
     planned = tuple(done.cell for done in plan or cells)
-    told = {"sim": ["kinematic"], "algo": ["random"]}
-    store = Store.create(folder, Plan(BASELINE.label, planned, (), told, {}))
+    store = Store.create(folder, Plan(BASELINE.label, planned, (), {"sim": ["kinematic"], "algo": ["random"]}, {}))
     for done in cells:
         finish(store, done.cell, done.distances, done.reached, [False] * EPISODES, done.rewards)
     return folder

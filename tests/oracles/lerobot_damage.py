@@ -92,8 +92,7 @@ class _Ragged:
         self.rows = list(rows)
 
     def __getitem__(self, rows):
-        picked = np.arange(len(self.rows))[rows]
-        return pa.array([self.rows[row] for row in picked.tolist()], pa.list_(pa.float32()))
+        return pa.array([self.rows[row] for row in np.arange(len(self.rows))[rows].tolist()], pa.list_(pa.float32()))
 
 
 def probabilities(parts, rng):

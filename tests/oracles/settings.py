@@ -170,8 +170,7 @@ def policy(rng, folder):
     draw = default_rng(rng.randrange(2**32))
     sizes = [rng.randrange(2, 9) for _ in range(rng.randrange(2, 4))]
     kind, size = rng.choice(("squashed-gaussian", "greedy")), rng.randrange(2, 5)
-    heads = {"mean": size, "log_std": size} if kind == "squashed-gaussian" else {"value": size}
-    weights = _layers(draw, sizes, heads)
+    weights = _layers(draw, sizes, {"mean": size, "log_std": size} if kind == "squashed-gaussian" else {"value": size})
     if rng.random() < 0.4:
         weights |= {"observation.mean": np.float32(draw.normal(size=sizes[0]))}
         weights |= {"observation.std": np.float32(draw.uniform(0.5, 2.0, sizes[0]))}

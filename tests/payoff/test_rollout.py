@@ -120,5 +120,4 @@ def test_the_target_of_a_state_is_that_of_its_distance(task):
     """Also where a task sets the next one at the end of a step."""
     for rollout in record_rollouts(IdealSimulator(), load_robot(task.robot), task, 6):
         states = rollout.states
-        away = norm(states["target"] - states["end_effector"], axis=-1)
-        assert_allclose(away, states["distance"], atol=1e-12)
+        assert_allclose(norm(states["target"] - states["end_effector"], axis=-1), states["distance"], atol=1e-12)

@@ -14,8 +14,7 @@ MOVING = [script for script in SCRIPTS if script != "random"]
 def draw(robot, task, count=200):
     """Starts and targets of `count` episodes."""
     rng = default_rng(1)
-    start = np.stack([task.draw_start(robot, rng) for _ in range(count)])
-    return start, task.draw_targets(robot, rng, count).position
+    return np.stack([task.draw_start(robot, rng) for _ in range(count)]), task.draw_targets(robot, rng, count).position
 
 
 @pytest.fixture(scope="module")

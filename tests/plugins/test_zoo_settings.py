@@ -51,8 +51,7 @@ def test_monitor_and_evaluations_tell_the_seed_the_algorithm_and_the_budget(tmp_
 
 def test_a_budget_that_was_typed_goes_before_the_tuned_one(tmp_path):
     """As the zoo has it."""
-    path = trained(tmp_path, {**ARGS, "n_timesteps": 5000}, {"n_timesteps": 100000.0})
-    assert zoo_settings(path).asked == 5000
+    assert zoo_settings(trained(tmp_path, {**ARGS, "n_timesteps": 5000}, {"n_timesteps": 100000.0})).asked == 5000
 
 
 @pytest.mark.parametrize("text", ["", "seed: 1", "- - - seed\n    - one\n", "\x00", "- - - seed\n    - nan\n"])

@@ -62,8 +62,7 @@ def _change_arrays(folder, **changes):
     """Other arrays into the weights; None takes one out. Names have a double underscore for the dot."""
     arrays = safetensors.numpy.load_file(folder / WEIGHTS)
     arrays |= {name.replace("__", "."): array for name, array in changes.items()}
-    kept = {name: array for name, array in arrays.items() if array is not None}
-    safetensors.numpy.save_file(kept, folder / WEIGHTS)
+    safetensors.numpy.save_file({name: array for name, array in arrays.items() if array is not None}, folder / WEIGHTS)
 
 
 @pytest.fixture

@@ -57,8 +57,7 @@ class Situation:
 
 def around(mean, width, count, order=0):
     """Values about a mean, as many above it as below, in one of many orders."""
-    values = default_rng([order, count]).permutation(np.linspace(-1.0, 1.0, count))
-    return (mean + width * values).round(4).tolist()
+    return (mean + width * default_rng([order, count]).permutation(np.linspace(-1.0, 1.0, count))).round(4).tolist()
 
 
 def timed(success, quick):

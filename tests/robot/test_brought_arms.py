@@ -229,8 +229,7 @@ def test_what_engines_get_is_xml_to_every_parser(tmp_path_factory, subtests):
     """Also to one that knows namespaces: the tags are those of a URDF."""
     for name in [*BROUGHT, *ALIKE]:
         with subtests.test(name=name):
-            robot = read_arm(tmp_path_factory.mktemp("case"), {**BROUGHT, **ALIKE}[name])
-            root = ElementTree.fromstring(robot.urdf)
+            root = ElementTree.fromstring(read_arm(tmp_path_factory.mktemp("case"), {**BROUGHT, **ALIKE}[name]).urdf)
             assert root.tag == "robot"
             assert len(root.findall("link")) >= 6
 

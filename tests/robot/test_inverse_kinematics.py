@@ -56,8 +56,7 @@ def test_point_beyond_the_reach_is_not_reached():
 def test_tighter_tolerance_is_kept():
     """With a tolerance of a micrometre what is found is that close."""
     points = reachable_points()
-    start = np.tile(ROBOT.home, (COUNT, 1))
-    qpos, reached = reach_position(ROBOT, points, start, tolerance=1e-6, iterations=200)
+    qpos, reached = reach_position(ROBOT, points, np.tile(ROBOT.home, (COUNT, 1)), tolerance=1e-6, iterations=200)
     assert reached.mean() >= 0.9
     assert norm(ROBOT.end_effector(qpos) - points, axis=1)[reached].max() <= 1e-6
 

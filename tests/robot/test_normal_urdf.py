@@ -92,8 +92,7 @@ def test_other_joints_are_fixed_where_they_are_nearest_to_zero(tmp_path_factory,
 @pytest.mark.parametrize("kind", ["floating", "planar"])
 def test_joints_with_several_ways_to_move_are_fixed_at_zero(tmp_path, kind):
     """Beside the chain they may be, and stand still."""
-    plain = normal(URDF.replace('"prismatic"', f'"{kind}"'), tmp_path)
-    assert read_chain(plain, "finger")[1].xyz == (0.1, 0.2, 0.3)
+    assert read_chain(normal(URDF.replace('"prismatic"', f'"{kind}"'), tmp_path), "finger")[1].xyz == (0.1, 0.2, 0.3)
 
 
 def test_joint_that_mimics_is_fixed(tmp_path):
@@ -174,8 +173,7 @@ def with_mesh(folder, file, part="visual", link="arm", more=""):
     with (folder / "large.stl").open("wb") as sparse:
         sparse.truncate(2**30)
     shape = MESH.format(part=part, file=file)
-    text = FIXED.replace(f'"{link}">{BODY}', f'"{link}">{BODY}{shape}{more}')
-    return normal_urdf(parse_urdf(text), ["turn"], folder)
+    return normal_urdf(parse_urdf(FIXED.replace(f'"{link}">{BODY}', f'"{link}">{BODY}{shape}{more}')), ["turn"], folder)
 
 
 def test_drawing_that_can_be_read_stays(tmp_path):

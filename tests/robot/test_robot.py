@@ -69,8 +69,7 @@ def test_a_slide_may_do_half_its_range_a_second(tmp_path):
     """Where the URDF allows more and robot.toml says nothing, as a turning joint may do half a turn."""
     toml = TOML.replace("max_speed_m_s = [0.25]\n", "")
     assert read_robot(_write(tmp_path, toml)).max_speed[2] == pytest.approx(0.15)
-    slower = URDF.replace('velocity="0.5"', 'velocity="0.1"')
-    assert read_robot(_write(tmp_path, toml, slower)).max_speed[2] == 0.1
+    assert read_robot(_write(tmp_path, toml, URDF.replace('velocity="0.5"', 'velocity="0.1"'))).max_speed[2] == 0.1
     assert read_robot(_write(tmp_path)).max_speed[2] == 0.25
 
 
@@ -107,8 +106,7 @@ def test_robot_cannot_be_changed(tmp_path):
 def test_end_effector_and_jacobian_by_hand(robot):
     """With the elbow at a right angle the tip is at (0.5, 0.25, 5.05); the shoulder moves it along (-0.25, 0.5, 0)."""
     assert_allclose(robot.end_effector(robot.home), [0.5, 0.25, 5.05], atol=1e-15)
-    jacobian = robot.jacobian(robot.home)
-    assert_allclose(jacobian, [[-0.25, -0.25, 0.0], [0.5, 0.0, 0.0], [0.0, 0.0, 1.0]], atol=1e-15)
+    assert_allclose(robot.jacobian(robot.home), [[-0.25, -0.25, 0.0], [0.5, 0.0, 0.0], [0.0, 0.0, 1.0]], atol=1e-15)
 
 
 def test_reach_and_digest_are_computed_once(tmp_path, monkeypatch):
@@ -352,8 +350,7 @@ def test_robot_toml_wins_over_a_lower_speed_of_the_urdf(tmp_path):
     """A velocity there is often a placeholder; a line tells the joints that are allowed more, and no others."""
     (tmp_path / "plain").mkdir()
     assert read_robot(_write(tmp_path / "plain")).warnings == ()
-    faster = TOML.replace("[90, 180.0]", "[180, 180]").replace("[0.25]", "[0.75]")
-    robot = read_robot(_write(tmp_path, toml=faster))
+    robot = read_robot(_write(tmp_path, toml=TOML.replace("[90, 180.0]", "[180, 180]").replace("[0.25]", "[0.75]")))
     assert_allclose(robot.max_speed, [np.pi, np.pi, 0.75])
     told = "robot.toml allows joint 'shoulder' 180 deg/s, the URDF 90; joint 'slide' 0.75 m/s, the URDF 0.5"
     assert robot.warnings == (told,)

@@ -79,8 +79,7 @@ def test_drives_are_what_the_table_says(tmp_path):
 
 def test_friction_and_latency_may_be_left_out(tmp_path):
     """They are 0 then, and gravity is compensated."""
-    toml = "\n".join(line for line in TOML.splitlines() if not line.startswith(OPTIONAL))
-    servo = _read(tmp_path, toml).servo
+    servo = _read(tmp_path, "\n".join(line for line in TOML.splitlines() if not line.startswith(OPTIONAL))).servo
     assert not servo.viscous_friction.any()
     assert not servo.dry_friction.any()
     assert (servo.latency, servo.gravity_compensated) == (0.0, True)

@@ -39,8 +39,7 @@ def test_origin_is_the_transform(arm_text):
 
 def test_shapes_move_with_their_joints(attached):
     """What no joint moves is left out, what is fixed to a moving link is in, what another joint moves is out."""
-    kinds = [[shape.kind for shape in shapes] for shapes in attached]
-    assert kinds == [["box", "cylinder"], ["capsule"], ["sphere"]]
+    assert [[shape.kind for shape in shapes] for shapes in attached] == [["box", "cylinder"], ["capsule"], ["sphere"]]
 
 
 def test_shapes_cannot_be_changed(tmp_path, arm_text, attached):

@@ -42,8 +42,7 @@ def test_a_data_set_beside_a_bare_loop(tmp_path, require_speed, amount):
                     paid.append(_far(observations[row], actions[row], observations[row + 1], info))
 
     def through_the_harness():
-        found = pay_dataset(opened(f"minari:{folder}"), {"far": step_by_step("it", _far)})
-        assert found.paid["far"].tolist() == paid
+        assert pay_dataset(opened(f"minari:{folder}"), {"far": step_by_step("it", _far)}).paid["far"].tolist() == paid
 
     bare()
     require_speed(bare, through_the_harness, at_least=0.4, rounds=5)

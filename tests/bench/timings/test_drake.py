@@ -58,8 +58,7 @@ def test_one_env_beside_the_bare_loop(recorded_env, require_speed):
     """Observation, reward and trace on, one env does most of the steps of the bare API on the same motion."""
     pytest.importorskip("pydrake", reason="pydrake is not installed: pip install 'fd100-harness[drake]'")
     env, through_the_env = recorded_env("drake", 300)
-    simulator = load_registry().get("simulators", "drake").load()(substeps=SUBSTEPS)
-    (reference,) = simulator.open(env.robot, 1, PERIOD).arms
+    (reference,) = load_registry().get("simulators", "drake").load()(substeps=SUBSTEPS).open(env.robot, 1, PERIOD).arms
 
     (arm,) = env.simulation.arms
     require_speed(bare_loop(reference, recorded(arm, through_the_env)), through_the_env, at_least=0.7)

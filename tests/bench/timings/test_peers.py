@@ -28,8 +28,7 @@ class _PlainEnums:
 
     def __init__(self, mujoco: Any) -> None:
         self._mujoco = mujoco
-        members = mujoco.mjtJoint.__members__
-        self.mjtJoint = type("mjtJoint", (), {name: int(value) for name, value in members.items()})
+        self.mjtJoint = type("mjtJoint", (), {name: int(value) for name, value in mujoco.mjtJoint.__members__.items()})
 
     def __getattr__(self, name):
         return getattr(self._mujoco, name)
@@ -74,8 +73,7 @@ def _peer_steps(env, steps):
 
 
 def _our_actions(env, steps):
-    rng = default_rng(0)
-    return rng.uniform(-1.0, 1.0, (steps // env.num_envs, *env.action_space.shape)).astype(np.float32)
+    return default_rng(0).uniform(-1.0, 1.0, (steps // env.num_envs, *env.action_space.shape)).astype(np.float32)
 
 
 @pytest.mark.filterwarnings("ignore")  # the peers' own

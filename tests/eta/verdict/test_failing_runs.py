@@ -42,8 +42,7 @@ def test_without_ends_the_bounds_are_welchs():
     freedom = sum(parts) ** 2 / sum(part**2 / (len(group) - 1) for part, group in zip(parts, groups, strict=True))
     middle = np.mean([group.mean() for group in proposed]) - np.mean([group.mean() for group in baseline])
     reach = scipy.stats.t.ppf(0.95, freedom) * math.sqrt(sum(parts)) / 2.0
-    found = difference_bounds(baseline, proposed, [UNBOUNDED] * 2)
-    assert found == pytest.approx((middle - reach, middle + reach))
+    assert difference_bounds(baseline, proposed, [UNBOUNDED] * 2) == pytest.approx((middle - reach, middle + reach))
 
 
 def test_a_bound_by_hand():
@@ -69,8 +68,7 @@ def test_the_bound_is_close_to_that_of_clopper_and_pearson(subtests):
         with subtests.test(seeds=seeds, failed=failed):
             values = np.concatenate([np.zeros(failed), np.ones(seeds - failed)])
             exact = scipy.stats.beta.ppf(0.95, failed + 1, seeds - failed)
-            found = 1.0 - mean_bounds([values], [SHARE])[0]
-            assert found == pytest.approx(exact, abs=0.06 if seeds == 5 else 0.01)
+            assert 1.0 - mean_bounds([values], [SHARE])[0] == pytest.approx(exact, abs=0.06 if seeds == 5 else 0.01)
 
 
 def test_so_many_trainings_say_as_much_in_several_places():

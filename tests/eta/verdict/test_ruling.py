@@ -123,8 +123,7 @@ def test_a_question_in_which_nothing_varies_takes_nothing_from_the_others():
 
 def test_questions_of_unlike_seeds_are_corrected_by_holm():
     """They share no ways to deal labels."""
-    found = rule([question_of(5, effect=3.0), question_of(7, effect=3.0, seed=1)])
-    low, high = sorted(found, key=lambda it: it.p)
+    low, high = sorted(rule([question_of(5, effect=3.0), question_of(7, effect=3.0, seed=1)]), key=lambda it: it.p)
     assert low.corrected == pytest.approx(2 * low.p)
     assert high.corrected == pytest.approx(max(low.corrected, high.p))
 
@@ -146,8 +145,7 @@ def test_measures_that_both_pass_with_opposite_signs_are_contrary():
 
 def test_questions_over_places_are_corrected_as_those_in_one_place():
     """By the step-down procedure: the largest p of three that all pass is not multiplied by three."""
-    effects = (1.5, 2.0, 2.5)
-    found = rule([question_of(8, places=3, effect=effect, seed=seed) for seed, effect in enumerate(effects)])
+    found = rule([question_of(8, places=3, effect=effect, seed=seed) for seed, effect in enumerate((1.5, 2.0, 2.5))])
     assert all(it.is_decided for it in found)
     last = max(found, key=lambda it: it.p)
     assert last.corrected < 3 * last.p

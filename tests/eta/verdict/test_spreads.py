@@ -134,6 +134,5 @@ def test_what_is_left_beside_a_baseline_that_is_not_so_steady(mean, spread, rewa
         return steady(rng, mean, shape, spread)
 
     for seeds in (6, 10):
-        study = Study((spread_out, all_or_nothing), (mean, mean), seeds, rewards=rewards)
-        wrong = share_decided(study, experiments)
+        wrong = share_decided(Study((spread_out, all_or_nothing), (mean, mean), seeds, rewards=rewards), experiments)
         assert is_kept(f"{mean}, spread {spread}, {rewards} rewards, {seeds} seeds", wrong, most, experiments)

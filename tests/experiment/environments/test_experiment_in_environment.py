@@ -273,8 +273,7 @@ def test_the_plan_says_when_evaluations_are_cut(say, tmp_path):
     """Before anything runs."""
     asked = ["--task", "toy", "--plugin", TOY, "--algo", "random", "--out", tmp_path / "new"]
     _, out, _ = say("run", *asked, "--evaluation-horizon", "50", "--dry-run")
-    told = "Evaluations: 100 episodes of each policy, each cut after 50 steps if it goes on so long"
-    assert told in out.splitlines()
+    assert "Evaluations: 100 episodes of each policy, each cut after 50 steps if it goes on so long" in out.splitlines()
 
 
 @pytest.mark.slow
@@ -329,8 +328,7 @@ def test_chosen_measures_are_shown_beside_the_one_that_decides(folder, asked, sh
     """No other claim is made."""
     results = load_results(folder, metrics=asked, plugins=[TOY])
     (comparison,) = results.combinations
-    changes = tuple(dict.fromkeys(change.name for change in comparison.measured.changes))
-    assert results.measures == changes == shown
+    assert results.measures == tuple(dict.fromkeys(change.name for change in comparison.measured.changes)) == shown
 
 
 def test_measure_that_no_environment_has_is_refused(folder):
@@ -351,8 +349,7 @@ def test_measure_that_no_environment_has_is_refused_before_a_run(registry, tmp_p
 
 def test_trainings_are_exported_as_csv(results, tmp_path):
     """A row for each step, every number as it was recorded."""
-    written = write_runs(results, tmp_path)
-    assert written == {tmp_path / "random-toy" / reward: 2 for reward in ("near", "right")}
+    assert write_runs(results, tmp_path) == {tmp_path / "random-toy" / reward: 2 for reward in ("near", "right")}
     cell = next(cell for cell in results.done_cells if (cell.reward.name, cell.seed) == ("near", 1))
     recorded = read_recording(results.store.cell_folder(cell) / "training")
     table = pyarrow.csv.read_csv(tmp_path / "random-toy" / "near" / "seed-1.csv")

@@ -23,7 +23,6 @@ def figures(tmp_path):
 
     def draw(results):
         write_summary(results, tmp_path / "drawn")
-        paths = (tmp_path / "drawn" / "figures").glob("*.svg")
-        return {path.name.split(".")[-2]: path.read_bytes() for path in paths}
+        return {path.name.split(".")[-2]: path.read_bytes() for path in (tmp_path / "drawn" / "figures").glob("*.svg")}
 
     return draw

@@ -84,8 +84,7 @@ def test_no_finished_combination_is_a_summary_too(summarise):
 
 def test_null_control_has_figures(summarise):
     """The baseline against itself is a combination like any other."""
-    left = names(summarise(a_a=True))
-    assert "figures/mujoco-sac-fd100-fd100-reach-baseline-against-baseline.split.svg" in left
+    assert "figures/mujoco-sac-fd100-fd100-reach-baseline-against-baseline.split.svg" in names(summarise(a_a=True))
 
 
 def test_folder_of_an_experiment_is_refused(build):

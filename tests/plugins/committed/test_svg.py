@@ -37,8 +37,7 @@ def texts(svg):
 
 def test_figures_are_well_formed_small_and_ours(summarise):
     """Of an experiment of twelve long runs: XML that loads and runs nothing, and says who wrote it."""
-    paths = (summarise(**LARGE) / "figures").glob("*.svg")
-    figures = {path.name.split(".")[-2]: path.read_text() for path in paths}
+    figures = {path.name.split(".")[-2]: path.read_text() for path in (summarise(**LARGE) / "figures").glob("*.svg")}
     assert set(figures) == {"overview", "runs", "split", "learning"}
     for text in figures.values():
         assert ET.fromstring(text).tag == f"{SVG}svg"

@@ -142,8 +142,7 @@ def test_shared_curve_stands_once(build, read):
 
 def test_curves_over_other_seeds_stand_apart(build, read):
     """Where a run failed, the baseline is compared over the seeds that are left."""
-    results = build(proposed={"arp": (9, 30), "relative": (9, 30)}, ended={("arp", 1): ("failed", "it broke")})
-    _, curves = read(results)
+    _, curves = read(build(proposed={"arp": (9, 30), "relative": (9, 30)}, ended={("arp", 1): ("failed", "it broke")}))
     assert {row["seeds"] for row in curves["baseline", "baseline"]} == {"0 2", "0 1 2"}
 
 

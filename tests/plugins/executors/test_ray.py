@@ -123,8 +123,7 @@ def test_a_node_whose_sources_differ_gets_no_cells(toys, make_cell, two_nodes, t
     two_nodes.add(PYTHONPATH=os.pathsep.join([str(other), os.environ["PYTHONPATH"]]))
     two_nodes.wait(3)
     executor, cells = Ray(address=two_nodes.address), [make_cell(seed=seed) for seed in range(3)]
-    told = _run(executor, cells, tmp_path / "cells")
-    assert [event.reason for event in told if event.kind == "ended"] == [""] * 3
+    assert [event.reason for event in _run(executor, cells, tmp_path / "cells") if event.kind == "ended"] == [""] * 3
     complaint = capsys.readouterr().err
     assert "gets no cells: source of harness " in complaint
     assert " here, " in complaint

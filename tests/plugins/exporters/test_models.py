@@ -19,8 +19,7 @@ CARD = {"format": 2, "algorithm": "wander", "cell": {"seed": 3, "reward": "¼ of
 
 def _loaded(policy):
     """What another program does with the model."""
-    model = onnx_model.model_of(policy, CARD)
-    session = onnxruntime.InferenceSession(model, providers=["CPUExecutionProvider"])
+    session = onnxruntime.InferenceSession(onnx_model.model_of(policy, CARD), providers=["CPUExecutionProvider"])
     return lambda seen: session.run(["action"], {"observation": seen})[0]
 
 

@@ -110,8 +110,7 @@ def test_a_cut_episode_goes_on_from_its_last_observation(monkeypatch):
     monkeypatch.setattr(training, "Replay", Watched)
     train(SacFast(**SMALL), 45)  # episodes of 20 steps
     observation, _, following, _, terminated = (np.concatenate(column) for column in zip(*kept, strict=True))
-    starts = [index for index in range(1, 45) if not np.array_equal(observation[index], following[index - 1])]
-    assert starts == [20, 40]
+    assert [index for index in range(1, 45) if not np.array_equal(observation[index], following[index - 1])] == [20, 40]
     assert not terminated.any()
 
 
@@ -132,8 +131,7 @@ def test_policy_is_the_actor():
     observation, _ = env.reset(seed=ENV_SEED)
     run = training.Training(SacFast(**SMALL), env, 150, 0, Progress())
     policy = run.run()
-    inputs = np.append(observation, np.ones((1, 1), np.float32), axis=1)
-    hidden = np.maximum(inputs @ run._learner.actor[0][0], 0.0)
+    hidden = np.maximum(np.append(observation, np.ones((1, 1), np.float32), axis=1) @ run._learner.actor[0][0], 0.0)
     mean = np.append(hidden, np.ones((1, 1), np.float32), axis=1) @ run._learner.actor[1][0][:, :6]
     assert_allclose(policy.act(observation), np.tanh(mean), rtol=1e-5)
 
@@ -144,8 +142,7 @@ def test_every_update_changes_the_policy():
     train(SacFast(**SMALL), 103, told)
     weights = [policy.weights["mean.weight"] for _, policy in told.policies]  # type: ignore[attr-defined]
     assert [steps for steps, _ in told.policies] == [*range(1, 104), 103]
-    changed = [not np.array_equal(one, other) for one, other in pairwise(weights)]
-    assert changed == [False] * 99 + [True] * 3 + [False]
+    assert [not np.array_equal(one, other) for one, other in pairwise(weights)] == [False] * 99 + [True] * 3 + [False]
 
 
 def test_progress_is_told_every_hundred_steps_and_at_the_end():

@@ -72,8 +72,7 @@ def test_the_worst_place_is_named(robot, told, track):
     other[30, 1, 2] += 0.1
     found = difference_between(track(told), track(other), told, robot, PERIOD)
     assert found.worst[:3] == (pytest.approx(3.0), 1, robot.joint_names[2])
-    speed = abs(told[30, 1, 2] - told[29, 1, 2]) / PERIOD / robot.max_speed[2]
-    assert found.worst.speed_told == pytest.approx(speed)
+    assert found.worst.speed_told == pytest.approx(abs(told[30, 1, 2] - told[29, 1, 2]) / PERIOD / robot.max_speed[2])
     assert found.max_joint_rad == pytest.approx(0.1)
     assert 0.0 < found.mean_tip_m == pytest.approx(found.max_tip_m / 160)
 

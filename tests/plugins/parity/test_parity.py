@@ -80,8 +80,7 @@ def test_all_pairs_are_there_the_reference_first(compare, toolbox):
 
 def test_one_that_fails_costs_itself_alone(compare, toolbox, subtests):
     """Wherever it fails, in the batch or when it is timed alone."""
-    calls = [("place", 3), *((call, envs) for envs in (3, 1) for call in ("reset", "drive", "close"))]
-    for call, envs in calls:
+    for call, envs in [("place", 3), *((call, envs) for envs in (3, 1) for call in ("reset", "drive", "close"))]:
         with subtests.test(call=call):
             parity = compare(good=toolbox.ideal, bad=toolbox.raising(call, envs), late=toolbox.late)
             assert {name: failure.reason for name, failure in parity.failed.items()} == {

@@ -148,8 +148,7 @@ def test_with_its_token_everybody_is_answered(cluster):
 def test_its_token_is_in_no_file_and_in_no_command_line(cluster, home):
     """Others read the command lines of all processes, and Ray's own token is written for all to read."""
     token = os.environ["RAY_AUTH_TOKEN"]
-    session = Path(cluster["session_dir"])
-    files = [path for folder in (home, session) for path in folder.rglob("*") if path.is_file()]
+    files = [path for folder in (home, Path(cluster["session_dir"])) for path in folder.rglob("*") if path.is_file()]
     assert files
     assert not [path for path in files if token.encode() in path.read_bytes()]
     assert not [process for process in _processes() if token in " ".join(process.cmdline())]

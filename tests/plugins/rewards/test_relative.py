@@ -93,5 +93,4 @@ def test_current_is_finite_and_below_what_the_floor_allows(episode, distances):
 def test_scaling_the_workspace_changes_nothing(episode, distances, factor):
     """Scale-free with either denominator, above the floor."""
     for reward in (Relative(), CURRENT):
-        scaled = episode(reward, [factor * distance for distance in distances])
-        assert_array_equal(scaled, episode(reward, distances))
+        assert_array_equal(episode(reward, [factor * distance for distance in distances]), episode(reward, distances))

@@ -21,8 +21,7 @@ def model():
     """A soft actor-critic that has seen 40 steps of two envs."""
     env = ReachVectorEnv(IdealSimulator(), harness.load_robot("fd100"), ReachTask(), NegativeDistance(), 2)
     env.reset(seed=0)
-    model = stable_baselines3.SAC("MlpPolicy", VecEnvAdapter(env), seed=0, device="cpu", buffer_size=1000)
-    return model.learn(40)
+    return stable_baselines3.SAC("MlpPolicy", VecEnvAdapter(env), seed=0, device="cpu", buffer_size=1000).learn(40)
 
 
 def test_entropy_falls_with_the_spread(model):

@@ -136,5 +136,4 @@ def test_diverged_arm_can_be_reset(open_arms):
 def test_frame_is_that_of_mujoco(egl):
     """The same camera looks at the same arm."""
     target = np.array([0.6, 0.3, 0.6])
-    frames = [open_simulator(name, 1).render(0, target, 320, 240) for name in ("dm_control", "mujoco")]
-    assert_array_equal(*frames)
+    assert_array_equal(*[open_simulator(name, 1).render(0, target, 320, 240) for name in ("dm_control", "mujoco")])

@@ -38,8 +38,7 @@ def _swung(simulator, num_envs, periods, robot=ROBOT):
     simulation.reset(np.tile(ROBOT.home, (num_envs, 1)), np.ones(num_envs, bool))
     states = []
     for period in range(periods):
-        state = simulation.drive(_swing(num_envs, period), PERIOD)
-        states.append(State._make(np.array(array) for array in state))
+        states.append(State._make(np.array(array) for array in simulation.drive(_swing(num_envs, period), PERIOD)))
     simulation.close()
     return states
 

@@ -62,8 +62,7 @@ def test_within_epsilon_means_near_and_turned_alike(at, target):
     angle = norm(rotation_between(one[:, :3, :3], other[:, :3, :3]))
     for epsilon in (0.02, 0.2, 2.0):  # the same question on a coarser scale: random poses are seldom within 2 cm
         wide = Pose(epsilon=epsilon, angle=min(math.pi, task.angle * epsilon / task.epsilon))
-        found = goal(wide).errors(asked_for(at, target))[0]
-        assert (found <= epsilon) == (distance <= epsilon and angle <= wide.angle)
+        assert (goal(wide).errors(asked_for(at, target))[0] <= epsilon) == (distance <= epsilon and angle <= wide.angle)
 
 
 def test_turn_of_the_flange_alone_is_an_error():
@@ -79,8 +78,7 @@ def test_orientations_differ_and_can_be_taken():
     rng = default_rng(0)
     position = Pose().draw_targets(ROBOT, rng, 100).position
     assert len(np.unique(goal().draw(rng, position).round(6), axis=0)) == 100
-    usual = goal(Pose(turn=0.0)).draw(rng, position)
-    assert_array_equal(usual, goal(Pose(turn=0.0)).draw(default_rng(7), position))
+    assert_array_equal(goal(Pose(turn=0.0)).draw(rng, position), goal(Pose(turn=0.0)).draw(default_rng(7), position))
 
 
 def test_turn_that_is_left_is_seen():

@@ -41,8 +41,7 @@ def train(toys, run_once, tmp_path):
 
     def train_toys(**keys):
         given = {"sim": ["ideal"], "algo": ["wander"], "reward": ["arp"], "task": EASY, "seeds": 2, "steps": 6}
-        asked = {**given, "evaluation_episodes": 12, **keys}
-        return run_once(expand(check_experiment(asked), toys), tmp_path / "mine")
+        return run_once(expand(check_experiment({**given, "evaluation_episodes": 12, **keys}), toys), tmp_path / "mine")
 
     return train_toys
 
@@ -240,8 +239,7 @@ def test_cells_in_an_environment_are_refused(toys, make_plan, make_cell, tmp_pat
     """Done or not: there is no arm that could move elsewhere. It says what to do instead."""
     cell = make_cell(simulator=BROUGHT.simulator, robot=BROUGHT.robot, task=Choice("pendulum", (), "pendulum"))
     Store.create(tmp_path, make_plan(cell)).record(cell, "failed", "it fell")
-    told = r"harness transfer needs traces of an arm.*: harness report .* compares them"
-    with refused(told):
+    with refused(r"harness transfer needs traces of an arm.*: harness report .* compares them"):
         plan_transfers(load_results(tmp_path), None, toys)
 
 

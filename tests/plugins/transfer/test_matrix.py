@@ -81,8 +81,7 @@ def test_success_is_the_mean_over_seeds(train):
 
 def test_return_is_all_that_an_episode_was_paid(train):
     """Shaped reward and event terms, mean over episodes and seeds."""
-    matrix = visit_all(train([4, 2]), [1, 0])
-    assert [mean.mean for mean in matrix.paid[0]] == [1.0 + 10.0 * 0.75, 1.0 + 10.0 * 0.125]
+    assert [mean.mean for mean in visit_all(train([4, 2]), [1, 0]).paid[0]] == [1.0 + 10.0 * 0.75, 1.0 + 10.0 * 0.125]
 
 
 def test_drop_is_taken_seed_by_seed(train):

@@ -27,8 +27,7 @@ def run_some(folder, cells, **keys):
     plan = expand(check_experiment(asked), load_registry(given=given))
     store = Store.create(folder, plan)
     for cell in plan.cells[:cells]:
-        done = run_cell(cell, store.cell_folder(cell), lambda word: None, CellOptions(plugins=given))
-        assert done.status == "done"
+        assert run_cell(cell, store.cell_folder(cell), lambda word: None, CellOptions(plugins=given)).status == "done"
     return load_results(folder, plugins=[TOY])
 
 

@@ -37,8 +37,7 @@ def points(path):
 
 def test_logarithmic_axis_has_equal_factors_equally_far_apart():
     """1, 10 and 100."""
-    axis = Axis(1.0, 100.0, "", (), is_log=True)
-    chart = Chart(axis, UP, (Line([1.0, 10.0, 100.0], [0.0, 0.0, 0.0], "ink"),))
+    chart = Chart(Axis(1.0, 100.0, "", (), is_log=True), UP, (Line([1.0, 10.0, 100.0], [0.0, 0.0, 0.0], "ink"),))
     one, ten, hundred = (x for x, _ in points(parts(chart, "line")[0]))
     assert ten - one == pytest.approx(hundred - ten, abs=0.2)
 

@@ -55,8 +55,7 @@ def test_a_bar_that_misses_the_line_without_an_answer_has_its_reason(helped):
     assert card.answer == "CANNOT TELL"
     assert "The interval of success leaves out 0 when it is looked at alone, " in card.sure
     assert "but allowing for all measures that decide p is 0.128." in card.sure
-    asked = _ruled(whole, replace(open_ruling, asked=2))
-    assert "but 2 questions were asked together, " in card_of(asked, "arp").sure
+    assert "but 2 questions were asked together, " in card_of(_ruled(whole, replace(open_ruling, asked=2)), "arp").sure
 
 
 def test_only_what_a_test_decided_is_coloured(helped, one):

@@ -147,8 +147,7 @@ def test_answer_in_full_is_folded(build, write):
     (combination,) = results.combinations
     text = write(results).text.partition("The answer in full")[2]
     who = "Simulator mujoco, algorithm sac, robot fd100, task fd100-reach. 3 seeds (0, 1, 2), 40 steps each: trained"
-    told = f"{who} twice, once paid by baseline, once by arp."
-    for part in (combination.headline.robot, told, scales_text("robot")):
+    for part in (combination.headline.robot, f"{who} twice, once paid by baseline, once by arp.", scales_text("robot")):
         assert " ".join(Page(to_html(part)).words) in text
 
 
@@ -372,8 +371,7 @@ def test_advice_stands_as_a_command(build, write):
 def test_file_inside_a_page_comes_back(build, write):
     """The same at any time of day: a row per comparison, whose numbers can be read back, and no stranger's formula."""
     results = build(proposed={"=1+Ω₁": (9, 30)}, ended={("=1+Ω₁", 2): ("failed", "it broke")})
-    found = re.search(r'name="comparisons.csv".*? data-content="([^"]*)"', write(results).raw)
-    packed = base64.b64decode(found[1])
+    packed = base64.b64decode(re.search(r'name="comparisons.csv".*? data-content="([^"]*)"', write(results).raw)[1])
     assert packed[4:8] == b"\0\0\0\0"
     (row,) = csv.DictReader(gzip.decompress(packed).decode().splitlines())
     assert (row["proposed"], row["answer"], row["seeds"]) == ("'=1+Ω₁", "interim", "2")

@@ -246,8 +246,7 @@ def test_a_plan_that_is_not_trained_to_its_end_says_so_first(build):
 def test_what_is_compared_are_all_trainings(build):
     """The seeds, where both rewards have the same ones; else how many there are of each."""
     assert "3 seeds (0, 1, 2) compared," in told(build())
-    odd = build(ended={("arp", 2): ("failed", "it broke")})
-    assert "3 trainings with baseline, 2 with arp compared," in told(odd)
+    assert "3 trainings with baseline, 2 with arp compared," in told(build(ended={("arp", 2): ("failed", "it broke")}))
 
 
 def test_a_reward_that_has_not_begun_makes_no_test_of_an_unfinished_plan(build):

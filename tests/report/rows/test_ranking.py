@@ -95,7 +95,6 @@ def test_rewards_that_were_left_out_are_named(task):
 def test_places_have_what_tells_them_apart(task):
     """Simulator and algorithm where both vary; a pair says what it has in common."""
     here, there = task.places[0], task.places[2]
-    places = [here, there, replace(here, algorithm="ppo")]
-    rows = task_rows(compare_places(places, "fd100", "fd100-reach", 1_000))
+    rows = task_rows(compare_places([here, there, replace(here, algorithm="ppo")], "fd100", "fd100-reach", 1_000))
     assert rows.ranks[0].places == ["mujoco · sac", "pybullet · sac", "mujoco · ppo"]
     assert [row[0] for row in rows.agreements.rows] == ["mujoco / pybullet (sac)", "sac / ppo (mujoco)"]

@@ -102,8 +102,7 @@ def test_answer_comes_first(build):
     results = build()
     (combination,) = results.combinations
     text = squeezed(printed(results))
-    headline = combination.headline
-    words = [headline.robot, "The robot: CANNOT TELL", "The pay of an episode", combination.pay_sentence]
+    words = [combination.headline.robot, "The robot: CANNOT TELL", "The pay of an episode", combination.pay_sentence]
     titles = [
         "The note's eta_N",
         "Behaviour of the",

@@ -179,8 +179,7 @@ def test_wrongly_ranked_pairs_and_the_steps_paid_most_are_told(minari):
 def test_pay_while_nothing_happens_is_told(minari):
     """A reward for being there pays it as any other step; one for progress does not."""
     name = minari([reaching(number, waits=6) for number in range(8)])
-    rewards = {"there": lambda o, a, n, i: 1.0, "progress": lambda o, a, n, i: float(o[0] - n[0])}
-    found = audit_dataset(name, rewards)
+    found = audit_dataset(name, {"there": lambda o, a, n, i: 1.0, "progress": lambda o, a, n, i: float(o[0] - n[0])})
     there, progressed = (reward.still.mean for reward in found.rewards)
     assert found.still.mean == pytest.approx(5 / 12, abs=0.09)
     assert there == pytest.approx(found.still.mean)

@@ -308,8 +308,7 @@ def torn(observation, action, next_observation, info):
 
 def test_a_function_without_a_number_in_one_episode_is_judged_by_the_others(write):
     """No other reward loses that episode."""
-    found = ask(write(labelled(np.arange(40) >= 10)), rewards={"torn": torn, "n": lambda o, a, n, i: 1.0})
-    one, other = found.rewards
+    one, other = ask(write(labelled(np.arange(40) >= 10)), rewards={"torn": torn, "n": lambda o, a, n, i: 1.0}).rewards
     assert (one.by_success.above, other.by_success.above) == (29, 30)
     assert (one.by_success.value, one.by_success.answer) == (1.0, RANKS)
     assert "1 episodes (the first is 12)" in one.unpaid[0]

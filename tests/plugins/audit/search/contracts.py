@@ -92,8 +92,7 @@ def sensor_farm(slips=0.0):
             return state, 5.0 if state[0] == 1 else -1.0, False
         return state, 10.0 if state[0] == 2 else -1.0, state[0] == 2
 
-    name = "a farm of sensors" + (" on ice" if slips else "")
-    return Contract(name, True, "E scan deposit", step, slips=slips)
+    return Contract("a farm of sensors" + (" on ice" if slips else ""), True, "E scan deposit", step, slips=slips)
 
 
 def carrying(name, drop, is_hacked):
@@ -132,8 +131,7 @@ def depots(wrong, is_hacked):
         at = state[0] + EAST_WEST[action]
         return (at,), {2: 10.0, -2: wrong}.get(at, 0.0), abs(at) == 2
 
-    name = f"two depots, {wrong:g} in the wrong one"
-    return Contract(name, is_hacked, "E W", step, succeeds=lambda at: at == (2,))
+    return Contract(f"two depots, {wrong:g} in the wrong one", is_hacked, "E W", step, succeeds=lambda at: at == (2,))
 
 
 def key_and_door(state, action):

@@ -122,5 +122,4 @@ def test_observations_and_actions_of_other_shapes(is_dict):
 def test_a_measure_is_a_goal_in_the_direction_that_is_known():
     """One where the world knows it, both where it does not."""
     world, outcomes = SimpleNamespace(directions={"height": 1}), SimpleNamespace(measures=("height", "depth"))
-    names = [name for name in goals_of(world, outcomes) if name[-1] == "1"]
-    assert names == ["height +1", "depth +1", "depth -1"]
+    assert [name for name in goals_of(world, outcomes) if name[-1] == "1"] == ["height +1", "depth +1", "depth -1"]

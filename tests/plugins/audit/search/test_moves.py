@@ -44,8 +44,7 @@ def test_drawn_and_changed_ones_are_within_bounds():
         drawn = [draw_feedback(rng, moves, np.array([1.0, 0.1]), 7) for _ in range(200)]
         gains = np.stack([it.gains for it in drawn])
         assert 0.4 < (gains == 0.0).mean() < 0.6
-        changed = [it.changed(rng, 3) for it in drawn]
-        assert all(it.step >= 0 and it.gains.shape == gains.shape[1:] for it in changed)
+        assert all(it.step >= 0 and it.gains.shape == gains.shape[1:] for it in [it.changed(rng, 3) for it in drawn])
 
 
 def test_the_shortest_way_to_a_cell_is_kept_and_rare_cells_are_drawn_more():

@@ -76,8 +76,7 @@ def test_another_chance_is_refused():
 def test_what_agrees(one, other, same):
     """Equal ones, also where nothing varies; without a warning."""
     then, now = (Rating(tuple(range(len(it))), np.array(it, float), np.array(it) > 0) for it in (one, other))
-    made = certificate_of(policy=POLICY, rating=then)
-    assert replace(replay(made, Coin()), rating=now).is_refused is not same
+    assert replace(replay(certificate_of(policy=POLICY, rating=then), Coin()), rating=now).is_refused is not same
 
 
 def test_a_policy_is_certified_by_its_figures():

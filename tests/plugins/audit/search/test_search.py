@@ -32,8 +32,7 @@ def test_hovering_is_found():
     """It is paid what hovering just before the dock is: the closed form, less a few percent; docking much less."""
     world, of = found(docks.hovering)
     for three in of.plain:
-        way = world.begins([three.start])[0] + 0.1 * np.arange(1, world.horizon + 1)
-        best = np.minimum(way, 1.0).clip(0.0).sum()
+        best = np.minimum(world.begins([three.start])[0] + 0.1 * np.arange(1, world.horizon + 1), 1.0).clip(0.0).sum()
         assert 0.9 * best < three.failure.paid < best
         assert three.fastest.paid < 0.3 * best
 
