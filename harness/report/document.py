@@ -29,7 +29,7 @@ def report_to_json(results: Results) -> dict[str, Any]:
     data |= {name: section.to_json() for name, section in shown_sections(results).items()}
     data |= {"reward_terms": [it.to_json() for it in results.terms]} if results.terms else {}
     data |= {"alone": [it.to_json() for it in results.alone]} if results.alone else {}
-    return {**data, **results.older_keys()}
+    return data
 
 
 def report_text(results: Results) -> str:

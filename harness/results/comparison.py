@@ -456,11 +456,7 @@ class Comparison:
     def to_json(self) -> dict[str, Any]:
         """Plain data, without the curves; docs/json.md explains it."""
         measured, number, ruling, indices = self.measured, self.number, self.answer.ruling, self.number.decomposition
-        headline = self.headline.to_json()
-        if self.group.subject == "robot":
-            # `robot` is its name in version 0.1; it leaves with the next format
-            headline = {"answer": headline["answer"], "robot": headline["behaviour"], **headline}
-        headline["pay"] = self.pay_sentence
+        headline = {**self.headline.to_json(), "pay": self.pay_sentence}
         over = {manner: list(it.over) for manner, it in measured.counted.items() if it.over}
         return {
             **self.group.to_json(),

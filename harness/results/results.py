@@ -31,7 +31,7 @@ from harness.results.logs.told import FOUND_OUT, Told
 from harness.results.measured import Measured, Moment, Values, measure
 from harness.results.overview import overview_html
 from harness.results.pool import Pool
-from harness.results.recordings.recordings import Recordings, older_keys
+from harness.results.recordings.recordings import Recordings
 from harness.results.recordings.runs import Runs
 from harness.results.records import Records
 from harness.results.return_matrix import ReturnMatrix
@@ -41,7 +41,7 @@ from harness.results.traces import Traces
 from harness.results.trainings import Trainings
 from harness.results.verdicts import Seen
 
-FORMAT = 1
+FORMAT = 2
 """The version of what reports say as JSON; docs/json.md explains it."""
 LEFT_SOMETHING = ("done", "failed", "damaged")
 """How cells end that were begun."""
@@ -237,10 +237,6 @@ class Results(Records):
     def measure(self, trace: Log) -> Values:
         """Every metric of an evaluation."""
         return measure(self.metrics, trace)
-
-    def older_keys(self) -> dict[str, Any]:
-        """What a report says as JSON for readers of version 0.1 alone; these keys leave with the next format."""
-        return older_keys(self.recordings, self.combinations) if self.recordings else {}
 
     def to_json(self) -> dict[str, Any]:
         """Combinations and cells, plain data; see `harness.report.document` for all that a report says."""

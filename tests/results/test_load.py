@@ -40,7 +40,7 @@ def test_recordings_have_comparisons_and_returns(loose):
     pairs = load_results(loose, pairs=True).combinations
     assert [(it.baseline, it.proposed) for it in pairs] == [*first, ("thrice", "half")]
     assert [matrix.manner for matrix in results.returns] == ["in its last fifth", "over the training"]
-    assert results.to_json()["format"] == 1
+    assert results.to_json()["format"] == 2
 
 
 def test_recordings_have_a_row_each(loose):

@@ -23,7 +23,7 @@ def test_json_has_the_promised_keys(experiment):
         "over_places",
         "terms",
     }
-    assert data["format"] == 1
+    assert data["format"] == 2
     (combination,), (cell, *_) = data["combinations"], data["cells"]
     assert set(combination) == {
         *("simulator", "algorithm", "robot", "task", "steps", "deterministic", "baseline", "proposed", "is_control"),
@@ -32,7 +32,7 @@ def test_json_has_the_promised_keys(experiment):
         *("deciding", "decided_in", "returns", "returns_missing", "test", "same_steps"),
         *("paid_at_random", "not_maximised"),
     }
-    told = {"answer", "behaviour", "robot", "pay", "number", "decided_by", "seeds_to_decide"}
+    told = {"answer", "behaviour", "pay", "number", "decided_by", "seeds_to_decide"}
     assert set(combination["headline"]) == told
     ratios = {"eta", "per_seed", "ruler", "behaviour", "interaction", "noise"}
     for name in ("eta_N", "eta_P"):

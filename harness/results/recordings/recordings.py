@@ -4,11 +4,10 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import cached_property
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from harness.arrays import Float
 from harness.errors import SchemaError, UsageError
-from harness.eta.equal import key_to_json
 from harness.eta.manner import MANNERS
 from harness.eta.seed_mean import SeedMean, mean_of_known
 from harness.measure import Measure
@@ -18,7 +17,7 @@ from harness.record.manifest import is_named
 from harness.record.recording.recorded_training import recordings_in
 from harness.record.store import Floor, floors_in
 from harness.registry.choice import split_list
-from harness.results.comparison import Comparison, Group
+from harness.results.comparison import Group
 from harness.results.metrics import require_measures
 from harness.results.recordings.read_runs import LooseStore, read_runs
 from harness.results.recordings.recording_results import RecordingResults, numbers_in_environment, numbers_of_part
@@ -230,73 +229,3 @@ def _returns(trainings: Trainings) -> list[ReturnMatrix]:
         for manner in MANNERS
         if any(manner in found for found in parts.values())
     ]
-
-
-def older_keys(recordings: Recordings, combinations: Iterable[Comparison]) -> dict[str, Any]:
-    """What readers of version 0.1 look for: ``studies``; of recordings that lie loose the only one's keys alone."""
-    told = [_study(it, [of for of in combinations if of.group == it.group], recordings) for it in recordings.places]
-    if isinstance(recordings.records.store, LooseStore):
-        return told[0] or {}
-    return {
-        "studies": [
-            {
-                "task": group.task.label,
-                "algorithm": group.algorithm.label,
-                "steps": group.steps,
-                "reason": reason,
-                "notes": list(notes),
-                "study": study,
-            }
-            for (group, _, _, reason, notes), study in zip(recordings.places, told, strict=True)
-        ]
-    }
-
-
-def _study(place: Place, compared: Iterable[Comparison], recordings: Recordings) -> dict[str, Any] | None:
-    trainings = place.trainings
-    if trainings is None or trainings.read is None:
-        return None
-    read = trainings.read
-    return {
-        "env": read.env,
-        "rewards": list(read.rewards),
-        "trained": list(read.trained),
-        "steps": read.steps,
-        "curve": trainings.kind,
-        "notes": [*read.said, *read.notes],
-        "damaged": list(read.damaged),
-        "equal_trainings": [[key_to_json(key) for key in keys] for keys in read.equal],
-        "rescaled": [{"reward": name, "of": other, **it.to_json()} for (name, other), it in read.rescaled.items()],
-        "comparisons": [_compared(trainings, it) for it in compared],
-        "returns": {
-            it.manner: [
-                {"paid_by": payer, "trained_by": trained, **mean.to_json()}
-                for payer, row in it.returns.items()
-                for trained, mean in row.items()
-            ]
-            for it in _returns(trainings)
-        },
-        "trainings": [
-            {
-                "folder": run.path.relative_to(recordings.records.folder).as_posix(),
-                "trained_by": run.reward,
-                "seed": run.seed,
-                "steps": run.steps,
-                "parts": {manner: part._asdict() for manner, part in run.parts(read.steps).items()},
-            }
-            for run in read.members.values()
-        ],
-    }
-
-
-def _compared(trainings: Trainings, it: Comparison) -> dict[str, Any]:
-    headline = {"agent" if name == "behaviour" else name: told for name, told in it.headline.to_json().items()}
-    learning = trainings.learning(it) if it.has_trainings else None
-    others = {
-        "headline": headline,
-        "deciding_measure": next(iter(it.measured.deciding), None),
-        "indices": it.number.decomposition and it.number.decomposition.to_json(),
-        "learning": learning and learning.to_json()["metrics"],
-    }
-    told = {**it.to_json(), **others}
-    return {name: told[name] for name in OLDER}

@@ -453,7 +453,7 @@ def test_table_has_what_the_policies_did(results):
 def test_json_has_the_form_of_an_arms(folder, report):
     """Comparisons and cells under the same names; an environment has no robot."""
     told = json.loads(report(folder, "--json"))
-    assert told["format"] == 1
+    assert told["format"] == 2
     (combination,) = told["combinations"]
     assert (combination["task"], combination["algorithm"], combination["proposed"]) == ("toy", "random", "right")
     assert not {"robot", "simulator"} & combination.keys()
@@ -471,7 +471,6 @@ def test_records_hold_what_the_report_says(folder, tmp_path, report):
     assert {path.name for path in target.iterdir()} == {*RECORDS, "figures"}
     told = json.loads((target / "results.json").read_text())
     assert told == json.loads(report(folder, "--json"))
-    assert [study["algorithm"] for study in told["studies"]] == ["random"]
     rows = list(csv.DictReader((target / "cells.csv").read_text().splitlines()))
     assert len(rows) == 4
     assert all(float(row["return_near"]) <= 0.0 for row in rows)

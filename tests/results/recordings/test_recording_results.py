@@ -1,6 +1,5 @@
 """What follows from a recording's files: read once, and kept."""
 
-import json
 import shutil
 from collections import Counter
 from pathlib import Path
@@ -13,6 +12,7 @@ from harness.errors import SchemaError
 from harness.record import read_recording
 from harness.record.recording import recorded_training
 from harness.record.recording.recorded_training import read_part
+from harness.report import report_text
 from harness.results.recordings.recording_results import RecordingResults
 from tests.results.recordings.conftest import load_study
 
@@ -32,12 +32,12 @@ def opened(monkeypatch):
 
 
 def _told(folder):
-    return json.dumps(load_study(folder).older_keys())
+    return report_text(load_study(folder))
 
 
 def test_first_report_opens_each_file_once(study_folder, opened):
     """For its episodes, and for what each reward paid."""
-    load_study(study_folder).older_keys()
+    _told(study_folder)
     files = [str(path) for path in study_folder.rglob("steps-*.parquet")]
     assert opened == dict.fromkeys(files, 1)
 
@@ -59,18 +59,18 @@ def test_report_says_the_same_without_what_is_kept(study_folder):
 
 def test_only_the_recording_that_changed_is_read_again(study_folder, opened):
     """The digests of its files are not the same."""
-    load_study(study_folder).older_keys()
+    _told(study_folder)
     opened.clear()
     facts = study_folder / "plain-0" / "recording-0.json"
     shutil.copyfile(study_folder / "plain-1" / "recording-0.json", facts)
     with pytest.raises(Exception, match="plain-0"):  # two trainings of one seed now
-        load_study(study_folder).older_keys()
+        _told(study_folder)
     assert {Path(path).parent.name for path in opened} == {"plain-0"}
 
 
 def test_damaged_file_is_found_although_everything_is_kept(study_folder):
     """It is one line of the report."""
-    load_study(study_folder).older_keys()
+    _told(study_folder)
     (part,) = (study_folder / "plain-0").glob("steps-*.parquet")
     content = bytearray(part.read_bytes())
     content[len(content) // 2] ^= 1
