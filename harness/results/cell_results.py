@@ -18,7 +18,7 @@ from harness.measure import Measure
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, EVALUATIONS, RANDOM, SUFFIX, TRACE, evaluation_files
 from harness.record.manifest import Manifest
-from harness.record.returns import EVENTS, mean_over_episodes, mean_return, paid_in
+from harness.record.returns import EVENTS, PAID, mean_over_episodes, mean_return, paid_in
 from harness.record.store import Floor, Store, floors_in
 from harness.record.trace import (
     FLAGS,
@@ -47,6 +47,8 @@ MEASURED = (*INTEGERS, *FLAGS, "distance", *(f"end_effector_{axis}" for axis in 
 START, END = " start", " end"
 """The first and the last episodes of a training, see `harness.results.by_term.part_of`."""
 
+SUMMED = {"return": ("reward",), "events": EVENTS, "paid": PAID}
+"""What is summed over an episode."""
 Metrics: TypeAlias = Callable[[], Mapping[str, tuple[Measure, str]]]
 
 
@@ -147,19 +149,17 @@ class CellResults:
         self.recorded()
         if not self.cell.evaluate_every:
             self.learned()
-        self.evaluation_events()
-        self.evaluation_paid()
+        self.recorded_return("events")
+        self.recorded_return("paid")
         self.motion()
 
     def rows(self) -> int:
         """The number of rows of the training trace."""
-        rows = self._kept.number(f"{TRACE} rows", [self._kept.digest(TRACE)], lambda: len(self._trace(TRACE)))
-        return int(rows or 0)
+        return int(self._number(TRACE, "rows", lambda: len(self._trace(TRACE))) or 0)
 
     def recorded(self) -> Float:
         """What the cell's own reward paid, every row of the training, (rows,)."""
-        what, made_of = f"{TRACE} reward", [self._kept.digest(TRACE)]
-        return self._kept.array(what, made_of, lambda: self._trace(TRACE)["reward"])
+        return self._kept.array(f"{TRACE} reward", [self._kept.digest(TRACE)], lambda: self._trace(TRACE)["reward"])
 
     def paid_by(self, reward: InstalledReward) -> Float:
         """What another reward pays for every row of the training, (rows,).
@@ -182,12 +182,11 @@ class CellResults:
         Raises:
             Unscored: It cannot.
         """
-
-        def make() -> float | None:
-            return mean_over_episodes(self._paid(EVALUATION, reward).total, self._trace(EVALUATION))
-
-        what = f"{EVALUATION} return {reward.choice.label}"
-        return self._kept.number(what, self._made_of(EVALUATION, reward), make)
+        return self._kept.number(
+            f"{EVALUATION} return {reward.choice.label}",
+            self._made_of(EVALUATION, reward),
+            lambda: mean_over_episodes(self._paid(EVALUATION, reward).total, self._trace(EVALUATION)),
+        )
 
     def terms_paid(self, reward: InstalledReward, file: str) -> ByTerm:
         """What each term of a reward paid in a file of the cell; without terms of a reward that has none.
@@ -199,30 +198,24 @@ class CellResults:
         Raises:
             Unscored: It cannot pay these steps.
         """
+        is_own = reward.choice == self.cell.reward  # which needs no code of it
 
         def make() -> dict[str, Any]:
-            trace, is_own = self._trace(file), reward.choice == self.cell.reward  # which needs no code of it
+            trace = self._trace(file)
             terms = terms_of(trace) if is_own else self._paid(file, reward).terms
             return by_term(terms, trace.episodes, trace["step"] > 0).to_json()
 
-        own = [self._kept.digest(file)]
-        made_of = own if reward.choice == self.cell.reward else self._made_of(file, reward)
+        made_of = [self._kept.digest(file)] if is_own else self._made_of(file, reward)
         return ByTerm.from_json(self._kept.told(f"{file} terms {reward.choice.label}", made_of, make))
 
-    def recorded_return(self, file: str) -> float | None:
-        """What the cell's own reward paid an episode in a file, mean; None without a finished one."""
-        made_of = [self._kept.digest(file)]
-        return self._kept.number(f"{file} return", made_of, lambda: mean_return(self._trace(file), ("reward",)))
+    def recorded_return(self, of: str, file: str = EVALUATION) -> float | None:
+        """What an episode in a file was paid, mean; None without a finished one.
 
-    def evaluation_events(self) -> float | None:
-        """What the events of an episode of the final evaluation paid, mean; None without a finished one."""
-        what, made_of = f"{EVALUATION} events", [self._kept.digest(EVALUATION)]
-        return self._kept.number(what, made_of, lambda: mean_return(self._trace(EVALUATION), EVENTS))
-
-    def evaluation_paid(self) -> float | None:
-        """What an episode of the final evaluation was paid, its events included, mean; None without a finished one."""
-        what, made_of = f"{EVALUATION} paid", [self._kept.digest(EVALUATION)]
-        return self._kept.number(what, made_of, lambda: mean_return(self._trace(EVALUATION)))
+        Args:
+            of: ``return`` of the cell's own reward, ``events``, or ``paid``, which is both.
+            file: `EVALUATION` or `RANDOM`.
+        """
+        return self._number(file, of, lambda: mean_return(self._trace(file), SUMMED[of]))
 
     def floor_returns(self, reward: InstalledReward) -> Float:
         """What a reward pays each episode of random actions that the cell evaluated, events included, (episodes,).
@@ -279,8 +272,11 @@ class CellResults:
 
     def _episodes(self, file: str) -> int:
         """The finished episodes of a trace."""
-        digest = self._kept.digest(file)
-        return int(self._kept.number(f"{file} episodes", [digest], lambda: len(self._trace(file).episodes)) or 0)
+        return int(self._number(file, "episodes", lambda: len(self._trace(file).episodes)) or 0)
+
+    def _number(self, file: str, what: str, make: Callable[[], float | None]) -> float | None:
+        """A number that a trace alone says."""
+        return self._kept.number(f"{file} {what}", [self._kept.digest(file)], make)
 
     def _trace(self, file: str) -> Log:
         """A trace, of which results read the columns that they need."""
@@ -336,20 +332,6 @@ class Floors:
             self._values[owner.id] = found.floor()
             found.finish()
         return self._values[owner.id]
-
-    def returns(self, cell: Cell, installed: InstalledReward) -> Float:
-        """What a reward pays each episode of these random actions, events included, (episodes,); empty without any.
-
-        Raises:
-            Unscored: It cannot.
-        """
-        owner = self.owner(cell)
-        if owner is None:
-            return np.zeros(0)
-        found = self._of(owner)
-        returns = found.floor_returns(installed)
-        found.finish()
-        return returns
 
     def owner(self, cell: Cell) -> Cell | None:
         """The cell that evaluated random actions in the place of a done cell; None if no cell did."""

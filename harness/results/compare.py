@@ -119,7 +119,7 @@ class _Comparer:
 
     def __init__(self, trainings: Trainings, match: Match, swaps: Swaps) -> None:
         self._trainings, self._match, self._swaps = trainings, match, swaps
-        self._one, self._other = ([it.measured() for it in side] for side in match.sides)
+        self._one, self._other = ([it.measured for it in side] for side in match.sides)
         self.episodes = _fewest_episodes([*self._one, *self._other])
         """The number of episodes in each manner that all trainings have, as in the one with the fewest."""
 
@@ -236,7 +236,7 @@ class _Comparer:
 
     @cached_property
     def _moments(self) -> Moments:
-        one, other = ([it.moments() for it in side] for side in self._match.sides)
+        one, other = ([it.moments for it in side] for side in self._match.sides)
         return one, other
 
     def _change(self, measure: Quantity, *sides: Sequence[float | None]) -> Change:

@@ -1,6 +1,6 @@
 """The done cells of an experiment, and what rewards and metrics say of each."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from functools import cached_property, partial
 
@@ -98,27 +98,20 @@ class DoneCells:
         if cell.evaluate_every:
             found.moments()
         found.keep_own()
-        scoring = list(scoring)
+        files = (EVALUATION, *([RANDOM] if found.has_floor else ()))
+        own, payers = self.installed(cell.reward), list(map(self.installed, scoring))
         jobs: list[Callable[[], object]] = [
-            *(partial(found.pays_recorded, self.installed(cell.reward), file) for file in (TRACE, EVALUATION)),
+            *(partial(found.pays_recorded, own, file) for file in (TRACE, EVALUATION)),
             *(partial(found.paid_by, self.installed(choice)) for choice in compared),
-            *(partial(found.evaluation_return, self.installed(choice)) for choice in scoring),
-            *(partial(found.floor_returns, self.installed(choice)) for choice in scoring if found.has_floor),
-            *(partial(found.terms_paid, reward, file) for reward, file in self._by_term(found, scoring)),
+            *(partial(found.evaluation_return, it) for it in payers),
+            *(partial(found.floor_returns, it) for it in payers if found.has_floor),
+            *(partial(found.terms_paid, own, file) for file in ((TRACE, *files) if found.term_names() else ())),
+            *(partial(found.terms_paid, it, file) for it in payers if it is not own and it.has_terms for file in files),
         ]
         for job in jobs:
             with suppress(Unscored):  # the report says so
                 job()
         found.finish()
-
-    def _by_term(self, found: CellResults, scoring: Iterable[Choice]) -> Iterator[tuple[InstalledReward, str]]:
-        """Which rewards with terms a report asks about a cell, and in which of its files."""
-        own = self.installed(found.cell.reward)
-        if found.term_names():
-            yield from ((own, file) for file in (TRACE, EVALUATION, *([RANDOM] if found.has_floor else ())))
-        for reward in map(self.installed, scoring):
-            if reward is not own and reward.has_terms:
-                yield from ((reward, file) for file in (EVALUATION, *([RANDOM] if found.has_floor else ())))
 
     @cached_property
     def _fingerprinted(self) -> dict[str, tuple[Measure, str]]:
@@ -147,24 +140,3 @@ class DoneRecordings:
         for path in recordings_in(self._store.cell_folder(done.cell)):
             with suppress(SchemaError):  # the report says so
                 RecordingResults(self._store.folder, path).keep()
-
-
-def done_cells_of(
-    cells: Iterable[Cell],
-    store: Store,
-    registry: Registry,
-    metrics: Iterable[str] | None = None,
-    named: Sequence[str] = (),
-) -> DoneCells | DoneRecordings:
-    """What keeps the results of an experiment's cells as they end.
-
-    Args:
-        cells: The cells of the plan.
-        store: The folder of the experiment.
-        registry: The plugins.
-        metrics: Which metrics of an arm; see `harness.results.metrics.load_metrics`.
-        named: The measures that the experiment names.
-    """
-    if any(cell.is_in_environment for cell in cells):
-        return DoneRecordings(store)
-    return DoneCells(store, registry, metrics, named)

@@ -216,11 +216,11 @@ class Results(Records):
         """Every measure of a done cell, by manner; none of a cell in an environment that is not compared."""
         if self.recordings and cell.id not in self.recordings.runs:
             return Measured({}, {}, {})
-        return self._source.run(cell).measured()
+        return self._source.run(cell).measured
 
     def moments(self, cell: Cell) -> tuple[Moment, ...]:
         """Every evaluation of a done cell during its training, and the one after it."""
-        return tuple(self._source.run(cell).moments())
+        return tuple(self._source.run(cell).moments)
 
     def recorded(self, cell: Cell) -> Float:
         """What a done cell's own reward paid, every row of its training, (rows,)."""

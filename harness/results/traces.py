@@ -36,7 +36,7 @@ FILES = {"training": TRACE, "evaluation": EVALUATION}
 
 
 class CellRun:
-    """A done cell of an arm; see `harness.results.trainings.Trained`. What it reads it lets go of."""
+    """A done cell of an arm; see `Run`. What it reads it lets go of."""
 
     def __init__(self, traces: "Traces", cell: Cell) -> None:
         self._traces, self.cell = traces, cell
@@ -54,11 +54,8 @@ class CellRun:
     def cut(self) -> int:
         return self.ask(CellResults.rows)
 
-    def measured(self) -> Measured:
-        return self._measured
-
     @cached_property
-    def _measured(self) -> Measured:
+    def measured(self) -> Measured:
         floor = {**dict.fromkeys(self._traces.metrics), **self._traces.floors.of(self.cell)}
 
         def measure(found: CellResults) -> Measured:
@@ -69,18 +66,15 @@ class CellRun:
 
         return self.ask(measure)
 
-    def moments(self) -> Sequence[Moment]:
-        return self._moments
-
     @cached_property
-    def _moments(self) -> Sequence[Moment]:
+    def moments(self) -> Sequence[Moment]:
         return self.ask(CellResults.moments)
 
     def reason(self, name: str, manner: str) -> str:
-        return self._measured.reasons.get(name, "")
+        return self.measured.reasons.get(name, "")
 
     def stretch(self, begin: int, end: int) -> Part:
-        """See `Trained`: success and pay."""
+        """See `Run`: success and pay."""
         ended, reached, paid = self._learned
         inside = slice(*np.searchsorted(ended, [begin, end]))
         success, pay = (float(of[inside].mean()) if len(of[inside]) else None for of in (reached, paid))
@@ -94,25 +88,25 @@ class CellRun:
         return {}
 
     def ends(self) -> tuple[Part, Part, Part]:
-        measured, pay = self._measured, self.ask(lambda it: it.recorded_return(EVALUATION))
+        measured, pay = self.measured, self.ask(lambda it: it.recorded_return("return"))
         evaluated = Part(next(iter(measured.episodes.values())), {self.reward: pay}, measured.own, {})
         return (*self.ask(CellResults.ends), evaluated)
 
     def paid(self, by: Any) -> Float:
-        """See `Trained`: its own reward's pay is recorded."""
+        """See `Run`: its own reward's pay is recorded."""
         if by.reward == self.reward:
             return self.ask(CellResults.recorded)
         reward = self._traces.unchanged(by, TRACE)
         return self.ask(lambda it: it.paid_by(reward))
 
     def returned(self, by: Any, manner: str) -> float:
-        """See `Trained`: its events left out."""
+        """See `Run`: its events left out."""
         reward = self._traces.unchanged(by, EVALUATION)
         return self._known(self.ask(lambda it: it.evaluation_return(reward)))
 
     def final_pay(self) -> float:
-        """See `Trained`: its events included."""
-        return self._known(self.ask(CellResults.evaluation_paid))
+        """See `Run`: its events included."""
+        return self._known(self.ask(lambda it: it.recorded_return("paid")))
 
     def random_pay(self) -> Float:
         return self._traces.floor_returns(self.cell, self._traces.unchanged(self, EVALUATION))
@@ -123,11 +117,11 @@ class CellRun:
         return value
 
     def at_random(self) -> Part:
-        """See `Trained`: pay where a cell of the reward recorded it."""
+        """See `Run`: pay where a cell of the reward recorded it."""
         owner = self._random
         is_own = owner is not None and owner.reward == self.reward
-        pay = owner.ask(lambda it: it.recorded_return(RANDOM)) if owner is not None and is_own else None
-        return Part(0, {self.reward: pay}, self._measured.random, {})
+        pay = owner.ask(lambda it: it.recorded_return("return", RANDOM)) if owner is not None and is_own else None
+        return Part(0, {self.reward: pay}, self.measured.random, {})
 
     @property
     def _random(self) -> "CellRun | None":
@@ -136,11 +130,11 @@ class CellRun:
 
     @property
     def has_terms(self) -> bool:
-        """See `Trained`: whether its training recorded some."""
+        """See `Run`: whether its training recorded some."""
         return bool(self._traces.of(self.cell).term_names())
 
     def terms(self, by: Any, part: str) -> ByTerm | None:
-        """See `Trained`: what others pay its training is not asked for."""
+        """See `Run`: what others pay its training is not asked for."""
         reward = self._traces.installed(by.cell.reward)
         if part != "random":
             is_asked = part != "training" or by.reward == self.reward
@@ -259,7 +253,7 @@ class Traces:
         why = {payer: it for payer, it in payers.items() if isinstance(it, str)}
         paid: dict[str, list[float | None]] = {payer: [] for payer in (EVENTS, *payers)}
         for found in (self.of(it.cell) for it in members if isinstance(it, CellRun)):
-            paid[EVENTS].append(found.evaluation_events())
+            paid[EVENTS].append(found.recorded_return("events"))
             for payer, it in payers.items():
                 try:
                     if payer not in why and not isinstance(it, str):
@@ -292,7 +286,7 @@ class Traces:
 
     def numbers(self, cell: Cell) -> Numbers:
         """See `Results`."""
-        return numbers_of(self.run(cell).measured(), self.metrics)
+        return numbers_of(self.run(cell).measured, self.metrics)
 
     def run(self, cell: Cell) -> CellRun:
         """A done cell as a training."""
@@ -319,8 +313,13 @@ class Traces:
         return reward
 
     def floor_returns(self, cell: Cell, reward: InstalledReward) -> Float:
-        """What a reward pays each episode of random actions where a done cell trained, (episodes,); see `Floors`."""
-        return self.floors.returns(cell, reward)
+        """What a reward pays each episode of random actions where a done cell trained, (episodes,); empty without any.
+
+        Raises:
+            Unscored: It cannot.
+        """
+        owner = self.floors.owner(cell)
+        return self.run(owner).ask(lambda it: it.floor_returns(reward)) if owner else np.zeros(0)
 
     @cached_property
     def floors(self) -> Floors:

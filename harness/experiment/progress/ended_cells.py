@@ -12,7 +12,7 @@ from harness.record.store import Store
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry
 from harness.results.comparison import Group
-from harness.results.done_cells import DoneCells, DoneRecordings, done_cells_of
+from harness.results.done_cells import DoneCells, DoneRecordings
 from harness.results.measured import Values
 from harness.results.metrics import named_measures
 from harness.results.table import Numbers, write_table
@@ -25,7 +25,11 @@ class EndedCells:
         self, store: Store, registry: Registry, plan: Plan, metrics: str | Sequence[str] | None = None
     ) -> None:
         named = named_measures(plan.resolved)
-        self._cells, self._plan = done_cells_of(plan.cells, store, registry, metrics, named), plan
+        self._plan = plan
+        if any(cell.is_in_environment for cell in plan.cells):
+            self._cells: DoneCells | DoneRecordings = DoneRecordings(store)
+        else:
+            self._cells = DoneCells(store, registry, metrics, named)
         self._rewards: dict[Group, dict[Choice, None]] = {}
         for cell in plan.cells:
             self._rewards.setdefault(Group.of(cell), {})[cell.reward] = None

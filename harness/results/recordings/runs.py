@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, NamedTuple, Protocol, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -26,34 +26,21 @@ from harness.results.comparison import Group
 from harness.results.logs.told import RETURN, SUCCESS_DECIDES, Deciding
 from harness.results.measured import Counted, Measured, Moment
 from harness.results.recordings.episodes import Episodes, Part, episodes_of
-from harness.results.recordings.recording_results import NOTHING_ALIKE, Likeness, likeness_of, terms_in
+from harness.results.recordings.recording_results import (
+    NOTHING_ALIKE,
+    Likeness,
+    RecordingResults,
+    likeness_of,
+    terms_in,
+)
 
 NO_NAME = "an env without a name"
 UNKNOWN = "a reward is not known in all trainings"
 
 
-class Pay(Protocol):
-    """What rewards paid a training, read from its files where it is asked for."""
-
-    @property
-    def log(self) -> Log:
-        """All that was kept of the training, paid by every reward that it knows."""
-
-    def paid_by(self, reward: str) -> Float:
-        """What a reward pays for each step, (steps,).
-
-        Raises:
-            Unscored: Its log has no steps; says what it has.
-            SchemaError: A file is damaged.
-        """
-
-    def terms_paid(self, reward: str) -> ByTerm:
-        """What each term of a reward paid; without terms of one that has none, or was given up on the way."""
-
-
 @dataclass(frozen=True, eq=False)
 class LogPay:
-    """The pay that a log tells.
+    """The pay that a log tells; a recording that lies in files tells it as `RecordingResults`.
 
     Attributes:
         log: The log; its rows may be episodes or points.
@@ -62,13 +49,18 @@ class LogPay:
     log: Log
 
     def paid_by(self, reward: str) -> Float:
+        """What a reward pays for each step, (steps,).
+
+        Raises:
+            Unscored: The log has no steps; says what it has.
+        """
         facts = self.log.facts
         if facts.unit != "step":
             raise Unscored(f"'{facts.path}' tells {facts.unit}s, and not what was paid for each step")
         return self.log[f"{REWARD}{reward}"]
 
     def terms_paid(self, reward: str) -> ByTerm:
-        """See `Pay`; a log without steps tells none."""
+        """What each term of a reward paid; a log without steps tells none."""
         return terms_in(self.log, reward) if self.log.facts.unit == "step" else ByTerm({}, 0, 0)
 
 
@@ -91,7 +83,7 @@ class Run:
         apart: Why what two rewards paid is not compared; empty where it is.
     """
 
-    recorded: Pay
+    recorded: RecordingResults | LogPay
     facts: TrainingFacts
     seed: int
     steps: int
@@ -145,32 +137,40 @@ class Run:
         """All of its episodes."""
         return self.episodes.whole
 
-    # What `harness.results.trainings.Trained` asks
+    # What a `harness.results.traces.CellRun` says too, for `harness.results.trainings`
 
+    @cached_property
     def measured(self) -> Measured:
+        """Every measure, by manner; what says most about the final policy comes first."""
         did = {manner: dict(part.behaviour) for manner, part in self._parts.items()}
         floor = dict(self.random.whole.behaviour) if self.random else {}
         return Measured(did, {manner: part.episodes for manner, part in self._parts.items()}, floor)
 
+    @property
     def moments(self) -> tuple[Moment, ...]:
+        """Its evaluations, the one after the training last."""
         evaluations = {it.facts.after: it for it in self.before}
         if self.evaluation is not None:
             evaluations[self.cut] = self.evaluation
         return tuple(Moment(after, it.whole.behaviour) for after, it in evaluations.items())
 
     def reason(self, name: str, manner: str) -> str:
+        """Why a measure has no value; empty if it has one."""
         part = self._parts.get(manner)
         return "" if part is None or part.behaviour.get(name) is not None else self._why(name, part)
 
     def stretch(self, begin: int, end: int) -> Part:
+        """The episodes that ended in these steps."""
         return self.episodes.part(begin, end)
 
     def on_the_way(self, every: int) -> Mapping[int, Part]:
+        """Its evaluations by the step at which they were due; empty where the training itself tells how it learned."""
         if not self.before or self.evaluation is None:
             return {}
         return {**{it.facts.after // every * every: it.whole for it in self.before}, self.cut: self.evaluation.whole}
 
     def ends(self) -> tuple[Part, Part, Part | None]:
+        """Its first episodes, its last ones, and those of its evaluation, where there is one."""
         last = self.episodes.last
         count = min(part_of(len(last)), len(last))
         start = self.stretch(0, int(last[count - 1]) + 1 if count else 0)
@@ -178,11 +178,13 @@ class Run:
         return start, end, self.evaluation.whole if self.evaluation else None
 
     def paid(self, by: Any) -> Float:
+        """What the reward of a training pays for each of its steps, (rows,)."""
         if by.reward not in self.facts.rewards or not self.episodes.knows(by.reward):
             raise Unscored(UNKNOWN)
         return self.recorded.paid_by(by.reward)
 
     def returned(self, by: Any, manner: str) -> float:
+        """What that reward pays one of its episodes of one manner."""
         if self.apart:
             raise Unscored(self.apart)
         part = self._parts[manner]
@@ -192,26 +194,33 @@ class Run:
         return value
 
     def final_pay(self) -> float:
+        """What its own reward paid an episode of its evaluation, with all that the training maximised."""
         paid = None if self.evaluation is None else self.evaluation.whole.returns.get(self.reward)
         if paid is None:
             raise Unscored(UNKNOWN)
         return paid
 
     def random_pay(self) -> Float:
+        """What its reward pays random actions, (episodes,)."""
         paid = None if self.random is None else self.random.episodes.returns.get(self.reward)
         if paid is None or np.isnan(paid).any():
             raise Unscored(UNKNOWN)
         return paid
 
     def at_random(self) -> Part | None:
+        """What random actions come to; None where they are not known."""
         return self.random.whole if self.random else None
 
     def terms(self, by: Any, part: str) -> ByTerm | None:
+        """What the terms of a training's reward pay its ``training``, its ``evaluation``, or ``random`` actions.
+
+        None where that is not known, or not asked for.
+        """
         of = {"training": self, "evaluation": self.evaluation, "random": self.random}[part]
         return None if of is None else of.recorded.terms_paid(by.reward)
 
     def motion(self) -> str:
-        """Nothing: a recording need not hold the actions."""
+        """A digest of all that its final policy did in its evaluation: none, a recording need not hold the actions."""
         return ""
 
     def _why(self, name: str, part: Part) -> str:

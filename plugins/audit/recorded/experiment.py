@@ -106,7 +106,7 @@ def _part(results: Results, cell: Cell, payers: Mapping[str, InstalledReward]) -
     of, measured = results.traces.of(cell), results.measured(cell)
     returns: dict[str, float | None] = {}
     for label, payer in payers.items():
-        shaped, events = of.evaluation_return(payer), of.evaluation_events()
+        shaped, events = of.evaluation_return(payer), of.recorded_return("events")
         returns[label] = None if shaped is None or events is None else shaped + events
     of.finish()
     return Part(next(iter(measured.episodes.values())), returns, measured.own, {})

@@ -87,7 +87,7 @@ def test_evaluations_stand_beside_the_training_that_they_belong_to():
     found = runs(of("base", 0), *starmap(evaluated, BESIDE))
     run = found.members["base", 1]
     assert run.evaluation.whole.behaviour == {"success": 0.5}
-    moments = replace(run, cut=found.steps).moments()
+    moments = replace(run, cut=found.steps).moments
     assert [(it.steps, it.values["success"]) for it in moments] == [(20, 0.0), (50, 0.5)]
     assert found.group.evaluation_episodes == 2
     assert found.counted["in evaluations"] == ("episode", (40, 40))
