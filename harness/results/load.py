@@ -73,5 +73,5 @@ def read_results(
         return Results(folder, registry, kind, metrics=metrics, is_temporary=is_temporary, pairs=pairs, told=told)
     if told.format or not has_recordings(folder):
         return results_of_logs(folder, registry, told, kind, metrics, pairs=pairs)
-    loose = LooseStore(folder, None, told.baseline, told.leave_out, told.deciding)
+    loose = LooseStore(folder, told=told)
     return Results(folder, registry, kind, metrics=metrics, is_temporary=is_temporary, store=loose, pairs=pairs)

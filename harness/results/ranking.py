@@ -4,7 +4,7 @@ A place is a simulator, or an environment, with an algorithm. Places are compare
 with one another; two of them where they differ in one alone.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Any, Literal, NamedTuple, TypeAlias
@@ -26,7 +26,7 @@ from harness.eta.ranking import (
     transplant,
 )
 from harness.record.cell import Cell
-from harness.results.comparison import Comparison, Group, deciding_manner, still_to_come
+from harness.results.comparison import Group, deciding_manner, still_to_come
 from harness.results.results import Results
 
 Kind: TypeAlias = Literal["simulator", "algorithm"]
@@ -235,11 +235,8 @@ def _find(results: Results, group: Group, cells: Sequence[Cell]) -> _Found:
     episodes = {manner: min(it.episodes[manner] for it in measured.values()) for manner in manners}
     compared = next((it for it in results.combinations if it.group == group and it.seeds), None)
     manner = compared.manner if compared else deciding_manner(group.deterministic, episodes)
-    success = (
-        compared.decisive.name
-        if compared and compared.decisive and compared.decisive.measure.episodes is not None
-        else SUCCESS
-    )
+    decisive = compared.decisive if compared else None
+    success = decisive.name if decisive and decisive.measure.episodes is not None else SUCCESS
     runs: dict[str, dict[int, float]] = {}
     for cell, it in measured.items():
         value = it.manners.get(manner, {}).get(success)
@@ -268,9 +265,8 @@ def _rank(results: Results, found: Sequence[_Found]) -> TaskRanking | None:
     orders = order_rewards(runs, [it.episodes for it in found])
     places = [_place(results, it, order) for it, order in zip(found, orders, strict=True)]
     group, left_out = found[0].group, tuple(reward for reward in every if reward not in rewards)
-    labels = group.labels
     task = group.task.label if len({it.group.task for it in found}) == 1 else ""
-    return compare_places(places, labels.get("robot", ""), task, group.steps, left_out)
+    return compare_places(places, group.labels.get("robot", ""), task, group.steps, left_out)
 
 
 def compare_places(
@@ -300,37 +296,23 @@ def _with_shared_seeds(runs: Mapping[str, Mapping[int, float]]) -> dict[str, lis
 
 
 def _place(results: Results, found: _Found, success: Order) -> Place:
-    group = found.group
+    group, etas = found.group, {}
     compared = [
         it for it in results.combinations if it.group == group and it.baseline == results.baseline and not it.is_control
     ]
-    etas = {
-        name: _eta_order({results.baseline: 1.0, **_values(compared, read)}, lower, success)
-        for name, (read, lower) in ETAS.items()
-    }
+    for name, lower in LOWER.items():
+        for part in ("eta", "behaviour"):
+            ratios = {it.proposed: getattr(it.number.splits[name], part) for it in compared}
+            values = {
+                reward: it.value for reward, it in ratios.items() if it.near_zero is None and it.value is not None
+            }
+            told = name if part == "eta" else f"{name} {part}"
+            etas[told] = _eta_order({results.baseline: 1.0, **values}, lower, success)
     return Place(group.place, group.algorithm.label, found.engine, success, etas)
 
 
-def _read(name: str, part: str) -> Callable[[Comparison], float | None]:
-    def read(comparison: Comparison) -> float | None:
-        ratio = getattr(comparison.number.splits[name], part)
-        return None if ratio.near_zero is not None else ratio.value
-
-    return read
-
-
-ETAS = {
-    "eta_P": (_read("eta_P", "eta"), False),
-    "eta_P behaviour": (_read("eta_P", "behaviour"), False),
-    "eta_N": (_read("eta_N", "eta"), True),
-    "eta_N behaviour": (_read("eta_N", "behaviour"), True),
-}
-"""How each value is read, and whether lower is better."""
-
-
-def _values(compared: Iterable[Comparison], read: Callable[[Comparison], float | None]) -> dict[str, float]:
-    found = {it.proposed: read(it) for it in compared}
-    return {reward: value for reward, value in found.items() if value is not None}
+LOWER = {"eta_P": False, "eta_N": True}
+"""Whether a lower eta is better."""
 
 
 def _eta_order(values: Mapping[str, float], lower: bool, success: Order) -> EtaOrder:
@@ -340,12 +322,9 @@ def _eta_order(values: Mapping[str, float], lower: bool, success: Order) -> EtaO
     one = np.array([-value if lower else value for value in known.values()])
     other = np.array([means[reward] for reward in known])
     pairs = np.triu_indices(len(known), 1)
-    tau = kendall(*(_signs(it[pairs[0]] - it[pairs[1]]) for it in (one, other)))
+    differences = [it[pairs[0]] - it[pairs[1]] for it in (one, other)]
+    tau = kendall(*(np.sign(np.where(np.abs(it) < ROUNDING, 0, it)).astype(np.int64) for it in differences))
     return EtaOrder(dict(sorted(known.items(), key=lambda item: item[1] if lower else -item[1])), tau)
-
-
-def _signs(differences: Any) -> Any:
-    return np.where(np.abs(differences) < ROUNDING, 0, np.sign(differences)).astype(np.int64)
 
 
 def _compare(one: Place, other: Place) -> PlacePair | None:
@@ -353,9 +332,8 @@ def _compare(one: Place, other: Place) -> PlacePair | None:
     differ: list[Kind] = [kind for kind in KINDS if getattr(one, kind) != getattr(other, kind)]
     if len(differ) != 1:
         return None
-    found = agreement_of(one.success, other.success)
-    there, back = transplant(one.success, other.success), transplant(other.success, one.success)
-    return PlacePair(differ[0], one, other, found, there, back)
+    both = one.success, other.success
+    return PlacePair(differ[0], one, other, agreement_of(*both), transplant(*both), transplant(*both[::-1]))
 
 
 def _why_none(tasks: Iterable[Sequence[_Found]]) -> str:

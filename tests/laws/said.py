@@ -62,7 +62,7 @@ def say(line):
         end = next(ends, None)
         if end is not None and end["proposed"] is not None and end["baseline"] is not None:
             shares += [100 * end["proposed"]] if shares else [100 * end["baseline"], 100 * end["proposed"]]
-    taught = [it["trained_by"] for it in data["trainings"]]
+    taught = [it["reward"] for it in data["cells"]]
     counts = tuple(taught.count(name) for name in sorted(set(taught)))
     return Said(line, " | ".join(words) or NO_REWARDS, tuple(shares), counts, text, p)
 

@@ -20,7 +20,7 @@ from harness.record.recording.recorded_training import facts_name, recordings_in
 from harness.record.store import MOST_NAMED, Store
 from harness.registry.choice import Choice
 from harness.results.comparison import Group
-from harness.results.logs.told import SUCCESS_DECIDES, Deciding
+from harness.results.logs.told import FOUND_OUT, Told
 from harness.results.recordings.episodes import count_text, cut_notes, cut_text
 from harness.results.recordings.recording_results import RecordingResults
 from harness.results.recordings.runs import (
@@ -44,25 +44,7 @@ UNLIKE_STARTS = (
 GOES_ON = "it is still going on, or was killed"
 
 
-def notes_on(everything: Sequence[Run], trained: Sequence[str], members: Mapping[tuple[str, int], Run]) -> list[str]:
-    """How trainings and evaluations differ in what they were given, or ended early.
-
-    Args:
-        everything: All recordings that were read whole, evaluations too.
-        trained: The rewards that taught a policy.
-        members: The trainings that are compared, by reward and seed.
-    """
-    runs = list(members.values())
-    return [
-        *_length_notes(runs),
-        *([] if meet_same_starts(runs) else [UNLIKE_STARTS]),
-        *_end_notes(trained, members),
-        *_code_notes(everything),
-        *_bounds_notes(everything),
-    ]
-
-
-def _length_notes(runs: Iterable[Run]) -> list[str]:
+def _length_notes(runs: Collection[Run]) -> list[str]:
     told = cut_notes({f"'{run.path}'": run.steps for run in runs})
     late = ["Evaluations are of policies at the end of their trainings, which were not of one length"]
     return [*told, *(late if told and any(run.evaluation for run in runs) else [])]
@@ -125,96 +107,63 @@ def has_recordings(folder: Path) -> bool:
 def read_runs(
     folder: Path,
     only: Sequence[Path] | None = None,
-    baseline: str = "",
     deciding: Sequence[str] = (),
     group: Group | None = None,
     random: Path | None = None,
     control: Mapping[int, int] = NO_CONTROL,
-    leave_out: Collection[Path] = (),
-    chosen: Deciding = SUCCESS_DECIDES,
+    told: Told = FOUND_OUT,
 ) -> Runs:
-    """All recorded trainings in a folder, at any depth; see `runs_of` for what is not told here.
+    """All recorded trainings and evaluations in a folder, at any depth, sorted into what is compared and what is not.
 
     Args:
         folder: Where they lie.
         only: Of these folders in it, and not at any depth; None for all.
-        baseline: The reward that the others are compared with.
-        deciding: Measures that come before the others.
-        group: What the trainings share.
+        deciding: Measures that come before the others, the one that decides first.
+        group: What the trainings share, if they are known to be of one group of cells.
         random: The recording of random actions in the same env, if it lies somewhere else.
-        control: Seeds of the null control.
-        leave_out: The trainings that the user leaves out.
-        chosen: What the user says of the measure that decides.
+        control: By each seed the other seed that the baseline was trained with again, for the null control.
+        told: What the user says: the reward that the others are compared with, by default the one that was given first;
+            the trainings that are left out; and which values of the measure that decides are better.
 
     Raises:
-        UsageError: There are none, or none has all of its steps.
+        UsageError: There are none, they are of several envs, two have the same reward and seed, or none has all of its
+            steps.
     """
     everything, damaged = read_all(folder, only)
     if not everything:
-        told = f" Damaged: {'; '.join(it.why for it in damaged)}" if damaged else ""
-        raise UsageError(f"'{folder}' holds no recorded training: harness.RecordRewards makes one.{told}")
+        unread = f" Damaged: {'; '.join(it.why for it in damaged)}" if damaged else ""
+        raise UsageError(f"'{folder}' holds no recorded training: harness.RecordRewards makes one.{unread}")
     at_random = _read(folder, random, _weighed([it.path for it in everything])) if random else None
-    return runs_of(folder, everything, damaged, baseline, deciding, group, at_random, control, leave_out, chosen)
-
-
-def runs_of(
-    folder: Path,
-    everything: Sequence[Run],
-    damaged: Sequence[Missing] = (),
-    baseline: str = "",
-    deciding: Sequence[str] = (),
-    group: Group | None = None,
-    random: Run | None = None,
-    control: Mapping[int, int] = NO_CONTROL,
-    leave_out: Collection[Path] = (),
-    chosen: Deciding = SUCCESS_DECIDES,
-) -> Runs:
-    """Trainings and evaluations, sorted into what is compared and what is missing.
-
-    Args:
-        folder: Where they lie.
-        everything: All of them. The seed of one that nobody told is -1.
-        damaged: What could not be read.
-        baseline: The reward that the others are compared with; by default the one that was given first.
-        deciding: Measures that come before the others, the one that decides first.
-        group: What the trainings share, if they are known to be of one group of cells.
-        random: Random actions in the same env, if they are not among them.
-        control: By each seed the other seed that the baseline was trained with again, for the null control.
-        leave_out: The trainings that the user leaves out.
-        chosen: What the user says of the measure that decides.
-
-    Raises:
-        UsageError: They are of several envs, two have the same reward and seed, or none has all of its steps.
-    """
     env, env_notes = env_of(folder, everything) if group is None else (group.task.label, [])
-    account, whole, short = account_of(everything, damaged, leave_out)
+    account, whole, short = account_of(everything, damaged, told.leave_out)
     seeds, seed_notes = _with_seeds([it for it in whole if not it.facts.evaluation])
     evaluated = [it for it in whole if it.facts.evaluation]
     evaluations, evaluation_notes = _evaluations(folder, evaluated, seeds, group is None or group.deterministic)
     members = {key: replace(run, **evaluations.get(key, {})) for key, run in _by_key(seeds).items()}
     others = {other: seed for seed, other in control.items() if other not in control}
-    again = {others[key[1]]: members.pop(key) for key in list(members) if key[0] == baseline and key[1] in others}
+    again = {others[key[1]]: members.pop(key) for key in list(members) if key[0] == told.baseline and key[1] in others}
     named = _in_order(run.facts.rewards for run in members.values())
-    rewards = tuple(sorted(named, key=lambda name: name != baseline))  # all others stay in their order
+    rewards = tuple(sorted(named, key=lambda name: name != told.baseline))  # all others stay in their order
     trained = tuple(name for name in rewards if any(name == reward for reward, _ in members))
     if not trained:
-        told = "".join(f". {line}" for line in account.lines[:MOST_NAMED])
-        raise UsageError(f"'{folder}' has nothing to report: no training in it has a step, or all of its steps{told}")
+        why = "".join(f". {line}" for line in account.lines[:MOST_NAMED])
+        raise UsageError(f"'{folder}' has nothing to report: no training in it has a step, or all of its steps{why}")
     shortest = min(run.steps for run in members.values())
     notes = [*account.lines, *short, *env_notes, *seed_notes, *evaluation_notes]
-    notes += notes_on(everything, trained, members)
+    notes += [*_length_notes(members.values()), *([] if meet_same_starts(members.values()) else [UNLIKE_STARTS])]
+    notes += [*_end_notes(trained, members), *_code_notes(everything), *_bounds_notes(everything)]
     equal = equal_trainings({key: run.likeness.digest for key, run in members.items()})
     rescaled = _rescaled(rewards, members.values())
     notes += [*equal_sentences(equal), *(it.sentence(name, other) for (name, other), it in rescaled.items())]
     notes += [f"{run.path}: {run.facts.paid_otherwise}" for run in members.values() if run.facts.paid_otherwise]
     notes += _told_notes(everything)
-    at_random = random or next((it for it in evaluated if it.facts.acted == ACTED_AT_RANDOM), None)
+    at_random = at_random or next((it for it in evaluated if it.facts.acted == ACTED_AT_RANDOM), None)
     return Runs(
         group or brought(env, UNKNOWN_ALGORITHM, shortest),
         rewards,
         trained,
         _in_order([deciding, *(run.facts.behaviour for run in members.values())]),
-        Directions.of([run.facts for run in members.values()], chosen),
+        Directions.of([run.facts for run in members.values()], told.deciding),
         members,
         shortest,
         tuple(notes),
@@ -473,34 +422,31 @@ class LooseStore(Store):
         self,
         folder: Path,
         runs: Runs | None = None,
-        baseline: str = "",
-        leave_out: Collection[Path] = (),
-        deciding: Deciding = SUCCESS_DECIDES,
+        told: Told = FOUND_OUT,
     ) -> None:
         """Read all recordings, unless they were read already.
 
         Args:
             folder: Where they lie.
             runs: What was read of them; None if nothing was.
-            baseline: The reward that the others are compared with; by default the one that was given first.
-            leave_out: The trainings that the user leaves out.
-            deciding: What decides, if the user says it.
+            told: What the user says; see `read_runs`.
 
         Raises:
             UsageError: There are none, none that can be compared, or whole experiments lie among them; no training was
                 taught by the baseline; or nobody says which values of what decides are better.
         """
         super().__init__(folder)
-        named = [deciding.name] if deciding.name else []
-        self.runs: Runs = runs or read_runs(folder, None, baseline, named, leave_out=leave_out, chosen=deciding)
+        baseline, decides = told.baseline, told.deciding.name
+        named = [decides] if decides else []
+        self.runs: Runs = runs or read_runs(folder, None, named, told=told)
         known = {name for run in self.runs.members.values() for name in run.episodes.behaviour}
         if runs is None and named and not {*named} <= known:
-            raise UsageError(f"--measure {deciding.name}: the recordings tell {', '.join(sorted(known)) or 'none'}")
+            raise UsageError(f"--measure {decides}: the recordings tell {', '.join(sorted(known)) or 'none'}")
         for name in self.runs.measures[:1] if len(self.runs.trained) > 1 else ():
             require_direction(name, self.runs.better(name), DIRECTION.format(name))
         if baseline and baseline not in self.runs.trained:
-            told = ", ".join(self.runs.trained)
-            raise UsageError(f"--baseline {baseline}: no training was taught by it. There are: {told}")
+            there = ", ".join(self.runs.trained)
+            raise UsageError(f"--baseline {baseline}: no training was taught by it. There are: {there}")
         self._run_of = {self._cell(run): run for run in self.runs.members.values()}
 
     def read_plan(self) -> StoredPlan:

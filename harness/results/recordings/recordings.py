@@ -18,6 +18,7 @@ from harness.record.recording.recorded_training import recordings_in
 from harness.record.store import Floor, floors_in
 from harness.registry.choice import split_list
 from harness.results.comparison import Group
+from harness.results.logs.told import Told
 from harness.results.metrics import require_measures
 from harness.results.recordings.read_runs import LooseStore, read_runs
 from harness.results.recordings.recording_results import RecordingResults, numbers_in_environment, numbers_of_part
@@ -119,7 +120,9 @@ class Recordings:
         floor = floors_in(records.manifests, records.store).get(Floor.of(cells[0]))
         random = None if floor is None else records.store.cell_folder(floor) / recording_of(RANDOM)
         try:
-            return read_runs(records.folder, only, records.baseline, records.named, group, random, control)
+            return read_runs(
+                records.folder, only, records.named, group, random, control, Told(baseline=records.baseline)
+            )
         except UsageError as error:
             return str(error)
 

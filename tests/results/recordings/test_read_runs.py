@@ -7,6 +7,7 @@ import pytest
 from harness.errors import UsageError
 from harness.record import TrainingFacts
 from harness.record.recording.recorded_training import facts_name
+from harness.results import Told
 from harness.results.recordings.read_runs import read_all, read_runs
 from tests.results.recordings.conftest import PAYS, PULLS, record
 
@@ -79,7 +80,7 @@ def test_a_training_that_was_cut_off_is_not_compared(tmp_path):
     record(tmp_path / "thrice" / "2" / "evaluation", "thrice", 2, [0.5], evaluation=True)
     assert f"'{short}' is missing: it has 5 of 15 steps" in told(tmp_path)
     assert [it.path for it in read_runs(tmp_path).missing] == [short]
-    assert not read_runs(tmp_path, leave_out=[short]).missing
+    assert not read_runs(tmp_path, told=Told(leave_out=(short,))).missing
     assert ("thrice", 2) not in read_runs(tmp_path).members
     record(tmp_path / "thrice" / "again", "thrice", 2, [0.1] * 3, asked=15)
     assert read_runs(tmp_path).members["thrice", 2].evaluation is not None

@@ -8,10 +8,8 @@ import pytest
 
 from harness.errors import SchemaError, Unscored, UsageError
 from harness.log import Failed, Log, LogFacts, in_memory
-from harness.registry import load_registry
-from harness.results import Results, episodes_of
+from harness.results import episodes_of
 from harness.results.recordings.episodes import require_ends
-from harness.results.recordings.read_runs import LooseStore, runs_of
 from harness.results.recordings.runs import run_of
 
 
@@ -129,19 +127,3 @@ def test_run_of_steps_tells_pay_and_terms():
     assert run.recorded.paid_by("own").tolist() == log["reward/own"].tolist()
     assert run.recorded.terms_paid("own").steps == 60
     assert [*run.recorded.terms_paid("own").terms] == ["half"]
-
-
-def test_logs_of_episodes_are_compared():
-    """By the measure that both have; what one reward paid the other's trainings is not known, and said so."""
-    logs = [
-        _episodes(reward, seed, [1.0 if place < wins else -1.0 for place in range(40)])
-        for reward, least in (("base", 4), ("new", 30))
-        for seed, wins in enumerate(range(least, least + 6))
-    ]
-    runs = runs_of(Path(), [run_of(log) for log in logs], baseline="base")
-    assert (runs.trained, runs.measures, runs.steps) == (("base", "new"), ("success",), 400)
-    (comparison,) = Results(Path(), load_registry(), store=LooseStore(Path(), runs)).combinations
-    (change,) = (it for it in comparison.measured.changes if it.measure.manner == "over the training")
-    assert (change.baseline, change.proposed) == (pytest.approx(6.5 / 40), pytest.approx(32.5 / 40))
-    assert comparison.number.decomposition is None
-    assert comparison.number.returns["over the training"].total.ruler.notes == ("base in 'new-0': not recorded",)
