@@ -21,6 +21,7 @@ if TYPE_CHECKING:
         ROBOT as ROBOT,
         ROBOTS as ROBOTS,
         SIMULATORS as SIMULATORS,
+        TASKS as TASKS,
         AsJson as AsJson,
         ExperimentFolder as ExperimentFolder,
         FailOn as FailOn,
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
         PluginFiles as PluginFiles,
         RobotName as RobotName,
         TaskName as TaskName,
+        flag as flag,
         names_of as names_of,
     )
     from harness.cli.foreseen import left_text as left_text

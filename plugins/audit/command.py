@@ -1,8 +1,9 @@
 """``harness audit``: what rewards pay for, whatever there is to pay."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, nullcontext
 from dataclasses import replace
+from functools import partial as partial_of
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -132,22 +133,24 @@ def audit(
         return _replayed(replay, sim, plugin, measure, as_json, beside)
     from harness.registry import split_list
 
-    failing = _named_answers(fail_on)
+    failing: tuple[str, ...] = ()
+    if fail_on:  # what decides is loaded where the flag is given
+        from harness.authoring.commands import named_answers
+
+        failing = named_answers(fail_on, "pay", "ranking")
     if subject is not None and task is not None:
         raise UsageError(f"--task {task} does not go with '{subject}': name one of them")
     named = subject or task
-    of_dataset_alone = {
+    flags = {
         "--places": places, "--labels": labels, "--success-above": success_above,
         "--cluster": cluster, "--partial": partial or None, "--beginner": beginner,
-    }  # fmt: skip
-    others = {
         "--robot": robot, "--sim": sim, "--against": against, "--episodes": episodes, "--gamma": gamma,
         "--random": random, "--as": log_format, "--sort": sort, "--success": success, "--measure": measure,
         "--budget": budget, "--starts": starts, "--seed": seed or None, "--from": from_folders, "--policy": policy,
         "--out": out, "--html": html,
     }  # fmt: skip
     if named is not None and names_dataset(named):
-        _refuse_others(DATASET, named, others, {})
+        _refuse_others(DATASET, named, flags)
         from harness.registry import load_registry, read_given
 
         from .dataset.audit_dataset import audit_dataset
@@ -169,33 +172,40 @@ def audit(
     from harness.registry import choose, load_registry, read_given, split_measures
 
     from .search.place import GAMMA_OF_ARM, places_in_environment
+    from .transitions.audit_rewards import GAMMA
 
     measures, files = split_measures(measure or ())
     registry = load_registry(given=read_given(plugin, files))
     kind = _kind_of(subject, task, registry)
-    _refuse_others(kind, named, others, of_dataset_alone)
-    success = _told_by(success, measures)
+    _refuse_others(kind, named, flags)
+    told = [it for it in (success, *measures) if it is not None]
+    if len(told) > 1:
+        raise UsageError(f"'{told[0]}' and '{told[1]}' cannot both tell success: leave out one of --success, --measure")
     asked = _asked(kind, budget, starts, seed, from_folders, policy)
     _refuse_unsearched(asked, out, html)
     found_at: Sequence[Place] = ()
+    findings: Sequence[Finding] = ()
+    discount = gamma if gamma is not None else GAMMA_OF_ARM if kind == TASK else GAMMA
     if kind == TASK:
-        discount = GAMMA_OF_ARM if gamma is None else gamma
         audits, found_at = _of_task(registry, reward, named, robot, sim, against, episodes, discount, asked is None)
     elif kind == ENVIRONMENT:
-        from .transitions.audit_rewards import GAMMA
         from .transitions.environment import audit_environment
 
         chosen = choose(registry, "environments", str(named))
-        audits = [audit_environment(chosen, registry, reward, against, gamma, episodes)]
-        discount = GAMMA if gamma is None else gamma
-        found_at = places_in_environment(registry, chosen, reward, discount, success or "")
+        audits = [audit_environment(chosen, registry, reward, against, discount, episodes)]
+        found_at = places_in_environment(registry, chosen, reward, discount, *told)
     else:
         audits = [_of_folder(kind, Path(str(named)), registry, reward, random, log_format, sort)]
     if asked is not None:
-        audits = _searched(audits, found_at, registry, asked)
+        from .search.find import cheats_at
+
+        findings = cheats_at(found_at, registry, asked, partial_of(_watched, asked))
+        # of a task there is an audit of each reward, of an environment one of all
+        each = [findings] if len(audits) == 1 else [(it,) for it in findings]
+        audits = [replace(of, cheats=cheats) for of, cheats in zip(audits, each, strict=True)]
     status = _show(audits, as_json)
     if asked is not None and (out is not None or html is not None):
-        _leave([it for of in audits for it in of.cheats], found_at, registry, asked, out, html)
+        _leave(findings, found_at, registry, asked, out, html)
     return _ended(failing, audits, status)
 
 
@@ -208,15 +218,6 @@ vars(audit)["examples"] = (
     "harness audit --reward arp --out my-cheats",
     "harness audit --replay my-cheats/arp-failure.json",
 )
-
-
-def _named_answers(fail_on: Sequence[str] | None) -> tuple[str, ...]:
-    """The answers that ``--fail-on`` names; what decides is loaded where the flag is given."""
-    if not fail_on:
-        return ()
-    from harness.authoring.commands import named_answers
-
-    return named_answers(fail_on, "pay", "ranking")
 
 
 def _ended(failing: Sequence[str], found: "Sequence[Audit | DatasetAudit]", status: int) -> int:
@@ -256,36 +257,22 @@ def _kind_of(subject: str | None, task: str | None, registry: "Registry") -> str
     return TASK
 
 
-def _refuse_others(
-    kind: str, named: str | None, others: Mapping[str, object], of_dataset_alone: Mapping[str, object]
-) -> None:
+def _refuse_others(kind: str, named: str | None, flags: Mapping[str, object]) -> None:
     """Refuse the flags that make no sense of such a subject.
 
     Raises:
         UsageError: One is given.
     """
-    for flag, given in of_dataset_alone.items():
-        if given is not None:
+    for flag, given in flags.items():
+        if given is None or kind in GOES_WITH.get(flag, (DATASET,)):
+            continue
+        if flag not in GOES_WITH:
             raise UsageError(
                 f"{flag} needs a data set: harness audit minari:NAME, lerobot:FOLDER, d4rl:FILE or robomimic:FILE"
             )
-    for flag, given in others.items():
-        if given is not None and kind not in GOES_WITH[flag]:
-            if kind == TASK:
-                raise UsageError(f"{flag} needs {NEEDS[flag]}")
-            raise UsageError(f"{flag} does not go with {kind}: leave out {flag} or '{named}'")
-
-
-def _told_by(success: str | None, measures: Sequence[str]) -> str | None:
-    """What tells success: what ``--success`` says, or the measure that ``--measure`` names.
-
-    Raises:
-        UsageError: Several are named.
-    """
-    told = [success] * (success is not None) + [*measures]
-    if len(told) > 1:
-        raise UsageError(f"'{told[0]}' and '{told[1]}' cannot both tell success: leave out one of --success, --measure")
-    return told[0] if told else None
+        if kind == TASK:
+            raise UsageError(f"{flag} needs {NEEDS[flag]}")
+        raise UsageError(f"{flag} does not go with {kind}: leave out {flag} or '{named}'")
 
 
 def _asked(
@@ -316,18 +303,6 @@ def _asked(
         tuple(folders or ()),
         tuple(policies or ()),
     )
-
-
-def _searched(
-    audits: "Sequence[Audit]", places: "Sequence[Place]", registry: "Registry", asked: "Search"
-) -> "list[Audit]":
-    """The audits with what a cheat would do: of a task there is one for each reward, of an environment one for all."""
-    from .search.find import cheats_at
-
-    found = cheats_at(places, registry, asked, _watching(asked))
-    if len(audits) == 1:
-        return [replace(audits[0], cheats=found)]
-    return [replace(of, cheats=(finding,)) for of, finding in zip(audits, found, strict=True)]
 
 
 def _refuse_unsearched(asked: "Search | None", out: Path | None, html: Path | None) -> None:
@@ -397,26 +372,22 @@ def _replayed(
     return 1 if found.is_refused else 0
 
 
-def _watching(asked: "Search") -> "Callable[[World], AbstractContextManager[None]]":
+@contextmanager
+def _watched(asked: "Search", world: "World") -> Iterator[None]:
     """On a terminal, a line on standard error that says how much of a world was searched."""
+    from rich.text import Text
 
-    @contextmanager
-    def watching(world: "World") -> "Iterator[None]":
-        from rich.text import Text
+    from harness.authoring.commands import Terminal
 
-        from harness.authoring.commands import Terminal
+    class Taken:
+        """The line, anew whenever it is drawn."""
 
-        class Taken:
-            """The line, anew whenever it is drawn."""
+        def __rich__(self) -> Text:
+            return Text(f"{world.reward}: {world.taken:,} steps of about {asked.budget:,}")
 
-            def __rich__(self) -> Text:
-                return Text(f"{world.reward}: {world.taken:,} steps of about {asked.budget:,}")
-
-        console = Terminal(stderr=True)
-        with console.status(Taken()) if console.is_terminal else nullcontext():
-            yield
-
-    return watching
+    console = Terminal(stderr=True)
+    with console.status(Taken()) if console.is_terminal else nullcontext():
+        yield
 
 
 def _show(audits: "Sequence[Audit]", as_json: bool) -> int:
@@ -491,58 +462,53 @@ def _of_task(
 ) -> "tuple[list[Audit], list[Place]]":
     """An audit of each reward by scripts, where they can do the task, and where a search looks."""
     from harness.authoring.commands import NoScriptsError
-    from harness.registry import choose, split_list
-
-    from .search.place import places_on_task
-
-    if rewards is None:
-        raise UsageError("Missing option '--reward'; or name an environment, or a folder of recorded trainings")
-    choices = [choose(registry, "rewards", name) for name in split_list(rewards)]
-    try:
-        audits = _on_scripts(registry, rewards, task, robot, sim, against, episodes, gamma)
-    except NoScriptsError as error:
-        if needs_scripts:
-            raise
-        audits = [_without_scripts(choice, str(task), str(error)) for choice in choices]
-    return audits, places_on_task(registry, choices, task or "fd100-reach", robot, sim, gamma)
-
-
-def _on_scripts(
-    registry: "Registry",
-    rewards: str,
-    task: str | None,
-    robot: str | None,
-    sim: str | None,
-    against: str | None,
-    episodes: int | None,
-    gamma: float,
-) -> "list[Audit]":
-    """An audit of each reward."""
     from harness.env import IdealSimulator
     from harness.payoff import record_rollouts, score_rollout
     from harness.registry import choose, split_list
     from harness.task import choose_task
 
+    from .audit import Audit
     from .scripts import audit_reward
     from .search.disturb import NOISES
+    from .search.place import places_on_task
 
+    if rewards is None:
+        raise UsageError("Missing option '--reward'; or name an environment, or a folder of recorded trainings")
+    choices = [choose(registry, "rewards", name) for name in split_list(rewards)]
     episodes = 100 if episodes is None else episodes
     if episodes < 1:
         raise UsageError(f"--episodes {episodes}: must be at least 1")
     if not 0.0 < gamma <= 1.0:
         raise UsageError(f"--gamma {gamma:g}: must be above 0 and at most 1")
-    *choices, compared = (choose(registry, "rewards", name) for name in (*split_list(rewards), against or "baseline"))
+    compared = choose(registry, "rewards", against or "baseline")
     chosen, arm = choose_task(registry, task or "fd100-reach", robot)
     where = sim and choose(registry, "simulators", sim)
     engine = where.build(registry, "simulators") if where else IdealSimulator()
     label = where.label if where else "no simulator: joints move exactly as commanded"
     world = chosen.build(registry, "tasks")
-    robot = robot or world.robot
-    rollouts = record_rollouts(engine, arm, world, episodes)
-    disturbed = record_rollouts(engine, arm, world, episodes, NOISES[-1])
+    places = places_on_task(registry, choices, task or "fd100-reach", robot, sim, gamma)
+    try:
+        rollouts = record_rollouts(engine, arm, world, episodes)
+        disturbed = record_rollouts(engine, arm, world, episodes, NOISES[-1])
+    except NoScriptsError as error:
+        if needs_scripts:
+            raise
+        facts, unasked = {"task": str(task)}, (f"Not asked of scripts: {error}.",)
+        return [
+            Audit(
+                title=it.label,
+                facts={"reward": it.label, **facts},
+                rewards=(it.label,),
+                pairs=(),
+                earned=(),
+                not_asked=unasked,
+            )
+            for it in choices
+        ], places
     *judged, other = (choice.build(registry, "rewards") for choice in (*choices, compared))
     with _named(compared, registry):
         score_rollout(other, rollouts[0])
+    robot = robot or world.robot
     setting = f"{label} · {robot} · {chosen.label} · {episodes} episodes of at most {world.horizon} steps"
     told = {"simulator": label, "robot": robot, "task": chosen.label, "episodes": episodes}
     found = []
@@ -550,21 +516,7 @@ def _on_scripts(
         with _named(choice, registry):
             audit = audit_reward(reward, other, rollouts, gamma, (choice.label, compared.label), setting, disturbed)
         found.append(replace(audit, facts={"reward": choice.label, "against": compared.label, **told}))
-    return found
-
-
-def _without_scripts(reward: "Choice", task: str, reason: str) -> "Audit":
-    """The audit of a reward on a task that the scripts cannot do: what a search finds comes to it."""
-    from .audit import Audit
-
-    return Audit(
-        title=reward.label,
-        facts={"reward": reward.label, "task": task},
-        rewards=(reward.label,),
-        pairs=(),
-        earned=(),
-        not_asked=(f"Not asked of scripts: {reason}.",),
-    )
+    return found, places
 
 
 @contextmanager

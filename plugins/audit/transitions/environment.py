@@ -7,7 +7,7 @@ from harness.environment import Environment
 from harness.registry import Choice, Registry, split_list
 
 from ..audit import Audit
-from .audit_rewards import EPISODES, GAMMA, audit_rewards
+from .audit_rewards import EPISODES, audit_rewards
 
 
 def audit_environment(
@@ -15,8 +15,8 @@ def audit_environment(
     registry: Registry,
     rewards: str | None,
     against: str | None,
-    gamma: float | None = None,
-    episodes: int | None = None,
+    gamma: float,
+    episodes: int | None,
 ) -> Audit:
     """How far apart rewards are in an environment, in the steps of random actions and beside steps nobody took.
 
@@ -25,8 +25,8 @@ def audit_environment(
         registry: The plugins; functions in files that the user gave are rewards and measures too.
         rewards: Which of its rewards, ``hover,hover:effort=2``; None for all.
         against: The one that they are compared with, by default the environment's baseline.
-        gamma: Discount per step, above 0 and below 1; by default that of `audit_rewards`.
-        episodes: Of random actions in each of 5 measurements; likewise.
+        gamma: Discount per step, above 0 and below 1.
+        episodes: Of random actions in each of 5 measurements; None for as many as `audit_rewards` takes.
 
     Raises:
         UsageError: A reward is not known, or fails in a step.
@@ -44,7 +44,7 @@ def audit_environment(
         return audit_rewards(
             env,
             given,
-            gamma=GAMMA if gamma is None else gamma,
+            gamma=gamma,
             episodes=EPISODES if episodes is None else episodes,
             behaviour=columns.behaviour,
             compared=tuple(named),
