@@ -1,6 +1,6 @@
 """Two rewards that trained in one group of cells, compared: the same for traces of an arm and for recordings."""
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property
@@ -16,6 +16,7 @@ from harness.eta.return_split import ReturnSplit, split_returns
 from harness.eta.scored_sums import BB, BK, KB, KK, Pair
 from harness.eta.splits import Decomposition
 from harness.eta.swaps import Swaps, swaps_of
+from harness.record.manifest import Manifest
 from harness.record.terms import FIRST, Terms
 from harness.results.comparison import Behaviour, Comparison, Number, StepChange
 from harness.results.measured import (
@@ -28,7 +29,7 @@ from harness.results.measured import (
     moments_by_due,
 )
 from harness.results.trainings import Match, Trainings
-from harness.results.verdicts import LookOf, with_verdicts
+from harness.results.verdicts import Seen, with_verdicts
 
 OWN: tuple[Pair, Pair] = (BB, KK)
 CROSSED: tuple[Pair, Pair] = (BK, KB)
@@ -38,22 +39,21 @@ Moments = tuple[Sequence[Sequence[Moment]], Sequence[Sequence[Moment]]]
 
 def compare_all(
     asked: Sequence[tuple[Trainings, Match]],
-    seeds: Collection[int],
     terms: Terms = FIRST,
-    look_of: LookOf | None = None,
-    to_come: int = 0,
+    manifests: Sequence[Manifest] = (),
+    unread: int = 0,
 ) -> tuple[Comparison, ...]:
     """All comparisons of an experiment. Their questions are asked together, and all hints are one family.
 
     Args:
         asked: The trainings that are compared, each with those of its group.
-        seeds: Of all trainings.
         terms: What was agreed on before the first training.
-        look_of: In an experiment with looks: tells them.
-        to_come: How many planned trainings have not ended yet.
+        manifests: Of all planned cells: some may be missing, or still to come.
+        unread: How many trainings are missing besides.
     """
-    swaps = swaps_of(sorted(seeds))
-    return with_verdicts([compare(of, match, swaps) for of, match in asked], terms, look_of, to_come)
+    swaps = swaps_of(sorted({seed for _, match in asked for of in match.seeds_of for seed in of}))
+    found, seen = [compare(of, match, swaps) for of, match in asked], Seen.of(manifests, terms.looks)
+    return with_verdicts(found, terms, seen.look_of, seen.to_come + unread)
 
 
 def compare(trainings: Trainings, match: Match, swaps: Swaps) -> Comparison:

@@ -39,7 +39,6 @@ from harness.results.table import Numbers, cell_to_json, comparison_rows, metric
 from harness.results.terms_paid import TermsPaid, terms_of
 from harness.results.traces import Traces
 from harness.results.trainings import Trainings
-from harness.results.verdicts import Seen
 
 FORMAT = 2
 """The version of what reports say as JSON; docs/json.md explains it."""
@@ -90,7 +89,7 @@ class Results(Records):
         self._source: Traces | Recordings = self.recordings or self.traces
         if self.recordings is None:
             self.manifests = list(map(self.traces.examine, self.manifests))
-        self.account = self._counted(told.leave_out if self.is_experiment else ())
+        self.account = self._counted(told.leave_out) if self.is_experiment else Account[Manifest]((), (), ())
 
     def _counted(self, leave_out: Collection[Path]) -> Account[Manifest]:
         """The account of all cells that ended; those that the user leaves out are skipped from here on."""
@@ -140,10 +139,8 @@ class Results(Records):
 
         A baseline that is its own proposed reward is the null control; these come last.
         """
-        asked, terms = self._source.asked, self.plan.terms
-        seeds = {seed for _, match in asked for of in match.seeds_of for seed in of}
-        seen, unread = Seen.of(self.manifests, terms.looks), sum(len(it.missing) for it in self._read)
-        found = compare_all(asked, seeds, terms, seen.look_of, seen.to_come + unread)
+        unread = sum(len(it.missing) for it in self._read)
+        found = compare_all(self._source.asked, self.plan.terms, self.manifests, unread)
         return tuple(sorted(found, key=lambda it: it.is_control))
 
     @property

@@ -201,7 +201,7 @@ class Trainings:
     def mixtures(self, match: Match) -> tuple[Mixture, ...]:
         """Plugins of which several versions were used."""
         everybody = dict.fromkeys(it for side in (*match.sides, match.control) for it in side)
-        return mixtures_of(it.manifest for it in everybody if it.manifest is not None)
+        return mixtures_of([it.manifest for it in everybody if it.manifest is not None])
 
     # Pay
 

@@ -85,9 +85,9 @@ def test_labels_of_episodes_may_lie_among_the_logs(harness, tmp_path):
             write_monitor(tmp_path / reward / f"{seed}.monitor.csv", np.arange(10.0) + seed + ord(reward[0]), [10] * 10)
             lines += [f"{reward}/{seed},{number},{int(reward == 'prop' and number > 4)}" for number in range(10)]
     (tmp_path / "labels.csv").write_text("\n".join(lines))
-    data = harness("report . --labels labels.csv --json").json
-    shares = [it["parts"]["over the training"]["behaviour"]["success"] for it in data["trainings"]]
-    assert shares == [0.0] * 4 + [0.5] * 4
+    (found,) = harness("report . --labels labels.csv --json").json["combinations"]
+    (change,) = [it for it in found["behaviour"] if it["manner"] == "over the training"]
+    assert [set(of.values()) for of in change["trainings"].values()] == [{0.0}, {0.5}]
 
 
 def test_the_page_says_how_logs_were_sorted(harness, monitors, tmp_path):

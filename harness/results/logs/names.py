@@ -280,7 +280,7 @@ CLOCK = 1e-3
 """What a clock may be wrong by, [s]."""
 
 
-def in_lockstep(logs: Iterable[Log]) -> bool | None:
+def in_lockstep(logs: Sequence[Log]) -> bool | None:
     """Whether logs are of environments that one training steps together, so that it is one training.
 
     Such environments have taken equal numbers of steps at any time: whatever ends in an earlier step ends earlier.

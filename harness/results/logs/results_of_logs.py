@@ -67,7 +67,7 @@ def results_of_logs(
 
 def _kept(logs: Iterable[Log], told: Told) -> tuple[list[Log], list[Other]]:
     """The logs that the user does not leave out, and the others."""
-    out = {id(log) for log in logs if is_left_out(log.facts.path / log.facts.run, told.leave_out)}
+    out = {id(log) for log in logs if told.leave_out and is_left_out(log.facts.path / log.facts.run, told.leave_out)}
     return [log for log in logs if id(log) not in out], [(log.facts.path, "") for log in logs if id(log) in out]
 
 
@@ -143,12 +143,13 @@ def _opened(path: Path, registry: Registry, told: Told, *, is_whole: bool = Fals
         UsageError: Nothing that can be read.
     """
     found = find_logs(path, registry, told.format)
-    labels = [] if told.labels is None else [told.labels]
-    logs = tuple(log for log in found.logs if not is_left_out(log.facts.path, labels))
-    damaged = tuple(it for it in found.left_out if not is_left_out(it[0], labels))
-    if not logs or (is_whole and damaged):
-        raise _nothing(path, registry, [f"{place}: {reason}" for place, reason in damaged])
-    return Found(logs, damaged)
+    if told.labels is not None:
+        labels = [told.labels]
+        logs = tuple(log for log in found.logs if not is_left_out(log.facts.path, labels))
+        found = Found(logs, tuple(it for it in found.left_out if not is_left_out(it[0], labels)))
+    if not found.logs or (is_whole and found.left_out):
+        raise _nothing(path, registry, [f"{place}: {reason}" for place, reason in found.left_out])
+    return found
 
 
 def _group_names(place: Path, groups: Sequence[Sequence[Path]]) -> list[str]:
@@ -171,7 +172,8 @@ def _results(
     *,
     pairs: bool = False,
 ) -> Results:
-    found = _in_steps(found, registry, told)
+    if told.per_step:
+        found = _in_steps(found, registry, told)
     if told.labels is not None:
         found = labelled(found, place, told.labels)
     runs = runs_of(found, told.deciding, other, told.leave_out)
@@ -179,17 +181,14 @@ def _results(
 
 
 def _in_steps(found: Sorted, registry: Registry, told: Told) -> Sorted:
-    """The same, read again by formats that are told how many steps an iteration is, where the user says it."""
+    """The same, read again by formats that are told how many steps an iteration is."""
     steps = told.steps_of(found.rewards)
 
     def again(log: Log, per_step: int) -> Log:
         logs = open_logs(log.facts.path, registry, told.format or log.facts.reader, per_step=per_step)
         return next(it for it in logs if it.facts.run == log.facts.run)
 
-    trainings = (
-        replace(it, logs=tuple(again(log, steps[it.reward]) for log in it.logs)) if steps else it
-        for it in found.trainings
-    )
+    trainings = [replace(it, logs=tuple(again(log, steps[it.reward]) for log in it.logs)) for it in found.trainings]
     return found._replace(trainings=tuple(trainings))
 
 

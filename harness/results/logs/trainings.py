@@ -232,7 +232,7 @@ def _with_batches(folder: Path, logs: Sequence[Log], names: list[str], notes: li
         if _is_numbered(log):
             beside.setdefault(log.facts.path.parent, []).append(number)
     several = {place: of for place, of in beside.items() if len(_distinct(logs[it] for it in of)) > 1}
-    together = {place: in_lockstep(logs[it] for it in of) for place, of in several.items()}
+    together = {place: in_lockstep([logs[it] for it in of]) for place, of in several.items()}
     known = {*together.values()} - {None}
     if None in together.values() and len(known) != 1:  # folders beside one another were written by one program
         why = "are of Monitor: of one training's environments, or of a training each? Their times do not tell"
@@ -263,7 +263,7 @@ def _named(folder: Path, logs: Sequence[Log], names: Sequence[str], template: st
         named = {it: next((above[home] for home in of[::-1] if home in above), None) for it, of in homes.items()}
         alone = [it for it, of in named.items() if not of]
         is_asked = any(not logs[it].facts.trained_with for it in alone)
-        own = sort_names((names[it] for it in alone), template, is_asked=is_asked) if alone else {}
+        own = sort_names([names[it] for it in alone], template, is_asked=is_asked) if alone else {}
         for it, home in named.items():
             of, facts = home or own[names[it]], logs[it].facts
             if not template:

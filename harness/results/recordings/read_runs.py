@@ -9,7 +9,7 @@ from typing import Any
 
 from harness.errors import SchemaError, UsageError
 from harness.eta.equal import equal_sentences, equal_trainings
-from harness.eta.laws import Account, Missing, counted, require_direction, shortfall_beside
+from harness.eta.laws import Account, Missing, counted, shortfall_beside
 from harness.eta.manner import ACTED_AT_RANDOM, DETERMINISTIC, OWN_AND_OTHER
 from harness.eta.rescaling import Rescaling
 from harness.record.cell import BROUGHT, EVALUATION_HORIZON, UNKNOWN_ALGORITHM, Cell
@@ -24,7 +24,6 @@ from harness.results.logs.told import FOUND_OUT, Told
 from harness.results.recordings.episodes import count_text, cut_notes, cut_text
 from harness.results.recordings.recording_results import RecordingResults
 from harness.results.recordings.runs import (
-    DIRECTION,
     NO_CONTROL,
     NO_NAME,
     Directions,
@@ -442,8 +441,7 @@ class LooseStore(Store):
         known = {name for run in self.runs.members.values() for name in run.episodes.behaviour}
         if runs is None and named and not {*named} <= known:
             raise UsageError(f"--measure {decides}: the recordings tell {', '.join(sorted(known)) or 'none'}")
-        for name in self.runs.measures[:1] if len(self.runs.trained) > 1 else ():
-            require_direction(name, self.runs.better(name), DIRECTION.format(name))
+        self.runs.require_direction()
         if baseline and baseline not in self.runs.trained:
             there = ", ".join(self.runs.trained)
             raise UsageError(f"--baseline {baseline}: no training was taught by it. There are: {there}")
