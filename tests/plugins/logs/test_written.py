@@ -52,6 +52,7 @@ def test_what_a_program_wrote_is_read(name, seed, columns):
     """Through the door that all logs come in by, and nothing in it is read a second time."""
     [log] = find_logs(WRITTEN / name, load_registry()).logs
     assert log.facts.seed == seed
+    assert log.facts.env == "CartPole-v1" * name.startswith("rllib")
     assert {*log.columns} == {*columns}
     for column, values in columns.items():
         np.testing.assert_allclose(log[column], values, atol=1e-3)
