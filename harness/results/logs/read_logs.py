@@ -211,8 +211,6 @@ def runs_of(
         min(steps),
         no_steps_notes(logs),
         (),
-        equal,
-        {},
         said=(
             found.sentence + _deciding_text(measures, told, trainings),
             *account.lines,

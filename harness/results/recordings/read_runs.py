@@ -11,7 +11,6 @@ from harness.errors import SchemaError, UsageError
 from harness.eta.equal import equal_sentences, equal_trainings
 from harness.eta.laws import Account, Missing, counted, shortfall_beside
 from harness.eta.manner import ACTED_AT_RANDOM, DETERMINISTIC, OWN_AND_OTHER
-from harness.eta.rescaling import Rescaling
 from harness.record.cell import BROUGHT, EVALUATION_HORIZON, UNKNOWN_ALGORITHM, Cell
 from harness.record.manifest import Manifest
 from harness.record.plan_file import PLAN, StoredPlan
@@ -152,8 +151,7 @@ def read_runs(
     notes += [*_length_notes(members.values()), *([] if meet_same_starts(members.values()) else [UNLIKE_STARTS])]
     notes += [*_end_notes(trained, members), *_code_notes(everything), *_bounds_notes(everything)]
     equal = equal_trainings({key: run.likeness.digest for key, run in members.items()})
-    rescaled = _rescaled(rewards, members.values())
-    notes += [*equal_sentences(equal), *(it.sentence(name, other) for (name, other), it in rescaled.items())]
+    notes += [*equal_sentences(equal), *_rescaled_notes(rewards, members.values())]
     notes += [f"{run.path}: {run.facts.paid_otherwise}" for run in members.values() if run.facts.paid_otherwise]
     notes += _told_notes(everything)
     at_random = at_random or next((it for it in evaluated if it.facts.acted == ACTED_AT_RANDOM), None)
@@ -167,8 +165,6 @@ def read_runs(
         shortest,
         tuple(notes),
         tuple(it.why for it in damaged if it in account.missing),
-        equal,
-        rescaled,
         at_random,
         again,
         missing=account.missing,
@@ -184,14 +180,14 @@ def _told_notes(runs: Iterable[Run]) -> list[str]:
     return [*told.values()]
 
 
-def _rescaled(rewards: Sequence[str], runs: Collection[Run]) -> dict[tuple[str, str], Rescaling]:
+def _rescaled_notes(rewards: Sequence[str], runs: Collection[Run]) -> list[str]:
     """For each reward the first one before it that it is but for scale and offset."""
-    found: dict[tuple[str, str], Rescaling] = {}
+    found: dict[str, str] = {}
     for other, name in combinations(rewards, 2):
         rescaling = rescaling_between(runs, name, other)
-        if rescaling is not None and name not in {it for it, _ in found}:
-            found[name, other] = rescaling
-    return found
+        if rescaling is not None:
+            found.setdefault(name, rescaling.sentence(name, other))
+    return [*found.values()]
 
 
 def read_all(folder: Path, only: Sequence[Path] | None = None) -> tuple[list[Run], list[Missing]]:

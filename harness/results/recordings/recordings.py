@@ -28,25 +28,6 @@ from harness.results.return_matrix import ReturnMatrix
 from harness.results.table import Numbers
 from harness.results.trainings import Match, Trainings
 
-OLDER = [
-    "baseline",
-    "proposed",
-    "seeds",
-    "trained",
-    "headline",
-    "decided_in",
-    "deciding_measure",
-    "returns",
-    "returns_missing",
-    "indices",
-    "behaviour",
-    "episodes",
-    "claims",
-    "smallest_p",
-    "learning",
-]
-"""What version 0.1 told of a comparison, in its order."""
-
 
 class Place(NamedTuple):
     """The cells of one algorithm in one environment."""
@@ -55,10 +36,8 @@ class Place(NamedTuple):
     cells: tuple[Cell, ...]
     trainings: Trainings | None
     """What they left; None if there is nothing to compare."""
-    reason: str
-    """Why there is nothing; empty if there is something."""
-    notes: tuple[str, ...] = ()
-    """What to know of the cells where nothing else says it: a line each."""
+    notes: tuple[str, ...]
+    """What to keep in mind of them, or why there is nothing and what to know of the cells, a line each."""
 
 
 class Recordings:
@@ -97,11 +76,31 @@ class Recordings:
 
     def _place(self, group: Group, cells: tuple[Cell, ...], runs: Runs | str) -> Place:
         records = self.records
-        if isinstance(runs, Runs):
-            runs = runs if self._shown is None else runs.showing(self._shown)
-            return Place(group, cells, trainings_of(runs, records), "")
-        noted = [(cell.title, note) for cell in cells if (note := records.manifest(cell).note)]
-        return Place(group, cells, None, runs, tuple(f"{title}: {note}" for title, note in noted))
+        if isinstance(runs, str):
+            noted = (f"{cell.title}: {note}" for cell in cells if (note := records.manifest(cell).note))
+            return Place(group, cells, None, (runs, *noted))
+
+        def asked(run: Run) -> Run:
+            return replace(run, cut=runs.steps, random=runs.random, apart=runs.returns_apart)
+
+        deciding = runs.measures[:1]
+        keys = [key for reward in runs.trained for key in sorted(runs.members) if key[0] == reward]
+        of = Trainings(
+            runs.group,
+            runs.trained[0],
+            {key: asked(runs.members[key]) for key in keys},
+            tuple(it for it in runs.measures if self._shown is None or it in {*deciding, *self._shown}),
+            runs.measure,
+            records.kind,
+            deciding,
+            deciding,
+            next(filter(runs.is_flag, deciding), ""),
+            records.plan.terms.averaged,
+            {seed: asked(run) for seed, run in runs.control.items()},
+            is_alone=len(runs.trained) == 1 and not runs.control,
+            read=runs,
+        )
+        return Place(group, cells, of, runs.notes)
 
     def _read(self, group: Group, cells: list[Cell]) -> Runs | str:
         """The recorded trainings of cells; why there is nothing to compare where that is so."""
@@ -141,10 +140,8 @@ class Recordings:
         """What to keep in mind of the trainings, a line each."""
         told: dict[str, None] = {}
         for it in self.places:
-            read = it.trainings and it.trainings.read
-            is_named = len(self.places) > 1 or not read
-            lines = read.notes if read else (it.reason, *it.notes)
-            told |= dict.fromkeys(f"{it.group.title}: {line}" if is_named else line for line in lines)
+            is_named = len(self.places) > 1 or not it.trainings
+            told |= dict.fromkeys(f"{it.group.title}: {line}" if is_named else line for line in it.notes)
         return tuple(told)
 
     @property
@@ -185,30 +182,6 @@ class Recordings:
             of = {(run.reward, run.seed): run for run in everything if isinstance(run, Run)}
             found |= {cell.id: of[key] for cell in it.cells if (key := (cell.reward.label, cell.seed)) in of}
         return found
-
-
-def trainings_of(runs: Runs, records: Records) -> Trainings:
-    """Trainings that were read, as those of a group that are compared."""
-
-    def asked(run: Run) -> Run:
-        return replace(run, cut=runs.steps, random=runs.random, apart=runs.returns_apart)
-
-    deciding = runs.measures[:1]
-    return Trainings(
-        runs.group,
-        runs.trained[0],
-        {(reward, run.seed): asked(run) for reward in runs.trained for run in runs.of(reward)},
-        runs.measures,
-        runs.measure,
-        records.kind,
-        deciding,
-        deciding,
-        next(filter(runs.is_flag, deciding), ""),
-        records.plan.terms.averaged,
-        {seed: asked(run) for seed, run in runs.control.items()},
-        is_alone=len(runs.trained) == 1 and not runs.control,
-        read=runs,
-    )
 
 
 def _returns(trainings: Trainings) -> list[ReturnMatrix]:

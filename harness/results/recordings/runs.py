@@ -1,6 +1,6 @@
 """Recorded trainings, their steps left in their files, and those that can be compared."""
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -336,10 +336,6 @@ class Runs(NamedTuple):
     """What to keep in mind, a line each."""
     damaged: tuple[str, ...]
     """What could not be read, a line each."""
-    equal: tuple[tuple[tuple[str, int], ...], ...]
-    """Trainings that are equal bit for bit, by reward and seed, together."""
-    rescaled: Mapping[tuple[str, str], Rescaling]
-    """Rewards that are another one but for scale and offset, by both names; the other one comes first in `rewards`."""
     random: Run | None = None
     """Random actions, where they were recorded."""
     control: Mapping[int, Run] = NO_RUNS
@@ -352,19 +348,6 @@ class Runs(NamedTuple):
     """Trainings that were begun and have no value: no test is made without them."""
     returns_apart: str = ""
     """Why mean returns are not compared; empty where they are."""
-
-    @property
-    def env(self) -> str:
-        """The name of the env."""
-        return self.group.task.label
-
-    def showing(self, names: Collection[str]) -> Self:
-        """The same with these measures alone, and the one that decides."""
-        return self._replace(measures=self.measures[:1] + tuple(it for it in self.measures[1:] if it in names))
-
-    def of(self, reward: str) -> list[Run]:
-        """Trainings with a reward, by seed."""
-        return [self.members[key] for key in sorted(self.members) if key[0] == reward]
 
     def better(self, measure: str) -> Better:
         """Which values of a measure are better; empty where nobody says it."""

@@ -98,8 +98,8 @@ def test_an_odd_recording_is_told(study_of, facts, told):
 
 def test_chosen_measures_are_compared_alone(study_folder):
     """Beside the one that decides."""
-    assert read_of(load_study(study_folder, metrics="success")).measures == ("success",)
-    assert read_of(load_study(study_folder, metrics=["arm"])).measures == ("success", "arm")
+    assert load_study(study_folder, metrics="success").measures == ("success",)
+    assert load_study(study_folder, metrics=["arm"]).measures == ("success", "arm")
 
 
 def test_measure_that_is_not_recorded_is_refused(study_folder):
