@@ -23,7 +23,7 @@ from .film import MOST_BYTES as MOST_PICTURES, Film
 from .finding import Disturbed, Role
 from .held_out import mean_interval
 from .place import Place
-from .world import Shown
+from .world import Shown, since
 
 FORMAT = 1
 NOUN = "certificate"
@@ -47,10 +47,9 @@ Share = Annotated[float, Field(ge=0.0, le=1.0)]
 Steps = Annotated[list[Number], Field(max_length=MOST_STEPS)]
 Untold = Annotated[list[Number | None], Field(max_length=MOST_STEPS)]
 Size = Annotated[int, Field(ge=1, le=MOST_NUMBERS)]
-EXACT = ConfigDict(strict=True, extra="forbid")
+FEW = Field(max_length=MOST_NAMED)
 
 
-@with_config(EXACT)
 class PlaceForm(TypedDict):
     """See `Place`."""
 
@@ -61,21 +60,19 @@ class PlaceForm(TypedDict):
     success: Text
     gamma: Annotated[float, Field(gt=0.0, le=1.0)]
     horizon: Annotated[int, Field(ge=1, le=10**9)]
-    plugins: Annotated[list[dict[Name, Text | bool]], Field(max_length=MOST_NAMED)]
+    plugins: Annotated[list[dict[Name, Text | bool]], FEW]
 
 
-@with_config(EXACT)
 class AnswerForm(TypedDict):
     """See `Answer`."""
 
     word: Literal["PAYS FOR FAILING", "PAYS FOR LOITERING", "NOTHING FOUND", "CANNOT TELL"]
     strength: Literal["", "ROBUST", "FRAGILE"]
-    lines: Annotated[list[Text], Field(max_length=MOST_NAMED)]
+    lines: Annotated[list[Text], FEW]
     alarmed: Whole
     starts: Whole
 
 
-@with_config(EXACT)
 class NumbersForm(TypedDict):
     """An array: the type of its numbers, its shape, and the numbers row by row."""
 
@@ -84,27 +81,24 @@ class NumbersForm(TypedDict):
     numbers: Annotated[list[int | Number], Field(min_length=1, max_length=MOST_NUMBERS)]
 
 
-@with_config(EXACT)
 class PaidForm(TypedDict):
     """What was paid: in all, and at each step; of each term likewise."""
 
     total: Number
     discounted: Number
-    of_terms: Annotated[dict[Name, Number], Field(max_length=MOST_NAMED)]
+    of_terms: Annotated[dict[Name, Number], FEW]
     steps: Annotated[Steps, Field(min_length=1)]
-    terms: Annotated[dict[Name, Steps], Field(max_length=MOST_NAMED)]
+    terms: Annotated[dict[Name, Steps], FEW]
 
 
-@with_config(EXACT)
 class BehaviourForm(TypedDict):
     """What was done: whether each step was a success, and each measure at each step; null where it is not told."""
 
     success: Annotated[list[Literal[0, 1]], Field(max_length=MOST_STEPS)]
-    measures: Annotated[dict[Name, Untold], Field(max_length=MOST_NAMED)]
+    measures: Annotated[dict[Name, Untold], FEW]
     ended: Literal["terminated", "truncated", "cut"]
 
 
-@with_config(EXACT)
 class DisturbedForm(TypedDict):
     """See `Disturbed`."""
 
@@ -114,7 +108,6 @@ class DisturbedForm(TypedDict):
     episodes: Whole
 
 
-@with_config(EXACT)
 class FoundForm(TypedDict):
     """See `Found`."""
 
@@ -122,7 +115,7 @@ class FoundForm(TypedDict):
     seed: Whole
     budget: Whole
     steps: Whole
-    how: Annotated[list[Text], Field(max_length=MOST_NAMED)]
+    how: Annotated[list[Text], FEW]
 
 
 @with_config(ConfigDict(strict=True, extra="allow"))
@@ -134,7 +127,6 @@ class RunsOnForm(TypedDict):
     sources: Annotated[dict[Name, Text], Field(max_length=1_000)]
 
 
-@with_config(EXACT)
 class TableForm(TypedDict):
     """A policy that is a table: by what is observed, a choice; see `table_policy`."""
 
@@ -142,7 +134,6 @@ class TableForm(TypedDict):
     choices: Annotated[dict[Text, int], Field(min_length=1, max_length=100_000)]
 
 
-@with_config(EXACT)
 class LinearForm(TypedDict):
     """A linear policy; see `Linear`."""
 
@@ -152,7 +143,6 @@ class LinearForm(TypedDict):
     scale: Steps
 
 
-@with_config(EXACT)
 class RandomForm(TypedDict):
     """Random actions."""
 
@@ -160,7 +150,6 @@ class RandomForm(TypedDict):
     seed: Whole
 
 
-@with_config(EXACT)
 class RatingForm(TypedDict):
     """See `Rating`."""
 
@@ -169,7 +158,6 @@ class RatingForm(TypedDict):
     success: Annotated[list[Literal[0, 1]], Field(max_length=10_000)]
 
 
-@with_config(EXACT)
 class FilmForm(TypedDict):
     """See `Film`; the pictures in Base64."""
 
@@ -179,7 +167,7 @@ class FilmForm(TypedDict):
     strip: Annotated[str, StringConstraints(max_length=2 * MOST_PICTURES)]
 
 
-@with_config(EXACT)
+@with_config(ConfigDict(strict=True, extra="forbid"))  # of all forms within it too
 class CertificateForm(TypedDict):
     """The form of the file."""
 
@@ -194,8 +182,8 @@ class CertificateForm(TypedDict):
     actions: NumbersForm
     paid: PaidForm
     behaviour: BehaviourForm
-    noise: Annotated[list[DisturbedForm], Field(max_length=MOST_NAMED)]
-    elsewhere: Annotated[dict[Name, Number], Field(max_length=MOST_NAMED)]
+    noise: Annotated[list[DisturbedForm], FEW]
+    elsewhere: Annotated[dict[Name, Number], FEW]
     drawn: NotRequired[Annotated[dict[Name, NumbersForm], Field(max_length=10)]]
     film: NotRequired[FilmForm]
     policy: NotRequired[TableForm | LinearForm | RandomForm]
@@ -328,7 +316,7 @@ class Certificate:
     @property
     def time(self) -> int:
         """The step from which on it was a success, from 1; one more than there are if it was none at its end."""
-        return len(self.shown.success) - int(np.argmin([*self.shown.success[::-1], False])) + 1
+        return since(self.shown.success)
 
     def to_json(self) -> dict[str, Any]:
         """Plain data; `from_json` gives the same back."""

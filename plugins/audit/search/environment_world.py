@@ -1,7 +1,8 @@
 """Anybody's environment as a search plays it: begun by ``reset(seed)``, moved by ``step``, paid by one reward."""
 
 import itertools
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from copy import deepcopy
 from dataclasses import replace
 from functools import cached_property
@@ -40,7 +41,7 @@ from harness.log import SUCCESS
 from harness.registry import Choice, Registry, unknown_name
 
 from ..transitions.audit_rewards import opened_env
-from .world import Act, Actions, Outcomes, Shown, Whole
+from .world import Act, Actions, Outcomes, Shown, Whole, since
 
 CUT_AT = 500
 """Steps of an episode that nothing else ends."""
@@ -105,7 +106,9 @@ class EnvironmentWorld:
         self._make, self._columns, self._is_new, self._env = make, columns, is_new, make()
         self.space, self.observes = _flat_space(self._env, name), self._env.observation_space
         flat_observations(self.observes)
-        self._goals = _goals_in(self.observes)
+        self._goals: tuple[slice, slice] | None = None  # where achieved and desired goals stand in flat observations
+        with suppress(UsageError):
+            self._goals = goal_columns(self.observes)
         self.horizon = horizon or _limit_of(self._env) or CUT_AT
         self._rule, self._more = parse_success(success), dict[str, str]()
         given = columns(self._env)
@@ -187,7 +190,7 @@ class EnvironmentWorld:
 
     def _shown(self, played: _Played) -> Shown:
         paid, told = np.array(played.paid), np.array(played.told)
-        terms = {name: paid[:, 1 + k] for k, name in enumerate(self._asked.terms)}
+        terms = {name: paid[:, 1 + k] for k, name in enumerate(self._asked.columns[0].terms or ())}
         return Shown(
             played.start,
             np.array(played.actions, self.space.dtype),
@@ -318,30 +321,25 @@ class _Asked:
     """Asks a reward and measures about the steps of one env, as `harness.RecordRewards` does.
 
     Attributes:
+        columns: The reward's, then those of the measures.
         measures: Their names.
         drew: Whether one of them drew from a generator that the whole process shares.
     """
 
     def __init__(self, env: AnyEnv, columns: Columns, reward: str) -> None:
-        self._columns = made_columns(env, {reward: columns.rewards[reward]}, columns.behaviour, 1, frozenset())
+        self.columns = made_columns(env, {reward: columns.rewards[reward]}, columns.behaviour, 1, frozenset())
         self.measures, self.drew = tuple(columns.behaviour), False
-        self._functions = [it.measures[0] for it in self._columns if it.measures]
-        self._of_step = [it.takes_step for it in self._columns if it.measures]
-        self._is_watched = any(it.is_watched for it in self._columns)
+        self._functions = [it.measures[0] for it in self.columns if it.measures]
+        self._of_step = [it.takes_step for it in self.columns if it.measures]
+        self._is_watched = any(it.is_watched for it in self.columns)
         self._guard, self._place = Guard(), (0, 0)
         self._before: tuple[Any, ...] = ()
-        self._keys = [it.key for it in self._columns]
-
-    @property
-    def terms(self) -> tuple[str, ...]:
-        """The names of the reward's terms; none of one that pays a number."""
-        return self._columns[0].terms or ()
 
     def begin(self, start: int, observation: Any, info: Any) -> Any:
         """Begin an episode; returns a copy of the observation."""
         seal = self._guard.seal
         self._place, self._before = (start, 0), (seal(observation), None, seal(info))
-        for column in self._columns:
+        for column in self.columns:
             if column.remembers:
                 try:
                     self._guard.answer(column.measures[0].reset, ())
@@ -353,27 +351,24 @@ class _Asked:
         """A copy of the observation; what the reward pays for the step, followed by its terms; what measures tell."""
         seal, (start, step) = self._guard.seal, self._place
         kept, self._place = seal(observation), (start, step + 1)
+        forms: tuple[Any, ...] = ()
+        answers: Iterator[Any] = iter(())
         if self._functions:
-            given = self._before[0], seal(action), kept, seal(info)
-            forms = given, self._now(given) if any(self._of_step) else ()
+            (seen, last, told), given = self._before, (self._before[0], seal(action), kept, seal(info))
+            forms = (given, ())
+            if any(self._of_step):
+                before = Before._make((seen, last if step else zeros_of(given[1]), told))
+                forms = given, (Now._make((kept, given[1], given[3], before)),)
             asking = [forms[of_step] for of_step in self._of_step]
             answers = iter(self._guard.ask(self._functions, asking, is_watched=self._is_watched))
             self.drew, self._before = self.drew or bool(self._guard.drew), (kept, given[1], given[3])
-            values = [next(answers) if it.measures else pays for it in self._columns]
-            numbers = [self._numbers(*it, info, forms) for it in zip(self._columns, self._keys, values, strict=True)]
-        else:
-            numbers = [self._numbers(*it, pays, info, ()) for it in zip(self._columns, self._keys, strict=True)]
-        return kept, numbers[0], [told[0] for told in numbers[1:]]
+        values = [next(answers) if it.measures else pays for it in self.columns]
+        numbers = [self._numbers(*it, info, forms) for it in zip(self.columns, values, strict=True)]
+        return kept, numbers[0], [it[0] for it in numbers[1:]]
 
-    def _now(self, given: tuple[Any, ...]) -> tuple[Any, ...]:
-        """What functions of a step are given; `given` is what those of four arguments are."""
-        _, action, observation, info = given
-        seen, last, told = self._before
-        before = Before._make((seen, last if self._place[1] > 1 else zeros_of(action), told))
-        return (Now._make((observation, action, info, before)),)
-
-    def _numbers(self, column: Column, key: str | None, value: Any, info: Any, forms: tuple[Any, ...]) -> list[float]:
+    def _numbers(self, column: Column, value: Any, info: Any, forms: tuple[Any, ...]) -> list[float]:
         """The number of a column, followed by a reward's terms; NaN for a measure that info does not tell."""
+        key = column.key
         if key is None and type(value) is float and isfinite(value) and not column.terms:  # mostly a call less
             return [value]
         error = value.error if isinstance(value, Raised) else None
@@ -410,14 +405,6 @@ def _flat_space(env: AnyEnv, name: str) -> Box | Discrete:
     return found if found is not env.action_space else deepcopy(found)
 
 
-def _goals_in(space: gymnasium.Space[Any]) -> tuple[slice, slice] | None:
-    """Where achieved and desired goals stand in flat observations; None if they do not."""
-    try:
-        return goal_columns(space)
-    except UsageError:
-        return None
-
-
 def _limit_of(env: AnyEnv) -> int:
     """After how many steps the env itself ends an episode; 0 where nothing says that."""
     while isinstance(env, gymnasium.Wrapper):
@@ -431,11 +418,6 @@ def _is_flag(values: Float) -> bool:
     """Whether values, (steps,), of which some may be untold, are 0 or 1."""
     told = values[~np.isnan(values)]
     return len(told) > 0 and bool(np.isin(told, (0.0, 1.0)).all())
-
-
-def since(flags: Mask) -> int:
-    """The step, from 1, from which on all are True."""
-    return int(len(flags) - np.argmin(flags[::-1]) + 1) if not flags.all() else 1
 
 
 def _flat(space: gymnasium.Space[Any], seen: Sequence[Any]) -> Any:
@@ -492,12 +474,11 @@ def of_env(
     Raises:
         UsageError: See `EnvironmentWorld`.
     """
-    first = [opened_env(env)]
-    is_new = first[0] is not env
+    made = opened_env(env)
+    first = [made]
 
     def make() -> AnyEnv:
         return first.pop() if first else opened_env(env)
 
-    made = first[0]
     name = made.spec.id if made.spec is not None else type(made.unwrapped).__name__
-    return EnvironmentWorld(make, lambda _: columns, name, reward, gamma, success, horizon, is_new)
+    return EnvironmentWorld(make, lambda _: columns, name, reward, gamma, success, horizon, made is not env)

@@ -18,12 +18,11 @@ from harness.text import number
 from ..transitions.audit_rewards import GAMMA
 from .behaviour import Behaviour, Rates
 from .disturb import NOISES, Acting, Strength, noise_curve, rested, strength_of
-from .environment_world import since
 from .finding import FRAGILE, NAMES, Finding, Role
 from .held_out import act_of
 from .judge import Case, Walk, judge
 from .place import Place, blamed_at, elsewhere_of, world_at
-from .world import Act, World
+from .world import Act, World, since
 
 if TYPE_CHECKING:
     from ..audit import Audit
@@ -102,8 +101,15 @@ def find_in(
         stood = strength_of(world, list(zip(cases, acting, strict=True)), rng)
         strength = stood.word
         told.append(_on_strength(stood, judged.shown))
-    paid = {name: _paid_in(make, three) for name, make in (elsewhere or {}).items()}
-    told += [_on_elsewhere(name, of) for name, of in paid.items()]
+    paid: dict[str, Mapping[Role, float]] = {}
+    for name, make in (elsewhere or {}).items():
+        with closing(make()) as other:
+            paid[name] = {
+                role: float(other.play(np.array([of.start]), rested(other, of.actions)[np.newaxis]).paid[0])
+                for role, of in three.items()
+            }
+        earned = ", ".join(f"the {NAMES[role]} {number(value)}" for role, value in paid[name].items())
+        told.append(f"The same actions in {name} earn: {earned}.")
     return Finding(
         world=world.name,
         reward=world.reward,
@@ -235,15 +241,6 @@ def _walks(world: World, behaviour: Behaviour, rates: Rates | None) -> list[Walk
     return [Walk(it.terms, since(it.success)) for it in shown if it.success[-1]]
 
 
-def _paid_in(make: Callable[[], World], three: Mapping[Role, Behaviour]) -> dict[Role, float]:
-    """What the same actions are paid in another world."""
-    with closing(make()) as world:
-        return {
-            role: float(world.play(np.array([of.start]), rested(world, of.actions)[np.newaxis]).paid[0])
-            for role, of in three.items()
-        }
-
-
 def _on_strength(stood: Strength, shown: Case) -> str:
     fragile = stood.word == FRAGILE
     on = f" on {stood.count - stood.stands if fragile else stood.stands} of {stood.count} starts"
@@ -253,8 +250,3 @@ def _on_strength(stood: Strength, shown: Case) -> str:
         f"earns {number(stood.tempting)}, the {NAMES[shown.against]} "
         f"{number(stood.task)}."
     )
-
-
-def _on_elsewhere(name: str, paid: Mapping[Role, float]) -> str:
-    told = ", ".join(f"the {NAMES[role]} {number(value)}" for role, value in paid.items())
-    return f"The same actions in {name} earn: {told}."

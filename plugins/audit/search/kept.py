@@ -29,7 +29,11 @@ class Cells:
     """For each cell of observations the shortest known way there, and how many episodes went through it."""
 
     def __init__(self, observes: gymnasium.Space[Any]) -> None:
-        self._low, self._width = _bounds(observes)
+        self._low: Float | None = None  # open bounds: the first episode tells
+        self._width: Float = np.ones(1)
+        if isinstance(observes, gymnasium.spaces.Box) and np.isfinite([observes.low, observes.high]).all():
+            low, high = observes.low.astype(np.float64).ravel(), observes.high.astype(np.float64).ravel()
+            self._low, self._width = low, np.maximum(high - low, 1e-9) / _parts(len(low))
         self._place: dict[bytes, int] = {}
         self._ways: list[Actions] = []
         self._steps: list[int] = []
@@ -50,21 +54,17 @@ class Cells:
         keys = np.floor((trail - self._low) / self._width).clip(-1e6, 1e6).astype(np.int32)
         cells, first = np.unique(keys, axis=0, return_index=True)
         for cell, step in zip(cells, first.tolist(), strict=True):
-            self._visit(cell.tobytes(), step, genes)
-
-    def _visit(self, key: bytes, step: int, genes: Actions) -> None:
-        place = self._place.get(key)
-        if place is None:
-            if len(self) >= MOST:
-                return
-            self._place[key] = len(self)
-            self._ways.append(genes)
-            self._steps.append(step)
-            self._visits.append(1)
-            return
-        self._visits[place] += 1
-        if step < self._steps[place]:
-            self._ways[place], self._steps[place] = genes, step
+            key = cell.tobytes()
+            place = self._place.get(key)
+            if place is not None:
+                self._visits[place] += 1
+                if step < self._steps[place]:
+                    self._ways[place], self._steps[place] = genes, step
+            elif len(self) < MOST:
+                self._place[key] = len(self)
+                self._ways.append(genes)
+                self._steps.append(step)
+                self._visits.append(1)
 
     def draw(self, rng: Rng, count: int) -> tuple[list[Actions], Whole]:
         """Ways to cells, rare ones more often, and after how many steps each is there, (count,)."""
@@ -76,14 +76,6 @@ class Cells:
 def _parts(size: int) -> int:
     """Into how many cells each of so many numbers is cut."""
     return max(COARSEST, round(float(PLACES ** (1.0 / max(size, 1)))))
-
-
-def _bounds(observes: gymnasium.Space[Any]) -> tuple[NDArray[Any] | None, NDArray[Any]]:
-    """The lower bounds of observations and the width of a cell; None where a bound is open: the first episode tells."""
-    if not isinstance(observes, gymnasium.spaces.Box) or not np.isfinite([observes.low, observes.high]).all():
-        return None, np.ones(1)
-    low, high = observes.low.astype(np.float64).ravel(), observes.high.astype(np.float64).ravel()
-    return low, np.maximum(high - low, 1e-9) / _parts(len(low))
 
 
 AS_FAST = 1.1
@@ -106,6 +98,7 @@ class Bests:
         horizon: The most steps of an episode.
         failure: The best-paid failure.
         successes: By time, the successes that are paid more than every faster one.
+        failure_pay: What the best-paid failure is paid; minus infinity if none was met.
     """
 
     horizon: int
@@ -113,17 +106,17 @@ class Bests:
     successes: dict[int, Behaviour] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self._failure = -np.inf
+        self.failure_pay = -np.inf
         self._success = np.full(self.horizon + 1, -np.inf)
 
     def is_better(self, success: bool, time: int, pay: float) -> bool:
         """Whether such an episode would be kept."""
-        return bool(pay > (self._success[time] if success else self._failure))
+        return bool(pay > (self._success[time] if success else self.failure_pay))
 
     def keep(self, behaviour: Behaviour, pay: float) -> None:
         """Keep an episode, in the place of those that it makes needless."""
         if not behaviour.success:
-            self.failure, self._failure = behaviour, pay
+            self.failure, self.failure_pay = behaviour, pay
             return
         worse = [at for at in self.successes if at >= behaviour.time and self._success[at] <= pay]
         for at in worse:
@@ -136,16 +129,6 @@ class Bests:
         """What the best-paid success is paid; minus infinity if none was met."""
         return float(self._success[-1])
 
-    @property
-    def failure_pay(self) -> float:
-        """What the best-paid failure is paid; minus infinity if none was met."""
-        return float(self._failure)
-
-    @property
-    def is_failure_paid_more(self) -> bool:
-        """Whether the best-paid failure is paid more than every success."""
-        return bool(self._failure > self._success[-1])
-
     def three(self, start: int, typical: float, is_searched: bool = True) -> Three:
         """The best-paid failure, the best-paid success, and the best-paid one of the fastest.
 
@@ -156,8 +139,8 @@ class Bests:
         if not times:
             return Three(start, self.failure, None, None)
         best, as_fast = self.success_pay, max(at for at in times if at <= AS_FAST * times[0])
-        trifle = AS_PAID * max(0.0, best - typical, self._failure - typical)
-        saved = min(OF_GAIN * (best - self._success[as_fast]), OF_LEAD * (best - self._failure))
+        trifle = AS_PAID * max(0.0, best - typical, self.failure_pay - typical)
+        saved = min(OF_GAIN * (best - self._success[as_fast]), OF_LEAD * (best - self.failure_pay))
         less = max(trifle, saved) if is_searched else 0.0
         as_paid = next(at for at in times if self._success[at] >= best - less)
         return Three(start, self.failure, self.successes[max(as_paid, as_fast)], self.successes[as_fast])
@@ -223,17 +206,17 @@ def behaviour_of(
     """Episode k of some outcomes, as a behaviour."""
     steps = int(outcomes.steps[k])
     return Behaviour(
-        start=start,
-        actions=np.array(actions[:steps]),
-        paid=float(outcomes.paid[k]),
-        discounted=float(outcomes.discounted[k]),
-        success=bool(outcomes.success[k]),
-        steps=steps,
-        time=int(outcomes.time[k]),
-        share=float(outcomes.share[k]),
-        measures={name: float(values[k]) for name, values in outcomes.measures.items()},
-        made_by=made_by,
-        policy=policy,
+        start,
+        np.array(actions[:steps]),
+        float(outcomes.paid[k]),
+        float(outcomes.discounted[k]),
+        bool(outcomes.success[k]),
+        steps,
+        int(outcomes.time[k]),
+        float(outcomes.share[k]),
+        {name: float(values[k]) for name, values in outcomes.measures.items()},
+        made_by,
+        policy,
     )
 
 

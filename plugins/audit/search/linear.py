@@ -65,7 +65,10 @@ class Linear:
         self.squares = np.triu_indices(len(self.mean)) if self.weights.shape[1] > 1 + len(self.mean) else None
         self.observes, self.space = world.observes, world.space
         if isinstance(self.space, Box):
-            self.middle, self.half = _middle_and_half(self.space)
+            low, high = self.space.low.ravel().astype(np.float64), self.space.high.ravel().astype(np.float64)
+            bound = np.isfinite(low) & np.isfinite(high)
+            low, high = np.where(bound, low, -1.0), np.where(bound, high, 1.0)  # without bounds, middle 0 and half 1
+            self.middle, self.half = (low + high) / 2.0, (high - low) / 2.0
         self.seen: list[Float] = []
 
     def __call__(self, observed: Any) -> Any:
@@ -87,14 +90,6 @@ def _flat(space: gymnasium.Space[Any], observed: Any) -> Float:
     if isinstance(space, Box):
         return np.asarray(observed, np.float64).ravel()
     return np.asarray(gymnasium.spaces.flatten(space, observed), np.float64)
-
-
-def _middle_and_half(space: Box) -> tuple[Float, Float]:
-    """The middle of a box and half its width, flat; where it has no bounds, 0 and 1."""
-    low, high = space.low.ravel().astype(np.float64), space.high.ravel().astype(np.float64)
-    bound = np.isfinite(low) & np.isfinite(high)
-    low, high = np.where(bound, low, -1.0), np.where(bound, high, 1.0)
-    return (low + high) / 2.0, (high - low) / 2.0
 
 
 class Scales:
@@ -190,10 +185,14 @@ class Evolutions:
             squares: Whether policies are given products of what is observed.
             again: Whether it begins from the best policy that is known for this goal, rather than from nothing.
         """
-        goal, begins = self.goals[name], self._begin(squares)
-        middle = np.asarray(begins["weights"])
+        goal, space = self.goals[name], self.world.space
+        width = 1 + self.size + (self.size * (self.size + 1) // 2 if squares else 0)
+        rows = int(np.prod(space.shape)) if isinstance(space, Box) else 1 if space.n == 2 else int(space.n)
+        mean, scale = self.scales.now()
+        begins: dict[str, Any] = {"kind": LINEAR, "weights": [], "mean": mean, "scale": scale}
+        middle = np.zeros((rows, width))
         if again and name in self.best:  # the products that it lacks have weights 0
-            begins, width = dict(self.best[name].policy), middle.shape[1]
+            begins = dict(self.best[name].policy)
             middle = np.asarray(begins["weights"])
             middle = np.pad(middle, ((0, 0), (0, max(0, width - middle.shape[1]))))
         spread = np.full(middle.shape, SPREAD_AGAIN if middle.any() else SPREAD)
@@ -211,27 +210,15 @@ class Evolutions:
             tried.sort(key=lambda it: it[0], reverse=True)
             parents = np.stack([policy["weights"] for _, policy in tried[:PARENTS]])
             middle, spread = parents.mean(axis=0), np.maximum(parents.std(axis=0), SPREAD_LEAST)
-            reached = self._compare(name, tried[0][1])
+            found = Candidate(tried[0][1], self._play(tried[0][1], np.arange(len(self.starts))))
+            for other, of_other in self.goals.items():
+                known = self.best.get(other)
+                if known is None or _reached(of_other, found.outcomes) > _reached(of_other, known.outcomes):
+                    self.best[other] = found
+            reached = _reached(goal, found.outcomes)
             best, idle = (reached, 0) if reached > best else (best, idle + 1)
             if idle >= PATIENCE:
                 return
-
-    def _begin(self, squares: bool) -> dict[str, Any]:
-        """A policy that knows nothing."""
-        width = 1 + self.size + (self.size * (self.size + 1) // 2 if squares else 0)
-        space = self.world.space
-        rows = int(np.prod(space.shape)) if isinstance(space, Box) else 1 if space.n == 2 else int(space.n)
-        mean, scale = self.scales.now()
-        return {"kind": LINEAR, "weights": np.zeros((rows, width)).tolist(), "mean": mean, "scale": scale}
-
-    def _compare(self, name: str, policy: Mapping[str, Any]) -> tuple[float, ...]:
-        """Play a policy from all starts, and keep it where it is the best one; returns how near it came to a goal."""
-        candidate = Candidate(policy, self._play(policy, np.arange(len(self.starts))))
-        for other, goal in self.goals.items():
-            known = self.best.get(other)
-            if known is None or _reached(goal, candidate.outcomes) > _reached(goal, known.outcomes):
-                self.best[other] = candidate
-        return _reached(self.goals[name], candidate.outcomes)
 
     def _play(self, policy: Mapping[str, Any], some: Whole) -> Outcomes:
         acting = Linear(policy, self.world)

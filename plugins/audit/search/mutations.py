@@ -3,9 +3,8 @@
 Each is a pure function of n pairs of parents and a generator; it returns n children, all at once.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -214,23 +213,18 @@ def smooth(pairs: Pairs, rng: Rng) -> Actions:
     return ((sums[:, 2 * width + 1 :] - sums[:, : -2 * width - 1]) / (2 * width + 1)).astype(np.float32)
 
 
-ANYWHERE: Mapping[str, Mutation] = MappingProxyType(
-    {
-        it.__name__: it
-        for it in (
-            stop_before_the_end, hold, stretch, slow_down_from, repeat, back_and_forth, wait, leave_out, warp, cross,
-            finish_at_the_end, burst, recolour, end_anew, refine, blend,
-        )
-    }
+ANYWHERE: tuple[Mutation, ...] = (
+    stop_before_the_end, hold, stretch, slow_down_from, repeat, back_and_forth, wait, leave_out, warp, cross,
+    finish_at_the_end, burst, recolour, end_anew, refine, blend,
 )  # fmt: skip
 """Mutations of numbers and of choices."""
-OF_NUMBERS: Mapping[str, Mutation] = MappingProxyType({it.__name__: it for it in (strengthen, one_alone, smooth)})
+OF_NUMBERS: tuple[Mutation, ...] = (strengthen, one_alone, smooth)
 """Those of numbers alone."""
 
 
 def mutations_of(moves: Moves) -> tuple[Mutation, ...]:
     """All that such actions allow."""
-    return (*ANYWHERE.values(), *(OF_NUMBERS.values() if isinstance(moves, Reals) else ()))
+    return ANYWHERE + (OF_NUMBERS if isinstance(moves, Reals) else ())
 
 
 def _keep(actions: Actions, index: NDArray[Any]) -> Actions:

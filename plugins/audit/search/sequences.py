@@ -80,7 +80,8 @@ class Archive:
             return np.zeros(0, bool)
         scores, lengths = np.concatenate([self.score, score]), np.concatenate([self.length, length])
         order = np.argsort(-scores, kind="stable")
-        alike = np.stack([np.round(scores / _unit(scores)), lengths])[:, order]
+        unit = 1e-6 * max(float(np.abs(scores).max()), 1e-9)  # scores that differ by less are alike
+        alike = np.stack([np.round(scores / unit), lengths])[:, order]
         _, first = np.unique(alike, axis=1, return_index=True)
         best = order[np.sort(first)][: self.room]
         old, new = best[best < len(self)], best[best >= len(self)] - len(self)
@@ -92,11 +93,6 @@ class Archive:
         kept = np.zeros(len(length), bool)
         kept[new] = True
         return kept
-
-
-def _unit(scores: Float) -> float:
-    """Scores that differ by less than this are alike."""
-    return 1e-6 * max(float(np.abs(scores).max()), 1e-9)
 
 
 class Evolution:
@@ -218,7 +214,8 @@ class Evolution:
         sizes = {name: len(it) for name, it in archives.items()} | {CELLS: len(self._cells[row]), FRESH: 1}
         able = [name for name in weights if sizes.get(name)]
         shares = np.array([weights[name] for name in able])
-        if ending and self.kept.plain[row].is_failure_paid_more:
+        best = self.kept.plain[row]
+        if ending and best.failure_pay > best.success_pay:
             shares[able.index(FAILURES)] *= 3.0
         names = rng.choice(len(able), count, p=shares / shares.sum())
         first = self._moves.coloured(rng, count, self.world.horizon)
@@ -232,23 +229,18 @@ class Evolution:
                 before = np.arange(self.world.horizon) < steps[:, None]
                 shape = before.reshape(*before.shape, *(1,) * (first.ndim - 2))
                 first[these], length[these] = np.where(shape, np.stack(ways), first[these]), steps
-        second, second_length = self._seconds(row, count)
+        # the other parents: successes and failures of the start as often, some of another start
+        rows = np.where(rng.random(count) < 0.1, rng.integers(len(self.kept.starts), size=count), row)
+        kinds = rng.integers(2, size=count)
+        second = self._moves.coloured(rng, count, self.world.horizon)
+        second_length = np.full(count, self.world.horizon)
+        for at, kind in {(int(at), int(kind)) for at, kind in zip(rows, kinds, strict=True)}:
+            these = np.flatnonzero((rows == at) & (kinds == kind))
+            archive = self._archives[at][(FAILURES, SUCCESSES)[kind]]
+            if len(archive):
+                second[these], second_length[these], _ = self._drawn(archive, len(these))
         is_free = np.isin(names, [place for place, name in enumerate(able) if name in (CELLS, FRESH)])
         return (first, length, second, second_length), is_free, holds
-
-    def _seconds(self, row: int, count: int) -> tuple[Actions, Whole]:
-        """The other parents: successes and failures of the start as often, some of another start."""
-        rng, others = self._rng, len(self.kept.starts)
-        rows = np.where(rng.random(count) < 0.1, rng.integers(others, size=count), row)
-        names = rng.integers(2, size=count)
-        second = self._moves.coloured(rng, count, self.world.horizon)
-        length = np.full(count, self.world.horizon)
-        for at, which in {(int(at), int(which)) for at, which in zip(rows, names, strict=True)}:
-            these = np.flatnonzero((rows == at) & (names == which))
-            archive = self._archives[at][(FAILURES, SUCCESSES)[which]]
-            if len(archive):
-                second[these], length[these], _ = self._drawn(archive, len(these))
-        return second, length
 
     def _drawn(self, archive: Archive, count: int) -> tuple[Actions, Whole, NDArray[np.object_]]:
         """Members of an archive, the better the more often."""
@@ -298,12 +290,8 @@ def evolve(evolution: Evolution, budget: int) -> list[float]:
     before: list[float] | None = None
     while (spent := world.taken - begun) + starts * world.horizon <= budget:
         if before is None and spent >= 0.8 * budget:
-            before = _best_successes(evolution.kept)
+            before = [it.success_pay for it in evolution.kept.plain]
         left = max(1, (budget - spent) // (starts * world.horizon))
         evolution.generation(min(children, left), ending=spent >= (1.0 - FINISHING) * budget)
-    after = _best_successes(evolution.kept)
+    after = [it.success_pay for it in evolution.kept.plain]
     return [0.0 if now == -np.inf else now - was for was, now in zip(before or after, after, strict=True)]
-
-
-def _best_successes(kept: Kept) -> list[float]:
-    return [it.success_pay for it in kept.plain]

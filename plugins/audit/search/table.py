@@ -124,8 +124,11 @@ class Learner:
             if depth >= steps:
                 break
             if len(self.leads[at]) < self.space.n:
-                untried = next(it for it in range(self.space.n) if it not in self.leads[at])
-                return [*_way(came, at), untried]
+                way = [next(it for it in range(self.space.n) if it not in self.leads[at])]
+                while at != state:
+                    at, action = came[at]
+                    way.insert(0, action)
+                return way
             for action, after in self.leads[at].items():
                 if after >= 0 and after not in came:
                     came[after] = (at, action)
@@ -167,9 +170,6 @@ class Learner:
             agrees &= success == before[1] and math.isclose(paid, before[0], rel_tol=CLOSE, abs_tol=CLOSE)
         if not agrees:
             raise ContradictionError
-        self._check_size()
-
-    def _check_size(self) -> None:
         tried = sum(map(len, self.known))
         seldom_again = not self.is_timed and tried > ENOUGH and len(self.known) > MOST_NEW * tried
         if seldom_again or len(self.known) * self.horizon > MOST_CELLS:
@@ -184,14 +184,6 @@ class Learner:
                 at = state, action
                 after[at], paid[at], success[at], tried[at] = self.leads[state][action], pays, succeeds, True
         return Table([] if self.is_timed else list(self.states), self.begins, after, paid, success, tried)
-
-
-def _way(came: Mapping[int, tuple[int, int]], state: int) -> list[int]:
-    actions = []
-    while came[state][0] >= 0:
-        state, action = came[state]
-        actions.append(action)
-    return actions[::-1]
 
 
 def ends(shown: Shown, step: int, horizon: int) -> bool:

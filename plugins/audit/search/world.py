@@ -77,24 +77,28 @@ class Shown:
     drawn: Mapping[str, Float] = field(default_factory=dict)
 
 
+def since(flags: Mask) -> int:
+    """The step, from 1, from which on all are True; one more than there are if the last one is not."""
+    return int(len(flags) - np.append(flags[::-1], False).argmin() + 1)
+
+
 class World(Protocol):
     """One reward in one task or environment. Everything that it does is repeated by the same calls."""
 
-    @property
-    def name(self) -> str:
-        """What it is called: ``gymnasium:id=Pendulum-v1``."""
-
-    @property
-    def reward(self) -> str:
-        """The label of the reward."""
-
-    @property
-    def gamma(self) -> float:
-        """The learner's discount per step, in (0, 1]."""
-
-    @property
-    def horizon(self) -> int:
-        """The most steps of an episode."""
+    name: str
+    """What it is called: ``gymnasium:id=Pendulum-v1``."""
+    reward: str
+    """The label of the reward."""
+    gamma: float
+    """The learner's discount per step, in (0, 1]."""
+    horizon: int
+    """The most steps of an episode."""
+    notes: Sequence[str]
+    """Sentences that a reader of the answer has to know: what was taken for success, where episodes are cut."""
+    together: int
+    """How many episodes are played side by side in hardly more time than one."""
+    taken: int
+    """Steps taken so far; a search's budget is counted in these."""
 
     @property
     def space(self) -> gymnasium.spaces.Box | gymnasium.spaces.Discrete:
@@ -113,20 +117,8 @@ class World(Protocol):
         """By name, of the measures of which that is known: 1 where more is better, -1 where less is."""
 
     @property
-    def notes(self) -> Sequence[str]:
-        """Sentences that a reader of the answer has to know: what was taken for success, where episodes are cut."""
-
-    @property
     def is_repeated(self) -> bool:
         """Whether the same start and actions bring the same steps and the same pay, bit for bit; it was tried."""
-
-    @property
-    def together(self) -> int:
-        """How many episodes are played side by side in hardly more time than one."""
-
-    @property
-    def taken(self) -> int:
-        """Steps taken so far; a search's budget is counted in these."""
 
     def play(self, starts: Whole, actions: Actions) -> Outcomes:
         """Play n episodes of given actions.
