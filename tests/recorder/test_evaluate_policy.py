@@ -187,20 +187,6 @@ def test_bounds_of_measures_are_recorded(evaluated, tmp_path):
     assert json.loads((tmp_path / "it" / "recording-0.json").read_text())["bounds"]["left"] == [0.0, None]
 
 
-@pytest.mark.parametrize(
-    ("bounds", "told"),
-    [
-        ({"right": (0.0, 1.0)}, r"bounds names 'right', which is none of the measures \['left'\]"),
-        ({"left": (1.0, 0.0)}, r"bounds of 'left' are \(1.0, 0.0\): give two numbers, the lower one first"),
-    ],
-)
-def test_bounds_that_are_none_are_refused(counting, tmp_path, bounds, told):
-    """Before anything is recorded."""
-    with pytest.raises(UsageError, match=told):
-        harness.RecordRewards(counting(), tmp_path / "new", behaviour={"left": "left"}, bounds=bounds, **GIVEN)
-    assert not (tmp_path / "new").exists()
-
-
 def test_a_batch_records_bounds_too(tmp_path):
     """As one env does."""
     envs = gymnasium.make_vec("CartPole-v1", num_envs=2, vectorization_mode="sync")

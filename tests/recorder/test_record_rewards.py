@@ -238,6 +238,14 @@ UNUSABLE = {
     "half a step": ({"steps_asked": 1.5}, "steps_asked=1.5: it is a whole number"),
     "episodes of a training": ({"episodes_asked": 3}, "episodes_asked with evaluation=True"),
     "steps of an evaluation": ({"steps_asked": 3, "evaluation": True}, "steps_asked goes with a training"),
+    "bounds of what is no measure": (
+        {"behaviour": {"left": "left"}, "bounds": {"right": (0.0, 1.0)}},
+        r"bounds names 'right', which is none of the measures \['left'\]",
+    ),
+    "bounds without an order": (
+        {"behaviour": {"left": "left"}, "bounds": {"left": (1.0, 0.0)}},
+        r"bounds of 'left' are \(1.0, 0.0\): give two numbers, the lower one first",
+    ),
 }
 
 

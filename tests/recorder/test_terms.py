@@ -55,8 +55,12 @@ def _recorded(folder, steps, name="Pendulum-v1", **given):
     return read_recording(folder)
 
 
+@pytest.mark.filterwarnings("error")
 def test_terms_add_up_to_the_pay_in_every_step(tmp_path):
-    """To the last bit, of single precision too; a term has a column, and its sum is the reward."""
+    """To the last bit, of single precision too; a term has a column, and its sum is the reward.
+
+    No warning is given of what works, whatever is asked again.
+    """
     found = _recorded(tmp_path / "run", 450, rewards={"gentle": gentle, "eureka": eureka})
     assert found.facts.terms == {"gentle": ("upright", "effort", "jerk"), "eureka": ("upright", "speed")}
     for name in found.facts.terms:
@@ -245,20 +249,6 @@ def test_measure_is_one_number(record):
         env.step(np.ones(1, np.float32))
 
 
-def test_function_of_a_step_that_remembers_is_found(record):
-    """As one of four arguments is, by asking it again."""
-    calls = [0]
-
-    def remembers(step):
-        calls[0] += 1
-        return {"calls": float(calls[0])}
-
-    env = record(rewards={"it": remembers})
-    env.reset()
-    with pytest.warns(GivenUp, match="when it was asked about the same step at once"):
-        env.step(np.ones(1, np.float32))
-
-
 def test_recording_goes_on_with_its_terms(tmp_path):
     """Other terms are refused as in one recording."""
     first = _recorded(tmp_path / "run", 30, rewards={"gentle": gentle}, seed=1)
@@ -371,10 +361,3 @@ def test_weights_pay_what_a_reward_with_these_weights_pays(tmp_path):
         assert np.array_equal(without[f"reward/gentle:effort=5/{term}"], values)
     assert not np.allclose(own, found["reward/gentle"])
     assert "gentle:mass=5" not in weighed(found, ["gentle:mass=5"]).rewards
-
-
-def test_nothing_is_told_of_what_works(tmp_path):
-    """No warning, whatever is asked again."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        _recorded(tmp_path / "run", 300, rewards={"gentle": gentle, "eureka": eureka})

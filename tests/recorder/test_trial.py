@@ -1,7 +1,6 @@
 """Functions with a memory that nobody restarts are found in the first steps, and others are not."""
 
 import random
-import warnings
 
 import gymnasium
 import numpy as np
@@ -165,6 +164,13 @@ def _record(rewards, path, env, steps=7, **given):
 
 WRONG = {"counts": counts, "best": best, "jumps": jumps, "noisy": noisy, "no reset": NoReset(), "shared": Shared()}
 WRONG |= {"beside": Beside(), "first": since_first, "default": since_default, "attribute": since_attribute}
+WRONG |= {"of a step": lambda step: counts(step.observation, None, None, None)}
+DRAWN = np.random.default_rng(3).normal(size=2)
+RIGHT = {
+    "kept answers, the same in every order": (remembers_answers, 4, 7, [2, 4, 6, 8, 2, 4, 6]),
+    "told of each of many short episodes when asked again": (Sums(), 2, 150, [1 + DRAWN[0], 3 + DRAWN[1]] * 75),
+    "set anew in the first step, though reset leaves it": (Begins(), 4, 120, [0, 1, 2, 3] * 30),
+}
 
 
 @pytest.mark.parametrize("name", WRONG)
@@ -177,10 +183,11 @@ def test_hidden_memory_is_named(counting, tmp_path, name):
 
 
 @pytest.mark.filterwarnings("error")
-def test_kept_answers_are_no_hidden_memory(counting, tmp_path):
-    """They are the same in every order."""
-    found = _record({"kept": remembers_answers}, tmp_path / "run", counting(4))
-    assert found["reward/kept"].tolist() == [2, 4, 6, 8, 2, 4, 6]
+@pytest.mark.parametrize(("reward", "length", "steps", "paid"), RIGHT.values(), ids=RIGHT)
+def test_what_remembers_nothing_of_earlier_episodes_is_left_alone(counting, tmp_path, reward, length, steps, paid):
+    """In whatever order it is asked."""
+    found = _record({"it": reward}, tmp_path / "run", counting(length), steps)
+    assert found["reward/it"].tolist() == paid
 
 
 @pytest.mark.parametrize("name", ["counts", "best"])
@@ -215,14 +222,6 @@ def test_first_episode_of_one_step_is_not_all_that_is_tried(counting, tmp_path):
         _record({"change": Change()}, tmp_path / "run", env)
 
 
-def test_memory_with_reset_is_right_over_short_episodes(counting, tmp_path):
-    """It is told of each episode when it is asked again."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        found = _record({"sums": Sums()}, tmp_path / "run", counting(2), 150)
-    assert np.isfinite(found["reward/sums"]).all()
-
-
 def test_memory_that_shows_late_is_told_at_the_end(counting, tmp_path):
     """A curriculum in a global: its first steps are paid otherwise then. The training is over, and nothing is lost."""
 
@@ -235,6 +234,7 @@ def test_memory_that_shows_late_is_told_at_the_end(counting, tmp_path):
     assert np.isfinite(found["reward/stages"]).all()
 
 
+@pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("mode", list(gymnasium.vector.AutoresetMode)[:2])
 def test_batched_memory_is_right_over_many_episodes(counting, tmp_path, mode):
     """An env that was only reset has no number that could be compared."""
@@ -252,12 +252,10 @@ def test_batched_memory_is_right_over_many_episodes(counting, tmp_path, mode):
     recorded = harness.RecordVectorRewards(
         envs, tmp_path / "run", trained_with="own", rewards={"own": "own", **rewards}, batched=rewards
     )
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        recorded.reset(seed=0)
-        for _ in range(120):
-            recorded.step(np.stack([ACTION, ACTION]))
-        recorded.close()
+    recorded.reset(seed=0)
+    for _ in range(120):
+        recorded.step(np.stack([ACTION, ACTION]))
+    recorded.close()
     assert not read_recording(tmp_path / "run").facts.failures
 
 
@@ -280,6 +278,7 @@ def _all_sum(observations, actions, next_observations, infos):
     return np.full(len(actions), MEMORY["count"])
 
 
+@pytest.mark.filterwarnings("error")
 def test_memory_with_reset_is_no_hidden_memory(counting, tmp_path):
     """Nor is a function, nor one that says NaN, nor one that looks at the env."""
     env = counting(4)
@@ -289,18 +288,9 @@ def test_memory_with_reset_is_no_hidden_memory(counting, tmp_path):
         "gain": lambda s, a, n, i: n[0] - s[0],
         "tiny": lambda s, a, n, i: 1e-12 * np.float32(n[0]),
     }
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        found = _record(right, tmp_path / "run", env)
+    found = _record(right, tmp_path / "run", env)
     assert (found.facts.failures, found.facts.notes) == ((), ())
     assert found["reward/count"].tolist() == [1, 2, 3, 4, 1, 2, 3]
-
-
-@pytest.mark.filterwarnings("error")
-def test_what_the_first_step_sets_anew_is_no_memory(counting, tmp_path):
-    """Though `reset` leaves it."""
-    found = _record({"begins": Begins()}, tmp_path / "run", counting(4), steps=120)
-    assert found["reward/begins"].tolist() == [0, 1, 2, 3] * 30
 
 
 def test_memory_beyond_reset_is_told(counting, tmp_path):

@@ -104,9 +104,15 @@ def test_without_timeouts_next_observations_say_where_episodes_end(tmp_path):
     assert rows["episode"].tolist() == [0, 0, 0, 1, 2, 2, 2, 2]
 
 
-def test_steps_of_an_episode_that_does_not_end_are_left_out(tmp_path):
-    """And told: their return is not that of a whole episode."""
-    log = opened(write(tmp_path / "d.hdf5", timeouts=np.arange(STEPS) == 3))
+@pytest.mark.parametrize("shows", [False, True])
+def test_steps_of_an_episode_that_does_not_end_are_left_out(tmp_path, shows):
+    """And told: their return is not that of a whole episode.
+
+    Also where next observations show what was seen: no row behind the last step does, as where a file has a million
+    steps and no more.
+    """
+    after = followed(tmp_path, 9.0) if shows else None
+    log = opened(write(tmp_path / "d.hdf5", timeouts=np.arange(STEPS) == 3, next_observations=after))
     assert len(log) == 4
     assert "Left out, since no row ends the episode: the last 4 steps" in log.facts.notes
 
@@ -134,16 +140,6 @@ def test_success_stands_in_infos(tmp_path):
         opened(text, success="won")
 
 
-def test_links_to_other_files_are_refused(tmp_path):
-    """Whatever stands there."""
-    text = write(tmp_path / "d.hdf5")
-    with h5py.File(tmp_path / "d.hdf5", "a") as file:
-        del file["rewards"]
-        file["rewards"] = h5py.ExternalLink(str(tmp_path / "other.hdf5"), "/rewards")
-    with pytest.raises(SchemaError, match="not followed"):
-        opened(text)
-
-
 def test_the_audit_ranks_as_a_computation_of_returns_does(tmp_path):
     """By file alone, without its format: 20 episodes of 5 steps, of which every second one succeeds."""
     rng = np.random.default_rng(1)
@@ -160,14 +156,6 @@ def test_the_audit_ranks_as_a_computation_of_returns_does(tmp_path):
     expected = np.mean(returns[1::2][:, None] > returns[::2])
     assert (found.successes, found.failures) == (10, 10)
     assert found.rewards[0].by_success.value == pytest.approx(expected)
-
-
-def test_the_last_episode_may_be_cut_by_the_end_of_the_file(tmp_path):
-    """No row behind it shows what was seen after its last step, as where a file has a million steps and no more."""
-    after = followed(tmp_path, 9.0)
-    log = opened(write(tmp_path / "d.hdf5", timeouts=np.arange(STEPS) == 3, next_observations=after))
-    assert len(log) == 4
-    assert "Left out, since no row ends the episode: the last 4 steps" in log.facts.notes
 
 
 SHORT = np.zeros(STEPS - 1)

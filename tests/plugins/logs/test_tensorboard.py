@@ -104,13 +104,6 @@ def test_a_training_that_was_continued_has_its_later_file_count(tmp_path):
     assert any("1 times it goes back" in note for note in log.facts.notes)
 
 
-def test_steps_that_go_back_inside_a_file_are_refused(tmp_path):
-    """Two seeds that one writer logged are not one training; a restart would have begun a file of its own."""
-    write(tmp_path, {REWARD: [*curve(0, 50), *curve(10, 60)]})
-    with pytest.raises(SchemaError, match="go from 40 to 10: several trainings log into one file"):
-        read(tmp_path)
-
-
 def test_two_writers_of_one_training_are_one_log(tmp_path):
     """One logs returns and another success, into files of their own."""
     write(tmp_path, {REWARD: curve(0, 50)}, stamp=1)
@@ -170,21 +163,6 @@ def test_what_is_no_event_file_is_refused(tmp_path):
         read(tmp_path)
 
 
-def test_several_episodes_may_end_at_one_step(tmp_path):
-    """CleanRL logs each, with its length."""
-    write(
-        tmp_path,
-        {
-            "charts/episodic_return": [(8, 1.0), (8, 2.0), (16, 3.0), (16, 4.0)],
-            "charts/episodic_length": [(8, 5.0), (8, 6.0), (16, 7.0), (16, 8.0)],
-        },
-    )
-    log = read(tmp_path)
-    assert log["time"].tolist() == [8, 8, 16, 16]
-    assert log["reward/recorded"].tolist() == [1.0, 2.0, 3.0, 4.0]
-    assert log["length"].tolist() == [5.0, 6.0, 7.0, 8.0]
-
-
 def test_cleanrl_tells_environment_algorithm_seed_and_budget(tmp_path):
     """In the text of its hyperparameters, as its scripts write it by torch's writer."""
     tensorboard = pytest.importorskip("torch.utils.tensorboard")
@@ -198,51 +176,79 @@ def test_cleanrl_tells_environment_algorithm_seed_and_budget(tmp_path):
     assert (facts.env, facts.algorithm, facts.seed, facts.asked) == ("Hopper-v4", "ppo", 7, 1000)
 
 
+SOME = [(0, 0.0), (10, 2.5), (20, 5.0)]
+OF_RLLIB = {
+    "ray/tune/env_runners/episode_return_mean": [(1, -5.0), (2, -4.0)],
+    "ray/tune/num_env_steps_sampled_lifetime": [(1, 4000.0), (2, 8000.0)],
+}
+OWN = {
+    REWARD: SOME,
+    "my/score": [(0, 5.0), (10, 6.0), (20, 7.0)],
+    "my/reached": [(10, 0.5), (20, 1.0)],
+    "my/error": [(0, 3.0), (10, 2.0), (20, 1.0)],
+}
+
+
+@pytest.mark.parametrize(
+    ("tags", "given", "told", "columns"),
+    [
+        # Several episodes may end at one step: CleanRL logs each, with its length
+        (
+            {"charts/episodic_return": [(8, 1.0), (8, 2.0)], "charts/episodic_length": [(8, 5.0), (8, 6.0)]},
+            {},
+            "",
+            {"time": [8, 8], "reward/recorded": [1, 2], "length": [5, 6]},
+        ),
+        # RLlib counts environment steps by a tag of its own: newer versions number events by iterations
+        (OF_RLLIB, {}, "", {"time": [4000, 8000]}),
+        # Tags may be named: one that no table knows, one that it would not have chosen, and one more measure
+        (
+            OWN,
+            {"reward": "my/score", "success": "my/reached", "measure": "my/error", "per_step": 1},
+            "1 points that lack one of these",
+            {"reward/recorded": [6, 7], "behaviour/success": [0.5, 1], "behaviour/my/error": [2, 1]},
+        ),
+        # Lengths that some points lack are left out, and no point is: they decide nothing
+        (
+            {REWARD: SOME, LENGTH: [(10, 5.0)]},
+            {},
+            f"'{LENGTH}' lacks values: it is left out",
+            {"reward/recorded": [0, 2.5, 5], "length": None},
+        ),
+        # NaN is a point that lacks a value: programs log it before the first episode has ended
+        ({REWARD: [(10, float("nan")), (20, 1.0)]}, {}, "", {"time": [20]}),
+    ],
+)
+def test_what_tags_and_their_points_mean(tmp_path, tags, given, told, columns):
+    """By their names, or as the user says."""
+    write(tmp_path, tags)
+    log = read(tmp_path, **given)
+    assert told in str(log.facts.notes)
+    assert {name: log[name].tolist() if name in log else None for name in columns} == columns
+
+
+@pytest.mark.parametrize(
+    ("tags", "given", "why"),
+    [
+        # Two seeds that one writer logged are not one training; a restart would have begun a file of its own
+        ({REWARD: [*SOME, *SOME[1:]]}, {}, "go from 20 to 10: several trainings log into one file"),
+        (OF_RLLIB, {"per_step": 4000}, r"counts environment steps in .*: leave per_step out"),
+        ({REWARD: SOME}, {"reward": "rollout/ep_rew"}, "has no 'rollout/ep_rew'.*Did you mean 'rollout/ep_rew_mean'"),
+    ],
+)
+def test_what_tags_cannot_mean_is_refused(tmp_path, tags, given, why):
+    """With what there is."""
+    write(tmp_path, tags)
+    with pytest.raises((SchemaError, UsageError), match=why):
+        read(tmp_path, **given)
+
+
 def test_the_folder_of_a_cleanrl_run_tells_its_seed(tmp_path):
     """Where the text is not there."""
     folder = tmp_path / "Hopper-v4__sac_continuous__3__1700000000"
     write(folder, {"charts/episodic_return": curve(0, 30)})
     facts = read(folder).facts
     assert (facts.env, facts.algorithm, facts.seed) == ("Hopper-v4", "sac", 3)
-
-
-def test_rllib_counts_environment_steps_by_a_tag_of_its_own(tmp_path):
-    """Its newer versions number events by iterations."""
-    tags = {
-        "ray/tune/env_runners/episode_return_mean": [(1, -5.0), (2, -4.0)],
-        "ray/tune/num_env_steps_sampled_lifetime": [(1, 4000.0), (2, 8000.0)],
-    }
-    write(tmp_path, tags)
-    assert read(tmp_path)["time"].tolist() == [4000, 8000]
-    with pytest.raises(UsageError, match=r"counts environment steps in .*: leave per_step out"):
-        read(tmp_path, per_step=4000)
-
-
-def test_tags_may_be_named(tmp_path):
-    """One that no table knows, one that it would not have chosen, and one more measure."""
-    points = {REWARD: curve(0, 30), "my/score": [(0, 5.0), (10, 6.0), (20, 7.0)], "my/reached": [(10, 0.5), (20, 1.0)]}
-    write(tmp_path, {**points, "my/error": [(0, 3.0), (10, 2.0), (20, 1.0)]})
-    log = read(tmp_path, reward="my/score", success="my/reached", measure="my/error", per_step=1)
-    assert log["reward/recorded"].tolist() == [6.0, 7.0]
-    assert log["behaviour/success"].tolist() == [0.5, 1.0]
-    assert log["behaviour/my/error"].tolist() == [2.0, 1.0]
-    assert any("1 points that lack one of these" in note for note in log.facts.notes)
-
-
-def test_lengths_that_some_points_lack_are_left_out_and_no_point_is(tmp_path):
-    """They decide nothing."""
-    write(tmp_path, {REWARD: curve(0, 30), LENGTH: [(10, 5.0)]})
-    log = read(tmp_path)
-    assert log["reward/recorded"].tolist() == [0.0, 2.5, 5.0]
-    assert "length" not in log
-    assert f"'{LENGTH}' lacks values: it is left out" in log.facts.notes
-
-
-def test_a_tag_that_is_not_there_is_told_with_what_is(tmp_path):
-    """And the nearest."""
-    write(tmp_path, {REWARD: curve(0, 30)})
-    with pytest.raises(UsageError, match=r"has no 'rollout/ep_rew'.*Did you mean 'rollout/ep_rew_mean'"):
-        read(tmp_path, reward="rollout/ep_rew")
 
 
 @pytest.mark.parametrize("value", [np.inf, -np.inf, 1e300])
@@ -281,9 +287,3 @@ def test_other_folders_are_not_recognised(tmp_path):
     (tmp_path / "progress.csv").write_text("a\n1\n")
     for name in ("", "progress.csv", "missing"):
         assert not read.is_recognised(tmp_path / name)
-
-
-def test_nan_is_a_point_that_lacks_a_value(tmp_path):
-    """What programs log before the first episode has ended."""
-    write(tmp_path, {REWARD: [(10, float("nan")), (20, 1.0)]})
-    assert read(tmp_path)["time"].tolist() == [20]
