@@ -198,7 +198,11 @@ class ArmWorld:
             actions = choose(step, observations[:count], running[:count])
             observations, pay, terminated, truncated, infos = env.step(_padded(actions, env.num_envs))
             pay = np.where(running, pay, 0.0)
-            self._require_finite(pay)
+            if not np.isfinite(pay).all():
+                raise UsageError(
+                    f"Reward '{self.reward}' pays {pay[~np.isfinite(pay)][0]} for a step of an arm: a reward pays "
+                    "finite numbers, see harness try"
+                )
             paid += pay
             discounted += weight * pay
             steps += running
@@ -227,14 +231,6 @@ class ArmWorld:
             -closest[:count],
             {name: found[name][:count] for name in self._measures},
         )
-
-    def _require_finite(self, paid: Float) -> None:
-        if not np.isfinite(paid).all():
-            told = paid[~np.isfinite(paid)][0]
-            raise UsageError(
-                f"Reward '{self.reward}' pays {told} for a step of an arm: a reward pays finite numbers, see "
-                "harness try"
-            )
 
 
 class _Rows:
@@ -273,17 +269,7 @@ def _padded(rows: NDArray[Any], count: int) -> NDArray[Any]:
 
 def _joined(parts: Sequence[Outcomes]) -> Outcomes:
     """Outcomes one after the other."""
-
-    def whole(name: str) -> Any:
-        return np.concatenate([getattr(it, name) for it in parts])
-
-    return Outcomes(
-        whole("steps"),
-        whole("paid"),
-        whole("discounted"),
-        whole("success"),
-        whole("time"),
-        whole("share"),
-        whole("near"),
-        {name: np.concatenate([it.measures[name] for it in parts]) for name in parts[0].measures},
-    )
+    names = ("steps", "paid", "discounted", "success", "time", "share", "near")
+    whole: dict[str, Any] = {name: np.concatenate([getattr(it, name) for it in parts]) for name in names}
+    measures = {name: np.concatenate([it.measures[name] for it in parts]) for name in parts[0].measures}
+    return Outcomes(**whole, measures=measures)

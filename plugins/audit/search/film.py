@@ -112,19 +112,14 @@ def draw_film(
     try:
         require_pillow()
         with closing(at.task.build(registry, "environments").make()) as env:
-            _let_draw(env)
+            if DRAWN not in env.metadata.get("render_modes", ()):
+                raise UsageError(f"the env has no render mode '{DRAWN}'")
+            env.unwrapped.render_mode = DRAWN  # envs look at it when they draw
             return _strip(_pictures(env, start, actions, clock))
     except HarnessError as error:
         return Film(f"There is no film: {one_line_of(str(error))}")
     except Exception as error:  # an env of anybody
         return Film(f"There is no film: {one_line_of(reason_of(error))}")
-
-
-def _let_draw(env: AnyEnv) -> None:
-    """Have the env draw into arrays: envs look at their render mode when they draw."""
-    if DRAWN not in env.metadata.get("render_modes", ()):
-        raise UsageError(f"the env has no render mode '{DRAWN}'")
-    env.unwrapped.render_mode = DRAWN
 
 
 def _pictures(env: AnyEnv, start: int, actions: Actions, clock: Sequence[int]) -> "dict[int, Image.Image]":

@@ -17,10 +17,10 @@ from harness.text import number
 
 from ..transitions.audit_rewards import GAMMA
 from .behaviour import Behaviour, Rates
-from .disturb import NOISES, Acting, Strength, noise_curve, rested, strength_of
+from .disturb import NOISES, Acting, noise_curve, rested, strength_of
 from .finding import FRAGILE, NAMES, Finding, Role
 from .held_out import act_of
-from .judge import Case, Walk, judge
+from .judge import Walk, judge
 from .place import Place, blamed_at, elsewhere_of, world_at
 from .world import Act, World, since
 
@@ -99,8 +99,14 @@ def find_in(
     if cases := [case for case in judged.alarmed if case.word == judged.word]:
         acting = [_acting(case.three.by_role(), world, rates, given) for case in cases]
         stood = strength_of(world, list(zip(cases, acting, strict=True)), rng)
-        strength = stood.word
-        told.append(_on_strength(stood, judged.shown))
+        strength, names = stood.word, [NAMES[role] for role in (judged.shown.tempting, judged.shown.against)]
+        fragile = strength == FRAGILE
+        on = f" on {stood.count - stood.stands if fragile else stood.stands} of {stood.count} starts"
+        told.append(
+            f"{strength}: with action noise {NOISES[-1]:g} it {'no longer' if fragile else 'still'} pays more"
+            f"{on if stood.count > 1 else ''}. On average the {names[0]} then earns {number(stood.tempting)}, the "
+            f"{names[1]} {number(stood.task)}."
+        )
     paid: dict[str, Mapping[Role, float]] = {}
     for name, make in (elsewhere or {}).items():
         with closing(make()) as other:
@@ -239,14 +245,3 @@ def _walks(world: World, behaviour: Behaviour, rates: Rates | None) -> list[Walk
     act = act_of(behaviour.policy, world)
     shown = [world.watch(start, act) for start in rates.paid.starts[:WATCHED]]
     return [Walk(it.terms, since(it.success)) for it in shown if it.success[-1]]
-
-
-def _on_strength(stood: Strength, shown: Case) -> str:
-    fragile = stood.word == FRAGILE
-    on = f" on {stood.count - stood.stands if fragile else stood.stands} of {stood.count} starts"
-    return (
-        f"{stood.word}: with action noise {NOISES[-1]:g} it {'no longer' if fragile else 'still'} pays more"
-        f"{on if stood.count > 1 else ''}. On average the {NAMES[shown.tempting]} then "
-        f"earns {number(stood.tempting)}, the {NAMES[shown.against]} "
-        f"{number(stood.task)}."
-    )

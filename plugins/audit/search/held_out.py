@@ -72,9 +72,21 @@ def search_by_chance(world: World, starts: Whole, budget: int, rng: np.random.Ge
         budget: About so many steps are taken.
         rng: Draws seeds and actions.
     """
-    begun, rates = world.taken, rate_policies(world, starts, budget, rng)
-    if rates is None:
+    begun = world.taken
+    find, choose, rate = (int(share * budget) for share in SHARES)
+    if not decides_by_chance(world, find // 5, rng):
         return None
+    find -= world.taken - begun
+    policies = sample_tables(world, lambda: int(rng.integers(*TRAINING)), find, rng)
+    if not policies:
+        policies = [dict(it.policy) for it in search_linear(world, starts, lambda *_: None, find, rng)]
+    policies.append({"kind": "random", "seed": int(rng.integers(2**31))})
+    training = rng.integers(*TRAINING, _episodes(choose, len(policies), world))
+    tried = [_rated(world, policy, training) for policy in policies]
+    roles, held_out = _roles(tried), rng.integers(*HELD_OUT, _episodes(rate, 5, world))
+    again = {id(it): _rated(world, it.policy, held_out) for it in roles.values() if it is not None}
+    found: dict[str, Any] = {role: it and again[id(it)] for role, it in roles.items()}
+    rates = Rates(**found)
     return Searched(
         plain=[three_of(rates, discounted=False)],
         discounted=[three_of(rates, discounted=True)],
@@ -86,36 +98,6 @@ def search_by_chance(world: World, starts: Whole, budget: int, rng: np.random.Ge
         how=("sampled table" if rates.paid.made_by == TABLE else "linear policies",),
         rates=rates,
     )
-
-
-def rate_policies(world: World, starts: Whole, budget: int, rng: np.random.Generator) -> Rates | None:
-    """What policies come to on held-out starts of a world where chance decides; None where it does not.
-
-    Args:
-        world: Where.
-        starts: Linear policies are looked for from these.
-        budget: About so many steps are taken.
-        rng: Draws seeds and actions.
-    """
-    begun = world.taken
-    find, choose, rate = (int(share * budget) for share in SHARES)
-    if not decides_by_chance(world, find // 5, rng):
-        return None
-    find -= world.taken - begun
-
-    def draw() -> int:
-        return int(rng.integers(*TRAINING))
-
-    policies = sample_tables(world, draw, find, rng)
-    if not policies:
-        policies = [dict(it.policy) for it in search_linear(world, starts, lambda *_: None, find, rng)]
-    policies.append({"kind": "random", "seed": int(rng.integers(2**31))})
-    training = rng.integers(*TRAINING, _episodes(choose, len(policies), world))
-    tried = [_rated(world, policy, training) for policy in policies]
-    roles, held_out = _roles(tried), rng.integers(*HELD_OUT, _episodes(rate, 5, world))
-    again = {id(it): _rated(world, it.policy, held_out) for it in roles.values() if it is not None}
-    found: dict[str, Any] = {role: it and again[id(it)] for role, it in roles.items()}
-    return Rates(**found)
 
 
 def _episodes(budget: int, policies: int, world: World) -> int:

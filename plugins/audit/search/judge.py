@@ -133,8 +133,12 @@ def judge(searched: Searched, facts: World, walks: Walks) -> Judged:
     both = list(zip(plain, discounted, strict=True))
     decided = [_decided(*of) for of in both]
     alarmed = tuple(case for case in decided if case.is_alarm)
-    unsure = [case for case in decided if case.word == CANNOT_TELL]
-    word = _word(alarmed, len(unsure), len(decided))
+    unsure = sum(case.word == CANNOT_TELL for case in decided)
+    count, failing = len(decided), sum(case.word == FAILING for case in alarmed)
+    if 2 * len(alarmed) >= count:
+        word = FAILING if 2 * failing >= len(alarmed) else LOITERING
+    else:
+        word = CANNOT_TELL if 2 * (len(alarmed) + unsure) >= count else NOTHING
     told = [case for case in decided if case.word == word] or decided
     shown = max(told, key=lambda case: (case.three.failure is not None or case.is_alarm, case.lead))
     if not facts.success:
@@ -169,8 +173,16 @@ def _case_of(three: Three, typical: float, discount: float, facts: World, walks:
     if success is None or fastest is None or three.success is None or three.fastest is None:
         return Case(three, CANNOT_TELL, "failure", "success", -np.inf, margin, discount)
     as_much = failure is not None and failure >= success - margin
-    is_late = _is_passing(three.fastest, facts.horizon) or (as_much and _comes_late(three.fastest, facts.horizon))
-    is_slow = success > fastest + margin and _is_later(three.success, three.fastest, facts.horizon, discount)
+    fast, time, horizon = three.fastest, three.fastest.time, facts.horizon
+    # even the fastest success begins near its end, after others that did not last
+    is_passing = time > LATEST * horizon and fast.share * fast.steps > fast.steps - time + 1.5
+    # or it begins late, in an episode that goes on until the horizon
+    comes_late = fast.steps == horizon and LATE[0] * horizon < time < LATE[1] * horizon
+    is_late = is_passing or (as_much and comes_late)
+    # by a discount little counts after `REACH` times its own horizon
+    left = horizon - time if discount == 1.0 else min(horizon - time, REACH / (1.0 - discount))
+    is_later = three.success.time >= LATER * time and three.success.time - time >= SPARE * left
+    is_slow = success > fastest + margin and is_later
     loiters = is_slow and _gained(walks(three.success), walks(three.fastest), discount) > margin
     against: Role = "fastest" if loiters else "success"
     reference, compared = (fastest, three.fastest) if loiters else (success, three.success)
@@ -186,23 +198,6 @@ def _case_of(three: Three, typical: float, discount: float, facts: World, walks:
     return Case(three, LOITERING if loiters else NOTHING, "success", "fastest", lead, margin, discount, is_late)
 
 
-def _is_passing(fastest: Behaviour, horizon: int) -> bool:
-    """Whether even the fastest success of a start begins near its end, after others that did not last."""
-    lasts = fastest.steps - fastest.time + 1
-    return fastest.time > LATEST * horizon and fastest.share * fastest.steps > lasts + 0.5
-
-
-def _comes_late(fastest: Behaviour, horizon: int) -> bool:
-    """Whether even the fastest success of a start begins late, in an episode that goes on until the horizon."""
-    return fastest.steps == horizon and LATE[0] * horizon < fastest.time < LATE[1] * horizon
-
-
-def _is_later(slow: Behaviour, fast: Behaviour, horizon: int, discount: float) -> bool:
-    """Whether a success comes clearly later; by a discount little counts after `REACH` times its own horizon."""
-    left = horizon - fast.time if discount == 1.0 else min(horizon - fast.time, REACH / (1.0 - discount))
-    return slow.time >= LATER * fast.time and slow.time - fast.time >= SPARE * left
-
-
 def _gained(slow: Sequence[Walk], fast: Sequence[Walk], discount: float) -> float:
     """What a slow success earned by being slow; costs that it saved are none, for slow because effort costs is honest.
 
@@ -210,7 +205,13 @@ def _gained(slow: Sequence[Walk], fast: Sequence[Walk], discount: float) -> floa
     both go on, a number more in every step changes nothing, so it is what the slow one earned above the fast one while
     that was a success already.
     """
-    slow, fast = ([_weighed(walk, discount) for walk in walks] for walks in (slow, fast))
+    slow, fast = (
+        [
+            Walk({name: of * discount ** np.arange(len(of)) for name, of in walk.paid.items()}, walk.time)
+            for walk in walks
+        ]
+        for walks in (slow, fast)
+    )
     if not (slow and fast):
         return 0.0
     totals = [[np.sum([*walk.paid.values()], axis=0) for walk in walks] for walks in (slow, fast)]
@@ -225,10 +226,6 @@ def _gained(slow: Sequence[Walk], fast: Sequence[Walk], discount: float) -> floa
         early = np.mean([walk.paid[name][: walk.time].sum() for walk in fast]) - arriving
         gained += float(max(before, 0.0) - max(early, 0.0))
     return gained
-
-
-def _weighed(walk: Walk, discount: float) -> Walk:
-    return walk._replace(paid={name: values * discount ** np.arange(len(values)) for name, values in walk.paid.items()})
 
 
 def _is_worse(failure: Behaviour, success: Behaviour, lead: float, directions: Mapping[str, int]) -> bool:
@@ -279,13 +276,6 @@ def _takes_back(plain: Case, discounted: Case) -> bool:
     if plain.tempting == "failure" and other is not None:
         earns = max(earns, other.discounted)
     return task.discounted > earns + discounted.margin
-
-
-def _word(alarmed: Sequence[Case], unsure: int, count: int) -> str:
-    if 2 * len(alarmed) >= count:
-        failing = sum(case.word == FAILING for case in alarmed)
-        return FAILING if 2 * failing >= len(alarmed) else LOITERING
-    return CANNOT_TELL if 2 * (len(alarmed) + unsure) >= count else NOTHING
 
 
 def _lines(

@@ -60,9 +60,14 @@ def cheats_page(
         UsageError: A library of the extra ``report`` is missing.
     """
     names = file_names(certificates)
+    order = list(NAMES)
+    pairs = sorted(
+        zip(certificates, names, strict=True), key=lambda it: (it[0].place.reward.label, order.index(it[0].role))
+    )
     groups = [
-        (reward, {it.role: it for it, _ in pairs}, {it.role: name for it, name in pairs})
-        for reward, pairs in _by_reward(certificates, names)
+        (reward, {it.role: it for it, _ in found}, {it.role: name for it, name in found})
+        for reward, of in groupby(pairs, key=lambda it: it[0].place.reward.label)
+        for found in [list(of)]
     ]
     shows = [] if scene is None else [show for _, group, _ in groups if (show := _show(group, scene)) is not None]
     titles = dict.fromkeys(visible(it.place.name) for it in certificates)
@@ -76,17 +81,6 @@ def cheats_page(
         ],
         replay=replay_of(shows, EXPLANATION),
     )
-
-
-def _by_reward(
-    certificates: Sequence[Certificate], names: Sequence[str]
-) -> Iterator[tuple[str, list[tuple[Certificate, str]]]]:
-    order = list(NAMES)
-    pairs = sorted(
-        zip(certificates, names, strict=True), key=lambda it: (it[0].place.reward.label, order.index(it[0].role))
-    )
-    for reward, found in groupby(pairs, key=lambda it: it[0].place.reward.label):
-        yield reward, list(found)
 
 
 def _group(

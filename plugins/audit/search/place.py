@@ -186,21 +186,13 @@ def runs_on(place: Place, registry: Registry) -> dict[str, dict[str, Any]]:
     sources = {kind[:-1]: source_hash(spec.load()) for kind, spec in specs.items()}
     versions = {"python": platform.python_version(), **versions_behind(specs.values())}
     if place.is_environment:
-        reward, behind = _in_environment(place, registry)
-        sources, versions = {**sources, "reward": reward}, {**versions, **behind}
+        environment: Environment = place.task.build(registry, "environments")
+        with blamed_on(specs["environments"], "an env was made"), closing(environment.make()) as env:
+            columns, reward = columns_of(environment, env, registry), place.reward
+            given = weighing(columns, reward.name, reward.label, dict(reward.params)).rewards.get(reward.label)
+            sources["reward"] = source_of(given).sha256 if given is not None else ""
+            versions |= versions_of(env, ENGINES)
     else:
         sources["robot"] = load_robot(place.robot, registry).digest
     machine = {key: value for key, value in describe_machine().items() if key != "cores"}
     return {"versions": versions, "machine": machine, "sources": {name: it for name, it in sources.items() if it}}
-
-
-def _in_environment(place: Place, registry: Registry) -> tuple[str, dict[str, str]]:
-    """The hash of the code of a reward, empty if it has none of its own, and the versions behind the env."""
-    environment: Environment = place.task.build(registry, "environments")
-    with (
-        blamed_on(registry.get("environments", place.task.name), "an env was made"),
-        closing(environment.make()) as env,
-    ):
-        columns, reward = columns_of(environment, env, registry), place.reward
-        given = weighing(columns, reward.name, reward.label, dict(reward.params)).rewards.get(reward.label)
-        return (source_of(given).sha256 if given is not None else ""), versions_of(env, ENGINES)

@@ -1,7 +1,7 @@
 """Behaviours played again: before they are certified, and from the file of a certificate, wherever that is."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
 from typing import Any
@@ -12,9 +12,8 @@ from scipy import stats
 from harness.arrays import Float
 from harness.text import number
 
-from .behaviour import Rated
 from .certificate import ROLES, Answer, Certificate, Found, Rating
-from .finding import Finding, Role
+from .finding import Finding
 from .held_out import act_of
 from .place import Place
 from .world import Outcomes, Shown, World
@@ -138,21 +137,37 @@ def certify(
             shown = finding.shown.get(role)
             if shown is None:
                 continue
-            rated = _rated(finding, role)
+            searched, policy = finding.searched, finding.three[role].policy
+            rates = searched.rates
+            known = [] if rates is None else [rates.paid, rates.discounted, rates.success, rates.fastest]
+            rated = next((it for it in known if it is not None and it.policy is policy), None)
+            now, why = None, ""
             if rated is not None:
                 then, now = rating_of(rated.outcomes, rated.starts), rate(rated.policy, rated.starts, world)
                 if not agree(then, now):
-                    refused.append(f"{finding.reward}, {role}: not certified. Played again, {now}, not {then}")
-                    continue
-                made = _certificate(finding, place, runs_on, role, shown, seed, budget)
-                certificates.append(replace(made, policy=dict(rated.policy), rating=now))
+                    why = f"not certified. Played again, {now}, not {then}"
+            else:
+                again = _played_twice(shown, world)
+                if found := difference(shown, again[0]) or difference(shown, again[1]):
+                    why = f"not certified, it does not repeat. Played again, {found}"
+                shown = again[0]
+            if why:
+                refused.append(f"{finding.reward}, {role}: {why}")
                 continue
-            again = _played_twice(shown, world)
-            found = next((it for it in (difference(shown, other) for other in again) if it is not None), None)
-            if found is not None:
-                refused.append(f"{finding.reward}, {role}: not certified, it does not repeat. Played again, {found}")
-                continue
-            certificates.append(_certificate(finding, place, runs_on, role, again[0], seed, budget))
+            certificates.append(
+                Certificate(
+                    role,
+                    Answer(finding.word, finding.strength, finding.lines, len(finding.alarmed), len(finding.starts)),
+                    place,
+                    runs_on,
+                    Found(finding.three[role].made_by, seed, budget, searched.steps, tuple(searched.how)),
+                    shown,
+                    tuple(row for row in finding.noise if row.role == role),
+                    {name: paid[role] for name, paid in finding.elsewhere.items() if role in paid},
+                    policy=None if rated is None else dict(rated.policy),
+                    rating=now,
+                )
+            )
     return certificates, refused
 
 
@@ -189,23 +204,25 @@ def rating_of(outcomes: Outcomes, starts: Sequence[int]) -> Rating:
     return Rating(tuple(map(int, starts)), outcomes.paid, outcomes.success)
 
 
-def _rated(finding: Finding, role: Role) -> Rated | None:
-    """The held-out episodes of a policy that is shown, where chance decides."""
-    rates, policy = finding.searched.rates, finding.three[role].policy
-    known = [] if rates is None else [rates.paid, rates.discounted, rates.success, rates.fastest]
-    return next((it for it in known if it is not None and it.policy is policy), None)
-
-
 def difference(then: Shown, now: Shown) -> Difference | None:
     """Where two plays of the same actions differ first, bit for bit; None if nowhere."""
     both = min(len(then.paid), len(now.paid))
     told = f"in all {came_to(now)}, not {came_to(then)}"
-    rows = {"the step": (then.paid, now.paid), **_terms(then, now)}
+    names, none = dict.fromkeys([*then.terms, *now.terms]), np.zeros(0)
+    rows = {"the step": (then.paid, now.paid)}
+    rows |= {f"its term {name}": (then.terms.get(name, none), now.terms.get(name, none)) for name in names}
     first = {name: _first(a[:both], b[:both]) for name, (a, b) in rows.items()}
     success = _first(then.success[:both].astype(float), now.success[:both].astype(float))
     step = min(*first.values(), success)
     if step < both:
-        return Difference(step + 1, "; ".join(_at(step, rows, first, success, now)), told)
+        what = []
+        for name, values in rows.items():
+            if first[name] == step:
+                paid = [repr(float(it[step])) if step < len(it) else "nothing" for it in values]
+                what.append(f"{name} pays {paid[1]}, not {paid[0]}")
+        if success == step:
+            what.append("it is a success" if now.success[step] else "it is no success")
+        return Difference(step + 1, "; ".join(what), told)
     if len(then.paid) != len(now.paid):
         return Difference(both + 1, f"the episode {'goes on' if len(now.paid) > both else 'has ended'}", told)
     if then.ended != now.ended:
@@ -247,47 +264,8 @@ def _played_twice(shown: Shown, world: World) -> list[Shown]:
     return [world.show(shown.start, actions) for _ in range(2)]
 
 
-def _terms(then: Shown, now: Shown) -> dict[str, tuple[Float, Float]]:
-    """The terms of both; of one that only one of them has, nothing at all in the other."""
-    names, none = dict.fromkeys([*then.terms, *now.terms]), np.zeros(0)
-    return {f"its term {name}": (then.terms.get(name, none), now.terms.get(name, none)) for name in names}
-
-
 def _first(one: Float, other: Float) -> int:
     """The first row that differs in a bit; the number of rows of the longer one if none does."""
     both = min(len(one), len(other))
     differs = np.flatnonzero(one[:both].view(np.int64) != other[:both].view(np.int64))
     return int(differs[0]) if len(differs) else both if len(one) != len(other) else len(one)
-
-
-def _at(
-    step: int, rows: Mapping[str, tuple[Float, Float]], first: Mapping[str, int], success: int, now: Shown
-) -> Iterator[str]:
-    for name, (then, here) in rows.items():
-        if first[name] == step:
-            paid = [repr(float(it[step])) if step < len(it) else "nothing" for it in (here, then)]
-            yield f"{name} pays {paid[0]}, not {paid[1]}"
-    if success == step:
-        yield "it is a success" if now.success[step] else "it is no success"
-
-
-def _certificate(
-    finding: Finding,
-    place: Place,
-    runs_on: Mapping[str, Mapping[str, Any]],
-    role: Role,
-    shown: Shown,
-    seed: int,
-    budget: int,
-) -> Certificate:
-    searched = finding.searched
-    return Certificate(
-        role,
-        Answer(finding.word, finding.strength, finding.lines, len(finding.alarmed), len(finding.starts)),
-        place,
-        runs_on,
-        Found(finding.three[role].made_by, seed, budget, searched.steps, tuple(searched.how)),
-        shown,
-        tuple(row for row in finding.noise if row.role == role),
-        {name: paid[role] for name, paid in finding.elsewhere.items() if role in paid},
-    )

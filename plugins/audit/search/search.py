@@ -47,7 +47,18 @@ def search(
     evolution = Evolution(world, kept, rng)
     episodes = budget // (world.horizon * len(starts))
     paid, discounted = evolution.random(int(np.clip(AT_RANDOM * episodes, FEWEST, ROUNDS)))
-    _begin(evolution, beginnings)
+    for beginning in beginnings:  # policies at every start, actions where they were made for, or everywhere
+        rows = np.arange(len(starts))
+        if beginning.start is not None:
+            rows = np.flatnonzero(kept.starts == beginning.start)
+        if not len(rows):
+            continue
+        if beginning.actions is not None:
+            taken = [evolution.filled(beginning.actions)] * len(rows)
+            outcomes = world.play(kept.starts[rows], np.stack(taken))
+        elif beginning.act is not None:
+            outcomes, taken = world.act(kept.starts[rows], beginning.act)
+        evolution.take(rows, taken, outcomes, beginning.made_by)
     climbing = [0.0] * len(starts)
     how: tuple[str, ...] = (TABLE,)
     is_table = search_tables(world, list(starts), evolution.take, int(IN_TABLES * budget), rng)
@@ -67,9 +78,9 @@ def search(
     searched = how != (TABLE,)
     typical, later = np.median(paid, axis=0).tolist(), np.median(discounted, axis=0).tolist()
     return Searched(
-        plain=[of.three(*it, searched) for of, it in zip(kept.plain, zip(starts, typical, strict=True), strict=True)],
+        plain=[of.three(at, usual, searched) for of, at, usual in zip(kept.plain, starts, typical, strict=True)],
         discounted=[
-            of.three(*it, searched) for of, it in zip(kept.discounted, zip(starts, later, strict=True), strict=True)
+            of.three(at, usual, searched) for of, at, usual in zip(kept.discounted, starts, later, strict=True)
         ],
         typical=typical,
         typical_discounted=later,
@@ -78,20 +89,3 @@ def search(
         steps=world.taken - begun,
         how=how,
     )
-
-
-def _begin(evolution: Evolution, beginnings: Sequence[Beginning]) -> None:
-    """Play what a search begins from: policies at every start, actions where they were made for, or everywhere."""
-    world, starts = evolution.world, evolution.kept.starts
-    for beginning in beginnings:
-        rows = np.arange(len(starts))
-        if beginning.start is not None:
-            rows = np.flatnonzero(starts == beginning.start)
-        if not len(rows):
-            continue
-        if beginning.actions is not None:
-            taken = [evolution.filled(beginning.actions)] * len(rows)
-            outcomes = world.play(starts[rows], np.stack(taken))
-        elif beginning.act is not None:
-            outcomes, taken = world.act(starts[rows], beginning.act)
-        evolution.take(rows, taken, outcomes, beginning.made_by)
