@@ -1,6 +1,6 @@
 """Two rewards that trained in one group of cells, compared: the same for traces of an arm and for recordings."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property
@@ -22,7 +22,6 @@ from harness.results.comparison import Behaviour, Comparison, Number, StepChange
 from harness.results.measured import (
     AREA,
     STEPS_TO_GOAL,
-    Measured,
     Moment,
     last_values,
     learning_values,
@@ -33,8 +32,6 @@ from harness.results.verdicts import Seen, with_verdicts
 
 OWN: tuple[Pair, Pair] = (BB, KK)
 CROSSED: tuple[Pair, Pair] = (BK, KB)
-Moments = tuple[Sequence[Sequence[Moment]], Sequence[Sequence[Moment]]]
-"""The evaluations of each compared training by the baseline, then of each by the proposed reward."""
 
 
 def compare_all(
@@ -119,8 +116,13 @@ class _Comparer:
 
     def __init__(self, trainings: Trainings, match: Match, swaps: Swaps) -> None:
         self._trainings, self._match, self._swaps = trainings, match, swaps
-        self._one, self._other = ([it.measured for it in side] for side in match.sides)
-        self.episodes = _fewest_episodes([*self._one, *self._other])
+        self._sides = [[it.measured for it in side] for side in match.sides]
+        everything = [it for side in self._sides for it in side]
+        self.episodes = {
+            manner: min(it.episodes[manner] for it in everything)
+            for manner in (everything[0].manners if everything else ())
+            if all(manner in it.manners for it in everything)  # a training of version 0.1 may lack one
+        }
         """The number of episodes in each manner that all trainings have, as in the one with the fewest."""
 
     def indices(self) -> tuple[Decomposition | None, tuple[Pair, ...]]:
@@ -142,7 +144,12 @@ class _Comparer:
         """The split of the mean return in each manner; the reason where an own return is not known."""
         found, missing = dict[str, ReturnSplit](), dict[str, str]()
         for manner in self._trainings.return_manners(self.episodes):
-            values, reasons = self._returned(manner)
+            values, reasons = dict[Pair, list[float]](), dict[Pair, str]()
+            for pair in (*OWN, *CROSSED):
+                try:
+                    values[pair] = self._trainings.returned(self._match, pair, manner)
+                except Unscored as unscored:
+                    reasons[pair] = str(unscored)
             own, crossed = (next((reasons[it] for it in pairs if it in reasons), None) for pairs in (OWN, CROSSED))
             if own is not None:
                 missing[manner] = own
@@ -151,15 +158,6 @@ class _Comparer:
             swaps = self._swaps if self._trainings.number_of == "returns" else None
             found[manner] = split_returns(known, self._match.seeds, swaps, crossed)
         return found, missing
-
-    def _returned(self, manner: str) -> tuple[dict[Pair, list[float]], dict[Pair, str]]:
-        values, reasons = dict[Pair, list[float]](), dict[Pair, str]()
-        for pair in (*OWN, *CROSSED):
-            try:
-                values[pair] = self._trainings.returned(self._match, pair, manner)
-            except Unscored as unscored:
-                reasons[pair] = str(unscored)
-        return values, reasons
 
     def paid_at_random(self) -> Iterator[PaidAtRandom]:
         """What each reward pays its own policies and random actions, as far as it is known."""
@@ -176,7 +174,7 @@ class _Comparer:
         found = [
             self._change(
                 self._trainings.quantity(name, manner, episodes),
-                *([it.manners[manner].get(name) for it in side] for side in (self._one, self._other)),
+                *([it.manners[manner] for it in side] for side in self._sides),
             )
             for manner, episodes in self.episodes.items()
             for name in self._trainings.names
@@ -188,26 +186,24 @@ class _Comparer:
         success, steps = self._trainings.success, self._trainings.group.steps
         if not success or not self._is_evaluated:
             return []
-        one, other = ([learning_values(its, steps, success) for its in side] for side in self._moments)
+        sides = [[learning_values(its, steps, success) for its in side] for side in self._moments]
         measures = (
             Quantity(AREA, "", "higher", LEARNING, bounds=SHARE),
             Quantity(STEPS_TO_GOAL, "steps", "lower", LEARNING, bounds=(0.0, float(steps))),
         )
-        return [self._change(it, *([values[it.name] for values in side] for side in (one, other))) for it in measures]
+        return [self._change(it, *sides) for it in measures]
 
     def _last(self) -> list[Change]:
         """The measures that decide, means over the last evaluations; none where only the final policy was evaluated."""
         most, budget = self._trainings.averaged, self._trainings.group.steps
         if most < 2 or not self._is_evaluated:
             return []
-        one, other = ([last_values(its, budget, most) for its in side] for side in self._moments)
-        names = [name for name in self._trainings.deciding if all(name in values for values in (*one, *other))]
+        sides = [[last_values(its, budget, most) for its in side] for side in self._moments]
         episodes = next(iter(self.episodes.values()), 0)
         return [
-            self._change(
-                self._trainings.quantity(name, LAST, episodes), *([it[name] for it in side] for side in (one, other))
-            )
-            for name in names
+            self._change(self._trainings.quantity(name, LAST, episodes), *sides)
+            for name in self._trainings.deciding
+            if all(name in values for side in sides for values in side)
         ]
 
     def along(self) -> tuple[StepChange, ...]:
@@ -216,42 +212,32 @@ class _Comparer:
             return ()
         group, names = self._trainings.group, [it for it in self._trainings.deciding if it in self._trainings.names]
         episodes = next(iter(self.episodes.values()))  # of the cells' own manner
-        one, other = (
+        sides = [
             [dict(moments_by_due(its, group.evaluate_every, group.steps)) for its in side] for side in self._moments
+        ]
+
+        def change(name: str, due: int) -> Change:
+            measure = self._trainings.quantity(name, f"after {due:,} steps", episodes)
+            return self._change(measure, *([its[due].values for its in side] for side in sides))
+
+        in_all = set.intersection(*(set(its) for side in sides for its in side))
+        return tuple(
+            StepChange(due, tuple(change(name, due) for name in names)) for due in sorted(in_all) if due < group.steps
         )
-
-        def at(due: int) -> tuple[Change, ...]:
-            measures = [self._trainings.quantity(name, f"after {due:,} steps", episodes) for name in names]
-            return tuple(
-                self._change(it, *([its[due].values.get(it.name) for its in side] for side in (one, other)))
-                for it in measures
-            )
-
-        in_all = set.intersection(*(set(its) for its in (*one, *other)))
-        return tuple(StepChange(due, at(due)) for due in sorted(in_all) if due < group.steps)
 
     @property
     def _is_evaluated(self) -> bool:
         return bool(self._trainings.group.evaluate_every)
 
     @cached_property
-    def _moments(self) -> Moments:
-        one, other = ([it.moments for it in side] for side in self._match.sides)
-        return one, other
+    def _moments(self) -> list[list[Sequence[Moment]]]:
+        """The evaluations of each training by the baseline, then of each by the proposed reward."""
+        return [[it.moments for it in side] for side in self._match.sides]
 
-    def _change(self, measure: Quantity, *sides: Sequence[float | None]) -> Change:
-        one, other = (dict(zip(*pair, strict=True)) for pair in zip(self._match.seeds_of, sides, strict=True))
+    def _change(self, measure: Quantity, *sides: Iterable[Mapping[str, float | None]]) -> Change:
+        values = ([it.get(measure.name) for it in side] for side in sides)
+        one, other = (dict(zip(*pair, strict=True)) for pair in zip(self._match.seeds_of, values, strict=True))
         has_floor = self._trainings.has_floor(measure.manner)
-        random = [it.random.get(measure.name) for it in (*self._one, *self._other)] if has_floor else []
+        random = [it.random.get(measure.name) for side in self._sides for it in side] if has_floor else []
         reason = self._trainings.reason(self._match, measure.name, measure.manner)
         return replace(change_of(measure, one, other, self._swaps, random), reason=reason)
-
-
-def _fewest_episodes(measured: Sequence[Measured]) -> dict[str, int]:
-    """The fewest episodes by manner. A manner that some training lacks, such as one of version 0.1, is left out."""
-    manners = measured[0].manners if measured else ()
-    return {
-        manner: min(it.episodes[manner] for it in measured)
-        for manner in manners
-        if all(manner in it.manners for it in measured)
-    }

@@ -85,20 +85,17 @@ def kinds_of(verb: str, proposed: str, ending: str = "s") -> tuple[str, ...]:
 
 def kind_of(first: bool, second: bool) -> int:
     """The kind of a pair of which the baseline's succeeds or not, and the proposed reward's."""
-    return {(True, True): BOTH, (True, False): FIRST, (False, True): SECOND}.get((first, second), NEITHER)
+    return (BOTH, FIRST, SECOND, NEITHER)[2 * (not first) + (not second)]
 
 
 def cells_by_seed(results: Results, comparison: Comparison) -> tuple[tuple[Cell, ...], tuple[Cell, ...]]:
     """The cells of both rewards, of the seeds that both have; none where one of them is not done."""
     found = {(Group.of(cell), cell.reward.label, cell.seed): cell for cell in results.done_cells}
     baseline, proposed = (
-        tuple(found.get((comparison.group, reward, seed)) for seed in comparison.seeds)
+        tuple(found[key] for seed in comparison.seeds if (key := (comparison.group, reward, seed)) in found)
         for reward in (comparison.baseline, comparison.proposed)
     )
-    known = [(one, other) for one, other in zip(baseline, proposed, strict=True) if one and other]
-    if len(known) < len(comparison.seeds):
-        return (), ()
-    return tuple(one for one, _ in known), tuple(other for _, other in known)
+    return (baseline, proposed) if len(baseline) == len(proposed) == len(comparison.seeds) else ((), ())
 
 
 def environment_pairs(results: Results, comparison: Comparison) -> Pairs | None:

@@ -264,7 +264,12 @@ class Way(NamedTuple):
     @property
     def outcome(self) -> Outcome:
         """How it ended."""
-        return _outcome(self.trace, self.rows)
+        trace, last = self.trace, self.rows[-1]
+        if trace["reached"][self.rows].any():
+            return "reached"
+        if trace[OBSTACLE][last]:
+            return "obstacle"
+        return "ground" if trace["ground"][last] and trace["terminated"][last] else "time-out"
 
     @property
     def took(self) -> int:
@@ -290,7 +295,13 @@ def _show(results: Results, shown: ShownCells, most: int, room: int = 0) -> Show
     if not met:
         return None
     outcomes = [[way.outcome for way in ways] for ways in zip(*met, strict=True)]
-    pairs = None if shown.comparison is None else _pairs_of(shown.comparison, met)
+    pairs = None
+    if shown.comparison is not None:
+        ends = [kind_of(*(way.outcome == "reached" for way in ways)) for ways in met]
+        found = (
+            Met(one.cell.seed, one.number, kind, it.took - one.took) for (one, it), kind in zip(met, ends, strict=True)
+        )
+        pairs = Pairs(kinds_of("reach", shown.comparison.proposed, "es"), tuple(found))
     chosen = choose_episodes(outcomes, most) if pairs is None else choose_pairs(outcomes, pairs)
     measured, chosen = set(chosen[:MOST]), sorted(_within(met, chosen, most, room))
     facts = [episode_facts(way.trace) for way in met[0]]
@@ -333,19 +344,6 @@ def _met(results: Results, shown: ShownCells, scenes: Sequence[Scene]) -> Iterat
             ),
             strict=False,
         )
-
-
-def _pairs_of(comparison: Comparison, met: Sequence[tuple[Way, ...]]) -> Pairs:
-    found = [
-        Met(
-            first.cell.seed,
-            first.number,
-            kind_of(first.outcome == "reached", second.outcome == "reached"),
-            second.took - first.took,
-        )
-        for first, second in met
-    ]
-    return Pairs(kinds_of("reach", comparison.proposed, "es"), tuple(found))
 
 
 def _within(met: Sequence[tuple[Way, ...]], chosen: Sequence[int], most: int, room: int) -> Iterator[int]:
@@ -392,14 +390,6 @@ def _obstacles(trace: Log, rows: NDArray[np.int64]) -> Float:
         return NO_OBSTACLES
     all_of_them: Float = trace[OBSTACLES][rows[0]].reshape(-1, NO_OBSTACLES.shape[1])
     return all_of_them[all_of_them[:, 3:].any(axis=1)]
-
-
-def _outcome(trace: Log, rows: NDArray[np.int64]) -> Outcome:
-    if trace["reached"][rows].any():
-        return "reached"
-    if trace[OBSTACLE][rows[-1]]:
-        return "obstacle"
-    return "ground" if trace["ground"][rows[-1]] and trace["terminated"][rows[-1]] else "time-out"
 
 
 def single_episode(trace: Log, rows: NDArray[np.int64]) -> Log:

@@ -1,6 +1,5 @@
 """How an experiment with looks stands: which questions are over, and what is to be trained next."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -8,15 +7,13 @@ from typing import Any
 import numpy as np
 
 from harness.arrays import Float
-from harness.eta.behaviour_change import Change
-from harness.eta.interval import UNBOUNDED, Bounds
+from harness.eta.interval import UNBOUNDED
 from harness.eta.manner import LAST
 from harness.eta.verdict.looks import LookRuling
 from harness.eta.verdict.race import Race, race
 from harness.record.cell import Cell
 from harness.record.manifest import Manifest
 from harness.record.terms import Terms
-from harness.results.comparison import Comparison
 from harness.results.measured import last_values
 from harness.results.results import Results
 from harness.results.verdicts import Seen
@@ -102,9 +99,16 @@ def standing_of(results: Results) -> Standing | None:
     rewards = tuple(dict.fromkeys(reward for _, reward in seen.status))
     rewards = tuple(sorted(rewards, key=lambda it: it != results.baseline))
     if terms.race:
-        found = race_of(results, seen, rewards)
+        complete = {reward: seen.complete(reward) for reward in rewards}
+        values = {reward: values_of(results, seen, reward) for reward in rewards}
+        of_place = {it.group: it.decisive for it in results.combinations}
+        decided = [it.measure if (it := of_place.get(group)) else None for group in seen.groups]
+        bounds = [(it.ends, it.better) if it else (UNBOUNDED, "") for it in decided]
+        ends = [(-high, -low) if better == "lower" else (low, high) for (low, high), better in bounds]
+        found = race(values, seen.looks, complete, ends)
         return Standing(terms, rewards, () if found.is_over else found.living, seen, found)
-    over = {it.proposed: ruling for it in results.combinations if (ruling := _ending(it)) is not None}
+    ruled = {it.proposed: (it.answer.pool or it.answer).ruling for it in results.combinations}
+    over = {name: it for name, it in ruled.items() if isinstance(it, LookRuling) and it.is_over}
     left = [reward for reward in rewards[1:] if reward not in over]
     unanswered = tuple(name for name, it in over.items() if not it.is_decided and it.small is None)
     return Standing(terms, rewards, (rewards[0], *left) if left else (), seen, unanswered=unanswered)
@@ -122,46 +126,20 @@ def told_manifests(results: Results) -> list[Manifest]:
     ]
 
 
-def _ending(comparison: Comparison) -> LookRuling | None:
-    """What the test says of a reward that is trained no further; None if it is."""
-    ruling = comparison.answer.ruling if comparison.answer.pool is None else comparison.answer.pool.ruling
-    return ruling if isinstance(ruling, LookRuling) and ruling.is_over else None
-
-
-def race_of(results: Results, seen: Seen, rewards: Sequence[str]) -> Race:
-    """How the race between all rewards stands, by the first of the measures that decide."""
-    complete = {reward: seen.complete(reward) for reward in rewards}
-    values = {reward: values_of(results, seen, reward) for reward in rewards}
-    of_place = {it.group: it.decisive for it in results.combinations}
-    return race(values, seen.looks, complete, [_ends_of(of_place.get(group)) for group in seen.groups])
-
-
-def _ends_of(decisive: Change | None) -> Bounds:
-    """What a value of `values_of` can be."""
-    if decisive is None:
-        return UNBOUNDED
-    low, high = decisive.measure.ends
-    return (-high, -low) if decisive.measure.better == "lower" else (low, high)
-
-
 def values_of(results: Results, seen: Seen, reward: str) -> Float:
     """What decides of one reward, higher is better, (places, seeds); NaN where a training left no value."""
     of_place = {it.group: it for it in results.combinations}
     values = np.full((len(seen.groups), seen.looks[-1]), np.nan)
     for place, group in enumerate(seen.groups):
         for at, (cell, status) in enumerate(seen.status.get((group, reward), {}).items()):
-            if status == "done" and group in of_place:
-                values[place, at] = _value(results, cell, of_place[group])
+            it = of_place.get(group) if status == "done" else None
+            if it is None:
+                continue
+            if it.answered_in == LAST:
+                told = last_values(results.moments(cell), cell.steps, results.plan.terms.averaged)
+            else:
+                told = results.measured(cell).manners.get(it.manner, {})
+            value = told.get(next(iter(it.measured.deciding), ""))
+            if value is not None:
+                values[place, at] = -value if it.decisive and it.decisive.measure.better == "lower" else value
     return values
-
-
-def _value(results: Results, cell: Cell, comparison: Comparison) -> float:
-    name = comparison.measured.deciding[0] if comparison.measured.deciding else ""
-    if comparison.answered_in == LAST:
-        value = last_values(results.moments(cell), cell.steps, results.plan.terms.averaged).get(name)
-    else:
-        value = results.measured(cell).manners.get(comparison.manner, {}).get(name)
-    if value is None:
-        return float("nan")
-    change = comparison.decisive
-    return -value if change is not None and change.measure.better == "lower" else value

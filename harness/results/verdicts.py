@@ -7,7 +7,7 @@ places where both trained. Whatever else the comparisons say are hints, correcte
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
+from itertools import takewhile
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -28,19 +28,10 @@ LookOf = Callable[[Comparison], tuple[Mapping[int, int], int]]
 """Tells of a comparison the look at which each seed was trained, and how many looks are complete."""
 
 
-class Key(NamedTuple):
-    """What a question is about."""
-
-    baseline: str
-    proposed: str
-    steps: int
-
-
 @dataclass(frozen=True, eq=False)
 class Asked:
     """One question: the comparisons that it is about, and what the test takes from them."""
 
-    key: Key
     members: tuple[Comparison, ...]
     changes: tuple[tuple[Change, ...], ...]
     """By place, the measures that decide, the same in each."""
@@ -87,16 +78,23 @@ def with_verdicts(
 
 
 def _ruled(family: Sequence[Comparison], terms: Terms, look_of: LookOf | None, to_come: int) -> list[Comparison]:
+    """Each comparison with its own ruling and, where there are several places, with the answer over all of them."""
     asked = _asked(family)
+    unasked = Ruling(asked=len(asked), missing=to_come)
     if terms.race:
         rulings = [Ruling(asked=len(asked), instead=RACED)] * len(asked)
     elif terms.looks and look_of is not None:
         rulings = [_in_looks(it, terms, look_of) for it in asked]
     elif to_come:
-        rulings = [Ruling(asked=len(asked), missing=to_come)] * len(asked)
+        rulings = [unasked] * len(asked)
     else:
         rulings = rule([it.question for it in asked])
-    return list(correct(_with_rulings(family, asked, rulings, Ruling(asked=len(asked), missing=to_come))))
+    found = dict[int, tuple[Sequence[Change], Ruling, Pool | None]]()
+    for it, whole in zip(asked, rulings, strict=True):
+        pool, of_places = _pooled(it, whole) if len(it.members) > 1 else (None, [whole])
+        for member, changes, ruling in zip(it.members, it.changes, of_places, strict=True):
+            found[id(member)] = (changes, ruling, pool)
+    return list(correct([it.with_ruling(*found.get(id(it), ((), unasked, None))) for it in family]))
 
 
 def _in_looks(asked: Asked, terms: Terms, look_of: LookOf) -> Ruling:
@@ -108,18 +106,6 @@ def _in_looks(asked: Asked, terms: Terms, look_of: LookOf) -> Ruling:
     return rule_in_looks(replace(asked.question, looks=np.array(at)), looks, complete)
 
 
-def _with_rulings(
-    family: Sequence[Comparison], asked: Sequence[Asked], rulings: Sequence[Ruling], unasked: Ruling
-) -> list[Comparison]:
-    """Each comparison with its own ruling and, where there are several places, with the answer over all of them."""
-    found = dict[int, tuple[Sequence[Change], Ruling, Pool | None]]()
-    for it, whole in zip(asked, rulings, strict=True):
-        pool, of_places = _pooled(it, whole) if len(it.members) > 1 else (None, [whole])
-        for member, changes, ruling in zip(it.members, it.changes, of_places, strict=True):
-            found[id(member)] = (changes, ruling, pool)
-    return [it.with_ruling(*found.get(id(it), ((), unasked, None))) for it in family]
-
-
 def _pooled(asked: Asked, whole: Ruling) -> tuple[Pool, Sequence[Ruling]]:
     """The answer over all places of a question, and what the test says of each."""
     question, first = asked.question, asked.members[0]
@@ -127,7 +113,7 @@ def _pooled(asked: Asked, whole: Ruling) -> tuple[Pool, Sequence[Ruling]]:
     of_places = rule_places(question, whole) if is_tested else [whole] * len(asked.members)
     pool = Pool(
         first.names,
-        asked.key.steps,
+        first.group.steps,
         tuple(" · ".join(member.group.labels.values()) for member in asked.members),
         whole,
         asked.together(),
@@ -140,11 +126,11 @@ def _pooled(asked: Asked, whole: Ruling) -> tuple[Pool, Sequence[Ruling]]:
 
 def _asked(family: Iterable[Comparison]) -> list[Asked]:
     """The questions; a comparison without a value of what decides has none."""
-    found: dict[Key, list[Comparison]] = {}
+    found: dict[tuple[str, str, int], list[Comparison]] = {}
     for it in family:
         if it.decisive_changes:
-            found.setdefault(Key(it.baseline, it.proposed, it.group.steps), []).append(it)
-    asked = (Asked(key, tuple(members), _in_all(members)) for key, members in found.items())
+            found.setdefault((it.baseline, it.proposed, it.group.steps), []).append(it)
+    asked = (Asked(tuple(members), _in_all(members)) for members in found.values())
     return [it for it in asked if it.changes[0]]
 
 
@@ -211,7 +197,7 @@ class Seen:
     def complete(self, reward: str, groups: Iterable[Group] | None = None) -> int:
         """How many looks are complete for a reward: all of their cells have ended, in all places."""
         there = [self.status.get((group, reward), {}) for group in (self.groups if groups is None else groups)]
-        ended = [_ended_in_order(cells.values()) for cells in there]
+        ended = [sum(1 for _ in takewhile(ENDED.__contains__, cells.values())) for cells in there]
         return sum(min(ended, default=0) >= end for end in self.looks)
 
     def cells_of(self, rewards: Iterable[str], look: int) -> list[Cell]:
@@ -223,13 +209,3 @@ class Seen:
             if reward in wanted
             for cell in list(cells)[: self.looks[look]]
         ]
-
-
-def _ended_in_order(statuses: Iterable[str]) -> int:
-    """How many cells from the first on have ended."""
-    count = 0
-    for status in statuses:
-        if status not in ENDED:
-            break
-        count += 1
-    return count

@@ -128,7 +128,7 @@ def test_json_is_plain(combination):
     told = json.loads(json.dumps(combination.to_json(), allow_nan=False))
     assert [change["manner"] for change in told["behaviour"]] == ["stochastic", "deterministic"]
     headline = combination.headline
-    assert told["headline"] == {**headline.to_json(), "robot": headline.robot, "pay": combination.pay_sentence}
+    assert told["headline"] == {**headline.to_json(), "pay": combination.pay_sentence}
     assert told["episodes"] == {"deterministic": 100}
 
 
