@@ -84,6 +84,19 @@ def _act(envs, mode, calls=CALLS):
             envs.reset(options={"reset_mask": ended})
 
 
+@pytest.fixture
+def recorded(make_batch, tmp_path):
+    """What is recorded of such a batch."""
+
+    def record(mode=AutoresetMode.SAME_STEP, calls=CALLS, **given):
+        envs = harness.RecordVectorRewards(make_batch(mode), tmp_path / "batch", **{"trained_with": "own", **given})
+        _act(envs, mode, calls)
+        envs.close()
+        return read_recording(tmp_path / "batch")
+
+    return record
+
+
 def _single(counting, path, env, calls):
     """What one env alone records, of the actions of these calls."""
     alone = harness.RecordRewards(counting(LENGTHS[env]), path, **GIVEN)
@@ -96,12 +109,9 @@ def _single(counting, path, env, calls):
 
 
 @pytest.mark.parametrize("mode", MODES)
-def test_batch_records_what_its_envs_record_alone(counting, make_batch, tmp_path, mode):
+def test_batch_records_what_its_envs_record_alone(counting, recorded, tmp_path, mode):
     """Every column of every env, with the last observation and info of an episode that ended."""
-    envs = harness.RecordVectorRewards(make_batch(mode), tmp_path / "batch", **GIVEN)
-    _act(envs, mode)
-    envs.close()
-    found = read_recording(tmp_path / "batch")
+    found = recorded(mode, **GIVEN)
     assert (found.facts.num_envs, found.facts.seed, found.facts.closed) == (2, 3, True)
     for env, length in enumerate(LENGTHS):
         rows = found["env"] == env
@@ -118,15 +128,10 @@ def test_batch_records_what_its_envs_record_alone(counting, make_batch, tmp_path
 
 
 @pytest.mark.parametrize("mode", MODES)
-def test_batched_reward_is_that_of_single_envs(make_batch, tmp_path, mode):
+def test_batched_reward_is_that_of_single_envs(recorded, mode):
     """Called once for all envs, with the observations of the step, and restarted in those that start an episode."""
     rewards = {"all": RememberingBatch(), "each": lambda *given: given[1][0] + 10 * given[2][0] + 100 * given[0][0]}
-    envs = harness.RecordVectorRewards(
-        make_batch(mode), tmp_path, trained_with="own", rewards=rewards, batched=["all"], behaviour={}
-    )
-    _act(envs, mode)
-    envs.close()
-    found = read_recording(tmp_path)
+    found = recorded(mode, rewards=rewards, batched=["all"], behaviour={})
     for env in range(len(LENGTHS)):
         for episode in range(3):
             rows = (found["env"] == env) & (found["episode"] == episode)
@@ -225,19 +230,14 @@ def _fail_in_batch(before, actions, after, infos):
         (_fail_in_batch, ("bad",), "ValueError: it is nan"),
         ("other", (), "info has no 'other'; it has 'left', 'words'"),
         ("words", (), "it is 'none', no number"),
+        (lambda *given: 0.0, ("bad",), r"an array of shape \(\), not \(2,\)"),
     ],
 )
-def test_reward_that_fails_is_given_up_with_env_and_step(make_batch, tmp_path, given, batched, reason):
+def test_reward_that_fails_is_given_up_with_env_and_step(recorded, given, batched, reason):
     """From there on it is NaN in all envs; other rewards go on."""
-    mode = AutoresetMode.SAME_STEP
-    envs = harness.RecordVectorRewards(
-        make_batch(mode), tmp_path, trained_with="own", rewards={"bad": given}, batched=batched
-    )
     with pytest.warns(UserWarning, match=f"^reward 'bad' failed in env .*{reason}") as told:
-        _act(envs, mode)
-    envs.close()
+        found = recorded(rewards={"bad": given}, batched=batched)
     assert len(told) == 1
-    found = read_recording(tmp_path)
     (failure,) = found.facts.failures
     bad = np.flatnonzero(
         (found["env"] == failure.env) & (found["episode"] == failure.episode) & (found["step"] == failure.step)
@@ -246,39 +246,26 @@ def test_reward_that_fails_is_given_up_with_env_and_step(make_batch, tmp_path, g
     assert not np.isnan(found["reward/own"]).any()
 
 
-def test_batched_reward_of_a_wrong_shape_is_given_up(make_batch, tmp_path):
-    """It names both shapes."""
-    mode = AutoresetMode.NEXT_STEP
-    envs = harness.RecordVectorRewards(
-        make_batch(mode), tmp_path, trained_with="own", rewards={"bad": lambda *given: 0.0}, batched=["bad"]
-    )
-    with pytest.warns(UserWarning, match=r"an array of shape \(\), not \(2,\)"):
-        _act(envs, mode)
-    envs.close()
-
-
-def test_envs_that_pay_something_else_are_told(make_batch, tmp_path):
+def test_envs_that_pay_something_else_are_told(recorded):
     """With the first env and step."""
     rewards = {"mine": lambda before, action, after, info: float(after[0]) + (after[0] == 3)}
-    mode = AutoresetMode.SAME_STEP
-    envs = harness.RecordVectorRewards(make_batch(mode), tmp_path, trained_with="mine", rewards=rewards)
     with pytest.warns(UserWarning, match="env 0, episode 0, step 2: the env paid 3, 'mine' 4") as told:
-        _act(envs, mode)
-    envs.close()
+        recorded(trained_with="mine", rewards=rewards)
     assert len(told) == 1
 
 
-def test_batch_goes_on(make_batch, tmp_path):
+def test_batch_goes_on(recorded):
     """Episodes of each env go on where they were."""
-    mode = AutoresetMode.SAME_STEP
-    for _ in range(2):
-        envs = harness.RecordVectorRewards(make_batch(mode), tmp_path, resume=True, **GIVEN)
-        _act(envs, mode, calls=4)
-        envs.close()
-    found = read_recording(tmp_path)
+    _, found = (recorded(calls=4, resume=True, **GIVEN) for _ in range(2))
     assert found["tick"].tolist() == sorted([*range(8), *range(8)])
     assert found["episode"][found["env"] == 0].tolist() == [0, 0, 0, 1, 2, 2, 2, 3]
     assert found["episode"][found["env"] == 1].tolist() == [0, 0, 1, 1, 2, 2, 3, 3]
+
+
+def test_batched_names_are_names(recorded):
+    """Of rewards or of behaviour."""
+    with pytest.raises(UsageError, match="names 'nome', which is no reward and no behaviour"):
+        recorded(batched=["nome"], **GIVEN)
 
 
 def test_env_that_does_not_tell_how_it_starts_episodes_is_refused(make_batch, tmp_path):
@@ -287,9 +274,3 @@ def test_env_that_does_not_tell_how_it_starts_episodes_is_refused(make_batch, tm
     envs.metadata = {}
     with pytest.raises(UsageError, match=r"metadata need 'autoreset_mode', one of AutoresetMode\.NEXT_STEP"):
         harness.RecordVectorRewards(envs, tmp_path, **GIVEN)
-
-
-def test_batched_names_are_names(make_batch, tmp_path):
-    """Of rewards or of behaviour."""
-    with pytest.raises(UsageError, match="names 'nome', which is no reward and no behaviour"):
-        harness.RecordVectorRewards(make_batch(AutoresetMode.SAME_STEP), tmp_path, batched=["nome"], **GIVEN)

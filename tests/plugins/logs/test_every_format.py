@@ -15,14 +15,17 @@ STRIDE = 7
 FOREIGN = ("table", "evaluations", "tensorboard")
 
 
-def test_an_example_is_recognised_by_its_own_format_alone(tmp_path_factory, subtests):
+@pytest.fixture(params=FOREIGN)
+def made(request, tmp_path):
+    """The name of a format, and its example."""
+    return request.param, FORMATS[request.param].write_example(tmp_path)
+
+
+def test_an_example_is_recognised_by_its_own_format_alone(made):
     """Nobody has to say what it is."""
-    for name in FOREIGN:
-        with subtests.test(name=name):
-            tmp_path = tmp_path_factory.mktemp("case")
-            path = FORMATS[name].write_example(tmp_path)
-            head = path.read_bytes()[:4096] if path.is_file() else b""
-            assert [other for other, it in FORMATS.items() if it.recognises(path, head)] == [name]
+    name, path = made
+    head = path.read_bytes()[:4096] if path.is_file() else b""
+    assert [other for other, it in FORMATS.items() if it.recognises(path, head)] == [name]
 
 
 HEADS = {
@@ -62,16 +65,13 @@ def test_a_table_is_recognised_by_one_format_alone(tmp_path, rows, name):
     assert [other for other, it in FORMATS.items() if it.recognises(path, path.read_bytes())] == [name]
 
 
-def test_an_example_has_returns_or_success_in_every_row(tmp_path_factory, subtests):
+def test_an_example_has_returns_or_success_in_every_row(made):
     """Through the door that all logs come in by, with finite numbers."""
-    for name in FOREIGN:
-        with subtests.test(name=name):
-            tmp_path = tmp_path_factory.mktemp("case")
-            for log in open_logs(FORMATS[name].write_example(tmp_path), load_registry()):
-                assert len(log) > 1
-                assert "reward/recorded" in log
-                assert all(np.isfinite(log[column]).all() for column in log.columns if column != "since")
-                assert log.facts.unit in ("episode", "point")
+    for log in open_logs(made[1], load_registry()):
+        assert len(log) > 1
+        assert "reward/recorded" in log
+        assert all(np.isfinite(log[column]).all() for column in log.columns if column != "since")
+        assert log.facts.unit in ("episode", "point")
 
 
 def read_or_refused(name, path):
@@ -85,27 +85,24 @@ def read_or_refused(name, path):
     return ()
 
 
-def test_a_cut_file_is_refused_or_has_the_first_rows(tmp_path_factory, subtests):
+def test_a_cut_file_is_refused_or_has_the_first_rows(made):
     """Wherever it is cut: no number is another, and what is missing is told, but where a row has just ended."""
-    for name in FOREIGN:
-        with subtests.test(name=name):
-            tmp_path = tmp_path_factory.mktemp("case")
-            path = FORMATS[name].write_example(tmp_path)
-            [whole, *_] = FORMATS[name].read(path)
-            file = next(path.iterdir()) if path.is_dir() else path
-            data = file.read_bytes()
-            silent = [-STRIDE]
-            for end in range(0, len(data), STRIDE):
-                file.write_bytes(data[:end])
-                for log in read_or_refused(name, path)[:1]:
-                    assert len(log) < len(whole)
-                    for column in log.columns:
-                        is_known = ~np.isnan(log[column])
-                        assert is_known.all() or column == "since"
-                        assert log[column][is_known].tolist() == whole[column][: len(log)][is_known].tolist()
-                    if not any("left out" in note for note in log.facts.notes):
-                        assert end > silent[-1] + STRIDE
-                        silent.append(end)
+    name, path = made
+    [whole, *_] = FORMATS[name].read(path)
+    file = next(path.iterdir()) if path.is_dir() else path
+    data = file.read_bytes()
+    silent = [-STRIDE]
+    for end in range(0, len(data), STRIDE):
+        file.write_bytes(data[:end])
+        for log in read_or_refused(name, path)[:1]:
+            assert len(log) < len(whole)
+            for column in log.columns:
+                is_known = ~np.isnan(log[column])
+                assert is_known.all() or column == "since"
+                assert log[column][is_known].tolist() == whole[column][: len(log)][is_known].tolist()
+            if not any("left out" in note for note in log.facts.notes):
+                assert end > silent[-1] + STRIDE
+                silent.append(end)
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no named pipes")
@@ -117,22 +114,17 @@ def test_a_pipe_that_nobody_writes_to_holds_nobody_up(tmp_path, name):
     assert not read_or_refused(name, path)
 
 
-def test_bytes_that_mean_nothing_raise_our_own_errors_alone(tmp_path_factory, subtests):
+def test_bytes_that_mean_nothing_raise_our_own_errors_alone(made):
     """Some of an example's bytes are others; what is still read is finite."""
-    for name in FOREIGN:
-        with subtests.test(name=name):
-            tmp_path = tmp_path_factory.mktemp("case")
-            path = FORMATS[name].write_example(tmp_path)
-            file = next(path.iterdir()) if path.is_dir() else path
-            example = file.read_bytes()
-            for seed in range(40):
-                generator = np.random.default_rng(seed)
-                data = bytearray(example)
-                for place in generator.integers(0, len(data), 1 + seed // 2):
-                    data[place] = int(generator.integers(0, 256))
-                file.write_bytes(bytes(data))
-                assert FORMATS[name].recognises(path, bytes(data[:4096])) in (True, False)
-                for log in read_or_refused(name, path):
-                    assert all(
-                        np.isfinite(log[column]).all() for column in log.columns if column not in ("seconds", "since")
-                    )
+    name, path = made
+    file = next(path.iterdir()) if path.is_dir() else path
+    example = file.read_bytes()
+    for seed in range(40):
+        generator = np.random.default_rng(seed)
+        data = bytearray(example)
+        for place in generator.integers(0, len(data), 1 + seed // 2):
+            data[place] = int(generator.integers(0, 256))
+        file.write_bytes(bytes(data))
+        assert FORMATS[name].recognises(path, bytes(data[:4096])) in (True, False)
+        for log in read_or_refused(name, path):
+            assert all(np.isfinite(log[column]).all() for column in log.columns if column not in ("seconds", "since"))

@@ -20,6 +20,14 @@ PAYS = {
 }
 
 
+def _rewritten(folder, recording):
+    """The folder with this recording in place of its own."""
+    for path in [it for it in folder.iterdir() if it.is_file()]:
+        path.unlink()
+    write_recording(folder, recording)
+    return folder
+
+
 def _record(folder, trained_with, seed, arms, **facts):
     """A recording whose rewards have terms."""
     record(folder, trained_with, seed, arms, pays=PAYS, **facts)
@@ -28,11 +36,7 @@ def _record(folder, trained_with, seed, arms, **facts):
     of = {"bold": BOLD, "calm": CALM}
     terms = {f"reward/{reward}/{it}": pay(pulled) for reward, some in of.items() for it, pay in some.items()}
     names = {reward: tuple(some) for reward, some in of.items()}
-    for path in folder.iterdir():
-        if path.is_file():
-            path.unlink()
-    write_recording(folder, replace(recording, facts=replace(recording.facts, terms=names)).add(terms))
-    return folder
+    return _rewritten(folder, replace(recording, facts=replace(recording.facts, terms=names)).add(terms))
 
 
 @pytest.fixture(name="folder")
@@ -72,9 +76,7 @@ def test_a_reward_with_weights_is_compared_by_term(folder):
         label = "calm:calm=3"
         found = weighed(read_recording(path), [label]).load()
         found = replace(found, facts=replace(found.facts, trained_with=label))
-        for file in [it for it in path.iterdir() if it.is_file()]:
-            file.unlink()
-        write_recording(path, found)
+        _rewritten(path, found)
     (_, heavy) = load_results(folder).terms
     own, others = PULLS * 0.81, PULLS * 0.41
     assert heavy.reward == "calm:calm=3"
@@ -106,10 +108,7 @@ def test_a_reward_that_was_given_up_tells_no_terms_of_that_training(folder):
     columns = [name for name in recording.names if name.startswith("reward/calm")]
     gone = {name: np.where(np.arange(len(recording)) > 50, np.nan, recording[name]) for name in columns}
     failure = Failure("reward/calm", "ZeroDivisionError: by nothing", env=0, episode=10, step=1)
-    for path in broken.iterdir():
-        if path.is_file():
-            path.unlink()
-    write_recording(broken, replace(recording, facts=replace(recording.facts, failed=(failure,))).add(gone))
+    _rewritten(broken, replace(recording, facts=replace(recording.facts, failed=(failure,))).add(gone))
     (calm,) = (it for it in load_results(folder).terms if it.reward == "calm")
     assert (calm.terms[0].start.seeds, calm.terms[0].start.note) == (
         2,
