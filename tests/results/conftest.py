@@ -1,9 +1,11 @@
 """Small experiments, made by hand."""
 
+from weakref import WeakSet
+
 import pytest
 
 from harness.experiment import check_experiment, expand
-from harness.record import Store
+from harness.record import Store, read_trace
 from harness.registry import load_registry
 from harness.results import Results
 from tests.results.folders import ARP, ARP_RUNS, BASELINE, BASELINE_RUNS, finish
@@ -71,3 +73,31 @@ def ran_toys(toys, run_once, run_here, tmp_path):
         return (run_here if anew else run_once)(expand(check_experiment(asked), toys), tmp_path / "out")
 
     return run
+
+
+class Reads:
+    """Reads traces, and remembers which."""
+
+    def __init__(self):
+        self.files, self.held, self.most = [], WeakSet(), 0
+
+    @property
+    def names(self):
+        """Names of the files that were read."""
+        return {path.name for path in self.files}
+
+    def __call__(self, path):
+        """Read one."""
+        self.files.append(path)
+        trace = read_trace(path)
+        self.held.add(trace)
+        self.most = max(self.most, len(self.held))
+        return trace
+
+
+@pytest.fixture(name="reads")
+def _reads(monkeypatch):
+    """Traces that results read."""
+    reads = Reads()
+    monkeypatch.setattr("harness.results.cell_results.read_trace", reads)
+    return reads

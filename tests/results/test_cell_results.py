@@ -2,12 +2,10 @@
 
 import json
 from pathlib import Path
-from weakref import WeakSet
 
 import numpy as np
 import pytest
 
-import harness.results.cell_results as module
 from harness.record import read_manifest, read_trace
 from harness.record.merge import merge
 from harness.report import report_text
@@ -16,33 +14,6 @@ from harness.score.installed_reward import InstalledReward
 from harness_plugins.committed.tables import write_cells
 
 FOLLOWS = {"trace.parquet", "evaluation.parquet"}
-
-
-class Reads:
-    """Reads traces, and remembers which."""
-
-    def __init__(self):
-        self.files, self.held, self.most = [], WeakSet(), 0
-
-    @property
-    def names(self):
-        """Names of the files that were read."""
-        return {path.name for path in self.files}
-
-    def __call__(self, path):
-        """Read one."""
-        self.files.append(path)
-        trace = read_trace(path)
-        self.held.add(trace)
-        self.most = max(self.most, len(self.held))
-        return trace
-
-
-@pytest.fixture(name="reads")
-def _reads(monkeypatch):
-    reads = Reads()
-    monkeypatch.setattr(module, "read_trace", reads)
-    return reads
 
 
 @pytest.fixture(name="ended")
@@ -62,12 +33,6 @@ def without_kept(results):
         if path.is_file():
             path.unlink()
     return fresh(results)
-
-
-def test_first_report_after_a_run_reads_no_trace(ended, reads):
-    """All that follows from traces was made as the cells ended."""
-    report_text(ended)
-    assert reads.files == []
 
 
 def test_run_reads_each_trace_once(ran_toys, reads):
@@ -114,7 +79,10 @@ def test_records_of_cells_read_no_trace_after_a_run(ended, monkeypatch):
 
 
 def test_merged_cells_bring_what_is_kept(ended, tmp_path, reads):
-    """A report of several folders computes nothing again."""
+    """A report of several folders computes nothing again, and nor does the first one after a run.
+
+    All that follows from traces was made as the cells ended.
+    """
     merge([ended.folder], tmp_path / "all")
     assert report_text(Results(tmp_path / "all", ended.registry)) == report_text(ended)
     assert reads.files == []

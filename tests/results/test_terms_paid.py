@@ -3,7 +3,6 @@
 import json
 import shutil
 from itertools import product
-from weakref import WeakSet
 
 import numpy as np
 import pytest
@@ -136,16 +135,13 @@ def test_a_term_that_never_pays_is_named(results):
     assert (found.never, found.steps, found.trainings) == (("dock",), 900, 3)
 
 
-def test_a_second_report_reads_no_trace(ran, monkeypatch):
+def test_a_second_report_reads_no_trace(ran, reads):
     """Numbers are kept."""
     first = [it.to_json() for it in load_results(ran, plugins=[ran.parent / GENTLE]).terms]
-
-    def refuse(*given):
-        raise AssertionError(f"it reads {given}")
-
-    monkeypatch.setattr("harness.results.cell_results.read_trace", refuse)
+    reads.files.clear()
     again = [it.to_json() for it in load_results(ran, plugins=[ran.parent / GENTLE]).terms]
     assert json.dumps(first, allow_nan=False) == json.dumps(again)
+    assert reads.files == []
 
 
 def test_without_the_file_own_trainings_are_told_and_others_say_why(ran, results):
@@ -162,20 +158,11 @@ def test_without_the_file_own_trainings_are_told_and_others_say_why(ran, results
     assert "--plugin FILE" in others.note
 
 
-def test_one_trace_is_in_memory_at_a_time(ran, tmp_path, monkeypatch):
+def test_one_trace_is_in_memory_at_a_time(ran, tmp_path, reads):
     """A report asks one cell after the other, so that its memory does not grow with their number."""
-    held, counts = WeakSet(), [0]
-
-    def read(path):
-        trace = read_trace(path)
-        held.add(trace)
-        counts.append(len(held))
-        return trace
-
-    monkeypatch.setattr("harness.results.cell_results.read_trace", read)
     shutil.copytree(ran, tmp_path / "anew", ignore=shutil.ignore_patterns("derived"))
     assert load_results(tmp_path / "anew", plugins=[ran.parent / GENTLE]).terms
-    assert 0 < max(counts) <= 2  # a training and its evaluation
+    assert 0 < reads.most <= 2  # a training and its evaluation
 
 
 def test_nothing_changes_for_rewards_without_terms(recorded):

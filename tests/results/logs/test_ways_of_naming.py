@@ -227,25 +227,36 @@ def test_files_that_were_split_into_folders_sort_alike_or_are_asked(way, data):
     assert found is None or groups_of(found) == groups_of({f"{part[it]}/{it}": of for it, of in way.names.items()})
 
 
+EXACT = """
+{reward}/{seed}.csv               | v1 v2            | 0 1 | seed
+{reward}_{seed}.csv               | k1 k2            | 0 1 | seed
+{reward}_{seed}.csv               | base p:k2=0.5    | 1 2 | seed
+{reward}{seed}.csv                | base base_shaped | 1 2 | seed
+ppo/{reward}_{seed}.csv           | Pendulum-v1      | 1 2 | seed
+{reward}/2024050{run1}-12{run1}0.csv | base             | 0 1 | seed
+"""
+
+
+@pytest.mark.parametrize("line", EXACT.strip().splitlines())
+def test_what_is_a_seed_and_what_is_not(line, tmp_path):
+    """Versions, decimal numbers and numbers that all share belong to the reward, or to nothing."""
+    way = way_of(line)
+    assert sorted_names(tmp_path, way.names) == way.names
+
+
 @pytest.mark.parametrize(
     ("names", "rewards", "seeds"),
     [
-        (["v1/0", "v1/1", "v2/0", "v2/1"], ["v1", "v1", "v2", "v2"], [0, 1, 0, 1]),
-        (["k1_0", "k1_1", "k2_0", "k2_1"], ["k1", "k1", "k2", "k2"], [0, 1, 0, 1]),
-        (["base_1", "base_2", "p:k2=0.5_1", "p:k2=0.5_2"], ["base"] * 2 + ["p:k2=0.5"] * 2, [1, 2, 1, 2]),
-        (["base1", "base2", "base_shaped1", "base_shaped2"], ["base"] * 2 + ["base_shaped"] * 2, [1, 2, 1, 2]),
         (
             ["2024-05-01-baseline_1", "2024-05-01-baseline_2", "2024-05-01-shaped22_1"],
             ["baseline"] * 2 + ["shaped22"],
             [1, 2, 1],
         ),
-        (["ppo/Pendulum-v1_1", "ppo/Pendulum-v1_2"], ["Pendulum-v1"] * 2, [1, 2]),
-        (["base/20240501-1200", "base/20240502-1230"], ["base", "base"], [0, 1]),
         (["base_0", "base_1", "prop_7", "prop_0"], ["base", "base", "prop", "prop"], [0, 1, 0, 7]),
     ],
 )
-def test_what_is_a_seed_and_what_is_not(names, rewards, seeds, tmp_path):
-    """Versions, decimal numbers and numbers that all share belong to the reward, or to nothing."""
+def test_rewards_may_have_other_seeds(names, rewards, seeds, tmp_path):
+    """And other numbers of them."""
     found = sort_logs(tmp_path, [log_of(tmp_path / f"{name}.csv") for name in names])
     assert [(it.reward, it.seed) for it in found.trainings] == list(zip(rewards, seeds, strict=True))
 

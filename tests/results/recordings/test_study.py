@@ -295,13 +295,6 @@ def test_of_seeds_that_only_one_reward_has_behaviour_is_compared(study_of):
     assert paid_in(study, TRAINING)["plain", "plain"].seeds == 3
 
 
-def test_no_seed_in_common(study_of):
-    """Behaviour is compared; that nothing else is, is said."""
-    (comparison,) = study_of(("one", "plain", 0, {}), ("other", "thrice", 1, {}), seeds=0).combinations
-    assert comparison.decisive.counts == (1, 1)
-    assert "no seed is done under both plain and thrice" in comparison.number.sentence(comparison.names)
-
-
 def test_trainings_without_a_seed_are_numbered(study_of):
     """In the order of their folders."""
     study = study_of(*((name, reward, None, {}) for name, reward in zip("abcd", [*PAYS] * 2, strict=True)), seeds=0)
@@ -323,11 +316,6 @@ def test_what_is_not_one_study_is_refused(study_of, beside, told):
     """Two trainings of one seed, several envs: folders of each are named."""
     with pytest.raises(UsageError, match=told):
         study_of(beside)
-
-
-def test_one_reward_alone_is_compared_with_nothing(study_of):
-    """What it paid for is told elsewhere."""
-    assert study_of(("one", "plain", 0, {}), seeds=0).combinations == ()
 
 
 def test_a_damaged_recording_is_missing(study_of, tmp_path):
@@ -427,12 +415,17 @@ def test_a_measure_that_decides_has_a_direction(study_of, tmp_path):
 
 
 def test_trainings_without_a_common_seed_are_compared(study_of):
-    """By four trainings against three: the answer needs no common seed, nor do learning curves; one way in 35."""
+    """By four trainings against three: the answer needs no common seed, nor do learning curves; one way in 35.
+
+    That nothing else is compared is said.
+    """
     given = [("plain", range(4), 0.4), ("thrice", range(10, 13), 0.9)]
     study = study_of(
         *((f"{it}{s}", it, s, {"arms": RISING * end + 0.01 * s}) for it, of, end in given for s in of), seeds=0
     )
     (comparison,) = study.combinations
+    assert comparison.decisive.counts == (4, 3)
+    assert "no seed is done under both plain and thrice" in comparison.number.sentence(comparison.names)
     learning = study.learning(comparison)
     assert [curve.points["arm"][0].value.seeds for curve in (learning.baseline, learning.proposed)] == [4, 3]
     assert "rests on the training itself" in basis_text(comparison)
