@@ -97,11 +97,6 @@ def stages_of(measure: Quantity, trainings: Sequence[Ends], random: Part | None,
     return Stages(measure, start, end, evaluation, value(random))
 
 
-def is_known(stages: Stages) -> bool:
-    """Whether a measure has a value anywhere."""
-    return any(it.mean is not None for it in (stages.start, stages.end, stages.evaluation))
-
-
 def alone_of(trainings: Trainings) -> Alone | None:
     """What the only reward of these trainings did; None where another one, or a null control, stands beside it.
 
@@ -117,14 +112,14 @@ def alone_of(trainings: Trainings) -> Alone | None:
     names = sorted(trainings.names, key=lambda name: first.index(name) if name in first else len(first))
     evaluated = ends[0][2].episodes if ends[0][2] else 0
     measures = [trainings.quantity(name, TRAINING, evaluated) for name in names]
-    curve = trainings.learned(reward, members)
+    stages, curve = [stages_of(it, ends, random) for it in measures], trainings.learned(reward, members)
     shown = [name for name in (*first[:1], SUCCESS) if name in curve.points][:1]
     return Alone(
         trainings.group,
         reward,
         tuple(it.seed for it in members),
         stages_of(pay, ends, random, reward),
-        tuple(filter(is_known, (stages_of(it, ends, random) for it in measures))),
+        tuple(it for it in stages if any(of.mean is not None for of in (it.start, it.end, it.evaluation))),
         curve,
         (*shown, pay.name),
     )

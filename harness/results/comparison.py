@@ -171,12 +171,6 @@ class Behaviour:
         there = [it for it in during if it.name in names and it.measure.episodes is not None]
         return next((it for it in there if it.seeds), None)
 
-    def without_words(self) -> "Behaviour":
-        """The same with hints that have a p, and call nothing better or worse."""
-        changes = tuple(replace(it, level=NO_WORD) for it in self.changes)
-        along = tuple(it._replace(changes=tuple(replace(of, level=NO_WORD) for of in it.changes)) for it in self.along)
-        return replace(self, changes=changes, along=along)
-
 
 @dataclass(frozen=True)
 class Judged:
@@ -377,9 +371,12 @@ class Comparison:
             replace(it, p=ruling.p, corrected=ruled[id(it)], level=ruling.level) if id(it) in ruled else it
             for it in self.measured.changes
         )
-        measured = replace(self.measured, changes=changes)
+        along = self.measured.along
+        if ruling.missing:  # hints have a p, and call nothing better or worse
+            changes = tuple(replace(it, level=NO_WORD) for it in changes)
+            along = tuple(it._replace(changes=tuple(replace(of, level=NO_WORD) for of in it.changes)) for it in along)
         answer = replace(self.answer, ruling=ruling, pool=pool, asked=tuple(map(_name_and_manner, asked)))
-        return replace(self, measured=measured.without_words() if ruling.missing else measured, answer=answer)
+        return replace(self, measured=replace(self.measured, changes=changes, along=along), answer=answer)
 
     @cached_property
     def decisive_changes(self) -> tuple[Change, ...]:

@@ -14,7 +14,7 @@ may be removed at any time: reports say the same without it, only later.
 
 import hashlib
 import json
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
@@ -68,9 +68,9 @@ class Kept:
         self._derived = folder / DERIVED
         self._folder, self._files, self._owner = self._derived / name, files, f"{FORMAT} {name}"
         self._digests = dict(digests)
-        self._values: dict[str, list[Any]] = {}
         self._changed = False
-        self._read_values()
+        content = read_keyed(self._folder / VALUES, self._owner, MOST_VALUES)  # whole, as `save` wrote it, or None
+        self._values: dict[str, list[Any]] = {} if content is None else json.loads(content)
 
     def digest(self, name: str) -> str:
         """SHA-256 of a file of the cell; empty if there is no such file. Reading that file then raises an error."""
@@ -108,10 +108,15 @@ class Kept:
         path = self._folder / f"{name}-{key}.array"
         content = read_keyed(path, f"{self._owner} {key}", LARGEST)
         if content is not None:
-            return _unpack(content)
+            rows = int.from_bytes(content[:8], "little")
+            return np.frombuffer(pa.decompress(content[8:], decompressed_size=8 * rows, codec="zstd"), np.float64)
         made = make()
-        self._write(path, f"{self._owner} {key}", _pack(made))
-        self._discard(old for old in self._folder.glob(f"{name}-*") if old != path)
+        packed: bytes = pa.compress(np.ascontiguousarray(made), codec="zstd", asbytes=True)
+        self._write(path, f"{self._owner} {key}", len(made).to_bytes(8, "little") + packed)
+        for old in self._folder.glob(f"{name}-*"):  # of files or plugins that have changed
+            if old != path:
+                with suppress(OSError):
+                    old.unlink()
         return made
 
     def save(self) -> None:
@@ -131,17 +136,6 @@ class Kept:
             self._folder.mkdir(parents=True, exist_ok=True)
             write_keyed(path, key, content)
 
-    def _discard(self, paths: Iterable[Path]) -> None:
-        """Remove kept results of files or plugins that have changed."""
-        for path in paths:
-            with suppress(OSError):
-                path.unlink()
-
-    def _read_values(self) -> None:
-        content = read_keyed(self._folder / VALUES, self._owner, MOST_VALUES)
-        if content is not None:  # it is whole, as `save` wrote it
-            self._values = json.loads(content)
-
 
 def _plain(number: Any) -> Number:
     """A number as JSON gives it back."""
@@ -156,13 +150,3 @@ def _key(what: str, made_of: Sequence[str]) -> str:
 def _code() -> str:
     """A digest of the code that turns files into results, and of numpy's version, which may add in another order."""
     return f"{FORMAT} {np.__version__} {digest_of_modules(CODE)}"
-
-
-def _pack(numbers: Float) -> bytes:
-    content: bytes = pa.compress(np.ascontiguousarray(numbers), codec="zstd", asbytes=True)
-    return len(numbers).to_bytes(8, "little") + content
-
-
-def _unpack(content: bytes) -> Float:
-    rows = int.from_bytes(content[:8], "little")
-    return np.frombuffer(pa.decompress(content[8:], decompressed_size=8 * rows, codec="zstd"), np.float64)

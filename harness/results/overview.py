@@ -145,9 +145,7 @@ def pay_texts(pay: ReturnSplit | None, with_intervals: bool = False) -> tuple[st
     else:
         total = pay.total
         change, ruler, behaviour = (signed(it.mean) for it in (total.change, total.ruler, total.behaviour))
-        ends = (
-            "" if total.change.low is None or total.change.high is None else _ends(total.change.low, total.change.high)
-        )
+        ends = _ends(total.change.low, total.change.high)
     return own, change + ends * with_intervals, ruler, behaviour
 
 
@@ -169,7 +167,8 @@ def values_text(baseline: float, proposed: float, unit: str, is_share: bool) -> 
     """Two values with an arrow between them; shares as whole percentages."""
     if is_share:
         return f"{100 * baseline:.0f}{ARROW}{100 * proposed:.0f} %"
-    return f"{short_number(baseline)}{ARROW}{short_number(proposed)}{unit and ' '}{unit}"
+    values = ARROW.join(_digits(it, 3) if it else "0" for it in (baseline, proposed))
+    return f"{values}{unit and ' '}{unit}"
 
 
 def decider_text(comparison: Comparison) -> str:
@@ -193,27 +192,20 @@ def short_name(key: str) -> str:
     return f"{SHORT.get(name, name.replace('_', ' '))}{blank}{manner}"
 
 
-def short_number(value: float | None) -> str:
-    """A number with three digits."""
-    return NOTHING if value is None else _digits(value, 3) if value else "0"
-
-
 def short_value(ratio: Ratio) -> str:
     """A ratio with three digits."""
-    if ratio.near_zero is not None or ratio.value is None:
-        return NEAR_ZERO if ratio.near_zero is not None else NOTHING
-    return _digits(ratio.value, 3)
+    if ratio.near_zero is not None:
+        return NEAR_ZERO
+    return NOTHING if ratio.value is None else _digits(ratio.value, 3)
 
 
 def _interval(ratio: Ratio) -> str:
     """The interval of a ratio, with two digits for each end; empty if there is none to show."""
-    if ratio.near_zero is not None or ratio.low is None or ratio.high is None:
-        return ""
-    return _ends(ratio.low, ratio.high)
+    return "" if ratio.near_zero is not None else _ends(ratio.low, ratio.high)
 
 
-def _ends(low: float, high: float) -> str:
-    return f" [{_short(low)}, {_short(high)}]"
+def _ends(low: float | None, high: float | None) -> str:
+    return "" if low is None or high is None else f" [{_short(low)}, {_short(high)}]"
 
 
 def _short(end: float) -> str:

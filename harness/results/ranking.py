@@ -207,15 +207,11 @@ def ranking_of(results: Results) -> Ranking:
     for group, cells in results.groups.items():
         found = _find(results, group, [cell for cell in cells if not results.is_control(cell)])
         if found.runs:
-            tasks.setdefault(_task_of(group), []).append(found)
+            differ = {*KINDS, *([] if "simulator" in group.labels else ["task"])}
+            same = tuple(getattr(group, name) for name in group._fields if name not in differ)
+            tasks.setdefault(same, []).append(found)
     ranked = [task for places in tasks.values() if (task := _rank(results, places)) is not None]
     return Ranking(tuple(ranked), "" if ranked else _why_none(tasks.values()))
-
-
-def _task_of(group: Group) -> tuple[Any, ...]:
-    """Everything that is the same in places that are compared."""
-    differ = {*KINDS, *([] if "simulator" in group.labels else ["task"])}
-    return tuple(getattr(group, name) for name in group._fields if name not in differ)
 
 
 class _Found(NamedTuple):

@@ -99,11 +99,12 @@ class Records:
     @cached_property
     def equal(self) -> dict[Group, tuple[tuple[Key, ...], ...]]:
         """Trainings of an arm that left the same trace, bit for bit, by their group."""
-        digests: dict[Group, dict[Key, str]] = {}
-        for manifest in self.done:
-            key = (manifest.cell.reward.label, manifest.cell.seed)
-            digests.setdefault(Group.of(manifest.cell), {})[key] = manifest.files.get(TRACE, "")
-        found = {group: equal_trainings(of) for group, of in digests.items()}
+        found = {
+            group: equal_trainings(
+                {(cell.reward.label, cell.seed): self.manifest(cell).files.get(TRACE, "") for cell in cells}
+            )
+            for group, cells in self.groups.items()
+        }
         return {group: equal for group, equal in found.items() if equal}
 
     @property

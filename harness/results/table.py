@@ -7,7 +7,6 @@ from typing import Any, NamedTuple, TypeAlias
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from harness.eta.index import Ratio
 from harness.files.sums import making
 from harness.files.whole_file import whole_file
 from harness.record.manifest import Manifest
@@ -142,8 +141,4 @@ def _row(comparison: Comparison) -> Iterator[tuple[str, Any]]:
         *(("eta_N", comparison.number.eta_n), ("eta_P", comparison.number.eta_p)),
         *(("ruler", split.ruler), ("behaviour", split.behaviour)),
     ):
-        yield from _ends(name, ratio)
-
-
-def _ends(name: str, ratio: Ratio) -> Iterator[tuple[str, float | None]]:
-    yield from zip((f"{name}{end}" for end in _ENDS), (ratio.value, ratio.low, ratio.high), strict=True)
+        yield from zip((f"{name}{end}" for end in _ENDS), (ratio.value, ratio.low, ratio.high), strict=True)

@@ -18,7 +18,6 @@ from harness.results.learning import (
     Learning,
     LearningCurve,
     LearningRun,
-    Point,
     learning_points,
     mean_point,
     stretches,
@@ -291,21 +290,19 @@ class Trainings:
         parts = [(due, [of[due] for of in found]) for due in dues] or [
             (end, [it.stretch(begin, end) for it in members]) for begin, end in stretches(steps)
         ]
-
-        def over(measure: Quantity) -> tuple[Point, ...]:
-            is_share = measure.episodes is not None
-            return tuple(
+        measures = [self.quantity(name, WHOLE, 1) for name in self.names] if self.read else [LEARNED]
+        points = {
+            it.name: tuple(
                 mean_point(
                     end,
-                    [part.behaviour.get(measure.name) for part in of],
-                    (is_share and min(part.episodes for part in of)) or None,
-                    measure.bounds,
+                    [part.behaviour.get(it.name) for part in of],
+                    (it.episodes is not None and min(part.episodes for part in of)) or None,
+                    it.bounds,
                 )
                 for end, of in parts
             )
-
-        measures = [self.quantity(name, WHOLE, 1) for name in self.names] if self.read else [LEARNED]
-        points = {it.name: over(it) for it in measures}
+            for it in measures
+        }
         for payer in self.read.rewards if self.read else (reward,):
             paid = ((end, [part.returns.get(payer) for part in of]) for end, of in parts)
             points[self.pay_name(payer)] = tuple(mean_point(end, values) for end, values in paid)

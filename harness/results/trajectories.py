@@ -5,10 +5,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from harness.arrays import Float
-from harness.log import Log
 from harness.record.folder import EVALUATION
 from harness.record.trace import read_trace
 from harness.results.comparison import Comparison, Group
@@ -71,11 +69,10 @@ def trajectories_of(results: Results, comparison: Comparison) -> Trajectories | 
 
 def _read(files: Path) -> tuple[Trajectory, ...]:
     trace = read_trace(files / EVALUATION, COLUMNS)
-    return tuple(_trajectory(trace, rows) for rows in trace.episodes[:EPISODES])
-
-
-def _trajectory(trace: Log, rows: NDArray[np.int64]) -> Trajectory:
-    reached = trace["reached"][rows]
-    way = rows[: reached.argmax() + 1] if reached.any() else rows
-    points, targets = (np.stack([trace[f"{it}_{axis}"][way] for axis in AXES], axis=1) for it in POINTS)
-    return Trajectory(points, targets[0], bool(reached.any()))
+    found = []
+    for rows in trace.episodes[:EPISODES]:
+        reached = trace["reached"][rows]
+        way = rows[: reached.argmax() + 1] if reached.any() else rows
+        points, targets = (np.stack([trace[f"{it}_{axis}"][way] for axis in AXES], axis=1) for it in POINTS)
+        found.append(Trajectory(points, targets[0], bool(reached.any())))
+    return tuple(found)

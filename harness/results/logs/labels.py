@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from harness.errors import UsageError
-from harness.log import Log, LogFacts, in_memory
+from harness.log import LogFacts, in_memory
 from harness.log.log import BEHAVIOUR, SUCCESS
 from harness.record.dataset.labels import FAILURE, UNKNOWN, WHOLE, SuccessRule, read_labels
 from harness.results.logs.trainings import Sorted, Training
@@ -29,7 +29,10 @@ def labelled(found: Sorted, folder: Path, path: Path) -> Sorted:
         UsageError: The file cannot be read, or a run or an episode of it is not there, or it leaves some out.
     """
     labels = read_labels(path, RULE, len(found.trainings))
-    of = {training: _labels_of(training, folder, labels) for training in found.trainings}
+    of = {
+        training: next((labels[name] for name in ("", *_names(training, folder)) if name in labels), None)
+        for training in found.trainings
+    }
     unknown = labels.keys() - {name for training in found.trainings for name in _names(training, folder)} - {""}
     if unknown:
         shown = ", ".join(f"'{it.reward}/{it.seed}'" for it in found.trainings[:3])
@@ -50,13 +53,11 @@ def _names(training: Training, folder: Path) -> tuple[str, ...]:
     return (f"{training.reward}/{training.seed}", below, *([run] if run else []))
 
 
-def _labels_of(training: Training, folder: Path, labels: Mapping[str, Mapping[int, int]]) -> Mapping[int, int] | None:
-    return next((labels[name] for name in ("", *_names(training, folder)) if name in labels), None)
-
-
 def _with_success(training: Training, labels: Mapping[int, int], path: Path) -> Training:
     if WHOLE in labels:
-        return replace(training, evaluation=_verdict_on(labels[WHOLE], path))
+        # One label of a whole training stands as one episode of its final policy: it has no time of its own.
+        facts = LogFacts(path=path, format=LABELS, unit="episode", evaluation=True)
+        return replace(training, evaluation=in_memory(facts, {COLUMN: np.array([_value(labels[WHOLE])])}))
     if len(training.logs) > 1:
         count = len(training.logs)
         raise UsageError(f"--labels {path}: the {count} files of {training.shown} number no episodes together")
@@ -67,12 +68,6 @@ def _with_success(training: Training, labels: Mapping[int, int], path: Path) -> 
         raise UsageError(f"--labels {path} {told} of {training.shown}, which has {len(log):,}")
     values = np.array([_value(labels[number]) for number in range(len(log))])
     return replace(training, logs=(log.add({COLUMN: values}),))
-
-
-def _verdict_on(label: int, path: Path) -> Log:
-    """One label of a whole training stands as one episode of its final policy: it has no time of its own."""
-    facts = LogFacts(path=path, format=LABELS, unit="episode", evaluation=True)
-    return in_memory(facts, {COLUMN: np.array([_value(label)])})
 
 
 def _value(label: int) -> float:

@@ -198,11 +198,14 @@ def runs_of(
     if measures and len(found.rewards) > 1:
         _require_steps(trainings, axis, is_evaluated=all(it.evaluation for it in runs))
     members = {(run.reward, run.seed): run for run in runs}
-    every, episodes = _rhythm(runs)
+    unknown = np.array([np.nan])  # of a reward that some training by another one does not know
+    is_shared = not any(
+        np.isnan(run.episodes.returns.get(name, unknown)).any() for run in runs for name in {it.reward for it in runs}
+    )
     equal = equal_trainings({key: run.likeness.digest for key, run in members.items()})
     rewards = tuple(dict.fromkeys(name for name in (*found.rewards, *(it for run in runs for it in run.facts.rewards))))
     return Runs(
-        _group(trainings, min(steps), every, episodes),
+        _group(trainings, runs, min(steps)),
         rewards,
         found.rewards,
         measures,
@@ -221,7 +224,7 @@ def runs_of(
         ),
         counted=_counted(trainings, runs, min(steps)),
         missing=account.missing,
-        returns_apart="" if _share_pay(runs) else OWN_ALONE,
+        returns_apart="" if is_shared else OWN_ALONE,
     )
 
 
@@ -310,13 +313,6 @@ def _counted(trainings: Sequence[Training], runs: Sequence[Run], steps: int) -> 
     return found
 
 
-def _share_pay(runs: Sequence[Run]) -> bool:
-    """Whether every reward that taught some training is known to have paid all of them."""
-    unknown = np.array([np.nan])
-    taught = {run.reward for run in runs}
-    return all(not np.isnan(run.episodes.returns.get(name, unknown)).any() for run in runs for name in taught)
-
-
 def _deciding_text(measures: Sequence[str], told: Sequence[str], trainings: Sequence[Training]) -> str:
     others = [f"`{name}`" for name in told if name not in measures]
     more = f". The logs tell {listed(others)} too: --measure NAME:better=lower lets one decide" if others else ""
@@ -343,12 +339,16 @@ def _measures(told: Sequence[str], directions: Directions, deciding: Deciding) -
     return tuple(dict.fromkeys([named, *known]))
 
 
-def _group(trainings: Sequence[Training], steps: int, every: int, episodes: int) -> Group:
+def _group(trainings: Sequence[Training], runs: Sequence[Run], steps: int) -> Group:
+    """What they share. Policies are evaluated every so many steps, if that is the same in all trainings."""
     env = next((it.logs[0].facts.env for it in trainings if it.logs[0].facts.env), NO_NAME)
     algorithms = {it.logs[0].facts.algorithm for it in trainings}
     name = algorithms.pop() if len(algorithms) == 1 else ""
     algorithm = Choice(name, (), name) if name else UNKNOWN_ALGORITHM
-    return brought(env, algorithm, steps, episodes, every)
+    times = {(0, *(it.facts.after for it in (*run.before, run.evaluation) if it is not None)) for run in runs}
+    gaps = {*np.diff(min(times)).tolist()} if len(times) == 1 and len(min(times)) > 2 else set[int]()
+    episodes = min((len(run.evaluation.episodes.last) for run in runs if run.evaluation), default=0)
+    return brought(env, algorithm, steps, episodes, gaps.pop() if len(gaps) == 1 else 0)
 
 
 # One training
@@ -471,11 +471,3 @@ def _columns(training: Training, log: Log, ends: Float, measures: Sequence[str])
         column = f"{BEHAVIOUR}{name}" if f"{BEHAVIOUR}{name}" in log else other
         found[f"{BEHAVIOUR}{name}"] = np.asarray(log[column], np.float64) if column in log else unknown
     return found
-
-
-def _rhythm(runs: Sequence[Run]) -> tuple[int, int]:
-    """After how many steps policies were evaluated, if that is the same in all trainings; and how many episodes."""
-    times = {(0, *(it.facts.after for it in (*run.before, run.evaluation) if it is not None)) for run in runs}
-    gaps = {*np.diff(min(times)).tolist()} if len(times) == 1 and len(min(times)) > 2 else set[int]()
-    episodes = min((len(run.evaluation.episodes.last) for run in runs if run.evaluation), default=0)
-    return gaps.pop() if len(gaps) == 1 else 0, episodes

@@ -198,8 +198,13 @@ def read_all(folder: Path, only: Sequence[Path] | None = None) -> tuple[list[Run
     Raises:
         UsageError: Whole experiments lie among them.
     """
-    if only is None:
-        _refuse_experiments(folder)
+    inside = sorted(path.parent for path in folder.rglob(PLAN) if path.parent != folder) if only is None else []
+    if inside:  # each has a plan of its own, and perhaps an arm's cells
+        named = ", ".join(f"'{path}'" for path in inside[:MOST_NAMED])
+        raise UsageError(
+            f"'{folder}' holds whole experiments, not only recorded trainings: {named}. "
+            "Name an experiment itself, and move recordings that belong to none into a folder of their own"
+        )
     runs, damaged = [], []
     paths = sorted(recordings_in(folder)) if only is None else only
     weighed = _weighed(paths)
@@ -271,21 +276,6 @@ def _place(run: Run) -> tuple[object, ...]:
         facts.after,
         facts.acted or DETERMINISTIC,
     )
-
-
-def _refuse_experiments(folder: Path) -> None:
-    """Check that no experiment lies below a folder: it has a plan of its own, and perhaps an arm's cells.
-
-    Raises:
-        UsageError: Experiments lie in it; they are named.
-    """
-    inside = sorted(path.parent for path in folder.rglob(PLAN) if path.parent != folder)
-    if inside:
-        named = ", ".join(f"'{path}'" for path in inside[:MOST_NAMED])
-        raise UsageError(
-            f"'{folder}' holds whole experiments, not only recorded trainings: {named}. "
-            "Name an experiment itself, and move recordings that belong to none into a folder of their own"
-        )
 
 
 def _weighed(paths: Sequence[Path]) -> list[str]:

@@ -151,25 +151,19 @@ class RecordingResults:
     @property
     def episodes(self) -> Episodes:
         """All that ended."""
-        numbers = self._kept.array("episodes", self._made_of, self._numbers_of_episodes)
+        numbers = self._kept.array("episodes", self._made_of, lambda: np.ravel(episodes_of(self._recording).numbers))
         facts = self.facts
         return Episodes.of(facts, facts.rewards, facts.behaviour, numbers.reshape(1 + len(facts.numbers), -1))
 
     def paid_by(self, reward: str) -> Float:
         """What a reward pays for each step, (steps,)."""
-        return self._kept.array(f"paid by {reward}", self._made_of, lambda: self._column(reward))
+        return self._kept.array(f"paid by {reward}", self._made_of, lambda: self._paid(reward)[f"{REWARD}{reward}"])
 
     def terms_paid(self, reward: str) -> ByTerm:
         """What each term of a reward paid; without terms of one that has none, or was given up on the way."""
-        names = self.facts.terms.get(reward, ())
-        if not names:
+        if not self.facts.terms.get(reward):
             return ByTerm({}, self.steps, len(self.episodes.last))
-
-        def make() -> dict[str, Any]:
-            is_held = self._held is not None or reward in self._weighed
-            return terms_in(self._recording if is_held else read_recording(self.path), reward).to_json()
-
-        told = self._kept.told(f"terms {reward}", self._made_of, make)
+        told = self._kept.told(f"terms {reward}", self._made_of, lambda: terms_in(self._paid(reward), reward).to_json())
         self._kept.save()
         return ByTerm.from_json(told)
 
@@ -208,13 +202,10 @@ class RecordingResults:
             self._held = weighed(log, self._weighed)
         return self._held
 
-    def _numbers_of_episodes(self) -> Float:
-        return episodes_of(self._recording).numbers.ravel()
-
-    def _column(self, reward: str) -> Float:
-        if self._held is None and reward not in self._weighed:
-            return read_recording(self.path)[f"{REWARD}{reward}"]
-        return self._recording[f"{REWARD}{reward}"]
+    def _paid(self, reward: str) -> Log:
+        """The recording with what a reward paid; one that is not held is not read whole for it."""
+        is_held = self._held is not None or reward in self._weighed
+        return self._recording if is_held else read_recording(self.path)
 
 
 def terms_in(recording: Log, reward: str) -> ByTerm:
