@@ -4,7 +4,6 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from rich import box
 from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
@@ -28,6 +27,7 @@ from .recorded.pair_grid import (
     earned_grid,
     pair_grid,
     pair_lines,
+    plain_grid,
 )
 from .search.disturb import NOISES
 from .search.finding import Finding
@@ -86,15 +86,17 @@ class OfScripts:
                 for answer in self.properties
             },
             "workspace_twice_as_large": dict(self.workspace),
-            **{KEYS[form]: self._distance(pair, form) for form in pair.forms},
+            **{
+                KEYS[form]: {
+                    "value": mean.mean,
+                    "transitions": self.compared,
+                    **({"reason": pair.reasons[form]} if form in pair.reasons else {}),
+                }
+                for form, mean in pair.forms.items()
+            },
             "rescaled": pair.rescaling and pair.rescaling.to_json(),
             **{name: value for name, value in more.items() if value is not None},
         }
-
-    def _distance(self, pair: Pair, form: str) -> dict[str, Any]:
-        reason = pair.reasons.get(form)
-        told = {"reason": reason} if reason else {}
-        return {"value": pair.forms[form].mean, "transitions": self.compared, **told}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -222,7 +224,7 @@ def _of_payoffs(scripts: OfScripts) -> Iterator[RenderableType]:
 
 def _grid(first: str, headings: Iterable[str]) -> Table:
     """A column of names, and columns of numbers."""
-    grid = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 1, 0, 0))
+    grid = plain_grid()
     grid.add_column(first, overflow="fold", no_wrap=first == "policy")
     for heading in headings:
         grid.add_column(Text(heading), justify="right", no_wrap=True)

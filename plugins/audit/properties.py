@@ -159,7 +159,8 @@ def bounded(reward: Reward) -> Property:
         before, after = (_largest(pay_distances(reward, distances)) for distances in (mild, extreme))
         largest = max(largest, after)
         if not (np.isfinite(after) and after <= GROWN * before):
-            found.append(f"|r| grows {_growth(before, after)} when {way}")
+            times = f"{number(after / before)} times" if before > 0.0 and np.isfinite(after) else "beyond every number"
+            found.append(f"|r| grows {times} when {way}")
     count = sum(extreme[1:].size for _, extreme in ways.values())
     kept = f"no counter-example in {count:,} samples at 1e-8 to 1e7 m: |r| <= {number(largest)}"
     return Property(BOUNDED, not found, "; ".join(found) or kept)
@@ -177,7 +178,8 @@ def scale_free(reward: Reward, tried: Sequence[Float]) -> Property:
             in_proportion = max(in_proportion, _largest(scaled - scale * one) / scale)
     count = len(SCALES) * sum(one.size for one in ones)
     if same <= EQUAL * size:
-        return Property(SCALE_FREE, True, f"no counter-example in {count:,} samples scaled by {_scales()}")
+        scales = ", ".join(f"{scale:g}" for scale in SCALES)
+        return Property(SCALE_FREE, True, f"no counter-example in {count:,} samples scaled by {scales}")
     if in_proportion <= EQUAL * size:
         return Property(SCALE_FREE, False, "in proportion: distances c times as large are paid c times as much")
     return Property(SCALE_FREE, False, f"neither unchanged nor in proportion: it differs by up to {number(same)}")
@@ -196,7 +198,13 @@ def potential_based(reward: Reward, tried: Sequence[Float], gamma: float) -> Pro
     found = [fit for fit in fits if detours[fit.gamma] <= EQUAL]
     count = sum(distances[1:].size for distances in tried)
     if not found:
-        return Property(POTENTIAL_BASED, False, _why_not(max(fits, key=lambda fit: fit.explained), detours))
+        best = max(fits, key=lambda fit: fit.explained)
+        return Property(
+            POTENTIAL_BASED,
+            False,
+            "with the same first and last state, the way between them changes the sum by up to "
+            f"{detours[best.gamma]:.0%} of what is paid; {_explained(best)} (discount {best.gamma:g})",
+        )
     rest = waiting_at_target(reward)
     if not abs(rest) <= EQUAL:
         constant = f"except that each step at the target pays {number(rest)}, which matters because episodes end"
@@ -224,13 +232,6 @@ def _ratio(reward: Reward, rollout: Rollout) -> float | None:
     return larger / usual if usual and np.isfinite(larger / usual) else None
 
 
-def _why_not(fit: PotentialFit, detours: dict[float, float]) -> str:
-    return (
-        "with the same first and last state, the way between them changes the sum by up to "
-        f"{detours[fit.gamma]:.0%} of what is paid; {_explained(fit)} (discount {fit.gamma:g})"
-    )
-
-
 def _explained(fit: PotentialFit) -> str:
     return f"the best phi(d) explains {fit.explained:.1%} of the variance"
 
@@ -238,11 +239,3 @@ def _explained(fit: PotentialFit) -> str:
 def _largest(values: Float) -> float:
     """Largest magnitude; infinite where a value is no number."""
     return float(np.abs(np.nan_to_num(values, nan=np.inf, posinf=np.inf, neginf=-np.inf)).max())
-
-
-def _growth(before: float, after: float) -> str:
-    return f"{number(after / before)} times" if before > 0.0 and np.isfinite(after) else "beyond every number"
-
-
-def _scales() -> str:
-    return ", ".join(f"{scale:g}" for scale in SCALES)

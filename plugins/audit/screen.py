@@ -50,7 +50,10 @@ class Cheats:
         else:
             word, first = found.word, [f"{found.strength}." if found.strength else "", found.lines[0]]
         if word == CANNOT_TELL and scripted is not None and scripted.returns:
-            word = FAILING if _tempts(scripted) else CANNOT_TELL
+            # a movement that reaches the target less often than `finish` is paid more
+            paid, success = scripted.returns, scripted.success
+            if any(success[name] < success[FINISH] and paid[name] > paid[FINISH] for name in paid):
+                word = FAILING
         return Screened(word, " ".join(filter(None, (*first, *told))))
 
     def _search(self, cell: "Cell", registry: "Registry") -> "Finding":
@@ -67,9 +70,3 @@ class Cheats:
             (place,) = places_on_task(registry, [reward], task.label, cell.robot, None, float(discount or GAMMA_OF_ARM))
         with blamed_at(place, registry), closing(world_at(place, registry)) as world:
             return find_in(world, asked)
-
-
-def _tempts(scripted: "Payoffs") -> bool:
-    """Whether a movement that reaches the target less often than ``finish`` is paid more."""
-    paid, success = scripted.returns, scripted.success
-    return any(success[name] < success[FINISH] and paid[name] > paid[FINISH] for name in paid)

@@ -16,8 +16,6 @@ from harness.authoring.commands import (
     HOLD,
     HOVER,
     Episodes,
-    Finishing,
-    Payoff,
     Score,
     on_finishing,
     on_terms,
@@ -96,7 +94,10 @@ class Nearby:
         near = self.after(step.previous_distance).ravel()
         first = _leading_to(rows_of(step, _each(len(step.distance), CHANGES)), near)
         remembered, here = pay(reward, _repeated(carry, CHANGES), first)
-        _, beyond = pay(reward, remembered, _following(first, self.after(step.distance).ravel()))
+        best = np.minimum(first.previous_best, first.distance)
+        state, after = {DISTANCE: first.distance}, {DISTANCE: self.after(step.distance).ravel()}
+        following = step_between(state, after, first.begin_distance, best, first.step + 1.0)
+        _, beyond = pay(reward, remembered, following)
         return _mean(here.total, CHANGES), _mean(beyond.total, CHANGES)
 
     def after(self, distance: Float) -> Float:
@@ -146,26 +147,18 @@ def canonical_values(
     expectation = coverage(rollouts)
     shaped, largest = [], 0.0
     for rollout in rollouts:
-        paid, expected, beyond = _terms(reward, rollout.distances, expectation)
+        # the last state has no step of its own: a step on the spot stands in, whose pay is not looked at
+        states = {DISTANCE: np.vstack([rollout.distances, rollout.distances[-1:]])}
+        with np.errstate(all="ignore"):
+            rows = [
+                (np.asarray(paid.total, np.float64), *expectation(reward, carry, step))
+                for carry, step, paid in paid_along(reward, states)
+            ]
+        paid, expected, beyond = map(np.stack, zip(*rows, strict=True))  # of every state, (steps + 1, n)
         values = paid[:-1] + gamma * expected[1:] - expected[:-1] - gamma * beyond[:-1]
         shaped.append(values[rollout.running])
         largest = max(largest, float(np.abs(paid[:-1][rollout.running]).max()))
     return np.concatenate(shaped), largest
-
-
-def _terms(reward: Reward, distances: Float, expectation: Expectation) -> tuple[Float, Float, Float]:
-    """R(s, d'), E[R(s, D')] and E[R(S', D'')] of every state, each (steps + 1, n).
-
-    The last state has no step of its own: a step on the spot stands in, whose pay is not looked at.
-    """
-    states = {DISTANCE: np.vstack([distances, distances[-1:]])}
-    with np.errstate(all="ignore"):
-        rows = [
-            (np.asarray(paid.total, np.float64), *expectation(reward, carry, step))
-            for carry, step, paid in paid_along(reward, states)
-        ]
-    here, expected, beyond = zip(*rows, strict=True)
-    return np.stack(here), np.stack(expected), np.stack(beyond)
 
 
 def _recorded(rollouts: Sequence[Rollout]) -> tuple[Float, Float]:
@@ -183,13 +176,6 @@ def _levels(count: int) -> Float:
 def _leading_to(step: Steps, distance: Float) -> Steps:
     """The same step, but that it leads to `distance`."""
     return step._replace(distance=distance, delta_distance=distance - step.previous_best)
-
-
-def _following(step: Steps, distance: Float) -> Steps:
-    """The step after this one, leading to `distance`."""
-    best = np.minimum(step.previous_best, step.distance)
-    state, after = {DISTANCE: step.distance}, {DISTANCE: distance}
-    return step_between(state, after, step.begin_distance, best, step.step + 1.0)
 
 
 def _mean(value: Any, count: int) -> Float:
@@ -216,9 +202,18 @@ def verdict_of(found: OfScripts) -> list[str]:
     payoffs = {payoff.policy: payoff for payoff in of.payoffs}
     lines = [on_finishing(of)]
     if found.disturbed is not None and (of.undiscounted or of.discounted):
-        lines.append(_on_noise(of, found.disturbed))
+        noisy = under_noise(of, found.disturbed)
+        word, rate = ROBUST if noisy.is_robust else FRAGILE, "" if of.undiscounted else f", discounted by {of.gamma:g}"
+        lines.append(
+            f"{word}: with action noise {NOISES[-1]:g} {noisy.policy} earns {number(noisy.earns)} per episode{rate}, "
+            f"finish {number(noisy.finish_earns)}."
+        )
     if of.holding_pays:
-        lines.append(_on_holding(found, payoffs[HOLD]))
+        hold, gamma = payoffs[HOLD], of.gamma
+        earned = f"{number(hold.shaped)} of shaped reward per episode, {number(hold.shaped_discounted)}"
+        taken_back = any(it.name == "potential-based" and it.gamma == gamma for it in found.properties)
+        back = " It is shaping by a potential, and the discount takes it back." if taken_back else ""
+        lines.append(f"Holding still pays: {earned} discounted by {gamma:g}.{back}")
     if payoffs[FINISH].success < 1.0:
         lines.append(f"finish reached the target in only {payoffs[FINISH].success:.0%} of the episodes.")
     lines += [
@@ -227,25 +222,6 @@ def verdict_of(found: OfScripts) -> list[str]:
         if payoffs[name].success > 0.0
     ]
     return [*lines, *on_terms(of)]
-
-
-def _on_noise(of: Finishing, disturbed: Finishing) -> str:
-    """Whether what pays more than finishing still does, by more than a margin, while actions are disturbed."""
-    noisy = under_noise(of, disturbed)
-    word = ROBUST if noisy.is_robust else FRAGILE
-    rate = "" if of.undiscounted else f", discounted by {of.gamma:g}"
-    return (
-        f"{word}: with action noise {NOISES[-1]:g} {noisy.policy} earns {number(noisy.earns)} per episode{rate}, "
-        f"finish {number(noisy.finish_earns)}."
-    )
-
-
-def _on_holding(found: OfScripts, hold: Payoff) -> str:
-    gamma = found.finishing.gamma
-    earned = f"{number(hold.shaped)} of shaped reward per episode, {number(hold.shaped_discounted)}"
-    line = f"Holding still pays: {earned} discounted by {gamma:g}."
-    taken_back = any(answer.name == "potential-based" and answer.gamma == gamma for answer in found.properties)
-    return f"{line} It is shaping by a potential, and the discount takes it back." if taken_back else line
 
 
 STEPS = "steps"

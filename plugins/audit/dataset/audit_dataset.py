@@ -92,13 +92,6 @@ def level_that_holds(
     return auc
 
 
-def of_its_own_word(auc: Auc, paid: PaidDataset, name: str) -> Auc:
-    """Without a word where a reward is both what says what succeeds and what is asked about."""
-    if name == paid.told_by and auc.answer != CANNOT_TELL:
-        return replace(auc, answer=CANNOT_TELL, reason=OWN)
-    return auc
-
-
 def _moved(paid: PaidDataset, name: str, best: Mask) -> Float:
     """What each episode is paid where what is not known is the most for some, and the least for all others."""
     steps = paid.paid[name]
@@ -316,15 +309,14 @@ def _notes(paid: PaidDataset, below: PaidDataset | None, grouped: _Grouped, plac
 def _grouped(paid: PaidDataset, by_file: bool) -> _Grouped:
     """What intervals are over, and what is compared."""
     names, tasks = np.unique(np.array(paid.tasks, object).astype(str), return_inverse=True)
-    told = tuple(names.tolist())
+    noun, clusters, untold = "episodes", np.arange(len(paid)), 0
     if by_file:
-        clusters = np.unique(paid.files, return_inverse=True)[1]
-        return _Grouped("files", clusters.astype(np.int64), tasks, told, 0)
-    if any(paid.operators):
+        noun, clusters = "files", np.unique(paid.files, return_inverse=True)[1]
+    elif any(paid.operators):
         each = [who or f"\0{number}" for number, who in enumerate(paid.operators)]
-        clusters = np.unique(each, return_inverse=True)[1]
-        return _Grouped("operators", clusters.astype(np.int64), tasks, told, sum(not who for who in paid.operators))
-    return _Grouped("episodes", np.arange(len(paid), dtype=np.int64), tasks, told, 0)
+        noun, clusters = "operators", np.unique(each, return_inverse=True)[1]
+        untold = sum(not who for who in paid.operators)
+    return _Grouped(noun, clusters.astype(np.int64), tasks, tuple(names.tolist()), untold)
 
 
 def _answer(paid: PaidDataset, below: PaidDataset | None, name: str, grouped: _Grouped, by_file: bool) -> RewardAnswer:
@@ -334,13 +326,15 @@ def _answer(paid: PaidDataset, below: PaidDataset | None, name: str, grouped: _G
     earned = np.where(~np.isfinite(paid.moved), 0.0, np.maximum(steps, 0.0))
     groups, tasks = grouped.clusters, grouped.tasks
     auc = auc_of(returns[known], success[known], groups[known], tasks[known])
-    wrong = _most_wrong(paid, name, known, tasks)
+    held = answer_that_holds(auc, paid, name, groups, tasks)
+    if name == paid.told_by and held.answer != CANNOT_TELL:  # both what says what succeeds and what is asked about
+        held = replace(held, answer=CANNOT_TELL, reason=OWN)
     return RewardAnswer(
         name,
-        of_its_own_word(answer_that_holds(auc, paid, name, groups, tasks), paid, name),
+        held,
         _by_level(paid, below, name, grouped, by_file),
         _wrong(rounded(returns), success, known, tasks),
-        wrong,
+        _most_wrong(paid, name, known, tasks),
         share_of(paid.summed(np.where(paid.still, earned, 0.0)), paid.summed(earned), groups),
         _most_paid(paid, paid.paid[name]),
         lines_of(paid, name),
@@ -383,14 +377,13 @@ def _most_wrong(paid: PaidDataset, name: str, known: Mask, tasks: NDArray[np.int
         low, high = low[np.argsort(returns[low], kind="stable")], high[np.argsort(-returns[high], kind="stable")]
         found += list(zip(low[:MOST_PAIRS].tolist(), high[:MOST_PAIRS].tolist(), strict=False))
     worst = sorted(found, key=lambda pair: returns[pair[0]] - returns[pair[1]])[:MOST_PAIRS]
-    return tuple(_wrong_pair(paid, name, *pair) for pair in worst if returns[pair[1]] > returns[pair[0]])
-
-
-def _wrong_pair(paid: PaidDataset, name: str, one: int, other: int) -> WrongPair:
-    steps, returns = np.nan_to_num(paid.paid[name]), paid.returns[name]
-    curves = tuple(np.cumsum(steps[paid.episode_steps(it)]) for it in (one, other))
-    numbers = int(paid.numbers[one]), int(paid.numbers[other])
-    return WrongPair(*numbers, (float(returns[one]), float(returns[other])), (curves[0], curves[1]))
+    steps, told = np.nan_to_num(paid.paid[name]), []
+    for one, other in worst:
+        if returns[other] > returns[one]:
+            curves = np.cumsum(steps[paid.episode_steps(one)]), np.cumsum(steps[paid.episode_steps(other)])
+            numbers = int(paid.numbers[one]), int(paid.numbers[other])
+            told.append(WrongPair(*numbers, (float(returns[one]), float(returns[other])), curves))
+    return tuple(told)
 
 
 def _most_paid(paid: PaidDataset, steps: Float) -> tuple[PaidStep, ...]:

@@ -4,7 +4,6 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.arrays import Float
 from harness.authoring.commands import Auc
 from harness.authoring.pages import render_page, write_page
 from harness.eta import AGAINST, CANNOT_TELL, RANKS
@@ -105,27 +104,17 @@ def _words(pair: WrongPair) -> str:
 
 
 def _curves(pair: WrongPair) -> Chart:
-    marks = tuple(
-        _line(curve, name, colour)
-        for curve, name, colour in zip(
-            pair.curves,
-            (f"success {pair.success}", f"failure {pair.failure}"),
-            ("proposed", "baseline"),
-            strict=True,
-        )
-    )
+    marks = []
+    named = (f"success {pair.success}", "proposed"), (f"failure {pair.failure}", "baseline")
+    for curve, (name, colour) in zip(pair.curves, named, strict=True):
+        paid = np.concatenate([[0.0], curve])  # what had been paid after so many steps, 0 before the first
+        steps = np.unique(np.linspace(0, len(curve), min(POINTS, len(paid))).round().astype(int))
+        marks.append(Line(steps.tolist(), paid[steps].tolist(), colour, name, in_legend=True))
     low = min(0.0, *(min(mark.y) for mark in marks))
     high = max(0.0, *(max(mark.y) for mark in marks))
     air = 0.04 * (high - low) or 0.5
     last = max(float(mark.x[-1]) for mark in marks)
-    return Chart(linear_axis(0.0, last, "step", 5), linear_axis(low - air, high + air, "paid so far"), marks)
-
-
-def _line(curve: Float, name: str, colour: str) -> Line:
-    """What had been paid after so many steps, 0 before the first."""
-    paid = np.concatenate([[0.0], curve])
-    steps = np.unique(np.linspace(0, len(curve), min(POINTS, len(paid))).round().astype(int))
-    return Line(steps.tolist(), paid[steps].tolist(), colour, name, in_legend=True)
+    return Chart(linear_axis(0.0, last, "step", 5), linear_axis(low - air, high + air, "paid so far"), tuple(marks))
 
 
 def _distances(audit: DatasetAudit) -> Grid:

@@ -263,12 +263,12 @@ def pairs_in(
         forms: By measurement and name, the rewards in canonical forms.
         most: So many steps are told that the two pay most differently.
     """
-    each: dict[tuple[str, str], list[Apart]] = {pair: [] for pair in combinations(rewards, 2)}
-    lines: dict[tuple[str, str], list[PayLine | None]] = {pair: [] for pair in each}
-    largest: dict[tuple[str, str], list[StepApart]] = {pair: [] for pair in each}
+    found: dict[tuple[str, str], tuple[list[Apart], list[PayLine | None], list[StepApart]]] = {
+        pair: ([], [], []) for pair in combinations(rewards, 2)
+    }
     notes, lacking = list[str](), Counter[str]()
     count = 0
-    for name, whole in compared if each else ():
+    for name, whole in compared if found else ():
         count += 1
         log = whole.without_starts()
         numbers = [*(f"{REWARD}{name}" for name in log.rewards), *(f"{BEHAVIOUR}{name}" for name in log.measures)]
@@ -278,17 +278,21 @@ def pairs_in(
         unknown = {it: why for it, why in paid.unknown.items() if it in rewards}
         notes += [f"'{name}' does not count for reward {it!r}: {why}" for it, why in unknown.items()]
         lacking.update(it for it in rewards if it not in paid.returns and it not in unknown)
-        for (one, other), found in each.items():
+        for (one, other), (each, lines, largest) in found.items():
             if {one, other} <= paid.returns.keys():
-                found.append(compare_paid(paid, one, other))
+                each.append(compare_paid(paid, one, other))
             if {one, other} <= paid.steps.keys():
-                lines[one, other].append(line_of(paid.steps[one], paid.steps[other], can_end=can_end))
-                known = [*largest[one, other], *(steps_apart(name, log, one, other) if most else ())]
-                largest[one, other] = sorted(known, key=lambda step: -step.difference)[:most]
+                lines.append(line_of(paid.steps[one], paid.steps[other], can_end=can_end))
+                known = [*largest, *(steps_apart(name, log, one, other) if most else ())]
+                largest[:] = sorted(known, key=lambda step: -step.difference)[:most]
     notes += [f"{number:,} of {count:,} did not record reward {name!r}" for name, number in lacking.items()]
-    notes += [f"No recording knows both {one!r} and {other!r}" for (one, other), found in each.items() if not found]
-    apart = {(one, other): [compare_forms(one, of[one], other, of[other]) for of in forms] for one, other in each}
-    return tuple(pair_of(*it, each[it], lines[it], largest[it], apart[it]) for it in each), notes
+    notes += [
+        f"No recording knows both {one!r} and {other!r}" for (one, other), (each, *_) in found.items() if not each
+    ]
+    return tuple(
+        pair_of(one, other, *of, [compare_forms(one, it[one], other, it[other]) for it in forms])
+        for (one, other), of in found.items()
+    ), notes
 
 
 def mean_within(values: Sequence[float | None]) -> SeedMean:

@@ -79,6 +79,11 @@ def as_text(table: RenderableType) -> str:
     return "\n".join(line.rstrip() for line in text.getvalue().rstrip().splitlines())
 
 
+def plain_grid() -> Table:
+    """A table with headings, narrow, with a line below these alone."""
+    return Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 1, 0, 0))
+
+
 def answer_grid() -> Table:
     """Three columns without headings."""
     grid = Table(box=None, show_header=False, pad_edge=False)
@@ -117,7 +122,7 @@ def _step_text(pair: Pair, step: StepApart) -> str:
 
 def earned_grid(rows: Sequence[Earned], rewards: Sequence[str]) -> Table:
     """A row for each behaviour: what it was like, and what it earned. What earned most under a reward is marked."""
-    grid = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 1, 0, 0))
+    grid = plain_grid()
     grid.add_column("mean\nof an episode", overflow="fold")
     grid.add_column("episodes", justify="right")
     measures = list(dict.fromkeys(name for row in rows for name in row.measures))[:MOST_MEASURES]

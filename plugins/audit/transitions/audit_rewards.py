@@ -67,7 +67,22 @@ def audit_rewards(
         UsageError: Something of that cannot be used, or a reward fails in a step that was taken.
     """
     policies = policies or {}
-    _check(rewards, policies, gamma, episodes, steps, seed)
+    if not rewards:
+        raise UsageError("rewards={}: name at least one reward, such as {'upright': function}")
+    own = [name for name, given in rewards.items() if isinstance(given, str) and given == OWN]
+    if len(own) > 1:
+        raise UsageError(f"rewards: {own[0]!r} and {own[1]!r} are both what the env pays: leave one out")
+    if not 0.0 < gamma < 1.0:
+        raise UsageError(f"gamma={gamma:g}: must be above 0 and below 1")
+    for name, number, least in (("episodes", episodes, 1), ("steps", steps, 1), ("seed", seed, 0)):
+        if number < least:
+            raise UsageError(f"{name}={number}: must be at least {least}")
+    for name, policy in policies.items():
+        if name == RANDOM or not callable(policy):
+            raise UsageError(
+                f"policies: {name!r} is {policy!r}: give a function from an observation to an action, under another "
+                f"name than {RANDOM!r}"
+            )
     made, drawn = opened_env(env), [np.random.default_rng([seed, number]) for number in range(MEASUREMENTS)]
     try:
         taken = [_take(made, rewards, behaviour or {}, policies, episodes, steps, rng) for rng in drawn]
@@ -110,27 +125,6 @@ def audit_rewards(
         ),
         not_asked=(*NOT_ASKED[ENVIRONMENT], *([] if success else [NO_SUCCESS])),
     )
-
-
-def _check(
-    rewards: Mapping[str, Given], policies: Mapping[str, Policy], gamma: float, episodes: int, steps: int, seed: int
-) -> None:
-    if not rewards:
-        raise UsageError("rewards={}: name at least one reward, such as {'upright': function}")
-    own = [name for name, given in rewards.items() if isinstance(given, str) and given == OWN]
-    if len(own) > 1:
-        raise UsageError(f"rewards: {own[0]!r} and {own[1]!r} are both what the env pays: leave one out")
-    if not 0.0 < gamma < 1.0:
-        raise UsageError(f"gamma={gamma:g}: must be above 0 and below 1")
-    for name, number, least in (("episodes", episodes, 1), ("steps", steps, 1), ("seed", seed, 0)):
-        if number < least:
-            raise UsageError(f"{name}={number}: must be at least {least}")
-    for name, policy in policies.items():
-        if name == RANDOM or not callable(policy):
-            raise UsageError(
-                f"policies: {name!r} is {policy!r}: give a function from an observation to an action, under another "
-                f"name than {RANDOM!r}"
-            )
 
 
 def _own(rewards: Mapping[str, Given]) -> str:

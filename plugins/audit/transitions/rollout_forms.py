@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float, read_only
-from harness.authoring.commands import States, Walk, paid_along, step_between
+from harness.authoring.commands import Walk, paid_along, step_between
 from harness.payoff import Rollout
 from harness.reward import Carry, Reward, pay, take
 
@@ -74,8 +74,9 @@ def rows_of_rollouts(rollouts: Sequence[Rollout]) -> Rows:
 
 def ask_of(reward: Reward, rollouts: Sequence[Rollout], rows: Rows) -> Ask:
     """The reward as a function of rows, ``(state, action, next state)``; see the top of this module."""
-    carries = [carry for of in rollouts for carry, _, _ in paid_along(reward, _with_a_last_step(of.states))]
-    carry = _joined(carries)
+    # with a step on the spot at the end, so that what is remembered in the last state is told too
+    longer = [{name: np.concatenate([it, it[-1:]]) for name, it in of.states.items()} for of in rollouts]
+    carry = _joined([carry for states in longer for carry, _, _ in paid_along(reward, states)])
 
     def ask(steps: Sequence[Step]) -> Float:
         begin, act, end = np.array(steps).T
@@ -101,11 +102,6 @@ def forms_of_rollouts(reward: Reward, rollouts: Sequence[Rollout], gamma: float)
     rows = rows_of_rollouts(rollouts)
     coverages = draw_coverages(rows.walks, np.random.default_rng(0), COMPARED)
     return forms_of(ask_of(reward, rollouts, rows), gamma, coverages)
-
-
-def _with_a_last_step(states: States) -> States:
-    """The same with a step on the spot, so that what is remembered in the last state is told too."""
-    return {name: np.concatenate([values, values[-1:]]) for name, values in states.items()}
 
 
 def _joined(carries: Sequence[Carry]) -> Carry:
