@@ -88,7 +88,7 @@ class Account(NamedTuple, Generic[T]):
     def lines(self) -> tuple[str, ...]:
         """What to tell of those that are not whole."""
         typed = (f"'{it.path}' is left out, as --leave-out says{': ' * bool(it.why)}{it.why}" for it in self.left_out)
-        told = [f"'{it.path}' is missing: {it.why}" for it in self.missing]
+        told = [f"'{it.path}' is missing: {it.why.replace(f'{it.path} ', 'it ', 1)}" for it in self.missing]
         return (*typed, *told, *([self.remedy] if told else ()))
 
     @property

@@ -46,6 +46,7 @@ def test_whatever_was_begun_is_whole_or_missing_or_left_out_by_name():
     """The lines say what to type, and a path at which nothing lies is refused."""
     begun = [("a", A / "1", ""), ("b", B / "1", "it broke off"), (None, B / "it's", "it is no log")]
     found = counted(begun)
+    assert counted([(None, B, f"{B} is empty")]).lines[0] == "'runs/b' is missing: it is empty"
     assert (found.whole, [it.path for it in found.missing]) == (("a",), [B / "1", B / "it's"])
     assert found.lines[-1].endswith("--leave-out 'runs/b/1' --leave-out 'runs/b/it'\\''s' leaves it out")
     assert counted(begun, [B]).lines == (
