@@ -32,7 +32,6 @@ from harness.registry.sources import digest_of_modules
 
 VALUES = "values"
 FORMAT = 1
-NO_DIGESTS: Mapping[str, str] = MappingProxyType({})
 LARGEST = 2**31
 """The most bytes of an array that are kept, which is 268 million rows."""
 MOST_VALUES = 64 * 2**20
@@ -56,7 +55,7 @@ Number: TypeAlias = float | int | bool | None
 class Kept:
     """The kept results of one cell, or of one recording."""
 
-    def __init__(self, folder: Path, name: str, files: Path, digests: Mapping[str, str] = NO_DIGESTS) -> None:
+    def __init__(self, folder: Path, name: str, files: Path, digests: Mapping[str, str] = MappingProxyType({})) -> None:
         """Read the numbers; arrays are read when they are asked for.
 
         Args:

@@ -54,19 +54,20 @@ class Standing:
         """The cells of the next look, and of those before it, that an answer waits for."""
         return [] if self.is_over else self.seen.cells_of(self.open, min(self.look, len(self.terms.looks) - 1))
 
-    @cached_property
+    @property
     def most_left(self) -> int:
         """How many trainings there can be at most until everything is over."""
-        statuses = {cell: status for cells in self.seen.status.values() for cell, status in cells.items()}
-        cells = self.seen.cells_of(self.open, len(self.terms.looks) - 1) if self.open else []
-        return sum(statuses[cell] == "pending" for cell in cells)
+        return len(self._pending) - len(self.not_needed)
 
     @cached_property
     def not_needed(self) -> frozenset[Cell]:
         """The pending cells that no answer waits for."""
-        needed = set(self.seen.cells_of(self.open, len(self.terms.looks) - 1))
-        pending = (cell for cells in self.seen.status.values() for cell, status in cells.items() if status == "pending")
-        return frozenset(cell for cell in pending if cell not in needed)
+        return self._pending.difference(self.seen.cells_of(self.open, len(self.terms.looks) - 1))
+
+    @cached_property
+    def _pending(self) -> frozenset[Cell]:
+        statuses = self.seen.status.values()
+        return frozenset(cell for cells in statuses for cell, status in cells.items() if status == "pending")
 
     @property
     def text(self) -> str:
@@ -96,8 +97,7 @@ def standing_of(results: Results) -> Standing | None:
     if not terms.looks:
         return None
     seen = Seen.of(results.manifests, terms.looks)
-    rewards = tuple(dict.fromkeys(reward for _, reward in seen.status))
-    rewards = tuple(sorted(rewards, key=lambda it: it != results.baseline))
+    rewards = tuple(sorted(dict.fromkeys(it for _, it in seen.status), key=lambda it: it != results.baseline))
     if terms.race:
         complete = {reward: seen.complete(reward) for reward in rewards}
         values = {reward: values_of(results, seen, reward) for reward in rewards}

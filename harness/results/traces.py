@@ -181,10 +181,14 @@ class Traces:
         """Those that are done, by group."""
         return list(map(self._of_group, self.records.groups))
 
+    @property
+    def _planned(self) -> list[Cell]:
+        return [it.cell for it in self.records.manifests if it.status != "skipped"]
+
     def _of_group(self, group: Group) -> Trainings:
         records, metrics = self.records, self.metrics
         cells = sorted(records.groups.get(group, []), key=lambda cell: cell.seed)
-        planned = {it.cell.reward for it in records.manifests if it.status != "skipped" and Group.of(it.cell) == group}
+        planned = {cell.reward for cell in self._planned if Group.of(cell) == group}
         baseline = {cell.seed: self.run(cell) for cell in cells if cell.reward.label == records.baseline}
         deciding = records.named[:1] or DECIDING
 
@@ -210,9 +214,7 @@ class Traces:
     def asked(self) -> list[tuple[Trainings, Match]]:
         """Each reward of the plan with the baseline, or every two; also in a group in which nothing is done yet."""
         records = self.records
-        planned = dict.fromkeys(
-            (Group.of(it.cell), it.cell.reward.label) for it in records.manifests if it.status != "skipped"
-        )
+        planned = dict.fromkeys((Group.of(cell), cell.reward.label) for cell in self._planned)
         of, first = {it.group: it for it in self.trainings}, records.baseline
         asked = [(group, first, reward) for group, reward in planned if reward != first or records.plan.a_a]
         others: dict[Group, list[str]] = {}
@@ -229,7 +231,7 @@ class Traces:
     @property
     def returns(self) -> tuple[ReturnMatrix, ...]:
         """See `Results`; scored by every reward of the experiment."""
-        scoring = dict.fromkeys(it.cell.reward for it in self.records.manifests if it.status != "skipped")
+        scoring = dict.fromkeys(cell.reward for cell in self._planned)
         return tuple(self._matrix(it, scoring) for it in self.trainings)
 
     def _matrix(self, of: Trainings, scoring: Iterable[Choice]) -> ReturnMatrix:

@@ -76,10 +76,9 @@ class Episodes:
         """The episodes that ended in the rows from `begin` to `end`, the latter not included."""
         inside = slice(*np.searchsorted(self.last, [begin, end]).tolist())
         count = len(self.last[inside])
-        sides = (
+        returns, behaviour = (
             {name: _mean(values[inside]) for name, values in side.items()} for side in (self.returns, self.behaviour)
         )
-        returns, behaviour = sides
         missing = [*((REWARD, it) for it in returns if returns[it] is None)]
         missing += [(BEHAVIOUR, it) for it in behaviour if behaviour[it] is None]
         reasons = {

@@ -5,6 +5,7 @@ from contextlib import suppress
 from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from harness.errors import SchemaError, UsageError
@@ -23,7 +24,6 @@ from harness.results.logs.told import FOUND_OUT, Told
 from harness.results.recordings.episodes import count_text, cut_notes, cut_text
 from harness.results.recordings.recording_results import RecordingResults
 from harness.results.recordings.runs import (
-    NO_CONTROL,
     NO_NAME,
     Directions,
     Run,
@@ -108,7 +108,7 @@ def read_runs(
     deciding: Sequence[str] = (),
     group: Group | None = None,
     random: Path | None = None,
-    control: Mapping[int, int] = NO_CONTROL,
+    control: Mapping[int, int] = MappingProxyType({}),
     told: Told = FOUND_OUT,
 ) -> Runs:
     """All recorded trainings and evaluations in a folder, at any depth, sorted into what is compared and what is not.

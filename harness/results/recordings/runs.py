@@ -279,10 +279,6 @@ def meet_same_starts(runs: Iterable[Run]) -> bool:
     return all(len(found) == 1 for found in starts.values())
 
 
-NO_CONTROL: Mapping[int, int] = MappingProxyType({})
-NO_RUNS: Mapping[int, Run] = MappingProxyType({})
-
-
 def brought(env: str, algorithm: Choice, steps: int, episodes: int = 0, every: int = 0) -> Group:
     """The group of trainings that no experiment made: as `Group` tells it."""
     simulator = BROUGHT.simulator
@@ -338,7 +334,7 @@ class Runs(NamedTuple):
     """What could not be read, a line each."""
     random: Run | None = None
     """Random actions, where they were recorded."""
-    control: Mapping[int, Run] = NO_RUNS
+    control: Mapping[int, Run] = MappingProxyType({})
     """Trainings by the baseline again with other seeds, each by the seed that it is compared with."""
     said: tuple[str, ...] = ()
     """How what was found was sorted and read, a line each; a reader has to know it before the first number."""
