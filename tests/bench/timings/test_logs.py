@@ -41,6 +41,7 @@ def write_events(folder, seeds, points):
                 writer = RecordWriter(file)
                 for step in range(1, points + 1):
                     told = {"rollout/ep_rew_mean": rng.normal(), "rollout/success_rate": share + rng.normal(0, 0.01)}
+                    told["rollout/ep_len_mean"] = 9.0
                     values = [Summary.Value(tag=tag, simple_value=value) for tag, value in told.items()]
                     writer.write(Event(step=100 * step, summary=Summary(value=values)).SerializeToString())
                 writer.flush()
