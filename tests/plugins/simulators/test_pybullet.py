@@ -134,7 +134,8 @@ def test_link_without_inertia_weighs_nothing(open_arms):
         for inertial in link.findall("inertial"):
             link.remove(inertial)
     plain = normal_urdf(parse_urdf(ElementTree.tostring(tree, "unicode")), ROBOT.joint_names, ROBOT.folder).urdf
-    (arm,) = open_arms(1, replace(ROBOT, urdf=plain.text)).arms
+    simulation = open_arms(1, replace(ROBOT, urdf=plain.text))
+    (arm,) = simulation.arms  # which its simulation keeps open
     assert pybullet.getDynamicsInfo(arm.body, arm.tip, physicsClientId=arm.client)[0] < 1e-5
 
 

@@ -162,7 +162,8 @@ def test_a_solid_that_bullet_drops_is_an_error_that_names_the_link(rods, open_ar
 
 def test_the_arm_of_primitive_shapes_is_read_as_it_was(open_arms):
     """No margin is changed, and no shape is written anew."""
-    (own,) = open_arms(harness.load_robot("fd100")).arms
+    simulation = open_arms(harness.load_robot("fd100"))
+    (own,) = simulation.arms
     kinds = {
         shape[2]
         for link in range(-1, pybullet.getNumJoints(own.body, physicsClientId=own.client))

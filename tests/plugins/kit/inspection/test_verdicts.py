@@ -43,6 +43,8 @@ class _Effort:
 
 @dataclass(frozen=True)
 class Odd:
+    lower_is_better = frozenset({"effort"})
+
     def make(self):
         return gymnasium.make("Pendulum-v1")
 
