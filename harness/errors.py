@@ -4,6 +4,7 @@
 
     HarnessError
     ├── UsageError            what the user gave cannot be used: one line, exit status 2, nothing written
+    │   └── AskedError        a file can be read in several ways: asks which is meant
     ├── PluginError           a plugin is broken: names the plugin, its distribution and the target
     ├── MissingSolid          a simulator lacks a collision shape of an arm: names the link
     ├── SimulationDiverged    a simulation or a reward gave NaN or infinity: the cell fails, the other cells go on

@@ -345,8 +345,8 @@ def _by_key(runs: Iterable[Run]) -> dict[tuple[str, int], Run]:
         other = found.setdefault((run.reward, run.seed), run)
         if other is not run:
             raise UsageError(
-                f"'{other.path}' and '{run.path}' were both trained with {run.reward} and seed {run.seed}: "
-                f"{command_text('--leave-out', run.path)} leaves one out; or give every training a seed of its own"
+                f"'{other.path.name}' was trained with {run.reward} and seed {run.seed} too: "
+                f"give each a seed of its own, or leave one out, {command_text('--leave-out', run.path)}"
             )
     return found
 

@@ -305,7 +305,7 @@ def test_trainings_without_a_seed_are_numbered(study_of):
 @pytest.mark.parametrize(
     ("beside", "told"),
     [
-        (("again", "plain", 1, {}), r"again' and '.*plain-1' were both trained with plain and seed 1"),
+        (("again", "plain", 1, {}), r"'again' was trained with plain and seed 1 too: .*--leave-out .*plain-1"),
         (
             ("other", "plain", 5, {"spec": {"id": "Other-v1"}}),
             r"mixes trainings in several envs: Other-v1 .*Bandit-v0",
