@@ -47,11 +47,14 @@ def print_visible(text: str, err: bool = False) -> None:
 def shortened(message: str, most: int = LONGEST_MESSAGE) -> str:
     """The message, of a long one the beginning, which says where, and the end, which says what to do.
 
-    It is cut between words, so that no name in a list is cut; only a word of more than `LONGEST_WORD` characters is.
+    It is cut between words, so that no name in a list is cut; only a word of more than `LONGEST_WORD` characters is. A
+    flag to type at the end is kept with what it gets, for which the end may be twice as long.
     """
     if len(message) <= most:
         return message
     end = most // 3
+    flag = message.rfind(" --", len(message) - 2 * end, len(message) - end)
+    end = end if flag < 0 else len(message) - flag - 1
     begin = most - end - len(ELLIPSIS)
     return (
         message[: _word_before(message, begin)].rstrip()

@@ -57,6 +57,15 @@ def test_a_long_message_keeps_its_beginning_and_its_end():
     assert message.endswith("x. Export it again.")
 
 
+def test_a_flag_to_type_is_kept_with_what_it_gets():
+    """A long path is cut where it was given, and not where it is to be typed."""
+    for length in range(10, 170):
+        path = f"'/{'f' * length}'"
+        shown = one_line_of(f"{path} was trained with prop {'and so on ' * 20}: leave it out, --leave-out {path}")
+        assert len(shown) <= LONGEST_MESSAGE
+        assert shown.endswith(f"--leave-out {path}")
+
+
 def test_a_list_is_cut_between_its_names():
     """Each name that is shown is whole, whatever the place of the cut."""
     for length in range(1, 60):

@@ -30,7 +30,6 @@ if TYPE_CHECKING:
         RobotName as RobotName,
         TaskName as TaskName,
         flag as flag,
-        names_of as names_of,
     )
     from harness.cli.foreseen import left_text as left_text
     from harness.cli.output import (
