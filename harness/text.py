@@ -53,7 +53,7 @@ def shortened(message: str, most: int = LONGEST_MESSAGE) -> str:
     if len(message) <= most:
         return message
     end = most // 3
-    flag = message.rfind(" --", len(message) - 2 * end, len(message) - end)
+    flag = message.rfind(" --", len(message) - 2 * end, len(message) - end + 3)
     end = end if flag < 0 else len(message) - flag - 1
     begin = most - end - len(ELLIPSIS)
     return (
