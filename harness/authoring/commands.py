@@ -55,7 +55,6 @@ if TYPE_CHECKING:
     from harness.eta.index import NOTHING as NOTHING
     from harness.eta.manner import ACTED_AT_RANDOM as ACTED_AT_RANDOM
     from harness.eta.rescaling import PayLine as PayLine
-    from harness.eta.seed_mean import mean_lost_share as mean_lost_share
     from harness.experiment.arm_evaluation import record_evaluation as record_evaluation
     from harness.experiment.draft import draft_of as draft_of, leave_record as leave_record
     from harness.experiment.environments.columns import (

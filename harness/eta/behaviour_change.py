@@ -8,20 +8,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from harness.arrays import Float
-from harness.eta.interval import (
-    SHARE,
-    UNBOUNDED,
-    Bounds,
-    Interval,
-    difference_interval,
-    of_difference,
-    share_variance,
-    variance_of,
-    why_no_interval,
-)
+from harness.eta.interval import CONFIDENCE, SHARE, UNBOUNDED, Bounds, Interval, cut_to, of_difference, why_no_interval
 from harness.eta.manner import TRAINING, WHOLE
 from harness.eta.swaps import ALPHA, Swaps, p_of
-from harness.eta.unseen import difference_bounds, mean_bounds
+from harness.eta.unseen import ONE_SIDED, difference_bounds, mean_bounds
 
 NO_WORD = 0.0
 """The level of an experiment that is not trained to its end: no p is so small."""
@@ -63,6 +53,11 @@ class Quantity(NamedTuple):
         return self.bounds if self.episodes is None else SHARE
 
     @property
+    def has_ends(self) -> bool:
+        """Whether it is known how good and how bad a value can be. Without, no plain word is said of it."""
+        return math.isfinite(self.ends[0]) and math.isfinite(self.ends[1])
+
+    @property
     def of_difference(self) -> Bounds:
         """What the difference of two values can be."""
         return of_difference(self.ends)
@@ -100,7 +95,7 @@ class Change:
         proposed: The same under the proposed reward.
         random: The same for random actions.
         trainings: The value of each training that has one, by seed.
-        without: How many trainings of each reward have no value.
+        lost: The seeds of those that were begun and have none.
         low: Lower end of the 95 % interval of proposed - baseline, cut to what that can be; None where there is none.
         high: Upper end.
         likely: Ends of proposed - baseline, each passed in 5 % of the cases at most, also where trainings fail that
@@ -114,6 +109,7 @@ class Change:
             below two seeds that both rewards have, which can claim nothing.
         reason: Why the metric failed for a seed; empty if it did not fail, also if it is not defined.
         level: A corrected p-value up to this says that there is a difference; `NO_WORD` where nothing may be said.
+        is_plain: Of a measure that decides: whether its bound leaves out 0. None of any other.
     """
 
     measure: Quantity
@@ -121,7 +117,7 @@ class Change:
     proposed: float | None
     random: float | None
     trainings: Sides = field(default=({}, {}), repr=False)
-    without: tuple[int, int] = (0, 0)
+    lost: tuple[tuple[int, ...], tuple[int, ...]] = ((), ())
     low: float | None = None
     high: float | None = None
     likely: Interval | None = field(default=None, repr=False)
@@ -132,11 +128,17 @@ class Change:
     outcomes: Float | None = field(default=None, repr=False, compare=False)
     reason: str = ""
     level: float = field(default=ALPHA, repr=False)
+    is_plain: bool | None = field(default=None, repr=False)
 
     @property
     def name(self) -> str:
         """The name of the metric."""
         return self.measure.name
+
+    @property
+    def ends(self) -> Bounds:
+        """What a value can be."""
+        return self.measure.ends
 
     @property
     def is_relative(self) -> bool:
@@ -154,14 +156,19 @@ class Change:
         return len(self.trainings[0]), len(self.trainings[1])
 
     @property
+    def without(self) -> tuple[int, int]:
+        """How many trainings of each reward were begun and have no value."""
+        return len(self.lost[0]), len(self.lost[1])
+
+    @property
     def seeds(self) -> int:
         """How many trainings the reward has that has fewer."""
         return min(self.counts)
 
     @property
-    def is_complete(self) -> bool:
-        """Whether every training has a value, and each reward a training."""
-        return bool(self.seeds) and not any(self.without)
+    def can_decide(self) -> bool:
+        """Whether every training has a value, or counts at an end that is known; and each reward has one."""
+        return bool(self.seeds and self.measure.better) and (self.measure.has_ends or not any(self.without))
 
     @property
     def values(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
@@ -181,15 +188,21 @@ class Change:
 
     @property
     def direction(self) -> str:
-        """``better`` or ``worse`` if the corrected test says so, and somebody said which is better; else empty."""
-        if not self.measure.better or self.corrected is None or self.corrected > self.level or not self.difference:
+        """``better`` or ``worse`` where that is certain, and somebody said which is better; else empty.
+
+        A hint is certain where its corrected p is small and its interval leaves out 0.
+        """
+        is_beyond = self.low is None or self.high is None or self.low > 0.0 or self.high < 0.0
+        is_hint = self.corrected is not None and self.corrected <= self.level and is_beyond
+        if not self.measure.better or not self.difference or not (is_hint if self.is_plain is None else self.is_plain):
             return ""
         return "better" if (self.difference > 0.0) == (self.measure.better == "higher") else "worse"
 
     @property
     def failed(self) -> tuple[int, int] | None:
-        """How many trainings of each reward failed; None of other measures, see `Quantity.count_failed`."""
-        return self.measure.count_failed(*self.values)
+        """How many trainings of each reward failed or left no value; None of other measures, see `count_failed`."""
+        failed = self.measure.count_failed(*self.values)
+        return failed and (failed[0] + self.without[0], failed[1] + self.without[1])
 
     @property
     def middles(self) -> tuple[float | None, float | None]:
@@ -245,8 +258,8 @@ def change_of(
         random: Its values for random actions.
     """
     one, other = ({seed: value for seed, value in side.items() if value is not None} for side in (baseline, proposed))
-    without = (len(baseline) - len(one), len(proposed) - len(other))
-    found = Change(measure, _mean(one.values()), _mean(other.values()), _mean(random), (one, other), without)
+    lost = (tuple(baseline.keys() - one.keys()), tuple(proposed.keys() - other.keys()))
+    found = Change(measure, _mean(one.values()), _mean(other.values()), _mean(random), (one, other), lost)
     if not found.seeds:
         return found
     both = [seed for seed in one if seed in other]
@@ -256,32 +269,33 @@ def change_of(
     return with_intervals(found)
 
 
-def with_intervals(change: Change) -> Change:
-    """The change with what follows from its trainings' values: its spread, and its intervals."""
+def with_intervals(change: Change, confidence: float = CONFIDENCE) -> Change:
+    """The change with what follows from its trainings' values: its spread, and its intervals.
+
+    Args:
+        change: The change.
+        confidence: That of the interval that is printed; the bound of `harness.eta.unseen`.
+    """
     if change.seeds < 2:
         return change
     one, other = (np.array(values, np.float64) for values in change.values)
-    variances = (_variance(one, change.measure), _variance(other, change.measure))
-    found = replace(change, spread=math.sqrt(sum(variances) / 2.0))
+    found = replace(change, spread=math.sqrt((float(one.var(ddof=1)) + float(other.var(ddof=1))) / 2.0))
     if why_no_interval(change.seeds):
         return found
-    low, high = difference_interval(one, other, variances, bounds=change.measure.ends)
-    ends = [change.measure.ends]
-    (_, most_of_one), (_, most_of_other) = (mean_bounds([of], ends) for of in (one, other))
-    return replace(
-        found,
-        low=low,
-        high=high,
-        likely=difference_bounds([one], [other], ends),
-        most=(most_of_one, most_of_other),
+    ends, (ours, theirs) = change.measure.ends, change.without
+    if (ours or theirs) and not change.measure.has_ends:
+        return found  # how bad those may be that left no value is not known
+    (low, high), (likely_low, likely_high) = (
+        difference_bounds([one], [other], [ends], of, ((ours,), (theirs,))) for of in (confidence, ONE_SIDED)
     )
-
-
-def _variance(values: Float, measure: Quantity) -> float:
-    """The variance of one training."""
-    if measure.episodes is None:
-        return variance_of(values)
-    return share_variance(values, [float(values.mean())], measure.episodes)
+    low, high = cut_to((low, high), change.measure.of_difference)
+    found = replace(found, low=low, high=high)
+    if not change.measure.has_ends:
+        return found
+    (_, most_of_one), (_, most_of_other) = (
+        mean_bounds([of], [ends], lost=(count,)) for of, count in ((one, ours), (other, theirs))
+    )
+    return replace(found, likely=(likely_low, likely_high), most=(most_of_one, most_of_other))
 
 
 def _mean(values: Iterable[float | None]) -> float | None:

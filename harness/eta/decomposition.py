@@ -30,7 +30,6 @@ from harness.eta.interval import (
     jackknife,
     quantile,
     spread_range,
-    variance_of,
     why_no_interval,
 )
 from harness.eta.scored_sums import BB, BK, KB, KK, Curves, Pair, ScoredSums, scored_sums
@@ -250,7 +249,7 @@ def _amount(sums: ScoredSums, number: Callable[[Sums], Float]) -> SeedMean:
 
 def _are_alike(logarithms: Float) -> bool:
     """Whether the sizes of single seeds certainly have a small enough spread."""
-    _, largest = spread_range(math.sqrt(variance_of(logarithms)), len(logarithms))
+    _, largest = spread_range(float(np.std(logarithms, ddof=1)), len(logarithms))
     return largest <= UNLIKE
 
 

@@ -1,11 +1,12 @@
 """The answer about the robot: the words there are, what they are said of, and what counts as a difference."""
 
+import math
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, Protocol
 
 from harness.eta.behaviour_change import Quantity
-from harness.eta.interval import Interval
+from harness.eta.interval import Bounds, Interval
 from harness.eta.power import Range
 
 SUCCESS, TIME = "success_rate", "time_to_target"
@@ -20,7 +21,7 @@ UNMEASURED = (
 SUCCESS_MARGIN = 0.05
 """A difference of success below this, as a share of the episodes, counts as none."""
 TIME_MARGIN = 0.10
-"""A difference of the time to the target below this, as a share of the baseline's, counts as none."""
+"""A difference of any other measure below this, as a share of its mean size over both rewards, counts as none."""
 LEARNED = 0.10
 """Where both rewards teach success in less than this share of the episodes, neither teaches the task."""
 
@@ -37,11 +38,12 @@ class Answer(StrEnum):
     """Better in one place or by one measure, and worse in another, both by more than chance."""
     NO_DIFFERENCE = "no difference"
     NEITHER_LEARNS = "neither learns"
+    AHEAD = "ahead so far"
+    BEHIND = "behind so far"
+    """These trainings differ by more than luck; whether new ones would is not known."""
     CANNOT_TELL = "cannot tell"
     INTERIM = "interim"
     """Trainings are missing, and no plan of looks says what may be concluded without them."""
-    RACED = "the race decides"
-    """In a race for the best of several rewards no comparison with the baseline is a test."""
 
 
 class Compared(Protocol):
@@ -60,6 +62,10 @@ class Compared(Protocol):
         """Whether they are shares of the mean size in their place, since values have either sign."""
 
     @property
+    def ends(self) -> Bounds:
+        """What its values can be, as they are counted here."""
+
+    @property
     def name(self) -> str:
         """Its name."""
 
@@ -74,6 +80,10 @@ class Compared(Protocol):
     @property
     def counts(self) -> tuple[int, int]:
         """How many trainings of the baseline and of the proposed reward are compared, over all places."""
+
+    @property
+    def without(self) -> tuple[int, int]:
+        """How many more were begun and left no value."""
 
     @property
     def seeds(self) -> int:
@@ -143,7 +153,7 @@ def margin_of(change: Compared) -> float:
     """The margin of a measure, in its unit. A smaller difference counts as none."""
     if is_share(change):
         return SUCCESS_MARGIN
-    return TIME_MARGIN * abs(change.baseline or 0.0)
+    return TIME_MARGIN * (abs(change.baseline or 0.0) + abs(change.proposed or 0.0)) / 2.0
 
 
 def margin_text(change: Compared) -> str:
@@ -153,7 +163,7 @@ def margin_text(change: Compared) -> str:
 
 
 def size_text(change: Compared, size: float) -> str:
-    """A size of a difference in words: points of a share, else a part of the baseline's mean."""
+    """A size of a difference in words: points of a share, else a part of the mean size."""
     return f"{100 * size:g} points" if is_share(change) else f"{size:.0%}"
 
 
@@ -167,6 +177,17 @@ def is_hardly_learned(change: Compared) -> bool:
     if change.failed is None or change.measure.is_while_training:
         return False
     return max(change.baseline or 0.0, change.proposed or 0.0) < LEARNED
+
+
+def share_undone(change: Compared) -> float | None:
+    """Which share of trainings of the reward that is ahead would have to end as badly as they can to make both equal.
+
+    None where it is not known how badly that is, or where nothing is ahead.
+    """
+    low, high = change.ends
+    one, other = sorted((change.baseline or 0.0, change.proposed or 0.0))
+    reach = other - low if change.measure.better == "higher" else high - one
+    return (other - one) / reach if math.isfinite(low) and math.isfinite(high) and reach > 0.0 and other > one else None
 
 
 def difference_of(change: Compared) -> float:

@@ -53,76 +53,16 @@ def quantile(confidence: float, freedom: float) -> float:
     return float(stdtrit(freedom, 0.5 + confidence / 2.0))
 
 
-def mean_interval(
-    values: Sequence[float] | Float, variance: float, confidence: float = CONFIDENCE, bounds: Bounds = UNBOUNDED
-) -> Interval:
-    """Student's interval for the mean that values, one per seed, are drawn around.
-
-    It is cut to what the mean can be. That costs no coverage: what is cut away could not hold the mean.
-
-    Args:
-        values: At least `LEAST_SEEDS`, independent of one another.
-        variance: Of a single value, see `variance_of` and `share_variance`.
-        confidence: How often the interval holds the mean.
-        bounds: What a value can be. Where a value lies outside, they are wrong, and nothing is cut.
-    """
-    reach = quantile(confidence, len(values) - 1) * math.sqrt(variance / len(values))
-    middle = float(np.mean(values))
-    if not are_within(values, bounds):
-        return middle - reach, middle + reach
-    least, greatest = min(bounds[0], middle), max(bounds[1], middle)  # which rounding may have passed
-    return max(middle - reach, least), min(middle + reach, greatest)
-
-
-def welch_freedom(variances: Sequence[float], counts: Sequence[int]) -> float:
-    """Degrees of freedom of a difference of the means of groups that are not paired (Satterthwaite 1946, Welch 1947).
-
-    Args:
-        variances: Of a single value, by group.
-        counts: How many values each group has, at least two.
-    """
-    parts = [variance / count for variance, count in zip(variances, counts, strict=True)]
-    squares = sum(part**2 / (count - 1) for part, count in zip(parts, counts, strict=True))
-    return sum(parts) ** 2 / squares if squares > 0.0 else float(sum(counts) - len(counts))
-
-
-def difference_interval(
-    baseline: Sequence[float] | Float,
-    proposed: Sequence[float] | Float,
-    variances: tuple[float, float],
-    confidence: float = CONFIDENCE,
-    bounds: Bounds = UNBOUNDED,
-) -> Interval:
-    """Welch's interval for the difference of the means, proposed - baseline, of two groups that are not paired.
-
-    It is cut to what the difference can be, as that of `mean_interval`.
-
-    Args:
-        baseline: One value per training, at least two, independent of one another.
-        proposed: The same; there may be more or fewer of them.
-        variances: Of a single value under the baseline and under the proposed reward, each from its own group: see
-            `variance_of` and, for a share, `share_variance`.
-        confidence: How often the interval holds the difference.
-        bounds: What a single value can be. Where one lies outside, they are wrong, and nothing is cut.
-    """
-    counts = len(baseline), len(proposed)
-    error = math.sqrt(sum(variance / count for variance, count in zip(variances, counts, strict=True)))
-    reach = quantile(confidence, welch_freedom(variances, counts)) * error
-    middle = float(np.mean(proposed)) - float(np.mean(baseline))
-    if not (are_within(baseline, bounds) and are_within(proposed, bounds)):
-        return middle - reach, middle + reach
-    low, high = of_difference(bounds)
-    return max(middle - reach, min(low, middle)), min(middle + reach, max(high, middle))
+def cut_to(interval: Interval, can_be: Bounds) -> Interval:
+    """An interval cut to what a number can be: what is cut away could not hold it."""
+    (low, high), (least, most) = interval, can_be
+    middle = (low + high) / 2.0
+    return max(low, min(least, middle)), min(high, max(most, middle))
 
 
 def are_within(values: Sequence[float] | Float, bounds: Bounds) -> bool:
     """Whether no value lies outside of the bounds, by more than rounding."""
     return bounds[0] - ROUNDING <= float(np.min(values)) and float(np.max(values)) <= bounds[1] + ROUNDING
-
-
-def variance_of(values: Sequence[float] | Float) -> float:
-    """The variance of a single value, from at least two values."""
-    return float(np.var(values, ddof=1))
 
 
 def spread_range(spread: float, seeds: int) -> Interval:
@@ -137,35 +77,6 @@ def spread_range(spread: float, seeds: int) -> Interval:
     freedom = seeds - 1
     smallest, largest = (spread * math.sqrt(freedom / float(chdtri(freedom, tail))) for tail in (0.1, 0.9))
     return smallest, largest
-
-
-def share_variance(values: Sequence[float] | Float, shares: Sequence[float], episodes: int) -> float:
-    """The variance of a single value, if values are shares of episodes or differences of shares.
-
-    Seeds that all succeed do not tell how often one fails: their own variance is 0 and an interval by it is a point.
-    Two things stand for what they do not show. A share of so many episodes varies by itself, after Agresti and Coull
-    (1998) with four more episodes, half of them successful. And one seed that was not seen lies `UNSEEN` away; it
-    loses its weight as seeds come in.
-
-    Args:
-        values: One per seed, at least two.
-        shares: The mean shares that a value is made of: one, or both that it is the difference of.
-        episodes: The number of episodes that each share is of.
-    """
-    count = len(values)
-    floor = sum(binomial_variance(share, episodes) for share in shares)
-    seen = max(variance_of(values), floor)
-    return max(seen, ((count - 1) * seen + UNSEEN**2) / count)  # it makes no interval narrower
-
-
-UNSEEN = 0.25
-"""By simulation: with less, the interval misses where most seeds never fail and a rare one does."""
-
-
-def binomial_variance(share: float, episodes: int) -> float:
-    """The variance of a share of so many episodes, after Agresti and Coull."""
-    shrunk = (min(1.0, max(0.0, share)) * episodes + 2.0) / (episodes + 4.0)
-    return shrunk * (1.0 - shrunk) / (episodes + 4.0)
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,6 +3,7 @@
 A word of better or worse stands here only where a test says so whose error rate is known; see ``docs/statistics.md``.
 """
 
+import shlex
 from collections.abc import Sequence
 
 from harness.eta.amounts import listed, same_text, seen_text, trainings_text, unseen_text
@@ -21,11 +22,12 @@ from harness.eta.headline import (
     margin_text,
     name_of,
     name_with_article,
+    share_undone,
     size_text,
 )
 from harness.eta.manner import WHOLE
-from harness.eta.needed import Needed, needed_of, needed_text
-from harness.eta.power import fewest_seeds
+from harness.eta.needed import needed_of, needed_text
+from harness.eta.power import FEWEST, Range
 from harness.eta.splits import Names
 from harness.eta.swaps import p_text
 from harness.eta.verdict.ruling import Ruling
@@ -34,7 +36,7 @@ TRAIN_LONGER = "Train longer, or with another algorithm."
 NO_TEST = "No test is made without them."
 UNSEEN_SUCCESS = "also where trainings succeed that were not seen"
 DECIDED = (Answer.HELPS, Answer.HURTS, Answer.LEARNS_FASTER, Answer.LEARNS_SLOWER, Answer.MIXED)
-"""Answers that a test of a difference gave."""
+"""Answers that a bound gave: new trainings would differ too."""
 
 
 def judge(
@@ -66,13 +68,17 @@ def judge(
     answer = answer_of(deciding, ruling, same_steps=same_steps, is_opposed=is_opposed)
     seen, there = seen_text(names, deciding, where), f" {where}" if where else ""
     if answer in DECIDED:
-        lines = [seen, *_decided(names, deciding, ruling, answer, there)]
+        is_mixed = answer is Answer.MIXED
+        told = _sides(names, deciding, ruling, there) if is_mixed else _clear(names, deciding, ruling, there, answer)
+        lines = [seen, told, SURE, clear_text(deciding, ruling)]
         by = key_of(deciding[decider_of(deciding, ruling, answer)])
         return Headline(answer, " ".join(filter(None, lines)), number, by)
-    if answer is Answer.CANNOT_TELL:
+    if answer in (Answer.AHEAD, Answer.BEHIND, Answer.CANNOT_TELL):
         needed = needed_of(deciding, ruling)
-        lines = [seen, *_cannot_tell(names, deciding, ruling, needed, there)]
-        return Headline(answer, " ".join(filter(None, lines)), number, seeds_to_decide=needed and needed.seeds)
+        say = _cannot_tell if answer is Answer.CANNOT_TELL else _ahead
+        lines = [seen, *say(names, deciding, ruling, needed, there)]
+        rests = None if answer is Answer.CANNOT_TELL else key_of(deciding[decider_of(deciding, ruling, answer)])
+        return Headline(answer, " ".join(filter(None, lines)), number, rests, needed)
     if is_same(deciding, ruling, same_steps=same_steps):
         return Headline(answer, _same(names, deciding), number)
     return Headline(answer, _untold(names, deciding, ruling, answer, seen, there), number)
@@ -82,12 +88,10 @@ def answer_of(
     deciding: Sequence[Compared], ruling: Ruling, *, same_steps: bool = False, is_opposed: bool = False
 ) -> Answer:
     """The word for what the test says of at least one measure; see `judge`."""
-    if ruling.instead:
-        return Answer.RACED
     if ruling.missing:
         return Answer.INTERIM
     # A policy that fails at the task is no better robot, so a difference between two such stands beside this word.
-    if _certainly_fail(deciding[0]) or (ruling.is_decided and is_hardly_learned(deciding[0])):
+    if _certainly_fail(deciding[0]) or ((ruling.is_decided or ruling.is_ahead) and is_hardly_learned(deciding[0])):
         return Answer.NEITHER_LEARNS
     if ruling.is_decided:
         return _answer_of_decided(deciding, ruling, is_opposed)
@@ -95,7 +99,11 @@ def answer_of(
     is_small = ruling.small is not None or (
         not ruling.has_plan and all(is_within(change, margin_of(change)) for change in deciding)
     )
-    return Answer.NO_DIFFERENCE if is_small or same_steps else Answer.CANNOT_TELL
+    if is_small or (same_steps and not ruling.is_ahead):
+        return Answer.NO_DIFFERENCE
+    if not ruling.is_ahead or ruling.is_contrary:
+        return Answer.CANNOT_TELL
+    return Answer.AHEAD if ruling.sign > 0 else Answer.BEHIND
 
 
 def is_same(deciding: Sequence[Compared], ruling: Ruling, *, same_steps: bool) -> bool:
@@ -122,11 +130,11 @@ def asks_end(deciding: Sequence[Compared]) -> bool:
 
 
 def decider_of(deciding: Sequence[Compared], ruling: Ruling, answer: Answer) -> int:
-    """Which measure an answer rests on: of those that it is about, the one with the smallest p."""
+    """Which measure an answer rests on: the first that it is about, or the one with the smallest p."""
     passing = [at for at in range(len(deciding)) if ruling.passes(at)]
     if answer in (Answer.HELPS, Answer.HURTS):
         passing = [at for at in passing if not deciding[at].measure.is_while_training] or passing
-    return min(passing, key=ruling.of_measures.__getitem__)
+    return passing[0] if ruling.is_decided else min(passing, key=ruling.of_measures.__getitem__)
 
 
 def is_little(deciding: Sequence[Compared], ruling: Ruling, answer: Answer) -> bool:
@@ -142,27 +150,6 @@ def progress_text(deciding: Sequence[Compared], ruling: Ruling) -> str:
     return f"{sum(deciding[0].counts):,} trainings are compared, {ruling.missing:,} {verb} missing."
 
 
-def crossing_text(deciding: Sequence[Compared], ruling: Ruling) -> str:
-    """Why measures pass whose intervals hold 0; empty where none does."""
-    passing = [it for at, it in enumerate(deciding) if ruling.passes(at)]
-    crossing = [it for it in passing if it.low is not None and it.high is not None and it.low <= 0.0 <= it.high]
-    shares = [name_with_article(it) for it in crossing if is_share(it)]
-    others = [name_with_article(it) for it in crossing if not is_share(it)]
-    lines = (_crossing(shares, "allows for failures that were not seen"), _crossing(others, "assumes a bell curve"))
-    return " ".join(filter(None, lines))
-
-
-def _crossing(names: Sequence[str], why: str) -> str:
-    if not names:
-        return ""
-    subject, it = (
-        (f"The interval of {names[0]} holds", "it")
-        if len(names) == 1
-        else (f"Intervals of {listed(names)} hold", "each")
-    )
-    return f"{subject} 0, as {it} {why}; the permutation test does not."
-
-
 def end_text(ends: Sequence[Compared]) -> str:
     """What is said of the end where success while training alone decided."""
     if not ends:
@@ -173,42 +160,46 @@ def end_text(ends: Sequence[Compared]) -> str:
 
 
 def clear_text(deciding: Sequence[Compared], ruling: Ruling) -> str:
-    """Why an interval that leaves out 0 is no answer; empty where there is none of a measure that did not pass."""
-    ruled = zip(deciding, ruling.of_measures, strict=False)
-    clear = [(it, p) for at, (it, p) in enumerate(ruled) if not ruling.passes(at) and leaves_out_zero(it)]
+    """Why an interval that leaves out 0 gives no plain word; empty where there is none."""
+    clear = [
+        it for at, it in enumerate(deciding) if not (ruling.is_decided and ruling.passes(at)) and leaves_out_zero(it)
+    ]
     if not clear:
         return ""
-    names, p = [name_with_article(it) for it, _ in clear], p_text(min(p for _, p in clear))
-    one = f"The interval of {names[0]} leaves out 0 when it is looked at alone, but"
-    several = f"The intervals of {listed(names)} leave out 0 when each is looked at alone, but"
-    told = one if len(names) == 1 else several
-    if ruling.asked > 1:
-        return f"{told} {ruling.asked} questions were asked together, and allowing for all of them p is {p}."
-    return (
-        f"{told} {'allowing for all measures that decide' if len(deciding) > 1 else 'by a permutation test'} p is {p}."
-    )
+    if ruling.is_held or all(it.measure.has_ends for it in clear):
+        return ""
+    names = listed([name_with_article(it) for it in clear if not it.measure.has_ends])
+    return f"The interval of {names} leaves out 0, and takes for granted that no training ends quite otherwise."
 
 
 def reasons(names: Names, deciding: Sequence[Compared], ruling: Ruling, where: str) -> list[str]:
     """Why nothing can be told, a sentence each, where that needs saying; over several places few trainings are many."""
-    fewest = fewest_seeds(ruling.level)
-    if max(deciding[0].counts) < fewest and not where and not ruling.has_plan:
-        return [f"Fewer than {fewest} of each reward cannot show anything."]
+    if max(deciding[0].counts) < FEWEST and not where and not ruling.has_plan:
+        return [f"Fewer than {FEWEST} of each reward cannot show anything."]
     looks_alike = all(abs(difference_of(it)) < margin_of(it) for it in deciding if is_share(it))
     lines = [_why_open(deciding, ruling), unseen_text(names, deciding) if looks_alike else ""]
     return [line for line in lines if line]
 
 
 def _why_open(deciding: Sequence[Compared], ruling: Ruling) -> str:
-    """Why the test tells nothing, though a number beside it may seem to; else empty."""
+    """Why nothing is told, though a number beside it may seem to; else empty."""
     if ruling.is_held:
-        return f"A single place is told only where the answer over all is, and there p is {p_text(ruling.corrected)}."
-    if ruling.is_floored:
-        return (
-            "p was raised: all trainings of one reward succeed nearly always or never, and so few do not tell how "
-            "often."
-        )
-    return clear_text(deciding, ruling)
+        return "A single place is told only where the answer over all is."
+    if ruling.is_ahead:
+        return "By one measure it is ahead so far, by another it is behind."
+    return clear_text(deciding, ruling) or ends_text(deciding)
+
+
+def ends_text(deciding: Sequence[Compared]) -> str:
+    """What to type where the ends of a measure are not known, so that nothing plain can be said of it; else empty."""
+    without = [it for it in deciding if not it.measure.has_ends]
+    if not without or len(without) < len(deciding):
+        return ""
+    flags = " ".join(f"--ends {shlex.quote(it.name)}=LEAST,GREATEST" for it in without)
+    return (
+        f"How low and how high {listed([name_of(it) for it in without])} can go is not known, so one training more "
+        f"could undo any difference. {flags} says it."
+    )
 
 
 def reserve_text(names: Names, deciding: Sequence[Compared], ruling: Ruling) -> str:
@@ -221,44 +212,34 @@ def allowance_text(deciding: Sequence[Compared]) -> str:
     return ", also where trainings fail that were not seen" if any(map(is_share, deciding)) else ""
 
 
-def _decided(
-    names: Names, deciding: Sequence[Compared], ruling: Ruling, answer: Answer, there: str
-) -> tuple[str, str, str]:
-    """The word, what it rests on, and why an interval seems to say something else."""
-    told = (
-        _sides(names, deciding, ruling, there)
-        if answer is Answer.MIXED
-        else _clear(names, deciding, ruling, answer, there)
-    )
-    return told, crossing_text(deciding, ruling), clear_text(deciding, ruling)
+SURE = "One training more of either reward, that ends as badly or as well as it can, would not undo that (95%)."
+"""What a plain word rests on."""
 
 
-def _clear(names: Names, deciding: Sequence[Compared], ruling: Ruling, answer: Answer, there: str) -> str:
-    """The word where all measures that pass go one way."""
+def _clear(names: Names, deciding: Sequence[Compared], ruling: Ruling, there: str, answer: Answer) -> str:
+    """The plain word where all measures that pass go one way."""
     at = decider_of(deciding, ruling, answer)
     by = f", decided by {name_with_article(deciding[at])}" if len(deciding) > 1 else ""
     little, less = "", ""
     if is_little(deciding, ruling, answer):
         little, less = " by little", f": what was seen is less than {margin_text(deciding[at])}"
-    told = f"{names.proposed} {answer.value}{little}{there}{by}, corrected p {p_text(ruling.of_measures[at])}{less}"
+    told = f"{names.proposed} {answer.value}{little}{there}{by}{less}"
     if answer in (Answer.LEARNS_FASTER, Answer.LEARNS_SLOWER):
         ends = [it for it in deciding if not it.measure.is_while_training]
         return f"{told}; {end_text(ends)}."
     speed = [
-        p
-        for other, p in enumerate(ruling.of_measures)
-        if other != at and deciding[other].measure.is_while_training and ruling.passes(other)
+        it for other, it in enumerate(deciding) if other != at and it.measure.is_while_training and ruling.passes(other)
     ]
     word = "faster" if ruling.sign > 0 else "more slowly"
-    return f"{told}{f'; it also learns {word}, corrected p {p_text(speed[0])}' if speed else ''}."
+    return f"{told}{f'; it also learns {word}' if speed else ''}."
 
 
 def _sides(names: Names, deciding: Sequence[Compared], ruling: Ruling, there: str) -> str:
-    """What is better and what is worse, each with its p."""
+    """What is better and what is worse."""
     sides = []
     for sign, word in ((1, "better"), (-1, "worse")):
         of_side = [at for at in range(len(deciding)) if ruling.passes(at) and ruling.signs[at] == sign]
-        told = [f"{name_with_article(deciding[at])} (corrected p {p_text(ruling.of_measures[at])})" for at in of_side]
+        told = [name_with_article(deciding[at]) for at in of_side]
         sides += [f"{word} in {listed(told)}"] if told else []
     average = f" on average{there}" if there else ""
     return f"{names.proposed} is {' and '.join(sides)}{average}."
@@ -270,8 +251,6 @@ def _certainly_fail(change: Compared) -> bool:
 
 def _untold(names: Names, deciding: Sequence[Compared], ruling: Ruling, answer: Answer, seen: str, there: str) -> str:
     """The answers that no difference was tested for, or none was found."""
-    if answer is Answer.RACED:
-        return f"{seen} {ruling.instead}"
     if answer is Answer.INTERIM:
         return f"Interim: {progress_text(deciding, ruling)} {seen} {NO_TEST}"
     if answer is Answer.NEITHER_LEARNS:
@@ -286,7 +265,7 @@ def _neither_learns(names: Names, deciding: Sequence[Compared], ruling: Ruling, 
     told = f"Neither reward teaches the task{there}: success is {below_text(deciding[0])}{sure}."
     if not ruling.is_decided:
         return f"{told} So there is no behaviour to compare."
-    return f"{told} A test tells the two apart all the same: {_sides(names, deciding, ruling, there)}"
+    return f"{told} The two differ all the same: {_sides(names, deciding, ruling, there)}"
 
 
 def below_text(success: Compared) -> str:
@@ -313,19 +292,43 @@ def _small(names: Names, deciding: Sequence[Compared], margin: float, there: str
 def _no_difference(names: Names, deciding: Sequence[Compared], there: str) -> str:
     return (
         f"{names.proposed} makes no difference that counts{there}: less than "
-        f"{listed([margin_text(change) for change in deciding])}{allowance_text(deciding)} (two one-sided tests for "
-        "each, at 5%)."
+        f"{listed([margin_text(change) for change in deciding])}{allowance_text(deciding)} (each side 95%)."
+    )
+
+
+def _ahead(names: Names, deciding: Sequence[Compared], ruling: Ruling, needed: Range | None, there: str) -> list[str]:
+    """The sentences that only these trainings differ, what would undo that, and what would tell."""
+    change = deciding[decider_of(deciding, ruling, Answer.AHEAD)]
+    place, who = ("ahead", names.proposed) if ruling.sign > 0 else ("behind", names.baseline)
+    by = f" by {name_with_article(change)}" if len(deciding) > 1 else ""
+    p = p_text(ruling.of_measures[decider_of(deciding, ruling, Answer.AHEAD)])
+    lines = [f"{names.proposed} is {place} in these trainings{there}{by}, corrected p {p}."]
+    if ruling.offered:
+        lines.append(
+            f"It was named after they were done, so all {ruling.offered + 1} measures there are are allowed for."
+        )
+    return [*lines, undone_text(change, who), clear_text(deciding, ruling), needed_text(needed, there)]
+
+
+def undone_text(change: Compared, who: str) -> str:
+    """What would make both rewards equal that trainings so few do not rule out."""
+    share = share_undone(change)
+    if share is None:
+        return ends_text([change])
+    few = f"if 1 in {1.0 / share:.0f} of {who}'s" if share <= 0.5 else f"if {share:.0%} of {who}'s"
+    return (
+        f"That is no reason yet to expect it of the next ones: {few} ended as badly as they can, both would be equal, "
+        "and these trainings do not rule that out."
     )
 
 
 def _cannot_tell(
-    names: Names, deciding: Sequence[Compared], ruling: Ruling, needed: Needed | None, there: str
+    names: Names, deciding: Sequence[Compared], ruling: Ruling, needed: Range | None, there: str
 ) -> list[str]:
     """The sentences that it is not known, why, and what would help."""
-    p = "" if ruling.corrected is None else f": corrected p {p_text(ruling.corrected)}"
-    trainings = trainings_text(names, deciding[0].counts)
     return [
-        f"Whether {names.proposed} helps or hurts{there} cannot be told from {trainings}{p}.",
+        f"Whether {names.proposed} helps or hurts{there} cannot be told from "
+        f"{trainings_text(names, deciding[0].counts)}.",
         *reasons(names, deciding, ruling, there),
         TRAIN_LONGER if is_hardly_learned(deciding[0]) else needed_text(needed, there),
     ]

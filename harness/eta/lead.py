@@ -28,7 +28,6 @@ from harness.eta.judgement import (
     end_text,
     is_little,
     is_same,
-    leaves_out_zero,
     progress_text,
 )
 from harness.eta.verdict.ruling import Ruling
@@ -61,7 +60,7 @@ def lead_of(
         return _neither_learns(deciding, ruling, where)
     if found.answer is Answer.MIXED:
         return _sides(deciding, ruling, where)
-    if ruling.is_decided:
+    if ruling.is_decided or found.answer in (Answer.AHEAD, Answer.BEHIND):
         return _decided(found.answer, deciding, ruling, subject, where)
     if found.answer is Answer.NO_DIFFERENCE:
         return _no_difference(deciding, ruling, subject, where, same_steps)
@@ -70,8 +69,6 @@ def lead_of(
 
 def _untold(answer: Answer, deciding: Sequence[Compared], ruling: Ruling, where: str) -> str:
     """Why the rewards are not compared, or not told apart."""
-    if answer is Answer.RACED:
-        return "The race decides; this comparison by itself is no test."
     if answer is Answer.INTERIM:
         return f"{progress_text(deciding, ruling)} {NO_TEST}"
     return TRAIN_LONGER if is_hardly_learned(deciding[0]) else _not_enough(deciding, where)
@@ -83,16 +80,13 @@ def _decided(answer: Answer, deciding: Sequence[Compared], ruling: Ruling, subje
     lines = [f"{_does(deciding[first], subject, ruling.sign)}{_there(where)}."]
     others = [(at, it) for at, it in enumerate(deciding) if at != first]
     lines += [f"{_does(it, subject, ruling.sign, 'also ')}." for at, it in others if ruling.passes(at)]
+    if not ruling.is_decided:
+        return f"In these trainings: {lines[0][0].lower()}{' '.join(lines)[1:]} New ones may not differ."
     if is_little(deciding, ruling, answer):
         lines.append(f"That is little: less than {margin_text(deciding[first])}.")
     ends = [it for at, it in others if not ruling.passes(at) and not it.measure.is_while_training]
-    open_ones = [
-        name_with_article(it) for it in ends if leaves_out_zero(it)
-    ]  # to have found nothing would sound odd there
     if answer in (Answer.LEARNS_FASTER, Answer.LEARNS_SLOWER):
         lines.append(f"{end_text(ends).capitalize()}.")
-    elif open_ones:
-        lines.append(f"Whether {listed(open_ones)} {'differs' if len(open_ones) == 1 else 'differ'} cannot be told.")
     elif ends:
         lines.append(f"No difference in {listed([name_with_article(it) for it in ends])} was found.")
     return " ".join(lines)
@@ -102,7 +96,7 @@ def _neither_learns(deciding: Sequence[Compared], ruling: Ruling, where: str) ->
     """The lead that says: both fail at the task; then what differs all the same."""
     lines = [f"Success is {below_text(deciding[0])}{_there(where)}."]
     if ruling.is_decided:
-        lines.append(f"A test tells the rewards apart all the same. {_sides(deciding, ruling, where)}")
+        lines.append(f"The two differ all the same. {_sides(deciding, ruling, where)}")
     return " ".join([*lines, TRAIN_LONGER])
 
 

@@ -1,7 +1,7 @@
 """Rewards in several places: do they keep their order, and would one have chosen another?
 
 All of it rests on one set of intervals, those of the difference of any two rewards in any place. They are so wide that
-all of them together hold the true differences in 95 % of the experiments (Student's t over seeds, Bonferroni). Where
+all of them together hold the true differences in 95 % of the experiments (`harness.eta.unseen`, Bonferroni). Where
 such an interval lies on one side of 0, the order of the two rewards is told. What is not told may be either way: an
 interval of Kendall's tau spans all orders that are left, and a choice is called wrong only where every order that is
 left says so. ``docs/statistics.md`` shows by simulation why rank correlations are not resampled.
@@ -18,16 +18,8 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float
 from harness.eta.headline import SUCCESS_MARGIN
-from harness.eta.interval import (
-    CONFIDENCE,
-    SHARE,
-    UNBOUNDED,
-    mean_interval,
-    of_difference,
-    share_variance,
-    variance_of,
-    why_no_interval,
-)
+from harness.eta.interval import CONFIDENCE, SHARE, UNBOUNDED, cut_to, of_difference, why_no_interval
+from harness.eta.unseen import mean_bounds
 from harness.files.plain import Plain
 
 REWARDS, PLACES = 2, 2
@@ -160,9 +152,7 @@ def _order(runs: Runs, episodes: int | None, confidence: float) -> Order:
     if not why_no_interval(seeds):
         for one, other in zip(*np.triu_indices(count, 1), strict=True):
             differences = values[one] - values[other]
-            both = [float(means[one]), float(means[other])]
-            variance = variance_of(differences) if episodes is None else share_variance(differences, both, episodes)
-            low[one, other], high[one, other] = mean_interval(differences, variance, confidence, bounds)
+            low[one, other], high[one, other] = cut_to(mean_bounds([differences], [bounds], confidence), bounds)
             low[other, one], high[other, one] = -high[one, other], -low[one, other]
     return Order(tuple(runs), means, low, high, seeds)
 

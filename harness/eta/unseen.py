@@ -3,7 +3,7 @@
 Ten trainings that all end at 1.00 have no spread, and yet one in five may fail. A sentence that says that something is
 small, or surely larger, has to allow for that. So there is one training more than were seen. It lies where it speaks
 most against the sentence: in the reward and the place where it weighs most, at the end of what the measure can be.
-Student's bound is taken over all of them.
+Student's bound is taken over all of them. A training that was begun and left no value lies there too.
 
 With shares of 0 and 1 this is close to Clopper and Pearson's bound (1934), which is exact: of 10 trainings none fails,
 then at most .26 of all do (exactly: .26); one of 10: .40 (.39); none of 20: .13 (.14); none of 32: .08 (.09).
@@ -35,6 +35,8 @@ class _Means(NamedTuple):
 
 
 NO_TRAININGS = _Means(np.zeros(1), np.zeros(1), np.zeros(1))
+NONE_LOST = (0,)
+"""No training was begun that left no value."""
 
 
 def difference_bounds(
@@ -42,7 +44,7 @@ def difference_bounds(
     proposed: Sequence[Float],
     ends: Sequence[Bounds],
     confidence: float = ONE_SIDED,
-    seen_confidence: float | None = None,
+    lost: tuple[Sequence[int], Sequence[int]] = (NONE_LOST, NONE_LOST),
 ) -> Interval:
     """The least and the most that proposed - baseline can be, means over places; each is a bound by itself.
 
@@ -54,26 +56,30 @@ def difference_bounds(
         proposed: The same; there may be more or fewer of them.
         ends: What a value can be, by place. Nothing is added at an end that is infinite.
         confidence: That both bounds hold; either one fails in half of the rest.
-        seen_confidence: The same of Student's bounds from what was seen alone, which hold beside; where the same
-            question is asked again and again they have to be stricter. By default `confidence`.
+        lost: How many trainings of either reward were begun in each place and left no value; one number for all.
     """
-    (low_ends, high_ends), confidences = zip(*ends, strict=True), (confidence, seen_confidence or confidence)
-    least = _most(_means(baseline, high_ends), _means(proposed, low_ends), *confidences)
-    return -least, _most(_means(proposed, high_ends), _means(baseline, low_ends), *confidences)
+    low_ends, high_ends = zip(*ends, strict=True)
+    ours, theirs = lost
+    least = _most(_means(baseline, high_ends, ours), _means(proposed, low_ends, theirs), confidence)
+    return -least, _most(_means(proposed, high_ends, theirs), _means(baseline, low_ends, ours), confidence)
 
 
-def mean_bounds(values: Sequence[Float], ends: Sequence[Bounds]) -> Interval:
+def mean_bounds(
+    values: Sequence[Float], ends: Sequence[Bounds], confidence: float = ONE_SIDED, lost: Sequence[int] = NONE_LOST
+) -> Interval:
     """The least and the most that the mean over places of one reward can be; see `difference_bounds`."""
     low_ends, high_ends = zip(*ends, strict=True)
-    least = _most(NO_TRAININGS, _means(values, low_ends), ONE_SIDED, ONE_SIDED)
-    return -least, _most(_means(values, high_ends), NO_TRAININGS, ONE_SIDED, ONE_SIDED)
+    least = _most(NO_TRAININGS, _means(values, low_ends, lost), confidence)
+    return -least, _most(_means(values, high_ends, lost), NO_TRAININGS, confidence)
 
 
-def _means(values: Sequence[Float], ends: Sequence[float]) -> _Means:
+def _means(values: Sequence[Float], ends: Sequence[float], lost: Sequence[int] = NONE_LOST) -> _Means:
     """See `_Means`."""
-    seen = np.array([_moments(there) for there in values])
+    counts = np.broadcast_to(lost, len(values))
+    begun = [np.append(there, np.full(count, end)) for there, end, count in zip(values, ends, counts, strict=True)]
+    seen = np.array([_moments(there) for there in begun])
     rows = [seen]
-    for place, (there, end) in enumerate(zip(values, ends, strict=True)):
+    for place, (there, end) in enumerate(zip(begun, ends, strict=True)):
         if np.isfinite(end):
             rows.append(seen.copy())
             rows[-1][place] = _moments(np.append(there, end))
@@ -87,7 +93,7 @@ def _moments(values: Float) -> tuple[float, float, int]:
     return float(values.mean()), float(values.var(ddof=1)) / len(values), len(values) - 1
 
 
-def _most(one: _Means, other: _Means, confidence: float, seen_confidence: float) -> float:
+def _most(one: _Means, other: _Means, confidence: float) -> float:
     """The most that one mean less another one can be, wherever the training is that was not seen."""
     from scipy.special import stdtrit  # here, as in `harness.eta.interval`
 
@@ -95,9 +101,7 @@ def _most(one: _Means, other: _Means, confidence: float, seen_confidence: float)
     (ones, others), (own, their), (own_squares, their_squares) = either
     variance, squares = own + their, own_squares + their_squares
     freedom = np.divide(variance**2, squares, out=np.ones_like(squares), where=squares > 0.0)
-    confidences = np.full(len(variance), confidence)
-    confidences[0] = seen_confidence
-    return float((ones - others + stdtrit(freedom, 0.5 + confidences / 2.0) * np.sqrt(variance)).max())
+    return float((ones - others + stdtrit(freedom, 0.5 + confidence / 2.0) * np.sqrt(variance)).max())
 
 
 def _joined(one: Float, other: Float) -> tuple[Float, Float]:

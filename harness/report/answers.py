@@ -22,14 +22,15 @@ LOOKS = {
     Answer.MIXED: Look("±", "bold magenta"),
     Answer.NO_DIFFERENCE: Look("="),
     Answer.NEITHER_LEARNS: Look("0"),
+    Answer.AHEAD: Look("△", "cyan"),
+    Answer.BEHIND: Look("▽", "cyan"),
     Answer.CANNOT_TELL: Look("?"),
     Answer.INTERIM: Look("…"),
-    Answer.RACED: Look(">"),
 }
 STYLES = {answer.value.upper(): look.style for answer, look in LOOKS.items() if look.style}
 """Styles by word. The words say everything without a colour too."""
-LEGEND = ", ".join(f"{look.symbol} {answer.value}" for answer, look in LOOKS.items() if answer is not Answer.RACED)
-"""What the symbols mean, but that of a race, in which all are the same."""
+LEGEND = ", ".join(f"{look.symbol} {answer.value}" for answer, look in LOOKS.items())
+"""What the symbols mean."""
 
 
 def word_of(answer: Answer) -> str:

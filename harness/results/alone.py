@@ -89,9 +89,7 @@ def stages_of(measure: Quantity, trainings: Sequence[Ends], random: Part | None,
         return part and (part.returns.get(reward) if reward else part.behaviour.get(measure.name))
 
     def mean(*stage: Part | None) -> SeedMean:
-        episodes = min(it.episodes if it else 0 for it in stage)
-        is_share = measure.episodes is not None and episodes > 0
-        return mean_of_known(list(map(value, stage)), "have none", episodes if is_share else None, measure.bounds)
+        return mean_of_known(list(map(value, stage)), "have none", measure.ends)
 
     start, end, evaluation = (mean(*stage) for stage in zip(*trainings, strict=True))
     return Stages(measure, start, end, evaluation, value(random))

@@ -8,7 +8,7 @@ from itertools import zip_longest
 from typing import Any, Literal, NamedTuple
 
 from harness.arrays import Float
-from harness.eta.behaviour_change import NO_WORD, Change
+from harness.eta.behaviour_change import NO_WORD, Change, with_intervals
 from harness.eta.curve import GroupCurve
 from harness.eta.headline import DECIDING, SUCCESS, UNMEASURED, Answer, Headline
 from harness.eta.index import Ratio
@@ -366,9 +366,16 @@ class Comparison:
             ruling: What it says of them.
             pool: The answer over all places.
         """
-        ruled = dict(zip_longest(map(id, asked), ruling.of_measures))
+        ruled = {id(it): both for it, *both in zip_longest(asked, ruling.of_measures, ruling.beyond)}
         changes = tuple(
-            replace(it, p=ruling.p, corrected=ruled[id(it)], level=ruling.level) if id(it) in ruled else it
+            replace(
+                with_intervals(it, ruling.confidence),
+                p=ruling.p,
+                corrected=ruled[id(it)][0],
+                is_plain=bool(ruled[id(it)][1]),
+            )
+            if id(it) in ruled
+            else it
             for it in self.measured.changes
         )
         along = self.measured.along
@@ -382,14 +389,14 @@ class Comparison:
     def decisive_changes(self) -> tuple[Change, ...]:
         """The measures that decide: those of the manner that decides, then success while training.
 
-        A measure without a value in some training does not decide. It would compare the trainings that have one: who
-        succeeds more often where success is hard would be told to be slow.
+        A measure without a value in some training does not decide, unless it is known how bad a value can be. It would
+        compare the trainings that have one: who succeeds more often where success is hard would be told to be slow.
         """
         acted, names, asked = self.measured.changes_of(self.answered_in), self.measured.deciding, self.answer.asked
-        known = [change for change in acted if change.is_complete and change.measure.better]
+        known = [change for change in acted if change.can_decide]
         found = [change for name in names for change in known if change.name == name]
         speed = self.measured.speed
-        if found and speed is not None and speed.is_complete and all(it is not speed for it in found):
+        if found and speed is not None and speed.can_decide and all(it is not speed for it in found):
             found.append(speed)
         return tuple(it for it in found if asked is None or _name_and_manner(it) in asked)
 

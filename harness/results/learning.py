@@ -101,9 +101,9 @@ class Learning:
 
 
 def learning_points(
-    runs: Sequence[LearningRun], metric: str, group: Group, is_share: bool = False, bounds: Bounds = UNBOUNDED
+    runs: Sequence[LearningRun], metric: str, group: Group, bounds: Bounds = UNBOUNDED
 ) -> tuple[Point, ...]:
-    """The mean of one metric, which may be a share of episodes or have bounds, over seeds at each evaluation.
+    """The mean of one metric, which may have bounds, over seeds at each evaluation.
 
     Evaluations that were due at the same step form one point.
     """
@@ -111,12 +111,10 @@ def learning_points(
     for run in runs:
         for due, moment in moments_by_due(run.moments, group.evaluate_every, group.steps):
             found.setdefault(due, []).append(moment)
-    episodes = group.evaluation_episodes if is_share else None
     return tuple(
         mean_point(
             round(sum(it.steps for it in moments) / len(moments)),
             [*(it.values[metric] for it in moments), *[None] * (len(runs) - len(moments))],
-            episodes,
             bounds,
         )
         for _, moments in sorted(found.items())
@@ -130,15 +128,12 @@ def stretches(steps: int) -> Iterator[tuple[int, int]]:
     return zip([0, *ends], ends, strict=False)
 
 
-def mean_point(
-    end: int, values: Sequence[float | None], episodes: int | None = None, bounds: Bounds = UNBOUNDED
-) -> Point:
+def mean_point(end: int, values: Sequence[float | None], bounds: Bounds = UNBOUNDED) -> Point:
     """The mean over seeds in a stretch.
 
     Args:
         end: Where the stretch ends, or when the policies were evaluated.
         values: The value of each seed; None where it has none.
-        episodes: How many episodes it is a share of, if it is one.
         bounds: What a value can be.
     """
-    return Point(end, mean_of_known(values, "seeds have no value here", episodes, bounds))
+    return Point(end, mean_of_known(values, "seeds have no value here", bounds))

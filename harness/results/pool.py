@@ -81,7 +81,9 @@ class Pool:
             told = f"Interim: {ruling.missing:,} trainings are missing {self.where}."
             return Headline(Answer.INTERIM, told, "")
         if not ruling.is_decided:
-            return Headline(Answer.CANNOT_TELL, f"Cannot tell {self.where}: each place measures something else.", "")
+            answer = (Answer.AHEAD if ruling.sign > 0 else Answer.BEHIND) if ruling.is_ahead else Answer.CANNOT_TELL
+            told = f"{answer.value.capitalize()} {self.where}: each place measures something else."
+            return Headline(answer, told, "")
         if self.opposed_in:
             return Headline(Answer.MIXED, self.where_at_least, "")
         answer = Answer.HELPS if ruling.sign > 0 else Answer.HURTS

@@ -9,9 +9,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from harness.errors import Unscored
-from harness.eta.interval import difference_interval, variance_of, why_no_interval
+from harness.eta.interval import CONFIDENCE, UNBOUNDED, why_no_interval
 from harness.eta.seed_mean import SeedMean, mean_of_known
+from harness.eta.unseen import difference_bounds
 from harness.results.by_term import ByTerm
 from harness.results.comparison import Group
 from harness.results.trainings import TermsOfTraining, Trainings
@@ -185,7 +188,8 @@ def _difference(less: Sequence[float | None], from_: Sequence[float | None]) -> 
     mean, seeds = sum(other) / len(other) - sum(one) / len(one), min(len(one), len(other))
     if notes := why_no_interval(seeds):
         return SeedMean(mean, seeds=seeds, notes=notes)
-    return SeedMean(mean, *difference_interval(one, other, (variance_of(one), variance_of(other))), seeds)
+    low, high = difference_bounds([np.array(one)], [np.array(other)], [UNBOUNDED], CONFIDENCE)
+    return SeedMean(mean, low, high, seeds)
 
 
 def terms_of(trainings: Trainings) -> Iterator[TermsPaid]:

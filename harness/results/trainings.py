@@ -340,9 +340,7 @@ class Trainings:
     def _evaluated(self, reward: str, members: Sequence[Trained]) -> LearningCurve:
         runs = tuple(LearningRun(it.seed, tuple(it.moments)) for it in members)
         measures = [self.quantity(name, "", 1) for name in self.names]
-        points = {
-            it.name: learning_points(runs, it.name, self.group, it.episodes is not None, it.bounds) for it in measures
-        }
+        points = {it.name: learning_points(runs, it.name, self.group, it.ends) for it in measures}
         return LearningCurve(reward, runs, points)
 
     def learned(self, reward: str, members: Sequence[Trained]) -> LearningCurve:
@@ -356,15 +354,7 @@ class Trainings:
         ]
         measures = [self.quantity(name, WHOLE, 1) for name in self.names] if self.read else [LEARNED]
         points = {
-            it.name: tuple(
-                mean_point(
-                    end,
-                    [part.behaviour.get(it.name) for part in of],
-                    (it.episodes is not None and min(part.episodes for part in of)) or None,
-                    it.bounds,
-                )
-                for end, of in parts
-            )
+            it.name: tuple(mean_point(end, [part.behaviour.get(it.name) for part in of], it.ends) for end, of in parts)
             for it in measures
         }
         for payer in self.read.rewards if self.read else (reward,):

@@ -5,7 +5,7 @@ places where both trained. Whatever else the comparisons say are hints, correcte
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import takewhile
 
@@ -23,7 +23,6 @@ from harness.record.terms import FIRST, Terms
 from harness.results.comparison import Comparison, Group, correct
 from harness.results.pool import Pool
 
-RACED = "The race decides, and ends a reward's trainings when it leaves; this comparison by itself is no test."
 LookOf = Callable[[Comparison], tuple[Mapping[int, int], int]]
 """Tells of a comparison the look at which each seed was trained, and how many looks are complete."""
 
@@ -48,12 +47,12 @@ class Asked:
             ],
         )
 
-    def together(self) -> tuple[Together, ...]:
-        """The measures, means over places; none where places have other ones."""
+    def together(self, confidence: float) -> tuple[Together, ...]:
+        """The measures, means over places, with intervals of this confidence; none where places have other ones."""
         of_measures = list(zip(*self.changes, strict=True))
         if any(len({it.name for it in of_places}) > 1 for of_places in of_measures):
             return ()
-        return tuple(Together.of(of_places) for of_places in of_measures)
+        return tuple(Together.of(of_places, confidence) for of_places in of_measures)
 
 
 def with_verdicts(
@@ -81,14 +80,12 @@ def _ruled(family: Sequence[Comparison], terms: Terms, look_of: LookOf | None, t
     """Each comparison with its own ruling and, where there are several places, with the answer over all of them."""
     asked = _asked(family)
     unasked = Ruling(asked=len(asked), missing=to_come)
-    if terms.race:
-        rulings = [Ruling(asked=len(asked), instead=RACED)] * len(asked)
-    elif terms.looks and look_of is not None:
+    if terms.looks and look_of is not None:
         rulings = [_in_looks(it, terms, look_of) for it in asked]
     elif to_come:
         rulings = [unasked] * len(asked)
     else:
-        rulings = rule([it.question for it in asked])
+        rulings = rule([it.question for it in asked], 1 + len(terms.grown))
     found = dict[int, tuple[Sequence[Change], Ruling, Pool | None]]()
     for it, whole in zip(asked, rulings, strict=True):
         pool, of_places = _pooled(it, whole) if len(it.members) > 1 else (None, [whole])
@@ -103,20 +100,20 @@ def _in_looks(asked: Asked, terms: Terms, look_of: LookOf) -> Ruling:
     complete = min(count for _, count in told)
     looks = Looks(terms.looks, terms.asked, terms.margin)
     at = [[of_seed.get(seed, len(terms.looks)) for of_seed, _ in told] for seed in seeds_of(asked.changes)]
-    return rule_in_looks(replace(asked.question, looks=np.array(at)), looks, complete)
+    return rule_in_looks(asked.question, np.array(at), looks, complete)
 
 
 def _pooled(asked: Asked, whole: Ruling) -> tuple[Pool, Sequence[Ruling]]:
     """The answer over all places of a question, and what the test says of each."""
     question, first = asked.question, asked.members[0]
-    is_tested = whole.p is not None
+    is_tested = bool(whole.signs)
     of_places = rule_places(question, whole) if is_tested else [whole] * len(asked.members)
     pool = Pool(
         first.names,
         first.group.steps,
         tuple(" · ".join(member.group.labels.values()) for member in asked.members),
         whole,
-        asked.together(),
+        asked.together(whole.confidence),
         better_in(question, whole) if is_tested else 0,
         opposed_in(whole, of_places),
         first.group.subject,

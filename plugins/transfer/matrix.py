@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple, TypeAlias
 
-from harness.authoring.commands import SUCCESS, mean_lost_share, mean_return
-from harness.eta import SeedMean, mean_over_seeds
+from harness.authoring.commands import SUCCESS, mean_return
+from harness.eta import SHARE, SeedMean, mean_over_seeds
 from harness.record import EVALUATION, Cell, read_trace
 from harness.registry import Choice
 from harness.results import Group, Results
@@ -153,7 +153,6 @@ class _Table:
         self._seeds: dict[Choice, list[int]] = {}
         self._known: dict[Pair, dict[int, Evaluation]] = {}
         self._failed: dict[Pair, int] = {}
-        self._episodes = next(iter(records)).evaluation_episodes
         for cell, found in sorted(records.items(), key=lambda item: item[0].seed):
             home = cell.simulator
             self._seeds.setdefault(home, []).append(cell.seed)
@@ -167,7 +166,7 @@ class _Table:
 
     def success(self, home: Choice, place: Choice) -> SeedMean:
         values = [it.success for it in self._evaluations(home, place).values() if it.success is not None]
-        return mean_over_seeds(values, self._missing(home, place, len(values)), self._episodes)
+        return mean_over_seeds(values, self._missing(home, place, len(values)), SHARE)
 
     def paid(self, home: Choice, place: Choice) -> SeedMean:
         values = [it.paid for it in self._evaluations(home, place).values() if it.paid is not None]
@@ -177,12 +176,12 @@ class _Table:
         if home == place:
             return SeedMean(None, notes=("evaluated where it was trained",))
         trained = self._known[home, home]
-        pairs = [
-            (there, here.success)
+        lost = [
+            there - here.success
             for seed, here in self._evaluations(home, place).items()
             if (there := trained[seed].success) is not None and here.success is not None
         ]
-        return mean_lost_share(pairs, self._missing(home, place, len(pairs)), self._episodes)
+        return mean_over_seeds(lost, self._missing(home, place, len(lost)), (-1.0, 1.0))
 
     def _evaluations(self, home: Choice, place: Choice) -> Mapping[int, Evaluation]:
         """By seed, those that were evaluated."""

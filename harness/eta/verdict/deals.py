@@ -23,19 +23,17 @@ Strata: TypeAlias = tuple[tuple[int, int, int], ...]
 proposed reward are in it. Where one of them has none there is one way."""
 
 
-def deals_of(strata: Strata, is_drawn: bool = False) -> Float:
+def deals_of(strata: Strata) -> Float:
     """Ways to deal the labels, the same for equal strata in every comparison and in every report.
 
     Args:
         strata: The labels of a stratum stay in it.
-        is_drawn: Whether ways are drawn even where all could be tried. Ways that are drawn stay the same for a stratum
-            when others come behind it.
 
     Returns:
         (ways, trainings): 1 where a training carries the proposed reward's name, 0 where the baseline's. The first way
         is as they were trained. The columns are, for each stratum, its baselines and then its proposed ones.
     """
-    return _deals(strata, is_drawn or count_deals(strata) > MOST_DEALS)
+    return _deals(strata, count_deals(strata) > MOST_DEALS)
 
 
 def as_trained(strata: Strata) -> Float:

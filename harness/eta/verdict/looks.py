@@ -1,9 +1,9 @@
-"""A question that is asked several times, while seeds come in: a group-sequential permutation test.
+"""A question that is asked several times, while seeds come in.
 
 Whoever looks at the results after some seeds and trains more of them if the answer is not there yet gives luck several
-chances. Here each look may spend a part of the 5 %, in proportion to the seeds used (Lan and DeMets 1983). Labels are
-dealt among the trainings of one look. A deal whose statistic passes the boundary of a look counts as a false claim from
-then on. The boundary of a look is the smallest one that keeps to what is left.
+chances. The bound that a plain word rests on allows for a training that was not seen, so it moves little from look to
+look: from the second look on its level is `LATER`, and the chance of a false word over all looks stays below 5 %
+(docs/statistics.md). Labels are dealt anew once, at the last look.
 """
 
 import math
@@ -13,16 +13,15 @@ from itertools import pairwise
 
 import numpy as np
 
-from harness.eta.unseen import difference_bounds
-from harness.eta.verdict.least_p import least_p
+from harness.arrays import Ints
 from harness.eta.verdict.question import Question
-from harness.eta.verdict.ruling import LEVEL, ROUNDING, Ruling
+from harness.eta.verdict.ruling import LATER, LEVEL, Ruling, dealt, with_bounds
 
 ONE_PLACE = (6, 8, 12, 16, 24, 32)
 SEVERAL_PLACES = (2, 3, 4, 6, 8, 12, 16)
 """Seeds of each reward in each place at each look, for four places and more."""
 MANY_PLACES = 4
-FUTILE_FROM, FUTILE_LOOKS, FUTILE_CONFIDENCE = 4, 5, 0.99
+FUTILE_FROM, FUTILE_LOOKS = 4, 5
 """From so many seeds a place on, at the last so many looks, a small difference may end the training."""
 MARGIN = 0.10
 """A difference below this counts as none: of a share in points, of another measure as a share of it."""
@@ -36,22 +35,11 @@ class Looks:
         seeds: Seeds of each reward in each place at each look, increasing.
         asked: How many questions the experiment asks, each with looks of its own.
         margin: A difference below this counts as none.
-        level: The chance of a false claim in the whole experiment.
     """
 
     seeds: tuple[int, ...]
     asked: int = 1
     margin: float = MARGIN
-    level: float = LEVEL
-
-    @property
-    def most(self) -> int:
-        """The most seeds of each reward in each place."""
-        return self.seeds[-1]
-
-    def spent(self, look: int) -> float:
-        """The chance of a false claim that may be spent up to a look, all questions together."""
-        return self.level * self.seeds[look] / self.most
 
     def is_futile_at(self, look: int) -> bool:
         """Whether a small difference may end the training at a look."""
@@ -60,7 +48,7 @@ class Looks:
 
 @dataclass(frozen=True)
 class LookRuling(Ruling):
-    """What the test says of a question that was asked several times.
+    """What the tests say of a question that was asked several times.
 
     Attributes:
         look: The look that decided, or the last one there was; counted from 0.
@@ -82,78 +70,60 @@ def looks_for(places: int) -> tuple[int, ...]:
     return SEVERAL_PLACES if places >= MANY_PLACES else ONE_PLACE
 
 
-def rule_in_looks(question: Question, looks: Looks, complete: int) -> LookRuling:
-    """What the test says at the looks that are complete; the first that decides stands.
+def rule_in_looks(question: Question, trained_at: Ints, looks: Looks, complete: int) -> LookRuling:
+    """What the tests say at the looks that are complete; the first that decides stands.
 
     Args:
-        question: `looks` of its seeds say at which look each was trained.
+        question: About all trainings there are.
+        trained_at: The look at which a row was trained in each place, (rows, places).
         looks: When it is asked.
         complete: How many looks are complete.
     """
-    question = replace(question, is_drawn=True)
-    found = LookRuling(level=looks.spent(0), asked=looks.asked)
-    crossed = None
+    found = LookRuling(asked=looks.asked)
     for look in range(complete):
-        there = question.until(look)
+        there = question.among(trained_at <= look)
         if not there.is_testable:
             continue
-        statistics = there.statistics()
-        sizes = np.abs(statistics).max(axis=1)
-        crossed = np.zeros(len(sizes), np.bool_) if crossed is None else crossed
-        dealt = [_p(crossed, sizes, float(t)) for t in np.abs(statistics[0])]
-        spent = [looks.spent(before) / looks.asked for before in range(look)]
-        alone = [max(p, float(least)) for p, least in zip(dealt, least_p(there, spent), strict=True)]
-        found = LookRuling(
-            min(alone),
-            min(1.0, min(alone) * looks.asked),
-            looks.spent(look),
-            tuple(min(1.0, p * looks.asked) for p in alone),
-            tuple(int(np.sign(t)) for t in statistics[0]),
-            looks.asked,
-            looks.margin if looks.is_futile_at(look) and is_small(there, looks.margin) else None,
-            is_floored=min(alone) > min(dealt),
-            look=look,
-            is_last=look + 1 == len(looks.seeds),
-        )
+        ruled = with_bounds(LookRuling(asked=looks.asked, looks=look + 1, look=look), there)
+        small = looks.margin if looks.is_futile_at(look) and is_small(there, looks.margin) else None
+        found = replace(ruled, small=small, is_last=look + 1 == len(looks.seeds))
+        if found.is_last and not found.is_decided:
+            (by_deals,) = dealt([there])
+            corrected = tuple(min(1.0, p * looks.asked) for p in by_deals.of_measures)
+            found = replace(found, p=by_deals.p, corrected=min(corrected), of_measures=corrected)
         if found.is_over:
             return found
-        crossed = crossed | (sizes >= _boundary(crossed, sizes, looks.spent(look) / looks.asked))
     return found
 
 
-def _p(crossed: np.ndarray, sizes: np.ndarray, seen: float) -> float:
-    """The share of deals that crossed at an earlier look, or reach what was seen at this one."""
-    reached = sizes >= seen - ROUNDING * sizes.max()
-    return float((crossed | reached).mean())
-
-
-def _boundary(crossed: np.ndarray, sizes: np.ndarray, level: float) -> float:
-    """The smallest statistic that leaves at most this share of deals across; infinite if none does."""
-    left = math.floor(level * len(sizes) + ROUNDING) - int(crossed.sum())
-    there = np.sort(sizes[~crossed])[::-1]
-    if left <= 0:
-        return math.inf
-    if left >= len(there):
-        return 0.0
-    beyond = there[left]  # the largest that stays below; those that equal it stay below too
-    return float(np.nextafter(beyond * (1.0 + ROUNDING), math.inf))
-
-
 def is_small(question: Question, margin: float) -> bool:
-    """Whether the difference of the first measure is smaller than a margin.
+    """Whether the difference of the first measure is smaller than a margin, at the level of later looks."""
+    low, high = question.bounds(0, 1.0 - LATER)
+    return question.has_ends(0) and -margin < low and high < margin
 
-    With what luck may add, but for 1 % to each side, and with trainings that were not seen, but for 5 %; see
-    `harness.eta.unseen`.
+
+STEPS = 400
+"""Points of the normal density below, to either side of 0."""
+
+
+def luck_in(seeds: Sequence[int]) -> float:
+    """The chance that rewards that do not differ are told apart at one of several looks that each test at 5 %.
+
+    The statistics of looks are a random walk in the number of seeds (Armitage, McPherson and Rowe 1969).
 
     Args:
-        question: Its places have trainings of their own.
-        margin: Above 0.
+        seeds: Of each reward at each look, increasing.
     """
-    baseline, proposed = ([values[np.isfinite(values)] for values in side[..., 0].T] for side in question.values)
-    low, high = difference_bounds(
-        baseline, proposed, question.first_ends, seen_confidence=2.0 * FUTILE_CONFIDENCE - 1.0
-    )
-    return -margin < low and high < margin
+    from scipy.special import ndtri  # here, since importing scipy takes time that most commands need not spend
+
+    edge = float(ndtri(1.0 - LEVEL / 2.0))
+    at, density, before = np.zeros(1), np.ones(1), 0
+    for count in seeds:
+        step, reach = math.sqrt(count - before), edge * math.sqrt(count)
+        to = np.linspace(-reach, reach, 2 * STEPS + 1)
+        moves = np.exp(-0.5 * ((to[:, None] - at[None, :]) / step) ** 2) / (step * math.sqrt(2.0 * math.pi))
+        at, density, before = to, (moves @ density) * (to[1] - to[0]), count
+    return 1.0 - float(density.sum())
 
 
 def check_looks(seeds: Sequence[int]) -> str:

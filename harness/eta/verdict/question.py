@@ -3,25 +3,21 @@
 A *place* is where trainings are compared: a simulator, task and algorithm with all their parameters.
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from harness.arrays import Float, Ints, Mask
-from harness.eta.interval import UNBOUNDED, Bounds
-from harness.eta.verdict.deals import MOST_DEALS, Strata, as_trained, deals_of
+from harness.eta.interval import UNBOUNDED, Interval, quantile
+from harness.eta.unseen import difference_bounds
+from harness.eta.verdict.deals import Strata, as_trained, deals_of
 
 LEAST_SPREAD = 0.001
 """A standard error counts as at least this share of the pooled standard deviation."""
 LEAST_SEEDS = 2
 """With fewer trainings of a side in a place there is no spread, and so no test."""
-CHUNK = MOST_DEALS // 8
-"""Ways whose covariances of places are in memory at once."""
-
-
 BOTH = (0, 1)
 """The two sides of a question: the baseline, and the proposed reward."""
 
@@ -30,8 +26,8 @@ class Layout(NamedTuple):
     """The trainings of a question in the order in which labels are dealt to them.
 
     A training keeps all that was measured of it when it changes its label. Labels are dealt among the trainings that
-    were done in the same places at the same looks, with the same measures known. So of each pattern each side has as
-    many in every way, and what a training counts under one label never changes.
+    were done in the same places, with the same measures known. So of each pattern each side has as many in every way,
+    and what a training counts under one label never changes.
     """
 
     strata: Strata
@@ -47,16 +43,6 @@ class Layout(NamedTuple):
     """The smallest standard error that counts, of the mean of each place, (places, measures)."""
 
 
-class Estimate(NamedTuple):
-    """A difference of means over places."""
-
-    difference: float
-    error: float
-    """Its standard error."""
-    freedom: float
-    """The degrees of freedom of Student's t for it."""
-
-
 @dataclass(frozen=True, eq=False)
 class Question:
     """What was measured of the trainings of two rewards.
@@ -66,29 +52,23 @@ class Question:
 
     Attributes:
         values: (2, rows, places, measures): of the baseline and of the proposed reward, higher is better. NaN where a
-            row has no training on that side in a place, or where it was not measured.
-        looks: The look at which a row was trained in each place, (rows, places); 0 if all were trained at once.
+            row has no training on that side in a place, or where it left no value.
         ends: The least and the greatest value that a measure can have in a place, as `values` count it, (places,
             measures, 2); infinite where none is known.
-        is_drawn: Whether labels are dealt in drawn ways even where all could be tried, as tests in several looks are.
+        begun: Where a row has a training, (2, rows, places); one without a value is counted where it speaks most
+            against a word.
     """
 
     values: Float
-    looks: Ints
     ends: Float
-    is_drawn: bool = False
+    begun: Mask
 
     @classmethod
-    def of(cls, values: Float, ends: Float | None = None, looks: Ints | None = None) -> "Question":
-        """A question about trainings. By default they were done at once, and no end is known."""
-        at_once = np.zeros(values.shape[1:3], np.int64)
+    def of(cls, values: Float, ends: Float | None = None, begun: Mask | None = None) -> "Question":
+        """A question about trainings. By default those that left a value were begun, and no end is known."""
         unbounded = np.broadcast_to(UNBOUNDED, (*values.shape[2:], 2))
-        return cls(values, at_once if looks is None else looks, unbounded if ends is None else ends)
-
-    @property
-    def first_ends(self) -> list[Bounds]:
-        """What a value of the first measure can be, by place."""
-        return [(float(low), float(high)) for low, high in self.ends[:, 0]]
+        there: Mask = np.asarray(np.isfinite(values).any(axis=3))
+        return cls(values, unbounded if ends is None else ends, there if begun is None else begun)
 
     @property
     def places(self) -> int:
@@ -140,19 +120,58 @@ class Question:
 
     def in_places(self, at: Ints) -> "Question":
         """The same question about some of its places."""
-        there = self.known[:, :, at].any(axis=(0, 2, 3))
-        return Question(self.values[:, there][:, :, at], self.looks[there][:, at], self.ends[at], self.is_drawn)
+        return Question(self.values[:, :, at], self.ends[at], self.begun[:, :, at])
 
-    def until(self, look: int) -> "Question":
-        """The same question as it stood at a look."""
-        values = np.where((self.looks <= look)[None, :, :, None], self.values, np.nan)
-        there = np.isfinite(values).any(axis=(0, 2, 3))
-        return Question(values[:, there], self.looks[there], self.ends, self.is_drawn)
+    def among(self, there: Mask) -> "Question":
+        """The same question about some of its trainings, (rows, places)."""
+        values = np.where(there[None, :, :, None], self.values, np.nan)
+        return Question(values, self.ends, self.begun & there[None])
+
+    @cached_property
+    def has_lost(self) -> bool:
+        """Whether a training was begun that has no value of some measure."""
+        return bool((self.begun[..., None] & ~self.known).any())
+
+    @property
+    def at_worst(self) -> "Question":
+        """The same question, with each training that left no value at the end that is worst."""
+        lost = self.begun[..., None] & ~self.known
+        return replace(self, values=np.where(lost & np.isfinite(self.ends[..., 0]), self.ends[..., 0], self.values))
+
+    def has_ends(self, measure: int) -> bool:
+        """Whether it is known in every place how good and how bad a measure can be."""
+        return bool(np.isfinite(self.ends[:, measure]).all())
+
+    def bounds(self, measure: int, confidence: float) -> Interval:
+        """What proposed - baseline of one measure can be, mean over places: the bound that any word rests on.
+
+        It is that of `harness.eta.unseen`. A seed may end alike in several places, so Student's interval over seeds
+        counts too.
+        """
+        known, values = self.known[..., measure], self.values[..., measure]
+        lost = (self.begun & ~known).sum(axis=1)
+        if known.sum(axis=1).min() < LEAST_SEEDS or (lost.any() and not self.has_ends(measure)):
+            return UNBOUNDED
+        one, other = (
+            [side[there[:, at], at] for at in range(self.places)] for side, there in zip(values, known, strict=True)
+        )
+        ends = [(float(low), float(high)) for low, high in self.ends[:, measure]]
+        low, high = difference_bounds(one, other, ends, confidence, (lost[0].tolist(), lost[1].tolist()))
+        if self.places == 1:
+            return low, high
+        difference, error = (float(it[0]) for it in self._mean(measure, as_trained(self.layout.strata)[None, :]))
+        reach = quantile(confidence, self._freedom(measure)) * error
+        return min(low, difference - reach), max(high, difference + reach)
+
+    def leaning(self, measure: int, confidence: float) -> int:
+        """1 where the bound of a measure lies above 0, -1 where below; 0 where it holds 0 or an end is not known."""
+        low, high = self.bounds(measure, confidence) if self.has_ends(measure) else UNBOUNDED
+        return int(low > 0.0) - int(high < 0.0)
 
     @cached_property
     def layout(self) -> Layout:
         """See `Layout`."""
-        strata, sides, rows = _strata_of(self.known, self.looks)
+        strata, sides, rows = _strata_of(self.known)
         counts = self.known.sum(axis=1)
         known, values = self.known[sides, rows], self.values[sides, rows]
         values = np.where(known, values, np.nan)
@@ -166,26 +185,23 @@ class Question:
     @cached_property
     def deals(self) -> Float:
         """The ways in which labels are dealt, (ways, trainings); see `deals_of`."""
-        return deals_of(self.layout.strata, self.is_drawn)
+        return deals_of(self.layout.strata)
 
     def statistics(self) -> Float:
         """Welch's t of the mean over all places, in every way to deal the labels, (ways, measures)."""
         of_measures = (self._mean(measure, self.deals) for measure in range(self.values.shape[3]))
         return np.stack([_ratio(*it) for it in of_measures], axis=1)
 
-    @cached_property
-    def estimate(self) -> Estimate:
-        """The difference of the first measure, mean over all places, and how far it can be trusted."""
-        difference, error = self._mean(0, as_trained(self.layout.strata)[None, :])
-        return Estimate(float(difference[0]), float(error[0]), self._freedom)
+    def error(self, measure: int) -> float:
+        """The standard error of the difference of a measure, mean over all places."""
+        return float(self._mean(measure, as_trained(self.layout.strata)[None, :])[1][0])
 
-    @property
-    def _freedom(self) -> float:
+    def _freedom(self, measure: int) -> float:
         """Degrees of freedom after Welch and Satterthwaite: a side's trainings in the same places are a group."""
         total, squares = 0.0, 0.0
         for side in BOTH:
-            known = self.known[side, :, :, 0]
-            values = np.where(known, self.values[side, ..., 0], 0.0) / np.maximum(known.sum(axis=0), 1)
+            known = self.known[side, :, :, measure]
+            values = np.where(known, self.values[side, ..., measure], 0.0) / np.maximum(known.sum(axis=0), 1)
             for pattern in np.unique(known[known.any(axis=1)], axis=0):
                 group = values[(known == pattern).all(axis=1)].sum(axis=1)
                 if len(group) < LEAST_SEEDS:
@@ -212,54 +228,17 @@ class Question:
         least = float(np.sqrt((layout.least[:, measure] ** 2).sum())) / places
         return (theirs - ours).mean(axis=1), _error(variance, least)
 
-    def subset_statistics(self, subsets: Float) -> Iterator[Float]:
-        """Welch's t of the mean over each of some sets of places, (ways, subsets, measures), some ways at a time.
 
-        Args:
-            subsets: 1 where a place belongs to a set, else 0, (subsets, places).
-        """
-        for begin in range(0, len(self.deals), CHUNK):
-            deals = self.deals[begin : begin + CHUNK]
-            of = [self._subset_t(measure, deals, subsets) for measure in range(self.values.shape[3])]
-            yield np.stack(of, axis=2)
-
-    def _subset_t(self, measure: int, deals: Float, subsets: Float) -> Float:
-        layout, places = self.layout, self.places
-        covariance, of_sides = np.zeros((len(deals), places, places)), []
-        for side in BOTH:
-            weights, factors = layout.weights[side][:, :, measure], layout.factors[side][:, measure, None]
-            weighted = weights * layout.values[:, :, measure]
-            both = _products_of(side, layout.strata, weights * factors, weights)
-            means = _of_side(side, deals, weighted)
-            squares = _of_side(side, deals, _products(weighted * factors, weighted))
-            mixed = _of_side(side, deals, _products(weighted * factors, weights))
-            crossed = mixed.reshape(-1, places, places) * means[:, None, :]
-            covariance += squares.reshape(-1, places, places) - crossed - crossed.transpose(0, 2, 1)
-            covariance += both * means[:, :, None] * means[:, None, :]
-            of_sides.append(means)
-        ours, theirs = of_sides
-        sizes = subsets.sum(axis=1)
-        pairs = _products(subsets, subsets)
-        variance = covariance.reshape(len(deals), -1) @ pairs.T / sizes**2
-        least = np.sqrt(subsets @ layout.least[:, measure] ** 2) / sizes
-        return _ratio((theirs - ours) @ subsets.T / sizes, _error(variance, least))
-
-
-def _strata_of(known: Mask, looks: Ints) -> tuple[Strata, Ints, Ints]:
+def _strata_of(known: Mask) -> tuple[Strata, Ints, Ints]:
     """The strata, and of each training, in the order of the labels, its side and its row.
 
-    Those of later looks stand behind those of earlier ones. A row without a value on a side is no training of it.
+    A row without a value on a side is no training of it.
     """
-    found: dict[tuple[tuple[int, ...], ...], tuple[list[int], list[int]]] = {}
+    found: dict[tuple[int, ...], tuple[list[int], list[int]]] = {}
     for side, row in np.argwhere(known.any(axis=(2, 3))):
-        there, at = known[side, row], looks[row]
-        seen = tuple(int(look) if any_known else -1 for look, any_known in zip(at, there.any(axis=1), strict=True))
-        key = ((max(seen),), seen, tuple(map(int, there.ravel())))
-        found.setdefault(key, ([], []))[side].append(int(row))
+        found.setdefault(tuple(map(int, known[side, row].ravel())), ([], []))[side].append(int(row))
     order = sorted(found)
-    first = [key[0][0] for key in order]
-    names = [look * 1000 + first[:at].count(look) for at, look in enumerate(first)]
-    strata = tuple((name, len(found[key][0]), len(found[key][1])) for name, key in zip(names, order, strict=True))
+    strata = tuple((name, len(found[key][0]), len(found[key][1])) for name, key in enumerate(order))
     rows = [row for key in order for of_side in found[key] for row in of_side]
     return strata, as_trained(strata).astype(np.int64), np.array(rows, np.int64)
 
@@ -268,12 +247,6 @@ def _of_side(side: int, deals: Float, columns: Float) -> Float:
     """Sums of columns over the trainings that carry a side's label, in each way."""
     proposed: Float = deals @ columns
     return proposed if side else columns.sum(axis=0) - proposed
-
-
-def _products(one: Float, other: Float) -> Float:
-    """The products of every two columns, (rows, columns * columns)."""
-    products: Float = (one[:, :, None] * other[:, None, :]).reshape(len(one), -1)
-    return products
 
 
 def _products_of(side: int, strata: Strata, one: Float, other: Float) -> Float:

@@ -158,4 +158,4 @@ class _Look:
             unseen: The level of the bounds with a training that was not seen.
         """
         of = self.trainings[other], self.trainings[one]
-        return difference_bounds(*of, self.ends, 1.0 - 2.0 * unseen, 1.0 - 2.0 * self.level / others)
+        return difference_bounds(*of, self.ends, 1.0 - 2.0 * unseen)

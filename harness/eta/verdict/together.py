@@ -7,20 +7,10 @@ from functools import cached_property
 
 import numpy as np
 
-from harness.arrays import Float
+from harness.arrays import Float, Ints
 from harness.eta.behaviour_change import Change, Quantity
-from harness.eta.interval import (
-    CONFIDENCE,
-    UNBOUNDED,
-    UNSEEN,
-    Bounds,
-    Interval,
-    binomial_variance,
-    of_difference,
-    quantile,
-    why_no_interval,
-)
-from harness.eta.unseen import ONE_SIDED, difference_bounds, mean_bounds
+from harness.eta.interval import CONFIDENCE, Bounds, Interval, cut_to, of_difference, why_no_interval
+from harness.eta.unseen import ONE_SIDED, mean_bounds
 from harness.eta.verdict.question import LEAST_SEEDS, Question
 
 
@@ -38,28 +28,31 @@ class Together:
         measure: What is measured, the same in all places.
         question: The values of this measure alone, in its unit or relative.
         is_of_size: Whether values are shares of the mean size in their place, since they have either sign.
+        confidence: That of the interval.
     """
 
     measure: Quantity
     question: Question
     is_of_size: bool = False
+    confidence: float = CONFIDENCE
 
     @classmethod
-    def of(cls, changes: Sequence[Change]) -> "Together":
+    def of(cls, changes: Sequence[Change], confidence: float = CONFIDENCE) -> "Together":
         """Put the trainings of several places together.
 
         Args:
             changes: Of one measure, one for each place.
+            confidence: That of the interval.
         """
         measure, alone = changes[0].measure, [[change] for change in changes]
         scales = np.array([[1.0 / size_of(change)] for change in changes])
         question = question_of(alone, scales)
         if measure.is_share:
-            return cls(measure, question)
+            return cls(measure, question, confidence=confidence)
         base, known = abs(question.means[0]), question.values[question.known]
         if base > 0.0 and (known.min() >= 0.0 or known.max() <= 0.0):
-            return cls(measure, question_of(alone, scales / base))
-        return cls(measure, question, is_of_size=True)
+            return cls(measure, question_of(alone, scales / base), confidence=confidence)
+        return cls(measure, question, True, confidence)
 
     @property
     def name(self) -> str:
@@ -70,6 +63,12 @@ class Together:
     def is_relative(self) -> bool:
         """Whether values are shares of the baseline's mean, or of a size, and not in the measure's unit."""
         return not self.measure.is_share
+
+    @property
+    def ends(self) -> Bounds:
+        """What a value can be, mean over places."""
+        low, high = self.question.ends[:, 0].mean(axis=0)
+        return float(low), float(high)
 
     @property
     def baseline(self) -> float:
@@ -93,14 +92,21 @@ class Together:
 
     @property
     def counts(self) -> tuple[int, int]:
-        """How many trainings of each reward there are in all places."""
+        """How many trainings of each reward have a value, in all places."""
         one, other = (len(side) for side in self._all)
         return one, other
 
     @property
+    def without(self) -> tuple[int, int]:
+        """How many were begun and have none, in all places."""
+        one, other = self._lost.sum(axis=1)
+        return int(one), int(other)
+
+    @property
     def failed(self) -> tuple[int, int] | None:
-        """How many of them failed; None of other measures, see `Change.failed`."""
-        return self.measure.count_failed(*self._all)
+        """How many of them failed or left no value; None of other measures, see `Change.failed`."""
+        failed = self.measure.count_failed(*self._all)
+        return failed and (failed[0] + self.without[0], failed[1] + self.without[1])
 
     @property
     def low(self) -> float | None:
@@ -114,30 +120,25 @@ class Together:
 
     @property
     def likely(self) -> Interval | None:
-        """See `Change.likely`. A seed may end alike in several places: the interval over seeds counts too."""
-        if why_no_interval(self.seeds):
+        """See `Change.likely`."""
+        if why_no_interval(self.seeds) or not self.question.has_ends(0):
             return None
-        low, high = difference_bounds(*self._of_places, [self._ends] * self.question.places)
-        estimate = self.question.estimate
-        reach = quantile(ONE_SIDED, estimate.freedom) * estimate.error
-        return min(low, self.difference - reach), max(high, self.difference + reach)
+        return self.question.bounds(0, ONE_SIDED)
 
     @property
     def most(self) -> tuple[float, float] | None:
-        if why_no_interval(self.seeds):
+        if why_no_interval(self.seeds) or not self.question.has_ends(0):
             return None
-        (_, one), (_, other) = (mean_bounds(side, [self._ends] * len(side)) for side in self._of_places)
+        ends = [(float(low), float(high)) for low, high in self.question.ends[:, 0]]
+        (_, one), (_, other) = (
+            mean_bounds(side, ends, lost=lost.tolist()) for side, lost in zip(self._of_places, self._lost, strict=True)
+        )
         return one, other
 
     @property
     def spread(self) -> float | None:
         """The standard deviation of one training, as far as it counts for the mean; None below two in a place."""
-        return math.sqrt(self._variance * self.seeds / 2.0) if self.seeds >= LEAST_SEEDS else None
-
-    @property
-    def _ends(self) -> Bounds:
-        """What a value can be."""
-        return UNBOUNDED if self.is_relative else self.measure.ends
+        return self.question.error(0) * math.sqrt(self.seeds / 2.0) if self.seeds >= LEAST_SEEDS else None
 
     @cached_property
     def _of_places(self) -> tuple[list[Float], list[Float]]:
@@ -147,37 +148,23 @@ class Together:
         return one, other
 
     @property
+    def _lost(self) -> Ints:
+        """How many trainings of each reward were begun in each place and left no value, (2, places)."""
+        lost: Ints = (self.question.begun & ~self.question.known[..., 0]).sum(axis=1)
+        return lost
+
+    @property
     def _all(self) -> tuple[Float, Float]:
         """The values of each reward's trainings."""
         one, other = (np.concatenate(side) for side in self._of_places)
         return one, other
 
     @cached_property
-    def _variance(self) -> float:
-        """The variance of the difference of both means.
-
-        Of a share it allows for trainings that were not seen, see `harness.eta.interval.share_variance`: one of each
-        reward in one of the places, so the more places there are, the less it counts.
-        """
-        seen = self.question.estimate.error**2
-        if self.measure.episodes is None:
-            return seen
-        places, floor, unseen = self.question.places, 0.0, 0.0
-        for side in self._of_places:
-            floor += sum(binomial_variance(float(of.mean()), self.measure.episodes) / len(of) for of in side)
-            unseen += (UNSEEN / min(map(len, side))) ** 2 / places
-        seen = max(seen, floor / places**2)
-        return max(seen, seen * (1.0 - 1.0 / self.seeds) + unseen)
-
-    @cached_property
     def _interval(self) -> Interval | None:
-        """The 95 % interval of proposed - baseline, cut to what that can be."""
+        """The interval of proposed - baseline, cut to what that can be."""
         if why_no_interval(self.seeds):
             return None
-        reach = quantile(CONFIDENCE, self.question.estimate.freedom) * math.sqrt(self._variance)
-        low, high = of_difference(self._ends)
-        middle = self.difference
-        return max(middle - reach, min(low, middle)), min(middle + reach, max(high, middle))
+        return cut_to(self.question.bounds(0, self.confidence), of_difference(self.ends))
 
 
 def size_of(change: Change) -> float:
@@ -187,7 +174,8 @@ def size_of(change: Change) -> float:
 
 def seeds_of(changes: Sequence[Sequence[Change]]) -> list[int]:
     """All seeds of the trainings of changes, by place and measure, in order."""
-    return sorted({seed for of_place in changes for change in of_place for side in change.trainings for seed in side})
+    all_sides = (side for of_place in changes for change in of_place for side in (*change.trainings, *change.lost))
+    return sorted({seed for side in all_sides for seed in side})
 
 
 def question_of(changes: Sequence[Sequence[Change]], scales: Sequence[Sequence[float]] | Float) -> Question:
@@ -200,10 +188,14 @@ def question_of(changes: Sequence[Sequence[Change]], scales: Sequence[Sequence[f
     seeds = seeds_of(changes)
     row = {seed: at for at, seed in enumerate(seeds)}
     values = np.full((2, len(seeds), len(changes), len(changes[0])), np.nan)
+    begun = np.zeros((2, len(seeds), len(changes)), np.bool_)
     for place, of_place in enumerate(changes):
         for measure, change in enumerate(of_place):
             for side, of_side in enumerate(change.trainings):
                 at = [row[seed] for seed in of_side]
                 values[side, at, place, measure] = np.array(change.values[side]) * scales[place][measure]
+                begun[side, [*at, *(row[seed] for seed in change.lost[side])], place] = True
     ends = np.array([[change.measure.ends for change in of_place] for of_place in changes])
-    return Question.of(values, np.sort(ends * np.array(scales)[..., None], axis=2))  # a negative scale swaps them
+    return Question.of(
+        values, np.sort(ends * np.array(scales)[..., None], axis=2), begun
+    )  # a negative scale swaps ends

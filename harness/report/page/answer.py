@@ -8,11 +8,12 @@ from harness.eta.amounts import difference_text, listed, same_text, short_seen_t
 from harness.eta.behaviour_change import Change
 from harness.eta.headline import TIME, Answer, Compared, Headline, difference_of, key_of, name_of, name_with_article
 from harness.eta.judgement import (
+    SURE,
     clear_text,
-    crossing_text,
     is_same,
     reasons,
     reserve_text,
+    undone_text,
 )
 from harness.eta.needed import needed_of, needed_text, range_text
 from harness.eta.splits import Names
@@ -114,18 +115,19 @@ def _sure(
     names: Names, answer: Answer, changes: Sequence[Compared], ruling: Ruling, by: Sequence[int], where: str
 ) -> str:
     """What decided, and how sure it is; where nothing did, why, and what would tell."""
+    if answer in (Answer.AHEAD, Answer.BEHIND, Answer.CANNOT_TELL):
+        needed = needed_text(needed_of(changes, ruling), where, "of each reward")
+        if answer is Answer.CANNOT_TELL:
+            return " ".join(filter(None, [*reasons(names, changes, ruling, where), needed]))
+        undone = undone_text(changes[by[0]], names.proposed if ruling.sign > 0 else names.baseline)
+        return " ".join(filter(None, [undone, needed, _luck(ruling.of_measures[by[0]])]))
     if by:
         return _decided(names, changes, ruling, by)
-    if answer is Answer.CANNOT_TELL:
-        needed = needed_text(needed_of(changes, ruling), where, "of each reward")
-        return " ".join(filter(None, [*reasons(names, changes, ruling, where), needed]))
-    if answer is Answer.NEITHER_LEARNS and ruling.is_decided:
-        return _luck(ruling.corrected or 0.0)
     return reserve_text(names, changes, ruling)
 
 
 def _row(change: Compared, at: int, ruling: Ruling, decides: bool) -> Row:
-    direction = "" if not ruling.passes(at) else "better" if ruling.signs[at] > 0 else "worse"
+    direction = "" if not (ruling.is_decided and ruling.passes(at)) else "better" if ruling.signs[at] > 0 else "worse"
     figure = draw_interval(difference_of(change), change.low, change.high, change.measure.better, direction)
     value = difference_text(change, 2).partition(" ")[0] if change.is_relative else " -> ".join(short_values(change))
     notes = ["decides"] * decides + [FAILURE] * (change.name == TIME)
@@ -149,8 +151,7 @@ def _decided(names: Names, changes: Sequence[Compared], ruling: Ruling, by: Sequ
     measures = listed([name_with_article(changes[at]) for at in by])
     lines = [
         f"Decided by {measures}, from {trainings_text(names, changes[0].counts)}.",
-        _luck(max(ruling.of_measures[at] for at in by)),
-        crossing_text(changes, ruling),
+        SURE if ruling.is_decided else "",
         clear_text(changes, ruling),
     ]
     return " ".join(filter(None, lines))

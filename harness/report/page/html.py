@@ -267,8 +267,7 @@ def _told(results: Results) -> dict[str, str]:
     is_evaluated = any(it.group.evaluate_every for it in results.combinations)
     evaluated = LEARNING.format(SAME_STARTS * all(it.measured.same_starts for it in results.combinations))
     cells, learning = "Cells" if results.is_experiment else "Recordings", evaluated if is_evaluated else TRAINED
-    rulings = [it.answer.ruling for it in results.combinations if it.answer.ruling is not None]
-    is_promised = any(not it.instead for it in rulings) and not still_to_come(results.combinations)
+    is_promised = any(it.answer.ruling for it in results.combinations) and not still_to_come(results.combinations)
     return {
         **SHARED,
         "subject": results.subject,
