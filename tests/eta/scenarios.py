@@ -9,14 +9,12 @@ import numpy as np
 from numpy.random import default_rng
 from scipy.special import betaincinv, ndtr
 
-from harness.eta import BB, BK, KB, KK, RACE, Question, race
+from harness.eta import BB, BK, KB, KK, Question
 
 EPISODES = 100
 """Of one evaluation: a rate is a whole number of hundredths."""
 POINTS = 160
 """Of a curve, evenly spaced over the training; an index is proportional to the mean over them."""
-ONE_PLACE, SEVERAL_PLACES = (6, 8, 12, 16, 24, 32), (2, 3, 4, 6, 8, 12, 16)
-"""The usual looks."""
 LEVEL = 0.05
 """Of all answers of a report together."""
 CHUNK = 2000
@@ -44,29 +42,6 @@ def values_of(seeds, places=1, measures=1, effect=0.0, seed=0):
 def question_of(*args, **kwargs):
     """A question about such values."""
     return Question.of(values_of(*args, **kwargs))
-
-
-def question_in_looks(values, looks, ends=None):
-    """About values, (2, places, seeds, measures), of which every place has seeds of its own."""
-    _, places, seeds, measures = values.shape
-    apart, at = np.full((2, places * seeds, places, measures), np.nan), np.zeros((places * seeds, places), np.int64)
-    for place in range(places):
-        rows = slice(place * seeds, (place + 1) * seeds)
-        apart[:, rows, place] = values[:, place]
-        at[rows, place] = np.searchsorted(looks.seeds, np.arange(seeds), side="right")
-    return Question.of(apart, ends, at)
-
-
-def steady(rng, mean, shape, spread=0.02):
-    """Every training about the mean."""
-    return np.clip(mean + spread * rng.normal(size=shape), 0.0, 1.0)
-
-
-def raced(values, ends=None):
-    """How a race of candidates ends, and the share of the trainings that it takes."""
-    found = race(values, RACE, dict.fromkeys(values, len(RACE)), ends)
-    looks = [found.beaten[it].look if it in found.beaten else found.looks - 1 for it in values]
-    return found, np.mean([RACE[look] for look in looks]) / RACE[-1]
 
 
 @dataclass(frozen=True)
@@ -277,35 +252,3 @@ def family_values(family, rng, seeds):
     values[..., FAILURES] = np.floor(rates * EPISODES + rng.random(size=rates.shape)) / EPISODES
     values[..., RARE] = np.round(5.0 * np.maximum(values[..., RARE] - 1.3, 0.0)) / EPISODES
     return values[:, :1], values[:, 1:]
-
-
-@dataclass(frozen=True)
-class Trainings:
-    """Success and minus the time to the target of trained policies, in places, as four records of engines have them.
-
-    Attributes:
-        success: Mean success under the baseline.
-        effect: What a proposed reward adds to it, in every place.
-        spread: Standard deviation from seed to seed, of the baseline and of the proposed rewards.
-        likeness: Correlation of success and minus the time.
-    """
-
-    success: float = 0.45
-    effect: float = 0.0
-    spread: tuple[float, float] = (0.18, 0.18)
-    likeness: float = 0.8
-
-    def draw(self, rng, seeds, places=1, rewards=1):
-        """Of each proposed reward the values of a question, (2, seeds, places, 2); they share the baseline."""
-        baseline = self._values(rng, (seeds, places), self.success, self.spread[0])
-        changed = self.success + self.effect
-        return [
-            np.stack([baseline, self._values(rng, (seeds, places), changed, self.spread[1])]) for _ in range(rewards)
-        ]
-
-    def _values(self, rng, shape, mean, spread):
-        """Rates in hundredths, and times to the target, of which a failure counts the whole horizon of 10 s."""
-        first, second = rng.normal(size=(2, *shape))
-        rates = np.clip(np.round(mean + spread * first, 2), 0.0, 1.0)
-        alike = self.likeness * first + np.sqrt(1.0 - self.likeness**2) * second
-        return np.stack([rates, -(10.0 - 9.0 * (mean + spread * alike))], axis=-1)

@@ -11,7 +11,6 @@ from numpy.random import default_rng
 
 from harness.eta import Quantity, change_of, p_of, swaps_of
 from harness.eta.headline import is_within
-from harness.eta.interval import share_variance
 
 NUMBER = st.floats(-10.0, 10.0).map(lambda value: round(value, 6))
 VALUES = st.lists(st.none() | NUMBER, min_size=1, max_size=8)

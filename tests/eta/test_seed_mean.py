@@ -5,8 +5,7 @@ import pytest
 import scipy.stats
 from hypothesis import assume, given, strategies as st
 
-from harness.eta import SeedMean, mean_over_seeds
-from harness.eta.seed_mean import mean_lost_share
+from harness.eta import SHARE, SeedMean, mean_over_seeds
 
 NUMBERS = st.lists(st.floats(-1e3, 1e3).map(lambda value: round(value, 6)), min_size=3, max_size=12)
 
@@ -28,9 +27,10 @@ def test_values_that_are_all_the_same_have_no_spread():
 
 
 def test_shares_that_are_all_the_same_have_one():
-    """Five seeds without a failure do not show that there is none; the width is that of the seed that was not seen."""
-    found = mean_over_seeds([1.0] * 5, episodes=10**9)
-    assert found.mean - found.low == pytest.approx(2.776 * 0.25 / 5, rel=1e-3)
+    """Five seeds without a failure do not show that there is none: a sixth may fail."""
+    found = mean_over_seeds([1.0] * 5, bounds=SHARE)
+    theirs = scipy.stats.ttest_1samp([1.0] * 5 + [0.0], 0.0).confidence_interval()
+    assert (found.low, found.high) == (pytest.approx(theirs.low), 1.0)
 
 
 @pytest.mark.parametrize(("values", "told"), [([0.5], "one seed"), ([0.25, 0.75], "2 seeds")])
@@ -44,7 +44,7 @@ def test_fewer_than_three_seeds_have_no_interval(values, told):
 def test_no_value_has_the_reason():
     """n/a, never a number that is none."""
     nothing = SeedMean(None, notes=("1 of 1 failed",))
-    assert mean_over_seeds([], "1 of 1 failed") == mean_lost_share([], "1 of 1 failed", 100) == nothing
+    assert mean_over_seeds([], "1 of 1 failed") == nothing
 
 
 def test_seeds_that_are_missing_are_told_last():
@@ -57,7 +57,7 @@ def test_seeds_that_are_missing_are_told_last():
 @pytest.mark.parametrize("values", [[1.0, 1.0, 1.0, 0.6], [0.0, 0.0, 0.4]])
 def test_interval_of_a_share_is_one_of_shares(values):
     """None of a success ends above 100 % or below 0; that of any other number may."""
-    share, number = mean_over_seeds(values, episodes=5), mean_over_seeds(values)
+    share, number = mean_over_seeds(values, bounds=SHARE), mean_over_seeds(values)
     assert 0.0 <= share.low < share.mean < share.high <= 1.0
     assert number.low < 0.0 or number.high > 1.0
 
@@ -68,10 +68,3 @@ def test_bounds_cut_an_interval():
     assert free.low is not None
     assert free.low < 0.0
     assert (bound.low, bound.high) == (0.0, free.high)
-
-
-def test_lost_shares_may_be_won():
-    """The interval holds the mean also below 0, and knows of the episodes of both shares."""
-    found = mean_lost_share([(0.0, 1.0)] * 3, None, 100)
-    assert found.mean == -1.0
-    assert (found.low, found.high) == (-1.0, pytest.approx(-1.0 + 4.303 * 0.25 / 3, rel=1e-2))

@@ -1,16 +1,13 @@
 """What the test says of questions that are asked together."""
 
-import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
 import scipy.stats
-from numpy.random import default_rng
 
 from harness.eta import Question, Ruling, rule
 from harness.eta.verdict.ruling import better_in, opposed_in, rule_places
-from tests.eta.scenarios import LEVEL, question_of, values_of
+from tests.eta.scenarios import question_of, values_of
 
 
 def ruling_of(question):
@@ -58,24 +55,6 @@ def test_p_of_as_many_trainings_of_each_stays(subtests):
         with subtests.test(seeds=seeds, places=places, measures=measures, effect=effect, seed=seed, p=p):
             found = ruling_of(question_of(seeds, places, measures, effect, seed))
             assert (found.p, found.of_measures) == (min(p), p)
-
-
-@pytest.mark.parametrize(
-    ("seeds", "is_drawn", "p"),
-    [
-        (4, False, (0.08796296296296297, 0.30864197530864196)),
-        (4, True, (0.084, 0.31015)),
-        (9, False, (0.02015, 0.3631)),
-    ],
-)
-def test_p_of_looks_in_places_with_seeds_of_their_own_stays(seeds, is_drawn, p):
-    """To the last bit: two places, the second half of the seeds of each at a second look."""
-    values, drawn = np.full((2, 2 * seeds, 2, 2), np.nan), values_of(seeds, 2, 2, 0.7, seeds)
-    values[:, :seeds, 0], values[:, seeds:, 1] = drawn[:, :, 0], drawn[:, :, 1]
-    looks = np.zeros((2 * seeds, 2), np.int64)
-    looks[seeds // 2 : seeds], looks[seeds + seeds // 2 :] = 1, 1
-    found = ruling_of(replace(Question.of(values, looks=looks), is_drawn=is_drawn))
-    assert (found.p, found.of_measures) == (min(p), p)
 
 
 def test_the_larger_of_two_measures_counts():
@@ -189,99 +168,3 @@ def test_of_many_places_single_ones_count():
     """Too many for all of their sets."""
     question = question_of(10, places=12, effect=[*[[6.0]] * 5, *[[0.0]] * 7])
     assert better_in(question, ruling_of(question)) == 5
-
-
-def test_places_that_luck_alone_sets_apart_are_not_counted():
-    """One place is better; in three every training of one reward succeeds beside a steady 80 %, as one in four do."""
-    values = 0.8 + 0.02 * default_rng(0).normal(size=(2, 6, 4, 1))
-    values[0, :, 0] -= 0.5
-    values[1, :, 1:] = 1.0
-    values[1, 0, 1:] = 0.0
-    values[1, 0, 3] = 1.0
-    ends = np.array([[[0.0, 1.0]]] * 4)
-    free, known = Question.of(values), Question.of(values, ends)
-    whole = Ruling(0.001, 0.001, of_measures=(0.001,), signs=(1,))
-    assert better_in(known, whole) == 1
-    values[1, :, 1:] = 1.0
-    assert better_in(free, whole) == 4
-    assert better_in(known, whole) < 4
-
-
-# The least p
-
-
-def all_or_nothing(succeeded, failed, steady=0.8, seconds=4.0):
-    """A baseline near a mean, a proposed reward that succeeds or fails; success, and minus the time, at most 10 s."""
-    count, rng = succeeded + failed, default_rng(0)
-    success = np.repeat([1.0, 0.0], [succeeded, failed])
-    baseline = steady + 0.01 * rng.normal(size=(count, 2))
-    baseline[:, 1] -= steady + seconds
-    proposed = np.stack([success, np.where(success, -2.0, -10.0) + 0.01 * rng.normal(size=count)], axis=1)
-    ends = np.array([[[0.0, 1.0], [-10.0, 0.0]]])
-    return Question.of(np.stack([baseline, proposed])[:, :, None], ends)
-
-
-@pytest.mark.parametrize(("succeeded", "failed"), [(6, 0), (10, 0), (11, 1)])
-def test_where_all_trainings_succeed_p_is_no_smaller_than_that_luck_is_rare(succeeded, failed):
-    """Twice the chance of so few failures where they would make the means equal."""
-    question = all_or_nothing(succeeded, failed)
-    found, free = ruling_of(question), ruling_of(Question.of(question.values))
-    share = 1.0 - question.means[0]
-    luck = sum(
-        math.comb(succeeded + failed, it) * share**it * (1 - share) ** (succeeded + failed - it)
-        for it in range(failed + 1)
-    )
-    assert found.of_measures[0] == pytest.approx(2.0 * luck)
-    assert found.is_floored
-    assert not found.is_decided
-    assert free.is_decided
-    assert not free.is_floored
-
-
-def test_every_measure_has_a_least_p_of_its_own():
-    """In time a failure costs 8 s, and one in a hundred would make up for 0.08 s; but none of ten makes up for 7."""
-    near, far = all_or_nothing(10, 0, steady=0.9, seconds=2.1), all_or_nothing(10, 0, steady=0.9, seconds=9.0)
-    assert ruling_of(near).of_measures[1] > 0.5
-    assert ruling_of(far).decider == 1
-    assert ruling_of(far).is_decided
-
-
-def test_what_no_failure_could_make_up_for_has_no_least_p():
-    """The proposed reward always succeeds and is slower: failures would make it slower yet."""
-    assert ruling_of(all_or_nothing(10, 0, steady=0.9, seconds=1.5)).of_measures[1] < 0.001
-
-
-@pytest.mark.parametrize("end", [np.nan, -np.inf])
-def test_a_measure_without_a_known_end_has_the_least_p_of_the_first_one(end):
-    """What a failure would cost in it is not known."""
-    question = all_or_nothing(10, 0, seconds=9.0)
-    question.ends[0, 1, 0] = end
-    found = ruling_of(question)
-    assert found.of_measures[0] == found.of_measures[1] > LEVEL
-
-
-def test_many_trainings_without_a_failure_are_believed():
-    """Thirty at 0.8: one in 808."""
-    assert ruling_of(all_or_nothing(30, 0)).is_decided
-
-
-@pytest.mark.parametrize(("at_the_end", "is_floored"), [(2, True), (3, False)])
-def test_a_reward_of_which_more_than_a_few_reach_the_same_end_asks_for_nothing(at_the_end, is_floored):
-    """One in five are few. Beyond, the two are spread alike: the baseline is just cut off at 100 %."""
-    question = all_or_nothing(10, 0, steady=0.7)
-    question.values[0, :at_the_end, 0, 0] = 0.96
-    assert ruling_of(question).is_floored == is_floored
-
-
-def test_a_training_between_the_ends_shows_a_spread():
-    """Then nothing is missing."""
-    question = all_or_nothing(10, 0)
-    question.values[1, 0, 0, 0] = 0.94
-    assert not ruling_of(question).is_floored
-
-
-def test_without_known_ends_p_is_that_of_the_dealt_labels():
-    """Of a first measure whose ends are infinite too."""
-    question = all_or_nothing(10, 0)
-    unknown = Question.of(question.values, np.full((1, 2, 2), [-np.inf, np.inf]))
-    assert ruling_of(unknown) == ruling_of(Question.of(question.values))
