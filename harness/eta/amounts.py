@@ -111,7 +111,8 @@ def unseen_text(names: Names, deciding: Sequence[Compared]) -> str:
 
 def counted_text(names: Names, deciding: Sequence[Compared]) -> str:
     """How many trainings failed; how many learned, where hardly any did; else how many there are."""
-    failed, (ours, theirs) = failed_of(deciding), deciding[0].counts
+    failed, of = failed_of(deciding), deciding[0]
+    ours, theirs = (count + lost for count, lost in zip(of.counts, of.without, strict=True))
     if failed is None:
         return trainings_text(names, (ours, theirs))
     is_of_learned = is_hardly_learned(deciding[0])

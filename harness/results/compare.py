@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property
+from typing import TypeAlias
 
 from harness.errors import Unscored
 from harness.eta.behaviour_change import Change, Quantity, change_of
@@ -32,6 +33,8 @@ from harness.results.verdicts import Seen, with_verdicts
 
 OWN: tuple[Pair, Pair] = (BB, KK)
 CROSSED: tuple[Pair, Pair] = (BK, KB)
+Lost: TypeAlias = tuple[tuple[int, ...], tuple[int, ...]]
+NONE_LOST: Lost = ((), ())
 
 
 def compare_all(
@@ -49,19 +52,24 @@ def compare_all(
         unread: How many trainings are missing besides.
     """
     swaps = swaps_of(sorted({seed for _, match in asked for of in match.seeds_of for seed in of}))
-    found, seen = [compare(of, match, swaps) for of, match in asked], Seen.of(manifests, terms.looks)
+    seen = Seen.of(manifests, terms.looks)
+    found = [
+        compare(of, match, swaps, (seen.lost(of.group, match.baseline), seen.lost(of.group, match.proposed)))
+        for of, match in asked
+    ]
     return with_verdicts(found, terms, seen.look_of, seen.to_come + unread)
 
 
-def compare(trainings: Trainings, match: Match, swaps: Swaps) -> Comparison:
+def compare(trainings: Trainings, match: Match, swaps: Swaps, lost: Lost = NONE_LOST) -> Comparison:
     """One reward against another, by all of their trainings; p-values are not corrected yet.
 
     Args:
         trainings: The trainings of the group.
         match: Those of both rewards.
         swaps: The ways in which the names of a seed's trainings are swapped.
+        lost: The seeds of trainings of either that a plan of looks counts, though they left nothing.
     """
-    comparer = _Comparer(trainings, match, swaps)
+    comparer = _Comparer(trainings, match, swaps, lost)
     measured = Behaviour(
         episodes=comparer.episodes,
         counted=trainings.read.counted if trainings.read else {},
@@ -114,8 +122,8 @@ class _CurvesOnDemand(Mapping[Pair, GroupCurve]):
 class _Comparer:
     """Compares the trainings of two rewards."""
 
-    def __init__(self, trainings: Trainings, match: Match, swaps: Swaps) -> None:
-        self._trainings, self._match, self._swaps = trainings, match, swaps
+    def __init__(self, trainings: Trainings, match: Match, swaps: Swaps, lost: Lost) -> None:
+        self._trainings, self._match, self._swaps, self._lost = trainings, match, swaps, lost
         self._sides = [[it.measured for it in side] for side in match.sides]
         everything = [it for side in self._sides for it in side]
         self.episodes = {
@@ -236,7 +244,10 @@ class _Comparer:
 
     def _change(self, measure: Quantity, *sides: Iterable[Mapping[str, float | None]]) -> Change:
         values = ([it.get(measure.name) for it in side] for side in sides)
-        one, other = (dict(zip(*pair, strict=True)) for pair in zip(self._match.seeds_of, values, strict=True))
+        one, other = (
+            {**dict(zip(seeds, of, strict=True)), **dict.fromkeys(lost)}
+            for seeds, of, lost in zip(self._match.seeds_of, values, self._lost, strict=True)
+        )
         has_floor = self._trainings.has_floor(measure.manner)
         random = [it.random.get(measure.name) for side in self._sides for it in side] if has_floor else []
         reason = self._trainings.reason(self._match, measure.name, measure.manner)

@@ -145,7 +145,7 @@ def _in_all(members: Sequence[Comparison]) -> tuple[tuple[Change, ...], ...]:
 
 
 ENDED = ("done", "failed", "damaged", "skipped")
-COUNTED = ("done", "skipped")
+COUNTED, LOST = ("done", "skipped"), ("failed", "damaged")
 """How cells end that no answer waits for. How one ends that failed is an outcome too, which nobody measured."""
 
 
@@ -178,6 +178,11 @@ class Seen:
         A plan of looks counts those that ended, however they did: whoever fails does not hold up a look for ever.
         """
         return sum(status not in COUNTED for cells in self.status.values() for status in cells.values())
+
+    def lost(self, group: Group, reward: str) -> tuple[int, ...]:
+        """In a plan of looks, the seeds of a reward's trainings that failed or cannot be read."""
+        cells = self.status.get((group, reward), {}) if self.looks else {}
+        return tuple(cell.seed for cell, status in cells.items() if status in LOST)
 
     @property
     def groups(self) -> tuple[Group, ...]:

@@ -20,7 +20,7 @@ from harness.eta import (
 
 NAMES = Names("base", "mine")
 SUCCESS = Quantity("success_rate", "", "higher", "deterministic", episodes=100)
-TIME = Quantity("time_to_target", "s", "lower", "deterministic")
+TIME = Quantity("time_to_target", "s", "lower", "deterministic", bounds=(0.0, 10.0))
 SPEED = Quantity("success_rate", "", "higher", TRAINING, episodes=100)
 DECIDED = (Answer.HELPS, Answer.HURTS, Answer.LEARNS_FASTER, Answer.LEARNS_SLOWER, Answer.MIXED)
 PAIRS = st.lists(st.tuples(st.floats(0.0, 1.0), st.floats(0.0, 1.0)), min_size=1, max_size=8)
@@ -42,10 +42,11 @@ def headline_of(decomposition, changes=(), asked=1):
 
 
 def ruling_of(deciding, asked=1):
-    """A ruling with the corrected p-values that the changes have."""
+    """A ruling with the corrected p-values that the changes have; a small one passes plainly."""
     p_values = tuple(1.0 if change.corrected is None else change.corrected for change in deciding)
     signs = tuple(
         int(np.sign(change.difference or 0.0)) * (1 if change.measure.better == "higher" else -1) for change in deciding
     )
     p = min(p_values, default=None)
-    return Ruling(p, p, of_measures=p_values, signs=signs, asked=asked)
+    beyond = tuple(it <= 0.05 and sign != 0 for it, sign in zip(p_values, signs, strict=True))
+    return Ruling(p, p, p_values, signs, beyond, asked)

@@ -45,7 +45,7 @@ def shares(kind, effect, seeds, places, experiments):
 
 def rows_of(page):
     """The rows of the table: name, then for each number of trainings how often plain, then at least so far."""
-    for name, *cells in re.findall(r"^\| (.+?) \| (\.\d\d .+?) \| (\.\d\d .+?) \|$", page.read_text(), re.MULTILINE):
+    for name, *cells in re.findall(r"^\| (.+?) \| (\d?\.\d\d .+?) \| (\d?\.\d\d .+?) \|$", page.read_text(), re.M):
         yield name, [[float(it) for it in cell.split(" / ")] for cell in cells]
 
 

@@ -1,6 +1,5 @@
 """What the test says of questions that are asked together."""
 
-
 import numpy as np
 import pytest
 import scipy.stats
