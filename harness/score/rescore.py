@@ -1,7 +1,6 @@
 """Pays recorded runs again: a column of rewards per reward, in a file of its own beside the recording."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from functools import partial
 from pathlib import Path
 
 import pyarrow as pa
@@ -21,9 +20,9 @@ from harness.record.trace import to_numpy
 from harness.registry.choice import Choice, choose, parse
 from harness.registry.names import unknown_name
 from harness.registry.registry import Registry
-from harness.reward import Paid, Reward
+from harness.reward import Reward
 from harness.score.scorer import can_be_paid, pay_rewards
-from harness.score.weights import RecordedTerms, name_of, recorded_choice, weighted_label, weighted_pay
+from harness.score.weights import name_of, recorded_choice, weighted_label, weighted_pay
 
 MOST_BYTES = 2**35
 """Most that is read of a file of scores."""
@@ -58,27 +57,30 @@ def rescore(log: Log, rewards: Mapping[str, Reward], into: Path, weighted: Seque
             _, paid[label] = weighted_pay(label, recorded_terms(name_of(label), log, into), f"a run{trained} has")
         except UsageError as error:
             failed[label] = str(error)
-    if paid:
-        _write(into, {name: values for label, it in paid.items() for name, values in _columns_of(label, it)})
+    columns = dict[str, Float]()
+    for label, it in paid.items():
+        columns |= {label: it.total, **{f"{label}/{name}": values for name, values in it.terms.items()}}
+    if columns:
+        _write(into, columns)
     return failed
 
 
-def recorded_terms(name: str, log: Log, into: Path) -> Iterator[RecordedTerms]:
-    """What is recorded of the terms of rewards of a name: by the run itself, then by a file of scores beside it."""
+def recorded_terms(name: str, log: Log, into: Path) -> Iterator[tuple[Choice, Mapping[str, Float]]]:
+    """What the terms of rewards of a name paid: as the run itself has it, then as a file of scores beside it."""
     reward, own = _own_terms(log)
     if reward is not None and reward.name == name:
-        label = reward.label
-        yield RecordedTerms(reward, own, lambda: {term: log[f"{REWARD}{label}/{term}"] for term in own})
+        yield reward, {term: log[f"{REWARD}{reward.label}/{term}"] for term in own}
     if not into.exists() or into.name in changed_since_made(into.parent):
         return
     with reading(into, "file of scores", UsageError):
         require_regular(into, MOST_BYTES)
         names = pq.read_schema(into).names
-    for label in (it for it in names if name_of(it) == name):
-        begin = f"{label}/"
-        terms = tuple(it.removeprefix(begin) for it in names if it.startswith(begin) and "/" not in it[len(begin) :])
-        if terms:
-            yield RecordedTerms(recorded_choice(label), terms, partial(_read_terms, into, begin, terms))
+        for label in (it for it in names if name_of(it) == name):
+            begin = f"{label}/"
+            if terms := [it for it in names if it.startswith(begin) and "/" not in it[len(begin) :]]:
+                table = pq.read_table(into, columns=terms)
+                told = {it.removeprefix(begin): to_numpy(table.column(it), f"{into}: {it}") for it in terms}
+                yield recorded_choice(label), told
 
 
 def _own_terms(log: Log) -> tuple[Choice | None, tuple[str, ...]]:
@@ -86,12 +88,6 @@ def _own_terms(log: Log) -> tuple[Choice | None, tuple[str, ...]]:
     cell = cell_of(log.facts.path)
     own = () if cell is None else log.terms_of(cell.reward.label)
     return (cell.reward if cell and own else None), own
-
-
-def _read_terms(scores: Path, begin: str, terms: Sequence[str]) -> dict[str, Float]:
-    with reading(scores, "file of scores", UsageError):
-        table = pq.read_table(scores, columns=[f"{begin}{term}" for term in terms])
-        return {term: to_numpy(table.column(f"{begin}{term}"), f"{scores}: {begin}{term}") for term in terms}
 
 
 def scoring_choice(text: str, registry: Registry, places: Iterable[tuple[Log, Path]]) -> Choice:
@@ -111,7 +107,7 @@ def scoring_choice(text: str, registry: Registry, places: Iterable[tuple[Log, Pa
     known: dict[str, None] = {}
     for log, into in places:
         if found := next(recorded_terms(name, log, into), None):
-            return recorded_choice(weighted_label(text, found.terms))
+            return recorded_choice(weighted_label(text, found[1]))
         if (reward := _own_terms(log)[0]) is not None:
             known[reward.name] = None
     if known:
@@ -136,11 +132,6 @@ def write_scores(log: Log, scoring: Iterable[Choice], into: Path, registry: Regi
         except HarnessError as error:
             failed[choice.label] = str(error)
     return {**failed, **rescore(log, built, into, weighted)}
-
-
-def _columns_of(label: str, paid: Paid) -> Iterator[tuple[str, Float]]:
-    yield label, paid.total
-    yield from ((f"{label}/{name}", values) for name, values in paid.terms.items())
 
 
 def _write(into: Path, columns: Mapping[str, Float]) -> None:

@@ -1,10 +1,9 @@
 """Pays recorded trainings in environments by other weights of their recorded terms, without the code of a reward."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple
 
 from harness.arrays import Float
 from harness.files.sums import making
@@ -19,7 +18,8 @@ from harness.record.recording.recorded_training import (
 )
 from harness.record.recording.scores import Scores, read_scores, scores_name, write_scores
 from harness.record.store import Store
-from harness.score.weights import RecordedTerms, name_of, recorded_choice, weighted_label, weighted_pay
+from harness.registry.choice import Choice
+from harness.score.weights import name_of, recorded_choice, weighted_label, weighted_pay
 
 
 def recordings_of(folder: Path) -> list[Path]:
@@ -40,9 +40,9 @@ def recorded_weights(text: str, paths: Iterable[Path]) -> str:
     """
     for path in paths:
         for number in recorder_numbers(path):
-            of_recorder = _Recorder.read(path, number)
-            for found in of_recorder.recorded(text):
-                return weighted_label(text, of_recorder.terms[found])
+            for label, terms in facts_of(_read(path, number)[0]).terms.items():
+                if name_of(label) == name_of(text):
+                    return weighted_label(text, terms)
     return ""
 
 
@@ -62,55 +62,39 @@ def pay_by_weights(path: Path, label: str) -> int:
         OSError: The scores cannot be written.
     """
     len(read_recording(path))  # raises an error if it is damaged
-    recorders = [_Recorder.read(path, number) for number in recorder_numbers(path)]
-    if all(label in it.terms for it in recorders):
+    recorders = {number: _read(path, number) for number in recorder_numbers(path)}
+    if all(label in facts_of(log).terms for log, _ in recorders.values()):
         return 0
-    found = [it.scored(label) for it in recorders]  # all of them before one is written
-    for it, scores in zip(recorders, found, strict=True):
-        place = path / scores_name(it.number)
+    found = {number: _scored(log, label) for number, (log, _) in recorders.items()}  # all before one is written
+    for number, scores in found.items():
+        place = path / scores_name(number)
         with making(place):
-            write_scores(place, scores.with_earlier(it.earlier))
-    return sum(len(it.log) for it in recorders)
+            write_scores(place, scores.with_earlier(recorders[number][1]))
+    return sum(len(log) for log, _ in recorders.values())
 
 
-class _Recorder(NamedTuple):
-    """What one recorder of a recording left, with what was scored later."""
+def _read(path: Path, number: int) -> tuple[Log, Scores | None]:
+    """What one recorder of a recording left, and what of it was scored later; its steps are read when asked for."""
+    log = read_recorder(path, number)
+    earlier = read_scores(path / scores_name(number), partial(len, log))
+    return (earlier.added_to(log) if earlier else log), earlier
 
-    log: Log
-    number: int
-    earlier: Scores | None
 
-    @classmethod
-    def read(cls, path: Path, number: int) -> "_Recorder":
-        """Its facts and scores; its steps are read when they are asked for."""
-        log = read_recorder(path, number)
-        earlier = read_scores(path / scores_name(number), partial(len, log))
-        return cls(earlier.added_to(log) if earlier else log, number, earlier)
+def _scored(log: Log, label: str) -> Scores:
+    """The columns of a reward with other weights."""
+    then, paid = weighted_pay(label, _recorded(log, name_of(label)), "these trainings have")
+    was, now = f"{REWARD}{then.label}", f"{REWARD}{label}"
+    return Scores(
+        {now: paid.total, **{term_column(label, name): values for name, values in paid.terms.items()}},
+        (),
+        {now: Source("", f"the recorded terms of {then.label}, weighted as {label}")},
+        tuple(replace(it, column=now) for it in facts_of(log).failures if it.column == was),
+    )
 
-    @property
-    def terms(self) -> Mapping[str, tuple[str, ...]]:
-        """The terms of each reward that has some, by its label."""
-        return facts_of(self.log).terms
 
-    def recorded(self, asked: str) -> list[str]:
-        """The labels under which the terms of the reward of this name are recorded."""
-        return [label for label in self.terms if name_of(label) == name_of(asked)]
-
-    def scored(self, label: str) -> Scores:
-        """The columns of a reward with other weights."""
-        recorded = (
-            RecordedTerms(recorded_choice(then), self.terms[then], partial(self._columns, then))
-            for then in self.recorded(label)
-        )
-        then, paid = weighted_pay(label, recorded, "these trainings have")
-        was, now = f"{REWARD}{then.label}", f"{REWARD}{label}"
-        return Scores(
-            {now: paid.total, **{term_column(label, name): values for name, values in paid.terms.items()}},
-            (),
-            {now: Source("", f"the recorded terms of {then.label}, weighted as {label}")},
-            tuple(replace(it, column=now) for it in facts_of(self.log).failures if it.column == was),
-        )
-
-    def _columns(self, label: str) -> dict[str, Float]:
-        told = self.log.rows(term_column(label, name) for name in self.terms[label])
-        return {name: told[term_column(label, name)] for name in self.terms[label]}
+def _recorded(log: Log, name: str) -> Iterator[tuple[Choice, dict[str, Float]]]:
+    """The rewards of a name whose terms are recorded, and what these paid."""
+    for label, terms in facts_of(log).terms.items():
+        if name_of(label) == name:
+            told = log.rows(term_column(label, term) for term in terms)
+            yield recorded_choice(label), {term: told[term_column(label, term)] for term in terms}
