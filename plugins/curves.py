@@ -2,14 +2,14 @@
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from harness.arrays import Float, Ints
+from harness.arrays import Float
 from harness.errors import SchemaError, UsageError
 from harness.log import BEHAVIOUR, LARGEST, RECORDED, REWARD, SINCE, SUCCESS, Log, LogFacts, Unit, in_memory
 from harness.log.text_table import require_columns
@@ -82,6 +82,8 @@ POINTS: Mapping[str, tuple[str, bool]] = {
     "episodescore": (ONE, True),
 }
 """By the name of a return, or its `plain` name: what a point is, and whether TensorBoard's step counts env steps."""
+Series: TypeAlias = tuple[Sequence[float], Sequence[float]]
+"""The points of one tag: their steps, and their values."""
 VALUES = ("reward", "success", "length", "measure")
 OF_ALL = ("steps", "timesteps", "numsteps", "nsteps")
 """Names of lengths in tables of episodes, and of the steps of a training beside a curve."""
@@ -233,40 +235,60 @@ def points(facts: LogFacts, chosen: Chosen, columns: Mapping[str, Float], told: 
     is_point = ~np.isnan(columns[chosen.main])
     filled = (name for name in chosen.times if name in columns and not np.isnan(columns[name][is_point]).all())
     counter = next(filled, "step")
-    if told.per_step and counter != "step":
-        raise UsageError(f"{facts.path} counts environment steps in '{counter}': leave per_step out")
-    is_time = counter != "step" or (is_of_steps and step in ("", "step")) or told.per_step > 0
+    told_by = step if counter == "step" else counter
+    tells_time = counter != "step" or plain(step) in ROLES["time"]
+    if told.per_step and tells_time:
+        raise UsageError(f"{facts.path} counts environment steps in '{told_by}': leave per_step out")
+    is_time = tells_time or (is_of_steps and step in ("", "step")) or told.per_step > 0
     axis = TIME if is_time else ITERATION
-    read = _read(chosen, columns)
-    whole = ~np.isnan(np.stack([columns[name] for name in (counter, *read.values())])).any(axis=0)
-    lacking = int(is_point.sum() - whole.sum())
-    rows, restarts = _last_attempt(facts.path, np.flatnonzero(whole), columns[counter][whole])
+    read = {column_of(role, name): name for role, name in chosen.columns.items() if role != "length"}
+    is_whole = ~np.isnan([columns[name] for name in (counter, *read.values())]).any(axis=0)
+    lacking, steps = int((is_point & ~is_whole).sum()), columns[counter][is_whole]
+    back = np.flatnonzero(np.diff(steps) < 0.0) + 1
+    if len(back) > MOST_RESTARTS:
+        raise SchemaError(
+            f"{facts.path}: its steps go back {len(back):,} times: several trainings write to it, or none"
+        )
+    counts = np.ones(len(steps), bool)
+    for row in back:  # what was logged before a restart, and was logged again later
+        counts[:row] &= steps[:row] < steps[row]
+    rows = np.flatnonzero(is_whole)[counts]
     if not len(rows):
         raise SchemaError(f"{facts.path} has no point of {', '.join(chosen.columns.values())} yet")
-    found = {axis: columns[counter][rows], **{column: columns[name][rows] for column, name in read.items()}}
+    length = chosen.columns.get("length", "")
+    lengths = columns[length][rows] if length else np.full(len(rows), np.nan)
+    is_told = ~np.isnan(lengths)
+    if length and is_told.all():
+        read["length"] = length
+    after = columns[counter][rows]
     if told.per_step:
         is_from_0 = np.nanmin(columns[counter]) == 0.0  # then the first one was over when it was logged
-        found[axis] = (found[axis] + is_from_0) * told.per_step
+        after = (after + is_from_0) * told.per_step
+    found = {axis: after, **{column: columns[name][rows] for column, name in read.items()}}
     for name, values in found.items():
         beyond = values[np.abs(values) > LARGEST]
         if len(beyond):
             raise SchemaError(f"{facts.path}: a value of {name} is {beyond[0]:g}, which is beyond all returns")
-    length = chosen.columns.get("length", "")
-    steps = columns[length][rows] if length else np.full(len(rows), np.nan)
-    is_told = ~np.isnan(steps)
-    if is_told.any():
-        steps = np.interp(found[axis], found[axis][is_told], steps[is_told])
-    elif told.episode:
-        steps = np.full(len(rows), float(told.episode))
-    found[SINCE] = _since(point, found[axis], steps if is_time else np.full(len(rows), np.nan))
+    if is_time and is_told.any():
+        lengths = np.interp(after, after[is_told], lengths[is_told])
+    else:
+        lengths = np.full(len(rows), told.episode or np.nan if is_time else np.nan)
+    before = np.concatenate([[0.0], after[:-1]])
+    last_100 = np.maximum(after - 100.0 * lengths, 0.0)
+    since = {
+        EVALUATED: after,
+        NEW: before,
+        ONE: np.where(np.isnan(lengths), before, np.maximum(after - lengths, 0.0)),
+        LAST_100_OR_NEW: np.minimum(before, last_100),
+    }
+    found[SINCE] = since.get(point, last_100)
     shown = ", ".join(f"{column} from '{name}'" for column, name in read.items())
-    told_by = step if counter == "step" else counter
     notes = {
         f"{shown}; {axis} from " + (f"'{told_by}'" if told_by else "its steps"): True,
         "nobody says how many environment steps one of its steps is: per_step=N does": not is_time,
         f"'{length}' lacks values: it is left out": length and "length" not in read,
         f"{lacking} points that lack one of these are left out": lacking,
-        f"{restarts} times it goes back: what was logged again later counts": restarts,
+        f"{len(back)} times it goes back: what was logged again later counts": len(back),
         f"there are also curves of {', '.join(chosen.others)}": chosen.others,
     }
     thinned = [facts.thinned, f"each value is {point}" if point not in ("", ONE) else ""]
@@ -286,53 +308,6 @@ def column_of(role: str, name: str) -> str:
     return {"reward": f"{REWARD}{RECORDED}", "success": f"{BEHAVIOUR}{SUCCESS}"}.get(role, f"{BEHAVIOUR}{name}")
 
 
-def _read(chosen: Chosen, columns: Mapping[str, Float]) -> dict[str, str]:
-    """By standard column: the name that it is read from. Lengths are left out where points have none."""
-    read = {column_of(role, name): name for role, name in chosen.columns.items() if role != "length"}
-    length = chosen.columns.get("length", "")
-    whole = ~np.isnan(np.stack([columns[name] for name in read.values()])).any(axis=0)
-    if length and not np.isnan(columns[length][whole]).any():
-        read["length"] = length
-    return read
-
-
-def _since(point: str, after: Float, length: Float) -> Float:
-    """Steps before the first episode that each value averages, (points,); NaN where nobody knows.
-
-    Args:
-        point: What a value is.
-        after: Steps when each was told.
-        length: Mean lengths of the episodes; NaN where nobody knows.
-    """
-    before = np.concatenate([[0.0], after[:-1]])
-    last_100: Float = np.maximum(after - 100.0 * length, 0.0)
-    known: dict[str, Float] = {
-        EVALUATED: after,
-        NEW: before,
-        ONE: np.where(np.isnan(length), before, np.maximum(after - length, 0.0)),
-        LAST_100_OR_NEW: np.minimum(before, last_100),
-    }
-    return known.get(point, last_100)
-
-
-def _last_attempt(path: Path, rows: Ints, steps: Float) -> tuple[Ints, int]:
-    """Which rows count, where some were logged again after a restart: the later ones; and how many restarts."""
-    kept = np.ones(len(steps), bool)
-    back = np.flatnonzero(np.diff(steps) < 0.0) + 1
-    if len(back) > MOST_RESTARTS:
-        raise SchemaError(f"{path}: its steps go back {len(back):,} times: several trainings write to it, or none")
-    for row in back:
-        kept[:row] &= steps[:row] < steps[row]
-    return rows[kept], len(back)
-
-
-class Series(NamedTuple):
-    """The points of one tag."""
-
-    steps: Sequence[float]
-    values: Sequence[float]
-
-
 def curve(facts: LogFacts, series: Mapping[str, Series], told: Roles, step: str = "") -> Log:
     """The log of one curve, of tags with points of their own: with a point for each of the tag that is read first.
 
@@ -343,23 +318,17 @@ def curve(facts: LogFacts, series: Mapping[str, Series], told: Roles, step: str 
         step: What their steps count, see `points`.
     """
     chosen = told.chosen(facts.path, list(series))
-    base = series.get(chosen.main, Series((), ()))
-    columns = {"step": np.array(base.steps, np.float64)}
-    keys = _numbered(base.steps)
+    steps, _ = series[chosen.main]
+    columns = {"step": np.array(steps, np.float64)}
     for tag in (*chosen.columns.values(), *chosen.times):
-        values = dict(zip(_numbered(series[tag].steps), series[tag].values, strict=True))
-        columns[tag] = np.array([values.get(key, np.nan) for key in keys], np.float64)
-    if plain(step) in ROLES["time"]:
-        columns[step] = columns["step"]
-        chosen = chosen._replace(times=(step, *chosen.times))
+        values = dict(zip(_numbered(series[tag][0]), series[tag][1], strict=True))
+        columns[tag] = np.array([values.get(it, np.nan) for it in _numbered(steps)], np.float64)
     return points(facts, chosen, columns, told, step)
 
 
-def _numbered(steps: Iterable[float]) -> list[tuple[float, int]]:
+def _numbered(steps: Iterable[float]) -> Iterator[tuple[float, int]]:
     """Each step, and how often it stood there before: several episodes may end at one step."""
     seen: Counter[float] = Counter()
-    found = []
     for step in steps:
-        found.append((step, seen[step]))
+        yield step, seen[step]
         seen[step] += 1
-    return found

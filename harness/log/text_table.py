@@ -8,7 +8,6 @@ import re
 import zlib
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +27,8 @@ GZIP, WIDE = b"\x1f\x8b", (b"\xff\xfe", b"\xfe\xff")
 """How a file begins that gzip packed, and text in UTF-16."""
 TRUTH = {"true": 1.0, "false": 0.0}
 NOTHING = ("", "nan", "none", "null")
+COMMENT = re.compile(r"#(?<![^\r\n]#)[ \t]*\{[^\r\n]*")
+"""A line of JSON behind ``#``."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +40,7 @@ class TextTable:
         names: Of all columns, in the order of the header.
         cells: By name, of the columns that were asked for.
         lines: Of each row, its line in the file, counted from 1.
-        comments: Lines of JSON behind ``#``, and their numbers.
+        comments: Lines of JSON behind ``#``.
         cut: The line of a last row that is left out because it does not end: it is being written, or was cut; else 0.
         has_commas: Whether semicolons part its cells, and a comma is the decimal point of its numbers.
     """
@@ -48,7 +49,7 @@ class TextTable:
     names: tuple[str, ...]
     cells: dict[str, list[str]]
     lines: Sequence[int]
-    comments: tuple[tuple[int, str], ...] = ()
+    comments: Sequence[str] = ()
     cut: int = 0
     has_commas: bool = False
 
@@ -196,41 +197,37 @@ def parse_table(path: Path, text: str, names: Sequence[str] = ()) -> TextTable:
     """
     if text.lstrip()[:1] in ("{", "["):
         return _of_objects(path, text)
-    comments: list[tuple[int, str]] = []
+    comments, text = COMMENT.findall(text), COMMENT.sub("", text)  # a blank line stays: the others keep their numbers
     is_quoted = text.startswith('"')  # the program puts every cell in quotes, and ends the last line with nothing
-    lines, begin = _lines(text, comments), list[str]()
-    for first in lines:
-        begin.append(first)
-        if first.strip():
-            break
-    separator = max(",;\t", key=begin[-1].count) if begin else ","
-    rows = _rows(path, chain(begin, lines), separator, strict=is_quoted)
+    begin = re.search(r"\S.*", text)
+    separator = max(",;\t", key=begin[0].count) if begin else ","
     is_open = not is_quoted and text and not text.endswith(("\n", "\r"))
     open_end = sum(1 for _ in io.StringIO(text, newline="")) if is_open else 0
-    line = 0
-    if not names:
-        line, head = next(rows, (0, []))
-        names = [name.strip() for name in head]
-    known = tuple(names)
-    if not known or line == open_end > 0 or len(set(known)) < len(known):
-        raise SchemaError(f"{path} has no header, a header that is cut off, or names a column twice in it")
+    known, numbers, cut = tuple(names), list[int](), 0
     columns: list[list[str]] = [[] for _ in known]
-    numbers: list[int] = []
-    cut = 0
-    for line, row in rows:
-        if line == open_end:
-            cut = line
-            break
-        if len(row) != len(known):
-            raise SchemaError(f"{path}, line {line}: it has {len(row)} cells, and there are {len(known)} columns")
-        if row[0].strip() == known[0] and tuple(cell.strip() for cell in row) == known:
-            continue  # somebody has gone on with the file
-        numbers.append(line)
-        for column, cell in zip(columns, row, strict=True):
-            column.append(cell)
+    reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator, strict=is_quoted, skipinitialspace=True)
+    try:
+        for row in reader:
+            line = reader.line_num
+            if len(row) < 2 and not any(cell.strip() for cell in row):
+                continue
+            if line == open_end:
+                cut = line
+            elif not known:
+                known = tuple(name.strip() for name in row)
+                columns = [[] for _ in known]
+            elif len(row) != len(known):
+                raise SchemaError(f"{path}, line {line}: it has {len(row)} cells, and there are {len(known)} columns")
+            elif row[0].strip() != known[0] or tuple(cell.strip() for cell in row) != known:  # else it was gone on with
+                numbers.append(line)
+                for column, cell in zip(columns, row, strict=True):
+                    column.append(cell)
+    except csv.Error as error:
+        raise SchemaError(f"{path}, line {reader.line_num}: {error}") from error
+    if len({*known}) < max(len(known), 1):
+        raise SchemaError(f"{path} has no header, a header that is cut off, or names a column twice in it")
     has_commas = separator == ";" and any(re.fullmatch(r"\s*-?\d+,\d+\s*", cell) for of in columns for cell in of)
-    cells = dict(zip(known, columns, strict=True))
-    return TextTable(path, known, cells, numbers, tuple(comments), cut, has_commas)
+    return TextTable(path, known, dict(zip(known, columns, strict=True)), numbers, comments, cut, has_commas)
 
 
 def require_columns(path: Path, names: Sequence[str], *wanted: str) -> None:
@@ -272,26 +269,6 @@ def _flat(of: Any, before: str = "") -> Iterator[tuple[str, str]]:
             yield from _flat(value, f"{before}{name}/")
         elif value is None or isinstance(value, str | int | float):
             yield f"{before}{name}", "" if value is None else str(value)
-
-
-def _rows(path: Path, lines: Iterator[str], separator: str, *, strict: bool) -> Iterator[tuple[int, list[str]]]:
-    """Rows and the lines on which they end; a blank one is none."""
-    reader = csv.reader(lines, delimiter=separator, strict=strict, skipinitialspace=True)
-    try:
-        for row in reader:
-            if len(row) > 1 or any(cell.strip() for cell in row):
-                yield reader.line_num, row
-    except csv.Error as error:
-        raise SchemaError(f"{path}, line {reader.line_num}: {error}") from error
-
-
-def _lines(text: str, comments: list[tuple[int, str]]) -> Iterator[str]:
-    """All lines. One of JSON behind # is put among the comments, and is blank here: the others keep their numbers."""
-    for number, line in enumerate(io.StringIO(text, newline=""), 1):
-        is_comment = line.startswith("#") and (line[1:].lstrip().startswith("{"))
-        if is_comment:
-            comments.append((number, line.strip()))
-        yield "\n" if is_comment else line
 
 
 def _number(cell: str) -> float:

@@ -337,7 +337,7 @@ def _tag(written: str) -> str:
 def _series(table: TextTable, axis: str, name: str) -> Series:
     values, steps = table.numbers(name, NOTHING), table.numbers(axis)
     there = ~np.isnan(values)
-    return Series(steps[there].tolist(), values[there].tolist())
+    return steps[there].tolist(), values[there].tolist()
 
 
 def _differ(table: TextTable, name: str) -> bool:
@@ -412,7 +412,7 @@ def _episodes(table: TextTable, facts: LogFacts, chosen: Chosen) -> Log:
 def _monitored(table: TextTable, told: Roles) -> Log:
     """Episodes of one environment, or of several that train side by side, as Monitor and VecMonitor write them."""
     path = table.path
-    heads = [_object(path, line, text) for line, text in table.comments]
+    heads = [_object(path, text) for text in table.comments]
     envs = sorted({str(head.get("env_id") or "") for head in heads})
     if len(envs) > 1:
         raise SchemaError(f"{path} holds episodes of several environments: {', '.join(envs)}")
@@ -461,13 +461,13 @@ def _bare_names(path: Path, text: str) -> Sequence[str]:
     return (*MONITOR, *(f"{NAMELESS}{number}" for number in range(4, first.count(",") + 2)))
 
 
-def _object(path: Path, line: int, text: str) -> dict[str, Any]:
+def _object(path: Path, text: str) -> dict[str, Any]:
     try:
         told = json.loads(text.lstrip("#"))
     except (ValueError, RecursionError):
         told = None
     if not isinstance(told, dict):
-        raise SchemaError(f"{path}, line {line}: behind # stands no JSON object")
+        raise SchemaError(f"{path}: behind # stands no JSON object: {shortened(text, 60)}")
     return told
 
 

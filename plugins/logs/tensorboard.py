@@ -14,7 +14,7 @@ from harness.eta.laws import NEARLY_ALL
 from harness.files.bounded import reading, require_regular
 from harness.log import LARGEST, Log, LogFacts
 
-from ..curves import CLEANRL_RUN, Roles, Series, curve
+from ..curves import CLEANRL_RUN, Roles, curve
 
 MARK = "tfevents"
 MOST_BYTES = 2**31
@@ -121,7 +121,7 @@ class TensorBoard(Roles):
             asked=int(told["total_timesteps"]) if told.get("total_timesteps", "").isdecimal() else 0,
             notes=(*notes, *(note for file in files for note in file.notes)),
         )
-        tags = {tag: Series(it.steps, it.values) for tag, it in joined.items()}
+        tags = {tag: (it.steps, it.values) for tag, it in joined.items()}
         return curve(facts, tags, self)
 
 
