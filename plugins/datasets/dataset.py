@@ -1,15 +1,13 @@
 """What data sets of every format have in common: their facts, the bounds on what is read, and usual names."""
 
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from harness.arrays import Float, Mask
-from harness.authoring.commands import UNKNOWN, SuccessRule, parse_success
+from harness.authoring.commands import SuccessRule, parse_success
 from harness.errors import SchemaError, UsageError
 from harness.log import RECORDED
 from harness.registry import did_you_mean
@@ -36,21 +34,10 @@ class Declared:
     lengths: Mapping[int, int] = field(default_factory=dict)
 
 
-@dataclass(frozen=True)
-class Census:
-    """What belongs to a data set.
-
-    Attributes:
-        episodes: Numbers of the episodes that are read.
-        notes: How what lies there differs from what is declared, a line each.
-    """
-
-    episodes: frozenset[int]
-    notes: tuple[str, ...] = ()
-
-
-def take_census(path: Path, declared: Declared, found: Mapping[int, int], partial: bool) -> Census:
-    """Which episodes belong to the data set.
+def take_census(
+    path: Path, declared: Declared, found: Mapping[int, int], partial: bool
+) -> tuple[frozenset[int], list[str]]:
+    """Which episodes belong to the data set, and how what lies there differs from what is declared, a line each.
 
     Args:
         path: The data set, for messages.
@@ -83,7 +70,7 @@ def take_census(path: Path, declared: Declared, found: Mapping[int, int], partia
             "--partial"
         )
     notes += [f"In spite of --partial, not as declared: {gap}" for gap in gaps]
-    return Census(frozenset(belonging), tuple(notes))
+    return frozenset(belonging), notes
 
 
 def _belonging(declared: Declared, found: Mapping[int, int]) -> set[int]:
@@ -188,69 +175,27 @@ def rows_at_once(bytes_of_row: int) -> int:
     return max(1, min(ROWS, PIECE_BYTES // max(1, bytes_of_row)))
 
 
-def texts(text: str, count: int) -> NDArray[Any]:
-    """A column that says the same of every step."""
-    return np.full(count, text, object)
+def chosen_key(flag: str, named: str, told: Collection[str], usual: Iterable[str], path: Path) -> str:
+    """The key that the user names, or the first of the usual ones that is there; empty if none is.
 
+    Args:
+        flag: By which the user names it.
+        named: By the user, or empty.
+        told: The keys that are there.
+        usual: Keys that mostly say it.
+        path: Of the data set, for messages.
 
-def as_texts(values: NDArray[Any]) -> NDArray[Any]:
-    """The first number of each row as text, as one says who made an episode."""
-    found, place = np.unique(values.reshape(len(values), -1)[:, 0], return_inverse=True)
-    return np.array([f"{value}" for value in found], object)[place]
-
-
-def filled_up(values: NDArray[Any], count: int) -> NDArray[Any]:
-    """So many rows; zeros stand for those that a file does not have at its end."""
-    lacking = np.zeros((count - len(values), *values.shape[1:]), values.dtype)
-    return np.concatenate([values, lacking]) if len(lacking) else values
-
-
-def where_seen(values: NDArray[Any], seen: Mask) -> NDArray[Any]:
-    """Rows of an observation, without those that nobody has seen: NaN, or 0 where they are whole numbers."""
-    if seen.all():
-        return values
-    kept = values.copy()
-    kept[~seen] = np.nan if values.dtype.kind == "f" else 0
-    return kept
-
-
-def as_measure(told: NDArray[np.int8]) -> Float:
-    """Labels as a measure of steps: 1, 0, and NaN where it is not known."""
-    return np.where(told == UNKNOWN, np.nan, told)
-
-
-def missing_key(flag: str, key: str, path: Path, known: Iterable[str]) -> UsageError:
-    """What is said where a key is not there: the nearest, and all that are."""
-    keys = list(dict.fromkeys(known))
-    shown = shortened(", ".join(keys), 400) or "none"
-    return UsageError(f"{flag} {key}: {path} has no such key; it has {shown}.{did_you_mean(key, keys)}")
+    Raises:
+        UsageError: The key that the user names is not there; says which are.
+    """
+    if named and named not in told:
+        keys = list(dict.fromkeys(told))
+        shown = shortened(", ".join(keys), 400) or "none"
+        raise UsageError(f"{flag} {named}: {path} has no such key; it has {shown}.{did_you_mean(named, keys)}")
+    return named or next((key for key in usual if key in told), "")
 
 
 def success_rule(success: str, told: Collection[str], path: Path, usual: Iterable[str]) -> SuccessRule | None:
-    """Where success stands; None where nothing says it.
-
-    Args:
-        success: What the user says of it; without a key the first of the usual ones that is there.
-        told: The keys that are there.
-        path: Of the data set, for messages.
-        usual: Keys that mostly say it.
-
-    Raises:
-        UsageError: The key that the user names is not there.
-    """
+    """Where success stands, by what the user says of it; None where nothing says it. See `chosen_key`."""
     rule = parse_success(success)
-    if rule.key and rule.key not in told:
-        raise missing_key("--success", rule.key, path, told)
-    key = next((key for key in usual if key in told), None)
-    return rule if rule.key else SuccessRule(key) if key else None
-
-
-def operator_key(cluster: str, told: Collection[str], path: Path) -> str:
-    """What says who made an episode: what the user names, or the first of the usual keys; empty if nothing does.
-
-    Raises:
-        UsageError: The key that the user names is not there.
-    """
-    if cluster and cluster not in told:
-        raise missing_key("--cluster", cluster, path, told)
-    return cluster or next((key for key in OPERATOR_KEYS if key in told), "")
+    return replace(rule, key=key) if (key := chosen_key("--success", rule.key, told, usual, path)) else None

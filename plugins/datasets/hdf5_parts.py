@@ -1,18 +1,22 @@
 """Parts of an HDF5 file that anybody may have made: nothing of another file, nothing twice, nothing without end."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.arrays import Ints
 from harness.authoring.commands import MOST_EPISODES
 from harness.errors import SchemaError
-from harness.text import shortened
+from harness.files import reading, require_regular
+from harness.record.dataset.open_dataset import open_hdf5
 
 from .dataset import MOST_KEYS, MOST_NUMBERS, require_readable, rows_at_once
+from .steps import Source, Steps, nothing_told
 
 MOST_BYTES = 2**40
 CHUNK_BYTES = 2**28
@@ -109,11 +113,14 @@ def group_of(path: Path, parent: Any, key: str, most: int = MOST_KEYS) -> Any:
 
 
 def array_of(path: Path, parent: Any, key: str) -> Array:
-    """An array in a group; see `member_of`.
+    """An array in a group, or in groups of it, ``a/b``; see `member_of`.
 
     Raises:
         SchemaError: It is none.
     """
+    *groups, key = key.split("/")
+    for group in groups:
+        parent = group_of(path, parent, group)
     found = member_of(path, parent, key)
     if not isinstance(found, Array):
         raise SchemaError(f"{path}: {_place(parent, key)} is a group, no array")
@@ -218,8 +225,8 @@ class Walk:
             yield key, member_of(self._path, group, key)
 
 
-def read_stretches(steps: int, parts: Mapping[str, Stretch]) -> Iterator[tuple[int, dict[str, NDArray[Any]]]]:
-    """The rows of some steps after another, by column, and the number of the first of them, counted from 0.
+def read_stretches(steps: int, parts: Mapping[str, Stretch]) -> Iterator[tuple[slice, dict[str, NDArray[Any]]]]:
+    """The rows of some steps after another, by column, and which steps these are, counted from 0.
 
     An array that two columns read, such as observations before and after each step, is read once.
     """
@@ -232,41 +239,62 @@ def read_stretches(steps: int, parts: Mapping[str, Stretch]) -> Iterator[tuple[i
         end = min(begin + rows, steps)
         held = {array: array[begin + low : end + high] for array, (low, high) in spans.items()}
         yield (
-            begin,
+            slice(begin, end),
             {name: held[array][first - spans[array][0] :][: end - begin] for name, (array, first) in parts.items()},
         )
 
 
-class Budget:
-    """Counts the numbers that are read of a file, and refuses too many."""
-
-    def __init__(self, path: Path) -> None:
-        self._path, self._values = path, 0
-
-    def take(self, steps: int, parts: Mapping[str, Stretch]) -> None:
-        """Before they are read.
-
-        Raises:
-            SchemaError: They are too many.
-        """
-        self._values += steps * sum(array.width for array in {part.array for part in parts.values()})
-        require_readable(self._path, 1, self._values)
+@contextmanager
+def opened(path: Path, noun: str) -> Iterator[Any]:
+    """An HDF5 file, open for reading; `noun` says what it should be."""
+    with reading(path, noun):
+        require_regular(path, MOST_BYTES)
+        with open_hdf5(path) as file:
+            yield file
 
 
-def text_of(told: Any) -> str:
-    """What an attribute, or an array of one value, says, on one line."""
-    if isinstance(told, np.ndarray) and told.size == 1:
-        told = told.ravel()[0]
-    text = told.decode(errors="replace") if isinstance(told, bytes) else str(told)
-    return shortened(" ".join(text.split()), 200)
+class Run(NamedTuple):
+    """Steps of an episode, or of several that follow one another in the same arrays.
+
+    Attributes:
+        episode: The number of each step's episode, (steps,).
+        parts: By column where the numbers of all steps stand.
+        where: They stand, for messages.
+        told: See `Source.columns`.
+        known: Further columns, (steps,).
+    """
+
+    episode: Ints
+    parts: Mapping[str, Stretch]
+    where: str
+    told: Callable[[int, str], Any] = nothing_told
+    known: Mapping[str, NDArray[Any]] = {}
 
 
-def one_number(values: NDArray[Any], noun: str) -> NDArray[np.float64]:
-    """A column that has one number of each step, (steps,).
+def tables_of(
+    path: Path, source: Source, runs: Callable[[Any, tuple[str, ...]], Iterable[Run]], names: tuple[str, ...]
+) -> Iterator[dict[str, NDArray[Any]]]:
+    """Some columns of the steps of all runs.
+
+    Args:
+        path: The file.
+        source: What is known of it.
+        runs: Finds them in the open file, with what these columns need.
+        names: Of the columns.
 
     Raises:
-        SchemaError: It has several.
+        SchemaError: They hold too many numbers, or do not fit together.
     """
-    if values.size != len(values):
-        raise SchemaError(f"{noun} holds {values.size // max(1, len(values)):,} numbers a step, not one")
-    return np.asarray(values, np.float64).reshape(len(values))
+    numbers = 0
+    with opened(path, f"{source.facts.format} data set") as file:
+        for episode, parts, where, told, known in runs(file, names):
+            numbers += len(episode) * sum(array.width for array in {part.array for part in parts.values()})
+            require_readable(path, 1, numbers)
+            if not len(episode):
+                continue
+            ends = np.append(np.diff(episode) != 0, True)
+            begins = np.concatenate([[0], np.flatnonzero(ends)[:-1] + 1])
+            step = np.arange(len(episode)) - np.repeat(begins, np.diff(begins, append=len(episode))) + 1
+            for rows, table in read_stretches(len(episode), parts):
+                found = {"step": step[rows], **{name: values[rows] for name, values in known.items()}, **table}
+                yield source.columns(names, Steps(found, episode[rows], ends[rows], where), told)

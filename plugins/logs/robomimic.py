@@ -9,48 +9,32 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from harness.errors import SchemaError, UsageError
-from harness.files.bounded import names_in_hdf5, reading, require_regular
+from harness.files.bounded import names_in_hdf5
 from harness.log import Log
-from harness.log.log import ACTION, BEFORE, BEHAVIOUR, OBSERVATION, OPERATOR, RECORDED, REWARD, SEEN, SUCCESS
-from harness.record.dataset.labels import UNKNOWN, SuccessRule
-from harness.record.dataset.open_dataset import HDF5_SIGNATURE, MOST_EPISODES, DatasetFacts, open_hdf5
+from harness.log.log import ACTION, BEFORE, OBSERVATION, RECORDED, REWARD
+from harness.record.dataset.open_dataset import HDF5_SIGNATURE, MOST_EPISODES, DatasetFacts
 from harness.registry.names import did_you_mean
 from harness.text import one_line_of, shortened
 
 from ..datasets.dataset import (
     NOTHING_SEEN,
+    OPERATOR_KEYS,
     SUCCESS_KEYS,
     Declared,
-    as_measure,
-    filled_up,
-    operator_key,
+    chosen_key,
     success_rule,
     take_census,
-    texts,
-    where_seen,
     whole,
 )
-from ..datasets.hdf5_parts import (
-    MOST_BYTES,
-    Budget,
-    Stretch,
-    array_of,
-    find_array,
-    group_of,
-    one_number,
-    read_stretches,
-    text_of,
-)
+from ..datasets.hdf5_parts import Run, Stretch, array_of, find_array, group_of, opened, tables_of
+from ..datasets.steps import LABEL, Source, text_of
 
-LABEL, PAY = f"{BEHAVIOUR}{SUCCESS}", f"{REWARD}{RECORDED}"
 DATA, MASK = "data", "mask"
-ENDED = "terminated"
-ARRAY_COLUMNS = {PAY: "rewards", ENDED: "dones"}
-ARRAYS = tuple(ARRAY_COLUMNS.values())
-"""Arrays with a number for each step."""
+PAY = f"{REWARD}{RECORDED}"
+ARRAYS = {PAY: "rewards", "terminated": "dones"}
+"""Arrays with a number for each step, by column."""
 _DEMO = re.compile(r"demo_(\d{1,9})")
 
 
@@ -77,39 +61,41 @@ class Robomimic:
 
     def read(self, path: Path) -> tuple[Log, ...]:
         """The data set; its steps are read later."""
-        with reading(path, "robomimic data set"):
-            require_regular(path, MOST_BYTES)
-            with open_hdf5(path) as file:
-                data = group_of(path, file, DATA, MOST_EPISODES)
-                seen = _overview(path, data)
-                total = whole(data.attrs.get("total"))
-                census = take_census(path, Declared(None, total, lengths=seen.told), seen.steps, self.partial)
-                masks = _masks(path, file)
-                listed = _listed(path, masks, self.mask, seen.steps) if self.mask else census.episodes
-                numbers = tuple(sorted(it for it in census.episodes & listed if seen.steps[it]))
-                if not numbers:
-                    raise SchemaError(f"{path} has no demonstration with a step")
-                demo = group_of(path, data, seen.groups[numbers[0]])
-                keys, pictures = _keys_seen(path, demo)
-                arrays = tuple(key for key in ARRAYS if find_array(path, demo, key) is not None)
-                env = data.attrs.get("env_args")
-                sees_last = "next_obs" in demo
+        with opened(path, "robomimic data set") as file:
+            data = group_of(path, file, DATA, MOST_EPISODES)
+            seen = _overview(path, data)
+            total = whole(data.attrs.get("total"))
+            belonging, notes = take_census(path, Declared(None, total, lengths=seen.told), seen.steps, self.partial)
+            masks = _masks(path, file)
+            listed = _listed(path, masks, self.mask, seen.steps) if self.mask else belonging
+            groups = {it: seen.groups[it] for it in sorted(belonging & listed) if seen.steps[it]}
+            if not groups:
+                raise SchemaError(f"{path} has no demonstration with a step")
+            demo = group_of(path, data, next(iter(groups.values())))
+            keys, pictures = _keys_seen(path, demo)
+            places = {name: key for name, key in ARRAYS.items() if find_array(path, demo, key) is not None}
+            env = data.attrs.get("env_args")
+            after = "next_obs" if "next_obs" in demo else "obs"
+        arrays = tuple(places.values())
         rule = success_rule(self.success, (*arrays, *seen.attributes), path, SUCCESS_KEYS)
         facts = DatasetFacts(
             path=path,
             format="robomimic",
             name=f"robomimic:{f'mask={self.mask}:' if self.mask else ''}{path}",
-            env="" if env is None else text_of(env),
+            env=text_of(env),
             success="" if rule is None else rule.text,
-            told_by=RECORDED if rule is not None and ARRAY_COLUMNS.get(PAY) == rule.key else "",
-            operator=operator_key(self.cluster, seen.attributes, path),
+            told_by=RECORDED if rule is not None and rule.key == places.get(PAY) else "",
+            operator=chosen_key("--cluster", self.cluster, seen.attributes, OPERATOR_KEYS, path),
             pictures_left_out=bool(pictures),
-            notes=(*_notes(keys, pictures, masks, self.mask), *census.notes),
+            notes=(*_notes(keys, pictures, masks, self.mask), *notes),
         )
-        layout = _Layout(
-            path, {number: seen.groups[number] for number in numbers}, keys, sees_last, arrays, rule, facts.operator
-        )
-        return (Log(facts, tuple(layout.columns()), partial(_tables, layout)),)
+        places |= {
+            f"{begin}{OBSERVATION}/{key}": f"{of}/{key}" for key in keys for begin, of in ((BEFORE, "obs"), ("", after))
+        }
+        columns = ("episode", "step", ACTION, *places)
+        places |= {ACTION: "actions"} | ({LABEL: rule.key} if rule is not None and rule.key in arrays else {})
+        source = Source(facts, rule, sees_last=not keys or after == "next_obs")
+        return (source.log(columns, partial(tables_of, path, source, partial(_runs, path, groups, places))),)
 
     def write_example(self, folder: Path) -> Path:
         """Two demonstrations."""
@@ -214,125 +200,37 @@ def _notes(
         yield f"All demonstrations are read. Of a filter key alone: robomimic:mask=KEY:FILE ({shortened(told, 300)})"
 
 
-class _Layout(NamedTuple):
-    """What is read of each demonstration.
+def _runs(
+    path: Path, groups: Mapping[int, str], places: Mapping[str, str], file: Any, names: tuple[str, ...]
+) -> Iterator[Run]:
+    """The steps of each demonstration.
 
-    Attributes:
+    Args:
         path: The file.
         groups: Names of the demonstrations' groups, by their numbers.
-        keys: Of observations.
-        sees_last: Whether the file tells what was seen after each step, also the last one.
-        arrays: Those of `ARRAYS` that there are.
-        rule: Where success stands; None where nothing says it.
-        operator: The attribute that says who made a demonstration; empty if none does.
-    """
-
-    path: Path
-    groups: Mapping[int, str]
-    keys: tuple[str, ...]
-    sees_last: bool
-    arrays: tuple[str, ...]
-    rule: SuccessRule | None
-    operator: str
-
-    def columns(self) -> Iterator[str]:
-        """All columns of the log."""
-        yield from ("episode", "step", ACTION)
-        yield from (name for name, key in ARRAY_COLUMNS.items() if key in self.arrays)
-        yield from (f"{begin}{OBSERVATION}/{key}" for key in self.keys for begin in (BEFORE, ""))
-        yield from [SEEN] if self.keys and not self.sees_last else []
-        yield from [LABEL] if self.rule is not None else []
-        yield from [OPERATOR] if self.operator else []
-
-
-def _tables(layout: _Layout, names: tuple[str, ...]) -> Iterator[Mapping[str, NDArray[Any]]]:
-    path, budget = layout.path, Budget(layout.path)
-    with reading(path, "robomimic data set"), open_hdf5(path) as file:
-        data = group_of(path, file, DATA, MOST_EPISODES)
-        for number, key in layout.groups.items():
-            demo = group_of(path, data, key)
-            parts = _parts(layout, demo, number, names)
-            steps = len(parts[ACTION].array)
-            budget.take(steps, parts)
-            for begin, table in read_stretches(steps, parts):
-                count = len(table[ACTION])
-                yield {name: _column(layout, demo, number, name, begin, steps, count, table) for name in names}
-
-
-def _parts(layout: _Layout, demo: Any, number: int, names: tuple[str, ...]) -> dict[str, Stretch]:
-    """Where the numbers of columns stand in the file; actions are always among them.
+        places: By column where it stands in a demonstration.
+        file: The file, open.
+        names: Of the columns that are needed.
 
     Raises:
         SchemaError: An array has other rows than the demonstration has actions.
     """
-    path = layout.path
-    arrays = {ACTION: array_of(path, demo, "actions")}
-    keys = {name: key for name, key in ARRAY_COLUMNS.items() if name in names}
-    if layout.rule is not None and LABEL in names and layout.rule.key in layout.arrays:
-        keys[LABEL] = layout.rule.key
-    arrays |= {name: array_of(path, demo, key) for name, key in keys.items()}
-    for place, begin in (("obs", BEFORE), ("next_obs", "")):
-        asked = [key for key in layout.keys if f"{begin}{OBSERVATION}/{key}" in names]
-        if asked and (place == "obs" or layout.sees_last):
-            group = group_of(path, demo, place)
-            arrays |= {f"{begin}{OBSERVATION}/{key}": array_of(path, group, key) for key in asked}
-    steps = len(arrays[ACTION])
-    for name, array in arrays.items():
-        if len(array) != steps or not array.holds_numbers:
-            raise SchemaError(
-                f"{path}: {layout.groups[number]} has {steps:,} actions, and {len(array):,} rows of {name}"
-            )
-        one = arrays.get(f"{BEFORE}{name}", array)
-        if one.shape != array.shape:
-            told = f"{list(one.shape)} in obs and {list(array.shape)} in next_obs"
-            raise SchemaError(f"{path}: {layout.groups[number]}: {name} is {told}")
-    parts = {name: Stretch(array) for name, array in arrays.items()}
-    if not layout.sees_last:
-        group = group_of(path, demo, "obs") if layout.keys else None
-        asked = [key for key in layout.keys if f"{OBSERVATION}/{key}" in names]
-        parts |= {f"{OBSERVATION}/{key}": Stretch(array_of(path, group, key), 1) for key in asked}
-    return parts
+    data = group_of(path, file, DATA, MOST_EPISODES)
+    for number, key in groups.items():
+        demo, where = group_of(path, data, key), f"{path}: {key}"
+        arrays = {name: array_of(path, demo, place) for name, place in places.items() if name in (ACTION, *names)}
+        steps = len(arrays[ACTION])
+        for name, array in arrays.items():
+            if len(array) != steps or not array.holds_numbers:
+                raise SchemaError(f"{where} has {steps:,} actions, and {len(array):,} rows of {name}")
+            one = arrays.get(f"{BEFORE}{name}", array)
+            if one.shape != array.shape:
+                told = f"{list(one.shape)} in obs and {list(array.shape)} in next_obs"
+                raise SchemaError(f"{where}: {name} is {told}")
+        follows = [name for name in places if places.get(f"{BEFORE}{name}") == places[name]]
+        parts = {name: Stretch(array, int(name in follows)) for name, array in arrays.items()}
+        yield Run(np.full(steps, number), parts, where, partial(_attribute, demo))
 
 
-def _column(
-    layout: _Layout,
-    demo: Any,
-    number: int,
-    name: str,
-    begin: int,
-    steps: int,
-    count: int,
-    table: Mapping[str, NDArray[Any]],
-) -> NDArray[Any]:
-    where = f"{layout.path}, {layout.groups[number]}"
-    seen = np.arange(begin, begin + count) < steps - (not layout.sees_last)
-    known: dict[str, NDArray[Any]] = {
-        "episode": np.full(count, number, np.int64),
-        "step": np.arange(begin + 1, begin + count + 1, dtype=np.int64),
-        SEEN: seen,
-    }
-    if name in known:
-        return known[name]
-    if name == OPERATOR:
-        return texts(text_of(demo.attrs.get(layout.operator, "")), count)
-    if name == LABEL and layout.rule is not None:
-        last = begin + count == steps
-        return as_measure(_labels(layout.rule, demo, table.get(name), count, last, f"{where}: {layout.rule.key}"))
-    if name in ARRAY_COLUMNS:
-        numbers = one_number(table[name], f"{where}: {ARRAY_COLUMNS[name]}")
-        # Some files have dones in every step that is a success, and the demonstration goes on.
-        is_last = np.arange(begin, begin + count) == steps - 1
-        return numbers if name == PAY else np.asarray(is_last & (numbers != 0.0))
-    return where_seen(filled_up(table[name], count), seen) if name.startswith(OBSERVATION) else table[name]
-
-
-def _labels(
-    rule: SuccessRule, demo: Any, values: NDArray[Any] | None, count: int, is_last: bool, noun: str
-) -> NDArray[np.int8]:
-    """Labels of each step; what an attribute says of the whole demonstration stands in its last one."""
-    if values is not None:
-        return rule.of_steps(values, noun)
-    told = np.full(count, UNKNOWN, np.int8)
-    if is_last:
-        told[-1] = rule.of_episode(demo.attrs.get(rule.key), noun)
-    return told
+def _attribute(demo: Any, number: int, key: str) -> Any:
+    return demo.attrs.get(key)
