@@ -84,11 +84,10 @@ class Results(Records):
         if len(kinds) > 1:
             raise UsageError(f"'{folder}' mixes cells of an arm with cells in environments: report them apart")
         self.in_environment = kinds == {True}
-        self.traces = Traces(self, metrics if not self.in_environment else None)
-        self.recordings = Recordings(self, metrics) if self.in_environment else None
-        self._source: Traces | Recordings = self.recordings or self.traces
-        if self.recordings is None:
-            self.manifests = list(map(self.traces.examine, self.manifests))
+        self._source = source = Recordings(self, metrics) if self.in_environment else Traces(self, metrics)
+        self.recordings = source if isinstance(source, Recordings) else None
+        self.traces = source if isinstance(source, Traces) else None
+        self.manifests = list(map(source.examine, self.manifests))
         self.account = self._counted(told.leave_out) if self.is_experiment else Account[Manifest]((), (), ())
 
     def _counted(self, leave_out: Collection[Path]) -> Account[Manifest]:
@@ -103,6 +102,8 @@ class Results(Records):
         self.manifests = [
             replace(it, status="skipped", reason=out[it.cell]) if it.cell in out else it for it in self.manifests
         ]
+        for cell in out:
+            self._source.remove(cell)
         return account
 
     @property
@@ -221,7 +222,7 @@ class Results(Records):
 
     def recorded(self, cell: Cell) -> Float:
         """What a done cell's own reward paid, every row of its training, (rows,)."""
-        return self.recordings.recorded(cell) if self.recordings else self.traces.of(cell).recorded()
+        return self._source.recorded(cell)
 
     def frames(self, cell: Cell, episode: int = 0) -> Frames | None:
         """Pictures of an evaluation episode that an environment drew; None of an arm, which has a replay."""

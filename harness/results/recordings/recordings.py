@@ -13,7 +13,7 @@ from harness.eta.seed_mean import SeedMean, mean_of_known
 from harness.measure import Measure
 from harness.record.cell import Cell
 from harness.record.folder import RANDOM, TRAINING_RECORDING, recording_of
-from harness.record.manifest import is_named
+from harness.record.manifest import Manifest, is_named
 from harness.record.recording.recorded_training import recordings_in
 from harness.record.store import Floor, floors_in
 from harness.registry.choice import split_list
@@ -54,6 +54,13 @@ class Recordings:
             measures: Which measures of the environment, beside the one that decides; all of them if None.
         """
         self.records, self._shown = records, None if measures is None else tuple(split_list(measures))
+
+    def examine(self, manifest: Manifest) -> Manifest:
+        """What there is to say of a cell: a recording is looked at as it is read."""
+        return manifest
+
+    def remove(self, cell: Cell) -> None:
+        """Leave out a cell: one that is not done is not read."""
 
     @cached_property
     def places(self) -> tuple[Place, ...]:
