@@ -20,7 +20,6 @@ from harness.log import Log
 from harness.measure import Measure
 from harness.record.cell import Cell
 from harness.record.manifest import Manifest
-from harness.record.store import Store
 from harness.registry.registry import Registry
 from harness.results.alone import Alone, alone_of
 from harness.results.compare import compare_all
@@ -57,7 +56,7 @@ class Results(Records):
         *,
         metrics: Iterable[str] | str | None = None,
         is_temporary: bool = False,
-        store: Store | None = None,
+        runs: Runs | None = None,
         pairs: bool = False,
         told: Told = FOUND_OUT,
     ) -> None:
@@ -70,7 +69,7 @@ class Results(Records):
             metrics: Which metrics; every registered one if None, see `harness.results.metrics.load_metrics`. Of an
                 environment: which of its measures, beside the one that decides.
             is_temporary: See `Records`.
-            store: See `Records`.
+            runs: See `Records`.
             pairs: See `Records`.
             told: What the user says: which cells of an experiment are left out.
 
@@ -79,7 +78,7 @@ class Results(Records):
                 out is no cell that ended.
             PluginError: A named metric is broken.
         """
-        super().__init__(folder, registry, kind, is_temporary=is_temporary, store=store, pairs=pairs)
+        super().__init__(folder, registry, kind, is_temporary=is_temporary, runs=runs, pairs=pairs)
         kinds = {cell.is_in_environment for cell in self.plan.cells}
         if len(kinds) > 1:
             raise UsageError(f"'{folder}' mixes cells of an arm with cells in environments: report them apart")

@@ -12,13 +12,11 @@ from harness.errors import SchemaError, UsageError
 from harness.eta.equal import equal_sentences, equal_trainings
 from harness.eta.laws import Account, Missing, counted, shortfall_beside
 from harness.eta.manner import ACTED_AT_RANDOM, DETERMINISTIC, OWN_AND_OTHER
-from harness.record.cell import BROUGHT, EVALUATION_HORIZON, UNKNOWN_ALGORITHM, Cell
-from harness.record.manifest import Manifest
-from harness.record.plan_file import PLAN, StoredPlan
+from harness.record.cell import UNKNOWN_ALGORITHM
+from harness.record.plan_file import PLAN
 from harness.record.recording.facts import OWN_SOURCE, TrainingFacts
 from harness.record.recording.recorded_training import facts_name, recordings_in, weights_of
-from harness.record.store import MOST_NAMED, Store
-from harness.registry.choice import Choice
+from harness.record.store import MOST_NAMED
 from harness.results.comparison import Group
 from harness.results.logs.told import FOUND_OUT, Told
 from harness.results.recordings.episodes import count_text, cut_notes, cut_text
@@ -396,63 +394,19 @@ def _in_order(names: Iterable[Sequence[str]]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(name for some in names for name in some))
 
 
-class LooseStore(Store):
-    """A folder in which recorded trainings lie, at any depth.
+def read_loose(folder: Path, told: Told = FOUND_OUT) -> Runs:
+    """The recorded trainings that lie in a folder which is no experiment's, at any depth; see `read_runs`.
 
-    Attributes:
-        runs: The trainings.
+    Raises:
+        UsageError: There are none, none that can be compared, or whole experiments lie among them; no training was
+            taught by the baseline; or nobody says which values of what decides are better.
     """
-
-    def __init__(
-        self,
-        folder: Path,
-        runs: Runs | None = None,
-        told: Told = FOUND_OUT,
-    ) -> None:
-        """Read all recordings, unless they were read already.
-
-        Args:
-            folder: Where they lie.
-            runs: What was read of them; None if nothing was.
-            told: What the user says; see `read_runs`.
-
-        Raises:
-            UsageError: There are none, none that can be compared, or whole experiments lie among them; no training was
-                taught by the baseline; or nobody says which values of what decides are better.
-        """
-        super().__init__(folder)
-        baseline, decides = told.baseline, told.deciding.name
-        named = [decides] if decides else []
-        self.runs: Runs = runs or read_runs(folder, None, named, told=told)
-        known = {name for run in self.runs.members.values() for name in run.episodes.behaviour}
-        if runs is None and named and not {*named} <= known:
-            raise UsageError(f"--measure {decides}: the recordings tell {', '.join(sorted(known)) or 'none'}")
-        self.runs.require_direction()
-        if baseline and baseline not in self.runs.trained:
-            there = ", ".join(self.runs.trained)
-            raise UsageError(f"--baseline {baseline}: no training was taught by it. There are: {there}")
-        self._run_of = {self._cell(run): run for run in self.runs.members.values()}
-
-    def read_plan(self) -> StoredPlan:
-        """A plan of these trainings; the reward that was given first is the baseline."""
-        return StoredPlan(self.runs.trained[0], False, {}, tuple(self._run_of), {})
-
-    def examine(self, cell: Cell) -> Manifest:
-        """All of them are done."""
-        return Manifest(cell, status="done")
-
-    def manifests(self) -> list[Manifest]:
-        """The manifests of all trainings."""
-        return list(map(self.examine, self._run_of))
-
-    def cell_folder(self, cell: Cell) -> Path:
-        """The folder of the recording."""
-        return self._run_of[cell].path
-
-    def _cell(self, run: Run) -> Cell:
-        group = self.runs.group
-        reward = Choice(run.reward, (), run.reward)
-        return Cell(
-            *BROUGHT, group.task, group.algorithm, reward, run.seed, group.steps,
-            group.evaluation_episodes, evaluation_horizon=EVALUATION_HORIZON,
-        )  # fmt: skip
+    baseline, decides = told.baseline, told.deciding.name
+    runs = read_runs(folder, None, [decides] if decides else [], told=told)
+    known = {name for run in runs.members.values() for name in run.episodes.behaviour}
+    if decides and decides not in known:
+        raise UsageError(f"--measure {decides}: the recordings tell {', '.join(sorted(known)) or 'none'}")
+    runs.require_direction()
+    if baseline and baseline not in runs.trained:
+        raise UsageError(f"--baseline {baseline}: no training was taught by it. There are: {', '.join(runs.trained)}")
+    return runs

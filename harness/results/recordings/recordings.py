@@ -1,6 +1,6 @@
 """The recorded trainings of an experiment's cells in environments, or recordings and logs that lie loose."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from types import MappingProxyType
@@ -20,7 +20,7 @@ from harness.registry.choice import split_list
 from harness.results.comparison import Group
 from harness.results.logs.told import Told
 from harness.results.metrics import require_measures
-from harness.results.recordings.read_runs import LooseStore, read_runs
+from harness.results.recordings.read_runs import read_runs
 from harness.results.recordings.recording_results import RecordingResults, numbers_in_environment, numbers_of_part
 from harness.results.recordings.runs import Run, Runs
 from harness.results.records import Records
@@ -69,13 +69,12 @@ class Recordings:
         Raises:
             UsageError: A measure was chosen that no environment has.
         """
-        records, store = self.records, self.records.store
-        if isinstance(store, LooseStore):
-            found: dict[Group, tuple[list[Cell], Runs | str]] = {
-                store.runs.group: (list(records.plan.cells), store.runs)
-            }
-        else:
-            found = {group: (cells, self._read(group, cells)) for group, cells in records.groups.items()}
+        records = self.records
+        found: dict[Group, tuple[Sequence[Cell], Runs | str]] = (
+            {records.runs.group: (records.plan.cells, records.runs)}
+            if records.runs
+            else {group: (cells, self._read(group, cells)) for group, cells in records.groups.items()}
+        )
         read = [runs for _, runs in found.values() if isinstance(runs, Runs)]
         if read and self._shown is not None:
             require_measures(self._shown, {name for runs in read for name in runs.measures})
@@ -158,17 +157,17 @@ class Recordings:
 
     def numbers(self, cell: Cell) -> Numbers:
         """See `Results`: means over the episodes of the final policy, else over those that say most about it."""
-        if isinstance(self.records.store, LooseStore):
+        if self.records.runs:
             run = self.run(cell)
             return numbers_of_part(next(iter(run.parts(run.steps).values())))
         return numbers_in_environment(self.records.folder, self.records.store.cell_folder(cell))
 
     def recorded(self, cell: Cell) -> Float:
         """See `Results`."""
-        files = self.records.store.cell_folder(cell)
-        training = files / TRAINING_RECORDING
-        recorded = RecordingResults(self.records.folder, training if training.is_dir() else files)
-        return recorded.paid_by(cell.reward.label)
+        if self.records.runs:
+            return self.run(cell).recorded.paid_by(cell.reward.label)
+        training = self.records.store.cell_folder(cell) / TRAINING_RECORDING
+        return RecordingResults(self.records.folder, training).paid_by(cell.reward.label)
 
     def run(self, cell: Cell) -> Run:
         """The recorded training of a done cell.
