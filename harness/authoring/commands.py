@@ -126,9 +126,9 @@ if TYPE_CHECKING:
     )
     from harness.record.file_forms import (
         ChoiceForm as ChoiceForm,
-        EndingForm as EndingForm,
+        Chosen as Chosen,
         Status as Status,
-        require_form as require_form,
+        read_form as read_form,
     )
     from harness.record.folder import TRAINING_RECORDING as TRAINING_RECORDING
     from harness.record.manifest import (

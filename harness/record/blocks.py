@@ -13,14 +13,14 @@ from typing import Annotated, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, TypeAdapter, with_config
+from pydantic import Field, with_config
 from typing_extensions import TypedDict
 
 from harness.arrays import Float
 from harness.errors import SchemaError
 from harness.files.bounded import read_json, reading
 from harness.files.whole_file import whole_files
-from harness.record.file_forms import EXACT, Count, Name, Whole, require_form
+from harness.record.file_forms import EXACT, Count, Name, Number, Whole, read_form
 
 BLOCKS = "blocks.json"
 """In a partial folder: what the training's episodes came to so far."""
@@ -137,11 +137,10 @@ def read_blocks(folder: Path) -> Blocks | None:
     """What `Blocks.write` wrote last; None before that, and where it cannot be read: nothing depends on it."""
     try:
         with reading(folder / BLOCKS, "account of a training"):
-            told = read_json(folder / BLOCKS)
-            require_form(FORM, told)
+            told = read_form(BlocksForm, read_json(folder / BLOCKS))
             numbers = 2 * (OWN + len(told["terms"]))
             rows = np.array(told["numbers"], np.float64).reshape(-1, numbers)
-            steps, episodes = (np.array(told[name], np.int64) for name in ("steps", "episodes"))
+            steps, episodes = np.array(told["steps"], np.int64), np.array(told["episodes"], np.int64)
             means, squares = np.hsplit(rows, 2)
             is_whole = len(steps) == len(episodes) == len(rows)
             return Blocks(tuple(told["terms"]), steps, episodes, means, squares) if is_whole else None
@@ -156,7 +155,4 @@ class BlocksForm(TypedDict):
     terms: Annotated[list[Name], Field(max_length=1_000)]
     steps: Annotated[list[Whole], Field(max_length=MOST)]
     episodes: Annotated[list[Count], Field(max_length=MOST)]
-    numbers: Annotated[list[list[Annotated[float, Field(allow_inf_nan=False)] | None]], Field(max_length=MOST)]
-
-
-FORM: TypeAdapter[BlocksForm] = TypeAdapter(BlocksForm)
+    numbers: Annotated[list[list[Number | None]], Field(max_length=MOST)]

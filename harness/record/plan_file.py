@@ -4,9 +4,10 @@ import hashlib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Self
+from typing import Annotated, Any, Self
 
 import tomli_w
+from pydantic import AfterValidator, BeforeValidator, Field, with_config
 
 import harness.record.file_forms as forms
 from harness.errors import SchemaError, UsageError, one_line
@@ -16,7 +17,7 @@ from harness.files.whole_file import write_whole
 from harness.record.cell import Cell
 from harness.record.earlier import whole_plan
 from harness.record.terms import FIRST, Terms
-from harness.registry.toml_file import read_toml
+from harness.registry.toml_file import MOST_DEPTH, depth_of, read_toml
 
 EXPERIMENT, PLAN = "experiment.toml", "plan.json"
 FORMAT = SEALED_SINCE = 2
@@ -27,6 +28,25 @@ LISTS = ("sim", "algo", "reward")
 """Keys of an experiment that hold names; each multiplies the cells, as ``seeds`` does."""
 
 
+BESIDE = ("format", "experiment_digest", "note")
+"""Keys of the file that tell nothing of the plan, or that only this program writes."""
+
+
+def _once(cells: tuple[Cell, ...]) -> tuple[Cell, ...]:
+    return tuple(dict.fromkeys(cells))
+
+
+def _writable(experiment: dict[str, Any]) -> dict[str, Any]:
+    if depth_of(experiment) > MOST_DEPTH:
+        raise ValueError(f"is nested more than {MOST_DEPTH} deep")
+    try:
+        tomli_w.dumps(experiment).encode()
+    except (TypeError, ValueError):  # null, or half a character
+        raise ValueError("holds a value that no experiment file has") from None
+    return experiment
+
+
+@with_config(forms.EXACT)
 @dataclass(frozen=True, eq=False)
 class StoredPlan:
     """What was asked for in an experiment's folder.
@@ -41,11 +61,11 @@ class StoredPlan:
         terms: What was agreed on before the first training.
     """
 
-    baseline: str
+    baseline: forms.Name
     a_a: bool
-    control: Mapping[int, int]
-    cells: tuple[Cell, ...]
-    experiment: Mapping[str, Any] = field(default_factory=dict)
+    control: Annotated[Mapping[forms.Whole, forms.Whole], BeforeValidator(dict)]
+    cells: Annotated[tuple[Cell, ...], Field(max_length=forms.MOST_CELLS), AfterValidator(_once)]
+    experiment: Annotated[Mapping[forms.Name, Any], AfterValidator(_writable)] = field(default_factory=dict)
     note: str = ""
     terms: Terms = FIRST
 
@@ -88,7 +108,7 @@ class StoredPlan:
             })  # fmt: skip
             if len(content) > PLAN_BYTES:
                 raise ValueError(f"it has {len(content):,} bytes, {PLAN_BYTES:,} are allowed")
-            forms.require_form(forms.PLAN, unseal(content))
+            _plan_of(unseal(content))
         except (ValueError, TypeError, RecursionError) as error:  # of what a stranger's plan, or a flag, told
             raise UsageError(
                 f"'{folder}' cannot hold what is asked for, nobody could read its {PLAN} again: {one_line(error)}"
@@ -113,11 +133,11 @@ def read_plan(folder: Path) -> StoredPlan:
     with reading(path, "plan"):
         if data.get("experiment", {}) == {} or not {"control", "terms"} <= data.keys():
             data = whole_plan(data, experiment_in(folder))
-        forms.require_form(forms.PLAN, data)
-        cells = tuple(dict.fromkeys(Cell.from_json(cell) for cell in data["cells"]))  # each counts once
-        control = {int(seed): int(other) for seed, other in data["control"]}
-        terms = Terms.from_json(data["terms"])
-        return StoredPlan(data["baseline"], data["a_a"], control, cells, data["experiment"], terms=terms)
+        return _plan_of(data)
+
+
+def _plan_of(data: dict[str, Any]) -> StoredPlan:
+    return forms.read_form(StoredPlan, {name: it for name, it in data.items() if name not in BESIDE})
 
 
 def _told_in(path: Path) -> dict[str, Any]:

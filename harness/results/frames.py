@@ -6,13 +6,13 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Annotated, NamedTuple
 
-from pydantic import Field, TypeAdapter, with_config
+from pydantic import Field, with_config
 from typing_extensions import TypedDict
 
 from harness.errors import SchemaError
 from harness.files.bounded import parse_json, reading
 from harness.files.keyed_file import is_whole, read_keyed, write_keyed
-from harness.record.file_forms import EXACT, Line, Whole, require_form
+from harness.record.file_forms import EXACT, Line, Whole, read_form
 from harness.record.folder import DERIVED, EVALUATION_RECORDING, POLICY
 from harness.record.manifest import Manifest
 
@@ -35,9 +35,6 @@ class FramesForm(TypedDict):
     steps: Annotated[list[Whole], Field(max_length=100)]
     told: Line
     outcome: Line
-
-
-FORM: TypeAdapter[FramesForm] = TypeAdapter(FramesForm)
 
 
 class Frames(NamedTuple):
@@ -92,8 +89,7 @@ def read_frames(folder: Path, done: Manifest, episode: int = 0) -> Frames:
     facts, _, strip = content.partition(b"\n")
     try:
         with reading(path, "file of pictures"):
-            data = parse_json(facts)
-            require_form(FORM, data)
+            data = read_form(FramesForm, parse_json(facts))
     except SchemaError as error:
         return Frames(str(error))
     if data["reason"]:

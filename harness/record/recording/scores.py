@@ -8,12 +8,12 @@ import json
 from collections.abc import Callable, Container, Iterable, Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any, NotRequired
+from typing import Annotated, NotRequired
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
-from pydantic import Field, TypeAdapter, with_config
+from pydantic import Field, with_config
 from typing_extensions import TypedDict
 
 from harness.arrays import Float
@@ -23,13 +23,13 @@ from harness.files.parquet import require_room
 from harness.files.whole_file import whole_file
 from harness.log import Log
 from harness.log.log import BEHAVIOUR, REWARD
-from harness.record.file_forms import EXACT, Name, require_form
+from harness.record.file_forms import EXACT, read_form
 from harness.record.recording.facts import (
     MOST_NAMES,
     Failure,
-    FailureForm,
+    LogColumn,
+    Names,
     Source,
-    SourceForm,
     facts_of,
     file_column,
     log_column,
@@ -172,22 +172,21 @@ def read_scores(path: Path, count_steps: Callable[[], int]) -> Scores | None:
             raise SchemaError(f"{path} has infinite numbers")
         return Scores(
             columns,
-            tuple(facts["lower_is_better"]),
-            {log_column(column): Source(**source) for column, source in facts["sources"].items()},
-            tuple(map(Failure.from_json, facts["failures"])),
-            tuple(facts.get("higher_is_better", ())),
+            facts["lower_is_better"],
+            facts["sources"],
+            facts["failures"],
+            facts.get("higher_is_better", ()),
         )
 
 
-def _facts_of(path: Path, schema: pa.Schema) -> Mapping[str, Any]:
-    facts: dict[str, Any] = parse_json((schema.metadata or {}).get(_FACTS, b"{}"))
-    if isinstance(facts, dict) and isinstance(number := facts.get("format"), int) and number > FORMAT:
+def _facts_of(path: Path, schema: pa.Schema) -> "ScoresForm":
+    told = parse_json((schema.metadata or {}).get(_FACTS, b"{}"))
+    if isinstance(told, dict) and isinstance(number := told.get("format"), int) and number > FORMAT:
         raise NewerFormat(f"{path} has format {number}, this version reads up to {FORMAT}")
-    require_form(FORM, facts)
-    sources = {log_column(column) for column in facts["sources"]}
+    facts = read_form(ScoresForm, told)
     for field in schema:
-        reward = reward_column(log_column(field.name), sources)
-        if reward not in sources or not reward.startswith((REWARD, BEHAVIOUR)) or field.type != pa.float64():
+        reward = reward_column(log_column(field.name), facts["sources"])
+        if reward not in facts["sources"] or not reward.startswith((REWARD, BEHAVIOUR)) or field.type != pa.float64():
             raise SchemaError(f"{path}: the column '{field.name}' is no column of scores")
     return facts
 
@@ -197,10 +196,7 @@ class ScoresForm(TypedDict):
     """See `Scores`."""
 
     format: int
-    lower_is_better: Annotated[list[Name], Field(max_length=MOST_NAMES)]
-    higher_is_better: NotRequired[Annotated[list[Name], Field(max_length=MOST_NAMES)]]
-    sources: Annotated[dict[Name, SourceForm], Field(max_length=2 * MOST_NAMES)]
-    failures: Annotated[list[FailureForm], Field(max_length=2 * MOST_NAMES)]
-
-
-FORM: TypeAdapter[ScoresForm] = TypeAdapter(ScoresForm)
+    lower_is_better: Names
+    higher_is_better: NotRequired[Names]
+    sources: Annotated[dict[LogColumn, Source], Field(max_length=2 * MOST_NAMES)]
+    failures: Annotated[tuple[Failure, ...], Field(max_length=2 * MOST_NAMES)]
