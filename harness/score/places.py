@@ -16,6 +16,7 @@ robots and no environments.
 
 import re
 from collections.abc import Callable, Collection, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
@@ -36,7 +37,8 @@ NAMES = (END_EFFECTOR, TARGET, JOINTS, JOINTS_DEG, DISTANCE, RENEWED)
 MOST_PLACE = 1_000_000
 EXAMPLE = "end_effector=0:3,target=3:6"
 NO_FIELDS: Mapping[str, Float] = MappingProxyType({})
-_PLACE = re.compile(r"(?:(?P<key>[^\[\]:/=,]+?)\s*(?:\[(?P<a>\d+):(?P<b>\d+)\])?|(?P<c>\d+):(?P<d>\d+))")
+_PART = r"(?P<key>[^\[\]:/=,]+?)\s*(?:\[(?P<a>\d{1,9}):(?P<b>\d{1,9})\])?"
+_PLACE = re.compile(rf"{_PART}|(?P<c>\d{{1,9}}):(?P<d>\d{{1,9}})")
 
 Forward = Callable[[Float], Float]
 """From joint positions, (n, joints), [rad], to the end effector, (n, 3), [m]."""
@@ -58,21 +60,22 @@ class Place:
     stop: int | None = None
     constant: tuple[float, ...] = ()
 
-    def rows(self, vectors: Any, count: int | None = None) -> Float:
-        """These numbers of each vector, (n, size).
-
-        Args:
-            vectors: (n, width), or a table of such by key.
-            count: n, which a constant needs; found out from `vectors` if None.
+    def rows(self, vectors: Any) -> Float:
+        """These numbers of each vector, (n, size), of vectors (n, width), or of a table of such by key.
 
         Raises:
             UsageError: The vectors have no such part, or too few numbers.
         """
         if self.constant:
             part = next(iter(vectors.values())) if isinstance(vectors, Mapping) else vectors
-            size = len(part) if count is None else count
-            return np.broadcast_to(np.asarray(self.constant), (size, len(self.constant)))
-        part = self._part(vectors)
+            return np.broadcast_to(np.asarray(self.constant), (len(part), len(self.constant)))
+        part = vectors
+        if isinstance(vectors, Mapping):
+            if self.key not in vectors:
+                raise UsageError(f"{self} names no part of a vector that has {', '.join(map(str, vectors))}")
+            part = vectors[self.key]
+        elif self.key:
+            raise UsageError(f"{self} names a part of a vector that has none: write numbers, such as 0:3")
         flat = np.asarray(part, np.float64).reshape(len(part), -1)
         stop = flat.shape[1] if self.stop is None else self.stop
         if stop > flat.shape[1] or self.start >= stop:
@@ -84,15 +87,6 @@ class Place:
             return "/".join(f"{it:g}" for it in self.constant)
         numbers = "" if self.stop is None else f"{self.start}:{self.stop}"
         return f"{self.key}[{numbers}]" if self.key and numbers else self.key or numbers
-
-    def _part(self, vectors: Any) -> Any:
-        if isinstance(vectors, Mapping):
-            if self.key not in vectors:
-                raise UsageError(f"{self} names no part of a vector that has {', '.join(map(str, vectors))}")
-            return vectors[self.key]
-        if self.key:
-            raise UsageError(f"{self} names a part of a vector that has none: write numbers, such as 0:3")
-        return vectors
 
 
 @dataclass(frozen=True)
@@ -114,19 +108,17 @@ class ArmPlaces:
         Raises:
             UsageError: As `Place.rows`; or there are other than three numbers.
         """
-        if END_EFFECTOR in self.places:
-            return _three(self.places[END_EFFECTOR].rows(vectors), END_EFFECTOR)
-        self._require_positions()
-        name = JOINTS if JOINTS in self.places else JOINTS_DEG
-        joints = self.places[name].rows(vectors)
+        name = next((it for it in ARM if it in self.places), END_EFFECTOR)
+        found = self._rows(name, vectors)
+        if name == END_EFFECTOR:
+            return _three(found, name)
         if self.forward is None:
             raise UsageError(f"{name} says where joints stand; name the robot that they belong to")
-        return _three(self.forward(np.deg2rad(joints) if name == JOINTS_DEG else joints), "the robot's end effector")
+        return _three(self.forward(np.deg2rad(found) if name == JOINTS_DEG else found), "the robot's end effector")
 
     def target(self, vectors: Any) -> Float:
         """The same of the target."""
-        self._require_positions()
-        return _three(self.places[TARGET].rows(vectors), TARGET)
+        return _three(self._rows(TARGET, vectors), TARGET)
 
     def distances(self, vectors: Any) -> Float:
         """From end effector to target, (n,), [m]."""
@@ -139,12 +131,10 @@ class ArmPlaces:
 
     def fields(self, vectors: Any, names: Collection[str]) -> dict[str, Float]:
         """Those of ``end_effector``, ``target``, ``qpos`` that are asked for and that the map tells, (n, size) each."""
-        ways = {END_EFFECTOR: self.end_effector, TARGET: self.target, "qpos": self._joints}
-        there = {END_EFFECTOR: TARGET in self.places, TARGET: TARGET in self.places, "qpos": JOINTS in self.places}
-        return {name: ways[name](vectors) for name in ways if name in names and there[name]}
-
-    def _joints(self, vectors: Any) -> Float:
-        return self.places[JOINTS].rows(vectors)
+        ways = {END_EFFECTOR: self.end_effector, TARGET: self.target} if TARGET in self.places else {}
+        if JOINTS in self.places:
+            ways["qpos"] = self.places[JOINTS].rows
+        return {name: way(vectors) for name, way in ways.items() if name in names}
 
     def reached(self, before: Any, after: Any) -> Float:
         """How far the end effector is after steps from the targets before them, (n,), [m].
@@ -163,9 +153,10 @@ class ArmPlaces:
         changed: Mask = (one != other).any(axis=1)
         return changed
 
-    def _require_positions(self) -> None:
-        if TARGET not in self.places:
+    def _rows(self, name: str, vectors: Any) -> Float:
+        if name not in self.places:
             raise UsageError(f"positions are needed, and the map has the distance alone: give them, as in {EXAMPLE}")
+        return self.places[name].rows(vectors)
 
 
 def parse_places(text: str, forward: Forward | None = None) -> ArmPlaces:
@@ -199,18 +190,20 @@ def parse_place(text: str) -> Place:
     Raises:
         UsageError: It is none.
     """
-    if "/" in text:
-        return Place(constant=_constant(text))
-    match = _PLACE.fullmatch(text)
-    if match is None:
-        raise UsageError(f"'{text}' is no place: write 0:3, a part's name, name[0:3], or three numbers 0.3/0.1/0.2")
-    start, stop = match["a"] or match["c"], match["b"] or match["d"]
-    key = match["key"] or ""
-    if start is None:
-        return Place(key)
-    if len(start) > 9 or len(stop) > 9 or not int(start) < int(stop) <= MOST_PLACE:
-        raise UsageError(f"'{text}' is no place: the first number is below the second, which is {MOST_PLACE:,} at most")
-    return Place(key, int(start), int(stop))
+    with suppress(ValueError):
+        numbers = tuple(map(float, text.split("/")))
+        if len(numbers) == 3 and np.isfinite(numbers).all():
+            return Place(constant=numbers)
+    if match := _PLACE.fullmatch(text):
+        key, start, stop = match["key"] or "", match["a"] or match["c"], match["b"] or match["d"]
+        if start is None:
+            return Place(key)
+        if int(start) < int(stop) <= MOST_PLACE:
+            return Place(key, int(start), int(stop))
+    raise UsageError(
+        f"'{text}' is no place: write 0:3, where the first number is below the second, {MOST_PLACE:,} at most; "
+        "a part's name, or name[0:3]; or three numbers in metres, 0.3/0.1/0.2"
+    )
 
 
 def distances(end_effector: Float, target: Float) -> Float:
@@ -253,16 +246,6 @@ class ArmPay:
         self._best = float(best[-1])
         rows = Rows(np.zeros(len(after), bool), np.full(len(after), self._begin), best[:-1], after, more=more)
         return self._scorer.pay(rows)
-
-
-def _constant(text: str) -> tuple[float, ...]:
-    try:
-        numbers = tuple(float(part) for part in text.split("/"))
-    except ValueError:
-        numbers = ()
-    if len(numbers) != 3 or not np.isfinite(numbers).all():
-        raise UsageError(f"'{text}' is no position: write three numbers in metres, as in 0.3/0.1/0.2")
-    return numbers
 
 
 def _three(positions: Float, name: str) -> Float:
