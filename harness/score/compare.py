@@ -220,7 +220,10 @@ def compare_logs(
         curves |= {KB: sides[0].other, BK: sides[1].other}
     elif missing is None:
         missing = "one group's reward is not finite on the other group's runs"
-    found = decompose(curves, _are_paired(*groups), missing)
+    is_same = [log.facts.path for log in groups[0]] == [log.facts.path for log in groups[1]]
+    seeds, others_seeds = map(_seeds, groups)
+    is_paired = is_same or (seeds == others_seeds and len(set(seeds)) == len(groups[0]))
+    found = decompose(curves, is_paired, missing)
     claims = [split.outcomes for split in found.splits.values()]
     known = [claim for claim in claims if claim is not None]
     if len(known) == len(claims):  # they are made together
@@ -233,7 +236,7 @@ def compare_logs(
         {name: len(group) for name, group in zip(names, groups, strict=True)},
         {name: side.left_out for name, side in zip(names, sides, strict=True)},
         with_events,
-        tuple(_notes_of(sides, copied)),
+        tuple(_notes_of(sides, copied, is_same)),
     )
 
 
@@ -279,24 +282,22 @@ def _require_whole(sides: Sequence["ComparedRows"]) -> None:
 
 def _require_apart(baseline: Sequence[Log], proposed: Sequence[Log]) -> None:
     """Check that no file is in both groups, unless both are the same group."""
-    ours, theirs = ({log.facts.path.resolve(): log.facts.path for log in group} for group in (baseline, proposed))
-    both = [path for place, path in ours.items() if place in theirs]
-    if both and ours.keys() != theirs.keys():
+    theirs = {log.facts.path.resolve() for log in proposed}
+    both = [log.facts.path for log in baseline if log.facts.path.resolve() in theirs]
+    if both and not len(both) == len(baseline) == len(theirs):
         raise UsageError(f"'{both[0]}' is in both groups: let --baseline and --proposed name different files")
+
+
+def _seeds(group: Sequence[Log]) -> list[int]:
+    """The seed of each log; empty where that of one is not known."""
+    known = [log.facts.seed for log in group if log.facts.seed is not None]
+    return known if len(known) == len(group) else []
 
 
 def _in_order_of_seeds(group: Sequence[Log]) -> list[Log]:
     """The logs by seed if all seeds are known, else as given."""
-    known = {log: log.facts.seed for log in group if log.facts.seed is not None}
-    return sorted(group, key=lambda log: known[log]) if len(known) == len(group) else list(group)
-
-
-def _are_paired(baseline: Sequence[Log], proposed: Sequence[Log]) -> bool:
-    """Whether run i of both groups has the same seed, or is the same run."""
-    if [log.facts.path for log in baseline] == [log.facts.path for log in proposed]:
-        return True
-    seeds_b, seeds_k = ([log.facts.seed for log in group] for group in (baseline, proposed))
-    return seeds_b == seeds_k and None not in seeds_b and len(set(seeds_b)) == len(seeds_b)
+    seeds = _seeds(group)
+    return [group[place] for place in np.argsort(seeds, kind="stable")] if seeds else list(group)
 
 
 HELD = 250_000
@@ -406,7 +407,7 @@ def _read_groups(
 # What a reader has to know
 
 
-def _notes_of(sides: Sequence[ComparedRows], copied: Sequence[Sequence[Log]]) -> Iterator[str]:
+def _notes_of(sides: Sequence[ComparedRows], copied: Sequence[Sequence[Log]], is_same: bool) -> Iterator[str]:
     """What a reader has to know of copies, budgets, equal runs and units."""
     for first, *copies in copied:
         told = f"{_listed(copies)} {'is' if len(copies) == 1 else 'are'} equal to '{first.facts.path}'"
@@ -422,10 +423,9 @@ def _notes_of(sides: Sequence[ComparedRows], copied: Sequence[Sequence[Log]]) ->
     for runs in (runs for side in sides for runs in side.alike.values() if len(runs) > 1):
         yield f"{_listed(runs)} record the same rewards; each counts"
     baseline, proposed = (side.alike for side in sides)
-    if [run.facts.path for run in groups[0]] != [run.facts.path for run in groups[1]]:
-        for digest in baseline.keys() & proposed.keys():
-            both = [baseline[digest][0], proposed[digest][0]]
-            yield f"{_listed(both)} record the same rewards: between them there is nothing to compare"
+    for digest in () if is_same else baseline.keys() & proposed.keys():
+        both = [baseline[digest][0], proposed[digest][0]]
+        yield f"{_listed(both)} record the same rewards: between them there is nothing to compare"
     begins = [_begin_distance(group) for group in groups]
     if begins[0] and begins[1] and not 1.0 / UNLIKE_METRES < begins[1] / begins[0] < UNLIKE_METRES:
         yield (
