@@ -1,13 +1,12 @@
 """What data sets of every format have in common: their facts, the bounds on what is read, and usual names."""
 
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from harness.authoring.commands import SuccessRule, parse_success
 from harness.errors import SchemaError, UsageError
 from harness.log import RECORDED
 from harness.registry import did_you_mean
@@ -193,9 +192,3 @@ def chosen_key(flag: str, named: str, told: Collection[str], usual: Iterable[str
         shown = shortened(", ".join(keys), 400) or "none"
         raise UsageError(f"{flag} {named}: {path} has no such key; it has {shown}.{did_you_mean(named, keys)}")
     return named or next((key for key in usual if key in told), "")
-
-
-def success_rule(success: str, told: Collection[str], path: Path, usual: Iterable[str]) -> SuccessRule | None:
-    """Where success stands, by what the user says of it; None where nothing says it. See `chosen_key`."""
-    rule = parse_success(success)
-    return replace(rule, key=key) if (key := chosen_key("--success", rule.key, told, usual, path)) else None

@@ -3,18 +3,20 @@
 A reader finds arrays of consecutive steps and says where episodes end. What a column means is said here, for all.
 """
 
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterable, Mapping
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float, Ints, Mask
-from harness.authoring.commands import UNKNOWN, DatasetFacts, SuccessRule
+from harness.authoring.commands import UNKNOWN, DatasetFacts, SuccessRule, parse_success
 from harness.errors import SchemaError
 from harness.log import BEHAVIOUR, INFO, OBSERVATION, OPERATOR, REWARD, SEEN, SUCCESS, TASK, Log
 from harness.text import shortened
+
+from .dataset import OPERATOR_KEYS, SUCCESS_KEYS, chosen_key
 
 LABEL = f"{BEHAVIOUR}{SUCCESS}"
 ENDS = ("terminated", "truncated")
@@ -46,19 +48,24 @@ class Source:
 
     Attributes:
         facts: What is told of it.
-        rule: Where success stands; None where nothing says it.
+        rule: Where success stands; its key is empty where nothing says it.
         sees_last: Whether it tells what was seen after the last step of an episode.
     """
 
     facts: DatasetFacts
-    rule: SuccessRule | None
+    rule: SuccessRule
     sees_last: bool
+
+    @property
+    def keys(self) -> dict[str, str]:
+        """By column what the data set calls it, of those that tell of an episode; empty where nothing does."""
+        return {LABEL: self.rule.key, OPERATOR: self.facts.operator, TASK: self.facts.task}
 
     def log(
         self, columns: Iterable[str], read: Callable[[tuple[str, ...]], Iterable[Mapping[str, NDArray[Any]]]]
     ) -> Log:
         """The log of these columns, and of those that follow from what is known."""
-        more = {SEEN: not self.sees_last, LABEL: self.rule, OPERATOR: self.facts.operator, TASK: self.facts.task}
+        more = {SEEN: not self.sees_last, **self.keys}
         return Log(self.facts, (*columns, *(name for name, is_told in more.items() if is_told)), read)
 
     def columns(
@@ -78,13 +85,12 @@ class Source:
         self, name: str, values: NDArray[Any] | None, steps: Steps, told: Callable[[int, str], Any]
     ) -> NDArray[Any]:
         ends, noun = steps.ends, f"{steps.where}: {name}"
-        if name == LABEL and self.rule is not None:
+        if name == LABEL:
             noun = f"{steps.where}: {self.rule.key}"
-            labels = self._labels(self.rule, steps, told) if values is None else self.rule.of_steps(values, noun)
+            labels = self._labels(steps, told) if values is None else self.rule.of_steps(values, noun)
             return np.where(labels == UNKNOWN, np.nan, labels)
-        if values is None and name in (OPERATOR, TASK):
-            key = self.facts.operator if name == OPERATOR else self.facts.task
-            return as_texts(steps.episode, lambda number: text_of(told(number, key)))
+        if values is None and name in self.keys:
+            return as_texts(steps.episode, lambda number: text_of(told(number, self.keys[name])))
         if values is None:
             if not name.startswith((REWARD, INFO)):
                 raise SchemaError(f"{steps.where} has no {name} of each step, which others have")
@@ -97,14 +103,45 @@ class Source:
             return as_texts(values, str)
         return values if self.sees_last or not name.startswith(OBSERVATION) else _where_seen(values, ends)
 
-    def _labels(self, rule: SuccessRule, steps: Steps, told: Callable[[int, str], Any]) -> NDArray[np.int8]:
+    def _labels(self, steps: Steps, told: Callable[[int, str], Any]) -> NDArray[np.int8]:
         """What is said of a whole episode, in its last step."""
-        labels = np.full(len(steps.ends), UNKNOWN, np.int8)
+        rule, labels = self.rule, np.full(len(steps.ends), UNKNOWN, np.int8)
         labels[steps.ends] = [
             rule.of_episode(told(number, rule.key), f"{self.facts.path}, episode {number}: {rule.key}")
             for number in steps.episode[steps.ends].tolist()
         ]
         return labels
+
+
+def source_of(
+    facts: DatasetFacts,
+    success: str,
+    cluster: str,
+    keys: Collection[str],
+    *,
+    sees_last: bool,
+    paid: Mapping[str, str] = {},
+    usual: Iterable[str] = SUCCESS_KEYS,
+) -> Source:
+    """What is known of a data set, with what says whether an episode succeeded, and who made it.
+
+    Args:
+        facts: What else is told of it.
+        success: What the user says of success: a key, perhaps with a threshold; else the first of the usual ones.
+        cluster: The key that the user names, of who made an episode.
+        keys: Those that there are.
+        sees_last: See `Source`.
+        paid: By key, the names of rewards that stand there.
+        usual: Keys that mostly tell success.
+
+    Raises:
+        UsageError: A key that the user names is not there.
+    """
+    rule = parse_success(success)
+    rule = replace(rule, key=chosen_key("--success", rule.key, keys, usual, facts.path))
+    operator = chosen_key("--cluster", cluster, keys, OPERATOR_KEYS, facts.path)
+    found = replace(facts, success=rule.text, told_by=paid.get(rule.key, ""), operator=operator)
+    return Source(found, rule, sees_last)
 
 
 def _where_seen(values: NDArray[Any], ends: Mask) -> NDArray[Any]:

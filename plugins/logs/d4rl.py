@@ -17,16 +17,12 @@ from harness.arrays import Ints, Mask
 from harness.errors import SchemaError, UsageError
 from harness.files.bounded import names_in_hdf5
 from harness.log import Log
-from harness.log.log import ACTION, BEFORE, INFO, OBSERVATION, OPERATOR, RECORDED, REWARD
+from harness.log.log import ACTION, BEFORE, INFO, OBSERVATION, RECORDED, REWARD
 from harness.record.dataset.open_dataset import HDF5_SIGNATURE, DatasetFacts
 
 from ..datasets.dataset import (
     MOST_NUMBERS,
-    OPERATOR_KEYS,
-    SUCCESS_KEYS,
-    chosen_key,
     require_readable,
-    success_rule,
 )
 from ..datasets.hdf5_parts import (
     Array,
@@ -40,7 +36,7 @@ from ..datasets.hdf5_parts import (
     read_stretches,
     tables_of,
 )
-from ..datasets.steps import LABEL, Source, one_number
+from ..datasets.steps import Source, one_number, source_of
 
 NEXT = "next_observations"
 MOST_ROWS = 20_000_000
@@ -79,25 +75,9 @@ class D4RL:
                 raise SchemaError(f"{path} has {total:,} steps, {MOST_ROWS:,} are allowed")
             require_readable(path, total, sum(it.width for it in (*arrays.values(), *infos.values())))
             layout, notes = _episodes_of(path, arrays, self.horizon)
-        rule = success_rule(self.success, infos, path, SUCCESS_KEYS)
-        facts = DatasetFacts(
-            path=path,
-            format="D4RL",
-            name=f"d4rl:{path}",
-            success="" if rule is None else rule.text,
-            operator=chosen_key("--cluster", self.cluster, infos, OPERATOR_KEYS, path),
-            notes=notes,
-        )
-        columns = (
-            "episode",
-            "step",
-            "terminated",
-            "truncated",
-            *PLACES,
-            OBSERVATION,
-            *(f"{INFO}{key}" for key in infos),
-        )
-        source = Source(facts, rule, sees_last=NEXT in arrays)
+        facts = DatasetFacts(path=path, format="D4RL", name=f"d4rl:{path}", notes=notes)
+        source = source_of(facts, self.success, self.cluster, infos, sees_last=NEXT in arrays)
+        columns = ("episode", "step", *layout.flags, *PLACES, OBSERVATION, *(f"{INFO}{key}" for key in infos))
         return (source.log(columns, partial(tables_of, path, source, partial(_runs, path, source, layout))),)
 
     def write_example(self, folder: Path) -> Path:
@@ -244,8 +224,7 @@ def _runs(path: Path, source: Source, layout: _Layout, file: Any, names: tuple[s
     found = {name: arrays[key] for name, key in PLACES.items()}
     found[OBSERVATION] = arrays.get(NEXT, arrays["observations"])
     found |= {f"{INFO}{key}": array for key, array in infos.items()}
-    keys = {OPERATOR: source.facts.operator, LABEL: source.rule.key if source.rule else ""}
-    found |= {name: infos[key] for name, key in keys.items() if key}
+    found |= {name: infos[key] for name, key in source.keys.items() if key}
     follows = "" if NEXT in arrays else OBSERVATION
     parts = {name: Stretch(array, int(name == follows)) for name, array in found.items() if name in names}
     yield Run(layout.episode, parts, str(path), known=layout.flags)

@@ -24,20 +24,17 @@ from harness.arrays import Ints
 from harness.errors import SchemaError, UsageError
 from harness.files.bounded import reading, require_regular
 from harness.log import Log
-from harness.log.log import ACTION, BEFORE, FILE as FILE_COLUMN, INFO, OBSERVATION, OPERATOR, RECORDED, REWARD, TASK
+from harness.log.log import ACTION, BEFORE, FILE as FILE_COLUMN, INFO, OBSERVATION, RECORDED, REWARD, TASK
 from harness.record.dataset.open_dataset import DatasetFacts
 from harness.text import shortened
 
 from ..datasets.dataset import (
     NOTHING_SEEN,
-    OPERATOR_KEYS,
     OWN_REWARDS,
     SUCCESS_KEYS,
-    chosen_key,
     own_rewards,
     require_readable,
     rows_at_once,
-    success_rule,
     take_census,
     whole,
 )
@@ -66,7 +63,7 @@ from ..datasets.lerobot_facts import (
     shapes_of,
     version_of,
 )
-from ..datasets.steps import LABEL, Source, Steps, as_texts
+from ..datasets.steps import Source, Steps, as_texts, source_of
 
 MOST_BYTES = 2**35
 GROUP_BYTES = 2**30
@@ -113,8 +110,6 @@ class LeRobot:
         reward, seen = reward_in(shapes), seen_in(shapes)
         other = [name for name in shapes if name not in (*seen, ACTION, NEXT_STATE)]
         told = (*other, *listing.keys)
-        usual = [f"{begin}{key}" for key in SUCCESS_KEYS for begin in ("next.", "")]
-        rule = success_rule(self.success, told, folder, usual)
         facts = DatasetFacts(
             path=folder,
             format=f"LeRobot v{'.'.join(map(str, version))}",
@@ -122,46 +117,44 @@ class LeRobot:
             env=shortened(str(info.get("robot_type") or ""), 200),
             declared={"tasks": count} if (count := whole(info.get("total_tasks"))) is not None else {},
             names={OBSERVATION: names_of(features, STATE), ACTION: names_of(features, ACTION)},
-            success="" if rule is None else rule.text,
-            told_by="" if rule is None else {reward: RECORDED, **own}.get(rule.key, ""),
-            operator=chosen_key("--cluster", self.cluster, told, OPERATOR_KEYS, folder),
             task=TASK_INDEX if TASK_INDEX in shapes else TASKS if TASKS in listing.keys else "",
             pictures_left_out=any(name.startswith(SEEN_BEGIN) and name not in shapes for name in features),
             notes=(*notes, *_notes_on_seen(seen), *gaps),
         )
+        tells_next = {STATE, NEXT_STATE} <= {*shapes}
+        source = source_of(
+            facts, self.success, self.cluster, told,
+            paid={reward: RECORDED, **own}, usual=[f"{begin}{key}" for key in SUCCESS_KEYS for begin in ("next.", "")],
+            sees_last=not seen or tells_next,
+        )  # fmt: skip
         places = {"episode": EPISODE, "step": FRAME, f"{REWARD}{RECORDED}": reward, ACTION: ACTION}
         places |= {f"{REWARD}{own[key]}" if key in own else f"{INFO}{key}": key for key in (*own, *other)}
         parts = {key: OBSERVATION if key == STATE else f"{OBSERVATION}/{key.removeprefix(SEEN_BEGIN)}" for key in seen}
         places |= {f"{BEFORE}{part}": key for key, part in parts.items()}
-        tells_next = {STATE, NEXT_STATE} <= {*shapes}
         places |= {part: NEXT_STATE if tells_next else key for key, part in parts.items()}
         columns = (*(name for name, key in places.items() if key), FILE_COLUMN)
-        places |= {LABEL: rule.key if rule is not None else "", OPERATOR: facts.operator, TASK: facts.task}
-        places = {name: key for name, key in places.items() if key in shapes}
-        source = Source(facts, rule, sees_last=not seen or tells_next)
+        places = {name: key for name, key in {**places, **source.keys}.items() if key in shapes}
         layout = _Layout(source, files, shapes, places, listing, tasks, np.array([*belonging], np.int64))
         return (source.log(columns, partial(_tables, layout)),)
 
     def write_example(self, folder: Path) -> Path:
         """Two episodes, of the layout of version 2.1."""
-        lengths = (3, 4)
         (folder / "meta").mkdir()
         (folder / "data/chunk-000").mkdir(parents=True)
-        kinds = {STATE: ("float32", 2), ACTION: ("float32", 1), "next.reward": ("float32", 1),
-                 "next.success": ("bool", 1), EPISODE: ("int64", 1), FRAME: ("int64", 1)}  # fmt: skip
-        features = {name: {"dtype": kind, "shape": [size], "names": None} for name, (kind, size) in kinds.items()}
-        told = {"codebase_version": "v2.1", "total_episodes": 2, "total_frames": 7, "features": features}
-        (folder / INFO_FILE).write_text(json.dumps(told))
-        for number, steps in enumerate(lengths):
+        for number, steps in enumerate((3, 4)):
             columns = {
-                STATE: list(np.arange(2 * steps, dtype=np.float32).reshape(steps, 2)),
-                ACTION: list(np.linspace(-1.0, 1.0, steps, dtype=np.float32)[:, None]),
-                "next.reward": -np.arange(1, steps + 1, dtype=np.float32),
+                STATE: np.arange(2.0 * steps).reshape(steps, 2),
+                ACTION: np.linspace(-1.0, 1.0, steps)[:, None],
+                "next.reward": -np.arange(1.0, steps + 1),
                 "next.success": np.arange(1, steps + 1) == steps * number,
                 EPISODE: np.full(steps, number),
                 FRAME: np.arange(steps),
             }
-            pq.write_table(pa.table(columns), folder / f"data/chunk-000/episode_{number:06d}.parquet")
+            table = pa.table({name: values.tolist() for name, values in columns.items()})
+            pq.write_table(table, folder / f"data/chunk-000/episode_{number:06d}.parquet")
+        features = {name: {"dtype": str(of.dtype), "shape": of.shape[1:] or [1]} for name, of in columns.items()}
+        told = {"codebase_version": "v2.1", "total_episodes": 2, "total_frames": 7, "features": features}
+        (folder / INFO_FILE).write_text(json.dumps(told))
         return folder
 
 

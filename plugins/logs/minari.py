@@ -21,13 +21,9 @@ from harness.record.dataset.open_dataset import MOST_EPISODES, DatasetFacts
 from harness.text import shortened
 
 from ..datasets.dataset import (
-    OPERATOR_KEYS,
     OWN_REWARDS,
-    SUCCESS_KEYS,
     Declared,
-    chosen_key,
     own_rewards,
-    success_rule,
     take_census,
     whole,
 )
@@ -45,7 +41,7 @@ from ..datasets.hdf5_parts import (
     tables_of,
 )
 from ..datasets.minari_facts import MAIN, METADATA, dataset_folder, pictures_of, read_metadata, require_known
-from ..datasets.steps import LABEL, Source
+from ..datasets.steps import LABEL, source_of
 
 TASK_KEYS = (
     *("task", "task_id", "task_index", "task_name", "env_id", "env_name", "env", "environment", "env_spec"),
@@ -92,35 +88,27 @@ class Minari:
             belonging, notes = take_census(
                 place, Declared(episodes, steps, lengths=seen.told), seen.steps, self.partial
             )
-            told = (*seen.infos, *seen.attributes)
-            rule = success_rule(self.success, told, place, SUCCESS_KEYS)
             numbers = tuple(sorted(belonging - seen.again))
             pictures = pictures_of(metadata)
-            keys = {
-                f"{REWARD}{RECORDED}": "rewards",
-                **{f"{REWARD}{name}": f"infos/{key}" for key, name in own.items()},
-            }
-            keys |= {f"{INFO}{key}": f"infos/{key}" for key in seen.infos if key not in own}
-            layout = _Layout(place, numbers, pictures, keys, "" if rule is None else rule.key)
+            told, spec = (*seen.infos, *seen.attributes), metadata.get("env_spec")
+            facts = DatasetFacts(
+                path=folder,
+                format=f"Minari {metadata.get('minari_version', '')}".strip(),
+                name=f"minari:{path}",
+                env=spec if isinstance(spec, str) else "",
+                task=next((key for key in TASK_KEYS if key in told), ""),
+                pictures_left_out=bool(pictures),
+                notes=(*_notes(pictures, seen, metadata), *notes),
+            )
+            source = source_of(facts, self.success, self.cluster, told, paid=own, sees_last=True)
+            keys = {f"{REWARD}{own[key]}" if key in own else f"{INFO}{key}": key for key in (*own, *seen.infos)}
+            keys = {f"{REWARD}{RECORDED}": "rewards", **{name: f"infos/{key}" for name, key in keys.items()}}
+            layout = _Layout(place, numbers, pictures, keys, source.rule.key)
             columns = ["episode", "step", *keys]
             if numbers:
                 group = group_of(place, file, f"episode_{numbers[0]}")
                 columns += [name for name, key in FLAGS.items() if key in group]
                 columns += layout.vectors(group)
-        spec = metadata.get("env_spec")
-        facts = DatasetFacts(
-            path=folder,
-            format=f"Minari {metadata.get('minari_version', '')}".strip(),
-            name=f"minari:{path}",
-            env=spec if isinstance(spec, str) else "",
-            success="" if rule is None else rule.text,
-            told_by="" if rule is None else own.get(rule.key, ""),
-            operator=chosen_key("--cluster", self.cluster, told, OPERATOR_KEYS, place),
-            task=next((key for key in TASK_KEYS if key in told), ""),
-            pictures_left_out=bool(pictures),
-            notes=(*_notes(pictures, seen, metadata), *notes),
-        )
-        source = Source(facts, rule, sees_last=True)
         return (source.log(columns, partial(tables_of, place, source, layout.runs)),)
 
     def write_example(self, folder: Path) -> Path:

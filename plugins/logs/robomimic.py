@@ -20,20 +20,15 @@ from harness.text import one_line_of, shortened
 
 from ..datasets.dataset import (
     NOTHING_SEEN,
-    OPERATOR_KEYS,
-    SUCCESS_KEYS,
     Declared,
-    chosen_key,
-    success_rule,
     take_census,
     whole,
 )
 from ..datasets.hdf5_parts import Run, Stretch, array_of, find_array, group_of, opened, tables_of
-from ..datasets.steps import LABEL, Source, text_of
+from ..datasets.steps import source_of, text_of
 
 DATA, MASK = "data", "mask"
-PAY = f"{REWARD}{RECORDED}"
-ARRAYS = {PAY: "rewards", "terminated": "dones"}
+ARRAYS = {f"{REWARD}{RECORDED}": "rewards", "terminated": "dones"}
 """Arrays with a number for each step, by column."""
 _DEMO = re.compile(r"demo_(\d{1,9})")
 
@@ -76,25 +71,23 @@ class Robomimic:
             places = {name: key for name, key in ARRAYS.items() if find_array(path, demo, key) is not None}
             env = data.attrs.get("env_args")
             after = "next_obs" if "next_obs" in demo else "obs"
-        arrays = tuple(places.values())
-        rule = success_rule(self.success, (*arrays, *seen.attributes), path, SUCCESS_KEYS)
+        told = (*places.values(), *seen.attributes)
         facts = DatasetFacts(
             path=path,
             format="robomimic",
             name=f"robomimic:{f'mask={self.mask}:' if self.mask else ''}{path}",
             env=text_of(env),
-            success="" if rule is None else rule.text,
-            told_by=RECORDED if rule is not None and rule.key == places.get(PAY) else "",
-            operator=chosen_key("--cluster", self.cluster, seen.attributes, OPERATOR_KEYS, path),
             pictures_left_out=bool(pictures),
             notes=(*_notes(keys, pictures, masks, self.mask), *notes),
         )
+        sees_last, paid = not keys or after == "next_obs", {"rewards": RECORDED}
+        source = source_of(facts, self.success, self.cluster, told, paid=paid, sees_last=sees_last)
+        single = {name: key for name, key in source.keys.items() if key in places.values()}
         places |= {
             f"{begin}{OBSERVATION}/{key}": f"{of}/{key}" for key in keys for begin, of in ((BEFORE, "obs"), ("", after))
         }
         columns = ("episode", "step", ACTION, *places)
-        places |= {ACTION: "actions"} | ({LABEL: rule.key} if rule is not None and rule.key in arrays else {})
-        source = Source(facts, rule, sees_last=not keys or after == "next_obs")
+        places |= {ACTION: "actions", **single}
         return (source.log(columns, partial(tables_of, path, source, partial(_runs, path, groups, places))),)
 
     def write_example(self, folder: Path) -> Path:
