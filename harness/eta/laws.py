@@ -54,6 +54,11 @@ def direction_of(name: str, lower: Collection[str], higher: Collection[str], *, 
     return "higher" if name in higher or is_flag else ""
 
 
+def may_be_flag(value: float) -> bool:
+    """Whether a number is 0 or 1, as of a flag, or is not known."""
+    return value in (0.0, 1.0) or bool(np.isnan(value))
+
+
 def require_direction(name: str, better: str, how: str) -> None:
     """Check that it is known of a measure that decides which values are better.
 

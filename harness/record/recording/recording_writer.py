@@ -142,8 +142,10 @@ class RecordingWriter:
     def _go_on(self) -> None:
         before = TrainingFacts.read(self.folder / facts_name(self.number))
         _require_same_training(self.folder, before, self.facts)
-        asked = self.facts.asked or before.asked  # whoever goes on may ask for more
-        self.facts = replace(before, closed=False, asked=asked)
+        now, asked = self.facts, self.facts.asked or before.asked  # whoever goes on may ask for more
+        better = now if now.lower_is_better or now.higher_is_better else before  # and say what nobody had said
+        lower, higher = better.lower_is_better, better.higher_is_better
+        self.facts = replace(before, closed=False, asked=asked, lower_is_better=lower, higher_is_better=higher)
         self._make_room()
         count = part_count(self.folder, self.number)
         self._part = max(0, count - 1)
