@@ -29,6 +29,8 @@ Better: TypeAlias = Literal["higher", "lower", ""]
 T = TypeVar("T", bound=Hashable)
 NEARLY_ALL = 0.95
 """A training that has this share of its steps is whole: its last episode need not have ended."""
+LATE = 0.2
+"""A training that lacks more than this share of its steps before its first value is cut there."""
 NEAR = 0.002
 """Evaluations at most this share of their steps apart are of one moment, as of 3 environments that step together."""
 LEAST_KNOWN = 0.5
@@ -162,6 +164,21 @@ class Span(NamedTuple):
 
     begin: float
     end: float
+
+
+def shortfall_at_begin(spans: Mapping[T, Span], noun: str) -> dict[T, str]:
+    """Why trainings are not whole that begin later than others: they may be what another file goes on with.
+
+    Args:
+        spans: Of which steps the values of each training tell.
+        noun: As of `shortfall_beside`.
+    """
+    first = min((it.begin for it in spans.values()), default=0.0)
+    return {
+        it: f"it begins after {begin:,.0f} {noun}, and another one after {first:,.0f}"
+        for it, (begin, end) in spans.items()
+        if begin - first > LATE * end
+    }
 
 
 @dataclass(frozen=True, eq=False)

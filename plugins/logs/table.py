@@ -63,7 +63,7 @@ TAUGHT = (
     "rewardfn", "rewardfunction", "rewardname", "rewardtype", "reward", "method", "variant", "condition", "treatment",
     "algo", "algorithm", "group",
 )  # fmt: skip
-"""Columns of text that say what taught a training."""
+"""Columns of text that say what taught a training; what the last three say in all rows may be of all files."""
 MODES = ("mode", "split", "phase", "stage", "agent", "agentid", "player", "policyid")
 """Columns that say which rows of a training count."""
 OF_D3RLPY = re.compile(r"\d+,\d+,[-\d.e+naif]+\n")
@@ -199,6 +199,10 @@ class Table(Roles):
         runs = [name for name in varying if names_a_run(name) and not is_of_episodes(table, name)]
         labels = labels_of(table, [name for name in words if name not in runs])
         taught = [name for name in labels if plain(name) in TAUGHT]
+        for name in words:  # another file may name another reward, and the names of files may not
+            (first, *others), where = {*table.cells[name]}, str(table.path)
+            if plain(name) in TAUGHT[:-3] and first and not others and first.strip() not in where:
+                taught.append(name)
         groups = split(table, [*taught, *runs])
         modes = [name for name in varying if plain(name) in MODES and name not in labels]
         for name in [*labels, *modes]:

@@ -12,6 +12,7 @@ from harness.errors import SchemaError, UsageError
 from harness.eta.amounts import listed
 from harness.eta.equal import equal_sentences, equal_trainings
 from harness.eta.laws import (
+    LEAST_POINTS,
     NEAR,
     NEARLY_ALL,
     Account,
@@ -21,6 +22,7 @@ from harness.eta.laws import (
     latest_shared,
     require_direction,
     require_share,
+    shortfall_at_begin,
     shortfall_beside,
     within,
 )
@@ -104,7 +106,7 @@ def account_of(
     if ran:
         axis = _axis_of(ran)
         done = {it: (it.reward, _steps(it, axis), sum(map(len, it.logs))) for it in ran}
-        short |= shortfall_beside(done, axis.noun)
+        short |= shortfall_beside(done, axis.noun) | shortfall_at_begin({it: _span(it, axis) for it in ran}, axis.noun)
     begun = [*((it, it.place, short.get(it, "")) for it in trainings), *((None, *it) for it in other)]
     account = counted(begun, leave_out)
     if not account.whole:
@@ -385,6 +387,14 @@ def _steps(training: Training, axis: Axis) -> int:
     if evaluated is None or not axis.column or axis.is_summed or axis.column not in evaluated:
         return rows
     return max(rows, int(_ends(evaluated, axis)[-1]))
+
+
+def _span(training: Training, axis: Axis) -> Span:
+    """Of which steps the rows of its first log tell; the first row of no more than any other one."""
+    log = training.logs[0]
+    ends = _ends(log, axis)
+    apart = log[LENGTH][0] if log.facts.unit == "episode" and LENGTH in log else np.diff(ends).max(initial=0.0)
+    return Span(max(0.0, float(ends[0] - apart)) if len(ends) >= LEAST_POINTS else 0.0, float(ends[-1]))
 
 
 def _ends(log: Log, axis: Axis) -> Float:

@@ -49,25 +49,35 @@ def results_of_logs(
         SchemaError: A log is damaged.
     """
     found = _opened(folder, registry, told)
-    logs, other = _kept(found.logs, told)
-    if not logs:
-        raise UsageError(f"--leave-out leaves no training of '{folder}'")
-    if not any(log.facts.unit != "step" or {*ENDS} & {*log.names} for log in logs):
+    if not any(log.facts.unit != "step" or {*ENDS} & {*log.names} for log in found.logs):
         command = _command_of_steps(folder)
         raise UsageError(f"'{folder}' holds steps that do not tell where episodes end: {command} compares their pay")
     place = folder if folder.is_dir() else folder.parent
-    sorted_ = sort_logs(place, logs, told.sort, told.baseline)
+    sorted_, other = sort_found(folder, found, told)
     if not told.sort:
         require_several(place, sorted_)
+    return _results(place, registry, sorted_, told, kind, other, metrics, pairs=pairs)
+
+
+def sort_found(folder: Path, found: Found, told: Told) -> tuple[Sorted, list[Other]]:
+    """The trainings of what was found in a file or below a folder, and those of which nothing is read.
+
+    Raises:
+        UsageError: As `sort_logs`; or all of them are left out.
+    """
+    logs, other = _kept(found.logs, told)
+    if not logs:
+        raise UsageError(f"--leave-out leaves no training of '{folder}'")
+    sorted_ = sort_logs(folder if folder.is_dir() else folder.parent, logs, told.sort, told.baseline)
     unread, lines = _unread(folder, found, sorted_)
-    sorted_ = sorted_._replace(notes=(*sorted_.notes, *lines))
-    return _results(place, registry, sorted_, told, kind, [*other, *unread], metrics, pairs=pairs)
+    return sorted_._replace(notes=(*sorted_.notes, *lines)), [*other, *unread]
 
 
 def _kept(logs: Iterable[Log], told: Told) -> tuple[list[Log], list[Other]]:
     """The logs that the user does not leave out, and the others."""
-    out = {id(log) for log in logs if told.leave_out and is_left_out(log.facts.path / log.facts.run, told.leave_out)}
-    return [log for log in logs if id(log) not in out], [(log.facts.path, "") for log in logs if id(log) in out]
+    places = [(log, log.facts.path / log.facts.run) for log in logs]
+    out = [(place, "") for _, place in places if is_left_out(place, told.leave_out)]
+    return [log for log, place in places if (place, "") not in out], out
 
 
 def _unread(folder: Path, found: Found, of: Sorted) -> tuple[list[Other], list[str]]:

@@ -131,7 +131,7 @@ def read_runs(
         raise UsageError(f"'{folder}' holds no recorded training: harness.RecordRewards makes one.{unread}")
     at_random = _read(folder, random, _weighed([it.path for it in everything])) if random else None
     env, env_notes = env_of(folder, everything) if group is None else (group.task.label, [])
-    account, whole, short = account_of(everything, damaged, told.leave_out)
+    account, whole, short = account_of_runs(everything, damaged, told.leave_out)
     seeds, seed_notes = _with_seeds([it for it in whole if not it.facts.evaluation])
     evaluated = [it for it in whole if it.facts.evaluation]
     evaluations, evaluation_notes = _evaluations(folder, evaluated, seeds, group is None or group.deterministic)
@@ -215,7 +215,7 @@ def read_all(folder: Path, only: Sequence[Path] | None = None) -> tuple[list[Run
     return [run if (run.reward, run.seed) in paid else _without_mistaken(run) for run in runs], damaged
 
 
-def account_of(
+def account_of_runs(
     runs: Sequence[Run], damaged: Iterable[Missing] = (), leave_out: Collection[Path] = ()
 ) -> tuple[Account[Run], list[Run], list[str]]:
     """Which trainings count, then the same with the evaluations that count, then lines on those that others replace.
