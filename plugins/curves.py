@@ -2,10 +2,10 @@
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -82,7 +82,7 @@ POINTS: Mapping[str, tuple[str, bool]] = {
     "episodescore": (ONE, True),
 }
 """By the name of a return, or its `plain` name: what a point is, and whether TensorBoard's step counts env steps."""
-Series: TypeAlias = tuple[Sequence[float], Sequence[float]]
+Series: TypeAlias = Sequence[Float]
 """The points of one tag: their steps, and their values."""
 VALUES = ("reward", "success", "length", "measure")
 OF_ALL = ("steps", "timesteps", "numsteps", "nsteps")
@@ -171,9 +171,8 @@ class Roles:
             )
         columns = {role: roles[role] for role in VALUES if role in roles}
         chosen = Chosen(columns, episode=roles.get("episode", ""), evaluation=evaluation)
-        is_history = {"_step", "_timestamp"} <= {*names}
         is_known = bool(chosen.kind[0]) and not chosen.episode
-        if chosen.is_mean or is_known or is_history or not {"episode", "length"} & roles.keys():
+        if chosen.is_mean or is_known or is_history(names) or not {"episode", "length"} & roles.keys():
             if not self.length and plain(columns.get("length", "")) in OF_ALL:
                 del columns["length"]
         else:
@@ -188,6 +187,17 @@ class Roles:
             counter=next(iter(counters), ""),
             others=tuple(others),
         )
+
+
+def is_history(names: Collection[str]) -> bool:
+    """Whether these are of the history of a run of Weights & Biases, which has the names of whatever logged into it."""
+    return {"_step", "_timestamp"} <= {*names}
+
+
+def cleanrl_run(name: str) -> dict[str, Any]:
+    """What CleanRL tells of a training by what it calls the run: its environment, its algorithm, its seed."""
+    named = CLEANRL_RUN.fullmatch(name)
+    return {**named.groupdict(), "seed": int(named["seed"])} if named else {}
 
 
 def is_evaluated(name: str) -> bool:
@@ -319,16 +329,16 @@ def curve(facts: LogFacts, series: Mapping[str, Series], told: Roles, step: str 
     """
     chosen = told.chosen(facts.path, list(series))
     steps, _ = series[chosen.main]
-    columns = {"step": np.array(steps, np.float64)}
+    columns = {"step": steps}
     for tag in (*chosen.columns.values(), *chosen.times):
-        values = dict(zip(_numbered(series[tag][0]), series[tag][1], strict=True))
-        columns[tag] = np.array([values.get(it, np.nan) for it in _numbered(steps)], np.float64)
+        values = dict(zip(_numbered(series[tag][0]), series[tag][1].tolist(), strict=True))
+        columns[tag] = np.array([values.get(it, np.nan) for it in _numbered(steps)])
     return points(facts, chosen, columns, told, step)
 
 
-def _numbered(steps: Iterable[float]) -> Iterator[tuple[float, int]]:
+def _numbered(steps: Float) -> Iterator[tuple[float, int]]:
     """Each step, and how often it stood there before: several episodes may end at one step."""
     seen: Counter[float] = Counter()
-    for step in steps:
+    for step in steps.tolist():
         yield step, seen[step]
         seen[step] += 1

@@ -47,7 +47,7 @@ def zoo_settings(log: Path, env: str = "") -> ZooSettings:
         config = args.with_name("config.yml")
         tuned = _pairs(config) if config.is_file() else {}
     except (OSError, ValueError):
-        return ZooSettings()
+        return ZooSettings(env)
     asked = max(_whole(told.get("n_timesteps", "")) or 0, 0) or _whole(tuned.get("n_timesteps", "")) or 0
     return ZooSettings(env or args.parent.name, told.get("algo", ""), _whole(told.get("seed", "")), asked)
 
