@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property, partial
-from typing import Any, Self
+from typing import Any, Self, TypeVar
 
 import numpy as np
 
@@ -48,10 +48,11 @@ SLACK = 100_000
 episode of an evaluation may have, where the training was shorter than that."""
 MEASURED = (*INTEGERS, *FLAGS, "distance", *(f"end_effector_{axis}" for axis in "xyz"), "qpos")
 """Columns that metrics read."""
-START, END = " start", " end"
+START, END = "start ", "end "
 """The first and the last episodes of a training, see `harness.results.by_term.part_of`."""
 SUMMED = {"return": ("reward",), "events": EVENTS, "paid": PAID}
 """What is summed over an episode."""
+Told = TypeVar("Told")
 FILES = {"training": TRACE, "evaluation": EVALUATION}
 
 
@@ -159,7 +160,7 @@ class CellResults:
                 require_plausible(self._files / name, self._most(name))
             return True
 
-        self._kept.number("is plausible", [self._kept.digest(name) for name in there], look)
+        self._kept.told("is plausible", [self._kept.digest(name) for name in there], look)
 
     def keep(self, compared: Iterable[Choice], scoring: Iterable[Choice]) -> None:
         """Compute what a report will ask of the cell, and keep it.
@@ -174,7 +175,7 @@ class CellResults:
         files = (EVALUATION, *([RANDOM] if self.has_floor else ()))
         own, payers = self._cells.installed(self.cell.reward), list(map(self._cells.installed, scoring))
         jobs: list[Callable[[], object]] = [
-            *(partial(self.pays_recorded, own, file) for file in (TRACE, EVALUATION)),
+            *(partial(self.unchanged, file) for file in (TRACE, EVALUATION)),
             *(partial(self.paid_by, self._cells.installed(choice)) for choice in compared),
             *(partial(self.evaluation_return, it) for it in payers),
             *(partial(self.floor_returns, it) for it in payers if self.has_floor),
@@ -201,16 +202,16 @@ class CellResults:
         own, other = OWN_AND_OTHER[self.cell.deterministic]
         files = {own: EVALUATION, other: f"{other}{SUFFIX}", TRAINING: TRACE}
         there = {name: file for name, file in files.items() if name != other or self._is_there(file)}
+
+        def episodes(file: str) -> int:
+            return self._ask(file, "episodes", lambda: len(self._trace(file).episodes))
+
         with self:
-            found = Measured(
-                {manner: self._measure(file) for manner, file in there.items()},
-                {manner: self._episodes_in(file) for manner, file in there.items()},
-                {},
-                self._reasons,
-            )
+            did = {manner: self._measure(file) for manner, file in there.items()}
+            counts = {manner: episodes(file) for manner, file in there.items()}
             if self._read:
                 self._keep_own()  # columns are there now
-        return found
+        return Measured(did, counts, {}, self._reasons)
 
     @cached_property
     def measured(self) -> Measured:
@@ -254,8 +255,7 @@ class CellResults:
     @cached_property
     def _episodes(self) -> Episodes:
         """The finished episodes of the training: what its own reward paid, and whether they reached the target."""
-        with self:
-            last, reached, paid = self._learned().reshape(3, -1)
+        last, reached, paid = self._learned().reshape(3, -1)
         return Episodes(last.astype(np.int64), {self.reward: paid}, {SUCCESS: reached}, {})
 
     def _learned(self) -> Float:
@@ -265,7 +265,7 @@ class CellResults:
             last = np.array([rows[-1] for rows in trace.episodes], np.int64)
             return np.array([last, reached > 0, paid])[:, np.argsort(last)].ravel()
 
-        return self._kept.array(f"{TRACE} learned", [self._kept.digest(TRACE)], make)
+        return self._ask(TRACE, "learned", make)
 
     def stretch(self, begin: int, end: int) -> Part:
         """See `Trained`: success and pay."""
@@ -275,12 +275,10 @@ class CellResults:
         return {}
 
     def ends(self) -> tuple[Part, Part, Part]:
-        paid = self._episodes.returns[self.reward]
-        count = min(part_of(len(paid)), len(paid))
         with self:
             start, end = (
-                Part(count, {self.reward: float(of.mean()) if count else None}, self._measure(TRACE, part), {})
-                for part, of in ((START, paid[:count]), (END, paid[-count:]))
+                part._replace(behaviour=self._measure(TRACE, of))
+                for of, part in zip((START, END), self._episodes.ends, strict=True)
             )
             pay = self.recorded_return("return")
         evaluated = Part(next(iter(self.measured.episodes.values())), {self.reward: pay}, self.measured.own, {})
@@ -293,21 +291,18 @@ class CellResults:
             positions = self._trace(EVALUATION)["qpos"]
             return hashlib.sha256(repr(positions.shape).encode() + positions.tobytes()).hexdigest()
 
-        with self:
-            return str(self._kept.told(f"{EVALUATION} motion", [self._kept.digest(EVALUATION)], make))
+        return self._ask(EVALUATION, "motion", make)
 
     # What was paid
 
     @property
     def cut(self) -> int:
-        with self:
-            return int(self._number(TRACE, "rows", lambda: len(self._trace(TRACE))) or 0)
+        return self._ask(TRACE, "rows", lambda: len(self._trace(TRACE)))
 
     @property
     def recorded(self) -> Float:
         """What the cell's own reward paid, every row of the training, (rows,)."""
-        with self:
-            return self._kept.array(f"{TRACE} reward", [self._kept.digest(TRACE)], lambda: self._trace(TRACE)["reward"])
+        return self._ask(TRACE, "reward", lambda: self._trace(TRACE)["reward"])
 
     def paid(self, by: Any) -> Float:
         """See `Trained`: its own reward's pay is recorded."""
@@ -319,9 +314,7 @@ class CellResults:
         Raises:
             Unscored: It cannot.
         """
-        with self:
-            made_of = self._made_of(TRACE, reward)
-            return self._kept.array(reward.choice.label, made_of, lambda: self._paid(TRACE, reward).total)
+        return self._ask(TRACE, "paid", lambda: self._paid(TRACE, reward).total, reward)
 
     def unchanged(self, file: str) -> InstalledReward:
         """Its own reward, which still pays what the cell recorded in a file.
@@ -329,17 +322,12 @@ class CellResults:
         Raises:
             Unscored: It cannot pay, or pays something else.
         """
-        reward = self._cells.installed(self.cell.reward)
+        own = self._cells.installed(self.cell.reward)
         if file not in self._unchanged:
-            reward.require_unchanged(self.pays_recorded(reward, file))
+            pays = self._ask(file, "is paid", lambda: own.pays_recorded(self._trace(file).load(SCORED)), own)
+            own.require_unchanged(pays)
             self._unchanged.add(file)
-        return reward
-
-    def pays_recorded(self, own: InstalledReward, file: str) -> bool:
-        """Whether the cell's own reward still pays what is recorded; see `InstalledReward.pays_recorded`."""
-        with self:
-            what, made_of = f"{file} is paid by {own.choice.label}", self._made_of(file, own)
-            return bool(self._kept.number(what, made_of, lambda: own.pays_recorded(self._trace(file).load(SCORED))))
+        return own
 
     def returned(self, by: Any, manner: str) -> float:
         """See `Trained`: its events left out."""
@@ -351,12 +339,12 @@ class CellResults:
         Raises:
             Unscored: It cannot.
         """
-        with self:
-            return self._kept.number(
-                f"{EVALUATION} return {reward.choice.label}",
-                self._made_of(EVALUATION, reward),
-                lambda: mean_over_episodes(self._paid(EVALUATION, reward).total, self._trace(EVALUATION)),
-            )
+        return self._ask(
+            EVALUATION,
+            "return",
+            lambda: mean_over_episodes(self._paid(EVALUATION, reward).total, self._trace(EVALUATION)),
+            reward,
+        )
 
     def final_pay(self) -> float:
         """See `Trained`: its events included."""
@@ -374,8 +362,7 @@ class CellResults:
             of: ``return`` of the cell's own reward, ``events``, or ``paid``, which is both.
             file: `EVALUATION` or `RANDOM`.
         """
-        with self:
-            return self._number(file, of, lambda: mean_return(self._trace(file), SUMMED[of]))
+        return self._ask(file, of, lambda: mean_return(self._trace(file), SUMMED[of]))
 
     def random_pay(self) -> Float:
         reward, owner = self.unchanged(EVALUATION), self.floor_cell
@@ -392,9 +379,7 @@ class CellResults:
             trace = self._trace(RANDOM)
             return episode_sums(self._paid(RANDOM, reward).total + paid_in(trace, EVENTS), trace.episodes).tolist()
 
-        with self:
-            what = f"{RANDOM} returns {reward.choice.label}"
-            return np.array(self._kept.told(what, self._made_of(RANDOM, reward), make), np.float64)
+        return np.array(self._ask(RANDOM, "returns", make, reward), np.float64)
 
     def at_random(self) -> Part:
         """See `Trained`: pay where a cell of the reward recorded it."""
@@ -434,9 +419,7 @@ class CellResults:
             terms = terms_of(trace) if is_own else self._paid(file, reward).terms
             return by_term(terms, trace.episodes, trace["step"] > 0).to_json()
 
-        with self:
-            made_of = [self._kept.digest(file)] if is_own else self._made_of(file, reward)
-            return ByTerm.from_json(self._kept.told(f"{file} terms {reward.choice.label}", made_of, make))
+        return ByTerm.from_json(self._ask(file, "terms", make, None if is_own else reward))
 
     # How it is read
 
@@ -449,8 +432,22 @@ class CellResults:
         self.recorded_return("paid")
         self.motion()
 
-    def _made_of(self, file: str, reward: InstalledReward) -> list[str]:
-        return [self._kept.digest(file), reward.fingerprint(self.cell.reward)]
+    def _ask(
+        self, file: str, what: str, make: Callable[[], Told], by: InstalledReward | None = None, code: str = ""
+    ) -> Told:
+        """What a file of the cell says.
+
+        Args:
+            file: Its name.
+            what: Is asked.
+            make: Finds it out, if it is not kept.
+            by: The reward that pays for it.
+            code: The digest of other code that it follows from.
+        """
+        if by:
+            what, code = f"{what} {by.choice.label}", by.fingerprint(self.cell.reward)
+        with self:
+            return self._kept.told(f"{file} {what}", [self._kept.digest(file), code], make)
 
     def _paid(self, file: str, reward: InstalledReward) -> Paid:
         return reward.pay(self._trace(file).load(SCORED), self.cell.reward)
@@ -460,11 +457,11 @@ class CellResults:
 
         The reason of a failure is noted but not kept, because the metric may be mended.
         """
-        digest, values = self._kept.digest(file), Values()
+        values = Values()
         for name, (metric, fingerprint) in self._cells.fingerprinted.items():
             values[name], make = None, partial(self._apply, metric, file, part)
             try:
-                values[name] = self._kept.number(f"{file}{part} {name}", [digest, fingerprint], make)
+                values[name] = self._ask(file, f"{part}{name}", make, code=fingerprint)
             except Unmeasured as error:
                 self._reasons.setdefault(name, str(error))
         return values
@@ -474,13 +471,6 @@ class CellResults:
             raise Unmeasured(metric.reason)
         trace = self._trace(file).load(MEASURED)
         return value_of(metric, _some(trace, part) if part else trace)
-
-    def _episodes_in(self, file: str) -> int:
-        return int(self._number(file, "episodes", lambda: len(self._trace(file).episodes)) or 0)
-
-    def _number(self, file: str, what: str, make: Callable[[], float | None]) -> float | None:
-        """A number that a trace alone says."""
-        return self._kept.number(f"{file} {what}", [self._kept.digest(file)], make)
 
     def _trace(self, file: str) -> Log:
         """A trace, of which results read the columns that they need."""

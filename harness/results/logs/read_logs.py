@@ -37,7 +37,7 @@ from harness.results.logs.told import LENGTH, RETURN, SUCCESS_DECIDES, Deciding
 from harness.results.logs.trainings import Sorted, Training, digest_of
 from harness.results.measured import Counted
 from harness.results.recordings.episodes import LAST_SHARE, Points, cut_notes, require_ends
-from harness.results.recordings.recording_results import NOTHING_ALIKE
+from harness.results.recordings.recording_results import Likeness
 from harness.results.recordings.runs import DIRECTION, NO_NAME, Directions, Run, Runs, brought, run_of
 
 NO_STEPS = (
@@ -417,7 +417,7 @@ def _run(training: Training, steps: int, until: int, measures: Sequence[str], ax
     evaluated = training.evaluated
     if training.is_evaluated_alone:
         whole = in_memory(whole.facts, {name: values[:0] for name, values in whole.rows().columns.items()})
-    run = replace(run_of(whole), steps=steps, likeness=replace(NOTHING_ALIKE, digest=digest_of(training.logs)))
+    run = replace(run_of(whole), steps=steps, likeness=Likeness(digest_of(training.logs)))
     found = [] if evaluated is None else _evaluations(training, evaluated, measures, axis, min(steps, until))
     return replace(run, evaluation=found[-1], before=tuple(found[:-1])) if found else run
 

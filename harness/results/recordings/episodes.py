@@ -14,6 +14,7 @@ from harness.eta.laws import LEAST_POINTS, Curve, Curves, Span, within
 from harness.log import Log, LogFacts
 from harness.log.log import BEHAVIOUR, REWARD, SINCE, TIME, OpenEpisodes
 from harness.record.recording.facts import TrainingFacts, facts_of
+from harness.results.by_term import part_of
 
 UNKNOWN = "not a number in some episodes"
 ENDS = ("terminated", "truncated")
@@ -94,6 +95,14 @@ class Episodes:
     def whole(self) -> Part:
         """All of them."""
         return self.part(0, int(self.last.max(initial=-1)) + 1)
+
+    @property
+    def ends(self) -> tuple[Part, Part]:
+        """The first ones and the last ones; see `harness.results.by_term.part_of`."""
+        last = self.last
+        count = min(part_of(len(last)), len(last))
+        start = self.part(0, int(last[count - 1]) + 1 if count else 0)
+        return start, self.part(int(last[-count]), int(last[-1]) + 1) if count else start
 
     def knows(self, reward: str) -> bool:
         """Whether it is known what a reward paid all episodes."""

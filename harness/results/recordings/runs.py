@@ -21,13 +21,12 @@ from harness.log.log import RECORDED, REWARD, SUCCESS, TIME
 from harness.record.cell import BROUGHT
 from harness.record.recording.facts import TrainingFacts, facts_of
 from harness.registry.choice import Choice
-from harness.results.by_term import ByTerm, part_of
+from harness.results.by_term import ByTerm
 from harness.results.comparison import Group
 from harness.results.logs.told import RETURN, SUCCESS_DECIDES, Deciding
 from harness.results.measured import Counted, Measured, Moment
 from harness.results.recordings.episodes import Episodes, Part, episodes_of
 from harness.results.recordings.recording_results import (
-    NOTHING_ALIKE,
     Likeness,
     RecordingResults,
     likeness_of,
@@ -171,11 +170,7 @@ class Run:
 
     def ends(self) -> tuple[Part, Part, Part | None]:
         """Its first episodes, its last ones, and those of its evaluation, where there is one."""
-        last = self.episodes.last
-        count = min(part_of(len(last)), len(last))
-        start = self.stretch(0, int(last[count - 1]) + 1 if count else 0)
-        end = self.stretch(int(last[-count]), int(last[-1]) + 1) if count else start
-        return start, end, self.evaluation.whole if self.evaluation else None
+        return *self.episodes.ends, self.evaluation.whole if self.evaluation else None
 
     def paid(self, by: Any) -> Float:
         """What the reward of a training pays for each of its steps, (rows,)."""
@@ -255,7 +250,7 @@ def run_of(log: Log) -> Run:
         -1 if facts.seed is None else facts.seed,
         len(log) if is_of_steps else int(episodes.last.max(initial=-1)) + 1,
         episodes,
-        likeness_of(log) if is_of_steps else NOTHING_ALIKE,
+        likeness_of(log) if is_of_steps else Likeness(),
     )
 
 
@@ -263,7 +258,7 @@ def rescaling_between(runs: Iterable[Run], reward: str, other: str) -> Rescaling
     """What a reward is of another one, by all trainings that know both; None if it is another one."""
     return rescaling_of(
         [
-            run.likeness.lines.get((other, reward))
+            run.likeness.line(other, reward)
             for run in runs
             if {reward, other} <= {*run.facts.rewards} and run.episodes.knows(reward) and run.episodes.knows(other)
         ]
