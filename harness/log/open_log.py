@@ -13,6 +13,7 @@ from harness.log.log import Log
 from harness.registry.choice import choose
 from harness.registry.registry import Registry
 from harness.registry.spec import blamed_on
+from harness.text import command_text
 
 LOGS = "logs"
 GONE = ("monitor", "progress-csv", "wandb-csv", "tensorboard-csv", "episode-csv")
@@ -51,7 +52,7 @@ def open_logs(path: Path, registry: Registry, named: str = "", **settings: Any) 
         raise UsageError(f"No folder '{path}', and no file")
     names = [named] if named else recognised(path, formats)
     if len(names) > 1:
-        told = " or ".join(f"--as {name}" for name in names)
+        told = " or ".join(command_text("harness", "audit", f"{name}:{path}") for name in names)
         raise UsageError(f"'{path}' could be a log of several formats: say which, {told}")
     if not names:
         kind = None if path.is_dir() else kind_at(path)

@@ -109,7 +109,7 @@ class Table(Roles):
     only: str = ""
 
     def recognises(self, path: Path, head: bytes) -> bool:
-        """By a column of returns or success, and one that counts; the rows are no steps."""
+        """By the columns that a user names; else by one of returns or success, and one that counts, of no steps."""
         if path.is_dir() or (path.name == "result.json" and path.with_name("progress.csv").exists()):  # of one training
             return bool(_curves_in(path))
         text = head_of(path, head)
@@ -123,7 +123,8 @@ class Table(Roles):
         names = table.names
         if names[:3] == MONITOR:
             return bool(table.comments) or MONITORED.fullmatch(path.name) is not None
-        return names == EXPORT or _is_chart(names) or is_history(names) or _has_rows(table)
+        is_named = bool(self._told) and self._told <= {*names}
+        return is_named or names == EXPORT or _is_chart(names) or is_history(names) or _has_rows(table)
 
     def read(self, path: Path) -> tuple[Log, ...]:
         """A log for each training in it.

@@ -94,7 +94,7 @@ def remedies(text):
         typed, flag = [text[match.start() : match.end()].split()[1]], ""
         for word in _words(text[match.end() :]):
             bare = word.rstrip(".,;:)")
-            if not (bare.startswith("--") or flag or Path(bare).exists()):
+            if not (bare.startswith("--") or flag or Path(bare.rpartition(":")[2]).exists()):
                 break
             typed, flag = [*typed, bare], bare if bare.startswith("--") else ""
             if bare != word:

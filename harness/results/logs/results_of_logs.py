@@ -212,7 +212,8 @@ def _nothing(folder: Path, registry: Registry, damaged: Sequence[str]) -> UsageE
     steps = f"; {_command_of_steps(folder)} compares CSV files if a row is a step" if ".csv" in dict(endings) else ""
     return UsageError(
         f"'{folder}' is no experiment, and holds no recorded training and no log that is read. Seen: {seen}. Formats: "
-        f"{', '.join(registry.names(LOGS))}; --as FORMAT:setting=value names one{steps}"
+        f"{', '.join(registry.names(LOGS))}; --as table:time=TIME,success=SUCCESS says which columns of a table "
+        f"count{steps}"
     )
 
 
