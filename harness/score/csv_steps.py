@@ -20,7 +20,7 @@ beginDistance can change inside an episode (a target that was touched is drawn a
 import csv
 import os
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
@@ -49,7 +49,6 @@ LONGEST_LINE = 2**18
 SHOWN = 60
 """The most characters of a name or a cell in a message."""
 
-_NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)(e[+-]?\d+)?", re.IGNORECASE)
 _SEPARATED = re.compile(r"\d[,' ]\d")
 
 
@@ -82,14 +81,14 @@ def read_header(path: Path) -> list[str]:
 
 def fault_of(path: Path, header: Header, problem: str) -> UsageError:
     """The first fault of a file that could not be read, found by reading it again, slowly."""
+    rows = 0
     try:
         with path.open(encoding="utf-8-sig", errors="replace", newline="") as file:
             lines = csv.reader(_lines(file))
             next(lines)
-            fault, rows = None, 0
-            for rows, cells in enumerate(filter(None, lines), 1):  # noqa: B007 (rows is counted)
-                fault = _find_fault(cells, header)
-                if fault is not None:
+            for cells in filter(None, lines):
+                rows += 1
+                if fault := _find_fault(cells, header):
                     return UsageError(f"{path}, line {lines.line_num}, {fault}")
     except (csv.Error, OSError) as error:
         return UsageError(f"{path} cannot be read: {error}")
@@ -129,33 +128,27 @@ def _find_fault(cells: list[str], header: Header) -> str | None:
         hint = "; a comma inside a number?" if surplus else ""
         return f"{column}: cells in the line: {len(cells)}, in the header: {expected}{hint}"
     texts = {name: cells[position].strip() for name, position in header.positions.items()}
+    best = {"prev_best", "previous_best"} & {*texts}
+    told = best if texts.get("delta_distance") else {"delta_distance"} if best else set[str]()
     for name, text in texts.items():
-        problem = _problem_of(text, name in _needed_cells(texts))
+        column = header.names[header.positions[name]].strip()
+        if _is_number(text) or (not text and name in ("step", *told)):
+            continue
         if name == "reward" and text.lower() == "nan":  # a training that diverged: an outcome, and no fault of the file
             continue
-        if problem is not None and text and text == header.names[header.positions[name]].strip():
+        problem = f"'{shortened(text, SHOWN)}' is no finite number" if text else "the cell is empty"
+        if _SEPARATED.search(text):
+            problem += ": write decimal points and no thousands separators"
+        if text and text == column:
             problem = "the header stands here once more: two files joined into one? Give each run a file"
-        if problem is not None:
-            return f"column '{header.names[header.positions[name]].strip()}': {problem}"
+        return f"column '{column}': {problem}"
     return None
 
 
-def _needed_cells(texts: Mapping[str, str]) -> set[str]:
-    """Columns that may not be empty in a line with these cells."""
-    needed = set(texts) - {"step", "delta_distance", "prev_best", "previous_best"}
-    if not texts.get("delta_distance"):
-        needed |= {"prev_best", "previous_best"} & set(texts) or {"delta_distance"}
-    return needed
-
-
-def _problem_of(text: str, needed: bool) -> str | None:
-    """What is wrong with a cell; None if nothing is."""
-    if not text:
-        return "the cell is empty" if needed else None
-    if not _NUMBER.fullmatch(text):
-        hint = ": write decimal points and no thousands separators" if _SEPARATED.search(text) else ""
-        return f"'{shortened(text, SHOWN)}' is no finite number{hint}"
-    return None if abs(float(text)) <= LARGEST else f"'{shortened(text, SHOWN)}' is no finite number"
+def _is_number(text: str) -> bool:
+    with suppress(ValueError):
+        return "_" not in text and abs(float(text)) <= LARGEST
+    return False
 
 
 PAY = f"{REWARD}{RECORDED}"
@@ -288,28 +281,25 @@ def _read_rows(columns: Columns, counted: _Counted) -> dict[str, Array] | None:
     """
     if any((np.abs(column) > LARGEST).any() for column in columns.values()):
         return None
-    reward = columns["reward"]
-    made: dict[str, Array] = {PAY: reward, **{name: columns[name] for name in EVENTS if name in columns}}
+    reward, events = columns["reward"], {name: columns[name] for name in EVENTS if name in columns}
     if "distance" not in columns:
-        return made if _is_finite(it for name, it in made.items() if name != PAY) else None
+        return {PAY: reward, **events} if _is_finite(events.values()) else None
     begin, distance = columns["begin_distance"], columns["distance"]
     best, delta = _before_step(columns)
     env = columns.get("env", np.zeros(len(reward)))
     told = columns.get("step", np.full(len(reward), np.nan))
     flags = {name: columns[name] for name in TOUCHED if name in columns}
-    more = (it for name, it in made.items() if name != PAY)
-    if not _is_finite([*more, *flags.values(), begin, distance, best, delta, env]):
+    needed = (*events.values(), *flags.values(), begin, distance, best, delta, env)
+    if not _is_finite(needed) or max(np.abs(env).max(), np.nanmax(np.abs(told), initial=0.0)) > LARGEST_STEP:
         return None
-    if any((np.abs(count) > LARGEST_STEP).any() for count in (env, told)):
-        return None
-    filled = np.isfinite(columns["delta_distance"]) if "delta_distance" in columns else np.ones(len(reward), bool)
+    filled = np.isfinite(columns["delta_distance"]) if "delta_distance" in columns else True
     alike = filled & (reward == 0.0) & (distance == begin) & (best == begin)
     start = np.where(np.isnan(told), alike, told == 0.0)
     step = np.where(np.isnan(told), counted.steps(start), told).astype(np.int64)
     counted.step, env = int(step[-1]), env.astype(np.int64)
     values = (start, begin, best, distance, delta, step, env, counted.episodes(env, start))
-    made |= {name: values > 0.0 for name, values in flags.items()}
-    return {**made, **dict(zip(STEPS, values, strict=True))}
+    made = {name: values > 0.0 for name, values in flags.items()}
+    return {PAY: reward, **events, **made, **dict(zip(STEPS, values, strict=True))}
 
 
 def _is_finite(columns: Iterable[Array]) -> bool:
@@ -344,44 +334,33 @@ def _first_rows(path: Path, head: bytes) -> TextTable | None:
 
 
 def _read(path: Path, header: Header, names: tuple[str, ...]) -> Iterator[Columns]:
-    """See `harness.log.Log.read`."""
-    rows, counted = 0, _Counted()
-    for batch in _batches(path, header):
-        if not batch.num_rows:
-            continue
-        columns = {name: batch.column(name).to_numpy(zero_copy_only=False) for name in header.positions}
-        made = None if batch.column("reward").null_count else _read_rows(columns, counted)
-        if made is None:
-            raise fault_of(path, header, "a number is missing, not finite or too large")
-        rows += batch.num_rows
-        yield {name: made[name] for name in names}
-    if not rows:
-        raise UsageError(f"{path} has no rows")
-
-
-def _batches(path: Path, header: Header) -> Iterator[pa.RecordBatch]:
-    """The wanted columns, empty cells as nulls.
+    """See `harness.log.Log.read`. Empty cells are NaN.
 
     Raises:
         UsageError: A row cannot be read, or rows are no steps.
     """
-    keys = {str(position): name for name, position in header.positions.items()}
     roles = roles_in(header.names)
-    looked = {role: str(header.names.index(name)) for role, name in roles.items()}
-    texts = dict.fromkeys([place for place in looked.values() if place not in keys], pa.string())
-    watch = RowWatch(roles)
-    read = pa.csv.ReadOptions(column_names=[str(position) for position in range(len(header.names))], skip_rows=1)
-    convert = pa.csv.ConvertOptions(
-        column_types={**dict.fromkeys(keys, pa.float64()), **texts},
-        include_columns=[*keys, *texts],
-        null_values=["", " "],
-    )
+    places = {role: header.names.index(name) for role, name in roles.items()}
+    labels = [str(position) for position in range(len(header.names))]
+    for name, position in {**places, **header.positions}.items():
+        labels[position] = name
+    looked = {role: labels[position] for role, position in places.items()}
+    kinds = {**dict.fromkeys(looked.values(), pa.string()), **dict.fromkeys(header.positions, pa.float64())}
+    convert = pa.csv.ConvertOptions(column_types=kinds, include_columns=list(kinds), null_values=["", " "])
+    rows, counted, watch = 0, _Counted(), RowWatch(path, roles)
     try:
-        with pa.csv.open_csv(path, read_options=read, convert_options=convert) as file:
+        with pa.csv.open_csv(path, pa.csv.ReadOptions(column_names=labels, skip_rows=1), None, convert) as file:
             for batch in file:
-                watch.look({role: batch.column(place) for role, place in looked.items()})
-                yield batch.select(list(keys)).rename_columns(list(keys.values()))
-    except UsageError as error:
-        raise UsageError(f"{path}: {error}") from error
+                if not batch.num_rows:
+                    continue
+                watch.look({role: batch.column(label) for role, label in looked.items()})
+                columns = {name: batch.column(name).to_numpy(zero_copy_only=False) for name in header.positions}
+                made = None if batch.column("reward").null_count else _read_rows(columns, counted)
+                if made is None:
+                    raise fault_of(path, header, "a number is missing, not finite or too large")
+                rows += batch.num_rows
+                yield {name: made[name] for name in names}
     except (pa.ArrowException, OSError) as error:
         raise fault_of(path, header, str(error)) from error
+    if not rows:
+        raise UsageError(f"{path} has no rows")
