@@ -240,8 +240,8 @@ class RowWatch:
         for row in np.flatnonzero(changes):
             raise self._refused(
                 row,
-                f"column '{column}' goes from {shortened(before[row], 40)} to {shortened(runs[row], 40)}: the file holds "
-                "several runs. Give each run a file of its own. If all rows are one run, delete that column",
+                f"column '{column}' goes from {shortened(before[row], 40)} to {shortened(runs[row], 40)}: the file "
+                "holds several runs. Give each run a file of its own. If all rows are one run, delete that column",
             )
 
     def _refused(self, row: np.int64, why: str) -> UsageError:

@@ -1,9 +1,8 @@
 """What data sets of every format have in common: their facts, the bounds on what is read, and usual names."""
 
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -16,8 +15,7 @@ SHOWN = 5
 """So many numbers of episodes are told."""
 
 
-@dataclass(frozen=True)
-class Declared:
+class Declared(NamedTuple):
     """What the metadata says.
 
     Attributes:
@@ -30,7 +28,7 @@ class Declared:
     episodes: int | None = None
     steps: int | None = None
     listed: Collection[int] = ()
-    lengths: Mapping[int, int] = field(default_factory=dict)
+    lengths: Mapping[int, int] = {}
 
 
 def take_census(
@@ -47,63 +45,39 @@ def take_census(
     Raises:
         SchemaError: Something that is declared does not lie there, or not as it is declared.
     """
-    belonging = _belonging(declared, found)
-    notes = []
-    beside = sorted({*found} - belonging)
+    there, listed, lengths = {*found}, {*declared.listed}, declared.lengths
+    below = {number for number in there if number < (declared.episodes or 0)}
+    belonging = there & listed if listed else below if len(below) == declared.episodes else there
+    beside = there - belonging
+    empty = {number for number in listed | belonging if not found.get(number, lengths.get(number, 1))}
+    gone = {number for number in listed - there if lengths.get(number, 1)}
+    other = sorted(number for number in belonging if lengths.get(number, found[number]) != found[number])
+    count, steps = len(listed or belonging), sum(found[number] for number in belonging)
+    notes, gaps = [], []
     if beside:
         notes.append(f"Left out, since the metadata does not list them: {_episodes(beside)}")
-    empty = sorted(
-        {number for number in {*declared.listed, *belonging} if not found.get(number, _length(declared, number))}
-    )
     if empty:
         notes.append(f"Left out, since they have no step: {_episodes(empty)}")
-    gaps = list(_gaps(declared, found, belonging))
-    other = [number for number in sorted(belonging) if declared.lengths.get(number, found[number]) != found[number]]
+    if gone:
+        gaps.append(f"{_episodes(gone)} declared and not there")
+    if declared.episodes not in (None, count):
+        gaps.append(f"{declared.episodes:,} episodes declared, {count:,} {'listed' if listed else 'there'}")
+    if declared.steps not in (None, steps):
+        gaps.append(f"{declared.steps:,} steps declared, {steps:,} there")
     if other:
-        steps = f"episode {other[0]} has {found[other[0]]:,} steps, {declared.lengths[other[0]]:,} are declared"
-        gaps.append(f"{_episodes(other)} of another length than declared ({steps})")
-        belonging -= {*other}
+        told = f"episode {other[0]} has {found[other[0]]:,} steps, {lengths[other[0]]:,} are declared"
+        gaps.append(f"{_episodes(other)} of another length than declared ({told})")
     if gaps and not partial:
         raise SchemaError(
             f"{path} is not what its metadata declares: {'; '.join(gaps)}. Fetch it again, or take what is there with "
             "--partial"
         )
     notes += [f"In spite of --partial, not as declared: {gap}" for gap in gaps]
-    return frozenset(belonging), notes
+    return frozenset(belonging.difference(other)), notes
 
 
-def _belonging(declared: Declared, found: Mapping[int, int]) -> set[int]:
-    if declared.listed:
-        return {*declared.listed} & {*found}
-    if declared.episodes is not None and len(found) > declared.episodes:
-        below = {number for number in found if number < declared.episodes}
-        return below if len(below) == declared.episodes else {*found}
-    return {*found}
-
-
-def _gaps(declared: Declared, found: Mapping[int, int], belonging: Collection[int]) -> list[str]:
-    gaps = []
-    gone = sorted(number for number in {*declared.listed} - {*found} if _length(declared, number))
-    if gone:
-        gaps.append(f"{_episodes(gone)} declared and not there")
-    if declared.episodes is not None:
-        count = len(declared.listed) or len(belonging)
-        if count != declared.episodes:
-            noun = "listed" if declared.listed else "there"
-            gaps.append(f"{declared.episodes:,} episodes declared, {count:,} {noun}")
-    steps = sum(found[number] for number in belonging)
-    if declared.steps is not None and steps != declared.steps:
-        gaps.append(f"{declared.steps:,} steps declared, {steps:,} there")
-    return gaps
-
-
-def _length(declared: Declared, number: int) -> int:
-    """How many steps an episode should have; where nothing says it, some."""
-    return declared.lengths.get(number, 1)
-
-
-def _episodes(numbers: list[int]) -> str:
-    shown = ", ".join(map(str, numbers[:SHOWN])) + (" ..." if len(numbers) > SHOWN else "")
+def _episodes(numbers: Collection[int]) -> str:
+    shown = ", ".join(map(str, sorted(numbers)[:SHOWN])) + (" ..." if len(numbers) > SHOWN else "")
     return f"{len(numbers):,} {'episode' if len(numbers) == 1 else 'episodes'} ({shown})"
 
 

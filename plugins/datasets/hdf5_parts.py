@@ -1,7 +1,7 @@
 """Parts of an HDF5 file that anybody may have made: nothing of another file, nothing twice, nothing without end."""
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -179,50 +179,42 @@ class Walk:
         self._groups: set[int] = set()
         self._count = 0
 
-    def numbers(self, group: Any, prefix: str = "", depth: int = 0) -> Iterator[tuple[str, Array]]:
-        """All arrays of numbers at any depth, by key, ``a/b``; an array of one number has no rows."""
-        for key, found in self._members(group, depth, frozenset()):
-            if not isinstance(found, Array):
-                yield from self.numbers(found, f"{prefix}{key}/", depth + 1)
-            elif found.holds_numbers:
-                yield f"{prefix}{key}", found
-
-    def columns(self, found: Any, left_out: frozenset[str], place: str, depth: int = 0) -> dict[str, Array]:
-        """The arrays of an observation or an action, by place, ``observations/goal``.
+    def arrays(
+        self, found: Any, place: str, left_out: Collection[str] = (), depth: int = 0
+    ) -> Iterator[tuple[str, Array]]:
+        """The arrays of what stands at a place, at any depth, by place, ``observations/goal``.
 
         Args:
             found: What stands in the file.
-            left_out: Places that are not looked at.
             place: Its own.
+            left_out: Places that are not looked at.
             depth: How deep it stands in the episode.
 
         Raises:
-            SchemaError: It holds no rows of numbers.
+            SchemaError: It is nested without end, or has too many parts.
         """
         if isinstance(found, Array):
-            if not found.shape or not found.holds_numbers:
-                raise SchemaError(f"{self._path}: {place} holds no rows of at most {MOST_NUMBERS:,} numbers")
-            return {place: found}
-        skipped = frozenset(name for name in found if f"{place}/{name}" in left_out) if left_out else left_out
-        columns: dict[str, Array] = {}
-        for name, part in self._members(found, depth, skipped):
-            columns |= self.columns(part, left_out, f"{place}/{name}", depth + 1)
-        return columns
-
-    def _members(self, group: Any, depth: int, skipped: frozenset[str]) -> Iterator[tuple[str, Any]]:
+            yield place, found
+            return
         if depth > DEEPEST:
-            raise SchemaError(f"{self._path}: {group.name} is nested too deeply")
-        where = address(group)
-        if where in self._groups:
-            raise SchemaError(f"{self._path}: {group.name} is another name for a group that stands elsewhere too")
+            raise SchemaError(f"{self._path}: {found.name} is nested too deeply")
+        if (where := address(found)) in self._groups:
+            raise SchemaError(f"{self._path}: {found.name} is another name for a group that stands elsewhere too")
         self._groups.add(where)
-        for key in group:
-            if key in skipped:
-                continue
+        for key in found:
             self._count += 1
             if self._count > MOST_KEYS:
-                raise SchemaError(f"{self._path}: {group.name}: an episode has more than {MOST_KEYS:,} parts")
-            yield key, member_of(self._path, group, key)
+                raise SchemaError(f"{self._path}: {found.name}: an episode has more than {MOST_KEYS:,} parts")
+            if (inner := f"{place}/{key}") not in left_out:
+                yield from self.arrays(member_of(self._path, found, key), inner, left_out, depth + 1)
+
+
+def infos_of(path: Path, episode: Any) -> dict[str, Array]:
+    """The arrays of numbers among the infos of an episode, by key, ``a/b``."""
+    if "infos" not in episode:
+        return {}
+    found = Walk(path).arrays(group_of(path, episode, "infos"), "infos")
+    return {place.removeprefix("infos/"): array for place, array in found if array.holds_numbers}
 
 
 def read_stretches(steps: int, parts: Mapping[str, Stretch]) -> Iterator[tuple[slice, dict[str, NDArray[Any]]]]:

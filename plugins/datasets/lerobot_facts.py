@@ -192,27 +192,18 @@ def _tables(paths: list[Path]) -> Iterator[dict[str, Any]]:
 
 
 def _is_single(kind: pa.DataType) -> bool:
-    if pa.types.is_list(kind) or pa.types.is_fixed_size_list(kind):
-        return _is_single(kind.value_type)
-    kinds = (
-        pa.types.is_boolean,
-        pa.types.is_integer,
-        pa.types.is_floating,
-        pa.types.is_string,
-        pa.types.is_large_string,
+    """Whether it is a number, a text, or a list of these."""
+    return bool(
+        re.fullmatch(
+            r"((fixed_size_)?list<\w+: )*(bool|u?int\d+|halffloat|float|double|(large_)?string)\W.*", f"{kind} "
+        )
     )
-    return any(check(kind) for check in kinds)
 
 
 def read_tasks(folder: Path) -> dict[int, str]:
     """By number, what a task is called: ``meta/tasks.jsonl``, or ``meta/tasks.parquet`` with texts as an index."""
     lines, table = folder / "meta/tasks.jsonl", folder / "meta/tasks.parquet"
-    if lines.is_file():
-        rows = list(_json_lines(lines))
-    elif table.is_file():
-        rows = list(_tables([table]))
-    else:
-        rows = []
+    rows = _json_lines(lines) if lines.is_file() else _tables([table] if table.is_file() else [])
     named = {}
     for row in rows:
         number, text = whole(row.get(TASK_INDEX)), row.get("task", row.get("__index_level_0__"))

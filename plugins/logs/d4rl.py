@@ -28,10 +28,9 @@ from ..datasets.hdf5_parts import (
     Array,
     Run,
     Stretch,
-    Walk,
     array_of,
     find_array,
-    group_of,
+    infos_of,
     opened,
     read_stretches,
     tables_of,
@@ -150,11 +149,8 @@ def _flag(path: Path, arrays: Mapping[str, Array], key: str) -> Mask:
 
 def _infos(path: Path, file: Any) -> dict[str, Array]:
     """What the environment told after each step, by key; other arrays say nothing of steps."""
-    if "infos" not in file:
-        return {}
-    found = dict(Walk(path).numbers(group_of(path, file, "infos")))
     steps = len(array_of(path, file, "rewards"))
-    return {key: array for key, array in found.items() if array.shape and len(array) == steps}
+    return {key: array for key, array in infos_of(path, file).items() if len(array) == steps}
 
 
 def _episodes_of(path: Path, arrays: Mapping[str, Array], horizon: int) -> tuple[_Layout, tuple[str, ...]]:

@@ -198,23 +198,18 @@ def _files(folder: Path, info: Mapping[str, Any], listing: Listing) -> tuple[tup
     found = sorted((folder / "data").glob("*/*.parquet"))
     if len(found) > MOST_FILES:
         raise SchemaError(f"{folder} has {len(found):,} files, {MOST_FILES:,} are allowed")
+    named = {*found}
     if {CHUNK, FILE} <= {*listing.keys} and info.get("data_path", DATA_PATH) == DATA_PATH:
-        rows = listing.rows.values()
-        numbers = [whole(row.get(key)) for row in rows for key in (CHUNK, FILE)]
-        if not all(number is not None and number < MOST_FILES for number in numbers):
+        places = {(whole(row.get(CHUNK)), whole(row.get(FILE))) for row in listing.rows.values()}
+        if any(number is None or number >= MOST_FILES for place in places for number in place):
             raise SchemaError(f"{listing.path} names a file by {CHUNK} and {FILE} that are no numbers of files")
-        places = {(row[CHUNK], row[FILE]) for row in rows}
         named = {folder / DATA_PATH.format(chunk_index=chunk, file_index=file) for chunk, file in places}
-        beside = [path for path in found if path not in named]
-        found = [path for path in found if path in named]
-    else:
-        beside = []
-    if not found:
+    files = tuple(path for path in found if path in named)
+    if not files:
         raise SchemaError(f"{folder} has no file data/*/*.parquet that belongs to it")
-    names = ", ".join(path.relative_to(folder).as_posix() for path in beside[:3])
-    return tuple(found), [
-        f"Left out, since no episode stands in them: {len(beside):,} files ({names})"
-    ] if beside else []
+    beside = [path.relative_to(folder).as_posix() for path in found if path not in named]
+    told = f"Left out, since no episode stands in them: {len(beside):,} files ({', '.join(beside[:3])})"
+    return files, [told] if beside else []
 
 
 def _lengths(folder: Path, files: tuple[Path, ...], shapes: Mapping[str, tuple[int, ...]]) -> Mapping[int, int]:
@@ -225,7 +220,11 @@ def _lengths(folder: Path, files: tuple[Path, ...], shapes: Mapping[str, tuple[i
         with reading(path, "LeRobot data set"):
             require_regular(path, MOST_BYTES)
             with pq.ParquetFile(path) as file:
-                _require_columns(path, file, shapes)
+                if missing := [name for name in shapes if name not in file.schema_arrow.names]:
+                    raise SchemaError(f"{path} has no column {', '.join(missing)}, of which {INFO_FILE} tells")
+                groups = map(file.metadata.row_group, range(file.metadata.num_row_groups))
+                if any(group.total_byte_size > GROUP_BYTES for group in groups):
+                    raise SchemaError(f"{path} has a group of rows of more than {GROUP_BYTES:,} bytes")
                 total += file.metadata.num_rows
                 require_readable(folder, total, width)
                 for batch in file.iter_batches(columns=[EPISODE]):
@@ -319,15 +318,6 @@ def _rows(layout: _Layout, frames: Frames, count: int, names: tuple[str, ...]) -
     yield layout.source.columns(names, Steps(table, episode[rows], ends[rows], where), layout.told)
 
 
-def _require_columns(path: Path, file: pq.ParquetFile, shapes: Mapping[str, Any]) -> None:
-    missing = [name for name in shapes if name not in file.schema_arrow.names]
-    if missing:
-        raise SchemaError(f"{path} has no column {', '.join(missing)}, of which {INFO_FILE} tells")
-    for number in range(file.metadata.num_row_groups):
-        if file.metadata.row_group(number).total_byte_size > GROUP_BYTES:
-            raise SchemaError(f"{path} has a group of rows of more than {GROUP_BYTES:,} bytes")
-
-
 def _array(path: Path, batch: pa.RecordBatch, name: str, shape: tuple[int, ...], first: int) -> NDArray[Any]:
     """A column, (rows,) where the shape is one number, else (rows, ...).
 
@@ -343,7 +333,8 @@ def _array(path: Path, batch: pa.RecordBatch, name: str, shape: tuple[int, ...],
     """
     column = batch.column(name)
     noun = f"{path}: {name} has gaps, or other rows than the {list(shape)} that {INFO_FILE} tells"
-    for level, size in enumerate(_sizes(column.type, shape, noun)):
+    depth = str(column.type).count("list<")  # of one length or of any, lists in lists for each number of the shape
+    for level, size in enumerate({len(shape): shape, 1: (math.prod(shape),)}.get(depth, ())):
         lengths = pc.fill_null(pc.list_value_length(column), -1).to_numpy(zero_copy_only=False)
         odd = np.flatnonzero(lengths != size)
         if len(odd):
@@ -351,22 +342,12 @@ def _array(path: Path, batch: pa.RecordBatch, name: str, shape: tuple[int, ...],
         column = column.flatten()
     if isinstance(column, pa.ExtensionArray):
         raise SchemaError(f"{path}: {name} is of the type {column.type}, not of lists of numbers")
-    if column.null_count and name in (EPISODE, FRAME, TASK_INDEX):
+    is_gappy = column.null_count > 0
+    if len(column) != batch.num_rows * math.prod(shape) or (is_gappy and name in (EPISODE, FRAME, TASK_INDEX)):
         raise SchemaError(noun)
-    if column.null_count:  # what pandas writes for a number that is none
+    if is_gappy:  # what pandas writes for a number that is none
         column = column.cast(pa.float64())
     values = np.asarray(column.to_numpy(zero_copy_only=False))
     if values.dtype.kind not in "biuf":
         raise SchemaError(f"{path}: {name} holds {values.dtype}, no numbers")
     return values if shape == (1,) and name not in (STATE, ACTION) else values.reshape(batch.num_rows, *shape)
-
-
-def _sizes(kind: pa.DataType, shape: tuple[int, ...], noun: str) -> tuple[int, ...]:
-    """How long the lists of a column are at each depth: one for each number of the shape, or one for all."""
-    depth = 0
-    while pa.types.is_list(kind) or pa.types.is_fixed_size_list(kind) or pa.types.is_large_list(kind):
-        kind, depth = kind.value_type, depth + 1
-    sizes = {len(shape): shape, 1: (math.prod(shape),), **({0: ()} if math.prod(shape) == 1 else {})}
-    if depth not in sizes:
-        raise SchemaError(noun)
-    return sizes[depth]

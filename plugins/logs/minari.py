@@ -21,6 +21,7 @@ from harness.record.dataset.open_dataset import MOST_EPISODES, DatasetFacts
 from harness.text import shortened
 
 from ..datasets.dataset import (
+    MOST_NUMBERS,
     OWN_REWARDS,
     Declared,
     own_rewards,
@@ -36,6 +37,7 @@ from ..datasets.hdf5_parts import (
     array_of,
     find_array,
     group_of,
+    infos_of,
     member_of,
     opened,
     tables_of,
@@ -182,17 +184,11 @@ def _overview(path: Path, file: Any) -> _Overview:
         seen.steps[number] = len(array_of(path, group, "rewards"))
         if (told := whole(group.attrs.get("total_steps"))) is not None:
             seen.told[number] = told
-        seen.infos.update(dict.fromkeys(_info_keys(path, group, seen.infos)))
+        infos = group_of(path, group, "infos") if "infos" in group else ()
+        if any(key not in seen.infos for key in infos):  # else nothing is opened
+            seen.infos.update(dict.fromkeys(infos_of(path, group)))
         seen.attributes.update(dict.fromkeys(key for key in (*group.attrs, *group) if key not in STEP_DATA))
     return seen
-
-
-def _info_keys(path: Path, episode: Any, known: Mapping[str, None]) -> list[str]:
-    """Keys of the infos that hold numbers, at any depth, ``a/b``. Nothing is opened where all are known already."""
-    if "infos" not in episode:
-        return []
-    infos = group_of(path, episode, "infos")
-    return [] if all(key in known for key in infos) else [key for key, _ in Walk(path).numbers(infos)]
 
 
 class _Layout(NamedTuple):
@@ -218,8 +214,9 @@ class _Layout(NamedTuple):
         for place, column in PLACES.items():
             if place in self.pictures:
                 continue
-            arrays = walk.columns(member_of(self.path, group, place), self.pictures, place)
-            for part, array in arrays.items():
+            for part, array in walk.arrays(member_of(self.path, group, place), place, self.pictures):
+                if not array.shape or not array.holds_numbers:
+                    raise SchemaError(f"{self.path}: {part} holds no rows of at most {MOST_NUMBERS:,} numbers")
                 name = f"{column}{part.removeprefix(place)}"
                 if column == OBSERVATION:
                     found[f"{BEFORE}{name}"] = Stretch(array)
