@@ -105,7 +105,7 @@ def audit_logs(
         path: Where they lie.
         found: Those that were read, and what could not be.
         only: The rewards that are told of; all of them if empty.
-        sort: How names are made, if the user says it; see `harness.results.logs.names.sort_by_template`.
+        sort: How names are made, if the user says it; see `harness.results.logs.names.sort_names`.
         leave_out: The trainings that the user leaves out.
 
     Raises:
