@@ -62,6 +62,11 @@ _NAMES = {
     """,
     "episode": " ".join(map(plain, EPISODE)),
     "counter": "iteration iterations timeiterations epoch epochs update updates timestep step episode",
+    # Of text: what taught a training, and which of its rows count; the last three of the first may be of all files
+    "taught": """
+        rewardfn rewardfunction rewardname rewardtype reward method variant condition treatment algo algorithm group
+    """,
+    "mode": "mode split phase stage agent agentid player policyid",
 }
 ROLES: Mapping[str, Sequence[str]] = {role: names.split() for role, names in _NAMES.items()}
 """What a column is for, by its `plain` name; the first of these that is there."""

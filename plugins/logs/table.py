@@ -46,7 +46,7 @@ from ..curves import (
     plain,
     points,
 )
-from ..zoo_settings import zoo_settings
+from ..zoo_settings import whole, zoo_settings
 
 MONITOR = ("r", "l", "t")
 """Return, length and seconds since the file was begun: how every file of stable-baselines3's Monitor begins."""
@@ -72,13 +72,6 @@ FEW = 5
 """Rows from which on that is told of a table with numbers of episodes."""
 RISES = 0.8
 """The share of rows from which on a column that rises from row to row counts the steps of a training, or of each."""
-TAUGHT = (
-    "rewardfn", "rewardfunction", "rewardname", "rewardtype", "reward", "method", "variant", "condition", "treatment",
-    "algo", "algorithm", "group",
-)  # fmt: skip
-"""Columns of text that say what taught a training; what the last three say in all rows may be of all files."""
-MODES = ("mode", "split", "phase", "stage", "agent", "agentid", "player", "policyid")
-"""Columns that say which rows of a training count."""
 OF_D3RLPY = re.compile(r"\d+,\d+,[-\d.e+naif]+\n")
 """Epoch, step and value."""
 D3RLPY = {"environment": "eval/mean_reward"}
@@ -124,7 +117,15 @@ class Table(Roles):
         if names[:3] == MONITOR:
             return bool(table.comments) or MONITORED.fullmatch(path.name) is not None
         is_named = bool(self._told) and self._told <= {*names}
-        return is_named or names == EXPORT or _is_chart(names) or is_history(names) or _has_rows(table)
+        if is_named or names == EXPORT or _is_chart(names) or is_history(names):
+            return True
+        try:
+            chosen = Roles().chosen(path, [name for name in names if not _is_text(table.cells[name])])
+        except (UsageError, SchemaError):
+            return False
+        is_counted = chosen.times or chosen.counter or chosen.unit == "episode"
+        has_rows = len(table) > 0 and ("reward" not in map(str.lower, names) or bool(why_no_steps(table)))
+        return bool(is_counted and (chosen.kind[0] or chosen.is_mean or has_rows))
 
     def read(self, path: Path) -> tuple[Log, ...]:
         """A log for each training in it.
@@ -171,7 +172,8 @@ class Table(Roles):
         numbers = [name for name in table.names if name not in words]
         least = FEW if any(plain(name) in ROLES["episode"] for name in numbers) else 2
         counts = [name for name in numbers if plain(name) in OF_ALL]
-        rising = [name for name in counts if len(table) < 2 or _rises(table, name, least)]
+        rises = {name: np.diff(table.numbers(name, NOTHING)) > 0.0 for name in counts if len(table) >= least}
+        rising = [name for name in counts if len(table) < 2 or (name in rises and rises[name].mean() > RISES)]
         told_so = self if self.time or self.length else replace(self, time=next(iter(rising), ""))
         chosen = told_so.chosen(table.path, numbers)
         chosen = chosen._replace(
@@ -195,7 +197,7 @@ class Table(Roles):
                 run="_".join(cells),
                 env=told.get("env", told.get("env_name", "")),
                 algorithm=told.get("exp_name", ""),
-                seed=int(seed) if seed.isdecimal() else None,
+                seed=whole(seed),
                 thinned=thinned,
                 notes=(*([f"not used: {left}"] if left else []), *table.notes),
             )
@@ -216,17 +218,17 @@ class Table(Roles):
         """
         if self.run:
             return [], self.run.split("+")
-        named = [it for it in table.names if it not in used and (names_a_run(it) or plain(it) in MODES)]
+        named = [it for it in table.names if it not in used and (names_a_run(it) or plain(it) in ROLES["mode"])]
         varying = [name for name in named if len({*table.cells[name]}) > 1]
         runs = [name for name in varying if names_a_run(name) and not is_of_episodes(table, name)]
         labels = labels_of(table, [name for name in words if name not in runs])
-        taught = [name for name in labels if plain(name) in TAUGHT]
+        taught = [name for name in labels if plain(name) in ROLES["taught"]]
         for name in words:  # another file may name another reward, and the names of files may not
             (first, *others), where = {*table.cells[name]}, str(table.path)
-            if plain(name) in TAUGHT[:-3] and first and not others and first.strip() not in where:
+            if plain(name) in ROLES["taught"][:-3] and first and not others and first.strip() not in where:
                 taught.append(name)
         groups = split(table, [*taught, *runs])
-        modes = [name for name in varying if plain(name) in MODES and name not in labels]
+        modes = [name for name in varying if plain(name) in ROLES["mode"] and name not in labels]
         said = "".join(f"{it.name}={getattr(self, it.name)}," for it in fields(Roles) if getattr(self, it.name))
         for name in [*labels, *modes]:
             if name in taught:
@@ -237,7 +239,7 @@ class Table(Roles):
                 continue
             some = sorted({cell.strip() for cell in cells})
             how = f"--as 'table:{said}only={name}={some[-1]}' reads those of one"
-            if plain(name) not in MODES:
+            if plain(name) not in ROLES["mode"]:
                 every = "+".join([*taught, name, *runs])
                 how += f"; --as 'table:{said}run={every}' reads each as a training of its own"
             raise AskedError(
@@ -255,7 +257,7 @@ class Table(Roles):
             path=path,
             format="folder of curves",
             run=read_text(name).strip() if name.is_file() else "",
-            seed=int(told) if told.isdecimal() else None,
+            seed=whole(told),
         )
         series = {
             tag: _series(parse_table(file, read_text(file).replace(" ", ","), names.split()), "step", "value")
@@ -300,18 +302,6 @@ class Table(Roles):
             yield curve(facts, {tag: _series(chart, axis, name) for tag, (chart, name) in of.items()}, self, axis)
 
 
-def _has_rows(table: TextTable) -> bool:
-    """Whether rows are episodes, or points that are counted."""
-    try:
-        chosen = Roles().chosen(table.path, [name for name in table.names if not _is_text(table.cells[name])])
-    except (UsageError, SchemaError):
-        return False
-    is_counted = chosen.times or chosen.counter or chosen.unit == "episode"
-    is_known = chosen.kind[0] or chosen.is_mean
-    has_rows = len(table) > 0 and ("reward" not in map(str.lower, table.names) or bool(why_no_steps(table)))
-    return bool(is_counted and (is_known or has_rows))
-
-
 def _is_chart(names: Sequence[str]) -> bool:
     charted = [name for name in names[1:] if BETWEEN in name]
     return bool(charted) and (names[0] in CALLS or any(map(ENDS.search, charted)))
@@ -321,12 +311,6 @@ def _is_text(cells: Sequence[str]) -> bool:
     """Whether a column holds words: its first cell that holds anything begins like one."""
     first = next((it.strip() for it in cells if it.strip()), "")
     return first[:1].isalpha() and first.lower() not in (*NOTHING, "true", "false", "inf", "infinity")
-
-
-def _rises(table: TextTable, name: str, least: int) -> bool:
-    """Whether a column counts the steps of a training so far, and not those of each episode."""
-    rises = np.diff(table.numbers(name, NOTHING)) > 0.0
-    return len(table) >= least and float(rises.mean()) > RISES
 
 
 def _tag(written: str) -> str:
@@ -355,16 +339,16 @@ def _settings_beside(folder: Path) -> dict[str, str]:
 
 def _curves_in(path: Path) -> dict[str, tuple[Path, str]]:
     """By tag the files of a run of MLflow, of TorchRL or of d3rlpy, and what stands in their rows."""
-    try:
+    found = dict[str, tuple[Path, str]]()
+    with suppress(OSError, SchemaError):
         mark = next((it for it in FOLDERS if (path / it).exists()), "")
         place, pattern, names = FOLDERS.get(mark, ("", "", ""))
-        files = [it for it in sorted((path / place).rglob(pattern)) if it.is_file()] if mark else []
-        if mark == "params.json":  # other programs keep tables beside settings of that name
-            files = [it for it in files if OF_D3RLPY.match(read_text(it))]
-    except (OSError, SchemaError):
-        return {}
-    tags = (it.relative_to(path / place).as_posix().removesuffix(".csv") for it in files)
-    return {D3RLPY.get(tag, tag): (file, names) for tag, file in zip(tags, files, strict=True)}
+        for file in sorted((path / place).rglob(pattern)) if mark else ():
+            # other programs keep tables beside settings of that name
+            if file.is_file() and (mark != "params.json" or OF_D3RLPY.match(read_text(file))):
+                tag = file.relative_to(path / place).as_posix().removesuffix(".csv")
+                found[D3RLPY.get(tag, tag)] = file, names
+    return found
 
 
 # Episodes

@@ -16,6 +16,7 @@ from harness.files.bounded import reading, require_regular
 from harness.log import Log, LogFacts
 
 from ..curves import Roles, cleanrl_run, curve
+from ..zoo_settings import whole
 
 MARK = "tfevents"
 MOST_BYTES = 2**31
@@ -101,16 +102,15 @@ class TensorBoard(Roles):
 
     def _log(self, path: Path, files: Sequence[_File], run: str, notes: Sequence[str]) -> Log:
         told = {key: value for file in files for key, value in file.told.items()}
-        of_run = {"env": "", "algorithm": "", "seed": None, **cleanrl_run(path.name)}
-        seed, asked = told.get("seed", ""), told.get("total_timesteps", "")
+        of_run = {"env": "", "algorithm": "", "seed": "", **cleanrl_run(path.name)}
         facts = LogFacts(
             path=path,
             format="TensorBoard",
             run=run,
             env=told.get("env_id", of_run["env"]),
             algorithm=told.get("exp_name", of_run["algorithm"]).partition("_")[0],
-            seed=int(seed) if seed.isdecimal() else of_run["seed"],
-            asked=int(asked) if asked.isdecimal() else 0,
+            seed=whole(told.get("seed", f"{of_run['seed']}")),
+            asked=whole(told.get("total_timesteps", "")) or 0,
             notes=(*notes, *(file.note for file in files if file.note)),
         )
         series = {}
