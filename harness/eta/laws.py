@@ -16,6 +16,7 @@ Each stands here once, and every door calls it.
 from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import count
 from pathlib import Path
 from typing import Generic, Literal, NamedTuple, TypeAlias, TypeVar
 
@@ -134,6 +135,20 @@ def counted(trainings: Iterable[tuple[T | None, Path, str]], leave_out: Collecti
         else:
             whole.append(training)
     return Account(tuple(whole), tuple(missing), tuple(left))
+
+
+def numbered(told: Sequence[tuple[str, int | None]]) -> list[int]:
+    """The seed of each training: one that tells none gets the lowest that is free.
+
+    Args:
+        told: The reward that taught each, and the seed that it tells.
+    """
+    taken, found = {*told}, list[int]()
+    for reward, own in told:
+        seed = next(it for it in count() if (reward, it) not in taken) if own is None else own
+        taken.add((reward, seed))
+        found.append(seed)
+    return found
 
 
 def shortfall_beside(done: Mapping[T, tuple[str, float, int]], noun: str) -> dict[T, str]:

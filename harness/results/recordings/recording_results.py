@@ -143,7 +143,7 @@ class RecordingResults:
         """All that ended."""
         numbers = self._kept.told("episodes", self._made_of, lambda: np.ravel(episodes_of(self._recording).numbers))
         facts = self.facts
-        return Episodes.of(facts, facts.rewards, facts.behaviour, numbers.reshape(1 + len(facts.numbers), -1))
+        return Episodes.of(facts, numbers.reshape(1 + len(facts.numbers), -1))
 
     def paid_by(self, reward: str) -> Float:
         """What a reward pays for each step, (steps,)."""

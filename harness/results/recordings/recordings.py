@@ -1,7 +1,6 @@
 """The recorded trainings of an experiment's cells in environments, or recordings and logs that lie loose."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
 from functools import cached_property
 from types import MappingProxyType
 from typing import NamedTuple
@@ -86,23 +85,20 @@ class Recordings:
             noted = (f"{cell.title}: {note}" for cell in cells if (note := records.manifest(cell).note))
             return Place(group, cells, None, (runs, *noted))
 
-        def asked(run: Run) -> Run:
-            return replace(run, cut=runs.steps, random=runs.random, apart=runs.returns_apart)
-
         deciding = runs.measures[:1]
         keys = [key for reward in runs.trained for key in sorted(runs.members) if key[0] == reward]
         of = Trainings(
             runs.group,
             runs.trained[0],
-            {key: asked(runs.members[key]) for key in keys},
+            {key: runs.members[key] for key in keys},
             tuple(it for it in runs.measures if self._shown is None or it in {*deciding, *self._shown}),
             runs.measure,
             records.kind,
             deciding,
             deciding,
-            next(filter(runs.is_flag, deciding), ""),
+            next((name for name in deciding if runs.quantities[name].episodes), ""),
             records.plan.terms.averaged,
-            {seed: asked(run) for seed, run in runs.control.items()},
+            runs.control,
             is_alone=len(runs.trained) == 1 and not runs.control,
             read=runs,
         )
