@@ -20,12 +20,12 @@ beginDistance can change inside an episode (a target that was touched is drawn a
 import csv
 import os
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple, TextIO
+from typing import TextIO
 
 import numpy as np
 import pyarrow as pa
@@ -52,15 +52,6 @@ SHOWN = 60
 _SEPARATED = re.compile(r"\d[,' ]\d")
 
 
-class Header(NamedTuple):
-    """The first line of a CSV file."""
-
-    names: list[str]
-    """All names, as they are."""
-    positions: dict[str, int]
-    """The places of the columns that are read, by what this project calls them."""
-
-
 def read_header(path: Path) -> list[str]:
     """The names of the columns, as they are.
 
@@ -79,8 +70,15 @@ def read_header(path: Path) -> list[str]:
     return names
 
 
-def fault_of(path: Path, header: Header, problem: str) -> UsageError:
-    """The first fault of a file that could not be read, found by reading it again, slowly."""
+def fault_of(path: Path, header: list[str], places: Mapping[str, int], problem: str) -> UsageError:
+    """The first fault of a file that could not be read, found by reading it again, slowly.
+
+    Args:
+        path: The file.
+        header: Names of all columns, as they are.
+        places: Of the columns that are read, by what this project calls them.
+        problem: What is said where no line is at fault.
+    """
     rows = 0
     try:
         with path.open(encoding="utf-8-sig", errors="replace", newline="") as file:
@@ -88,7 +86,7 @@ def fault_of(path: Path, header: Header, problem: str) -> UsageError:
             next(lines)
             for cells in filter(None, lines):
                 rows += 1
-                if fault := _find_fault(cells, header):
+                if fault := _find_fault(cells, header, places):
                     return UsageError(f"{path}, line {lines.line_num}, {fault}")
     except (csv.Error, OSError) as error:
         return UsageError(f"{path} cannot be read: {error}")
@@ -119,19 +117,18 @@ def _no_reward(names: list[str]) -> str:
     return f"no column 'reward'; there is: {there or 'nothing'}{rename}"
 
 
-def _find_fault(cells: list[str], header: Header) -> str | None:
+def _find_fault(cells: list[str], header: list[str], places: Mapping[str, int]) -> str | None:
     """What is wrong with a line; None if nothing is."""
-    expected = len(header.names)
-    if len(cells) != expected:
-        surplus = len(cells) > expected
-        column = f"column {expected + 1}" if surplus else f"column '{header.names[len(cells)].strip()}'"
-        hint = "; a comma inside a number?" if surplus else ""
-        return f"{column}: cells in the line: {len(cells)}, in the header: {expected}{hint}"
-    texts = {name: cells[position].strip() for name, position in header.positions.items()}
+    count, expected = len(cells), len(header)
+    if count != expected:
+        column = f"column {expected + 1}" if count > expected else f"column '{header[count].strip()}'"
+        hint = "; a comma inside a number?" if count > expected else ""
+        return f"{column}: cells in the line: {count}, in the header: {expected}{hint}"
+    texts = {name: cells[place].strip() for name, place in places.items()}
     best = {"prev_best", "previous_best"} & {*texts}
     told = best if texts.get("delta_distance") else {"delta_distance"} if best else set[str]()
     for name, text in texts.items():
-        column = header.names[header.positions[name]].strip()
+        column = header[places[name]].strip()
         if _is_number(text) or (not text and name in ("step", *told)):
             continue
         if name == "reward" and text.lower() == "nan":  # a training that diverged: an outcome, and no fault of the file
@@ -157,20 +154,18 @@ EVENTS = ("reward_ground", "reward_target", "reward_step")
 """The columns of what events paid, on top of it."""
 STEPS = ("start", "begin_distance", "previous_best", "distance", "delta_distance", "step", "env", "episode")
 """The columns of an arm's steps, which can be paid again; Bd, Pb before the step, d after it and d - Pb are in [m]."""
-COLUMNS = (
-    "reward", *EVENTS, "step", "begin_distance", "previous_best", "prev_best", "distance", "delta_distance", "env",
-    *TOUCHED,
-)  # fmt: skip
+BEST = ("previous_best", "prev_best", "delta_distance")
+"""One of these tells the best distance before the step."""
+COLUMNS = ("reward", *EVENTS, "step", "begin_distance", *BEST, "distance", "env", *TOUCHED)
 """What is read of a file. `previous_best`, this project's, is always the value before the step; `prev_best`, the
 experimenters', is not. Flags are read where the first rows have numbers for them."""
 SPELLINGS = {
-    **{name: (name,) for name in COLUMNS},
     "step": ("t", "step"),
     "begin_distance": ("begindistance", "begin_distance"),
     "prev_best": ("prevbest", "prev_best"),
     "delta_distance": ("delta_distance", "deltadistance"),
 }
-"""The names that a column of `COLUMNS` may have, trimmed and in lower case."""
+"""The names that a column of `COLUMNS` may have, trimmed and in lower case, if not its own alone."""
 MOST_BYTES = 8 * 2**30
 """The most bytes of a file, some 50 million rows of 160 bytes; they are read a piece at a time."""
 LARGEST_STEP = 2**53
@@ -218,18 +213,22 @@ def open_csv(path: Path) -> Log:
             f"{path}: its rows are episodes, or means over some (column '{column}'), and {NEEDED}; {RECORD}. "
             f"If each row is a step, delete the column '{column}'"
         )
-    spelled = _spelled(header)
-    found = {name: next((text for text in SPELLINGS[name] if text in spelled), "") for name in COLUMNS}
-    cells = {} if table is None else {name.strip().lower(): {*map(str.strip, of)} for name, of in table.cells.items()}
-    words = [name for name in TOUCHED if not cells.get(name) or cells[name] - {"0", "1"}]  # other programs write those
-    chosen = _choose_columns(name for name, text in found.items() if text and name not in words)
-    for name in chosen:
-        if spelled.count(found[name]) > 1:
-            raise UsageError(f"{path}, line 1: two columns are called '{found[name]}'")
-    positions = {name: spelled.index(found[name]) for name in chosen}
-    read = partial(_read, path, Header(header, positions))
+    spelled, told = _spelled(header), {} if table is None else table.cells
+    found = {name: [it for it in SPELLINGS.get(name, (name,)) if it in spelled] for name in COLUMNS}
+    places = {name: spelled.index(of[0]) for name, of in found.items() if of}
+    unread = {*EVENTS} if {*EVENTS} - {*places} else set[str]()
+    for name in {*TOUCHED} & {*places}:  # other programs write words there
+        if {cell.strip() for cell in told.get(header[places[name]].strip()) or ["none"]} - {"0", "1"}:
+            unread.add(name)
+    if not {"begin_distance", "distance"} <= {*places} or {*BEST}.isdisjoint(places):
+        unread |= {*COLUMNS} - {"reward", *EVENTS}  # the run cannot be paid again with its distances
+    places = {name: place for name, place in places.items() if name not in unread}
+    for name in {spelled[place] for place in places.values()}:
+        if spelled.count(name) > 1:
+            raise UsageError(f"{path}, line 1: two columns are called '{name}'")
     notes = () if _ends(path) else ("the last line does not end: it may be cut off",)
-    there = (PAY, *(name for name in (*EVENTS, *TOUCHED) if name in chosen), *(STEPS if "distance" in chosen else ()))
+    there = (PAY, *(name for name in (*EVENTS, *TOUCHED) if name in places), *(STEPS if "distance" in places else ()))
+    read = partial(_read, path, header, places)
     return Log(LogFacts(path=path, format="CSV of steps", first_line=2, notes=notes), there, read)
 
 
@@ -238,15 +237,6 @@ def _ends(path: Path) -> bool:
     with path.open("rb") as file:
         file.seek(-1, os.SEEK_END)
         return file.read(1) in (b"\n", b"\r")
-
-
-def _choose_columns(there: Iterable[str]) -> tuple[str, ...]:
-    """Those of `COLUMNS` that are read. Distances are read only if the run can be paid again with them."""
-    names = set(there)
-    best = names & {"previous_best", "prev_best", "delta_distance"}
-    scorable = bool(best) and {"begin_distance", "distance"} <= names
-    wanted = {"reward": True, **dict.fromkeys(EVENTS, set(EVENTS) <= names)}
-    return tuple(name for name in COLUMNS if name in names and wanted.get(name, scorable))
 
 
 class _Counted:
@@ -333,19 +323,18 @@ def _first_rows(path: Path, head: bytes) -> TextTable | None:
     return None
 
 
-def _read(path: Path, header: Header, names: tuple[str, ...]) -> Iterator[Columns]:
+def _read(path: Path, header: list[str], places: Mapping[str, int], names: tuple[str, ...]) -> Iterator[Columns]:
     """See `harness.log.Log.read`. Empty cells are NaN.
 
     Raises:
         UsageError: A row cannot be read, or rows are no steps.
     """
-    roles = roles_in(header.names)
-    places = {role: header.names.index(name) for role, name in roles.items()}
-    labels = [str(position) for position in range(len(header.names))]
-    for name, position in {**places, **header.positions}.items():
-        labels[position] = name
-    looked = {role: labels[position] for role, position in places.items()}
-    kinds = {**dict.fromkeys(looked.values(), pa.string()), **dict.fromkeys(header.positions, pa.float64())}
+    roles = roles_in(header)
+    labels = [str(place) for place in range(len(header))]
+    for name, place in places.items():
+        labels[place] = name
+    looked = {role: labels[header.index(name)] for role, name in roles.items()}
+    kinds = {**dict.fromkeys(looked.values(), pa.string()), **dict.fromkeys(places, pa.float64())}
     convert = pa.csv.ConvertOptions(column_types=kinds, include_columns=list(kinds), null_values=["", " "])
     rows, counted, watch = 0, _Counted(), RowWatch(path, roles)
     try:
@@ -354,13 +343,13 @@ def _read(path: Path, header: Header, names: tuple[str, ...]) -> Iterator[Column
                 if not batch.num_rows:
                     continue
                 watch.look({role: batch.column(label) for role, label in looked.items()})
-                columns = {name: batch.column(name).to_numpy(zero_copy_only=False) for name in header.positions}
+                columns = {name: batch.column(name).to_numpy(zero_copy_only=False) for name in places}
                 made = None if batch.column("reward").null_count else _read_rows(columns, counted)
                 if made is None:
-                    raise fault_of(path, header, "a number is missing, not finite or too large")
+                    raise fault_of(path, header, places, "a number is missing, not finite or too large")
                 rows += batch.num_rows
                 yield {name: made[name] for name in names}
     except (pa.ArrowException, OSError) as error:
-        raise fault_of(path, header, str(error)) from error
+        raise fault_of(path, header, places, str(error)) from error
     if not rows:
         raise UsageError(f"{path} has no rows")

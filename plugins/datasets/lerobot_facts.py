@@ -6,7 +6,6 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import pyarrow as pa
 import pyarrow.parquet as pq
 
 from harness.authoring.commands import MOST_EPISODES, parse_json, read_bytes
@@ -34,6 +33,8 @@ DATA_PATH = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
 LEFT_OUT = ("stats/", "videos/")
 """How keys of an episode begin that say nothing of it as a whole."""
 MOST_FILES, LIST_BYTES = 1_000_000, 2**29
+_SINGLE = re.compile(r"((fixed_size_)?list<\w+: )*(bool|u?int\d+|halffloat|float|double|(large_)?string)\b")
+"""How the type of a column is called that holds a number, a text, or a list of these."""
 _VERSION = re.compile(r"v?(\d{1,4})\.(\d{1,4})")
 
 
@@ -184,20 +185,13 @@ def _tables(paths: list[Path]) -> Iterator[dict[str, Any]]:
     for path in paths:
         require_regular(path, LIST_BYTES)
         with pq.ParquetFile(path) as file:
-            names = [it.name for it in file.schema_arrow if _is_single(it.type) and not it.name.startswith(LEFT_OUT)]
+            names = [
+                it.name for it in file.schema_arrow if _SINGLE.match(str(it.type)) and not it.name.startswith(LEFT_OUT)
+            ]
             if file.metadata.num_rows > MOST_EPISODES or len(names) > MOST_KEYS:
                 raise SchemaError(f"{path} lists more than {MOST_EPISODES:,} episodes, or {MOST_KEYS:,} keys")
             for batch in file.iter_batches(columns=names):
                 yield from batch.to_pylist()
-
-
-def _is_single(kind: pa.DataType) -> bool:
-    """Whether it is a number, a text, or a list of these."""
-    return bool(
-        re.fullmatch(
-            r"((fixed_size_)?list<\w+: )*(bool|u?int\d+|halffloat|float|double|(large_)?string)\W.*", f"{kind} "
-        )
-    )
 
 
 def read_tasks(folder: Path) -> dict[int, str]:

@@ -163,19 +163,20 @@ def _episodes_of(path: Path, arrays: Mapping[str, Array], horizon: int) -> tuple
     if horizon and "timeouts" in arrays:
         raise UsageError(f"{path} has timeouts, which say where episodes were cut: leave out horizon={horizon}")
     terminated = _flag(path, arrays, "terminals")
+    goes_on = _go_on(arrays) if NEXT in arrays else np.ones(len(terminated), bool)
     ends = terminated.copy()
     if "timeouts" in arrays:
         ends |= _flag(path, arrays, "timeouts")
     elif horizon:
         ends |= _cut_after(horizon, terminated)
     elif NEXT in arrays:
-        ends |= ~_go_on(arrays)
+        ends |= ~goes_on
     else:
         raise SchemaError(
             f"{path} has no timeouts, so that nothing says where an episode ends that was cut: write them into the "
             "file, or say after how many steps, as d4rl:horizon=1000:FILE"
         )
-    if NEXT in arrays and len(odd := np.flatnonzero(~(_go_on(arrays) | ends)[:-1])):
+    if len(odd := np.flatnonzero(~(goes_on | ends)[:-1])):
         raise SchemaError(
             f"{path}: row {odd[0]} ends no episode by terminals and timeouts, and its {NEXT} is not the observation of "
             f"the row behind it, as in {len(odd):,} rows: the flags stand in the wrong rows"

@@ -2,7 +2,7 @@
 
 import json
 import re
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -62,8 +62,13 @@ class Robomimic:
             total = whole(data.attrs.get("total"))
             belonging, notes = take_census(path, Declared(None, total, lengths=seen.told), seen.steps, self.partial)
             masks = _masks(path, file)
-            listed = _listed(path, masks, self.mask, seen.steps) if self.mask else belonging
-            groups = {it: seen.groups[it] for it in sorted(belonging & listed) if seen.steps[it]}
+            listed = masks.get(self.mask, frozenset(seen.groups.values()))
+            if self.mask and self.mask not in masks:
+                there, hint = ", ".join(masks) or "none", did_you_mean(self.mask, masks)
+                raise UsageError(f"{path} has no filter key '{self.mask}'; it has {there}.{hint}")
+            if gone := sorted(listed - {*seen.groups.values()}):
+                raise SchemaError(f"{path}: the filter key {self.mask} lists {gone[0]}, which is not there")
+            groups = {it: seen.groups[it] for it in sorted(belonging) if seen.steps[it] and seen.groups[it] in listed}
             if not groups:
                 raise SchemaError(f"{path} has no demonstration with a step")
             demo = group_of(path, data, next(iter(groups.values())))
@@ -140,29 +145,10 @@ def _overview(path: Path, data: Any) -> _Overview:
     return seen
 
 
-def _masks(path: Path, file: Any) -> dict[str, frozenset[int]]:
-    """By filter key, the numbers of the demonstrations that it lists."""
-    if MASK not in file:
-        return {}
-    masks = group_of(path, file, MASK)
-    found: dict[str, frozenset[int]] = {}
-    for key in masks:
-        names = [text_of(name) for name in np.ravel(array_of(path, masks, key).value)]
-        matched = [_DEMO.fullmatch(name) for name in names]
-        if not all(matched):
-            raise SchemaError(f"{path}: the filter key {key} lists what is called other than demo_0")
-        found[key] = frozenset(int(it[1]) for it in matched if it)
-    return found
-
-
-def _listed(path: Path, masks: Mapping[str, frozenset[int]], key: str, there: Collection[int]) -> frozenset[int]:
-    """The demonstrations that a filter key lists."""
-    if key not in masks:
-        told = ", ".join(masks) or "none"
-        raise UsageError(f"{path} has no filter key '{key}'; it has {told}.{did_you_mean(key, masks)}")
-    if gone := sorted(masks[key] - {*there}):
-        raise SchemaError(f"{path}: the filter key {key} lists demo_{gone[0]}, which is not there")
-    return masks[key]
+def _masks(path: Path, file: Any) -> dict[str, frozenset[str]]:
+    """By filter key, the names of the demonstrations that it lists."""
+    masks = group_of(path, file, MASK) if MASK in file else ()
+    return {key: frozenset(map(text_of, np.ravel(array_of(path, masks, key).value))) for key in masks}
 
 
 def _keys_seen(path: Path, demo: Any) -> tuple[tuple[str, ...], tuple[str, ...]]:
@@ -180,7 +166,7 @@ def _keys_seen(path: Path, demo: Any) -> tuple[tuple[str, ...], tuple[str, ...]]
 
 
 def _notes(
-    keys: tuple[str, ...], pictures: tuple[str, ...], masks: Mapping[str, frozenset[int]], chosen: str
+    keys: tuple[str, ...], pictures: tuple[str, ...], masks: Mapping[str, frozenset[str]], chosen: str
 ) -> Iterator[str]:
     if pictures:
         yield f"Pictures and texts are left out: {shortened(', '.join(pictures), 200)}"
@@ -189,7 +175,7 @@ def _notes(
     if chosen:
         yield f"Read are the demonstrations of the filter key {chosen} alone"
     elif masks:
-        told = ", ".join(f"{key} {len(numbers):,}" for key, numbers in masks.items())
+        told = ", ".join(f"{key} {len(names):,}" for key, names in masks.items())
         yield f"All demonstrations are read. Of a filter key alone: robomimic:mask=KEY:FILE ({shortened(told, 300)})"
 
 
