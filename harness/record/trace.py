@@ -94,10 +94,13 @@ COLUMN = {name: index for index, name in enumerate(SCALARS)}
 QVEL = "qvel"
 TERM = "reward/"
 """Begins the name of the column of a term."""
-EXTRAS = {"arm": pa.int32(), "obstacle": pa.bool_(), "obstacles": pa.list_(pa.float64()), QVEL: pa.list_(pa.float64())}
-"""Columns that not every trace has, in the order in which they stand; those of terms follow."""
 OBSTACLE, OBSTACLES = "obstacle", "obstacles"
 """Columns; the first is False throughout where a trace does not have it."""
+EXTRAS = ("arm", OBSTACLE, OBSTACLES, QVEL)
+"""Columns that not every trace has, in the order in which they stand; those of terms follow."""
+KINDS = {**dict.fromkeys((*INTEGERS, "arm"), pa.int32()), **dict.fromkeys((*FLAGS, OBSTACLE), pa.bool_())}
+LISTS = ("qpos", "action", OBSTACLES, QVEL)
+"""Columns of several numbers. What is in neither holds one number."""
 NO_EXTRAS: Mapping[str, int] = MappingProxyType({})
 
 Rows = Float
@@ -277,15 +280,10 @@ class TraceWriter:
 
 def trace_schema(dof: int, action_size: int, extras: Mapping[str, int] = NO_EXTRAS) -> pa.Schema:
     """Columns and types of a trace file."""
-    scalars = [
-        *((name, pa.int32()) for name in INTEGERS),
-        *((name, pa.float64()) for name in NUMBERS),
-        *((name, pa.bool_()) for name in FLAGS),
-    ]
-    lists = [("qpos", pa.list_(pa.float64(), dof)), ("action", pa.list_(pa.float64(), action_size))]
-    kinds = ((name, EXTRAS.get(name, pa.float64()), width) for name, width in extras.items())
-    more = [(name, pa.list_(kind.value_type, n) if pa.types.is_list(kind) else kind) for name, kind, n in kinds]
-    return pa.schema(scalars + lists + more, metadata={FORMAT_KEY: str(FORMAT).encode()})
+    widths = {**dict.fromkeys(SCALARS, 1), "qpos": dof, "action": action_size, **extras}
+    number = pa.float64()
+    kinds = {name: pa.list_(number, n) if name in LISTS else KINDS.get(name, number) for name, n in widths.items()}
+    return pa.schema(kinds, metadata={FORMAT_KEY: str(FORMAT).encode()})
 
 
 KNOWN = trace_schema(1, 1, dict.fromkeys(EXTRAS, 1))
