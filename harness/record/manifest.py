@@ -10,7 +10,7 @@ from typing import Any, ClassVar, Self, TypeVar
 
 from pydantic import with_config
 
-from harness.errors import NewerFormat, SchemaError
+from harness.errors import SchemaError
 from harness.files.bounded import digest_of, reading
 from harness.files.plain import Plain
 from harness.files.sealed import read_sealed, seal
@@ -145,22 +145,6 @@ def write_log(path: Path, text: str) -> None:
     """Append a line with the time, UTC."""
     with path.open("a", encoding="utf-8") as log:
         log.write(f"{now()} harness: {text}\n")
-
-
-def examine(folder: Path, cell: Cell) -> Manifest:
-    """What there is to say of a cell: its manifest, if every file is what the cell left; else damaged, or pending.
-
-    Raises:
-        NewerFormat: A newer version made the cell.
-    """
-    if not folder.is_symlink() and not folder.exists():
-        return Manifest(cell, status="pending", reason="not run yet")
-    try:
-        return whole_cell(folder)
-    except NewerFormat:
-        raise
-    except SchemaError as error:
-        return Manifest(cell, status="damaged", reason=f"{error}; {REMEDY}")
 
 
 def whole_cell(folder: Path) -> Manifest:

@@ -15,7 +15,6 @@ from harness.files.bounded import digest_of, reading
 from harness.files.sealed import read_sealed, seal, unseal
 from harness.files.whole_file import write_whole
 from harness.record.cell import Cell
-from harness.record.earlier import whole_plan
 from harness.record.terms import FIRST, Terms
 from harness.registry.toml_file import MOST_DEPTH, depth_of, read_toml
 
@@ -131,13 +130,12 @@ def read_plan(folder: Path) -> StoredPlan:
     path = folder / PLAN
     data = _told_in(path)
     with reading(path, "plan"):
-        if data.get("experiment", {}) == {} or not {"control", "terms"} <= data.keys():
-            data = whole_plan(data, experiment_in(folder))
-        return _plan_of(data)
+        return _plan_of(data if data.get("experiment", {}) != {} else {**data, "experiment": experiment_in(folder)})
 
 
 def _plan_of(data: dict[str, Any]) -> StoredPlan:
-    return forms.read_form(StoredPlan, {name: it for name, it in data.items() if name not in BESIDE})
+    told = {name: it for name, it in data.items() if name not in BESIDE}
+    return forms.read_form(StoredPlan, {"control": [], **told})  # a plan of version 0.1 has none
 
 
 def _told_in(path: Path) -> dict[str, Any]:
@@ -199,14 +197,11 @@ def experiment_in(folder: Path) -> dict[str, Any]:
 
 def _label(given: Any, cells: Sequence[Cell]) -> str:
     """The label of the reward that an experiment file names, as `harness.registry.choice.Choice.to_json` wrote it."""
-    if not isinstance(given, dict):
-        return str(given)
-    params = {key: value for key, value in given.items() if key != "name"}
-    for cell in cells:
-        told = cell.reward.to_json()
-        if told["name"] == given.get("name") and {k: v for k, v in told["params"].items() if v is not None} == params:
-            return cell.reward.label
-    return str(given.get("name"))
+    for reward in (cell.reward for cell in cells):
+        params = reward.to_json()["params"].items()
+        if {"name": reward.name, **{key: value for key, value in params if value is not None}} == given:
+            return reward.label
+    return str(given["name"] if isinstance(given, dict) and "name" in given else given)
 
 
 def _seeds_of(experiment: Mapping[str, Any], cells: Sequence[Cell]) -> list[int]:

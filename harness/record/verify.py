@@ -3,7 +3,6 @@
 import os
 import re
 import shutil
-import stat
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -106,8 +105,7 @@ def repair(folder: Path) -> list[tuple[Path, str]]:
 
 
 def _links(folder: Path) -> Iterator[Problem]:
-    inside = sorted(Path(place) / name for place, folders, files in os.walk(folder) for name in (*folders, *files))
-    for path in inside:
+    for path in sorted(folder.rglob("*")):
         if path.is_symlink():
             yield Problem(
                 path.relative_to(folder),
@@ -224,7 +222,7 @@ def _made_in(parent: Path, folder: Path) -> set[str]:
 
 
 def _is_regular(path: Path) -> bool:
-    return stat.S_ISREG(path.lstat().st_mode) if os.path.lexists(path) else False
+    return path.is_file() and not path.is_symlink()
 
 
 def _folders(folder: Path, pattern: str) -> list[Path]:

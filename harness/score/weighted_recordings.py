@@ -7,16 +7,16 @@ from pathlib import Path
 
 from harness.arrays import Float
 from harness.files.sums import making
-from harness.log import Log
+from harness.log import Log, in_memory
 from harness.log.log import REWARD
-from harness.record.recording.facts import Source, facts_of, term_column
+from harness.record.recording.facts import Source, TrainingFacts, facts_of, term_column
 from harness.record.recording.recorded_training import (
     read_recorder,
     read_recording,
     recorder_numbers,
     recordings_in,
 )
-from harness.record.recording.scores import Scores, read_scores, scores_name, write_scores
+from harness.record.recording.scores import read_scores, scores_name, with_scores, write_scores
 from harness.record.store import Store
 from harness.registry.choice import Choice
 from harness.score.weights import name_of, recorded_choice, weighted_label, weighted_pay
@@ -68,28 +68,31 @@ def pay_by_weights(path: Path, label: str) -> int:
     found = {number: _scored(log, label) for number, (log, _) in recorders.items()}  # all before one is written
     for number, scores in found.items():
         place = path / scores_name(number)
+        earlier = recorders[number][1]
         with making(place):
-            write_scores(place, scores.with_earlier(recorders[number][1]))
+            write_scores(place, with_scores(earlier, scores) if earlier is not None else scores)
     return sum(len(log) for log, _ in recorders.values())
 
 
-def _read(path: Path, number: int) -> tuple[Log, Scores | None]:
+def _read(path: Path, number: int) -> tuple[Log, Log | None]:
     """What one recorder of a recording left, and what of it was scored later; its steps are read when asked for."""
     log = read_recorder(path, number)
     earlier = read_scores(path / scores_name(number), partial(len, log))
-    return (earlier.added_to(log) if earlier else log), earlier
+    return (with_scores(log, earlier) if earlier is not None else log), earlier
 
 
-def _scored(log: Log, label: str) -> Scores:
+def _scored(log: Log, label: str) -> Log:
     """The columns of a reward with other weights."""
     then, paid = weighted_pay(label, _recorded(log, name_of(label)), "these trainings have")
     was, now = f"{REWARD}{then.label}", f"{REWARD}{label}"
-    return Scores(
-        {now: paid.total, **{term_column(label, name): values for name, values in paid.terms.items()}},
-        (),
-        {now: Source("", f"the recorded terms of {then.label}, weighted as {label}")},
-        tuple(replace(it, column=now) for it in facts_of(log).failures if it.column == was),
+    facts = TrainingFacts(
+        rewards=(label,),
+        trained_with=label,
+        sources={now: Source("", f"the recorded terms of {then.label}, weighted as {label}")},
+        failed=tuple(replace(it, column=now) for it in facts_of(log).failures if it.column == was),
+        terms={label: tuple(paid.terms)},
     )
+    return in_memory(facts, {now: paid.total, **{term_column(label, it): of for it, of in paid.terms.items()}})
 
 
 def _recorded(log: Log, name: str) -> Iterator[tuple[Choice, dict[str, Float]]]:

@@ -21,7 +21,7 @@ from harness.files.parquet import MOST_NUMBERS, require_room
 from harness.log import Log
 from harness.log.log import REWARD, TIME, Columns, Rows, joined
 from harness.record.recording.facts import FILE_REWARD, TrainingFacts, facts_of, file_column, term_column
-from harness.record.recording.scores import read_scores, scores_name
+from harness.record.recording.scores import read_scores, scores_name, with_scores
 from harness.registry.choice import parse
 from harness.reward.forms import weighted
 from harness.reward.terms import sum_of
@@ -108,8 +108,9 @@ def read_recording(folder: Path) -> Log:
             )
         logs = [read_recorder(folder, number) for number in numbers]
         scores = [read_scores(folder / scores_name(number), partial(step_count, folder, number)) for number in numbers]
-        if all(scores):
-            logs = [one.added_to(log) for one, log in zip(scores, logs, strict=True) if one]
+        later = [one for one in scores if one is not None]
+        if len(later) == len(logs):
+            logs = [*map(with_scores, logs, later)]
         told = [(facts.numbers, facts.trained_with) for facts in map(facts_of, logs)]
         for number, of in zip(numbers, told, strict=True):
             if of != told[0]:
