@@ -43,9 +43,10 @@ class CellLog:
     def write_example(self, folder: Path) -> Path:
         """Two episodes of two steps, each with its start row."""
         rows = np.zeros((6, len(SCALARS) + 2 * EXAMPLE_DOF))
-        rows[:, COLUMN["episode"]], rows[:, COLUMN["step"]] = np.repeat([0, 1], 3), np.tile([0, 1, 2], 2)
-        rows[:, COLUMN["distance"]], rows[:, COLUMN["begin_distance"]] = np.tile([0.5, 0.4, 0.2], 2), 0.5
-        rows[:, COLUMN["reward"]], rows[[2, 5], COLUMN["truncated"]] = np.tile([0.0, 0.25, 0.5], 2), 1.0
+        names = ("episode", "step", "begin_distance", "distance", "reward", "truncated")
+        for episode in (0, 1):
+            told = ((episode, 0, 0.5, 0.5, 0.0, 0), (episode, 1, 0.5, 0.4, 0.25, 0), (episode, 2, 0.5, 0.2, 0.5, 1))
+            rows[3 * episode : 3 * episode + 3, [COLUMN[name] for name in names]] = told
         with TraceWriter(folder / TRACE, EXAMPLE_DOF, EXAMPLE_DOF) as writer:
             writer.append(rows)
         return folder / TRACE

@@ -35,11 +35,6 @@ IN_FILES = {REWARD: FILE_REWARD, BEHAVIOUR: FILE_BEHAVIOUR}
 IN_LOGS = {told: begin for begin, told in IN_FILES.items()}
 RECORDER = "recording of harness"
 """The format of the facts of recordings."""
-LATER = {
-    *("pay", "bounds", "horizon", "cut", "acted", "after", "notes", "steps_asked", "episodes_asked", "starts", "terms"),
-    "higher_is_better",
-}
-"""Facts that the first recordings did not have. They are left out of the file where there is nothing to tell."""
 
 
 def term_column(reward: str, term: str) -> str:
@@ -225,7 +220,7 @@ class TrainingFacts(LogFacts):
             "steps_asked": self.asked,
         }
         told = {name: named[name] if name in named else getattr(self, name) for name in KEYS}
-        return {name: value for name, value in told.items() if value or name not in LATER}
+        return {name: value for name, value in told.items() if value or name in RecordingForm.__required_keys__}
 
     def write(self, path: Path) -> None:
         """Write them into a file of their own; the writer of the recording puts it in its place whole.
