@@ -210,7 +210,7 @@ def _score_files(
 ) -> dict[str, str]:
     from harness.record.folder import SCORES
     from harness.score.open_steps import match_steps
-    from harness.score.rescore import scoring_choice, write_scores
+    from harness.score.rescore import rescore, scoring_choice
 
     logs = match_steps(patterns, registry)
     files = [log.facts.path for log in logs]
@@ -223,7 +223,7 @@ def _score_files(
     scoring = [scoring_choice(name, registry, pairs) for name in names]
     written, failed = [], dict[str, str]()
     for log, into in pairs:
-        refused = write_scores(log, scoring, into, registry)
+        refused = rescore(log, scoring, into, registry)
         failed |= refused
         paid = [item.label for item in scoring if item.label not in refused]
         written.append({"file": str(log.facts.path), "scores": str(into), "rewards": paid})

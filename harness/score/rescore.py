@@ -1,45 +1,44 @@
 """Pays recorded runs again: a column of rewards per reward, in a file of its own beside the recording."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 
 import pyarrow as pa
 import pyarrow.parquet as pq
 
 from harness.arrays import Float
-from harness.errors import HarnessError, UsageError, reason_of
+from harness.errors import UsageError, reason_of
 from harness.files.bounded import reading, require_regular
 from harness.files.parquet import require_room
 from harness.files.sums import changed_since_made, note_made
 from harness.files.whole_file import whole_file
 from harness.log import Log
-from harness.log.log import REWARD
+from harness.log.log import REWARD, START
 from harness.record.cell_log import cell_of
 from harness.record.folder import MANIFEST
 from harness.record.trace import to_numpy
 from harness.registry.choice import Choice, choose, parse
 from harness.registry.names import unknown_name
 from harness.registry.registry import Registry
-from harness.reward import Reward
-from harness.score.scorer import can_be_paid, pay_rewards
+from harness.score.scorer import SCORED, can_be_paid, pay_log
 from harness.score.weights import name_of, recorded_choice, weighted_label, weighted_pay
 
 MOST_BYTES = 2**35
 """Most that is read of a file of scores."""
 
 
-def rescore(log: Log, rewards: Mapping[str, Reward], into: Path, weighted: Sequence[str] = ()) -> dict[str, str]:
-    """Write what each of `rewards` would have paid, a column each named by its label, a row for each row of the log.
+def rescore(log: Log, scoring: Collection[Choice], into: Path, registry: Registry) -> dict[str, str]:
+    """Write what each reward would have paid, a column each named by its label, a row for each row of the log.
 
     A term of a reward has a column ``LABEL/TERM`` behind it. Columns of other rewards that `into` holds already are
-    kept. The recording is not touched. A reward that raises costs its own columns.
+    kept. The recording is not touched. A reward that raises costs its own columns. One that is not installed is paid
+    from recorded columns of its terms: those of the recording, or those that `into` holds from an earlier time.
 
     Args:
         log: The run.
-        rewards: By label.
+        scoring: The rewards.
         into: The file of scores.
-        weighted: Rewards without their code, ``gentle:effort=0.05``: recorded columns of their terms pay, those of the
-            recording, or those that `into` holds from an earlier time.
+        registry: The plugins.
 
     Returns:
         By the label of each reward that cannot pay, why.
@@ -47,19 +46,21 @@ def rescore(log: Log, rewards: Mapping[str, Reward], into: Path, weighted: Seque
     Raises:
         UsageError: The recording has no distances, `into` belongs to another recording or cannot be written.
     """
-    if rewards and not can_be_paid(log):
+    if not can_be_paid(log) and any(is_installed(registry, choice.name) for choice in scoring):
         raise UsageError(f"{log.facts.path} records no distances: no other reward can be computed from it")
-    paid, errors = pay_rewards(log, rewards) if rewards else ({}, {})
-    failed = {label: reason_of(error) for label, error in errors.items()}
     trained = f" trained with {log.facts.trained_with}" if log.facts.trained_with else ""
-    for label in weighted:
+    columns, failed = dict[str, Float](), dict[str, str]()
+    for choice in scoring:
+        label = choice.label
         try:
-            _, paid[label] = weighted_pay(label, recorded_terms(name_of(label), log, into), f"a run{trained} has")
-        except UsageError as error:
-            failed[label] = str(error)
-    columns = dict[str, Float]()
-    for label, it in paid.items():
-        columns |= {label: it.total, **{f"{label}/{name}": values for name, values in it.terms.items()}}
+            if is_installed(registry, choice.name):
+                paid = pay_log(choice.build(registry, "rewards"), log.load((*SCORED, START)))
+            else:
+                _, paid = weighted_pay(label, recorded_terms(choice.name, log, into), f"a run{trained} has")
+        except (Exception, SystemExit) as error:  # a plugin may raise anything
+            failed[label] = reason_of(error)
+        else:
+            columns |= {label: paid.total, **{f"{label}/{name}": values for name, values in paid.terms.items()}}
     if columns:
         _write(into, columns)
     return failed
@@ -118,20 +119,6 @@ def scoring_choice(text: str, registry: Registry, places: Iterable[tuple[Log, Pa
 def is_installed(registry: Registry, reward: str) -> bool:
     """Whether there is code for a reward of this name."""
     return "rewards" in registry.kinds_of(reward)
-
-
-def write_scores(log: Log, scoring: Iterable[Choice], into: Path, registry: Registry) -> dict[str, str]:
-    """See `rescore`; rewards that are not installed are paid from columns."""
-    built, failed, weighted = dict[str, Reward](), dict[str, str](), list[str]()
-    for choice in scoring:
-        if not is_installed(registry, choice.name):
-            weighted.append(choice.label)
-            continue
-        try:
-            built[choice.label] = choice.build(registry, "rewards")
-        except HarnessError as error:
-            failed[choice.label] = str(error)
-    return {**failed, **rescore(log, built, into, weighted)}
 
 
 def _write(into: Path, columns: Mapping[str, Float]) -> None:

@@ -1,7 +1,6 @@
 """Pays a recorded run again under any reward, exactly as the learner would have been paid."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -153,54 +152,22 @@ def can_be_paid(log: Log) -> bool:
     return all(name in log for name in ("env", *DISTANCES)) and ("start" in log or "step" in log)
 
 
-def pay_log(reward: Reward, log: Log) -> Paid:
-    """The shaped reward of every row of a log and its terms, (rows,), in the log's order; see `pay_rewards`.
+def pay_log(reward: Reward, log: Log, *, with_all: bool = False) -> Paid:
+    """The shaped reward of every row of a log that `can_be_paid` and its terms, (rows,), in the log's order.
+
+    A reward that reads more in some steps than in made-up ones is called again with all that is recorded.
 
     Raises:
         MissingField: The reward reads what the log does not have.
     """
-    paid, errors = pay_rewards(log, {"": reward})
-    if errors:
-        raise errors[""]
-    return paid[""]
-
-
-def pay_rewards(
-    log: Log, rewards: Mapping[str, Reward], *, with_all: bool = False
-) -> tuple[dict[str, Paid], dict[str, BaseException]]:
-    """What each reward pays for every row of a log, and what the others raise: a plugin may raise anything.
-
-    Args:
-        log: A log that `can_be_paid`; it is read once.
-        rewards: By label. One that reads more in some steps than in made-up ones is called again `with_all` fields.
-        with_all: See `Payer`.
-    """
-    payers, parts, errors = dict[str, Payer](), dict[str, list[Paid]](), dict[str, BaseException]()
-    for label, reward in rewards.items():
-        with _noted(label, errors):
-            payers[label] = Payer(reward, log, with_all=with_all)
-    for piece in log.pieces([*DISTANCES, *(name for payer in payers.values() for name in payer.columns)], PIECE):
-        is_whole = piece.first == 0 and len(piece) < PIECE
-        for label, payer in payers.items():
-            if label not in errors:
-                with _noted(label, errors):
-                    parts.setdefault(label, []).append(payer.pay(piece, is_whole=is_whole))
-    paid = {label: joined(parts.get(label, [])) for label in payers if label not in errors}
-    missing = [label for label in payers if isinstance(errors.get(label), MissingField)]
-    late = {label: rewards[label] for label in missing if not payers[label].has_all}
-    if late:
-        more, still = pay_rewards(log, late, with_all=True)
-        paid |= more
-        errors = {**{it: error for it, error in errors.items() if it not in late}, **still}
-    return paid, errors
-
-
-@contextmanager
-def _noted(label: str, errors: dict[str, BaseException]) -> Iterator[None]:
+    payer = Payer(reward, log, with_all=with_all)
     try:
-        yield
-    except (Exception, SystemExit) as error:
-        errors[label] = error
+        pieces = log.pieces([*DISTANCES, *payer.columns], PIECE)
+        return joined([payer.pay(it, is_whole=it.first == 0 and len(it) < PIECE) for it in pieces])
+    except MissingField:
+        if payer.has_all:
+            raise
+        return pay_log(reward, log, with_all=True)
 
 
 def fields_beside_distances(needs: Iterable[str]) -> tuple[str, ...]:
