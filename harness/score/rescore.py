@@ -1,6 +1,6 @@
 """Pays recorded runs again: a column of rewards per reward, in a file of its own beside the recording."""
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 
 import pyarrow as pa
@@ -16,12 +16,12 @@ from harness.log import Log
 from harness.log.log import REWARD, START
 from harness.record.cell_log import cell_of
 from harness.record.folder import MANIFEST
-from harness.record.trace import to_numpy
 from harness.registry.choice import Choice, choose, parse
 from harness.registry.names import unknown_name
 from harness.registry.registry import Registry
+from harness.score.installed_reward import is_installed
 from harness.score.scorer import SCORED, can_be_paid, pay_log
-from harness.score.weights import name_of, recorded_choice, weighted_label, weighted_pay
+from harness.score.weights import no_terms, recorded_choice, reweighted, weighted_label
 
 MOST_BYTES = 2**35
 """Most that is read of a file of scores."""
@@ -32,7 +32,7 @@ def rescore(log: Log, scoring: Collection[Choice], into: Path, registry: Registr
 
     A term of a reward has a column ``LABEL/TERM`` behind it. Columns of other rewards that `into` holds already are
     kept. The recording is not touched. A reward that raises costs its own columns. One that is not installed is paid
-    from recorded columns of its terms: those of the recording, or those that `into` holds from an earlier time.
+    from recorded columns of its terms.
 
     Args:
         log: The run.
@@ -48,15 +48,18 @@ def rescore(log: Log, scoring: Collection[Choice], into: Path, registry: Registr
     """
     if not can_be_paid(log) and any(is_installed(registry, choice.name) for choice in scoring):
         raise UsageError(f"{log.facts.path} records no distances: no other reward can be computed from it")
-    trained = f" trained with {log.facts.trained_with}" if log.facts.trained_with else ""
+    taught_by, terms = _own_terms(log)
     columns, failed = dict[str, Float](), dict[str, str]()
     for choice in scoring:
         label = choice.label
         try:
             if is_installed(registry, choice.name):
                 paid = pay_log(choice.build(registry, "rewards"), log.load((*SCORED, START)))
+            elif taught_by is not None and taught_by.name == choice.name:
+                paid = reweighted(label, taught_by, {it: log[f"{REWARD}{taught_by.label}/{it}"] for it in terms})
             else:
-                _, paid = weighted_pay(label, recorded_terms(choice.name, log, into), f"a run{trained} has")
+                trained = f" trained with {log.facts.trained_with}" if log.facts.trained_with else ""
+                raise UsageError(no_terms(f"a run{trained} has", choice.name))
         except (Exception, SystemExit) as error:  # a plugin may raise anything
             failed[label] = reason_of(error)
         else:
@@ -66,24 +69,6 @@ def rescore(log: Log, scoring: Collection[Choice], into: Path, registry: Registr
     return failed
 
 
-def recorded_terms(name: str, log: Log, into: Path) -> Iterator[tuple[Choice, Mapping[str, Float]]]:
-    """What the terms of rewards of a name paid: as the run itself has it, then as a file of scores beside it."""
-    reward, own = _own_terms(log)
-    if reward is not None and reward.name == name:
-        yield reward, {term: log[f"{REWARD}{reward.label}/{term}"] for term in own}
-    if not into.exists() or into.name in changed_since_made(into.parent):
-        return
-    with reading(into, "file of scores", UsageError):
-        require_regular(into, MOST_BYTES)
-        names = pq.read_schema(into).names
-        for label in (it for it in names if name_of(it) == name):
-            begin = f"{label}/"
-            if terms := [it for it in names if it.startswith(begin) and "/" not in it[len(begin) :]]:
-                table = pq.read_table(into, columns=terms)
-                told = {it.removeprefix(begin): to_numpy(table.column(it), f"{into}: {it}") for it in terms}
-                yield recorded_choice(label), told
-
-
 def _own_terms(log: Log) -> tuple[Choice | None, tuple[str, ...]]:
     """The reward that paid a cell's trace, with all its parameters, and its terms; None if none are recorded."""
     cell = cell_of(log.facts.path)
@@ -91,34 +76,24 @@ def _own_terms(log: Log) -> tuple[Choice | None, tuple[str, ...]]:
     return (cell.reward if cell and own else None), own
 
 
-def scoring_choice(text: str, registry: Registry, places: Iterable[tuple[Log, Path]]) -> Choice:
+def scoring_choice(text: str, registry: Registry, logs: Iterable[Log]) -> Choice:
     """The reward that a user named; of one that is not installed, its name and its weights, if its terms are recorded.
 
     Args:
         text: What the user typed, ``gentle:effort=0.05``.
         registry: The plugins.
-        places: The runs, each with the file that its scores are written into.
+        logs: The runs.
 
     Raises:
         UsageError: It is neither installed nor recorded, or it is malformed.
     """
     name = parse(text)[0]
-    if is_installed(registry, name):
-        return choose(registry, "rewards", text)
-    known: dict[str, None] = {}
-    for log, into in places:
-        if found := next(recorded_terms(name, log, into), None):
-            return recorded_choice(weighted_label(text, found[1]))
-        if (reward := _own_terms(log)[0]) is not None:
-            known[reward.name] = None
+    known = {} if is_installed(registry, name) else {it.name: of for it, of in map(_own_terms, logs) if it is not None}
+    if name in known:
+        return recorded_choice(weighted_label(text, known[name]))
     if known:
         raise UsageError(unknown_name("reward", name, [*registry.names("rewards"), *known]))
     return choose(registry, "rewards", text)  # which says that there is none
-
-
-def is_installed(registry: Registry, reward: str) -> bool:
-    """Whether there is code for a reward of this name."""
-    return "rewards" in registry.kinds_of(reward)
 
 
 def _write(into: Path, columns: Mapping[str, Float]) -> None:

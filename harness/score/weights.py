@@ -88,9 +88,12 @@ def weighted_pay(asked: str, recorded: Iterable[tuple[Choice, Mapping[str, Float
             return reward, reweighted(asked, reward, terms)
         except UsageError as error:  # a term was recorded with the weight 0, and elsewhere perhaps with another
             refused = refused or error
-    raise refused or UsageError(
-        f"{who} no columns of the terms of '{name_of(asked)}': give its file, --plugin FILE, and it is called"
-    )
+    raise refused or UsageError(no_terms(who, name_of(asked)))
+
+
+def no_terms(who: str, name: str) -> str:
+    """Says that the terms of a reward are not recorded, and what to do; `who` has none, ``these trainings have``."""
+    return f"{who} no columns of the terms of '{name}': give its file, --plugin FILE, and it is called"
 
 
 def _weights(label: str, terms: Collection[str]) -> dict[str, float]:
