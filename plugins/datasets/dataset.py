@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from harness.errors import SchemaError, UsageError
-from harness.log import RECORDED
 from harness.registry import did_you_mean
 from harness.text import shortened
 
@@ -96,34 +95,8 @@ SUCCESS_KEYS = ("success", "is_success")
 """What a column may be called that says whether a step was a success."""
 OPERATOR_KEYS = ("operator", "operator_id")
 """What may be called who, or what, made an episode."""
-OWN_REWARDS = "harness_rewards"
-"""The key of the metadata under which `harness export` lists the rewards that it wrote, by column."""
 NOTHING_SEEN = "recorded pay is read, and functions that look at no observation"
 """What is left of a data set whose observations hold no numbers."""
-
-
-def own_rewards(path: Path, told: Any, known: Mapping[str, Any], taken: tuple[str, ...] = ()) -> dict[str, str]:
-    """By column, the names of rewards that `harness export` wrote.
-
-    Args:
-        path: What a message names.
-        told: What the metadata has under `OWN_REWARDS`.
-        known: The columns that there are.
-        taken: Columns that mean something else.
-
-    Raises:
-        SchemaError: Two columns have one name, one is called what the data set's own reward is, or it means something
-            else.
-    """
-    own = told if isinstance(told, dict) else {}
-    own = {key: shortened(name, 200) for key, name in own.items() if key in known and isinstance(name, str)}
-    for key, name in own.items():
-        if name == RECORDED or key in taken or list(own.values()).count(name) > 1:
-            raise SchemaError(
-                f"{path}: {OWN_REWARDS} calls {shortened(key, 80)} '{name}', but that name, or that column, is another "
-                "reward's or no reward's"
-            )
-    return own
 
 
 def require_readable(path: Path, steps: int, width: int) -> None:

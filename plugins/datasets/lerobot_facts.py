@@ -19,7 +19,7 @@ INFO_FILE, EPISODES, LISTS = Path("meta/info.json"), Path("meta/episodes.jsonl")
 KNOWN = ((2, 0), (2, 1), (3, 0))
 """Versions of the layout."""
 STATE, ACTION, EPISODE, FRAME = "observation.state", "action", "episode_index", "frame_index"
-NEXT_STATE, REWARD, DONE = f"next.{STATE}", "next.reward", "next.done"
+REWARD, DONE = "next.reward", "next.done"
 TASK_INDEX, TASKS = "task_index", "tasks"
 NEEDED = (ACTION, EPISODE, FRAME)
 SEEN_BEGIN = "observation."

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from harness.arrays import Float, Ints, Mask
 from harness.authoring.commands import UNKNOWN, DatasetFacts, SuccessRule, parse_success
 from harness.errors import SchemaError
-from harness.log import BEHAVIOUR, INFO, OBSERVATION, OPERATOR, REWARD, SEEN, SUCCESS, TASK, Log
+from harness.log import BEHAVIOUR, INFO, OBSERVATION, OPERATOR, RECORDED, REWARD, SEEN, SUCCESS, TASK, Log
 from harness.text import shortened
 
 from .dataset import OPERATOR_KEYS, SUCCESS_KEYS, chosen_key
@@ -120,7 +120,7 @@ def source_of(
     keys: Collection[str],
     *,
     sees_last: bool,
-    paid: Mapping[str, str] = {},
+    reward: str = "",
     usual: Iterable[str] = SUCCESS_KEYS,
 ) -> Source:
     """What is known of a data set, with what says whether an episode succeeded, and who made it.
@@ -131,7 +131,7 @@ def source_of(
         cluster: The key that the user names, of who made an episode.
         keys: Those that there are.
         sees_last: See `Source`.
-        paid: By key, the names of rewards that stand there.
+        reward: The one under which the data set's own reward stands.
         usual: Keys that mostly tell success.
 
     Raises:
@@ -140,7 +140,8 @@ def source_of(
     rule = parse_success(success)
     rule = replace(rule, key=chosen_key("--success", rule.key, keys, usual, facts.path))
     operator = chosen_key("--cluster", cluster, keys, OPERATOR_KEYS, facts.path)
-    found = replace(facts, success=rule.text, told_by=paid.get(rule.key, ""), operator=operator)
+    told_by = RECORDED if rule.key and rule.key == reward else ""
+    found = replace(facts, success=rule.text, told_by=told_by, operator=operator)
     return Source(found, rule, sees_last)
 
 

@@ -2,7 +2,7 @@
 
 A frame holds what was seen and what was done then, and under names that begin with ``next.`` what came of it. What was
 seen after the last frame of an episode is not recorded: its pay and its success count, but no function can look at what
-came next. `harness export` writes that too, as ``next.observation.state``.
+came next.
 """
 
 import json
@@ -30,9 +30,7 @@ from harness.text import shortened
 
 from ..datasets.dataset import (
     NOTHING_SEEN,
-    OWN_REWARDS,
     SUCCESS_KEYS,
-    own_rewards,
     require_readable,
     rows_at_once,
     take_census,
@@ -47,8 +45,6 @@ from ..datasets.lerobot_facts import (
     FRAME,
     INFO_FILE,
     MOST_FILES,
-    NEEDED,
-    NEXT_STATE,
     SEEN_BEGIN,
     STATE,
     TASK_INDEX,
@@ -102,13 +98,11 @@ class LeRobot:
             version = version_of(place, info)
             features = info["features"]
             shapes = shapes_of(place, features)
-            taken = (reward_in(shapes), *NEEDED, STATE, NEXT_STATE)
-            own = own_rewards(place, info.get(OWN_REWARDS), shapes, taken)
             listing, tasks = read_listing(folder), read_tasks(folder)
             files, notes = _files(folder, info, listing)
             belonging, gaps = take_census(folder, listing.declared(info), _lengths(folder, files, shapes), self.partial)
         reward, seen = reward_in(shapes), seen_in(shapes)
-        other = [name for name in shapes if name not in (*seen, ACTION, NEXT_STATE)]
+        other = [name for name in shapes if name not in (*seen, ACTION)]
         told = (*other, *listing.keys)
         facts = DatasetFacts(
             path=folder,
@@ -121,17 +115,12 @@ class LeRobot:
             pictures_left_out=any(name.startswith(SEEN_BEGIN) and name not in shapes for name in features),
             notes=(*notes, *_notes_on_seen(seen), *gaps),
         )
-        tells_next = {STATE, NEXT_STATE} <= {*shapes}
-        source = source_of(
-            facts, self.success, self.cluster, told,
-            paid={reward: RECORDED, **own}, usual=[f"{begin}{key}" for key in SUCCESS_KEYS for begin in ("next.", "")],
-            sees_last=not seen or tells_next,
-        )  # fmt: skip
+        usual = [f"{begin}{key}" for key in SUCCESS_KEYS for begin in ("next.", "")]
+        source = source_of(facts, self.success, self.cluster, told, reward=reward, usual=usual, sees_last=not seen)
         places = {"episode": EPISODE, "step": FRAME, f"{REWARD}{RECORDED}": reward, ACTION: ACTION}
-        places |= {f"{REWARD}{own[key]}" if key in own else f"{INFO}{key}": key for key in (*own, *other)}
+        places |= {f"{INFO}{key}": key for key in other}
         parts = {key: OBSERVATION if key == STATE else f"{OBSERVATION}/{key.removeprefix(SEEN_BEGIN)}" for key in seen}
-        places |= {f"{BEFORE}{part}": key for key, part in parts.items()}
-        places |= {part: NEXT_STATE if tells_next else key for key, part in parts.items()}
+        places |= {f"{begin}{part}": key for key, part in parts.items() for begin in (BEFORE, "")}
         columns = (*(name for name, key in places.items() if key), FILE_COLUMN)
         places = {name: key for name, key in {**places, **source.keys}.items() if key in shapes}
         layout = _Layout(source, files, shapes, places, listing, tasks, np.array([*belonging], np.int64))
@@ -308,8 +297,7 @@ def _rows(layout: _Layout, frames: Frames, count: int, names: tuple[str, ...]) -
     table = {FILE_COLUMN: frames[FILE_COLUMN][rows]}
     for name, key in layout.places.items():
         if name in names:
-            is_next = name.startswith(OBSERVATION) and key != NEXT_STATE
-            table[name] = frames[key][following if is_next else rows]
+            table[name] = frames[key][following if name.startswith(OBSERVATION) else rows]
     if "step" in table:
         table["step"] = table["step"] + 1
     if TASK in table:

@@ -22,9 +22,7 @@ from harness.text import shortened
 
 from ..datasets.dataset import (
     MOST_NUMBERS,
-    OWN_REWARDS,
     Declared,
-    own_rewards,
     take_census,
     whole,
 )
@@ -85,7 +83,6 @@ class Minari:
             metadata = read_metadata(folder, file)
             require_known(place, metadata)
             seen = _overview(place, file)
-            own = own_rewards(place, metadata.get(OWN_REWARDS), seen.infos)
             episodes, steps = (whole(metadata.get(key)) for key in ("total_episodes", "total_steps"))
             belonging, notes = take_census(
                 place, Declared(episodes, steps, lengths=seen.told), seen.steps, self.partial
@@ -102,9 +99,8 @@ class Minari:
                 pictures_left_out=bool(pictures),
                 notes=(*_notes(pictures, seen, metadata), *notes),
             )
-            source = source_of(facts, self.success, self.cluster, told, paid=own, sees_last=True)
-            keys = {f"{REWARD}{own[key]}" if key in own else f"{INFO}{key}": key for key in (*own, *seen.infos)}
-            keys = {f"{REWARD}{RECORDED}": "rewards", **{name: f"infos/{key}" for name, key in keys.items()}}
+            source = source_of(facts, self.success, self.cluster, told, sees_last=True)
+            keys = {f"{REWARD}{RECORDED}": "rewards", **{f"{INFO}{key}": f"infos/{key}" for key in seen.infos}}
             layout = _Layout(place, numbers, pictures, keys, source.rule.key)
             columns = ["episode", "step", *keys]
             if numbers:

@@ -85,8 +85,8 @@ class Robomimic:
             pictures_left_out=bool(pictures),
             notes=(*_notes(keys, pictures, masks, self.mask), *notes),
         )
-        sees_last, paid = not keys or after == "next_obs", {"rewards": RECORDED}
-        source = source_of(facts, self.success, self.cluster, told, paid=paid, sees_last=sees_last)
+        sees_last = not keys or after == "next_obs"
+        source = source_of(facts, self.success, self.cluster, told, reward="rewards", sees_last=sees_last)
         single = {name: key for name, key in source.keys.items() if key in places.values()}
         places |= {
             f"{begin}{OBSERVATION}/{key}": f"{of}/{key}" for key in keys for begin, of in ((BEFORE, "obs"), ("", after))
