@@ -7,7 +7,9 @@ import math
 import re
 import zlib
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -102,8 +104,7 @@ class TextTable:
         is_right = (values >= least) & (values == np.floor(values)) | np.isnan(values)
         if self.has_commas:
             is_right &= np.array(["," not in cell for cell in self.cells[name]], bool)
-        self._require(name, is_right, f"counts from {least}")
-        return values
+        return self._all_right(name, values, is_right, f"counts from {least}")
 
     def truths(self, name: str) -> Float:
         """A column of 0 and 1, (rows,), such as the success of episodes; see `numbers`.
@@ -112,10 +113,8 @@ class TextTable:
             SchemaError: A cell is something else, such as a probability.
         """
         values = self.numbers(name)
-        self._require(
-            name, np.isin(values, (0.0, 1.0)), f"is 0 or 1{', and not in percent' * bool((values > 1.0).any())}"
-        )
-        return values
+        what = f"is 0 or 1{', and not in percent' * bool((values > 1.0).any())}"
+        return self._all_right(name, values, np.isin(values, (0.0, 1.0)), what)
 
     def part(self, rows: Iterable[int]) -> "TextTable":
         """Some of its rows."""
@@ -123,10 +122,10 @@ class TextTable:
         cells = {name: [of[row] for row in rows] for name, of in self.cells.items()}
         return replace(self, cells=cells, lines=[self.lines[row] for row in rows])
 
-    def _require(self, name: str, is_right: Mask, what: str) -> None:
-        if not is_right.all():
-            row = int(np.argmin(is_right))
-            raise self.refused(row, f"column '{name}' {what}, and holds {shortened(self.cells[name][row], 40)}")
+    def _all_right(self, name: str, values: Float, is_right: Mask, what: str) -> Float:
+        for row in np.flatnonzero(~is_right):
+            raise self.refused(int(row), f"column '{name}' {what}, and holds {shortened(self.cells[name][row], 40)}")
+        return values
 
     def refused(self, row: int, why: str) -> SchemaError:
         """The error that names a row's line."""
@@ -150,10 +149,7 @@ def text_of(data: bytes, *, is_whole: bool) -> str:
             raise SchemaError(f"it unpacks to more than {MOST_BYTES:,} bytes, or to several files")
         if not packed.eof:  # the last row is not known to be whole
             is_whole, data = False, data.rstrip(b"\r\n")
-    code = "utf-16" if data.startswith(WIDE) else "utf-8-sig"
-    if not is_whole:
-        return data.decode(code, "ignore")
-    return data.decode(code)
+    return data.decode("utf-16" if data.startswith(WIDE) else "utf-8-sig", "strict" if is_whole else "ignore")
 
 
 def read_text(path: Path) -> str:
@@ -243,8 +239,7 @@ def require_columns(path: Path, names: Sequence[str], *wanted: str) -> None:
 
 
 def _of_objects(path: Path, text: str) -> TextTable:
-    rows: list[dict[str, str]] = []
-    lines, cut = list[int](), 0
+    rows, lines, cut = list[dict[str, str]](), list[int](), 0
     parts = [text] if text.lstrip().startswith("[") else text.splitlines(keepends=True)
     for line, part in enumerate(parts, 1):
         try:
@@ -259,7 +254,7 @@ def _of_objects(path: Path, text: str) -> TextTable:
                 raise SchemaError(f"{path}, line {line}: it is no object of JSON")
             rows.append(dict(_flat(it)))
             lines.append(line)
-    names = tuple(dict.fromkeys(name for row in rows for name in row))
+    names = tuple(dict.fromkeys(chain(*rows)))
     return TextTable(path, names, {name: [row.get(name, "") for row in rows] for name in names}, lines, cut=cut)
 
 
@@ -272,8 +267,6 @@ def _flat(of: Any, before: str = "") -> Iterator[tuple[str, str]]:
 
 
 def _number(cell: str) -> float:
-    text = cell.strip()
-    try:
-        return math.nan if "_" in text else float(text)
-    except ValueError:
-        return TRUTH.get(text.lower(), math.nan)
+    with suppress(ValueError):
+        return math.nan if "_" in cell else float(cell)
+    return TRUTH.get(cell.strip().lower(), math.nan)

@@ -7,7 +7,8 @@ environments from those of several trainings.
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from itertools import product, takewhile
+from itertools import product
+from os.path import commonprefix
 from typing import NamedTuple
 
 import numpy as np
@@ -148,22 +149,13 @@ def labels_of(texts: Sequence[str]) -> list[str]:
     words = {text: _TOKENS.findall(text.strip(BETWEEN)) for text in texts}
     if len(words) == 1:
         return [next((it for part in texts[0].split("/")[::-1] if (it := part.strip(BETWEEN))), "")] * len(texts)
-    begin, end = _shared([*words.values()])
+    begin, end = (len(commonprefix([it[::way] for it in words.values()])) for way in (1, -1))  # noqa: RUF071 (words)
+    least = max(0, min(map(len, words.values())) - 1)  # a word of each is left
+    end = min(end, least)
+    begin = min(begin, least - end)
     while begin and any("".join(it[begin : len(it) - end]).isdecimal() for it in words.values()):
         begin -= 1
     return ["".join(words[text][begin : len(words[text]) - end]).strip(BETWEEN) for text in texts]
-
-
-def _shared(words: Sequence[Sequence[str]]) -> tuple[int, int]:
-    """With how many equal words all begin, and with how many all end; a word of each is left."""
-    least = max(0, min(map(len, words)) - 1)
-    if len(words) == 1:
-        return least, 0
-    begin, end = (
-        sum(1 for _ in takewhile(lambda at: len({*at}) == 1, zip(*of, strict=False)))
-        for of in (words, [it[::-1] for it in words])
-    )
-    return min(begin, least - min(end, least)), min(end, least)
 
 
 # Templates
@@ -176,31 +168,28 @@ def templates_of(names: Sequence[str]) -> list[str]:
         names: Paths below the folder, without endings of files; each once.
     """
     texts = [_SAYS_NOTHING.sub("*", name) for name in names]
-    numbers = [_numbers_in(text) for text in texts]
-    most = max(map(len, numbers))
-    found: dict[frozenset[tuple[str, str]], tuple[bool, bool, str]] = {}
-    for at, border in product(range(-most, most + 1), (r"(/|\{seed\}|\*)", r"([-_=,. /]+|\{seed\}|\*)")):
-        marked = [
-            text[: of[at].start("digits")] + "{seed}" + text[of[at].end() :] if -len(of) <= at < len(of) else text
-            for text, of in zip(texts, numbers, strict=True)
-        ]
-        words = [_TOKENS.findall(text) for text in dict.fromkeys(marked)]
-        begin, end = _shared(words)
-        parts = [re.split(border, "".join(it[begin : len(it) - end])) for it in words]
-        if len({tuple(it[1::2]) for it in parts}) > 1:
+    found: dict[tuple[int, ...], tuple[bool, bool, int, str]] = {}
+    for parts in (_TOKENS, re.compile("/|[^/]+")):
+        rows = [parts.findall(text) for text in texts]
+        if len({*map(len, rows)}) > 1:
             continue
-        columns = [{*it} for it in zip(*parts, strict=True)]
-        shown = [next(iter(it)) if len(it) == 1 else "*" for it in columns]
-        for place in range(0, len(columns), 2):
-            middle = [*shown[:place], "{reward}", *shown[place + 1 :]]
-            template = re.sub(r"\*+", "*", "".join([*words[0][:begin], *middle, *words[0][len(words[0]) - end :]]))
+        columns = [[*dict.fromkeys(it)] for it in zip(*rows, strict=True)]
+        varying = [at for at, of in enumerate(columns) if len(of) > 1] or [len(columns) - 1]
+        told = [at for at in varying if "*" not in columns[at][0]]
+        for reward, seed in product(told, [None, *told]):
+            shown = [of[0] if len(of) == 1 else "*" for of in columns]
+            if seed is not None:
+                shown[seed] = re.sub("[0-9]{1,9}$", "{seed}", columns[seed][0])
+            ending = re.search(r"([-_=. ]|(?<=[A-Za-z]))\{seed\}$", shown[reward])
+            shown[reward] = "{reward}" + (ending[0] if ending else "")
+            template = re.sub(r"\*+", "*", "".join(shown))
             fitted = _fitted(template, names).values()
             rewards = [it.reward for it in fitted]
             runs = {(it.reward, it.place if it.seed is None else it.seed) for it in fitted}
-            of_seeds = any(it["seed"] for reward in rewards for it in _numbers_in(reward))
+            of_seeds = any(it["seed"] for name in rewards for it in _numbers_in(name))
             if len(runs) == len(names) and not of_seeds:
-                rank = min(map(rewards.count, rewards)) < 2, "{seed}" not in template, template
-                key = frozenset(zip(rewards, names, strict=True))
+                rank = min(map(rewards.count, rewards)) < 2, "{seed}" not in template, template.count("*"), template
+                key = tuple(map(rewards.index, rewards))
                 found[key] = min(rank, found.get(key, rank))
     return [template for *_, template in sorted(found.values())]
 
