@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from harness.score.open_steps import match_steps as match_steps
     from harness.score.places import (
         ArmPay as ArmPay,
-        distances as distances,
         parse_place as parse_place,
         parse_places as parse_places,
     )

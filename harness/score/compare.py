@@ -342,10 +342,8 @@ class ComparedRows:
 
     def add(self, pieces: Sequence[_Paid | None], steps: int) -> None:
         """Take the next piece of each run, of which `steps` rows are compared."""
-        there = [piece for piece in pieces if piece is not None]
-        for run, piece in zip(self.rows, pieces, strict=True):
-            if piece is None:
-                continue
+        there = [(run, piece) for run, piece in zip(self.rows, pieces, strict=True) if piece is not None]
+        for run, piece in there:
             if (lost := np.isnan(piece.own)).any():
                 self.torn.setdefault(run, self.rows[run] + int(np.argmax(lost)))
             self.rows[run] += len(piece.own)
@@ -353,9 +351,9 @@ class ComparedRows:
             if len(self._paid[run]) <= FEW:
                 self._paid[run].update(np.unique(piece.own[:steps][:ROWS_SEEN]).tolist())
         if steps:
-            self.own.add(np.stack([piece.own[:steps] for piece in there]))
+            self.own.add(np.stack([piece.own[:steps] for _, piece in there]))
         if steps and self.other is not None:
-            scored = np.stack([piece.other[:steps] for piece in there])
+            scored = np.stack([piece.other[:steps] for _, piece in there])
             if np.isfinite(scored).all():
                 self.other.add(scored)
             else:

@@ -111,23 +111,21 @@ class ArmPlaces:
         name = next((it for it in ARM if it in self.places), END_EFFECTOR)
         found = self._rows(name, vectors)
         if name == END_EFFECTOR:
-            return _three(found, name)
+            return _sized(found, name, 3)
         if self.forward is None:
             raise UsageError(f"{name} says where joints stand; name the robot that they belong to")
-        return _three(self.forward(np.deg2rad(found) if name == JOINTS_DEG else found), "the robot's end effector")
+        found = self.forward(np.deg2rad(found) if name == JOINTS_DEG else found)
+        return _sized(found, "the robot's end effector", 3)
 
     def target(self, vectors: Any) -> Float:
         """The same of the target."""
-        return _three(self._rows(TARGET, vectors), TARGET)
+        return _sized(self._rows(TARGET, vectors), TARGET, 3)
 
     def distances(self, vectors: Any) -> Float:
         """From end effector to target, (n,), [m]."""
-        if TARGET not in self.places:
-            told = self.places[DISTANCE].rows(vectors)
-            if told.shape[1] != 1:
-                raise UsageError(f"distance has {told.shape[1]} numbers: it is one, in metres, such as distance=17:18")
-            return told[:, 0]
-        return distances(self.end_effector(vectors), self.target(vectors))
+        if TARGET in self.places:
+            return self.reached(vectors, vectors)
+        return _sized(self.places[DISTANCE].rows(vectors), DISTANCE, 1)[:, 0]
 
     def fields(self, vectors: Any, names: Collection[str]) -> dict[str, Float]:
         """Those of ``end_effector``, ``target``, ``qpos`` that are asked for and that the map tells, (n, size) each."""
@@ -143,7 +141,8 @@ class ArmPlaces:
         """
         if TARGET not in self.places:
             return np.zeros(len(self.distances(after)))
-        return distances(self.end_effector(after), self.target(before))
+        far: Float = np.linalg.norm(self.end_effector(after) - self.target(before), axis=1)
+        return far
 
     def has_new_target(self, before: Any, after: Any) -> Mask:
         """Whether another target was drawn in each step, (n,); never if the map does not say what tells."""
@@ -176,8 +175,7 @@ def parse_places(text: str, forward: Forward | None = None) -> ArmPlaces:
             raise UsageError(f"'{item}' in '{text}': give each of {', '.join(NAMES)} once at most, as in {EXAMPLE}")
         found[name] = parse_place(where)
     arms = [name for name in ARM if name in found]
-    is_of_positions = TARGET in found and len(arms) == 1 and DISTANCE not in found
-    if not is_of_positions and (DISTANCE not in found or arms or TARGET in found):
+    if (TARGET in found, len(arms), DISTANCE in found) not in ((True, 1, False), (False, 0, True)):
         raise UsageError(
             f"'{text}': name target and one of end_effector, joints and joints_deg, as in {EXAMPLE}; or distance alone"
         )
@@ -204,12 +202,6 @@ def parse_place(text: str) -> Place:
         f"'{text}' is no place: write 0:3, where the first number is below the second, {MOST_PLACE:,} at most; "
         "a part's name, or name[0:3]; or three numbers in metres, 0.3/0.1/0.2"
     )
-
-
-def distances(end_effector: Float, target: Float) -> Float:
-    """From each end effector to its target, (n,), of two arrays (n, 3), all in [m]."""
-    far: Float = np.linalg.norm(np.asarray(end_effector) - np.asarray(target), axis=1)
-    return far
 
 
 def fields_read(reward: Reward) -> tuple[str, ...]:
@@ -248,7 +240,10 @@ class ArmPay:
         return self._scorer.pay(rows)
 
 
-def _three(positions: Float, name: str) -> Float:
-    if positions.shape[1] != 3:
-        raise UsageError(f"{name} has {positions.shape[1]} numbers: a position has three, in metres")
-    return positions
+def _sized(numbers: Float, name: str, count: int) -> Float:
+    if numbers.shape[1] != count:
+        raise UsageError(
+            f"{name} has {numbers.shape[1]} numbers: a position has 3 and a distance 1, in metres, as in {EXAMPLE} or "
+            "distance=17:18"
+        )
+    return numbers

@@ -1,6 +1,8 @@
 """Pays a recorded run again under any reward, exactly as the learner would have been paid."""
 
+from collections import defaultdict
 from collections.abc import Iterable, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -8,7 +10,7 @@ from harness.arrays import Float, Mask
 from harness.errors import UsageError
 from harness.log import Log, Rows
 from harness.log.log import RECORDED, REWARD
-from harness.reward import Array, Carry, MissingField, Paid, Reward, Sample, Steps, pay, put, take
+from harness.reward import Carry, MissingField, Paid, Reward, Sample, Steps, pay, put, take
 from harness.reward.needs import reads_of
 from harness.reward.row_steps import FIELDS, TOUCHED, Rows as StepRows, RowSteps, field_rows, has_field, stretches_of
 from harness.reward.steps import BEFORE, NOT_RECORDED, rows_of
@@ -104,8 +106,7 @@ class Payer:
         start = "start" if "start" in log else "step"
         self.columns = ("env", start, *DISTANCES, *flags, *(it for name in self._fields for it in FIELDS[name]))
         self.has_all = set(there) <= {*self._fields}
-        self._reward = reward
-        self._scorers: dict[int, Scorer] = {}
+        self._scorers = defaultdict[int, Scorer](partial(Scorer, reward))
 
     def pay(self, piece: Rows, *, is_whole: bool = False) -> Paid:
         """Shaped reward of the next rows and what each term of it paid, (rows,); 0 in the start rows.
@@ -119,19 +120,16 @@ class Payer:
         """
         rows, env = field_rows(piece, self._fields), piece["env"]
         if (env == env[0]).all():
-            return self._scorer_of(env).pay(rows)
+            return self._scorers[int(env[0])].pay(rows)
         stretches = stretches_of(piece) if is_whole else None
         runs = stretches or [np.flatnonzero(env == number) for number in np.unique(env)]
         total, terms = np.empty(len(piece)), dict[str, Float]()
         for run in runs:
-            part = self._scorer_of(env[run]).pay(rows.part(run))
+            part = self._scorers[int(env[run[0]])].pay(rows.part(run))
             total[run] = part.total
             for name, values in part.terms.items():
                 terms.setdefault(name, np.zeros(len(env)))[run] = values
         return Paid(total, terms)
-
-    def _scorer_of(self, env: Array) -> Scorer:
-        return self._scorers.setdefault(int(env[0]), Scorer(self._reward))
 
 
 def pay_column(log: Log) -> str:

@@ -1,11 +1,11 @@
 """Pays recorded trainings in environments by other weights of their recorded terms, without the code of a reward."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-from harness.arrays import Float
+from harness.errors import UsageError
 from harness.files.sums import making
 from harness.log import Log, in_memory
 from harness.log.log import REWARD
@@ -18,8 +18,7 @@ from harness.record.recording.recorded_training import (
 )
 from harness.record.recording.scores import read_scores, scores_name, with_scores, write_scores
 from harness.record.store import Store
-from harness.registry.choice import Choice
-from harness.score.weights import name_of, recorded_choice, weighted_label, weighted_pay
+from harness.score.weights import name_of, no_terms, recorded_choice, reweighted, weighted_label
 
 
 def recordings_of(folder: Path) -> list[Path]:
@@ -83,21 +82,24 @@ def _read(path: Path, number: int) -> tuple[Log, Log | None]:
 
 def _scored(log: Log, label: str) -> Log:
     """The columns of a reward with other weights."""
-    then, paid = weighted_pay(label, _recorded(log, name_of(label)), "these trainings have")
-    was, now = f"{REWARD}{then.label}", f"{REWARD}{label}"
-    facts = TrainingFacts(
-        rewards=(label,),
-        trained_with=label,
-        sources={now: Source("", f"the recorded terms of {then.label}, weighted as {label}")},
-        failed=tuple(replace(it, column=now) for it in facts_of(log).failures if it.column == was),
-        terms={label: tuple(paid.terms)},
-    )
-    return in_memory(facts, {now: paid.total, **{term_column(label, it): of for it, of in paid.terms.items()}})
-
-
-def _recorded(log: Log, name: str) -> Iterator[tuple[Choice, dict[str, Float]]]:
-    """The rewards of a name whose terms are recorded, and what these paid."""
-    for label, terms in facts_of(log).terms.items():
-        if name_of(label) == name:
-            told = log.rows(term_column(label, term) for term in terms)
-            yield recorded_choice(label), {term: told[term_column(label, term)] for term in terms}
+    refused = UsageError(no_terms("these trainings have", name_of(label)))
+    for then, names in facts_of(log).terms.items():
+        if name_of(then) != name_of(label):
+            continue
+        columns = {name: term_column(then, name) for name in names}
+        told = log.rows(columns.values())
+        try:
+            paid = reweighted(label, recorded_choice(then), {name: told[it] for name, it in columns.items()})
+        except UsageError as error:  # a term was recorded with the weight 0, and elsewhere perhaps with another
+            refused = error
+            continue
+        was, now = f"{REWARD}{then}", f"{REWARD}{label}"
+        facts = TrainingFacts(
+            rewards=(label,),
+            trained_with=label,
+            sources={now: Source("", f"the recorded terms of {then}, weighted as {label}")},
+            failed=tuple(replace(it, column=now) for it in facts_of(log).failures if it.column == was),
+            terms={label: tuple(paid.terms)},
+        )
+        return in_memory(facts, {now: paid.total, **{term_column(label, it): of for it, of in paid.terms.items()}})
+    raise refused

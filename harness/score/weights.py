@@ -6,7 +6,7 @@ weight, so that another weight is a matter of one factor.
 """
 
 import math
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Mapping
 
 from harness.arrays import Float
 from harness.errors import UsageError
@@ -69,26 +69,6 @@ def reweighted(asked: str, recorded: Choice, terms: Mapping[str, Float]) -> Paid
         if wanted != was:
             paid[name] = terms[name] * (wanted / was)
     return Paid(sum_of(paid), paid)
-
-
-def weighted_pay(asked: str, recorded: Iterable[tuple[Choice, Mapping[str, Float]]], who: str) -> tuple[Choice, Paid]:
-    """What a reward pays with other weights, from the first recorded columns of its terms that tell it, and which.
-
-    Args:
-        asked: The reward with the weights that are asked for.
-        recorded: The same reward with weights that it was recorded with, and what its terms paid then.
-        who: Begins the sentence that says that they are nowhere, ``these steps have``.
-
-    Raises:
-        UsageError: They are nowhere, or as `reweighted`.
-    """
-    refused: UsageError | None = None
-    for reward, terms in recorded:
-        try:
-            return reward, reweighted(asked, reward, terms)
-        except UsageError as error:  # a term was recorded with the weight 0, and elsewhere perhaps with another
-            refused = refused or error
-    raise refused or UsageError(no_terms(who, name_of(asked)))
 
 
 def no_terms(who: str, name: str) -> str:

@@ -8,7 +8,7 @@ from hypothesis import given, strategies as st
 
 from harness.registry import choose, load_registry
 from harness.reward import Sample
-from harness.score import ArmPay, distances, parse_place, parse_places
+from harness.score import ArmPay, parse_place, parse_places
 from tests.refusals import refused
 
 ROWS = np.arange(12.0).reshape(2, 6)
@@ -16,7 +16,7 @@ ROWS = np.arange(12.0).reshape(2, 6)
 
 def pay_episode(reward, end_effector, target):
     """What an arm's reward pays each step of an episode, by positions before each step and after the last."""
-    pay, far = ArmPay(reward), distances(end_effector, target)
+    pay, far = ArmPay(reward), np.linalg.norm(end_effector - target, axis=1)
     pay.begin(far[0])
     return pay.pay(far[1:]).total
 
