@@ -2,14 +2,14 @@
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from harness.arrays import Float, Ints
+from harness.arrays import Float
 from harness.errors import SchemaError, UsageError
 from harness.log import BEHAVIOUR, LARGEST, RECORDED, REWARD, SINCE, SUCCESS, Log, LogFacts, Unit, in_memory
 from harness.log.text_table import require_columns
@@ -62,6 +62,11 @@ _NAMES = {
     """,
     "episode": " ".join(map(plain, EPISODE)),
     "counter": "iteration iterations timeiterations epoch epochs update updates timestep step episode",
+    # Of text: what taught a training, and which of its rows count; the last three of the first may be of all files
+    "taught": """
+        rewardfn rewardfunction rewardname rewardtype reward method variant condition treatment algo algorithm group
+    """,
+    "mode": "mode split phase stage agent agentid player policyid",
 }
 ROLES: Mapping[str, Sequence[str]] = {role: names.split() for role, names in _NAMES.items()}
 """What a column is for, by its `plain` name; the first of these that is there."""
@@ -82,6 +87,8 @@ POINTS: Mapping[str, tuple[str, bool]] = {
     "episodescore": (ONE, True),
 }
 """By the name of a return, or its `plain` name: what a point is, and whether TensorBoard's step counts env steps."""
+Series: TypeAlias = Sequence[Float]
+"""The points of one tag: their steps, and their values."""
 VALUES = ("reward", "success", "length", "measure")
 OF_ALL = ("steps", "timesteps", "numsteps", "nsteps")
 """Names of lengths in tables of episodes, and of the steps of a training beside a curve."""
@@ -169,9 +176,8 @@ class Roles:
             )
         columns = {role: roles[role] for role in VALUES if role in roles}
         chosen = Chosen(columns, episode=roles.get("episode", ""), evaluation=evaluation)
-        is_history = {"_step", "_timestamp"} <= {*names}
         is_known = bool(chosen.kind[0]) and not chosen.episode
-        if chosen.is_mean or is_known or is_history or not {"episode", "length"} & roles.keys():
+        if chosen.is_mean or is_known or is_history(names) or not {"episode", "length"} & roles.keys():
             if not self.length and plain(columns.get("length", "")) in OF_ALL:
                 del columns["length"]
         else:
@@ -186,6 +192,17 @@ class Roles:
             counter=next(iter(counters), ""),
             others=tuple(others),
         )
+
+
+def is_history(names: Collection[str]) -> bool:
+    """Whether these are of the history of a run of Weights & Biases, which has the names of whatever logged into it."""
+    return {"_step", "_timestamp"} <= {*names}
+
+
+def cleanrl_run(name: str) -> dict[str, Any]:
+    """What CleanRL tells of a training by what it calls the run: its environment, its algorithm, its seed."""
+    named = CLEANRL_RUN.fullmatch(name)
+    return {**named.groupdict(), "seed": int(named["seed"])} if named else {}
 
 
 def is_evaluated(name: str) -> bool:
@@ -233,40 +250,60 @@ def points(facts: LogFacts, chosen: Chosen, columns: Mapping[str, Float], told: 
     is_point = ~np.isnan(columns[chosen.main])
     filled = (name for name in chosen.times if name in columns and not np.isnan(columns[name][is_point]).all())
     counter = next(filled, "step")
-    if told.per_step and counter != "step":
-        raise UsageError(f"{facts.path} counts environment steps in '{counter}': leave per_step out")
-    is_time = counter != "step" or (is_of_steps and step in ("", "step")) or told.per_step > 0
+    told_by = step if counter == "step" else counter
+    tells_time = counter != "step" or plain(step) in ROLES["time"]
+    if told.per_step and tells_time:
+        raise UsageError(f"{facts.path} counts environment steps in '{told_by}': leave per_step out")
+    is_time = tells_time or (is_of_steps and step in ("", "step")) or told.per_step > 0
     axis = TIME if is_time else ITERATION
-    read = _read(chosen, columns)
-    whole = ~np.isnan(np.stack([columns[name] for name in (counter, *read.values())])).any(axis=0)
-    lacking = int(is_point.sum() - whole.sum())
-    rows, restarts = _last_attempt(facts.path, np.flatnonzero(whole), columns[counter][whole])
+    read = {column_of(role, name): name for role, name in chosen.columns.items() if role != "length"}
+    is_whole = ~np.isnan([columns[name] for name in (counter, *read.values())]).any(axis=0)
+    lacking, steps = int((is_point & ~is_whole).sum()), columns[counter][is_whole]
+    back = np.flatnonzero(np.diff(steps) < 0.0) + 1
+    if len(back) > MOST_RESTARTS:
+        raise SchemaError(
+            f"{facts.path}: its steps go back {len(back):,} times: several trainings write to it, or none"
+        )
+    counts = np.ones(len(steps), bool)
+    for row in back:  # what was logged before a restart, and was logged again later
+        counts[:row] &= steps[:row] < steps[row]
+    rows = np.flatnonzero(is_whole)[counts]
     if not len(rows):
         raise SchemaError(f"{facts.path} has no point of {', '.join(chosen.columns.values())} yet")
-    found = {axis: columns[counter][rows], **{column: columns[name][rows] for column, name in read.items()}}
+    length = chosen.columns.get("length", "")
+    lengths = columns[length][rows] if length else np.full(len(rows), np.nan)
+    is_told = ~np.isnan(lengths)
+    if length and is_told.all():
+        read["length"] = length
+    after = columns[counter][rows]
     if told.per_step:
         is_from_0 = np.nanmin(columns[counter]) == 0.0  # then the first one was over when it was logged
-        found[axis] = (found[axis] + is_from_0) * told.per_step
+        after = (after + is_from_0) * told.per_step
+    found = {axis: after, **{column: columns[name][rows] for column, name in read.items()}}
     for name, values in found.items():
         beyond = values[np.abs(values) > LARGEST]
         if len(beyond):
             raise SchemaError(f"{facts.path}: a value of {name} is {beyond[0]:g}, which is beyond all returns")
-    length = chosen.columns.get("length", "")
-    steps = columns[length][rows] if length else np.full(len(rows), np.nan)
-    is_told = ~np.isnan(steps)
-    if is_told.any():
-        steps = np.interp(found[axis], found[axis][is_told], steps[is_told])
-    elif told.episode:
-        steps = np.full(len(rows), float(told.episode))
-    found[SINCE] = _since(point, found[axis], steps if is_time else np.full(len(rows), np.nan))
+    if is_time and is_told.any():
+        lengths = np.interp(after, after[is_told], lengths[is_told])
+    else:
+        lengths = np.full(len(rows), told.episode or np.nan if is_time else np.nan)
+    before = np.concatenate([[0.0], after[:-1]])
+    last_100 = np.maximum(after - 100.0 * lengths, 0.0)
+    since = {
+        EVALUATED: after,
+        NEW: before,
+        ONE: np.where(np.isnan(lengths), before, np.maximum(after - lengths, 0.0)),
+        LAST_100_OR_NEW: np.minimum(before, last_100),
+    }
+    found[SINCE] = since.get(point, last_100)
     shown = ", ".join(f"{column} from '{name}'" for column, name in read.items())
-    told_by = step if counter == "step" else counter
     notes = {
         f"{shown}; {axis} from " + (f"'{told_by}'" if told_by else "its steps"): True,
         "nobody says how many environment steps one of its steps is: per_step=N does": not is_time,
         f"'{length}' lacks values: it is left out": length and "length" not in read,
         f"{lacking} points that lack one of these are left out": lacking,
-        f"{restarts} times it goes back: what was logged again later counts": restarts,
+        f"{len(back)} times it goes back: what was logged again later counts": len(back),
         f"there are also curves of {', '.join(chosen.others)}": chosen.others,
     }
     thinned = [facts.thinned, f"each value is {point}" if point not in ("", ONE) else ""]
@@ -286,53 +323,6 @@ def column_of(role: str, name: str) -> str:
     return {"reward": f"{REWARD}{RECORDED}", "success": f"{BEHAVIOUR}{SUCCESS}"}.get(role, f"{BEHAVIOUR}{name}")
 
 
-def _read(chosen: Chosen, columns: Mapping[str, Float]) -> dict[str, str]:
-    """By standard column: the name that it is read from. Lengths are left out where points have none."""
-    read = {column_of(role, name): name for role, name in chosen.columns.items() if role != "length"}
-    length = chosen.columns.get("length", "")
-    whole = ~np.isnan(np.stack([columns[name] for name in read.values()])).any(axis=0)
-    if length and not np.isnan(columns[length][whole]).any():
-        read["length"] = length
-    return read
-
-
-def _since(point: str, after: Float, length: Float) -> Float:
-    """Steps before the first episode that each value averages, (points,); NaN where nobody knows.
-
-    Args:
-        point: What a value is.
-        after: Steps when each was told.
-        length: Mean lengths of the episodes; NaN where nobody knows.
-    """
-    before = np.concatenate([[0.0], after[:-1]])
-    last_100: Float = np.maximum(after - 100.0 * length, 0.0)
-    known: dict[str, Float] = {
-        EVALUATED: after,
-        NEW: before,
-        ONE: np.where(np.isnan(length), before, np.maximum(after - length, 0.0)),
-        LAST_100_OR_NEW: np.minimum(before, last_100),
-    }
-    return known.get(point, last_100)
-
-
-def _last_attempt(path: Path, rows: Ints, steps: Float) -> tuple[Ints, int]:
-    """Which rows count, where some were logged again after a restart: the later ones; and how many restarts."""
-    kept = np.ones(len(steps), bool)
-    back = np.flatnonzero(np.diff(steps) < 0.0) + 1
-    if len(back) > MOST_RESTARTS:
-        raise SchemaError(f"{path}: its steps go back {len(back):,} times: several trainings write to it, or none")
-    for row in back:
-        kept[:row] &= steps[:row] < steps[row]
-    return rows[kept], len(back)
-
-
-class Series(NamedTuple):
-    """The points of one tag."""
-
-    steps: Sequence[float]
-    values: Sequence[float]
-
-
 def curve(facts: LogFacts, series: Mapping[str, Series], told: Roles, step: str = "") -> Log:
     """The log of one curve, of tags with points of their own: with a point for each of the tag that is read first.
 
@@ -343,23 +333,17 @@ def curve(facts: LogFacts, series: Mapping[str, Series], told: Roles, step: str 
         step: What their steps count, see `points`.
     """
     chosen = told.chosen(facts.path, list(series))
-    base = series.get(chosen.main, Series((), ()))
-    columns = {"step": np.array(base.steps, np.float64)}
-    keys = _numbered(base.steps)
+    steps, _ = series[chosen.main]
+    columns = {"step": steps}
     for tag in (*chosen.columns.values(), *chosen.times):
-        values = dict(zip(_numbered(series[tag].steps), series[tag].values, strict=True))
-        columns[tag] = np.array([values.get(key, np.nan) for key in keys], np.float64)
-    if plain(step) in ROLES["time"]:
-        columns[step] = columns["step"]
-        chosen = chosen._replace(times=(step, *chosen.times))
+        values = dict(zip(_numbered(series[tag][0]), series[tag][1].tolist(), strict=True))
+        columns[tag] = np.array([values.get(it, np.nan) for it in _numbered(steps)])
     return points(facts, chosen, columns, told, step)
 
 
-def _numbered(steps: Iterable[float]) -> list[tuple[float, int]]:
+def _numbered(steps: Float) -> Iterator[tuple[float, int]]:
     """Each step, and how often it stood there before: several episodes may end at one step."""
     seen: Counter[float] = Counter()
-    found = []
-    for step in steps:
-        found.append((step, seen[step]))
+    for step in steps.tolist():
+        yield step, seen[step]
         seen[step] += 1
-    return found

@@ -47,9 +47,9 @@ def zoo_settings(log: Path, env: str = "") -> ZooSettings:
         config = args.with_name("config.yml")
         tuned = _pairs(config) if config.is_file() else {}
     except (OSError, ValueError):
-        return ZooSettings()
-    asked = max(_whole(told.get("n_timesteps", "")) or 0, 0) or _whole(tuned.get("n_timesteps", "")) or 0
-    return ZooSettings(env or args.parent.name, told.get("algo", ""), _whole(told.get("seed", "")), asked)
+        return ZooSettings(env)
+    asked = max(whole(told.get("n_timesteps", "")) or 0, 0) or whole(tuned.get("n_timesteps", "")) or 0
+    return ZooSettings(env or args.parent.name, told.get("algo", ""), whole(told.get("seed", "")), asked)
 
 
 def _pairs(path: Path) -> dict[str, str]:
@@ -57,7 +57,8 @@ def _pairs(path: Path) -> dict[str, str]:
     return {key: value.strip("'\"") for key, value in pairs.items() if PLAIN.match(value)}
 
 
-def _whole(text: str) -> int | None:
+def whole(text: str) -> int | None:
+    """The whole number that a text is; None of another text."""
     try:
         number = float(text)
     except ValueError:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from harness.cli.datasets import names_dataset as names_dataset
     from harness.cli.fail_on import Said as Said, named_answers as named_answers, status_of as status_of
     from harness.cli.flags.dataset import Partial as Partial, Places as Places
-    from harness.cli.flags.logs import AsFormat as AsFormat, SortBy as SortBy
+    from harness.cli.flags.logs import AsFormat as AsFormat, LeftOut as LeftOut, SortBy as SortBy
     from harness.cli.flags.shared import (
         REWARDS as REWARDS,
         ROBOT as ROBOT,
@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     from harness.eta.auc import Auc as Auc, rounded as rounded, share_of as share_of
     from harness.eta.headline import SUCCESS as SUCCESS
     from harness.eta.index import NOTHING as NOTHING
+    from harness.eta.laws import Account as Account, Missing as Missing, is_left_out as is_left_out
     from harness.eta.manner import ACTED_AT_RANDOM as ACTED_AT_RANDOM
     from harness.eta.rescaling import PayLine as PayLine
     from harness.experiment.arm_evaluation import record_evaluation as record_evaluation
@@ -125,9 +126,9 @@ if TYPE_CHECKING:
     )
     from harness.record.file_forms import (
         ChoiceForm as ChoiceForm,
-        EndingForm as EndingForm,
+        Chosen as Chosen,
         Status as Status,
-        require_form as require_form,
+        read_form as read_form,
     )
     from harness.record.folder import TRAINING_RECORDING as TRAINING_RECORDING
     from harness.record.manifest import (
@@ -188,6 +189,7 @@ if TYPE_CHECKING:
         read_trainings as read_trainings,
         require_comparable as require_comparable,
     )
+    from harness.results.logs.results_of_logs import sort_found as sort_found
     from harness.results.overview import (
         decided_by_text as decided_by_text,
         line_names as line_names,
@@ -203,10 +205,10 @@ if TYPE_CHECKING:
         count_text as count_text,
     )
     from harness.results.recordings.read_runs import (
+        account_of_runs as account_of_runs,
         env_of as env_of,
         has_recordings as has_recordings,
         read_all as read_all,
-        why_short as why_short,
     )
     from harness.results.recordings.runs import (
         NO_NAME as NO_NAME,

@@ -184,7 +184,7 @@ def _score_experiment(
     folder: Path, names: "Sequence[str]", every: bool, registry: "Registry", as_json: bool
 ) -> dict[str, str]:
     from harness.record.cell_log import cell_log
-    from harness.record.folder import SCORES, TRACE
+    from harness.record.folder import TRACE
     from harness.record.out_folder import refuse_links
     from harness.results import load_results
     from harness.results.score_matrix import score_matrices
@@ -195,7 +195,7 @@ def _score_experiment(
     if not results.done_cells:
         raise UsageError(f"'{folder}' has no finished cell to score")
     cells = [results.store.cell_folder(cell) for cell in results.done_cells]
-    scoring = [scoring_choice(name, registry, ((cell_log(it / TRACE), it / SCORES) for it in cells)) for name in names]
+    scoring = [scoring_choice(name, registry, (cell_log(it / TRACE) for it in cells)) for name in names]
     trained = [cell.reward for cell in results.done_cells] if every else []
     matrices = score_matrices(results, list({it.label: it for it in [*scoring, *trained]}.values()), registry)
     if as_json:
@@ -210,7 +210,7 @@ def _score_files(
 ) -> dict[str, str]:
     from harness.record.folder import SCORES
     from harness.score.open_steps import match_steps
-    from harness.score.rescore import scoring_choice, write_scores
+    from harness.score.rescore import rescore, scoring_choice
 
     logs = match_steps(patterns, registry)
     files = [log.facts.path for log in logs]
@@ -219,11 +219,10 @@ def _score_files(
         raise UsageError(
             f"Several files of one name cannot all be scored into '{out}': leave out --out, or rename the files"
         )
-    pairs = list(zip(logs, places, strict=True))
-    scoring = [scoring_choice(name, registry, pairs) for name in names]
+    scoring = [scoring_choice(name, registry, logs) for name in names]
     written, failed = [], dict[str, str]()
-    for log, into in pairs:
-        refused = write_scores(log, scoring, into, registry)
+    for log, into in zip(logs, places, strict=True):
+        refused = rescore(log, scoring, into, registry)
         failed |= refused
         paid = [item.label for item in scoring if item.label not in refused]
         written.append({"file": str(log.facts.path), "scores": str(into), "rewards": paid})

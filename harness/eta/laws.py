@@ -16,6 +16,7 @@ Each stands here once, and every door calls it.
 from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import count
 from pathlib import Path
 from typing import Generic, Literal, NamedTuple, TypeAlias, TypeVar
 
@@ -29,6 +30,8 @@ Better: TypeAlias = Literal["higher", "lower", ""]
 T = TypeVar("T", bound=Hashable)
 NEARLY_ALL = 0.95
 """A training that has this share of its steps is whole: its last episode need not have ended."""
+LATE = 0.2
+"""A training that lacks more than this share of its steps before its first value is cut there."""
 NEAR = 0.002
 """Evaluations at most this share of their steps apart are of one moment, as of 3 environments that step together."""
 LEAST_KNOWN = 0.5
@@ -52,6 +55,11 @@ def direction_of(name: str, lower: Collection[str], higher: Collection[str], *, 
     if name in lower:
         return "lower"
     return "higher" if name in higher or is_flag else ""
+
+
+def may_be_flag(value: float) -> bool:
+    """Whether a number is 0 or 1, as of a flag, or is not known."""
+    return value in (0.0, 1.0) or bool(np.isnan(value))
 
 
 def require_direction(name: str, better: str, how: str) -> None:
@@ -129,6 +137,20 @@ def counted(trainings: Iterable[tuple[T | None, Path, str]], leave_out: Collecti
     return Account(tuple(whole), tuple(missing), tuple(left))
 
 
+def numbered(told: Sequence[tuple[str, int | None]]) -> list[int]:
+    """The seed of each training: one that tells none gets the lowest that is free.
+
+    Args:
+        told: The reward that taught each, and the seed that it tells.
+    """
+    taken, found = {*told}, list[int]()
+    for reward, own in told:
+        seed = next(it for it in count() if (reward, it) not in taken) if own is None else own
+        taken.add((reward, seed))
+        found.append(seed)
+    return found
+
+
 def shortfall_beside(done: Mapping[T, tuple[str, float, int]], noun: str) -> dict[T, str]:
     """Why trainings are not whole that stopped before others of their reward did, which followed one plan.
 
@@ -157,6 +179,21 @@ class Span(NamedTuple):
 
     begin: float
     end: float
+
+
+def shortfall_at_begin(spans: Mapping[T, Span], noun: str) -> dict[T, str]:
+    """Why trainings are not whole that begin later than others: they may be what another file goes on with.
+
+    Args:
+        spans: Of which steps the values of each training tell.
+        noun: As of `shortfall_beside`.
+    """
+    first = min((it.begin for it in spans.values()), default=0.0)
+    return {
+        it: f"it begins after {begin:,.0f} {noun}, and another one after {first:,.0f}"
+        for it, (begin, end) in spans.items()
+        if begin - first > LATE * end
+    }
 
 
 @dataclass(frozen=True, eq=False)

@@ -38,7 +38,7 @@ A cell's trace has columns of its own names, see `harness.record.trace`. A CSV f
 these names: ``begin_distance``, ``previous_best``, ``distance``, ``delta_distance``.
 """
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Self, TypeAlias
@@ -134,10 +134,17 @@ class Log:
             UsageError: The log does not have a column.
             SchemaError: It is damaged, or has more rows than are allowed.
         """
-        first = 0
-        for table in _regrouped((part.columns for part in self.tables(columns)), rows):
-            yield Rows(table, first)
-            first += len(next(iter(table.values())))
+        waiting: list[Columns] = []
+        held = first = 0
+        for table in self.tables(columns):
+            waiting.append(table.columns)
+            held += len(table)
+            if held >= rows:
+                whole, ends = Rows(joined(waiting), first), held - held % rows
+                yield from (whole.part(slice(begin, begin + rows)) for begin in range(0, ends, rows))
+                waiting, held, first = [whole.part(slice(ends, None)).columns], held - ends, first + ends
+        if held:
+            yield Rows(joined(waiting), first)
 
     def tables(self, columns: Iterable[str]) -> Iterator[Rows]:
         """The same in tables of any size, as the reader gives them. A column may have another shape in each of them.
@@ -146,14 +153,19 @@ class Log:
             UsageError: The log does not have a column.
             SchemaError: It is damaged, or has more rows than are allowed.
         """
-        names = self._chosen(columns)
-        if names and self.known.keys() >= {*names}:
+        names = tuple(dict.fromkeys(columns))
+        for name in names:
+            if name not in self:
+                raise missing_column(name, self.names, f"{self.facts.path} has")
+        own = tuple(name for name in names if name not in self.known)
+        if not own:
             yield Rows({name: self.known[name] for name in names})
             return
-        own = tuple(name for name in names if name not in self.known) or self.columns[:1]
         first = 0
-        for table in _checked(self.facts, self.read(own)):
-            rows = slice(first, first + len(next(iter(table.values()))))
+        for table in self.read(own):
+            rows = slice(first, first + _count(self.facts, table))
+            if rows.stop > MOST_ROWS:
+                raise SchemaError(f"{self.facts.path} has more than the {MOST_ROWS:,} rows that are allowed")
             yield Rows({name: self.known[name][rows] if name in self.known else table[name] for name in names}, first)
             first = rows.stop
 
@@ -162,9 +174,8 @@ class Log:
 
         A log that is being written stays as long as the first column that is kept.
         """
-        names = self._chosen(self.names if columns is None else columns)
-        own = tuple(name for name in names if name not in self.known)
-        found = {**(joined(list(_checked(self.facts, self.read(own)))) if own else {}), **self.known}
+        names = tuple(self.names if columns is None else columns)
+        found = joined([table.columns for table in self.tables(names)])
         count = len(next(iter(self.known.values()))) if self.known else None
         return Rows({name: found.get(name, np.empty(0))[:count] for name in names})
 
@@ -194,17 +205,19 @@ class Log:
     @property
     def rewards(self) -> tuple[str, ...]:
         """Names of the rewards whose pay it tells."""
-        paid = {name for name in self.names if name.startswith(REWARD)}
-        return tuple(name.removeprefix(REWARD) for name in self.names if name in paid and not _is_term(name, paid))
+        paid = self._below(REWARD)
+        return tuple(name for name in paid if not any(name.startswith(f"{other}/") for other in paid))
 
     @property
     def measures(self) -> tuple[str, ...]:
         """Names of the measures that it tells, such as ``success``."""
-        return tuple(name.removeprefix(BEHAVIOUR) for name in self.names if name.startswith(BEHAVIOUR))
+        return self._below(BEHAVIOUR)
 
     def terms_of(self, reward: str) -> tuple[str, ...]:
         """Names of the terms of a reward that it tells, in the order in which they are summed."""
-        begin = f"{REWARD}{reward}/"
+        return self._below(f"{REWARD}{reward}/")
+
+    def _below(self, begin: str) -> tuple[str, ...]:
         return tuple(name.removeprefix(begin) for name in self.names if name.startswith(begin))
 
     @cached_property
@@ -237,18 +250,17 @@ class Log:
         Raises:
             UsageError: Two columns would have one name.
         """
-        old = {new.get(name, name): name for name in self.columns}
+        old = {new.get(name, name): name for name in self.names}
         for name, other in new.items():
             if name in self and other != name and other in self:
                 raise UsageError(f"'{name}' cannot be called '{other}': {self.facts.path} has a column of that name")
 
         def read(names: tuple[str, ...]) -> Iterator[Columns]:
-            for table in self.read(tuple(old[name] for name in names)):
+            for table in self.tables(old[name] for name in names):
                 yield {name: table[old[name]] for name in names}
 
         failed = tuple(replace(it, column=new.get(it.column, it.column)) for it in self.facts.failed)
-        known = {new.get(name, name): values for name, values in self.known.items()}
-        return Log(replace(self.facts, failed=failed), tuple(old), read, known)
+        return Log(replace(self.facts, failed=failed), tuple(old), read)
 
     def add(self, columns: Columns) -> "Log":
         """The same log with further columns, (rows, ...) each; one that it has already is replaced."""
@@ -256,15 +268,7 @@ class Log:
 
     def part(self, rows: slice | NDArray[np.int64] | NDArray[np.bool_]) -> "Log":
         """Some rows of it, by their numbers or flags, in the order in which they are given."""
-        known = {name: values[rows] for name, values in self.known.items() if name not in self.columns}
-        return Log(self.facts, self.columns, lambda names: [{name: self[name][rows] for name in names}], known)
-
-    def _chosen(self, columns: Iterable[str]) -> tuple[str, ...]:
-        names = tuple(dict.fromkeys(columns))
-        for name in names:
-            if name not in self:
-                raise missing_column(name, self.names, f"{self.facts.path} has")
-        return names
+        return Log(self.facts, self.names, lambda names: [{name: self[name][rows] for name in names}])
 
 
 def in_memory(facts: LogFacts, columns: Columns) -> Log:
@@ -273,8 +277,7 @@ def in_memory(facts: LogFacts, columns: Columns) -> Log:
     Raises:
         SchemaError: They have different numbers of rows.
     """
-    if len({len(values) for values in columns.values()}) > 1:
-        raise _uneven(facts, columns)
+    _count(facts, columns)
     return Log(facts, tuple(columns), lambda names: [{name: columns[name] for name in names}], dict(columns))
 
 
@@ -362,43 +365,13 @@ def missing_column(name: str, there: Iterable[str], begin: str) -> UsageError:
     return UsageError(f"No column '{name}'. {begin}: {', '.join(names)}{nearest(name, names)}")
 
 
-def _is_term(column: str, paid: Collection[str]) -> bool:
-    """Whether a column of pay is of a term: another one's name is its beginning. Names of rewards may have slashes."""
-    parts = column.split("/")
-    return any("/".join(parts[:end]) in paid for end in range(2, len(parts)))
-
-
-def _uneven(facts: LogFacts, columns: Columns) -> SchemaError:
-    told = ", ".join(f"{name} {len(values):,}" for name, values in columns.items())
-    return SchemaError(f"{facts.path}: its columns have different numbers of rows: {told}")
-
-
-def _regrouped(tables: Iterable[Columns], rows: int) -> Iterator[Columns]:
-    """The same rows in tables of `rows` rows; the last one may be shorter."""
-    waiting: list[Columns] = []
-    held = 0
-    for table in tables:
-        held += len(next(iter(table.values())))
-        waiting.append(table)
-        if held >= rows:
-            whole = joined(waiting)
-            ends = held - held % rows
-            yield from (_part(whole, begin, begin + rows) for begin in range(0, ends, rows))
-            waiting, held = [_part(whole, ends, held)], held - ends
-    if held:
-        yield joined(waiting)
-
-
-def _checked(facts: LogFacts, tables: Iterable[Columns]) -> Iterator[Columns]:
-    """The same tables. Each has one number of rows, and all together no more than are allowed."""
-    total = 0
-    for table in tables:
-        if len({len(values) for values in table.values()}) != 1:
-            raise _uneven(facts, table)
-        total += len(next(iter(table.values())))
-        if total > MOST_ROWS:
-            raise SchemaError(f"{facts.path} has more than the {MOST_ROWS:,} rows that are allowed")
-        yield table
+def _count(facts: LogFacts, columns: Columns) -> int:
+    """How many rows columns have, which is one number."""
+    counts = {name: len(values) for name, values in columns.items()}
+    if len({*counts.values()}) > 1:
+        told = ", ".join(f"{name} {count:,}" for name, count in counts.items())
+        raise SchemaError(f"{facts.path}: its columns have different numbers of rows: {told}")
+    return next(iter(counts.values()), 0)
 
 
 def joined(tables: Sequence[Columns]) -> Columns:
@@ -406,7 +379,3 @@ def joined(tables: Sequence[Columns]) -> Columns:
     if len(tables) <= 1:
         return tables[0] if tables else {}
     return {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
-
-
-def _part(table: Columns, begin: int, end: int) -> Columns:
-    return {name: values[begin:end] for name, values in table.items()}

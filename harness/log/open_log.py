@@ -13,11 +13,11 @@ from harness.log.log import Log
 from harness.registry.choice import choose
 from harness.registry.registry import Registry
 from harness.registry.spec import blamed_on
+from harness.text import command_text
 
 LOGS = "logs"
-TABLE = "table"
 GONE = ("monitor", "progress-csv", "wandb-csv", "tensorboard-csv", "episode-csv")
-"""Formats of earlier versions, whose files `TABLE` reads."""
+"""Formats of earlier versions, whose files one reader of tables takes."""
 MOST_FILES = 100_000
 """Files and folders that are looked at below a folder."""
 MOST_BYTES = 2**35
@@ -46,20 +46,19 @@ def open_logs(path: Path, registry: Registry, named: str = "", **settings: Any) 
         UsageError: It is not there, no format recognises it, or several do; or the format has no such setting.
         SchemaError: It is damaged.
     """
-    takes_names = named and getattr(_built(named, registry), "takes_names", False)
+    formats = formats_of(registry, named)
+    takes_names = named and getattr(formats[named], "takes_names", False)
     if not takes_names and not path.exists():
         raise UsageError(f"No folder '{path}', and no file")
-    if named:
-        return _read(path, named, registry, settings)
-    names = recognised(path, formats_of(registry))
+    names = [named] if named else recognised(path, formats)
     if len(names) > 1:
-        told = " or ".join(f"--as {name}" for name in names)
+        told = " or ".join(command_text("harness", "audit", f"{name}:{path}") for name in names)
         raise UsageError(f"'{path}' could be a log of several formats: say which, {told}")
     if not names:
         kind = None if path.is_dir() else kind_at(path)
         told = f". It is {kind.sentence}" if kind else ""
         raise UsageError(f"'{path}' is no log that is read: harness describe logs tells which are{told}")
-    return _read(path, names[0], registry, settings)
+    return _read(path, names[0], formats[names[0]], registry, settings)
 
 
 def find_logs(path: Path, registry: Registry, named: str = "") -> Found:
@@ -73,45 +72,41 @@ def find_logs(path: Path, registry: Registry, named: str = "") -> Found:
     """
     if not path.exists():
         raise UsageError(f"No folder '{path}', and no file")
-    formats = formats_of(registry) if not named else {named: _built(named, registry)}
-    logs: list[Log] = []
+    logs = dict[tuple[Path, str, str], Log]()
     left_out: list[tuple[Path, str]] = []
-    for place, name in _places(path, formats):
-        try:
-            known = {(log.facts.path, log.facts.run, log.facts.format) for log in logs}
-            read = _read(place, name, registry)
-            logs += [it for it in read if (it.facts.path, it.facts.run, it.facts.format) not in known]
-        except AskedError:
-            raise
-        except HarnessError as error:
-            left_out.append((place, str(error)))
-    return Found(tuple(logs), tuple(left_out))
+    for place, read in _all_logs(path, registry, named):
+        if isinstance(read, str):
+            left_out.append((place, read))
+            continue
+        for log in read:
+            logs.setdefault((log.facts.path, log.facts.run, log.facts.format), log)
+    return Found(tuple(logs.values()), tuple(left_out))
 
 
 def first_log(path: Path, registry: Registry) -> Log | None:
     """The first log in a file or below a folder that can be read, without a look at the others; None without one."""
-    for place, name in _places(path, formats_of(registry)):
+    return next((read[0] for _, read in _all_logs(path, registry) if not isinstance(read, str)), None)
+
+
+def _all_logs(path: Path, registry: Registry, named: str = "") -> Iterator[tuple[Path, tuple[Log, ...] | str]]:
+    """Each place with its logs, or why it cannot be read."""
+    formats = formats_of(registry, named)
+    for place, name in _places(path, formats):
         try:
-            return _read(place, name, registry)[0]
+            yield place, _read(place, name, formats[name], registry)
         except AskedError:
             raise
-        except HarnessError:  # `find_logs` says why
-            continue
-    return None
+        except HarnessError as error:
+            yield place, str(error)
 
 
-def formats_of(registry: Registry) -> dict[str, LogFormat]:
-    """Every registered format whose libraries are installed, by name, with its default settings."""
-    specs = (registry.get(LOGS, name) for name in registry.names(LOGS))
-    return {spec.name: _built(spec.name, registry) for spec in specs if not spec.missing}
-
-
-def _built(name: str, registry: Registry) -> LogFormat:
-    old, colon, told = name.partition(":")
+def formats_of(registry: Registry, named: str = "") -> dict[str, Any]:
+    """Every registered format whose libraries are installed, by name; or the one that was named, with its settings."""
+    old, colon, told = named.partition(":")
     if old in GONE and old not in registry.names(LOGS):
-        raise UsageError(f"The format '{old}' is gone: one reader takes all tables. Type --as '{TABLE}{colon}{told}'")
-    built: LogFormat = choose(registry, LOGS, name).build(registry, LOGS)
-    return built
+        raise UsageError(f"The format '{old}' is gone: one reader takes all tables. Type --as 'table{colon}{told}'")
+    names = [named] if named else [it for it in registry.names(LOGS) if not registry.get(LOGS, it).missing]
+    return {name: choose(registry, LOGS, name).build(registry, LOGS) for name in names}
 
 
 def _places(path: Path, formats: Mapping[str, LogFormat]) -> Iterator[tuple[Path, str]]:
@@ -148,19 +143,17 @@ def recognised(path: Path, formats: Mapping[str, LogFormat]) -> list[str]:
     return [name for name, it in formats.items() if it.recognises(path, head)]
 
 
-def _read(path: Path, name: str, registry: Registry, settings: Mapping[str, Any] = {}) -> tuple[Log, ...]:
-    chosen = choose(registry, LOGS, name)
-    spec = registry.get(LOGS, chosen.name)
-    reader = chosen.build(registry, LOGS)
+def _read(path: Path, name: str, reader: Any, registry: Registry, settings: Mapping[str, Any] = {}) -> tuple[Log, ...]:
+    spec = registry.get(LOGS, choose(registry, LOGS, name).name)
     for setting in settings:
         if setting not in {field.name for field in fields(reader)}:
             raise UsageError(
-                f"--{setting.replace('_', '-')} says nothing of '{path}': a log of the format {chosen.name} has none"
+                f"--{setting.replace('_', '-')} says nothing of '{path}': a log of the format {spec.name} has none"
             )
-    reader = replace(reader, **settings)
     with blamed_on(spec, "it read a log"):
         try:
-            logs = tuple(replace(log, facts=replace(log.facts, reader=spec.name)) for log in reader.read(path))
+            read = replace(reader, **settings).read(path)
+            logs = tuple(replace(log, facts=replace(log.facts, reader=spec.name)) for log in read)
         except HarnessError:
             raise
         except (OSError, ValueError) as error:

@@ -7,6 +7,7 @@ import math
 import re
 import zlib
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import chain
 from pathlib import Path
@@ -28,6 +29,8 @@ GZIP, WIDE = b"\x1f\x8b", (b"\xff\xfe", b"\xfe\xff")
 """How a file begins that gzip packed, and text in UTF-16."""
 TRUTH = {"true": 1.0, "false": 0.0}
 NOTHING = ("", "nan", "none", "null")
+COMMENT = re.compile(r"#(?<![^\r\n]#)[ \t]*\{[^\r\n]*")
+"""A line of JSON behind ``#``."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +42,7 @@ class TextTable:
         names: Of all columns, in the order of the header.
         cells: By name, of the columns that were asked for.
         lines: Of each row, its line in the file, counted from 1.
-        comments: Lines of JSON behind ``#``, and their numbers.
+        comments: Lines of JSON behind ``#``.
         cut: The line of a last row that is left out because it does not end: it is being written, or was cut; else 0.
         has_commas: Whether semicolons part its cells, and a comma is the decimal point of its numbers.
     """
@@ -48,7 +51,7 @@ class TextTable:
     names: tuple[str, ...]
     cells: dict[str, list[str]]
     lines: Sequence[int]
-    comments: tuple[tuple[int, str], ...] = ()
+    comments: Sequence[str] = ()
     cut: int = 0
     has_commas: bool = False
 
@@ -101,8 +104,7 @@ class TextTable:
         is_right = (values >= least) & (values == np.floor(values)) | np.isnan(values)
         if self.has_commas:
             is_right &= np.array(["," not in cell for cell in self.cells[name]], bool)
-        self._require(name, is_right, f"counts from {least}")
-        return values
+        return self._all_right(name, values, is_right, f"counts from {least}")
 
     def truths(self, name: str) -> Float:
         """A column of 0 and 1, (rows,), such as the success of episodes; see `numbers`.
@@ -111,10 +113,8 @@ class TextTable:
             SchemaError: A cell is something else, such as a probability.
         """
         values = self.numbers(name)
-        self._require(
-            name, np.isin(values, (0.0, 1.0)), f"is 0 or 1{', and not in percent' * bool((values > 1.0).any())}"
-        )
-        return values
+        what = f"is 0 or 1{', and not in percent' * bool((values > 1.0).any())}"
+        return self._all_right(name, values, np.isin(values, (0.0, 1.0)), what)
 
     def part(self, rows: Iterable[int]) -> "TextTable":
         """Some of its rows."""
@@ -122,10 +122,10 @@ class TextTable:
         cells = {name: [of[row] for row in rows] for name, of in self.cells.items()}
         return replace(self, cells=cells, lines=[self.lines[row] for row in rows])
 
-    def _require(self, name: str, is_right: Mask, what: str) -> None:
-        if not is_right.all():
-            row = int(np.argmin(is_right))
-            raise self.refused(row, f"column '{name}' {what}, and holds {shortened(self.cells[name][row], 40)}")
+    def _all_right(self, name: str, values: Float, is_right: Mask, what: str) -> Float:
+        for row in np.flatnonzero(~is_right):
+            raise self.refused(int(row), f"column '{name}' {what}, and holds {shortened(self.cells[name][row], 40)}")
+        return values
 
     def refused(self, row: int, why: str) -> SchemaError:
         """The error that names a row's line."""
@@ -149,10 +149,7 @@ def text_of(data: bytes, *, is_whole: bool) -> str:
             raise SchemaError(f"it unpacks to more than {MOST_BYTES:,} bytes, or to several files")
         if not packed.eof:  # the last row is not known to be whole
             is_whole, data = False, data.rstrip(b"\r\n")
-    code = "utf-16" if data.startswith(WIDE) else "utf-8-sig"
-    if not is_whole:
-        return data.decode(code, "ignore")
-    return data.decode(code)
+    return data.decode("utf-16" if data.startswith(WIDE) else "utf-8-sig", "strict" if is_whole else "ignore")
 
 
 def read_text(path: Path) -> str:
@@ -196,41 +193,37 @@ def parse_table(path: Path, text: str, names: Sequence[str] = ()) -> TextTable:
     """
     if text.lstrip()[:1] in ("{", "["):
         return _of_objects(path, text)
-    comments: list[tuple[int, str]] = []
+    comments, text = COMMENT.findall(text), COMMENT.sub("", text)  # a blank line stays: the others keep their numbers
     is_quoted = text.startswith('"')  # the program puts every cell in quotes, and ends the last line with nothing
-    lines, begin = _lines(text, comments), list[str]()
-    for first in lines:
-        begin.append(first)
-        if first.strip():
-            break
-    separator = max(",;\t", key=begin[-1].count) if begin else ","
-    rows = _rows(path, chain(begin, lines), separator, strict=is_quoted)
+    begin = re.search(r"\S.*", text)
+    separator = max(",;\t", key=begin[0].count) if begin else ","
     is_open = not is_quoted and text and not text.endswith(("\n", "\r"))
     open_end = sum(1 for _ in io.StringIO(text, newline="")) if is_open else 0
-    line = 0
-    if not names:
-        line, head = next(rows, (0, []))
-        names = [name.strip() for name in head]
-    known = tuple(names)
-    if not known or line == open_end > 0 or len(set(known)) < len(known):
-        raise SchemaError(f"{path} has no header, a header that is cut off, or names a column twice in it")
+    known, numbers, cut = tuple(names), list[int](), 0
     columns: list[list[str]] = [[] for _ in known]
-    numbers: list[int] = []
-    cut = 0
-    for line, row in rows:
-        if line == open_end:
-            cut = line
-            break
-        if len(row) != len(known):
-            raise SchemaError(f"{path}, line {line}: it has {len(row)} cells, and there are {len(known)} columns")
-        if row[0].strip() == known[0] and tuple(cell.strip() for cell in row) == known:
-            continue  # somebody has gone on with the file
-        numbers.append(line)
-        for column, cell in zip(columns, row, strict=True):
-            column.append(cell)
+    reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator, strict=is_quoted, skipinitialspace=True)
+    try:
+        for row in reader:
+            line = reader.line_num
+            if len(row) < 2 and not any(cell.strip() for cell in row):
+                continue
+            if line == open_end:
+                cut = line
+            elif not known:
+                known = tuple(name.strip() for name in row)
+                columns = [[] for _ in known]
+            elif len(row) != len(known):
+                raise SchemaError(f"{path}, line {line}: it has {len(row)} cells, and there are {len(known)} columns")
+            elif row[0].strip() != known[0] or tuple(cell.strip() for cell in row) != known:  # else it was gone on with
+                numbers.append(line)
+                for column, cell in zip(columns, row, strict=True):
+                    column.append(cell)
+    except csv.Error as error:
+        raise SchemaError(f"{path}, line {reader.line_num}: {error}") from error
+    if len({*known}) < max(len(known), 1):
+        raise SchemaError(f"{path} has no header, a header that is cut off, or names a column twice in it")
     has_commas = separator == ";" and any(re.fullmatch(r"\s*-?\d+,\d+\s*", cell) for of in columns for cell in of)
-    cells = dict(zip(known, columns, strict=True))
-    return TextTable(path, known, cells, numbers, tuple(comments), cut, has_commas)
+    return TextTable(path, known, dict(zip(known, columns, strict=True)), numbers, comments, cut, has_commas)
 
 
 def require_columns(path: Path, names: Sequence[str], *wanted: str) -> None:
@@ -246,8 +239,7 @@ def require_columns(path: Path, names: Sequence[str], *wanted: str) -> None:
 
 
 def _of_objects(path: Path, text: str) -> TextTable:
-    rows: list[dict[str, str]] = []
-    lines, cut = list[int](), 0
+    rows, lines, cut = list[dict[str, str]](), list[int](), 0
     parts = [text] if text.lstrip().startswith("[") else text.splitlines(keepends=True)
     for line, part in enumerate(parts, 1):
         try:
@@ -262,7 +254,7 @@ def _of_objects(path: Path, text: str) -> TextTable:
                 raise SchemaError(f"{path}, line {line}: it is no object of JSON")
             rows.append(dict(_flat(it)))
             lines.append(line)
-    names = tuple(dict.fromkeys(name for row in rows for name in row))
+    names = tuple(dict.fromkeys(chain(*rows)))
     return TextTable(path, names, {name: [row.get(name, "") for row in rows] for name in names}, lines, cut=cut)
 
 
@@ -274,29 +266,7 @@ def _flat(of: Any, before: str = "") -> Iterator[tuple[str, str]]:
             yield f"{before}{name}", "" if value is None else str(value)
 
 
-def _rows(path: Path, lines: Iterator[str], separator: str, *, strict: bool) -> Iterator[tuple[int, list[str]]]:
-    """Rows and the lines on which they end; a blank one is none."""
-    reader = csv.reader(lines, delimiter=separator, strict=strict, skipinitialspace=True)
-    try:
-        for row in reader:
-            if len(row) > 1 or any(cell.strip() for cell in row):
-                yield reader.line_num, row
-    except csv.Error as error:
-        raise SchemaError(f"{path}, line {reader.line_num}: {error}") from error
-
-
-def _lines(text: str, comments: list[tuple[int, str]]) -> Iterator[str]:
-    """All lines. One of JSON behind # is put among the comments, and is blank here: the others keep their numbers."""
-    for number, line in enumerate(io.StringIO(text, newline=""), 1):
-        is_comment = line.startswith("#") and (line[1:].lstrip().startswith("{"))
-        if is_comment:
-            comments.append((number, line.strip()))
-        yield "\n" if is_comment else line
-
-
 def _number(cell: str) -> float:
-    text = cell.strip()
-    try:
-        return math.nan if "_" in text else float(text)
-    except ValueError:
-        return TRUTH.get(text.lower(), math.nan)
+    with suppress(ValueError):
+        return math.nan if "_" in cell else float(cell)
+    return TRUTH.get(cell.strip().lower(), math.nan)

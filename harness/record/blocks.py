@@ -13,14 +13,13 @@ from typing import Annotated, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, TypeAdapter, with_config
-from typing_extensions import TypedDict
+from pydantic import Field, with_config
 
 from harness.arrays import Float
 from harness.errors import SchemaError
 from harness.files.bounded import read_json, reading
 from harness.files.whole_file import whole_files
-from harness.record.file_forms import EXACT, Count, Name, Whole, require_form
+from harness.record.file_forms import EXACT, Name, Number, Whole, read_form, told_as
 
 BLOCKS = "blocks.json"
 """In a partial folder: what the training's episodes came to so far."""
@@ -53,6 +52,11 @@ class Block:
     behaviour_spread: float
 
 
+Counts = Annotated[NDArray[np.int64], told_as(Annotated[list[Whole], Field(max_length=MOST)], np.int64)]
+Numbers = Annotated[Float, told_as(Annotated[list[list[Number | None]], Field(max_length=MOST)], np.float64)]
+
+
+@with_config(EXACT)
 @dataclass(frozen=True, eq=False)
 class Blocks:
     """The blocks of a training. The numbers of an episode are its pay, its behaviour, and what each term paid.
@@ -65,11 +69,11 @@ class Blocks:
         squares: Sums of squared distances from the mean, (blocks, numbers).
     """
 
-    terms: tuple[str, ...]
-    steps: NDArray[np.int64]
-    episodes: NDArray[np.int64]
-    means: Float
-    squares: Float
+    terms: Annotated[tuple[Name, ...], Field(max_length=1_000)]
+    steps: Counts
+    episodes: Counts
+    means: Numbers
+    squares: Numbers
 
     @classmethod
     def none(cls, terms: Sequence[str] = ()) -> Self:
@@ -111,52 +115,25 @@ class Blocks:
     @property
     def listed(self) -> tuple[Block, ...]:
         """Each one, without the terms."""
-        free = np.where(self.episodes > 1, self.episodes - 1, 1)[:, None]
-        spreads = np.where(self.episodes[:, None] > 1, np.sqrt(self.squares / free), math.nan)
-        return tuple(
-            Block(steps, episodes, mean[PAY], spread[PAY], mean[BEHAVIOUR], spread[BEHAVIOUR])
-            for steps, episodes, mean, spread in zip(
-                self.steps.tolist(), self.episodes.tolist(), self.means.tolist(), spreads.tolist(), strict=True
-            )
-        )
+        spreads = np.sqrt(self.squares / np.where(self.episodes > 1, self.episodes - 1, np.nan)[:, None])
+        numbers = (of[:, place] for place in (PAY, BEHAVIOUR) for of in (self.means, spreads))
+        return tuple(map(Block, *(it.tolist() for it in (self.steps, self.episodes, *numbers))))
 
     def write(self, folder: Path) -> None:
         """Write them down for who looks from another process; they need not survive a machine that stops."""
-        rows = np.column_stack([self.means, self.squares])
-        told = {
-            "terms": self.terms,
-            "steps": self.steps.tolist(),
-            "episodes": self.episodes.tolist(),
-            "numbers": [[None if math.isnan(number) else number for number in row] for row in rows.tolist()],
-        }
+        arrays = {name: it for name, it in vars(self).items() if name != "terms"}
+        told = {name: np.where(np.isnan(it), np.array(None), it).tolist() for name, it in arrays.items()}
         with whole_files(folder, [BLOCKS], is_lasting=False) as (partial,):
-            partial.write_text(json.dumps(told))
+            partial.write_text(json.dumps({"terms": self.terms, **told}))
 
 
 def read_blocks(folder: Path) -> Blocks | None:
     """What `Blocks.write` wrote last; None before that, and where it cannot be read: nothing depends on it."""
     try:
         with reading(folder / BLOCKS, "account of a training"):
-            told = read_json(folder / BLOCKS)
-            require_form(FORM, told)
-            numbers = 2 * (OWN + len(told["terms"]))
-            rows = np.array(told["numbers"], np.float64).reshape(-1, numbers)
-            steps, episodes = (np.array(told[name], np.int64) for name in ("steps", "episodes"))
-            means, squares = np.hsplit(rows, 2)
-            is_whole = len(steps) == len(episodes) == len(rows)
-            return Blocks(tuple(told["terms"]), steps, episodes, means, squares) if is_whole else None
+            blocks = read_form(Blocks, read_json(folder / BLOCKS))
+            shape = len(blocks.steps), OWN + len(blocks.terms)
+            is_whole = blocks.means.shape == blocks.squares.shape == shape and blocks.episodes.shape == shape[:1]
+            return blocks if is_whole and blocks.episodes.all() else None
     except SchemaError:
         return None
-
-
-@with_config(EXACT)
-class BlocksForm(TypedDict):
-    """See `Blocks`."""
-
-    terms: Annotated[list[Name], Field(max_length=1_000)]
-    steps: Annotated[list[Whole], Field(max_length=MOST)]
-    episodes: Annotated[list[Count], Field(max_length=MOST)]
-    numbers: Annotated[list[list[Annotated[float, Field(allow_inf_nan=False)] | None]], Field(max_length=MOST)]
-
-
-FORM: TypeAdapter[BlocksForm] = TypeAdapter(BlocksForm)

@@ -4,10 +4,13 @@ import hashlib
 import json
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
+
+from pydantic import Field, StringConstraints, with_config
 
 from harness.eta.manner import OWN_AND_OTHER, Manner
 from harness.files.plain import Plain
+from harness.record.file_forms import EXACT, Chosen, Count, Name, Whole
 from harness.registry.choice import Choice
 
 
@@ -29,7 +32,10 @@ DISCOUNT = "gamma"
 LATER = {"evaluate_every": 0, "deterministic": True, "evaluation_horizon": EVALUATION_HORIZON, "records": []}
 """Fields that the first version did not have. At these values they are left out, and ids stay what they were."""
 
+Kept = Annotated[str, StringConstraints(pattern="^qvel$")]
 
+
+@with_config(EXACT)
 @dataclass(frozen=True)
 class Cell(Plain):
     """One training run, to be done or done.
@@ -52,18 +58,18 @@ class Cell(Plain):
             experiment reads it. It changes nothing of the training, and cells that differ in it alone are the same.
     """
 
-    simulator: Choice
-    robot: str
-    task: Choice
-    algorithm: Choice
-    reward: Choice
-    seed: int
-    steps: int
-    evaluation_episodes: int
-    evaluate_every: int = 0
+    simulator: Chosen
+    robot: Name
+    task: Chosen
+    algorithm: Chosen
+    reward: Chosen
+    seed: Whole
+    steps: Count
+    evaluation_episodes: Count
+    evaluate_every: Whole = 0
     deterministic: bool = True
-    evaluation_horizon: int = EVALUATION_HORIZON
-    records: tuple[str, ...] = field(default=(), compare=False)
+    evaluation_horizon: Count = EVALUATION_HORIZON
+    records: Annotated[tuple[Kept, ...], Field(max_length=1)] = field(default=(), compare=False)
 
     @cached_property
     def id(self) -> str:

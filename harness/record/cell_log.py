@@ -1,22 +1,20 @@
 """The traces that cells of an arm leave, as logs with the names that all logs share."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pyarrow.parquet as pq
 
 from harness.log import Log, LogFacts
-from harness.log.log import RECORDED, REWARD, Columns
+from harness.log.log import RECORDED, REWARD, START, TIME, Columns
 from harness.record.cell import Cell
 from harness.record.folder import MANIFEST, RANDOM, SUFFIX, TRACE
 from harness.record.manifest import read_manifest
 from harness.record.returns import EVENTS
-from harness.record.trace import COLUMN, FORMAT_KEY, SCALARS, TERM, TraceWriter, part_of, read_parts, read_trace
+from harness.record.trace import COLUMN, FORMAT_KEY, SCALARS, TERM, TraceWriter, read_trace
 
 EXAMPLE_DOF = 2
 APART = f"Events are paid on top of the reward, in the columns {', '.join(EVENTS)}"
@@ -24,15 +22,15 @@ APART = f"Events are paid on top of the reward, in the columns {', '.join(EVENTS
 
 @dataclass(frozen=True)
 class CellLog:
-    """A trace of a cell, ``trace.parquet`` or one of its evaluations, or the finished parts of one under way.
+    """A trace of a cell, ``trace.parquet`` or one of its evaluations.
 
     ``reward/LABEL`` and ``reward/LABEL/TERM`` are what the cell's own reward paid, without the events, which stand in
     columns of their own. All other columns have the names of `harness.record.trace`.
     """
 
     def recognises(self, path: Path, head: bytes) -> bool:
-        """A Parquet file that says that it is a trace; of several parts the first one stands for all."""
-        if head.startswith(b"PAR1") and (path.suffix == SUFFIX or _is_first_part(path)):
+        """A Parquet file that says that it is a trace."""
+        if head.startswith(b"PAR1") and path.suffix == SUFFIX:
             with suppress(Exception):  # whatever a damaged file does to its reader
                 return FORMAT_KEY in (pq.read_schema(path).metadata or {})
         return False
@@ -45,9 +43,10 @@ class CellLog:
     def write_example(self, folder: Path) -> Path:
         """Two episodes of two steps, each with its start row."""
         rows = np.zeros((6, len(SCALARS) + 2 * EXAMPLE_DOF))
-        rows[:, COLUMN["episode"]], rows[:, COLUMN["step"]] = np.repeat([0, 1], 3), np.tile([0, 1, 2], 2)
-        rows[:, COLUMN["distance"]], rows[:, COLUMN["begin_distance"]] = np.tile([0.5, 0.4, 0.2], 2), 0.5
-        rows[:, COLUMN["reward"]], rows[[2, 5], COLUMN["truncated"]] = np.tile([0.0, 0.25, 0.5], 2), 1.0
+        names = ("episode", "step", "begin_distance", "distance", "reward", "truncated")
+        for episode in (0, 1):
+            told = ((episode, 0, 0.5, 0.5, 0.0, 0), (episode, 1, 0.5, 0.4, 0.25, 0), (episode, 2, 0.5, 0.2, 0.5, 1))
+            rows[3 * episode : 3 * episode + 3, [COLUMN[name] for name in names]] = told
         with TraceWriter(folder / TRACE, EXAMPLE_DOF, EXAMPLE_DOF) as writer:
             writer.append(rows)
         return folder / TRACE
@@ -59,13 +58,19 @@ def cell_log(path: Path) -> Log:
     Raises:
         SchemaError: It is no trace that this version reads, or the manifest beside it is damaged.
     """
-    trace = read_parts(path.with_name(TRACE)) if _is_first_part(path) else read_trace(path)
-    cell = cell_of(path)
+    trace, cell = read_trace(path), cell_of(path)
     label = cell.reward.label if cell else RECORDED
     own = {name: name for name in trace.columns if name != "reward" and not name.startswith(TERM)}
     terms = {f"{REWARD}{label}/{name.removeprefix(TERM)}": name for name in trace.columns if name.startswith(TERM)}
-    names = {**own, "start": "step", "time": "step", f"{REWARD}{label}": "reward", **terms}
-    return Log(_facts(trace, path, cell), tuple(names), partial(_tables, trace, names), {**trace.known})
+    names = {**own, f"{REWARD}{label}": "reward", **terms}
+
+    def read(asked: tuple[str, ...]) -> Iterator[Columns]:
+        for table in trace.read(tuple(names[name] for name in asked)):
+            yield {name: table[names[name]] for name in asked}
+
+    log = Log(_facts(trace, path, cell), tuple(names), read, {**trace.known})
+    is_step = log["step"] > 0
+    return log.add({START: ~is_step, TIME: np.cumsum(is_step)})
 
 
 def cell_of(path: Path) -> Cell | None:
@@ -73,28 +78,16 @@ def cell_of(path: Path) -> Cell | None:
     return read_manifest(path.parent).cell if path.with_name(MANIFEST).is_file() else None
 
 
-def _is_first_part(path: Path) -> bool:
-    return path.name == part_of(Path(TRACE), 0).name
-
-
 def _facts(trace: Log, path: Path, cell: Cell | None) -> LogFacts:
-    told: dict[str, Any] = {}
-    if _is_first_part(path):
-        under_way = f"{path.parent} is still trained, or was cut off: its rows up to the last checkpoint"
-        told["notes"] = (*trace.facts.notes, under_way)
-    if cell is not None:
-        told |= {"env": cell.task.label, "algorithm": cell.algorithm.label, "seed": cell.seed}
-        told |= {"trained_with": cell.reward.label, "evaluation": path.name != TRACE}
-        told["asked"] = cell.steps if path.name == TRACE else 0
-    if path.name == RANDOM:
-        told |= {"algorithm": "random actions", "trained_with": ""}
-    return replace(trace.facts, **told)
-
-
-def _tables(trace: Log, names: Mapping[str, str], asked: tuple[str, ...]) -> Iterator[Columns]:
-    taken = 0
-    for table in trace.read(tuple(dict.fromkeys(["step", *(names[name] for name in asked)]))):
-        is_step = table["step"] > 0
-        made = {"start": ~is_step, "time": taken + np.cumsum(is_step)}
-        yield {name: made[name] if name in made else table[names[name]] for name in asked}
-        taken += int(is_step.sum())
+    if cell is None:
+        return trace.facts
+    is_training, is_random = path.name == TRACE, path.name == RANDOM
+    return replace(
+        trace.facts,
+        env=cell.task.label,
+        algorithm="random actions" if is_random else cell.algorithm.label,
+        seed=cell.seed,
+        trained_with="" if is_random else cell.reward.label,
+        evaluation=not is_training,
+        asked=cell.steps if is_training else 0,
+    )

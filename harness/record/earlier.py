@@ -12,17 +12,6 @@ ALGORITHMS: Mapping[str, str] = MappingProxyType({"sac": "sb3-sac"})
 """The present name of each algorithm whose name in cells of 0.2 means another one now."""
 
 
-def whole_plan(data: dict[str, Any], experiment: Mapping[str, Any]) -> dict[str, Any]:
-    """What ``plan.json`` says. That of 0.1 has no experiment, which stands beside it; the others came later.
-
-    Args:
-        data: What the file holds.
-        experiment: What the file ``experiment.toml`` beside it holds.
-    """
-    told = data if data.get("experiment", {}) != {} else {**data, "experiment": experiment}
-    return {"control": [], "terms": {}, **told}
-
-
 def whole_manifest(data: dict[str, Any], folder: Path) -> dict[str, Any]:
     """What a ``manifest.json`` of 0.1 says. It names no digests: the files count that are there and can be read.
 

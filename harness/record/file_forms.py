@@ -3,16 +3,30 @@
 A folder may come from anybody. A file of another form is damaged; no value of a wrong type gets further than here.
 """
 
+import json
+from collections.abc import Callable, Mapping
 from datetime import datetime
-from itertools import pairwise
-from typing import Annotated, Any, Literal, NotRequired
+from functools import cache
+from typing import Annotated, Any, Literal, TypeVar
 
-import tomli_w
-from pydantic import AfterValidator, ConfigDict, Field, StringConstraints, TypeAdapter, ValidationError, with_config
+from pydantic import (
+    AfterValidator,
+    ConfigDict,
+    Field,
+    GetPydanticSchema,
+    StringConstraints,
+    TypeAdapter,
+    ValidationError,
+    with_config,
+)
+from pydantic_core.core_schema import no_info_after_validator_function
 from typing_extensions import TypedDict
 
 from harness.files.names import is_inside, twins
-from harness.registry.toml_file import MOST_DEPTH, depth_of
+from harness.registry.choice import Choice
+
+T = TypeVar("T")
+_adapter: Callable[[Any], TypeAdapter[Any]] = cache(TypeAdapter)
 
 MOST_CELLS = 100_000
 """The most cells of a plan. All are in memory, and each leaves a folder."""
@@ -30,23 +44,7 @@ def _inside(path: str) -> str:
     return path
 
 
-def _increasing(looks: list[int]) -> list[int]:
-    if any(b <= a for a, b in pairwise(looks)):
-        raise ValueError("does not increase")
-    return looks
-
-
-def _writable(experiment: dict[str, Any]) -> dict[str, Any]:
-    if depth_of(experiment) > MOST_DEPTH:
-        raise ValueError(f"is nested more than {MOST_DEPTH} deep")
-    try:
-        tomli_w.dumps(experiment).encode()
-    except (TypeError, ValueError):  # null, or half a character
-        raise ValueError("holds a value that no experiment file has") from None
-    return experiment
-
-
-def _distinct(files: dict[str, str]) -> dict[str, str]:
+def _distinct(files: Mapping[str, str]) -> Mapping[str, str]:
     if alike := twins(files):
         raise ValueError(f"{alike[0]} is named twice, in other letters")
     return files
@@ -65,12 +63,13 @@ FilePath = Annotated[str, StringConstraints(max_length=1_000), AfterValidator(_i
 """In the folder that names it, or below."""
 Count = Annotated[int, Field(gt=0, lt=2**53)]
 Whole = Annotated[int, Field(ge=0, lt=2**63)]
+Number = Annotated[float, Field(allow_inf_nan=False)]
 LONGEST = 1e10
 """The most seconds that work may have taken, [s]: 300 years."""
 Seconds = Annotated[float, Field(ge=0, le=LONGEST, allow_inf_nan=False)]
 Moment = Annotated[str, StringConstraints(max_length=100), AfterValidator(_moment)]
 """ISO 8601 with a time zone; empty where nothing was begun."""
-Plain = Annotated[str, StringConstraints(max_length=10_000)] | bool | int | Annotated[float, Field(allow_inf_nan=False)]
+Plain = Annotated[str, StringConstraints(max_length=10_000)] | bool | int | Number
 Listed = Plain | None | Annotated[list[Plain | None], Field(max_length=10_000)]
 Value = Listed | Annotated[list[Listed], Field(max_length=10_000)]
 """The value of a parameter."""
@@ -89,22 +88,14 @@ class ChoiceForm(TypedDict):
     params: dict[Name, Value]
 
 
-@with_config(EXACT)
-class CellForm(TypedDict):
-    """See `harness.record.cell.Cell`."""
+def told_as(form: Any, make: Callable[[Any], Any]) -> GetPydanticSchema:
+    """Annotates a field that JSON tells in another form; `make` gets that, and returns what the field holds."""
+    return GetPydanticSchema(
+        lambda _, schema_of: no_info_after_validator_function(make, schema_of.generate_schema(form))
+    )
 
-    simulator: ChoiceForm
-    robot: Name
-    task: ChoiceForm
-    algorithm: ChoiceForm
-    reward: ChoiceForm
-    seed: Whole
-    steps: Count
-    evaluation_episodes: Count
-    evaluate_every: NotRequired[Whole]
-    deterministic: NotRequired[bool]
-    evaluation_horizon: NotRequired[Count]
-    records: NotRequired[Annotated[list[Literal["qvel"]], Field(max_length=1)]]
+
+Chosen = Annotated[Choice, told_as(ChoiceForm, Choice.from_json)]
 
 
 @with_config(OPEN)
@@ -129,75 +120,20 @@ class EnvironmentForm(TypedDict, total=False):
     sources: dict[Name, Line]
 
 
-@with_config(EXACT)
-class EndingForm(TypedDict):
-    """See `harness.record.manifest.Ending`."""
-
-    format: Literal[1, 2]
-    status: Status
-    reason: Line
-    started: Moment
-    seconds: Seconds
-    environment: EnvironmentForm
-    files: Annotated[dict[FilePath, Digest], Field(max_length=MOST_FILES), AfterValidator(_distinct)]
+Environment = Annotated[Mapping[str, Any], told_as(EnvironmentForm, dict)]
+Digests = Annotated[Mapping[FilePath, Digest], Field(max_length=MOST_FILES), AfterValidator(_distinct)]
 
 
-@with_config(EXACT)
-class ManifestForm(EndingForm):
-    """See `harness.record.manifest.Manifest`."""
-
-    id: Name
-    cell: CellForm
-    training_seconds: Seconds
-    resumed_from: NotRequired[Whole]
-    note: NotRequired[Line]
-    peak_memory: NotRequired[Whole]
-    error: NotRequired[Line]
-    unit: NotRequired[Line]
-
-
-@with_config(OPEN)
-class TermsForm(TypedDict, total=False):
-    """See `harness.record.terms.Terms`."""
-
-    looks: Annotated[
-        list[Annotated[int, Field(gt=0, le=MOST_SEEDS)]], Field(max_length=MOST_LOOKS), AfterValidator(_increasing)
-    ]
-    asked: Count
-    margin: Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
-    race: bool
-    averaged: Count
-    grown: Annotated[list[Whole], Field(max_length=MOST_LOOKS)]
-    joined: Annotated[list[Name], Field(max_length=MOST_CELLS)]
-
-
-@with_config(EXACT)
-class PlanForm(TypedDict):
-    """See `harness.record.plan_file.StoredPlan`."""
-
-    format: NotRequired[Literal[1, 2]]
-    baseline: Name
-    a_a: bool
-    control: NotRequired[list[Annotated[list[Whole], Field(min_length=2, max_length=2)]]]
-    cells: Annotated[list[CellForm], Field(max_length=MOST_CELLS)]
-    experiment: NotRequired[Annotated[dict[Name, Any], AfterValidator(_writable)]]
-    experiment_digest: NotRequired[Digest]
-    terms: NotRequired[TermsForm]
-
-
-MANIFEST: TypeAdapter[ManifestForm] = TypeAdapter(ManifestForm)
-PLAN: TypeAdapter[PlanForm] = TypeAdapter(PlanForm)
-
-
-def require_form(form: TypeAdapter[Any], data: Any) -> None:
-    """See whether parsed JSON has a form.
+def read_form(kind: type[T], data: Any) -> T:
+    """What parsed JSON tells, as a value of a type whose annotations say what may stand in each field.
 
     Raises:
-        ValueError: It has not; the message names the first key that is wrong.
+        ValueError: It has another form; the message names the first key that is wrong.
     """
     try:
-        form.validate_python(data)
+        told: T = _adapter(kind).validate_json(json.dumps(data))
     except ValidationError as error:
         first = error.errors(include_url=False, include_input=False)[0]
         where = ".".join(str(part) for part in first["loc"]) or "the file"
         raise ValueError(f"{where}: {first['msg']}") from None
+    return told

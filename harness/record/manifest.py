@@ -3,16 +3,14 @@
 And whether the folder, of a cell or of an evaluation elsewhere, still is what was left there.
 """
 
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path, PurePosixPath
 from typing import Any, ClassVar, Self, TypeVar
 
-from pydantic import TypeAdapter
+from pydantic import with_config
 
-import harness.record.file_forms as forms
-from harness.errors import NewerFormat, SchemaError
+from harness.errors import SchemaError
 from harness.files.bounded import digest_of, reading
 from harness.files.plain import Plain
 from harness.files.sealed import read_sealed, seal
@@ -20,7 +18,7 @@ from harness.files.sums import SUMS
 from harness.files.whole_file import files_in, is_partial, write_whole
 from harness.record.cell import Cell
 from harness.record.earlier import whole_manifest
-from harness.record.file_forms import Status, require_form
+from harness.record.file_forms import EXACT, Digests, Environment, Line, Moment, Seconds, Status, Whole, read_form
 from harness.record.folder import EVALUATIONS, LOG, MANIFEST, POLICY, SCORES, TENSORBOARD, digests_in
 
 SEALED_SINCE = 2
@@ -29,7 +27,7 @@ SHOWN_DIGITS = 8
 """The digits of a hash of sources, where people read it."""
 OF_A_GOAL = ("error", "unit")
 """Left out of the file where the task has none: it is as it was before there were any."""
-Told = TypeVar("Told")
+Record = TypeVar("Record", bound="Ending")
 REMEDY = "run again to replace it"
 NO_RECORDINGS = (".", EVALUATIONS, POLICY)
 """Folders of a cell, its own included, whose files are no recording."""
@@ -37,6 +35,7 @@ PAID_LATER = "scores"
 """What the names of files begin with that `harness score` adds to a cell."""
 
 
+@with_config(EXACT)
 @dataclass(frozen=True, kw_only=True)
 class Ending(Plain):
     """How the work for one folder ended.
@@ -53,11 +52,11 @@ class Ending(Plain):
     """
 
     status: Status
-    reason: str = ""
-    started: str = ""
-    seconds: float = 0.0
-    environment: Mapping[str, Any] = field(default_factory=dict)
-    files: Mapping[str, str] = field(default_factory=dict)
+    reason: Line = ""
+    started: Moment = ""
+    seconds: Seconds = 0.0
+    environment: Environment = field(default_factory=dict)
+    files: Digests = field(default_factory=dict)
 
     FORMAT: ClassVar[int]
 
@@ -72,6 +71,7 @@ class Ending(Plain):
         return record
 
 
+@with_config(EXACT)
 @dataclass(frozen=True)
 class Manifest(Ending):
     """The record of one cell.
@@ -90,12 +90,12 @@ class Manifest(Ending):
     """
 
     cell: Cell
-    training_seconds: float = 0.0
-    resumed_from: int = 0
-    note: str = ""
-    peak_memory: int = 0
-    error: str = ""
-    unit: str = ""
+    training_seconds: Seconds = 0.0
+    resumed_from: Whole = 0
+    note: Line = ""
+    peak_memory: Whole = 0
+    error: Line = ""
+    unit: Line = ""
 
     FORMAT: ClassVar[int] = 2
 
@@ -111,39 +111,29 @@ def read_manifest(folder: Path) -> Manifest:
     Raises:
         SchemaError: It is damaged or written by a newer version.
     """
-    return read_record(folder, Manifest.FORMAT, "manifest", forms.MANIFEST, _from_json)
+    return read_record(folder, Manifest, "manifest")
 
 
-def _from_json(data: dict[str, Any]) -> Manifest:
-    manifest = Manifest.from_json(data)
-    if data["id"] != manifest.cell.id:
-        raise ValueError(f"its cell is {manifest.cell.id}, not {data['id']}")
-    return manifest
-
-
-def read_record(
-    folder: Path, newest: int, noun: str, form: TypeAdapter[Any], read: Callable[[dict[str, Any]], Told]
-) -> Told:
-    """What `read` makes of the ``manifest.json`` in `folder`.
+def read_record(folder: Path, kind: type[Record], noun: str) -> Record:
+    """What the ``manifest.json`` in `folder` tells.
 
     Args:
         folder: Of a cell, or one that a command added.
-        newest: The newest format that can be read.
+        kind: Of the record. The annotations of its fields say what may stand in the file.
         noun: What the file should be, for the message if it is not.
-        form: What its keys and values have to be.
-        read: Gets the file's keys, the format left out.
 
     Raises:
         SchemaError: The file is damaged, or written by a newer version.
     """
     path = folder / MANIFEST
-    data = read_sealed(path, noun, newest, SEALED_SINCE)
+    data = read_sealed(path, noun, kind.FORMAT, SEALED_SINCE)
     with reading(path, noun):
         if "files" not in data and data.get("format", 1) < SEALED_SINCE:
             data = whole_manifest(data, folder)
-        require_form(form, data)
-        del data["format"]
-        return read(data)
+        if not {"format", "files"} <= data.keys():
+            raise ValueError("it tells no format, or no digests of files")
+        told = {name: it for name, it in data.items() if name not in ("format", "id")}
+        return read_form(kind, told)
 
 
 def now() -> str:
@@ -155,22 +145,6 @@ def write_log(path: Path, text: str) -> None:
     """Append a line with the time, UTC."""
     with path.open("a", encoding="utf-8") as log:
         log.write(f"{now()} harness: {text}\n")
-
-
-def examine(folder: Path, cell: Cell) -> Manifest:
-    """What there is to say of a cell: its manifest, if every file is what the cell left; else damaged, or pending.
-
-    Raises:
-        NewerFormat: A newer version made the cell.
-    """
-    if not folder.is_symlink() and not folder.exists():
-        return Manifest(cell, status="pending", reason="not run yet")
-    try:
-        return whole_cell(folder)
-    except NewerFormat:
-        raise
-    except SchemaError as error:
-        return Manifest(cell, status="damaged", reason=f"{error}; {REMEDY}")
 
 
 def whole_cell(folder: Path) -> Manifest:

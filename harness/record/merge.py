@@ -5,6 +5,7 @@ import shutil
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass, field
+from itertools import product
 from pathlib import Path
 
 from harness.errors import NewerFormat, SchemaError, UsageError
@@ -96,20 +97,16 @@ def _choose(folders: Sequence[Path]) -> Merged:
 
 def _choose_cell(cell: Cell, stores: Iterable[Store], left_out: list[tuple[Path, str]]) -> Store | None:
     """The store whose cell is taken; None if the cell has not ended anywhere."""
-    found: dict[Status, list[tuple[Store, Manifest]]] = {}
-    for store in stores:
-        manifest = store.examine(cell)
-        found.setdefault(manifest.status, []).append((store, manifest))
-        if manifest.status == "damaged":
-            left_out.append((store.cell_folder(cell), manifest.reason))
-    done = [(store.folder, _digests_of_steps(manifest)) for store, manifest in found.get("done", [])]
+    found = [(store, store.examine(cell)) for store in stores]
+    left_out += [(store.cell_folder(cell), it.reason) for store, it in found if it.status == "damaged"]
+    done = [(store.folder, _digests_of_steps(it)) for store, it in found if it.status == "done"]
     for folder, digests in done:
         if digests != done[0][1]:
             raise UsageError(
                 f"Cell {cell.id} ({cell.title}) was trained in '{done[0][0]}' and in '{folder}', and the steps differ: "
                 "remove it from one of them, in the folder cells/, and merge again"
             )
-    return next((found[status][0][0] for status in RANKS if status in found), None)
+    return next((store for status in RANKS for store, it in found if it.status == status), None)
 
 
 def _digests_of_steps(manifest: Manifest) -> dict[str, str]:
@@ -124,9 +121,8 @@ def _digests_of_steps(manifest: Manifest) -> dict[str, str]:
 def _choose_added(cell: Cell, stores: Iterable[Store], added: Mapping[str, Owner], merged: Merged) -> None:
     """Take, of folders with the same name that commands added, the first that is done, else the first that failed."""
     ranks: dict[Path, int] = {}
-    for store in stores:
-        places = [(owner, it) for name, owner in added.items() for it in (store.folder / name / cell.id).glob("[!.]*")]
-        for owner, folder in sorted(places, key=lambda place: place[1]):
+    for store, (name, owner) in product(stores, added.items()):
+        for folder in sorted((store.folder / name / cell.id).glob("[!.]*")):
             try:
                 ending = owner.ending(folder)
                 require_files(folder, ending)
@@ -147,13 +143,13 @@ def _copy(source: Path, target: Path, may_share: bool, *, is_lasting: bool) -> N
         shutil.rmtree(partial)
     partial.mkdir(parents=True)
     for path in files_in(source):
+        copy = partial / path.relative_to(source)
         if path.is_symlink() or is_partial(path):
             continue
-        copy = partial / path.relative_to(source)
         copy.parent.mkdir(parents=True, exist_ok=True)
-        if may_share:
-            with suppress(OSError):  # of another file system, or one without such names
+        with suppress(OSError):  # of another file system, or one without such names
+            if may_share:
                 os.link(path, copy)
-                continue
-        shutil.copyfile(path, copy)
+        if not copy.exists():
+            shutil.copyfile(path, copy)
     publish(partial, target, is_lasting=is_lasting)

@@ -67,22 +67,16 @@ def storage_errors(folder: Path) -> Iterator[None]:
         yield
     except BrokenPipeError:
         raise  # who read what is printed is gone: nothing is wrong with the folder
-    except FileNotFoundError as error:
-        if folder.exists():
-            raise StorageError(_refused(folder, error)) from error
-        raise StorageError(
-            f"'{folder}' is gone: somebody removed or renamed it meanwhile. Put it back, or run the same command to "
-            "begin anew"
-        ) from error
     except OSError as error:
-        raise StorageError(_refused(folder, error)) from error
-
-
-def _refused(folder: Path, error: OSError) -> str:
-    return (
-        f"'{folder}' cannot be written: {error.strerror or error}. "
-        "What is done is kept. Solve that, then run the same command to go on"
-    )
+        if isinstance(error, FileNotFoundError) and not folder.exists():
+            raise StorageError(
+                f"'{folder}' is gone: somebody removed or renamed it meanwhile. Put it back, or run the same command "
+                "to begin anew"
+            ) from error
+        raise StorageError(
+            f"'{folder}' cannot be written: {error.strerror or error}. "
+            "What is done is kept. Solve that, then run the same command to go on"
+        ) from error
 
 
 def require_text(folder: Path, noun: str = "--out") -> None:

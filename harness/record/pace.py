@@ -63,15 +63,12 @@ def time_left(
         return None
     besides = [(kind_of(it.cell), it.besides, 1) for it in ended]
 
-    def whole(cell: Cell) -> float:
-        return cell.steps * _mean(measured or now, kind_of(cell), now) + _mean(besides, kind_of(cell))
-
     def rest(it: Begun) -> float:
         kind = kind_of(it.cell)
         per_step = _mean(measured, kind, now) if it.per_step is None else it.per_step
         return (it.cell.steps - it.steps) * per_step + max(_mean(besides, kind) - it.since, 0.0)
 
-    return makespan([rest(it) for it in begun], [whole(cell) for cell in waiting], at_once)
+    return makespan([rest(it) for it in begun], [rest(Begun(cell, 0, None)) for cell in waiting], at_once)
 
 
 def makespan(running: Iterable[float], waiting: Iterable[float], at_once: int) -> float:

@@ -4,9 +4,10 @@ import hashlib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Self
+from typing import Annotated, Any, Self
 
 import tomli_w
+from pydantic import AfterValidator, BeforeValidator, Field, with_config
 
 import harness.record.file_forms as forms
 from harness.errors import SchemaError, UsageError, one_line
@@ -14,9 +15,8 @@ from harness.files.bounded import digest_of, reading
 from harness.files.sealed import read_sealed, seal, unseal
 from harness.files.whole_file import write_whole
 from harness.record.cell import Cell
-from harness.record.earlier import whole_plan
 from harness.record.terms import FIRST, Terms
-from harness.registry.toml_file import read_toml
+from harness.registry.toml_file import MOST_DEPTH, depth_of, read_toml
 
 EXPERIMENT, PLAN = "experiment.toml", "plan.json"
 FORMAT = SEALED_SINCE = 2
@@ -27,6 +27,25 @@ LISTS = ("sim", "algo", "reward")
 """Keys of an experiment that hold names; each multiplies the cells, as ``seeds`` does."""
 
 
+BESIDE = ("format", "experiment_digest", "note")
+"""Keys of the file that tell nothing of the plan, or that only this program writes."""
+
+
+def _once(cells: tuple[Cell, ...]) -> tuple[Cell, ...]:
+    return tuple(dict.fromkeys(cells))
+
+
+def _writable(experiment: dict[str, Any]) -> dict[str, Any]:
+    if depth_of(experiment) > MOST_DEPTH:
+        raise ValueError(f"is nested more than {MOST_DEPTH} deep")
+    try:
+        tomli_w.dumps(experiment).encode()
+    except (TypeError, ValueError):  # null, or half a character
+        raise ValueError("holds a value that no experiment file has") from None
+    return experiment
+
+
+@with_config(forms.EXACT)
 @dataclass(frozen=True, eq=False)
 class StoredPlan:
     """What was asked for in an experiment's folder.
@@ -41,11 +60,11 @@ class StoredPlan:
         terms: What was agreed on before the first training.
     """
 
-    baseline: str
+    baseline: forms.Name
     a_a: bool
-    control: Mapping[int, int]
-    cells: tuple[Cell, ...]
-    experiment: Mapping[str, Any] = field(default_factory=dict)
+    control: Annotated[Mapping[forms.Whole, forms.Whole], BeforeValidator(dict)]
+    cells: Annotated[tuple[Cell, ...], Field(max_length=forms.MOST_CELLS), AfterValidator(_once)]
+    experiment: Annotated[Mapping[forms.Name, Any], AfterValidator(_writable)] = field(default_factory=dict)
     note: str = ""
     terms: Terms = FIRST
 
@@ -88,7 +107,7 @@ class StoredPlan:
             })  # fmt: skip
             if len(content) > PLAN_BYTES:
                 raise ValueError(f"it has {len(content):,} bytes, {PLAN_BYTES:,} are allowed")
-            forms.require_form(forms.PLAN, unseal(content))
+            _plan_of(unseal(content))
         except (ValueError, TypeError, RecursionError) as error:  # of what a stranger's plan, or a flag, told
             raise UsageError(
                 f"'{folder}' cannot hold what is asked for, nobody could read its {PLAN} again: {one_line(error)}"
@@ -111,13 +130,12 @@ def read_plan(folder: Path) -> StoredPlan:
     path = folder / PLAN
     data = _told_in(path)
     with reading(path, "plan"):
-        if data.get("experiment", {}) == {} or not {"control", "terms"} <= data.keys():
-            data = whole_plan(data, experiment_in(folder))
-        forms.require_form(forms.PLAN, data)
-        cells = tuple(dict.fromkeys(Cell.from_json(cell) for cell in data["cells"]))  # each counts once
-        control = {int(seed): int(other) for seed, other in data["control"]}
-        terms = Terms.from_json(data["terms"])
-        return StoredPlan(data["baseline"], data["a_a"], control, cells, data["experiment"], terms=terms)
+        return _plan_of(data if data.get("experiment", {}) != {} else {**data, "experiment": experiment_in(folder)})
+
+
+def _plan_of(data: dict[str, Any]) -> StoredPlan:
+    told = {name: it for name, it in data.items() if name not in BESIDE}
+    return forms.read_form(StoredPlan, {"control": [], **told})  # a plan of version 0.1 has none
 
 
 def _told_in(path: Path) -> dict[str, Any]:
@@ -179,14 +197,11 @@ def experiment_in(folder: Path) -> dict[str, Any]:
 
 def _label(given: Any, cells: Sequence[Cell]) -> str:
     """The label of the reward that an experiment file names, as `harness.registry.choice.Choice.to_json` wrote it."""
-    if not isinstance(given, dict):
-        return str(given)
-    params = {key: value for key, value in given.items() if key != "name"}
-    for cell in cells:
-        told = cell.reward.to_json()
-        if told["name"] == given.get("name") and {k: v for k, v in told["params"].items() if v is not None} == params:
-            return cell.reward.label
-    return str(given.get("name"))
+    for reward in (cell.reward for cell in cells):
+        params = reward.to_json()["params"].items()
+        if {"name": reward.name, **{key: value for key, value in params if value is not None}} == given:
+            return reward.label
+    return str(given["name"] if isinstance(given, dict) and "name" in given else given)
 
 
 def _seeds_of(experiment: Mapping[str, Any], cells: Sequence[Cell]) -> list[int]:

@@ -10,15 +10,14 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Annotated, Self
 
-from pydantic import Field, TypeAdapter
+from pydantic import Field
 
 from harness.errors import SchemaError
 from harness.files.bounded import read_json, reading
 from harness.files.whole_file import whole_files
+from harness.record.file_forms import Number, Seconds, Whole, read_form
 
 RUNNING = "running.json"
-
-Seconds = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
 
 @dataclass(frozen=True)
@@ -37,12 +36,12 @@ class Running:
     """
 
     started: Seconds
-    steps: Annotated[int, Field(ge=0)] = 0
+    steps: Whole = 0
     told: Seconds = 0.0
     success: Annotated[float, Field(ge=0, le=1)] | None = None
-    mean_return: Annotated[float, Field(allow_inf_nan=False)] | None = None
+    mean_return: Number | None = None
     track: Seconds = 0.0
-    tracked: Annotated[int, Field(ge=0)] = 0
+    tracked: Whole = 0
 
     def after(self, steps: int, now: float, success: float | None = None, mean_return: float | None = None) -> Self:
         """The same cell, when it has told its steps; success and return stay where they are None."""
@@ -53,9 +52,6 @@ class Running:
             success=self.success if success is None else success,
             mean_return=self.mean_return if mean_return is None else mean_return,
         )
-
-
-FORM: TypeAdapter[dict[str, Running]] = TypeAdapter(dict[str, Running])
 
 
 def write_running(folder: Path, running: Mapping[str, Running]) -> None:
@@ -75,7 +71,7 @@ def read_running(folder: Path) -> dict[str, Running]:
     if not path.exists():
         return {}
     with reading(path, "account of running cells"):
-        return FORM.validate_python(read_json(path))
+        return read_form(dict[str, Running], read_json(path))
 
 
 def read_left(folder: Path) -> dict[str, Running]:

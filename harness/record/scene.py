@@ -11,16 +11,16 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, StringConstraints, TypeAdapter, with_config
+from pydantic import Field, StringConstraints, with_config
 from typing_extensions import TypedDict
 
 from harness.arrays import Float
 from harness.files.bounded import read_json, reading
 from harness.files.whole_file import write_whole
-from harness.record.file_forms import EXACT, Name, require_form
+from harness.record.file_forms import EXACT, Name, read_form, told_as
 from harness.record.folder import SCENE
 
-FORMAT = 1
+FORMAT: Literal[1] = 1
 MOST_BYTES = 4 * 2**20
 """The most bytes of a file; one that we write has a tenth of it."""
 MOST_JOINTS, MOST_BODIES, MOST_TRIANGLES = 16, 1_000, 50_000
@@ -30,46 +30,28 @@ FULL = 32_767
 """Points are whole numbers up to it, in parts of the largest coordinate of their body."""
 
 Number = Annotated[float, Field(allow_inf_nan=False, ge=-1e6, le=1e6)]
-Numbers = Annotated[list[Number], Field(min_length=3, max_length=3)]
-Frame = Annotated[list[Number], Field(min_length=12, max_length=12)]
 Bytes = Annotated[str, StringConstraints(max_length=MOST_BYTES)]
 Colour = Annotated[str, StringConstraints(pattern="^#[0-9a-f]{6}$")]
 
 
-@with_config(EXACT)
-class JointForm(TypedDict):
-    """See `SceneJoint`."""
-
-    frame: Frame
-    axis: Numbers
-    slides: bool
+def _frame(numbers: list[float]) -> Float:
+    frame = np.reshape(numbers, (3, 4))
+    if not (np.abs(frame[:, :3] @ frame[:, :3].T - np.eye(3)) < ROUNDING).all():
+        raise ValueError("it is no rotation with a translation")
+    return frame
 
 
-@with_config(EXACT)
-class BodyForm(TypedDict):
-    """See `Body`."""
+def _axis(numbers: list[float]) -> Float:
+    if abs(np.linalg.norm(numbers) - 1.0) >= ROUNDING:
+        raise ValueError("it is no unit vector")
+    return np.array(numbers)
 
-    joint: Annotated[int, Field(ge=-1, lt=MOST_JOINTS)]
-    colour: Colour
-    scale: Annotated[float, Field(gt=0, le=1e3)]
-    points: Bytes
-    faces: Bytes
+
+Frame = Annotated[Float, told_as(Annotated[list[Number], Field(min_length=12, max_length=12)], _frame)]
+Axis = Annotated[Float, told_as(Annotated[list[Number], Field(min_length=3, max_length=3)], _axis)]
 
 
 @with_config(EXACT)
-class SceneForm(TypedDict):
-    """See `Scene`."""
-
-    format: Literal[1]
-    robot: Name
-    joints: Annotated[list[JointForm], Field(min_length=1, max_length=MOST_JOINTS)]
-    tip: Frame
-    bodies: Annotated[list[BodyForm], Field(max_length=MOST_BODIES)]
-
-
-FORM: TypeAdapter[SceneForm] = TypeAdapter(SceneForm)
-
-
 @dataclass(frozen=True, eq=False)
 class SceneJoint:
     """One joint that moves.
@@ -81,8 +63,8 @@ class SceneJoint:
         slides: Whether it slides along the axis, and does not turn about it.
     """
 
-    frame: Float
-    axis: Float
+    frame: Frame
+    axis: Axis
     slides: bool
 
 
@@ -110,6 +92,28 @@ class Body:
         return {"joint": self.joint, "colour": self.colour, "scale": scale, **packed}
 
 
+@with_config(EXACT)
+class BodyForm(TypedDict):
+    """See `Body`."""
+
+    joint: Annotated[int, Field(ge=-1)]
+    colour: Colour
+    scale: Annotated[float, Field(gt=0, le=1e3)]
+    points: Bytes
+    faces: Bytes
+
+
+def _body(told: BodyForm) -> Body:
+    points, faces = (
+        np.frombuffer(base64.b64decode(packed, validate=True), kind).reshape(-1, 3)
+        for packed, kind in ((told["points"], "<i2"), (told["faces"], "<u2"))
+    )
+    if faces.size and faces.max() >= len(points):
+        raise ValueError("it has triangles with corners that it does not have")
+    return Body(told["joint"], told["colour"], points * told["scale"], faces.astype(np.uint16))
+
+
+@with_config(EXACT)
 @dataclass(frozen=True, eq=False)
 class Scene:
     """An arm as it is drawn.
@@ -121,10 +125,11 @@ class Scene:
         bodies: All that is drawn.
     """
 
-    robot: str
-    joints: tuple[SceneJoint, ...]
-    tip: Float
-    bodies: tuple[Body, ...]
+    robot: Name
+    joints: Annotated[tuple[SceneJoint, ...], Field(min_length=1, max_length=MOST_JOINTS)]
+    tip: Frame
+    bodies: Annotated[tuple[Annotated[Body, told_as(BodyForm, _body)], ...], Field(max_length=MOST_BODIES)]
+    format: Literal[1] = FORMAT
 
     def to_json(self) -> dict[str, Any]:
         """Plain data; points are rounded to 1/32767 of the largest coordinate of their body."""
@@ -164,28 +169,10 @@ def scene_from_json(data: Any) -> Scene:
     Raises:
         ValueError: It is something else.
     """
-    require_form(FORM, data)
-    tip, *frames = (np.reshape(frame, (3, 4)) for frame in (data["tip"], *(it["frame"] for it in data["joints"])))
-    told = zip(frames, data["joints"], strict=True)
-    joints = tuple(SceneJoint(frame, np.array(it["axis"]), it["slides"]) for frame, it in told)
-    turns = np.array([tip, *frames])[:, :, :3]
-    if not (np.abs(turns @ turns.transpose(0, 2, 1) - np.eye(3)) < ROUNDING).all():
-        raise ValueError("a frame in it is no rotation with a translation")
-    if not all(abs(np.linalg.norm(joint.axis) - 1.0) < ROUNDING for joint in joints):
-        raise ValueError("an axis in it is no unit vector")
-    bodies = tuple(_body_from_json(body, len(joints)) for body in data["bodies"])
-    if sum(len(body.faces) for body in bodies) > MOST_TRIANGLES:
+    scene = read_form(Scene, data)
+    for body in scene.bodies:
+        if body.joint >= len(scene.joints):
+            raise ValueError(f"it has a body of joint {body.joint}, and {len(scene.joints)} joints")
+    if sum(len(body.faces) for body in scene.bodies) > MOST_TRIANGLES:
         raise ValueError(f"it has more than {MOST_TRIANGLES:,} triangles")
-    return Scene(data["robot"], joints, tip, bodies)
-
-
-def _body_from_json(data: dict[str, Any], joints: int) -> Body:
-    if data["joint"] >= joints:
-        raise ValueError(f"it has a body of joint {data['joint']}, and {joints} joints")
-    points, faces = (
-        np.frombuffer(base64.b64decode(data[name], validate=True), kind).reshape(-1, 3)
-        for name, kind in (("points", "<i2"), ("faces", "<u2"))
-    )
-    if faces.size and faces.max() >= len(points):
-        raise ValueError("it has triangles with corners that it does not have")
-    return Body(data["joint"], data["colour"], points * data["scale"], faces.astype(np.uint16))
+    return scene

@@ -25,7 +25,7 @@ from harness.files.whole_file import is_partial
 from harness.record.cell import Cell
 from harness.record.file_forms import Status
 from harness.record.folder import CHECKPOINT, LOG, MANIFEST, RANDOM, partial_folder, publish, recording_of
-from harness.record.manifest import Manifest, examine, is_named, now, read_manifest
+from harness.record.manifest import REMEDY, Manifest, is_named, now, read_manifest, whole_cell
 from harness.record.out_folder import folder_lock, is_held, make_folder, refuse_links, require_text
 from harness.record.plan_file import EXPERIMENT, PLAN, StoredPlan, plan_from_cells, read_plan
 from harness.record.terms import Terms
@@ -159,8 +159,20 @@ class Store:
         return self.cell_folder(cell) / LOG
 
     def examine(self, cell: Cell) -> Manifest:
-        """What there is to say of a cell; see `harness.record.manifest.examine`."""
-        return examine(self.cell_folder(cell), cell)
+        """What there is to say of a cell: its manifest, if every file is what the cell left; else damaged, or pending.
+
+        Raises:
+            NewerFormat: A newer version made the cell.
+        """
+        folder = self.cell_folder(cell)
+        if not folder.is_symlink() and not folder.exists():
+            return Manifest(cell, status="pending", reason="not run yet")
+        try:
+            return whole_cell(folder)
+        except NewerFormat:
+            raise
+        except SchemaError as error:
+            return Manifest(cell, status="damaged", reason=f"{error}; {REMEDY}")
 
     def record(self, cell: Cell, status: Status, reason: str, instead_of: Manifest | None = None) -> Manifest:
         """Leave a manifest for a cell that could not leave one itself; keeps its log.
@@ -232,7 +244,7 @@ class Store:
     def _known_cells(self) -> Sequence[Cell]:
         """What was asked for before; where the plan is damaged, what has ended: the rest is asked for again."""
         try:
-            return read_plan(self.folder).cells if (self.folder / PLAN).exists() else self._ended_cells()
+            return self.read_plan().cells
         except NewerFormat:
             raise
         except SchemaError:
@@ -283,6 +295,6 @@ def floors_in(manifests: Iterable[Manifest], store: Store) -> dict[Floor, Cell]:
     found: dict[Floor, Cell] = {}
     for manifest in (it for it in manifests if it.status == "done"):
         folder = store.cell_folder(manifest.cell)
-        if any((folder / name).exists() for name in FLOORS) and any(is_named(manifest, name) for name in FLOORS):
+        if any((folder / name).exists() and is_named(manifest, name) for name in FLOORS):
             found.setdefault(Floor.of(manifest.cell), manifest.cell)
     return found

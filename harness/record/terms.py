@@ -1,10 +1,25 @@
 """What is agreed on before the first training: which questions are asked, and when."""
 
 from dataclasses import dataclass
+from itertools import pairwise
+from typing import Annotated
+
+from pydantic import AfterValidator, ConfigDict, Field, with_config
 
 from harness.files.plain import Plain
+from harness.record.file_forms import MOST_CELLS, MOST_LOOKS, MOST_SEEDS, Count, Name, Whole
 
 
+def _increasing(looks: tuple[int, ...]) -> tuple[int, ...]:
+    if any(b <= a for a, b in pairwise(looks)):
+        raise ValueError("does not increase")
+    return looks
+
+
+Look = Annotated[int, Field(gt=0, le=MOST_SEEDS)]
+
+
+@with_config(ConfigDict(strict=True))
 @dataclass(frozen=True)
 class Terms(Plain):
     """How an experiment's answers are found. They stand in ``plan.json`` before anything is trained.
@@ -20,13 +35,13 @@ class Terms(Plain):
         joined: The labels of rewards that were asked for when results of others could be seen.
     """
 
-    looks: tuple[int, ...] = ()
-    asked: int = 1
-    margin: float = 0.0
+    looks: Annotated[tuple[Look, ...], Field(max_length=MOST_LOOKS), AfterValidator(_increasing)] = ()
+    asked: Count = 1
+    margin: Annotated[float, Field(ge=0.0, allow_inf_nan=False)] = 0.0
     race: bool = False
-    averaged: int = 1
-    grown: tuple[int, ...] = ()
-    joined: tuple[str, ...] = ()
+    averaged: Count = 1
+    grown: Annotated[tuple[Whole, ...], Field(max_length=MOST_LOOKS)] = ()
+    joined: Annotated[tuple[Name, ...], Field(max_length=MOST_CELLS)] = ()
 
 
 FIRST = Terms()

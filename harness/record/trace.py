@@ -37,10 +37,9 @@ What is known of the episodes beside their rows is in the file's metadata, see `
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import chain, count, product, takewhile
+from itertools import product
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Protocol, Self
@@ -49,6 +48,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
+from pydantic import ConfigDict, with_config
 
 from harness.arrays import Float
 from harness.errors import SchemaError, SimulationDiverged
@@ -57,6 +57,7 @@ from harness.files.parquet import require_room
 from harness.files.plain import Plain
 from harness.log import Log, LogFacts, in_memory
 from harness.log.log import MOST_ROWS, ROWS, Columns
+from harness.record.file_forms import read_form
 from harness.reward import LARGEST_PAID
 from harness.text import shortened
 
@@ -87,16 +88,19 @@ NUMBERS = (
     "end_effector_z",
 )
 FLAGS = ("ground", "reached", "held", "terminated", "truncated")
-SINCE_2 = ("held", "terminated")
+SINCE_2, ENDS_OF_1 = ("held", "terminated"), ("ground", "reached")
 SCALARS = INTEGERS + NUMBERS + FLAGS
 COLUMN = {name: index for index, name in enumerate(SCALARS)}
 QVEL = "qvel"
 TERM = "reward/"
 """Begins the name of the column of a term."""
-EXTRAS = {"arm": pa.int32(), "obstacle": pa.bool_(), "obstacles": pa.list_(pa.float64()), QVEL: pa.list_(pa.float64())}
-"""Columns that not every trace has, in the order in which they stand; those of terms follow."""
 OBSTACLE, OBSTACLES = "obstacle", "obstacles"
 """Columns; the first is False throughout where a trace does not have it."""
+EXTRAS = ("arm", OBSTACLE, OBSTACLES, QVEL)
+"""Columns that not every trace has, in the order in which they stand; those of terms follow."""
+KINDS = {**dict.fromkeys((*INTEGERS, "arm"), pa.int32()), **dict.fromkeys((*FLAGS, OBSTACLE), pa.bool_())}
+LISTS = ("qpos", "action", OBSTACLES, QVEL)
+"""Columns of several numbers. What is in neither holds one number."""
 NO_EXTRAS: Mapping[str, int] = MappingProxyType({})
 
 Rows = Float
@@ -106,6 +110,7 @@ LATER = ("arms", "error", "unit", "target_moves")
 """Left out of the file where there is nothing to tell: it stays, byte for byte, as it was before there were any."""
 
 
+@with_config(ConfigDict(strict=True))
 @dataclass(frozen=True)
 class EpisodeFacts(Plain):
     """Facts that metrics need and that no row tells; None where the file says nothing, as those of version 0.1.
@@ -148,10 +153,7 @@ class EpisodeFacts(Plain):
         Raises:
             ValueError: It is something else.
         """
-        data = json.loads(text)
-        if not isinstance(data, dict):
-            raise ValueError(f"facts are {data!r}")
-        return cls.from_json(data)
+        return read_form(cls, json.loads(text))
 
 
 NOTHING_KNOWN = EpisodeFacts()
@@ -223,15 +225,13 @@ class TraceWriter:
 
     def append(self, rows: Rows) -> None:
         """Copy a batch of rows, (n, width)."""
-        end = self._filled + len(rows)
-        while end > self.BLOCK:  # blocks are full, however the rows come: a file is that of its rows alone
-            room = self.BLOCK - self._filled
-            self._block[self._filled :] = rows[:room]
-            self._filled = self.BLOCK
-            self._flush()
-            rows, end = rows[room:], len(rows) - room
-        self._block[self._filled : end] = rows
-        self._filled = end
+        while len(rows):  # blocks are full, however the rows come: a file is that of its rows alone
+            taken = rows[: self.BLOCK - self._filled]
+            self._block[self._filled : self._filled + len(taken)] = taken
+            self._filled += len(taken)
+            rows = rows[len(taken) :]
+            if self._filled == self.BLOCK:
+                self._flush()
 
     def close(self) -> None:
         """Write what is left and finish the file.
@@ -280,15 +280,10 @@ class TraceWriter:
 
 def trace_schema(dof: int, action_size: int, extras: Mapping[str, int] = NO_EXTRAS) -> pa.Schema:
     """Columns and types of a trace file."""
-    scalars = [
-        *((name, pa.int32()) for name in INTEGERS),
-        *((name, pa.float64()) for name in NUMBERS),
-        *((name, pa.bool_()) for name in FLAGS),
-    ]
-    lists = [("qpos", pa.list_(pa.float64(), dof)), ("action", pa.list_(pa.float64(), action_size))]
-    kinds = ((name, EXTRAS.get(name, pa.float64()), width) for name, width in extras.items())
-    more = [(name, pa.list_(kind.value_type, n) if pa.types.is_list(kind) else kind) for name, kind, n in kinds]
-    return pa.schema(scalars + lists + more, metadata={FORMAT_KEY: str(FORMAT).encode()})
+    widths = {**dict.fromkeys(SCALARS, 1), "qpos": dof, "action": action_size, **extras}
+    number = pa.float64()
+    kinds = {name: pa.list_(number, n) if name in LISTS else KINDS.get(name, number) for name, n in widths.items()}
+    return pa.schema(kinds, metadata={FORMAT_KEY: str(FORMAT).encode()})
 
 
 KNOWN = trace_schema(1, 1, dict.fromkeys(EXTRAS, 1))
@@ -302,14 +297,13 @@ def terms_of(trace: Log) -> dict[str, NDArray[Any]]:
 
 def trace_of(columns: Columns, facts: EpisodeFacts = NOTHING_KNOWN) -> Log:
     """A trace in memory, (rows, ...) each column."""
-    return _with_nothing_touched(in_memory(TraceFacts(path=Path("trace"), format="trace", episodes=facts), columns))
+    trace = in_memory(TraceFacts(path=Path("trace"), format="trace", episodes=facts), columns)
+    return _with_nothing_touched(trace, len(trace))
 
 
-def _with_nothing_touched(trace: Log, rows: int | None = None) -> Log:
+def _with_nothing_touched(trace: Log, rows: int) -> Log:
     """The same trace; no step of one that does not say so touched an obstacle."""
-    if OBSTACLE in trace:
-        return trace
-    return trace.add({OBSTACLE: np.broadcast_to(np.False_, len(trace) if rows is None else rows)})
+    return trace if OBSTACLE in trace else trace.add({OBSTACLE: np.broadcast_to(np.False_, rows)})
 
 
 def require_plausible(path: Path, most: int) -> None:
@@ -322,7 +316,7 @@ def require_plausible(path: Path, most: int) -> None:
     Raises:
         SchemaError: It has another number of rows, or holds a number that is too large; or as `read_trace`.
     """
-    with _opened(path) as file:
+    with reading(path, "trace"), _opened(path) as file:
         metadata = file.metadata
         if not 0 < metadata.num_rows <= most:
             raise SchemaError(f"{path} has {metadata.num_rows:,} rows, 1 to {most:,} are allowed")
@@ -339,16 +333,12 @@ def term_names(path: Path) -> tuple[str, ...]:
     Raises:
         SchemaError: The file is damaged or is no Parquet file.
     """
-    with _opened(path) as file:
-        return tuple(name.removeprefix(TERM) for name in file.schema_arrow.names if name.startswith(TERM))
+    return tuple(name.removeprefix(TERM) for name in read_trace(path).columns if name.startswith(TERM))
 
 
-@contextmanager
-def _opened(path: Path) -> Iterator[pq.ParquetFile]:
-    with reading(path, "trace"):
-        require_regular(path, TRACE_BYTES)
-        with pq.ParquetFile(path) as file:
-            yield file
+def _opened(path: Path) -> pq.ParquetFile:
+    require_regular(path, TRACE_BYTES)
+    return pq.ParquetFile(path)
 
 
 def read_trace(path: Path, columns: Sequence[str] | None = None) -> Log:
@@ -358,50 +348,27 @@ def read_trace(path: Path, columns: Sequence[str] | None = None) -> Log:
         SchemaError: The file is damaged, is no trace or was written by a newer version. A column that is damaged raises
             it when it is read, and so does every column of a file that was replaced by then.
     """
-    with reading(path, "trace"):
-        opened = _identity(path)
-        with _opened(path) as file:
-            schema, metadata = file.schema_arrow, file.metadata
-            told = metadata.metadata or {}
-            version = told.get(FORMAT_KEY, b"none").decode()
-            if version not in map(str, range(1, FORMAT + 1)):
-                raise SchemaError(
-                    f"{path} is a trace of format {shortened(version, 20)}, this version reads 1 to {FORMAT}"
-                )
-            is_first = version == "1"
-            known = [*filter(_is_known, schema.names), *(SINCE_2 if is_first else ())]
-            chosen = known if columns is None else [name for name in columns if name != OBSTACLE or name in known]
-            stored = _stored(chosen, is_first)
-            _require_columns(schema, stored, path)
-            if metadata.num_rows > MOST_ROWS:
-                raise SchemaError(f"{path} has {metadata.num_rows:,} rows, {MOST_ROWS:,} are allowed")
-            require_room(file, stored)
-            facts = EpisodeFacts.from_bytes(told[FACTS_KEY]) if FACTS_KEY in told else NOTHING_KNOWN
-    trace = Log(
-        TraceFacts(path=path, format=f"trace, format {version}", episodes=facts),
-        tuple(chosen),
-        partial(_tables, path, opened, metadata, is_first),
-    )
-    return trace if OBSTACLE in known else _with_nothing_touched(trace, metadata.num_rows)
-
-
-def read_parts(path: Path) -> Log:
-    """A trace that is being written, see `harness.experiment.checkpoints.trace_parts`: its finished parts, as one.
-
-    Raises:
-        SchemaError: None is finished yet, or one that is not the last is damaged.
-    """
-    there = list(takewhile(Path.exists, (part_of(path, number) for number in count())))
-    parts = [read_trace(part) for part in there[:-1]]
-    try:
-        parts += [read_trace(part) for part in there[-1:]]
-    except SchemaError:  # the last one may be under way: a Parquet file has an end when it is finished
-        if not parts:
-            raise
-    if not parts:
-        raise SchemaError(f"{path} has no part yet")
-    whole = replace(parts[0], read=lambda names: chain.from_iterable(part.read(names) for part in parts), known={})
-    return _with_nothing_touched(whole, sum(map(len, parts)))
+    with reading(path, "trace"), _opened(path) as file:
+        opened, metadata, there = _identity(path), file.metadata, file.schema_arrow.names
+        told = metadata.metadata or {}
+        version = told.get(FORMAT_KEY, b"none").decode()
+        if version not in map(str, range(1, FORMAT + 1)):
+            raise SchemaError(f"{path} is a trace of format {shortened(version, 20)}, this version reads 1 to {FORMAT}")
+        lacking = SINCE_2 if version == "1" else ()
+        known = [*filter(_is_known, there), *lacking]
+        chosen = known if columns is None else [name for name in columns if name != OBSTACLE or name in known]
+        stored = [*dict.fromkeys([*(name for name in chosen if name not in lacking), *(ENDS_OF_1 if lacking else ())])]
+        _require_columns(file.schema_arrow, stored, path)
+        if metadata.num_rows > MOST_ROWS:
+            raise SchemaError(f"{path} has {metadata.num_rows:,} rows, {MOST_ROWS:,} are allowed")
+        require_room(file, stored)
+        facts = EpisodeFacts.from_bytes(told[FACTS_KEY]) if FACTS_KEY in told else NOTHING_KNOWN
+        read = partial(_tables, path, opened, metadata)
+        trace = Log(TraceFacts(path=path, format=f"trace, format {version}", episodes=facts), tuple(stored), read)
+        if lacking:
+            ended = trace["ground"] | trace["reached"]
+            trace = replace(trace, columns=tuple(chosen)).add({"terminated": ended, "held": np.zeros_like(ended)})
+        return trace if OBSTACLE in known else _with_nothing_touched(trace, metadata.num_rows)
 
 
 def part_of(path: Path, number: int) -> Path:
@@ -416,34 +383,20 @@ def _identity(path: Path) -> tuple[int, int, int]:
 
 
 def _tables(
-    path: Path, opened: tuple[int, int, int], metadata: pq.FileMetaData, is_first: bool, names: Sequence[str]
+    path: Path, opened: tuple[int, int, int], metadata: pq.FileMetaData, names: Sequence[str]
 ) -> Iterator[Columns]:
     """The rows of some columns; the end of the file is not read again."""
     with reading(path, "trace"), pq.ParquetFile(path, metadata=metadata) as file:
         if _identity(path) != opened:  # its end says where the rows of the other one stood
             raise SchemaError(f"{path} was replaced since it was opened: type the command again")
-        stored = _stored(names, is_first)
-        batches = file.iter_batches(ROWS, columns=stored, use_threads=False)
-        tables = (pa.Table.from_batches([batch]) for batch in batches) if metadata.num_rows else [file.read(stored)]
+        batches = file.iter_batches(ROWS, columns=names, use_threads=False)
+        tables = (pa.Table.from_batches([batch]) for batch in batches) if metadata.num_rows else [file.read(names)]
         for table in tables:
-            arrays = {name: to_numpy(table.column(name), f"{path}: {name}") for name in stored}
-            if is_first:
-                arrays["terminated"] = arrays["ground"] | arrays["reached"]
-                arrays["held"] = np.zeros_like(arrays["terminated"])
-            yield {name: arrays[name] for name in names}
+            yield {name: to_numpy(table.column(name), f"{path}: {name}") for name in names}
 
 
 def _is_known(column: str) -> bool:
     return column in KNOWN.names or column.startswith(TERM)
-
-
-def _stored(columns: Sequence[str], is_first: bool) -> list[str]:
-    """What to read of a file. The columns that format 1 lacks follow from others."""
-    return (
-        [*dict.fromkeys([*(name for name in columns if name not in SINCE_2), "ground", "reached"])]
-        if is_first
-        else [*columns]
-    )
 
 
 def _require_columns(schema: pa.Schema, columns: list[str], path: Path) -> None:
@@ -452,8 +405,9 @@ def _require_columns(schema: pa.Schema, columns: list[str], path: Path) -> None:
         raise SchemaError(f"{path} has no column {', '.join(missing)}")
     for name in filter(_is_known, schema.names):
         found, expected = schema.field(name).type, KNOWN.field(name).type if name in KNOWN.names else pa.float64()
-        are_lists = pa.types.is_fixed_size_list(found) and pa.types.is_fixed_size_list(expected)
-        if found != expected and not (are_lists and found.value_type == expected.value_type):
+        if pa.types.is_fixed_size_list(expected) and pa.types.is_fixed_size_list(found):
+            expected = pa.list_(expected.value_type, found.list_size)
+        if found != expected:
             raise SchemaError(f"{path} has a column {name} of {found}, not of {expected}")
 
 

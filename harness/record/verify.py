@@ -3,31 +3,21 @@
 import os
 import re
 import shutil
-import stat
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-import pyarrow.compute as pc
-import pyarrow.parquet as pq
-
 from harness.errors import NewerFormat, SchemaError, UsageError
-from harness.files.bounded import reading, require_regular
 from harness.files.keyed_file import is_whole
-from harness.files.parquet import require_room
 from harness.files.sums import SUMS, changed_since_made, forget_made, read_sums
 from harness.files.whole_file import files_in, is_partial, write_whole
 from harness.record.added import owners
-from harness.record.cell import Cell
-from harness.record.file_forms import MOST_CELLS
 from harness.record.folder import DERIVED, SCORES
 from harness.record.manifest import REMEDY, added_files, read_manifest, require_files, whole_cell
 from harness.record.plan_file import EXPERIMENT, PLAN, is_experiment_of_plan, read_plan
 from harness.record.store import CELLS, REPORT, RESULTS, Store
 
-DERIVED_BYTES, TABLE_BYTES = 2**32, 2**30
-OF_A_CELL = ["id", "status"]
-"""Columns of the table of results that are read here."""
+DERIVED_BYTES = 2**32
 DAMAGED = "damaged"
 """Where `repair` puts what is damaged: nothing is thrown away."""
 ADDED_REMEDY = "harness verify --repair sets it aside"
@@ -64,10 +54,7 @@ def verify(folder: Path) -> list[Problem]:
         NewerFormat: A newer version wrote a file.
     """
     Store.open(folder)
-    return [
-        *_links(folder), *_of_plan(folder), *_of_cells(folder), *_gone(folder), *_of_added(folder),
-        *_of_made(folder),
-    ]  # fmt: skip
+    return [*_links(folder), *_of_plan(folder), *_of_cells(folder), *_of_added(folder), *_of_made(folder)]
 
 
 def missing_cells(folder: Path) -> tuple[int, int]:
@@ -75,7 +62,13 @@ def missing_cells(folder: Path) -> tuple[int, int]:
 
     They are not run yet, or somebody took them away: nothing in the folder tells which.
     """
-    store, cells = Store.open(folder), _planned(folder)
+    store = Store.open(folder)
+    try:
+        cells = read_plan(folder).cells
+    except NewerFormat:
+        raise
+    except SchemaError:  # which is a problem of its own
+        return 0, 0
     return sum(not store.cell_folder(cell).exists() for cell in cells), len(cells)
 
 
@@ -100,14 +93,11 @@ def repair(folder: Path) -> list[tuple[Path, str]]:
         done += _mend_plan(folder, store)
         for find in (_of_cells, _of_added, _of_made):
             done += [_set_aside(folder, problem) for problem in [*find(folder)]]
-        if any(_gone(folder)):
-            done.append(_set_aside(folder, Problem(Path(RESULTS), "", MADE_REMEDY)))
     return done
 
 
 def _links(folder: Path) -> Iterator[Problem]:
-    inside = sorted(Path(place) / name for place, folders, files in os.walk(folder) for name in (*folders, *files))
-    for path in inside:
+    for path in sorted(folder.rglob("*")):
         if path.is_symlink():
             yield Problem(
                 path.relative_to(folder),
@@ -147,40 +137,6 @@ def _of_cells(folder: Path) -> Iterator[Problem]:
             stays = not _is_regular(path / name)
             remedy = FOREIGN_REMEDY if stays else ADDED_REMEDY
             yield Problem(inside / name, "the cell did not leave it, and no report reads it", remedy, stays)
-
-
-def _gone(folder: Path) -> Iterator[Problem]:
-    """Cells that the table of results tells of, and that are not there."""
-    if RESULTS in changed_since_made(folder) or RESULTS not in read_sums(folder):
-        return
-    path = folder / RESULTS
-    try:
-        with reading(path, "table"):
-            require_regular(path, TABLE_BYTES)
-            file = pq.ParquetFile(path, read_dictionary=OF_A_CELL)
-            if file.metadata.num_rows > MOST_CELLS:
-                raise SchemaError(f"{path} has more than {MOST_CELLS:,} rows")
-            require_room(file, OF_A_CELL)
-            table = file.read(OF_A_CELL)
-            # A text may stand in very many rows.
-            done = {*map(str, table.filter(pc.equal(table["status"], "done"))["id"].unique().to_pylist())}
-    except SchemaError as error:
-        yield Problem(Path(RESULTS), str(error), MADE_REMEDY)
-        return
-    for cell in _planned(folder):  # an id that the table alone tells could be any path
-        path = folder / CELLS / cell.id
-        if cell.id in done and not path.exists():
-            yield Problem(path.relative_to(folder), f"it is gone: {RESULTS} tells of it", "harness run does it again")
-
-
-def _planned(folder: Path) -> Sequence[Cell]:
-    """The cells of the plan; none if it is damaged, which is a problem of its own."""
-    try:
-        return read_plan(folder).cells
-    except NewerFormat:
-        raise
-    except SchemaError:
-        return ()
 
 
 def _of_added(folder: Path) -> Iterator[Problem]:
@@ -224,7 +180,7 @@ def _made_in(parent: Path, folder: Path) -> set[str]:
 
 
 def _is_regular(path: Path) -> bool:
-    return stat.S_ISREG(path.lstat().st_mode) if os.path.lexists(path) else False
+    return path.is_file() and not path.is_symlink()
 
 
 def _folders(folder: Path, pattern: str) -> list[Path]:

@@ -17,7 +17,7 @@ from gymnasium.vector import SyncVectorEnv
 import harness
 from harness.errors import UsageError
 from harness.eta.interval import Bounds, are_bounds
-from harness.eta.laws import direction_of, require_direction
+from harness.eta.laws import direction_of
 from harness.eta.manner import ACTED, Acted
 from harness.log.log import SUCCESS
 from harness.reward.given import OWN, Given
@@ -151,31 +151,15 @@ class Asked:
         if self.steps_asked if self.evaluation else self.episodes_asked:
             raise UsageError("steps_asked goes with a training, and episodes_asked with evaluation=True")
 
-    def require_direction(self, value: float) -> None:
-        """See `require_decider`, of the first measure, which decides."""
-        name = next(iter(self.behaviour))
-        how = f"give lower_is_better=[{name!r}] or higher_is_better=[{name!r}]"
-        require_decider(name, value, self.lower_is_better, self.higher_is_better, how)
+    @property
+    def undirected(self) -> str:
+        """The measure that decides, the first one, if nobody says which of its values are better; else empty."""
+        first = next(iter(self.behaviour), "")
+        said = direction_of(first, self.lower_is_better, self.higher_is_better, is_flag=first == SUCCESS)
+        return "" if said or self.evaluation else first
 
     @property
     def all_rewards(self) -> dict[str, Given]:
         """Those given, and under the name ``own`` what the env pays where the learner is trained with that."""
         own = {} if self.trained_with in self.rewards else {OWN: OWN}
         return {**self.rewards, **own}
-
-
-def require_decider(name: str, value: float, lower: Collection[str], higher: Collection[str], how: str) -> None:
-    """Check that it is known of the measure that decides what is better.
-
-    Args:
-        name: The measure.
-        value: The first number that it told: 0 or 1 may be a flag's.
-        lower: Measures of which less is better.
-        higher: Those of which more is.
-        how: What to type, to end the message.
-
-    Raises:
-        UsageError: It is not known.
-    """
-    is_flag = name == SUCCESS or value in {0.0, 1.0}
-    require_direction(name, direction_of(name, lower, higher, is_flag=is_flag), how)

@@ -240,7 +240,7 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         if self._asked:
             self._ask(told, given)
         if self._recorder.undirected:
-            self._recorder.learn_direction([told])
+            self._recorder.learn_direction([told], self._time)
         if self._has_terms:
             told += self._terms_of_step()
         row: list[Any] = [self._time, 0, self._episode, self._step, *told]

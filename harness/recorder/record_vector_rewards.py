@@ -435,7 +435,7 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
             if not column.given_up:
                 self._measure(column, step, numbers[:, index])
         if self._recorder.undirected:
-            self._recorder.learn_direction(numbers)
+            self._recorder.learn_direction(numbers, self._time)
         if self._recorder.with_terms is None:
             self._recorder.learn_terms()
         terms = [self._terms_of(self._recorder.columns[index]) for index in self._recorder.with_terms or ()]

@@ -5,7 +5,6 @@ import sys
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from math import isnan
 from pathlib import Path
 from time import monotonic
 from typing import Any, TypeAlias
@@ -14,13 +13,14 @@ import numpy as np
 from gymnasium.vector import VectorEnv
 
 from harness.errors import StorageError, UsageError, reason_of
+from harness.eta.laws import may_be_flag, require_direction
 from harness.record.recording.facts import FILE_REWARD, ActionFacts, Failure, TrainingFacts, log_column
 from harness.record.recording.recording_writer import RecordingWriter, Rows
 from harness.recorder.calls import Calls, checksum
 from harness.recorder.column import Column, made_columns, source_of
 from harness.recorder.env_facts import Asked, env_facts, normalises, versions_of
 from harness.recorder.guard import Asking, Guard, Raised
-from harness.recorder.trial import Finding, Trial
+from harness.recorder.trial import FIRST_STEPS, Finding, Trial
 from harness.recorder.watched import start_watching
 from harness.recorder.wrapped import tell_wrapped_pay
 from harness.reward.given import OWN
@@ -45,7 +45,7 @@ class Recorder:
         calls: Notes what each env is told; None where its actions are not recorded.
         with_terms: Indices of the columns that pay terms, whose numbers follow on those of all columns; None before the
             first step, which tells them.
-        undirected: Whether the measure that decides has told no number so far; never of an evaluation.
+        undirected: See `Asked`; empty once its measure was neither 0 nor 1.
         next_time: Of the next step.
         next_episodes: Numbers of the next episodes, (num_envs,).
     """
@@ -99,7 +99,7 @@ class Recorder:
             asked=asked.steps_asked,
             episodes_asked=asked.episodes_asked,
         )
-        self.undirected, self._asked = bool(asked.behaviour) and not asked.evaluation, asked
+        self.undirected, self._asked = asked.undirected, asked
         self._sums_starts = asked.evaluation and num_envs == 1 and not normalises(facts.spec)
         try:
             self._writer = RecordingWriter(self._path, facts, asked.number, asked.resume)
@@ -243,20 +243,28 @@ class Recorder:
             f'What it is paid can be recorded too: rewards={{..., "{OWN}": "{OWN}"}}, trained_with="{OWN}"',
         )
 
-    def learn_direction(self, rows: Iterable[Sequence[float]]) -> None:
-        """Look whether the measure that decides tells a number: it has to be known what is better.
+    def learn_direction(self, rows: Iterable[Sequence[float]], time: int) -> None:
+        """Ask what is better of the measure that decides, as soon as it can be no flag.
 
         Args:
             rows: What the columns say of steps.
+            time: Of these. After the first ones the training goes on, so that nothing is lost.
 
         Raises:
-            UsageError: It is not known. Hardly anything has been learned so far, and it would be in vain.
+            UsageError: Nobody says it in one of the first steps, or the user wants errors raised.
         """
+        name = self.undirected
         for row in rows:
             value = row[len(self._asked.all_rewards)]
-            if self.undirected and not isnan(value):  # NaN where only the end of an episode tells it
-                self._asked.require_direction(value)
-                self.undirected = False
+            if not self.undirected or may_be_flag(value):
+                continue
+            self.undirected = ""
+            try:
+                require_direction(name, "", f"give lower_is_better=[{name!r}] or higher_is_better=[{name!r}]")
+            except UsageError as error:
+                if time < FIRST_STEPS or self._on_error == "raise":
+                    raise
+                self.note(f"{error}. The training goes on; harness report takes --measure {name}:better=lower too")
 
     def add(self, row: list[float]) -> None:
         """Take a row of a single env, which is the recorder's from now on. What `calls` has noted of it follows in it.

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from harness.errors import UsageError, one_line
 from harness.files.sums import making
-from harness.log import Log, Rows
+from harness.log import Log, Rows, in_memory
 from harness.log.log import BEHAVIOUR, REWARD
 from harness.record.recording.facts import ActionFacts, TrainingFacts, facts_of, file_column, term_column
 from harness.record.recording.recorded_training import (
@@ -31,7 +31,7 @@ from harness.record.recording.recorded_training import (
     read_recording,
     recorder_numbers,
 )
-from harness.record.recording.scores import Scores, read_scores, scores_name, write_scores
+from harness.record.recording.scores import read_scores, scores_name, with_scores, write_scores
 from harness.recorder.calls import NO_SEED, UNCHECKED, action_of, checksum
 from harness.recorder.record_rewards import RecordRewards
 from harness.recorder.recorder import GivenUp, Noted
@@ -92,18 +92,19 @@ class Retake:
         """
         for _ in (log := read_recording(folder)).pieces(log.names):
             pass  # raises an error if it is damaged
-        found: dict[Path, Scores] = {}
+        found: dict[Path, Log] = {}
         done = 0
         for number in recorder_numbers(folder):
             log, path = read_recorder(folder, number), folder / scores_name(number)
             rows = _calls_in(folder, log)
             scores = self._of_recorder(folder, facts_of(log), rows, done)
-            found[path] = scores.with_earlier(read_scores(path, partial(len, rows)))
+            earlier = read_scores(path, partial(len, rows))
+            found[path] = with_scores(earlier, scores) if earlier is not None else scores
             done += len(rows)
         for path, scores in found.items():
             with making(path):
                 write_scores(path, scores)
-        failures = dict.fromkeys(failure for scores in found.values() for failure in scores.failures)
+        failures = dict.fromkeys(failure for scores in found.values() for failure in facts_of(scores).failures)
         return tuple(
             f"{file_column(it.column)} fails in episode {it.episode}, step {it.step}: {it.reason}" for it in failures
         )
@@ -136,19 +137,20 @@ class Retake:
                 again.finish()
             return env.walks
 
-    def _of_recorder(self, folder: Path, facts: TrainingFacts, calls: Rows, done: int) -> Scores:
+    def _of_recorder(self, folder: Path, facts: TrainingFacts, calls: Rows, done: int) -> Log:
         """Its envs one after the other: each of them went on by itself."""
         values: dict[str, NDArray[np.float64]] = {}
-        scores: list[Scores] = []
+        scores: list[Log] = []
         for env in range(facts.num_envs):
             rows = np.flatnonzero(calls["env"] == env)
             scores.append(self._of_env(folder, facts, calls.part(rows), env, done))
-            for name, column in scores[-1].columns.items():
+            for name, column in scores[-1].known.items():
                 values.setdefault(name, np.full(len(calls), np.nan))[rows] = column
             done += len(rows)
-        return replace(scores[0], columns=values, failures=tuple(it for one in scores for it in one.failures))
+        told = [facts_of(one) for one in scores]
+        return in_memory(replace(told[0], failed=tuple(it for one in told for it in one.failed)), values)
 
-    def _of_env(self, folder: Path, facts: TrainingFacts, calls: Rows, number: int, done: int) -> Scores:
+    def _of_env(self, folder: Path, facts: TrainingFacts, calls: Rows, number: int, done: int) -> Log:
         with tempfile.TemporaryDirectory(prefix="harness-retake-") as place, closing(self.make()) as env:
             later, path = self.later(env), Path(place) / "again"
             with warnings.catch_warnings():
@@ -178,13 +180,14 @@ class Retake:
             told = facts_of(log := read_recording(path))
             terms = [term_column(name, term) for name in later.rewards for term in told.terms.get(name, ())]
             columns = log.rows([*later.columns[: len(later.rewards)], *terms, *later.columns[len(later.rewards) :]])
-        return Scores(
-            columns.columns,
-            told.lower_is_better,
-            {name: told.sources[name] for name in later.columns},
-            tuple(replace(failure, env=number) for failure in told.failures),
-            told.higher_is_better,
+        facts = replace(
+            told,
+            rewards=tuple(later.rewards),
+            sources={name: told.sources[name] for name in later.columns},
+            failed=tuple(replace(failure, env=number) for failure in told.failures),
+            terms={name: told.terms[name] for name in later.rewards if name in told.terms},
         )
+        return in_memory(facts, columns.columns)
 
 
 def _repeat(calls: Rows, actions: ActionFacts, env: RecordRewards[Any, Any], where: str, tell: Tell) -> None:

@@ -8,6 +8,7 @@ from harness.results.load import load_results as load_results
 from harness.results.results import Results as Results
 
 if TYPE_CHECKING:
+    from harness.results.cell_results import CellResults as CellResults
     from harness.results.comparison import Behaviour as Behaviour, StepChange as StepChange
     from harness.results.logs.told import Deciding as Deciding, Told as Told, parse_deciding as parse_deciding
     from harness.results.logs.trainings import (
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from harness.results.score_matrix import score_matrices as score_matrices
     from harness.results.standing import standing_of as standing_of, told_manifests as told_manifests
     from harness.results.terms_paid import TermPaid as TermPaid, TermsPaid as TermsPaid
+    from harness.results.traces import Traces as Traces
     from harness.results.trajectories import (
         Trajectories as Trajectories,
         Trajectory as Trajectory,

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple
 
 from harness.eta.behaviour_change import Quantity
 from harness.eta.headline import SUCCESS
@@ -12,11 +12,6 @@ from harness.results.comparison import Group
 from harness.results.learning import LearningCurve
 from harness.results.recordings.episodes import Part
 from harness.results.trainings import Trainings
-
-Ends: TypeAlias = tuple[Part, Part, Part | None]
-
-NO_BETTER = ""
-"""In place of the direction of a measure that has none: pay."""
 
 
 class Stages(NamedTuple):
@@ -68,30 +63,22 @@ class Alone:
             "seeds": list(self.seeds),
             "return": self.paid.to_json(),
             "behaviour": [it.to_json() for it in self.behaviour],
-            "learning": {
-                name: [{"steps": point.steps, **point.value.to_json()} for point in self.curve.points[name]]
-                for name in self.shown
-            },
+            "learning": {name: [point.to_json() for point in self.curve.points[name]] for name in self.shown},
         }
 
 
-def stages_of(measure: Quantity, trainings: Sequence[Ends], random: Part | None, reward: str = "") -> Stages:
-    """The means of one measure over trainings.
-
-    Args:
-        measure: What is measured; a share of episodes where its number of them is told.
-        trainings: The first episodes, the last ones, and the evaluation of each.
-        random: What random actions came to.
-        reward: Whose pay it is, if it is no measure of behaviour.
-    """
+def _stages(
+    measure: Quantity, ends: Sequence[tuple[Part | None, ...]], random: Part | None, reward: str = ""
+) -> Stages:
+    """The means of one measure over trainings, or of what a reward paid."""
 
     def value(part: Part | None) -> float | None:
         return part and (part.returns.get(reward) if reward else part.behaviour.get(measure.name))
 
-    def mean(*stage: Part | None) -> SeedMean:
+    def mean(stage: Sequence[Part | None]) -> SeedMean:
         return mean_of_known(list(map(value, stage)), "have none", measure.ends)
 
-    start, end, evaluation = (mean(*stage) for stage in zip(*trainings, strict=True))
+    start, end, evaluation = map(mean, zip(*ends, strict=True))
     return Stages(measure, start, end, evaluation, value(random))
 
 
@@ -104,19 +91,19 @@ def alone_of(trainings: Trainings) -> Alone | None:
     if not trainings.is_alone:
         return None
     (reward,) = trainings.rewards
-    members, pay = trainings.members(reward), Quantity(trainings.pay_name(reward), "", NO_BETTER, TRAINING)
+    members, pay = trainings.members(reward), Quantity(trainings.pay_name(reward), "", "", TRAINING)
     ends, random = [it.ends() for it in members], members[0].at_random()
     first = trainings.leading
     names = sorted(trainings.names, key=lambda name: first.index(name) if name in first else len(first))
     evaluated = ends[0][2].episodes if ends[0][2] else 0
-    measures = [trainings.quantity(name, TRAINING, evaluated) for name in names]
-    stages, curve = [stages_of(it, ends, random) for it in measures], trainings.learned(reward, members)
+    stages = [_stages(trainings.quantity(name, TRAINING, evaluated), ends, random) for name in names]
+    curve = trainings.learned(reward, members)
     shown = [name for name in (*first[:1], SUCCESS) if name in curve.points][:1]
     return Alone(
         trainings.group,
         reward,
         tuple(it.seed for it in members),
-        stages_of(pay, ends, random, reward),
+        _stages(pay, ends, random, reward),
         tuple(it for it in stages if any(of.mean is not None for of in (it.start, it.end, it.evaluation))),
         curve,
         (*shown, pay.name),

@@ -1,16 +1,17 @@
-"""What follows from the files of one done cell, each thing computed once; see `harness.results.kept`."""
+"""What follows from the files of done cells of arms, each thing computed once; see `harness.results.kept`."""
 
 import hashlib
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
-from functools import partial
-from pathlib import Path
-from typing import Any, TypeAlias
+from functools import cached_property, partial
+from typing import Any, Self, TypeVar
 
 import numpy as np
 
 from harness.arrays import Float
-from harness.errors import Unmeasured
+from harness.errors import Unmeasured, Unscored
+from harness.eta.headline import SUCCESS
 from harness.eta.manner import OWN_AND_OTHER, TRAINING
 from harness.log import Log
 from harness.log.log import episode_sums
@@ -19,7 +20,7 @@ from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, EVALUATIONS, RANDOM, SUFFIX, TRACE, evaluation_files
 from harness.record.manifest import Manifest
 from harness.record.returns import EVENTS, PAID, mean_over_episodes, mean_return, paid_in
-from harness.record.store import Floor, Store, floors_in
+from harness.record.store import Floor, Store
 from harness.record.trace import (
     FLAGS,
     INTEGERS,
@@ -30,11 +31,14 @@ from harness.record.trace import (
     terms_of,
     with_episode_facts,
 )
+from harness.registry.choice import Choice
+from harness.registry.registry import Registry
 from harness.results.by_term import ByTerm, by_term, part_of
 from harness.results.kept import Kept
 from harness.results.measured import Measured, Moment, Values, value_of
-from harness.results.metrics import Unmeasurable
-from harness.results.recordings.episodes import Part
+from harness.results.metrics import Unmeasurable, load_metrics, with_fingerprints
+from harness.results.recordings.episodes import Episodes, Part
+from harness.results.table import Numbers, numbers_of
 from harness.reward import Paid
 from harness.score.installed_reward import InstalledReward
 from harness.score.scorer import SCORED
@@ -44,34 +48,106 @@ SLACK = 100_000
 episode of an evaluation may have, where the training was shorter than that."""
 MEASURED = (*INTEGERS, *FLAGS, "distance", *(f"end_effector_{axis}" for axis in "xyz"), "qpos")
 """Columns that metrics read."""
-START, END = " start", " end"
+START, END = "start ", "end "
 """The first and the last episodes of a training, see `harness.results.by_term.part_of`."""
-
 SUMMED = {"return": ("reward",), "events": EVENTS, "paid": PAID}
 """What is summed over an episode."""
-Metrics: TypeAlias = Callable[[], Mapping[str, tuple[Measure, str]]]
+Told = TypeVar("Told")
+FILES = {"training": TRACE, "evaluation": EVALUATION}
+
+
+class Cells:
+    """The done cells of arms, and the rewards and metrics that are asked about them.
+
+    Attributes:
+        store: Their folder.
+        metrics: Every registered metric, or those that were chosen, by name.
+        done: What was taken in, by id.
+    """
+
+    def __init__(
+        self, store: Store, registry: Registry, metrics: Iterable[str] | None = None, named: Sequence[str] = ()
+    ) -> None:
+        """Take in no cell yet.
+
+        Args:
+            store: The folder of the experiment.
+            registry: The plugins, for metrics and rewards.
+            metrics: Which metrics; see `harness.results.metrics.load_metrics`.
+            named: The measures that the experiment names; see there.
+
+        Raises:
+            UsageError: A named metric is not registered.
+            PluginError: A named metric is broken.
+        """
+        self.store, self._registry = store, registry
+        self.metrics = load_metrics(registry, metrics, named)
+        self.done: dict[str, CellResults] = {}
+        self._rewards: dict[Choice, InstalledReward] = {}
+        self._floors: dict[Floor, CellResults] | None = None
+
+    @cached_property
+    def fingerprinted(self) -> dict[str, tuple[Measure, str]]:
+        """The metrics, each with its fingerprint."""
+        return with_fingerprints(self.metrics)
+
+    def add(self, done: Manifest) -> "CellResults":
+        """Take in a done cell; one that was trained again takes its own place."""
+        found = self.done.get(done.cell.id)
+        if found is None or found.manifest != done:
+            found = self.done[done.cell.id] = CellResults(self, done)
+            self._floors = None
+        return found
+
+    def remove(self, cell: Cell) -> None:
+        """Leave out a cell, if it was taken in."""
+        self.done.pop(cell.id, None)
+        self._floors = None
+
+    def at_random(self, cell: Cell) -> "CellResults | None":
+        """What evaluated random actions in the simulator, task and robot of a cell; None if no cell did."""
+        if self._floors is None:  # of several, the first that was taken in
+            self._floors = {Floor.of(it.cell): it for it in reversed(self.done.values()) if it.has_floor}
+        return self._floors.get(Floor.of(cell))
+
+    def installed(self, choice: Choice) -> InstalledReward:
+        """What pays recorded runs again by a reward."""
+        if choice not in self._rewards:
+            self._rewards[choice] = InstalledReward(choice, self._registry)
+        return self._rewards[choice]
 
 
 class CellResults:
-    """The results of one done cell.
+    """A done cell of an arm as a training, see `harness.results.trainings.Trained`.
 
-    Every method raises SchemaError if a file that it has to read is damaged, or written by a newer version. Columns
-    that one method has read are kept for the others until `finish`.
+    Every method raises SchemaError if a file that it has to read is damaged, or written by a newer version. In a `with`
+    block, columns that one method has read are kept for the others.
+
+    Attributes:
+        manifest: What the cell says of itself. Only files that it names are read.
     """
 
-    def __init__(self, done: Manifest, files: Path, metrics: Metrics, kept: Kept) -> None:
-        """Read nothing yet.
-
-        Args:
-            done: What the cell says of itself. Only files that it names are read.
-            files: The folder of the cell.
-            metrics: A function that gives the metrics by name, each with its fingerprint.
-            kept: The numbers that are known already.
-        """
-        self.cell, self._files, self._metrics, self._kept = done.cell, files, metrics, kept
-        self._done = done
+    def __init__(self, cells: Cells, done: Manifest) -> None:
+        """Read nothing yet but what is kept."""
+        self.cell, self.manifest, self._cells = done.cell, done, cells
+        self.seed, self.reward = done.cell.seed, done.cell.reward.label
+        self._files = cells.store.cell_folder(done.cell)
+        self._kept = Kept(cells.store.folder, done.cell.id, self._files, done.files)
         self._read: dict[str, Log] = {}
+        self._asking = 0
         self._reasons: dict[str, str] = {}
+        self._unchanged: set[str] = set()
+
+    def __enter__(self) -> Self:
+        self._asking += 1
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Keep the numbers and drop the traces, because a report asks for one cell after the other."""
+        self._asking -= 1
+        if not self._asking:
+            self._read.clear()
+            self._kept.save()
 
     def require_plausible(self) -> None:
         """See whether every trace of an arm's cell is one that the cell can have left, without reading its rows."""
@@ -84,82 +160,153 @@ class CellResults:
                 require_plausible(self._files / name, self._most(name))
             return True
 
-        self._kept.number("is plausible", [self._kept.digest(name) for name in there], look)
+        self._kept.told("is plausible", [self._kept.digest(name) for name in there], look)
+
+    def keep(self, compared: Iterable[Choice], scoring: Iterable[Choice]) -> None:
+        """Compute what a report will ask of the cell, and keep it.
+
+        Args:
+            compared: The rewards that its training is paid by.
+            scoring: The rewards that its evaluation is paid by, and its random actions.
+
+        Raises:
+            SchemaError: A file of the cell is damaged.
+        """
+        files = (EVALUATION, *([RANDOM] if self.has_floor else ()))
+        own, payers = self._cells.installed(self.cell.reward), list(map(self._cells.installed, scoring))
+        jobs: list[Callable[[], object]] = [
+            *(partial(self.unchanged, file) for file in (TRACE, EVALUATION)),
+            *(partial(self.paid_by, self._cells.installed(choice)) for choice in compared),
+            *(partial(self.evaluation_return, it) for it in payers),
+            *(partial(self.floor_returns, it) for it in payers if self.has_floor),
+            *(partial(self.terms_paid, own, file) for file in ((TRACE, *files) if self.has_terms else ())),
+            *(partial(self.terms_paid, it, file) for it in payers if it is not own and it.has_terms for file in files),
+        ]
+        with self:
+            self.require_plausible()
+            _ = self.policy
+            if self.has_floor:
+                _ = self.floor
+            if self.cell.evaluate_every:
+                _ = self.moments
+            self._keep_own()
+            for job in jobs:
+                with suppress(Unscored):  # the report says so
+                    job()
+
+    # What was measured
+
+    @cached_property
+    def policy(self) -> Measured:
+        """Every metric of the policy in both manners, and of the training."""
+        own, other = OWN_AND_OTHER[self.cell.deterministic]
+        files = {own: EVALUATION, other: f"{other}{SUFFIX}", TRAINING: TRACE}
+        there = {name: file for name, file in files.items() if name != other or self._is_there(file)}
+
+        def episodes(file: str) -> int:
+            return self._ask(file, "episodes", lambda: len(self._trace(file).episodes))
+
+        with self:
+            did = {manner: self._measure(file) for manner, file in there.items()}
+            counts = {manner: episodes(file) for manner, file in there.items()}
+            if self._read:
+                self._keep_own()  # columns are there now
+        return Measured(did, counts, {}, self._reasons)
+
+    @cached_property
+    def measured(self) -> Measured:
+        owner = self.floor_cell
+        floor = dict.fromkeys(self._cells.metrics)
+        return self.policy._replace(random={**floor, **(owner.floor if owner else {})})
+
+    @property
+    def numbers(self) -> Numbers:
+        """What a table of cells says of it. The cell that acts at random may end later."""
+        owner = self.floor_cell
+        return numbers_of(self.policy._replace(random=owner.floor if owner else {}), self._cells.metrics)
 
     @property
     def has_floor(self) -> bool:
         """Whether the cell evaluated random actions."""
         return self._is_there(RANDOM)
 
+    @cached_property
     def floor(self) -> Values:
         """Every metric of the random actions that the cell evaluated."""
-        return self._measure(RANDOM)
+        with self:
+            return self._measure(RANDOM)
 
-    def measured(self, floor: Values) -> Measured:
-        """Every metric of the policy in both manners, of the training, and of random actions."""
-        own, other = OWN_AND_OTHER[self.cell.deterministic]
-        files = {own: EVALUATION, other: f"{other}{SUFFIX}", TRAINING: TRACE}
-        there = {name: file for name, file in files.items() if name != other or self._is_there(file)}
-        return Measured(
-            {manner: self._measure(file) for manner, file in there.items()},
-            {manner: self._episodes(file) for manner, file in there.items()},
-            floor,
-            self._reasons,
-        )
+    @property
+    def floor_cell(self) -> "CellResults | None":
+        """What evaluated random actions in its place; None if no cell did."""
+        return self if self.has_floor else self._cells.at_random(self.cell)
 
-    def moments(self) -> tuple[Moment, ...]:
-        """Every evaluation in the cell's own manner, in order, the last one after its training."""
+    @cached_property
+    def moments(self) -> Sequence[Moment]:
         named = {steps: f"{EVALUATIONS}/{path.name}" for steps, path in evaluation_files(self._files).items()}
         before = {steps: name for steps, name in named.items() if self._is_there(name)}
         files = {**before, self.cell.steps: EVALUATION}
-        return tuple(Moment(steps, self._measure(file)) for steps, file in files.items())
+        with self:
+            return tuple(Moment(steps, self._measure(file)) for steps, file in files.items())
 
-    def ends(self) -> tuple[Part, Part]:
-        """Every metric, and the pay, of the first episodes of the training and of the last."""
-        paid = self.learned()[2]
-        count = min(part_of(len(paid)), len(paid))
-        start, end = (
-            Part(count, {self.cell.reward.label: float(of.mean()) if count else None}, self._measure(TRACE, part), {})
-            for part, of in ((START, paid[:count]), (END, paid[-count:]))
-        )
-        return start, end
+    def reason(self, name: str, manner: str) -> str:
+        return self.measured.reasons.get(name, "")
 
-    def learned(self) -> Float:
-        """The finished episodes of the training, in the order in which they ended, (3, episodes).
-
-        The rows say: its last row, counted from 0; whether it reached the target; what the cell's own reward paid.
-        """
-        digest = [self._kept.digest(TRACE)]
-        return self._kept.array(f"{TRACE} learned", digest, self._learned).reshape(3, -1)
+    @cached_property
+    def _episodes(self) -> Episodes:
+        """The finished episodes of the training: what its own reward paid, and whether they reached the target."""
+        last, reached, paid = self._learned().reshape(3, -1)
+        return Episodes(last.astype(np.int64), {self.reward: paid}, {SUCCESS: reached}, {})
 
     def _learned(self) -> Float:
-        trace = self._trace(TRACE)
-        reached, paid = (episode_sums(trace[name], trace.episodes) for name in ("reached", "reward"))
-        last = np.array([rows[-1] for rows in trace.episodes], np.int64)
-        return np.array([last, reached > 0, paid])[:, np.argsort(last)].ravel()
+        def make() -> Float:
+            trace = self._trace(TRACE)
+            reached, paid = (episode_sums(trace[name], trace.episodes) for name in ("reached", "reward"))
+            last = np.array([rows[-1] for rows in trace.episodes], np.int64)
+            return np.array([last, reached > 0, paid])[:, np.argsort(last)].ravel()
+
+        return self._ask(TRACE, "learned", make)
+
+    def stretch(self, begin: int, end: int) -> Part:
+        """See `Trained`: success and pay."""
+        return self._episodes.part(begin, end)
+
+    def on_the_way(self, every: int) -> Mapping[int, Part]:
+        return {}
+
+    def ends(self) -> tuple[Part, Part, Part]:
+        with self:
+            start, end = (
+                part._replace(behaviour=self._measure(TRACE, of))
+                for of, part in zip((START, END), self._episodes.ends, strict=True)
+            )
+            pay = self.recorded_return("return")
+        evaluated = Part(next(iter(self.measured.episodes.values())), {self.reward: pay}, self.measured.own, {})
+        return start, end, evaluated
+
+    def motion(self) -> str:
+        """A digest of every joint position in the final evaluation: equal where policies take the same steps."""
+
+        def make() -> str:
+            positions = self._trace(EVALUATION)["qpos"]
+            return hashlib.sha256(repr(positions.shape).encode() + positions.tobytes()).hexdigest()
+
+        return self._ask(EVALUATION, "motion", make)
+
+    # What was paid
 
     @property
-    def has_read(self) -> bool:
-        """Whether a trace had to be read since the last `finish`, because a result was not kept."""
-        return bool(self._read)
+    def cut(self) -> int:
+        return self._ask(TRACE, "rows", lambda: len(self._trace(TRACE)))
 
-    def keep_own(self) -> None:
-        """Compute what a report asks of the cell beside metrics and what rewards pay again, if that is not kept."""
-        self.rows()
-        self.recorded()
-        if not self.cell.evaluate_every:
-            self.learned()
-        self.recorded_return("events")
-        self.recorded_return("paid")
-        self.motion()
-
-    def rows(self) -> int:
-        """The number of rows of the training trace."""
-        return int(self._number(TRACE, "rows", lambda: len(self._trace(TRACE))) or 0)
-
+    @property
     def recorded(self) -> Float:
         """What the cell's own reward paid, every row of the training, (rows,)."""
-        return self._kept.array(f"{TRACE} reward", [self._kept.digest(TRACE)], lambda: self._trace(TRACE)["reward"])
+        return self._ask(TRACE, "reward", lambda: self._trace(TRACE)["reward"])
+
+    def paid(self, by: Any) -> Float:
+        """See `Trained`: its own reward's pay is recorded."""
+        return self.recorded if by.reward == self.reward else self.paid_by(by.unchanged(TRACE))
 
     def paid_by(self, reward: InstalledReward) -> Float:
         """What another reward pays for every row of the training, (rows,).
@@ -167,14 +314,24 @@ class CellResults:
         Raises:
             Unscored: It cannot.
         """
-        return self._kept.array(
-            reward.choice.label, self._made_of(TRACE, reward), lambda: self._paid(TRACE, reward).total
-        )
+        return self._ask(TRACE, "paid", lambda: self._paid(TRACE, reward).total, reward)
 
-    def pays_recorded(self, reward: InstalledReward, file: str = TRACE) -> bool:
-        """Whether the cell's own reward still pays what is recorded; see `InstalledReward.pays_recorded`."""
-        what, made_of = f"{file} is paid by {reward.choice.label}", self._made_of(file, reward)
-        return bool(self._kept.number(what, made_of, lambda: reward.pays_recorded(self._trace(file).load(SCORED))))
+    def unchanged(self, file: str) -> InstalledReward:
+        """Its own reward, which still pays what the cell recorded in a file.
+
+        Raises:
+            Unscored: It cannot pay, or pays something else.
+        """
+        own = self._cells.installed(self.cell.reward)
+        if file not in self._unchanged:
+            pays = self._ask(file, "is paid", lambda: own.pays_recorded(self._trace(file).load(SCORED)), own)
+            own.require_unchanged(pays)
+            self._unchanged.add(file)
+        return own
+
+    def returned(self, by: Any, manner: str) -> float:
+        """See `Trained`: its events left out."""
+        return self._known(self.evaluation_return(by.unchanged(EVALUATION)))
 
     def evaluation_return(self, reward: InstalledReward) -> float | None:
         """What a reward pays for an episode of the final evaluation, mean; None without a finished one.
@@ -182,11 +339,68 @@ class CellResults:
         Raises:
             Unscored: It cannot.
         """
-        return self._kept.number(
-            f"{EVALUATION} return {reward.choice.label}",
-            self._made_of(EVALUATION, reward),
+        return self._ask(
+            EVALUATION,
+            "return",
             lambda: mean_over_episodes(self._paid(EVALUATION, reward).total, self._trace(EVALUATION)),
+            reward,
         )
+
+    def final_pay(self) -> float:
+        """See `Trained`: its events included."""
+        return self._known(self.recorded_return("paid"))
+
+    def _known(self, value: float | None) -> float:
+        if value is None:
+            raise Unscored(f"no episode ended in the evaluation of seed {self.seed}")
+        return value
+
+    def recorded_return(self, of: str, file: str = EVALUATION) -> float | None:
+        """What an episode in a file was paid, mean; None without a finished one.
+
+        Args:
+            of: ``return`` of the cell's own reward, ``events``, or ``paid``, which is both.
+            file: `EVALUATION` or `RANDOM`.
+        """
+        return self._ask(file, of, lambda: mean_return(self._trace(file), SUMMED[of]))
+
+    def random_pay(self) -> Float:
+        reward, owner = self.unchanged(EVALUATION), self.floor_cell
+        return owner.floor_returns(reward) if owner else np.zeros(0)
+
+    def floor_returns(self, reward: InstalledReward) -> Float:
+        """What a reward pays each episode of random actions that the cell evaluated, events included, (episodes,).
+
+        Raises:
+            Unscored: It cannot.
+        """
+
+        def make() -> Any:
+            trace = self._trace(RANDOM)
+            return episode_sums(self._paid(RANDOM, reward).total + paid_in(trace, EVENTS), trace.episodes).tolist()
+
+        return np.array(self._ask(RANDOM, "returns", make, reward), np.float64)
+
+    def at_random(self) -> Part:
+        """See `Trained`: pay where a cell of the reward recorded it."""
+        owner = self.floor_cell
+        pay = owner.recorded_return("return", RANDOM) if owner and owner.reward == self.reward else None
+        return Part(0, {self.reward: pay}, self.measured.random, {})
+
+    @property
+    def has_terms(self) -> bool:
+        """See `Trained`: whether its training recorded some."""
+        return bool(term_names(self._files / TRACE))
+
+    def terms(self, by: Any, part: str) -> ByTerm | None:
+        """See `Trained`: what others pay its training is not asked for."""
+        reward = self._cells.installed(by.cell.reward)
+        if part != "random":
+            is_asked = part != "training" or by.reward == self.reward
+            return self.terms_paid(reward, FILES[part]) if is_asked else None
+        with suppress(Unscored):
+            return self.floor_cell.terms_paid(reward, RANDOM) if self.floor_cell else None
+        return None
 
     def terms_paid(self, reward: InstalledReward, file: str) -> ByTerm:
         """What each term of a reward paid in a file of the cell; without terms of a reward that has none.
@@ -205,47 +419,35 @@ class CellResults:
             terms = terms_of(trace) if is_own else self._paid(file, reward).terms
             return by_term(terms, trace.episodes, trace["step"] > 0).to_json()
 
-        made_of = [self._kept.digest(file)] if is_own else self._made_of(file, reward)
-        return ByTerm.from_json(self._kept.told(f"{file} terms {reward.choice.label}", made_of, make))
+        return ByTerm.from_json(self._ask(file, "terms", make, None if is_own else reward))
 
-    def recorded_return(self, of: str, file: str = EVALUATION) -> float | None:
-        """What an episode in a file was paid, mean; None without a finished one.
+    # How it is read
+
+    def _keep_own(self) -> None:
+        """Compute what a report asks of the cell beside metrics and what rewards pay again, if that is not kept."""
+        _ = self.cut, self.recorded
+        if not self.cell.evaluate_every:
+            self._learned()
+        self.recorded_return("events")
+        self.recorded_return("paid")
+        self.motion()
+
+    def _ask(
+        self, file: str, what: str, make: Callable[[], Told], by: InstalledReward | None = None, code: str = ""
+    ) -> Told:
+        """What a file of the cell says.
 
         Args:
-            of: ``return`` of the cell's own reward, ``events``, or ``paid``, which is both.
-            file: `EVALUATION` or `RANDOM`.
+            file: Its name.
+            what: Is asked.
+            make: Finds it out, if it is not kept.
+            by: The reward that pays for it.
+            code: The digest of other code that it follows from.
         """
-        return self._number(file, of, lambda: mean_return(self._trace(file), SUMMED[of]))
-
-    def floor_returns(self, reward: InstalledReward) -> Float:
-        """What a reward pays each episode of random actions that the cell evaluated, events included, (episodes,).
-
-        Raises:
-            Unscored: It cannot.
-        """
-
-        def make() -> Any:
-            trace = self._trace(RANDOM)
-            return episode_sums(self._paid(RANDOM, reward).total + paid_in(trace, EVENTS), trace.episodes).tolist()
-
-        what = f"{RANDOM} returns {reward.choice.label}"
-        return np.array(self._kept.told(what, self._made_of(RANDOM, reward), make), np.float64)
-
-    def term_names(self) -> tuple[str, ...]:
-        """The terms of the cell's own reward that its training recorded."""
-        return term_names(self._files / TRACE)
-
-    def motion(self) -> str:
-        """A digest of every joint position in the final evaluation: equal where policies take the same steps."""
-
-        def make() -> str:
-            positions = self._trace(EVALUATION)["qpos"]
-            return hashlib.sha256(repr(positions.shape).encode() + positions.tobytes()).hexdigest()
-
-        return str(self._kept.told(f"{EVALUATION} motion", [self._kept.digest(EVALUATION)], make))
-
-    def _made_of(self, file: str, reward: InstalledReward) -> list[str]:
-        return [self._kept.digest(file), reward.fingerprint(self.cell.reward)]
+        if by:
+            what, code = f"{what} {by.choice.label}", by.fingerprint(self.cell.reward)
+        with self:
+            return self._kept.told(f"{file} {what}", [self._kept.digest(file), code], make)
 
     def _paid(self, file: str, reward: InstalledReward) -> Paid:
         return reward.pay(self._trace(file).load(SCORED), self.cell.reward)
@@ -255,11 +457,11 @@ class CellResults:
 
         The reason of a failure is noted but not kept, because the metric may be mended.
         """
-        digest, values = self._kept.digest(file), Values()
-        for name, (metric, fingerprint) in self._metrics().items():
+        values = Values()
+        for name, (metric, fingerprint) in self._cells.fingerprinted.items():
             values[name], make = None, partial(self._apply, metric, file, part)
             try:
-                values[name] = self._kept.number(f"{file}{part} {name}", [digest, fingerprint], make)
+                values[name] = self._ask(file, f"{part}{name}", make, code=fingerprint)
             except Unmeasured as error:
                 self._reasons.setdefault(name, str(error))
         return values
@@ -269,14 +471,6 @@ class CellResults:
             raise Unmeasured(metric.reason)
         trace = self._trace(file).load(MEASURED)
         return value_of(metric, _some(trace, part) if part else trace)
-
-    def _episodes(self, file: str) -> int:
-        """The finished episodes of a trace."""
-        return int(self._number(file, "episodes", lambda: len(self._trace(file).episodes)) or 0)
-
-    def _number(self, file: str, what: str, make: Callable[[], float | None]) -> float | None:
-        """A number that a trace alone says."""
-        return self._kept.number(f"{file} {what}", [self._kept.digest(file)], make)
 
     def _trace(self, file: str) -> Log:
         """A trace, of which results read the columns that they need."""
@@ -291,12 +485,7 @@ class CellResults:
         return self.cell.evaluation_episodes * (1 + max(self.cell.steps, SLACK))
 
     def _is_there(self, name: str) -> bool:
-        return name in self._done.files and (self._files / name).is_file()
-
-    def finish(self) -> None:
-        """Keep the numbers and drop the traces, because a report asks for one cell after the other."""
-        self._read.clear()
-        self._kept.save()
+        return name in self.manifest.files and (self._files / name).is_file()
 
 
 def _some(trace: Log, part: str) -> Log:
@@ -306,33 +495,3 @@ def _some(trace: Log, part: str) -> Log:
     chosen = episodes[:count] if part == START else episodes[-count:]
     rows = np.sort(np.concatenate([np.empty(0, np.int64), *chosen]))
     return with_episode_facts(trace.part(rows), replace(episode_facts(trace), ik_steps=None, work=None))
-
-
-class Floors:
-    """The floors of the cells in an experiment's folder."""
-
-    def __init__(self, store: Store, manifests: Iterable[Manifest], of: Callable[[Cell], CellResults]) -> None:
-        """Read nothing yet.
-
-        Args:
-            store: The folder.
-            manifests: The manifests of its cells.
-            of: A function that returns the results of a done cell.
-        """
-        self._of, self._owners = of, floors_in(manifests, store)
-        self._values: dict[str, Values] = {}
-
-    def of(self, cell: Cell) -> Values:
-        """Every metric of random actions in a done cell's simulator, task and robot; empty if no cell has them."""
-        owner = self.owner(cell)
-        if owner is None:
-            return {}
-        if owner.id not in self._values:
-            found = self._of(owner)
-            self._values[owner.id] = found.floor()
-            found.finish()
-        return self._values[owner.id]
-
-    def owner(self, cell: Cell) -> Cell | None:
-        """The cell that evaluated random actions in the place of a done cell; None if no cell did."""
-        return cell if self._of(cell).has_floor else self._owners.get(Floor.of(cell))

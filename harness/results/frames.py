@@ -3,16 +3,16 @@
 import hashlib
 import json
 from contextlib import suppress
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, NamedTuple
+from typing import Annotated
 
-from pydantic import Field, TypeAdapter, with_config
-from typing_extensions import TypedDict
+from pydantic import Field, with_config
 
 from harness.errors import SchemaError
 from harness.files.bounded import parse_json, reading
 from harness.files.keyed_file import is_whole, read_keyed, write_keyed
-from harness.record.file_forms import EXACT, Line, Whole, require_form
+from harness.record.file_forms import EXACT, Line, Whole, read_form
 from harness.record.folder import DERIVED, EVALUATION_RECORDING, POLICY
 from harness.record.manifest import Manifest
 
@@ -27,34 +27,25 @@ FOREIGN = "the pictures are of another training, or another user or machine made
 
 
 @with_config(EXACT)
-class FramesForm(TypedDict):
-    """The form of what is said of the pictures."""
+@dataclass(frozen=True)
+class Frames:
+    """Pictures of one episode of a cell's evaluation, and what their file says of them.
+
+    Attributes:
+        reason: Why there is no picture; empty if there are some.
+        steps: The step of each picture.
+        told: What the episode was paid, and the measure that decides.
+        outcome: How the episode ended.
+        strip: All pictures side by side, as WebP.
+        episode: The number of the episode, counted from 0.
+    """
 
     reason: Line
-    episode: Whole
-    steps: Annotated[list[Whole], Field(max_length=100)]
-    told: Line
-    outcome: Line
-
-
-FORM: TypeAdapter[FramesForm] = TypeAdapter(FramesForm)
-
-
-class Frames(NamedTuple):
-    """Pictures of one episode of a cell's evaluation."""
-
-    reason: str
-    """Why there is no picture; empty if there are some."""
-    steps: tuple[int, ...] = ()
-    """The step of each picture."""
-    told: str = ""
-    """What the episode was paid, and the measure that decides."""
-    outcome: str = ""
-    """How the episode ended."""
+    steps: Annotated[tuple[Whole, ...], Field(max_length=100)] = ()
+    told: Line = ""
+    outcome: Line = ""
     strip: bytes = b""
-    """All pictures side by side, as WebP."""
-    episode: int = 0
-    """The number of the episode, counted from 0."""
+    episode: Whole = 0
 
 
 def frames_file(folder: Path, cell: str, episode: int = 0) -> Path:
@@ -92,17 +83,13 @@ def read_frames(folder: Path, done: Manifest, episode: int = 0) -> Frames:
     facts, _, strip = content.partition(b"\n")
     try:
         with reading(path, "file of pictures"):
-            data = parse_json(facts)
-            require_form(FORM, data)
+            return replace(read_form(Frames, parse_json(facts)), strip=strip)
     except SchemaError as error:
         return Frames(str(error))
-    if data["reason"]:
-        return Frames(data["reason"])
-    return Frames("", tuple(data["steps"]), data["told"], data["outcome"], strip, data["episode"])
 
 
 def write_frames(folder: Path, done: Manifest, content: bytes, episode: int = 0) -> None:
-    """Keep the pictures of an episode of a done cell: a line of JSON as `FramesForm` has it, then the pictures.
+    """Keep the pictures of an episode of a done cell: a line of JSON as `Frames` has it, then the pictures.
 
     A folder that allows no writing stays as it is, and so does one that holds a link.
     """

@@ -19,12 +19,11 @@ from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, TypeAlias
+from typing import Any, TypeVar
 
 import numpy as np
 import pyarrow as pa
 
-from harness.arrays import Float
 from harness.files.bounded import digest_of
 from harness.files.keyed_file import read_keyed, write_keyed
 from harness.record.folder import DERIVED
@@ -49,7 +48,7 @@ CODE = (
 )
 """Modules and packages that change the kept results, besides the plugins."""
 
-Number: TypeAlias = float | int | bool | None
+Told = TypeVar("Told")
 
 
 class Kept:
@@ -78,40 +77,36 @@ class Kept:
             self._digests[name] = digest_of(path) if path.is_file() else ""
         return self._digests[name]
 
-    def number(self, what: str, made_of: Sequence[str], make: Callable[[], Number]) -> Number:
-        """The number that `make` computes. It is taken from what is kept, if that follows from the same.
+    def told(self, what: str, made_of: Sequence[str], make: Callable[[], Told]) -> Told:
+        """What `make` computes: a number, plain data as JSON has it, or an array, (numbers,).
+
+        It is taken from what is kept, if that follows from the same.
 
         Args:
-            what: The name of the number among those of the cell.
-            made_of: Digests of everything that the number follows from.
-            make: Computes the number. An error that it raises is passed on.
+            what: Its name among those of the cell.
+            made_of: Digests of everything that it follows from.
+            make: Computes it. An error that it raises is passed on.
         """
-        number: Number = self.told(what, made_of, lambda: _plain(make()))
-        return number
-
-    def told(self, what: str, made_of: Sequence[str], make: Callable[[], Any]) -> Any:
-        """The plain data, as JSON has it, that `make` computes; see `number`."""
-        key = _key(what, made_of)
-        found = self._values.get(what)
+        key = hashlib.sha256("\0".join([_code(), what, *made_of]).encode()).hexdigest()[:32]
+        found: Any = self._values.get(what)
         if found is not None and found[0] == key:
-            return found[1]
-        made = make()
-        self._values[what] = [key, made]
-        self._changed = True
-        return made
-
-    def array(self, what: str, made_of: Sequence[str], make: Callable[[], Float]) -> Float:
-        """The array, (numbers,), that `make` computes; see `number`."""
-        key = _key(what, made_of)
-        name = hashlib.sha256(what.encode()).hexdigest()[:8]
+            told: Told = found[1]
+            return told
+        name, owner = hashlib.sha256(what.encode()).hexdigest()[:8], f"{self._owner} {key}"
         path = self._folder / f"{name}-{key}.array"
-        content = read_keyed(path, f"{self._owner} {key}", LARGEST)
+        content = read_keyed(path, owner, LARGEST)
         if content is not None:
             rows = int.from_bytes(content[:8], "little")
-            return np.frombuffer(pa.decompress(content[8:], decompressed_size=8 * rows, codec="zstd"), np.float64)
+            found = np.frombuffer(pa.decompress(content[8:], decompressed_size=8 * rows, codec="zstd"), np.float64)
+            told = found
+            return told
         made = make()
+        if not isinstance(made, np.ndarray):
+            self._values[what] = [key, made]
+            self._changed = True
+            return made
         packed: bytes = pa.compress(np.ascontiguousarray(made), codec="zstd", asbytes=True)
-        self._write(path, f"{self._owner} {key}", len(made).to_bytes(8, "little") + packed)
+        self._write(path, owner, len(made).to_bytes(8, "little") + packed)
         for old in self._folder.glob(f"{name}-*"):  # of files or plugins that have changed
             if old != path:
                 with suppress(OSError):
@@ -134,15 +129,6 @@ class Kept:
         with suppress(OSError):
             self._folder.mkdir(parents=True, exist_ok=True)
             write_keyed(path, key, content)
-
-
-def _plain(number: Any) -> Number:
-    """A number as JSON gives it back."""
-    return number if number is None or isinstance(number, int | float) else float(number)
-
-
-def _key(what: str, made_of: Sequence[str]) -> str:
-    return hashlib.sha256("\0".join([_code(), what, *made_of]).encode()).hexdigest()[:32]
 
 
 @lru_cache(maxsize=1)

@@ -1,7 +1,7 @@
 """The evaluations of a comparison's policies during their training. Reads results only."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -14,25 +14,16 @@ STRETCHES = 20
 """How many stretches a training has, each a point of its curve: the mean over the episodes that ended in it."""
 
 
-@dataclass(frozen=True)
-class LearningRun:
-    """The evaluations of one cell, the last one after its training.
-
-    Attributes:
-        seed: The seed of the cell.
-        moments: The evaluations in order.
-    """
-
-    seed: int
-    moments: tuple[Moment, ...]
-
-
 class Point(NamedTuple):
     """A point of a curve."""
 
     steps: int
     """Environment steps. It is the mean if the seeds were not evaluated after the same number of steps."""
     value: SeedMean
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data."""
+        return {"steps": self.steps, **self.value.to_json()}
 
 
 @dataclass(frozen=True)
@@ -41,12 +32,12 @@ class LearningCurve:
 
     Attributes:
         reward: The label of the reward.
-        runs: One run per seed.
+        runs: The evaluations of each training by its seed, in order, the last one after it.
         points: By metric; the mean over seeds with its 95 % interval at each evaluation.
     """
 
     reward: str
-    runs: tuple[LearningRun, ...]
+    runs: Mapping[int, Sequence[Moment]]
     points: Mapping[str, tuple[Point, ...]]
 
     def known(self, metric: str) -> list[Point]:
@@ -79,37 +70,33 @@ class Learning:
     def to_json(self) -> dict[str, Any]:
         """Plain data: the curves by metric, and the runs that they are means of."""
         sides = {"baseline": self.baseline, "proposed": self.proposed}
-        return {
-            "metrics": {
-                name: {
-                    **{
-                        side: [{"steps": point.steps, **point.value.to_json()} for point in curve.points[name]]
-                        for side, curve in sides.items()
-                    },
-                    "random": self.random[name],
-                }
-                for name in self.random
-            },
-            "runs": {
-                side: [
-                    {"seed": run.seed, "evaluations": [{"steps": steps, **values} for steps, values in run.moments]}
-                    for run in curve.runs
-                ]
-                for side, curve in sides.items()
-            },
+        metrics = {
+            name: {
+                **{side: [it.to_json() for it in curve.points[name]] for side, curve in sides.items()},
+                "random": value,
+            }
+            for name, value in self.random.items()
         }
+        runs = {
+            side: [
+                {"seed": seed, "evaluations": [{"steps": steps, **values} for steps, values in moments]}
+                for seed, moments in curve.runs.items()
+            ]
+            for side, curve in sides.items()
+        }
+        return {"metrics": metrics, "runs": runs}
 
 
 def learning_points(
-    runs: Sequence[LearningRun], metric: str, group: Group, bounds: Bounds = UNBOUNDED
+    runs: Collection[Sequence[Moment]], metric: str, group: Group, bounds: Bounds = UNBOUNDED
 ) -> tuple[Point, ...]:
     """The mean of one metric, which may have bounds, over seeds at each evaluation.
 
     Evaluations that were due at the same step form one point.
     """
     found: dict[int, list[Moment]] = {}
-    for run in runs:
-        for due, moment in moments_by_due(run.moments, group.evaluate_every, group.steps):
+    for moments in runs:
+        for due, moment in moments_by_due(moments, group.evaluate_every, group.steps):
             found.setdefault(due, []).append(moment)
     return tuple(
         mean_point(

@@ -9,7 +9,7 @@ from harness.registry.given import read_given
 from harness.registry.registry import Registry, load_registry
 from harness.results.logs.results_of_logs import results_of_logs
 from harness.results.logs.told import FOUND_OUT, Told
-from harness.results.recordings.read_runs import LooseStore, has_recordings
+from harness.results.recordings.read_runs import has_recordings, read_loose
 from harness.results.results import Results
 
 
@@ -73,5 +73,5 @@ def read_results(
         return Results(folder, registry, kind, metrics=metrics, is_temporary=is_temporary, pairs=pairs, told=told)
     if told.format or not has_recordings(folder):
         return results_of_logs(folder, registry, told, kind, metrics, pairs=pairs)
-    loose = LooseStore(folder, told=told)
-    return Results(folder, registry, kind, metrics=metrics, is_temporary=is_temporary, store=loose, pairs=pairs)
+    runs = read_loose(folder, told)
+    return Results(folder, registry, kind, metrics=metrics, is_temporary=is_temporary, runs=runs, pairs=pairs)

@@ -1,9 +1,9 @@
 """The values of every metric for one cell: its policy in both manners, random actions, and its training."""
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import suppress
-from typing import Any, NamedTuple, TypeAlias, TypeVar
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -17,7 +17,6 @@ from harness.record.manifest import SHOWN_DIGITS, Manifest
 
 Values: TypeAlias = dict[str, float | None]
 """Values by metric. A value is None if it is not defined, or if the metric fails."""
-Asked = TypeVar("Asked")
 
 LAST_PART = 0.75
 """Evaluations after this part of the training count for the final policy."""
@@ -86,25 +85,23 @@ def value_of(metric: Measure, trace: Log) -> float | None:
     Raises:
         Unmeasured: It raises, or what it returns is no finite number.
     """
-
-    def ask() -> float | None:
+    with unmeasured():
         value = metric(trace)
         if value is not None and not math.isfinite(value):
             raise Unmeasured(f"it returned {value}")
         return None if value is None else float(value)
 
-    return unmeasured_if_it_raises(ask)
 
-
-def unmeasured_if_it_raises(ask: Callable[[], Asked]) -> Asked:
-    """What `ask` returns, which runs a metric's code. An error that it raises becomes a reason, and stops nothing else.
+@contextmanager
+def unmeasured() -> Iterator[None]:
+    """Run a metric's code. An error that it raises becomes a reason, and stops nothing else.
 
     Raises:
         SchemaError: A file that it reads is damaged.
         Unmeasured: With the reason in one line.
     """
     try:
-        return ask()
+        yield
     except SchemaError:  # a column is damaged, whatever measures it
         raise
     except (Exception, SystemExit) as error:
@@ -182,12 +179,9 @@ def mixtures_of(manifests: Iterable[Manifest]) -> tuple[Mixture, ...]:
         for kind, name in manifest.cell.plugins.items():
             if kind in recorded:
                 started.setdefault((kind, name), {}).setdefault(recorded[kind], []).append(manifest.started)
-    return tuple(
-        Mixture(kind, name, _counts(versions)) for (kind, name), versions in started.items() if len(versions) > 1
-    )
-
-
-def _counts(started: Mapping[str, Sequence[str]]) -> dict[str, int]:
-    """How many cells each version made. Of two versions that made as many, the newer one comes first."""
-    order = sorted(started, key=lambda version: (len(started[version]), max(started[version])), reverse=True)
-    return {version: len(started[version]) for version in order}
+    found = list[Mixture]()
+    for (kind, name), versions in started.items():
+        # Of two versions that made as many, the newer one comes first.
+        order = sorted(versions, key=lambda it: (len(versions[it]), max(versions[it])), reverse=True)
+        found += [Mixture(kind, name, {it: len(versions[it]) for it in order})] if len(versions) > 1 else []
+    return tuple(found)

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 from harness.errors import Unmeasured, UsageError, one_line
@@ -16,7 +15,7 @@ from harness.registry.choice import Choice, choose, split_list
 from harness.registry.names import unknown_name
 from harness.registry.registry import Registry
 from harness.registry.sources import fingerprint
-from harness.results.measured import unmeasured_if_it_raises
+from harness.results.measured import unmeasured
 
 BETTER = ("higher", "lower", "")
 
@@ -100,37 +99,34 @@ def measure_of(name: str, metric: Measure, manner: str, episodes: int, manifest:
         episodes: How many episodes it is a share of, if it is a share.
         manifest: The manifest of one of the cells, which all do one task.
     """
-    share, bounds = episodes if is_share(metric) else None, bounds_of(metric)
-    if manifest.error and is_error(metric):
-        title = name.replace("_", " ").replace("distance", manifest.error)
-        return Quantity(name, manifest.unit, metric.better, manner, share, title, bounds)
-    return Quantity(name, metric.unit, metric.better, manner, share, bounds=bounds)
+    share = episodes if is_share(metric) else None
+    found = Quantity(name, metric.unit, metric.better, manner, share, bounds=bounds_of(metric))
+    if not (manifest.error and is_error(metric)):
+        return found
+    return found._replace(unit=manifest.unit, title=name.replace("_", " ").replace("distance", manifest.error))
 
 
 def with_fingerprints(metrics: Mapping[str, Measure]) -> dict[str, tuple[Measure, str]]:
     """Each metric with its fingerprint. A metric whose sources cannot be read becomes `Unmeasurable`."""
-    return {name: _fingerprinted(metric) for name, metric in metrics.items()}
-
-
-def _fingerprinted(metric: Measure) -> tuple[Measure, str]:
-    try:
-        return metric, fingerprint(metric)
-    except Exception as error:  # a plugin may be of any make
-        instead = Unmeasurable(f"its sources cannot be read: {one_line(error)}")
-        return instead, fingerprint(instead)
+    found = dict[str, tuple[Measure, str]]()
+    for name, metric in metrics.items():
+        try:
+            found[name] = metric, fingerprint(metric)
+        except Exception as error:  # a plugin may be of any make
+            instead = Unmeasurable(f"its sources cannot be read: {one_line(error)}")
+            found[name] = instead, fingerprint(instead)
+    return found
 
 
 def _usable(registry: Registry, name: str) -> Measure:
     try:
-        return unmeasured_if_it_raises(partial(_build, registry, name))
+        with unmeasured():
+            metric: Measure = Choice(name).build(registry, "metrics")
+            if metric.better not in BETTER:
+                raise Unmeasured(f"its 'better' is {metric.better!r}: allowed are higher and lower, or an empty text")
+            if not are_bounds(bounds_of(metric)):
+                told = bounds_of(metric)
+                raise Unmeasured(f"its 'bounds' are {told!r}: allowed are two numbers, the lower one first")
+            return metric
     except Unmeasured as error:
         return Unmeasurable(str(error))
-
-
-def _build(registry: Registry, name: str) -> Measure:
-    metric: Measure = Choice(name).build(registry, "metrics")
-    if metric.better not in BETTER:
-        raise Unmeasured(f"its 'better' is {metric.better!r}: allowed are higher and lower, or an empty text")
-    if not are_bounds(bounds_of(metric)):
-        raise Unmeasured(f"its 'bounds' are {bounds_of(metric)!r}: allowed are two numbers, the lower one first")
-    return metric

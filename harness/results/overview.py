@@ -14,8 +14,6 @@ from harness.eta.scored_sums import BB, KK
 from harness.results.comparison import Comparison
 from harness.text import visible
 
-NO_DECIDER = "-"
-"""What stands where no measure decided."""
 ARROW = " -> "
 """Between what is measured of the baseline and of the proposed reward."""
 PAY = "pay of an episode"
@@ -57,7 +55,7 @@ class Overview(NamedTuple):
     @property
     def reading(self) -> str:
         """How to read the table."""
-        return f"{self.measure}: baseline -> proposed. {READING[self.numbers].format(subject=self.subject)}"
+        return f"{self.measure}: baseline -> proposed. {READING[self.numbers]}"
 
 
 def overview_of(combinations: Sequence[Comparison]) -> Overview:
@@ -73,27 +71,25 @@ def overview_of(combinations: Sequence[Comparison]) -> Overview:
 
 def shared_text(combinations: Sequence[Comparison]) -> str:
     """What is the same in all combinations, of which there must be at least one."""
-    varying = varying_kinds(combinations)
-    told = [label for kind, label in combinations[0].group.shown.items() if kind not in varying]
-    rewards, baselines = ({getattr(it, name) for it in combinations} for name in ("proposed", "baseline"))
-    if varying and len(rewards) == 1:
-        told += rewards
-    told += [f"against {baseline}" for baseline in baselines if len(baselines) == 1]
+    varying, first = varying_kinds(combinations), combinations[0]
+    told = [label for kind, label in first.group.shown.items() if kind not in varying]
+    if varying and len({it.proposed for it in combinations}) == 1:
+        told.append(first.proposed)
+    if len({it.baseline for it in combinations}) == 1:
+        told.append(f"against {first.baseline}")
     if "steps" not in varying:
-        told.append(f"{combinations[0].group.steps:,} steps")
-    counts = {it.counts for it in combinations}
-    seeds = (" against ".join(dict.fromkeys(map(count_seeds, of_both))) for of_both in counts)
-    return " · ".join([*told, *seeds] if len(counts) == 1 else told)
+        told.append(f"{first.group.steps:,} steps")
+    if len({it.counts for it in combinations}) == 1:
+        told.append(" against ".join(dict.fromkeys(map(count_seeds, first.counts))))
+    return " · ".join(told)
 
 
 def line_names(combinations: Sequence[Comparison]) -> list[str]:
     """A name for each combination: what differs between the groups, and the reward if there are several."""
-    varying, rewards = varying_kinds(combinations), {it.proposed for it in combinations}
-    with_reward = not varying or len(rewards) > 1
-    return [
-        " · ".join([*([group_name(it, varying)] if varying else []), *([reward] if with_reward else [])])
-        for it, reward in zip(combinations, reward_names(combinations), strict=True)
-    ]
+    varying = varying_kinds(combinations)
+    with_reward = not varying or len({it.proposed for it in combinations}) > 1
+    named = zip(combinations, reward_names(combinations), strict=True)
+    return [" · ".join(filter(None, (group_name(it, varying), reward * with_reward))) for it, reward in named]
 
 
 def reward_names(combinations: Sequence[Comparison]) -> list[str]:
@@ -104,9 +100,9 @@ def reward_names(combinations: Sequence[Comparison]) -> list[str]:
 
 def varying_kinds(combinations: Sequence[Comparison]) -> list[str]:
     """Kinds of labels that differ between groups, and ``steps`` if the trainings are not equally long."""
-    named = dict.fromkeys(kind for it in combinations for kind in it.group.labels)
-    kinds = [kind for kind in named if len({it.group.labels.get(kind) for it in combinations}) > 1]
-    return [*kinds, *(["steps"] if len({it.group.steps for it in combinations}) > 1 else [])]
+    told = [{**it.group.labels, "steps": it.group.steps} for it in combinations]
+    kinds = [*dict.fromkeys(kind for it in combinations for kind in it.group.labels), "steps"]
+    return [kind for kind in kinds if len({of.get(kind) for of in told}) > 1]
 
 
 def group_name(comparison: Comparison, varying: Sequence[str]) -> str:
@@ -117,16 +113,15 @@ def group_name(comparison: Comparison, varying: Sequence[str]) -> str:
 
 def overview_row(name: str, comparison: Comparison, with_intervals: bool, overview: Overview) -> tuple[str, ...]:
     """The values under the headings of an overview."""
-    answer = comparison.headline.answer.value.upper()
+    answer, number = comparison.headline.answer.value.upper(), comparison.number
     measured = (name, answer, decider_text(comparison), measure_text(comparison.decisive))
     if overview.numbers == "none":
         return measured
     if overview.numbers == "pay":
-        return (*measured, *pay_texts(comparison.number.pay, with_intervals))
-    splits = comparison.number.splits
-    etas = (splits["eta_N"].eta, splits["eta_P"].eta)
-    told = (short_value(eta) + (_interval(eta) if with_intervals else "") for eta in etas)
-    return (*measured, *told, short_value(splits["eta_P"].ruler))
+        return (*measured, *pay_texts(number.pay, with_intervals))
+    etas = (number.splits[name].eta for name in ("eta_N", "eta_P"))
+    told = (short_value(eta) + _interval(eta) * with_intervals for eta in etas)
+    return (*measured, *told, short_value(number.splits["eta_P"].ruler))
 
 
 def pay_texts(pay: ReturnSplit | None, with_intervals: bool = False) -> tuple[str, str, str, str]:
@@ -182,7 +177,7 @@ def decider_text(comparison: Comparison) -> str:
 def decided_by_text(name: str | None, first: str | None, values: str) -> str:
     """The measure `name` that decided, with `values` if it is not the `first` one, which has a column."""
     if name is None:
-        return NO_DECIDER
+        return "-"
     return short_name(name) if name == first else f"{short_name(name)}, {values}"
 
 

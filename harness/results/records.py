@@ -5,14 +5,17 @@ from pathlib import Path
 
 from harness.eta.curve import Kind
 from harness.eta.equal import Key, equal_trainings
-from harness.record.cell import Cell
+from harness.record.cell import BROUGHT, EVALUATION_HORIZON, Cell
 from harness.record.folder import TRACE
 from harness.record.manifest import Manifest
+from harness.record.plan_file import StoredPlan
 from harness.record.store import Store
+from harness.registry.choice import Choice
 from harness.registry.given import plugin_flags
 from harness.registry.registry import Registry
 from harness.results.comparison import Group
 from harness.results.metrics import named_measures
+from harness.results.recordings.runs import Runs
 
 
 class Records:
@@ -25,7 +28,7 @@ class Records:
         kind: Kind = "accumulated",
         *,
         is_temporary: bool = False,
-        store: Store | None = None,
+        runs: Runs | None = None,
         pairs: bool = False,
     ) -> None:
         """Read the plan and all manifests.
@@ -35,7 +38,7 @@ class Records:
             registry: The plugins, for metrics and rewards.
             kind: Which curves the indices are read from; see `harness.eta.curve.GroupCurve`.
             is_temporary: Whether the folder is soon gone, so that no command may name it.
-            store: Reads the folder; by default as that of an experiment.
+            runs: The recordings or logs that it holds; None of an experiment.
             pairs: Whether every two rewards are compared, and not each with the baseline alone.
 
         Raises:
@@ -43,20 +46,21 @@ class Records:
             SchemaError: A newer version wrote a file in it, or its plan is damaged and the cells do not tell either.
         """
         self.folder = folder
-        self.store = store or Store.open(folder)
+        self.runs = runs
+        self.store = Store(folder) if runs else Store.open(folder)
         self.registry = registry
         self.kind: Kind = kind
         self.is_temporary = is_temporary
         self.pairs = pairs
-        self.plan = self.store.read_plan()
+        self.plan = _plan_of(runs) if runs else self.store.read_plan()
         self.baseline = self.plan.baseline
         self.named = named_measures(self.plan.experiment)
-        self.manifests = list(map(self.store.examine, self.plan.cells))
+        self.manifests = [Manifest(it, status="done") if runs else self.store.examine(it) for it in self.plan.cells]
 
     @property
     def is_experiment(self) -> bool:
-        """Whether an experiment made what the folder holds, so that it can be repeated."""
-        return Store.is_experiment(self.folder)
+        """Whether an experiment made what is read, so that it can be repeated."""
+        return self.runs is None
 
     @property
     def failed(self) -> list[Manifest]:
@@ -124,3 +128,16 @@ class Records:
     @cached_property
     def _ended(self) -> dict[str, Manifest]:
         return {manifest.cell.id: manifest for manifest in self.manifests}
+
+
+def _plan_of(runs: Runs) -> StoredPlan:
+    """A plan of trainings that no experiment made; the reward that was given first is the baseline."""
+    group = runs.group
+    cells = (
+        Cell(
+            *BROUGHT, group.task, group.algorithm, Choice(reward, (), reward), seed, group.steps,
+            group.evaluation_episodes, evaluation_horizon=EVALUATION_HORIZON,
+        )
+        for reward, seed in runs.members
+    )  # fmt: skip
+    return StoredPlan(runs.trained[0], False, {}, tuple(cells), {})

@@ -20,7 +20,6 @@ from harness.log import Log
 from harness.measure import Measure
 from harness.record.cell import Cell
 from harness.record.manifest import Manifest
-from harness.record.store import Store
 from harness.registry.registry import Registry
 from harness.results.alone import Alone, alone_of
 from harness.results.compare import compare_all
@@ -57,7 +56,7 @@ class Results(Records):
         *,
         metrics: Iterable[str] | str | None = None,
         is_temporary: bool = False,
-        store: Store | None = None,
+        runs: Runs | None = None,
         pairs: bool = False,
         told: Told = FOUND_OUT,
     ) -> None:
@@ -70,7 +69,7 @@ class Results(Records):
             metrics: Which metrics; every registered one if None, see `harness.results.metrics.load_metrics`. Of an
                 environment: which of its measures, beside the one that decides.
             is_temporary: See `Records`.
-            store: See `Records`.
+            runs: See `Records`.
             pairs: See `Records`.
             told: What the user says: which cells of an experiment are left out.
 
@@ -79,16 +78,15 @@ class Results(Records):
                 out is no cell that ended.
             PluginError: A named metric is broken.
         """
-        super().__init__(folder, registry, kind, is_temporary=is_temporary, store=store, pairs=pairs)
+        super().__init__(folder, registry, kind, is_temporary=is_temporary, runs=runs, pairs=pairs)
         kinds = {cell.is_in_environment for cell in self.plan.cells}
         if len(kinds) > 1:
             raise UsageError(f"'{folder}' mixes cells of an arm with cells in environments: report them apart")
         self.in_environment = kinds == {True}
-        self.traces = Traces(self, metrics if not self.in_environment else None)
-        self.recordings = Recordings(self, metrics) if self.in_environment else None
-        self._source: Traces | Recordings = self.recordings or self.traces
-        if self.recordings is None:
-            self.manifests = list(map(self.traces.examine, self.manifests))
+        self._source = source = Recordings(self, metrics) if self.in_environment else Traces(self, metrics)
+        self.recordings = source if isinstance(source, Recordings) else None
+        self.traces = source if isinstance(source, Traces) else None
+        self.manifests = list(map(source.examine, self.manifests))
         self.account = self._counted(told.leave_out) if self.is_experiment else Account[Manifest]((), (), ())
 
     def _counted(self, leave_out: Collection[Path]) -> Account[Manifest]:
@@ -103,6 +101,8 @@ class Results(Records):
         self.manifests = [
             replace(it, status="skipped", reason=out[it.cell]) if it.cell in out else it for it in self.manifests
         ]
+        for cell in out:
+            self._source.remove(cell)
         return account
 
     @property
@@ -221,7 +221,7 @@ class Results(Records):
 
     def recorded(self, cell: Cell) -> Float:
         """What a done cell's own reward paid, every row of its training, (rows,)."""
-        return self.recordings.recorded(cell) if self.recordings else self.traces.of(cell).recorded()
+        return self._source.recorded(cell)
 
     def frames(self, cell: Cell, episode: int = 0) -> Frames | None:
         """Pictures of an evaluation episode that an environment drew; None of an arm, which has a replay."""

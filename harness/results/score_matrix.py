@@ -19,7 +19,7 @@ from harness.registry.choice import Choice
 from harness.registry.registry import Registry
 from harness.results.comparison import Group
 from harness.results.results import Results
-from harness.score.rescore import write_scores
+from harness.score.rescore import rescore
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ def _matrix(
     failed: dict[str, str] = {}
     for training, cells in trainings.items():
         places = [results.store.cell_folder(cell) for cell in cells]
-        refused = [write_scores(cell_log(it / TRACE), scoring, it / SCORES, registry) for it in places]
+        refused = [rescore(cell_log(it / TRACE), scoring, it / SCORES, registry) for it in places]
         for label, row in indices.items():
             reasons = [told[label] for told in refused if label in told]
             runs = [] if reasons else [_read(place / SCORES, label) for place in places]

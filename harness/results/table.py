@@ -1,6 +1,6 @@
 """``results.parquet``, a row for each cell: what its policy did, what random actions do; a table of comparisons."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
@@ -52,7 +52,16 @@ def table_of(rows: Rows, columns: Iterable[str] = ()) -> pa.Table:
         columns: Columns that come first among those of numbers, although no cell may have a number in them.
     """
     known = list(rows)
-    table = pa.Table.from_pylist([_facts(manifest, numbers) for manifest, numbers in known])
+    facts = [
+        {
+            **cell_to_json(manifest),
+            "robot": manifest.cell.robot,
+            "task": manifest.cell.task.label,
+            "not_measured": "; ".join(f"{name}: {why}" for name, why in numbers.reasons.items()) if numbers else "",
+        }
+        for manifest, numbers in known
+    ]
+    table = pa.Table.from_pylist(facts)
     for name in dict.fromkeys([*columns, *(name for _, numbers in known if numbers for name in numbers.values)]):
         values = [numbers and numbers.values.get(name) for _, numbers in known]
         table = table.append_column(name, pa.array(values, pa.float64()))
@@ -76,15 +85,6 @@ def write_table(folder: Path, rows: Rows, columns: Iterable[str] = ()) -> Path:
     return path
 
 
-def _facts(manifest: Manifest, numbers: Numbers | None) -> dict[str, Any]:
-    return {
-        **cell_to_json(manifest),
-        "robot": manifest.cell.robot,
-        "task": manifest.cell.task.label,
-        "not_measured": "; ".join(f"{name}: {why}" for name, why in numbers.reasons.items()) if numbers else "",
-    }
-
-
 def cell_to_json(manifest: Manifest) -> dict[str, Any]:
     """The facts about a cell as plain data."""
     cell = manifest.cell
@@ -101,15 +101,17 @@ def cell_to_json(manifest: Manifest) -> dict[str, Any]:
     }
 
 
-KINDS = ("simulator", "algorithm", "robot", "task")
-_TEXT = {name: pa.string() for name in (*KINDS, "baseline", "proposed", "answer", "decided_by", "measure")}
-_ENDS = ("", "_low", "_high")
-_NUMBERS = (
-    *("p", "p_corrected", "baseline_value", "proposed_value", "difference", "low", "high"),
-    *(f"{name}{end}" for name in ("eta_N", "eta_P", "ruler", "behaviour") for end in _ENDS),
+_RATIOS = ("eta_N", "eta_P", "ruler", "behaviour")
+_NUMBERS = ("p", "p_corrected", "baseline_value", "proposed_value", "difference", "low", "high")
+_TEXTS = ("simulator", "algorithm", "robot", "task", "baseline", "proposed", "answer", "decided_by", "measure")
+SCHEMA = pa.schema(
+    {
+        **dict.fromkeys(_TEXTS, pa.string()),
+        **dict.fromkeys(("steps", "seeds", "baseline_trainings", "proposed_trainings"), pa.int64()),
+        **dict.fromkeys(_NUMBERS, pa.float64()),
+        **{f"{name}{end}": pa.float64() for name in _RATIOS for end in ("", "_low", "_high")},
+    }
 )
-_COUNTS = ("steps", "seeds", "baseline_trainings", "proposed_trainings")
-SCHEMA = pa.schema({**_TEXT, **dict.fromkeys(_COUNTS, pa.int64()), **dict.fromkeys(_NUMBERS, pa.float64())})
 """The columns: where both rewards trained, the answer with its test, the measure that decides, the numbers."""
 
 
@@ -120,25 +122,21 @@ def comparison_rows(comparisons: Sequence[Comparison]) -> pa.Table:
     ``measure`` is the first of the measures that decide, with both values, their difference and its 95 % interval.
     ``ruler`` and ``behaviour`` are the parts of ``eta`` of the mean return where there is one, else those of eta_P.
     """
-    return pa.Table.from_pylist([dict(_row(it)) for it in comparisons], SCHEMA)
+    return pa.Table.from_pylist(list(map(_row, comparisons)), SCHEMA)
 
 
-def _row(comparison: Comparison) -> Iterator[tuple[str, Any]]:
-    labels, headline, ruling, change = (
-        comparison.group.labels, comparison.headline, comparison.answer.ruling, comparison.decisive,
-    )  # fmt: skip
-    yield from ((kind, labels.get(kind)) for kind in KINDS)
-    yield from zip(("baseline", "proposed"), comparison.names, strict=True)
-    yield from zip(_COUNTS, (comparison.group.steps, len(comparison.seeds), *comparison.counts), strict=True)
-    yield from (("answer", headline.answer.value), ("decided_by", headline.decided_by))
+def _row(comparison: Comparison) -> dict[str, Any]:
+    number, ruling, change = comparison.number, comparison.answer.ruling, comparison.decisive
+    headline = comparison.headline
+    trainings = zip(("baseline_trainings", "proposed_trainings"), comparison.counts, strict=True)
+    row = {**comparison.group.to_json(), **comparison.names._asdict(), **dict(trainings)}
+    row |= {"seeds": len(comparison.seeds), "answer": headline.answer.value, "decided_by": headline.decided_by}
     if ruling is not None:
-        yield from (("p", ruling.p), ("p_corrected", ruling.corrected))
+        row |= {"p": ruling.p, "p_corrected": ruling.corrected}
     if change is not None:
-        yield from (("measure", change.name), ("baseline_value", change.baseline), ("proposed_value", change.proposed))
-        yield from (("difference", change.difference), ("low", change.low), ("high", change.high))
-    split = comparison.number.splits["eta_P"] if comparison.number.main is None else comparison.number.main.ratio
-    for name, ratio in (
-        *(("eta_N", comparison.number.eta_n), ("eta_P", comparison.number.eta_p)),
-        *(("ruler", split.ruler), ("behaviour", split.behaviour)),
-    ):
-        yield from zip((f"{name}{end}" for end in _ENDS), (ratio.value, ratio.low, ratio.high), strict=True)
+        row |= {"measure": change.name, "baseline_value": change.baseline, "proposed_value": change.proposed}
+        row |= {"difference": change.difference, "low": change.low, "high": change.high}
+    split = number.splits["eta_P"] if number.main is None else number.main.ratio
+    for name, ratio in zip(_RATIOS, (number.eta_n, number.eta_p, split.ruler, split.behaviour), strict=True):
+        row |= {name: ratio.value, f"{name}_low": ratio.low, f"{name}_high": ratio.high}
+    return row

@@ -15,6 +15,7 @@ from harness.errors import Unscored
 from harness.eta.interval import CONFIDENCE, UNBOUNDED, why_no_interval
 from harness.eta.seed_mean import SeedMean, mean_of_known
 from harness.eta.unseen import difference_bounds
+from harness.files.plain import Plain
 from harness.results.by_term import ByTerm
 from harness.results.comparison import Group
 from harness.results.trainings import TermsOfTraining, Trainings
@@ -24,7 +25,7 @@ NOTHING, LACKING = SeedMean(None), "have none"
 
 
 @dataclass(frozen=True)
-class TermPaid:
+class TermPaid(Plain):
     """What one term paid an episode. Means over trainings, with their 95 % intervals.
 
     Attributes:
@@ -59,10 +60,6 @@ class TermPaid:
     def over_training(self) -> float | None:
         """How much the mean changed from the start of the trainings to their end."""
         return None if self.start.mean is None or self.end.mean is None else self.end.mean - self.start.mean
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        return {name: value.to_json() if isinstance(value, SeedMean) else value for name, value in vars(self).items()}
 
 
 @dataclass(frozen=True)
@@ -150,34 +147,25 @@ def terms_paid(
         missing: Why there are no `others`.
     """
     trained = [it.training for it in own if it.training is not None]
-    terms = list(dict.fromkeys(name for it in trained for name in it.terms))
-    if not terms:
-        return None
-    found = tuple(_term(name, own, others, ours, random) for name in terms)
-    return TermsPaid(group, *names, len(own), sum(it.steps for it in trained), found, missing)
 
+    def paid(name: str) -> TermPaid:
+        before, after, ruled = ([it.final(name) for it in side] for side in (others, own, ours))
+        stages = [it.training.terms.get(name) if it.training is not None else None for it in own]
+        acted = random.terms.get(name) if random is not None else None
+        return TermPaid(
+            name,
+            mean_of_known([it.start if it else None for it in stages], LACKING),
+            mean_of_known([it.end if it else None for it in stages], LACKING),
+            mean_of_known(after, LACKING) if all(it.evaluation for it in own) else NOTHING,
+            mean_of_known(before, LACKING) if others else NOTHING,
+            acted.whole if acted is not None else None,
+            _difference(before, after),
+            _difference(ruled, before),
+            not any(it and it.pays for it in stages),
+        )
 
-def _term(
-    name: str,
-    own: Sequence[TermsOfTraining],
-    others: Sequence[TermsOfTraining],
-    ours: Sequence[TermsOfTraining],
-    random: ByTerm | None,
-) -> TermPaid:
-    trained = [it.training.terms.get(name) if it.training is not None else None for it in own]
-    mine, theirs, before = ([it.final(name) for it in side] for side in (own, others, ours))
-    acted = random.terms.get(name) if random is not None else None
-    return TermPaid(
-        name,
-        mean_of_known([it.start if it else None for it in trained], LACKING),
-        mean_of_known([it.end if it else None for it in trained], LACKING),
-        mean_of_known(mine, LACKING) if all(it.evaluation for it in own) else NOTHING,
-        mean_of_known(theirs, LACKING) if others else NOTHING,
-        acted.whole if acted is not None else None,
-        _difference(theirs, mine),
-        _difference(before, theirs),
-        not any(it and it.pays for it in trained),
-    )
+    terms = tuple(map(paid, dict.fromkeys(name for it in trained for name in it.terms)))
+    return TermsPaid(group, *names, len(own), sum(it.steps for it in trained), terms, missing) if terms else None
 
 
 def _difference(less: Sequence[float | None], from_: Sequence[float | None]) -> SeedMean:

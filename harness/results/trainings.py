@@ -19,7 +19,6 @@ from harness.results.comparison import Comparison, Group
 from harness.results.learning import (
     Learning,
     LearningCurve,
-    LearningRun,
     learning_points,
     mean_point,
     stretches,
@@ -329,7 +328,7 @@ class Trainings:
         sides = [(reward, [self.runs[reward, seed] for seed in seeds]) for reward, seeds in both]
         if not self.read and self.group.evaluate_every:
             one, other = (self._evaluated(*side) for side in sides)
-            if any(len(run.moments) > 1 for curve in (one, other) for run in curve.runs):
+            if any(len(moments) > 1 for curve in (one, other) for moments in curve.runs.values()):
                 return Learning(
                     one, other, {it.name: it.random for it in comparison.measured.changes_of(comparison.own_manner)}
                 )
@@ -338,9 +337,9 @@ class Trainings:
         return Learning(one, other, {name: floor.get(name) for name in one.points})
 
     def _evaluated(self, reward: str, members: Sequence[Trained]) -> LearningCurve:
-        runs = tuple(LearningRun(it.seed, tuple(it.moments)) for it in members)
+        runs = {it.seed: it.moments for it in members}
         measures = [self.quantity(name, "", 1) for name in self.names]
-        points = {it.name: learning_points(runs, it.name, self.group, it.ends) for it in measures}
+        points = {it.name: learning_points(runs.values(), it.name, self.group, it.ends) for it in measures}
         return LearningCurve(reward, runs, points)
 
     def learned(self, reward: str, members: Sequence[Trained]) -> LearningCurve:
@@ -360,7 +359,7 @@ class Trainings:
         for payer in self.read.rewards if self.read else (reward,):
             paid = ((end, [part.returns.get(payer) for part in of]) for end, of in parts)
             points[self.pay_name(payer)] = tuple(mean_point(end, values) for end, values in paid)
-        return LearningCurve(reward, (), points)
+        return LearningCurve(reward, {}, points)
 
 
 def _recorded(match: Match) -> list[Run]:

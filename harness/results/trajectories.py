@@ -9,7 +9,8 @@ import numpy as np
 from harness.arrays import Float
 from harness.record.folder import EVALUATION
 from harness.record.trace import read_trace
-from harness.results.comparison import Comparison, Group
+from harness.results.comparison import Comparison
+from harness.results.pairs import cells_by_seed
 from harness.results.results import Results
 
 EPISODES = 30
@@ -54,21 +55,15 @@ def trajectories_of(results: Results, comparison: Comparison) -> Trajectories | 
     """
     if not comparison.seeds or comparison.is_control:
         return None
-    seed = comparison.seeds[0]
-    cells = {
-        cell.reward.label: cell
-        for cell in results.done_cells
-        if cell.seed == seed and Group.of(cell) == comparison.group
-    }
-    sides = [results.store.cell_folder(cells[label]) for label in (comparison.baseline, comparison.proposed)]
-    if not all((files / EVALUATION).is_file() for files in sides):  # recordings of no arm
+    files = [results.store.cell_folder(cells[0]) / EVALUATION for cells in cells_by_seed(results, comparison) if cells]
+    if not files or not all(map(Path.is_file, files)):  # recordings of no arm
         return None
-    baseline, proposed = map(_read, sides)
-    return Trajectories(seed, baseline, proposed)
+    baseline, proposed = map(_read, files)
+    return Trajectories(comparison.seeds[0], baseline, proposed)
 
 
-def _read(files: Path) -> tuple[Trajectory, ...]:
-    trace = read_trace(files / EVALUATION, COLUMNS)
+def _read(path: Path) -> tuple[Trajectory, ...]:
+    trace = read_trace(path, COLUMNS)
     found = []
     for rows in trace.episodes[:EPISODES]:
         reached = trace["reached"][rows]

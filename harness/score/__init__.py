@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from harness.score.open_steps import match_steps as match_steps
     from harness.score.places import (
         ArmPay as ArmPay,
-        Place as Place,
-        distances as distances,
         parse_place as parse_place,
         parse_places as parse_places,
     )

@@ -3,9 +3,7 @@
 import hashlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from itertools import zip_longest
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -203,37 +201,43 @@ def compare_logs(
     _require_apart(*groups)
     given = (baseline_reward, proposed_reward)
     guesses = [_reward_of(group, name, registry) for group, name in zip(groups, given, strict=True)]
-    missing = _why_not_split([*baseline, *proposed], guesses)
-    others = [None, None] if missing is not None else [_build(guess, registry) for guess in reversed(guesses)]
-    stream = partial(stream_groups, others=others, kind=kind, with_events=with_events)
-    sides = stream(groups)
+    unpaid = [log.facts.path for log in (*baseline, *proposed) if not can_be_paid(log)]
+    reasons = [*(f"{it} has no distances to score again" for it in unpaid), *(it.reason for it in guesses)]
+    missing = next(filter(None, reasons), None)
+    others: list[Reward | None] = [
+        None if missing or it.choice is None else choose(registry, "rewards", it.choice).build(registry, "rewards")
+        for it in reversed(guesses)
+    ]
+    sides = _read_groups(groups, others, kind, with_events)
     _require_whole(sides)
-    copies = [side.copies for side in sides]
-    if any(copies):
-        groups = [[run for run in group if run not in of] for group, of in zip(groups, copies, strict=True)]
-        sides = stream(groups)
+    copied = [runs for side in sides for runs in side.copied]
+    if copied:  # each of them counts once
+        again = {run for _, *copies in copied for run in copies}
+        groups = [[run for run in group if run not in again] for group in groups]
+        sides = _read_groups(groups, others, kind, with_events)
     curves: dict[Pair, GroupCurve] = {BB: sides[0].own, KK: sides[1].own}
     if sides[0].other is not None and sides[1].other is not None:
         curves |= {KB: sides[0].other, BK: sides[1].other}
     elif missing is None:
         missing = "one group's reward is not finite on the other group's runs"
+    is_same = [log.facts.path for log in groups[0]] == [log.facts.path for log in groups[1]]
+    seeds, others_seeds = map(_seeds, groups)
+    is_paired = is_same or (seeds == others_seeds and len(set(seeds)) == len(groups[0]))
+    found = decompose(curves, is_paired, missing)
+    claims = [split.outcomes for split in found.splits.values()]
+    known = [claim for claim in claims if claim is not None]
+    if len(known) == len(claims):  # they are made together
+        found = found.with_corrected(*corrected_p(known))
     names = ("baseline", "proposed")
     return ComparedRuns(
-        _corrected(decompose(curves, _are_paired(*groups), missing)),
+        found,
         curves,
         {name: guess.choice for name, guess in zip(names, guesses, strict=True)},
         {name: len(group) for name, group in zip(names, groups, strict=True)},
         {name: side.left_out for name, side in zip(names, sides, strict=True)},
         with_events,
-        (*copy_notes(copies), *notes_of(sides)),
+        tuple(_notes_of(sides, copied, is_same)),
     )
-
-
-def _corrected(found: Decomposition) -> Decomposition:
-    """Both etas with corrected p-values, because they are claims that are made together."""
-    outcomes = [split.outcomes for split in found.splits.values()]
-    known = [claim for claim in outcomes if claim is not None]
-    return found.with_corrected(*corrected_p(known)) if len(known) == len(outcomes) else found
 
 
 # Which rewards
@@ -255,20 +259,6 @@ def _reward_of(group: Sequence[Log], given: str | None, registry: Registry) -> G
     return guess
 
 
-def _why_not_split(logs: Sequence[Log], guesses: Sequence[Guess]) -> str | None:
-    """Why the runs cannot be scored again; None if they can."""
-    bare = next((log for log in logs if not can_be_paid(log)), None)
-    if bare is not None:
-        return f"{bare.facts.path} has no distances to score again"
-    return next((guess.reason for guess in guesses if guess.choice is None), None)
-
-
-def _build(guess: Guess, registry: Registry) -> Reward:
-    assert guess.choice is not None  # or there is a reason not to split
-    reward: Reward = choose(registry, "rewards", guess.choice).build(registry, "rewards")
-    return reward
-
-
 # Which runs
 
 
@@ -281,7 +271,7 @@ def _require_whole(sides: Sequence["ComparedRows"]) -> None:
     done = {
         run: (name, float(rows), rows)
         for side, name in zip(sides, ("the baseline", "the proposed reward"), strict=True)
-        for run, rows in zip(side.group, side.rows, strict=True)
+        for run, rows in side.rows.items()
     }
     why = shortfall_beside(done, "steps")
     why |= {run: f"it is paid no number from step {it:,} on" for side in sides for run, it in side.torn.items()}
@@ -292,24 +282,22 @@ def _require_whole(sides: Sequence["ComparedRows"]) -> None:
 
 def _require_apart(baseline: Sequence[Log], proposed: Sequence[Log]) -> None:
     """Check that no file is in both groups, unless both are the same group."""
-    ours, theirs = ({log.facts.path.resolve(): log.facts.path for log in group} for group in (baseline, proposed))
-    both = [path for place, path in ours.items() if place in theirs]
-    if both and ours.keys() != theirs.keys():
+    theirs = {log.facts.path.resolve() for log in proposed}
+    both = [log.facts.path for log in baseline if log.facts.path.resolve() in theirs]
+    if both and not len(both) == len(baseline) == len(theirs):
         raise UsageError(f"'{both[0]}' is in both groups: let --baseline and --proposed name different files")
+
+
+def _seeds(group: Sequence[Log]) -> list[int]:
+    """The seed of each log; empty where that of one is not known."""
+    known = [log.facts.seed for log in group if log.facts.seed is not None]
+    return known if len(known) == len(group) else []
 
 
 def _in_order_of_seeds(group: Sequence[Log]) -> list[Log]:
     """The logs by seed if all seeds are known, else as given."""
-    known = {log: log.facts.seed for log in group if log.facts.seed is not None}
-    return sorted(group, key=lambda log: known[log]) if len(known) == len(group) else list(group)
-
-
-def _are_paired(baseline: Sequence[Log], proposed: Sequence[Log]) -> bool:
-    """Whether run i of both groups has the same seed, or is the same run."""
-    if [log.facts.path for log in baseline] == [log.facts.path for log in proposed]:
-        return True
-    seeds_b, seeds_k = ([log.facts.seed for log in group] for group in (baseline, proposed))
-    return seeds_b == seeds_k and None not in seeds_b and len(set(seeds_b)) == len(seeds_b)
+    seeds = _seeds(group)
+    return [group[place] for place in np.argsort(seeds, kind="stable")] if seeds else list(group)
 
 
 HELD = 250_000
@@ -322,104 +310,94 @@ UNLIKE_METRES = 20.0
 """Begin distances that differ by this factor between two groups are hardly in one unit."""
 
 
+class _Paid(NamedTuple):
+    """What some rows of a run were paid, (rows,) each."""
+
+    own: Float
+    other: Float
+    """What the other group's reward would have paid; the same as `own` where nobody asked."""
+
+
 class ComparedRows:
-    """One group, of which all rows are read, some steps of every run at a time."""
+    """One group, of which all rows are read, some steps of every run at a time.
 
-    def __init__(self, group: Sequence[Log], other: Reward | None, kind: Kind, with_events: bool) -> None:
-        self.group, self._with_events = group, with_events
-        self.own, self._scored = GroupCurve(len(group), kind), GroupCurve(len(group), kind)
-        self._payers = [Payer(other, run) for run in group] if other is not None else []
-        self._finite, self.left_out = True, 0
-        self.rows = [0] * len(group)
-        self.torn: dict[Log, int] = {}
-        self._digests = [hashlib.sha256() for _ in group]
-        self._values: list[set[float]] = [set() for _ in group]
-        self._metres, self._starts = 0.0, 0
+    Attributes:
+        own: The curve of what the group was paid.
+        other: The curve of what the other group's reward would have paid; None if nobody asked, or it is not finite.
+        rows: How many rows each run has.
+        torn: The first row of a run that is paid no number, of those that have one.
+    """
 
-    @property
-    def other(self) -> GroupCurve | None:
-        """The curve of what the other group's reward would have paid; None if nobody asked, or it is not finite."""
-        return self._scored if self._payers and self._finite else None
+    def __init__(self, group: Sequence[Log], kind: Kind, is_paid_again: bool) -> None:
+        self.own = GroupCurve(len(group), kind)
+        self.other = GroupCurve(len(group), kind) if is_paid_again else None
+        self.rows, self.torn = dict.fromkeys(group, 0), dict[Log, int]()
+        self._digests = {run: hashlib.sha256() for run in group}
+        self._paid: dict[Log, set[float]] = {run: set() for run in group}
 
     @property
-    def begin_distance(self) -> float | None:
-        """The mean over all compared rows, [m]; None where the files have no distances."""
-        return self._metres / self._starts if self._starts else None
+    def left_out(self) -> int:
+        """How many rows stand behind the shortest run of both groups."""
+        return sum(self.rows.values()) - len(self.rows) * self.own.index.steps
 
-    def pieces(self, rows: int) -> list[Iterator[Rows]]:
-        """The rows of each run, so many at a time, of the columns that are compared."""
-        read = []
-        for number, run in enumerate(self.group):
-            paid = (pay_column(run), *(EVENTS if self._with_events else ()))
-            more = (name for name in ("begin_distance",) if name in run)
-            read.append(run.pieces([*paid, *more, *(self._payers[number].columns if self._payers else ())], rows))
-        return read
-
-    def add(self, pieces: Sequence[Rows | None], steps: int) -> None:
+    def add(self, pieces: Sequence[_Paid | None], steps: int) -> None:
         """Take the next piece of each run, of which `steps` rows are compared."""
-        there = [piece for piece in pieces if piece is not None]
-        for run, piece, before in zip(self.group, pieces, self.rows, strict=True):
-            if piece is not None and (lost := np.isnan(piece[pay_column(run)])).any():
-                self.torn.setdefault(run, before + int(np.argmax(lost)))
-        self.rows = [rows + (len(it) if it else 0) for rows, it in zip(self.rows, pieces, strict=True)]
-        self.left_out += sum(len(piece) - steps for piece in there)
-        if not steps:
-            return
-        recorded = [piece[pay_column(run)] for piece, run in zip(there, self.group, strict=True)]
-        paid = self._with_event_terms(there, recorded, steps)
-        self.own.add(paid)
-        for digest, values, run in zip(self._digests, self._values, paid, strict=True):
-            digest.update(run.tobytes())
-            if len(values) <= FEW:
-                values.update(np.unique(run[:ROWS_SEEN]).tolist())
-        for begin in (piece["begin_distance"] for piece in there if "begin_distance" in piece.columns):
-            self._metres, self._starts = self._metres + float(begin[:steps].sum()), self._starts + steps
-        if self._payers and self._finite:
-            with np.errstate(all="ignore"):  # a reward may divide by anything where it then takes another value
-                scored = [payer.pay(piece).total for payer, piece in zip(self._payers, there, strict=True)]
-            values_of_other = self._with_event_terms(there, scored, steps)
-            self._finite = bool(np.isfinite(values_of_other).all())
-            self._scored.add(values_of_other)
+        there = [(run, piece) for run, piece in zip(self.rows, pieces, strict=True) if piece is not None]
+        for run, piece in there:
+            if (lost := np.isnan(piece.own)).any():
+                self.torn.setdefault(run, self.rows[run] + int(np.argmax(lost)))
+            self.rows[run] += len(piece.own)
+            self._digests[run].update(piece.own[:steps].tobytes())
+            if len(self._paid[run]) <= FEW:
+                self._paid[run].update(np.unique(piece.own[:steps][:ROWS_SEEN]).tolist())
+        if steps:
+            self.own.add(np.stack([piece.own[:steps] for _, piece in there]))
+        if steps and self.other is not None:
+            scored = np.stack([piece.other[:steps] for _, piece in there])
+            if np.isfinite(scored).all():
+                self.other.add(scored)
+            else:
+                self.other = None
 
-    def _with_event_terms(self, pieces: Sequence[Rows], paid: Sequence[Float], steps: int) -> Float:
-        """What the first `steps` rows of each piece are paid, (runs, steps)."""
-        if self._with_events:
-            events = (np.sum([piece[name] for name in EVENTS], axis=0) for piece in pieces)
-            paid = [shaped + event for shaped, event in zip(paid, events, strict=True)]
-        return np.stack([run[:steps] for run in paid])
-
-    def digests(self, certain: bool) -> dict[str, list[Log]]:
-        """Runs by what was paid in all compared steps.
-
-        Args:
-            certain: Of those that paid more different rewards than by chance alike, or of the others that vary at all.
-        """
+    @property
+    def alike(self) -> dict[str, list[Log]]:
+        """Runs that were paid the same in all compared steps, together; none that one reward alone paid throughout."""
         found: dict[str, list[Log]] = {}
-        for run, digest, values in zip(self.group, self._digests, self._values, strict=True):
-            if (len(values) > FEW) == certain and len(values) > 1:
+        for run, digest in self._digests.items():
+            if len(self._paid[run]) > 1:
                 found.setdefault(digest.hexdigest(), []).append(run)
         return found
 
     @property
-    def copies(self) -> dict[Log, Log]:
-        """Each run that is a copy, and the one that it is a copy of."""
-        return {copy: runs[0] for runs in self.digests(certain=True).values() for copy in runs[1:]}
+    def copied(self) -> list[list[Log]]:
+        """Those of them that are more than one, and paid more different rewards than by chance alike."""
+        return [runs for runs in self.alike.values() if len(runs) > 1 and len(self._paid[runs[0]]) > FEW]
 
 
-def stream_groups(
+def _paid_rows(run: Log, other: Reward | None, with_events: bool, rows: int) -> Iterator[_Paid]:
+    """What all rows of a run were paid, so many at a time."""
+    column, events, payer = pay_column(run), EVENTS if with_events else (), Payer(other, run) if other else None
+    for piece in run.pieces([column, *events, *(payer.columns if payer else ())], rows):
+        added = np.sum([piece[name] for name in events], axis=0)
+        with np.errstate(all="ignore"):  # a reward may divide by anything where it then takes another value
+            scored = payer.pay(piece).total + added if payer else piece[column]
+        yield _Paid(piece[column] + added, scored)
+
+
+def _read_groups(
     groups: Sequence[Sequence[Log]], others: Sequence[Reward | None], kind: Kind, with_events: bool
 ) -> list[ComparedRows]:
     """Read all rows of both groups, the same steps of every run at once, up to the end of the shortest run of all.
 
     The rest is read, too: a fault in it is a fault of the file.
     """
-    count = len(groups[0])
-    runs = [run for group in groups for run in group]
-    rows = max(1, min(ROWS, HELD // len(runs)))
-    sides = [ComparedRows(group, other, kind, with_events) for group, other in zip(groups, others, strict=True)]
-    for pieces in zip_longest(*(of_run for side in sides for of_run in side.pieces(rows))):
-        steps = min(0 if piece is None else len(piece) for piece in pieces)
-        for side, of in zip(sides, (pieces[:count], pieces[count:]), strict=True):
+    both = list(zip(groups, others, strict=True))
+    sides = [ComparedRows(group, kind, other is not None) for group, other in both]
+    rows = max(1, min(ROWS, HELD // sum(map(len, groups))))
+    runs = [_paid_rows(run, other, with_events, rows) for group, other in both for run in group]
+    for pieces in zip_longest(*runs):
+        steps = min(0 if piece is None else len(piece.own) for piece in pieces)
+        for side, of in zip(sides, (pieces[: len(groups[0])], pieces[len(groups[0]) :]), strict=True):
             side.add(of, steps)
     return sides
 
@@ -427,46 +405,39 @@ def stream_groups(
 # What a reader has to know
 
 
-def copy_notes(copies: Sequence[Mapping[Log, Log]]) -> Iterator[str]:
-    """Which runs count once."""
-    for of in copies:
-        copied: dict[Path, list[Path]] = {}
-        for copy, first in of.items():
-            copied.setdefault(first.facts.path, []).append(copy.facts.path)
-        for path, others in copied.items():
-            yield f"{_listed(others)} {'is' if len(others) == 1 else 'are'} equal to '{path}': the run counts once"
-
-
-def notes_of(sides: Sequence[ComparedRows]) -> Iterator[str]:
-    """What a reader has to know of budgets, equal runs and units."""
-    for run in (run for side in sides for run in side.group):
+def _notes_of(sides: Sequence[ComparedRows], copied: Sequence[Sequence[Log]], is_same: bool) -> Iterator[str]:
+    """What a reader has to know of copies, budgets, equal runs and units."""
+    for first, *copies in copied:
+        told = f"{_listed(copies)} {'is' if len(copies) == 1 else 'are'} equal to '{first.facts.path}'"
+        yield f"{told}: the run counts once"
+    groups = [list(side.rows) for side in sides]
+    for run in (run for group in groups for run in group):
         yield from (f"'{run.facts.path}': {note}" for note in run.facts.notes)
-    lengths = {run.facts.path: rows for side in sides for run, rows in zip(side.group, side.rows, strict=True)}
-    shortest = min(lengths, key=lambda path: lengths[path])
-    longer = [rows for rows in lengths.values() if rows > lengths[shortest]]
-    if longer:
-        told = f"All runs are cut to the {lengths[shortest]:,} steps of the shortest, '{shortest}'"
-        yield f"{told}; the longest has {max(longer):,}"
-    for side in sides:
-        for runs in side.digests(certain=False).values():
-            if len(runs) > 1:
-                yield f"{_listed([run.facts.path for run in runs])} record the same rewards; each counts"
-    if [run.facts.path for run in sides[0].group] != [run.facts.path for run in sides[1].group]:
-        yield from _equal_across(*({**side.digests(True), **side.digests(False)} for side in sides))
-    begins = [side.begin_distance for side in sides]
+    rows = {run.facts.path: rows for side in sides for run, rows in side.rows.items()}
+    shortest, longest = (of(rows, key=lambda path: rows[path]) for of in (min, max))
+    if rows[longest] > rows[shortest]:
+        told = f"All runs are cut to the {rows[shortest]:,} steps of the shortest, '{shortest}'"
+        yield f"{told}; the longest has {rows[longest]:,}"
+    for runs in (runs for side in sides for runs in side.alike.values() if len(runs) > 1):
+        yield f"{_listed(runs)} record the same rewards; each counts"
+    baseline, proposed = (side.alike for side in sides)
+    for digest in () if is_same else baseline.keys() & proposed.keys():
+        both = [baseline[digest][0], proposed[digest][0]]
+        yield f"{_listed(both)} record the same rewards: between them there is nothing to compare"
+    begins = [_begin_distance(group) for group in groups]
     if begins[0] and begins[1] and not 1.0 / UNLIKE_METRES < begins[1] / begins[0] < UNLIKE_METRES:
         yield (
-            f"Begin distances are {begins[0]:.3g} in the baseline's runs and {begins[1]:.3g} in the proposed ones: "
-            "are both in metres?"
+            f"Begin distances are {begins[0]:.3g} in the first rows of the baseline's runs and {begins[1]:.3g} in "
+            "those of the proposed ones: are both in metres?"
         )
 
 
-def _equal_across(baseline: Mapping[str, list[Log]], proposed: Mapping[str, list[Log]]) -> Iterator[str]:
-    for digest in baseline.keys() & proposed.keys():
-        both = [baseline[digest][0].facts.path, proposed[digest][0].facts.path]
-        yield f"{_listed(both)} record the same rewards: between them there is nothing to compare"
+def _begin_distance(group: Sequence[Log]) -> float:
+    """The mean over the first rows of runs, [m]; 0 where they have no distances."""
+    heads = [next(run.pieces(["begin_distance"], HEAD)) for run in group if "begin_distance" in run]
+    return float(np.mean([head["begin_distance"].mean() for head in heads])) if heads else 0.0
 
 
-def _listed(paths: Sequence[Path]) -> str:
-    *most, last = (f"'{path}'" for path in paths)
+def _listed(runs: Sequence[Log]) -> str:
+    *most, last = (f"'{run.facts.path}'" for run in runs)
     return f"{', '.join(most)} and {last}" if most else last

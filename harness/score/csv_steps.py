@@ -25,7 +25,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple, TextIO
+from typing import TextIO
 
 import numpy as np
 import pyarrow as pa
@@ -49,17 +49,7 @@ LONGEST_LINE = 2**18
 SHOWN = 60
 """The most characters of a name or a cell in a message."""
 
-_NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)(e[+-]?\d+)?", re.IGNORECASE)
 _SEPARATED = re.compile(r"\d[,' ]\d")
-
-
-class Header(NamedTuple):
-    """The first line of a CSV file."""
-
-    names: list[str]
-    """All names, as they are."""
-    positions: dict[str, int]
-    """The places of the columns that are read, by what this project calls them."""
 
 
 def read_header(path: Path) -> list[str]:
@@ -80,16 +70,23 @@ def read_header(path: Path) -> list[str]:
     return names
 
 
-def fault_of(path: Path, header: Header, problem: str) -> UsageError:
-    """The first fault of a file that could not be read, found by reading it again, slowly."""
+def fault_of(path: Path, header: list[str], places: Mapping[str, int], problem: str) -> UsageError:
+    """The first fault of a file that could not be read, found by reading it again, slowly.
+
+    Args:
+        path: The file.
+        header: Names of all columns, as they are.
+        places: Of the columns that are read, by what this project calls them.
+        problem: What is said where no line is at fault.
+    """
+    rows = 0
     try:
         with path.open(encoding="utf-8-sig", errors="replace", newline="") as file:
             lines = csv.reader(_lines(file))
             next(lines)
-            fault, rows = None, 0
-            for rows, cells in enumerate(filter(None, lines), 1):  # noqa: B007 (rows is counted)
-                fault = _find_fault(cells, header)
-                if fault is not None:
+            for cells in filter(None, lines):
+                rows += 1
+                if fault := _find_fault(cells, header, places):
                     return UsageError(f"{path}, line {lines.line_num}, {fault}")
     except (csv.Error, OSError) as error:
         return UsageError(f"{path} cannot be read: {error}")
@@ -120,42 +117,35 @@ def _no_reward(names: list[str]) -> str:
     return f"no column 'reward'; there is: {there or 'nothing'}{rename}"
 
 
-def _find_fault(cells: list[str], header: Header) -> str | None:
+def _find_fault(cells: list[str], header: list[str], places: Mapping[str, int]) -> str | None:
     """What is wrong with a line; None if nothing is."""
-    expected = len(header.names)
-    if len(cells) != expected:
-        surplus = len(cells) > expected
-        column = f"column {expected + 1}" if surplus else f"column '{header.names[len(cells)].strip()}'"
-        hint = "; a comma inside a number?" if surplus else ""
-        return f"{column}: cells in the line: {len(cells)}, in the header: {expected}{hint}"
-    texts = {name: cells[position].strip() for name, position in header.positions.items()}
+    count, expected = len(cells), len(header)
+    if count != expected:
+        column = f"column {expected + 1}" if count > expected else f"column '{header[count].strip()}'"
+        hint = "; a comma inside a number?" if count > expected else ""
+        return f"{column}: cells in the line: {count}, in the header: {expected}{hint}"
+    texts = {name: cells[place].strip() for name, place in places.items()}
+    best = {"prev_best", "previous_best"} & {*texts}
+    told = best if texts.get("delta_distance") else {"delta_distance"} if best else set[str]()
     for name, text in texts.items():
-        problem = _problem_of(text, name in _needed_cells(texts))
+        column = header[places[name]].strip()
+        if _is_number(text) or (not text and name in ("step", *told)):
+            continue
         if name == "reward" and text.lower() == "nan":  # a training that diverged: an outcome, and no fault of the file
             continue
-        if problem is not None and text and text == header.names[header.positions[name]].strip():
+        problem = f"'{shortened(text, SHOWN)}' is no finite number" if text else "the cell is empty"
+        if _SEPARATED.search(text):
+            problem += ": write decimal points and no thousands separators"
+        if text and text == column:
             problem = "the header stands here once more: two files joined into one? Give each run a file"
-        if problem is not None:
-            return f"column '{header.names[header.positions[name]].strip()}': {problem}"
+        return f"column '{column}': {problem}"
     return None
 
 
-def _needed_cells(texts: Mapping[str, str]) -> set[str]:
-    """Columns that may not be empty in a line with these cells."""
-    needed = set(texts) - {"step", "delta_distance", "prev_best", "previous_best"}
-    if not texts.get("delta_distance"):
-        needed |= {"prev_best", "previous_best"} & set(texts) or {"delta_distance"}
-    return needed
-
-
-def _problem_of(text: str, needed: bool) -> str | None:
-    """What is wrong with a cell; None if nothing is."""
-    if not text:
-        return "the cell is empty" if needed else None
-    if not _NUMBER.fullmatch(text):
-        hint = ": write decimal points and no thousands separators" if _SEPARATED.search(text) else ""
-        return f"'{shortened(text, SHOWN)}' is no finite number{hint}"
-    return None if abs(float(text)) <= LARGEST else f"'{shortened(text, SHOWN)}' is no finite number"
+def _is_number(text: str) -> bool:
+    with suppress(ValueError):
+        return "_" not in text and abs(float(text)) <= LARGEST
+    return False
 
 
 PAY = f"{REWARD}{RECORDED}"
@@ -164,20 +154,18 @@ EVENTS = ("reward_ground", "reward_target", "reward_step")
 """The columns of what events paid, on top of it."""
 STEPS = ("start", "begin_distance", "previous_best", "distance", "delta_distance", "step", "env", "episode")
 """The columns of an arm's steps, which can be paid again; Bd, Pb before the step, d after it and d - Pb are in [m]."""
-COLUMNS = (
-    "reward", *EVENTS, "step", "begin_distance", "previous_best", "prev_best", "distance", "delta_distance", "env",
-    *TOUCHED,
-)  # fmt: skip
+BEST = ("previous_best", "prev_best", "delta_distance")
+"""One of these tells the best distance before the step."""
+COLUMNS = ("reward", *EVENTS, "step", "begin_distance", *BEST, "distance", "env", *TOUCHED)
 """What is read of a file. `previous_best`, this project's, is always the value before the step; `prev_best`, the
 experimenters', is not. Flags are read where the first rows have numbers for them."""
 SPELLINGS = {
-    **{name: (name,) for name in COLUMNS},
     "step": ("t", "step"),
     "begin_distance": ("begindistance", "begin_distance"),
     "prev_best": ("prevbest", "prev_best"),
     "delta_distance": ("delta_distance", "deltadistance"),
 }
-"""The names that a column of `COLUMNS` may have, trimmed and in lower case."""
+"""The names that a column of `COLUMNS` may have, trimmed and in lower case, if not its own alone."""
 MOST_BYTES = 8 * 2**30
 """The most bytes of a file, some 50 million rows of 160 bytes; they are read a piece at a time."""
 LARGEST_STEP = 2**53
@@ -225,18 +213,22 @@ def open_csv(path: Path) -> Log:
             f"{path}: its rows are episodes, or means over some (column '{column}'), and {NEEDED}; {RECORD}. "
             f"If each row is a step, delete the column '{column}'"
         )
-    spelled = _spelled(header)
-    found = {name: next((text for text in SPELLINGS[name] if text in spelled), "") for name in COLUMNS}
-    cells = {} if table is None else {name.strip().lower(): {*map(str.strip, of)} for name, of in table.cells.items()}
-    words = [name for name in TOUCHED if not cells.get(name) or cells[name] - {"0", "1"}]  # other programs write those
-    chosen = _choose_columns(name for name, text in found.items() if text and name not in words)
-    for name in chosen:
-        if spelled.count(found[name]) > 1:
-            raise UsageError(f"{path}, line 1: two columns are called '{found[name]}'")
-    positions = {name: spelled.index(found[name]) for name in chosen}
-    read = partial(_read, path, Header(header, positions))
+    spelled, told = _spelled(header), {} if table is None else table.cells
+    found = {name: [it for it in SPELLINGS.get(name, (name,)) if it in spelled] for name in COLUMNS}
+    places = {name: spelled.index(of[0]) for name, of in found.items() if of}
+    unread = {*EVENTS} if {*EVENTS} - {*places} else set[str]()
+    for name in {*TOUCHED} & {*places}:  # other programs write words there
+        if {cell.strip() for cell in told.get(header[places[name]].strip()) or ["none"]} - {"0", "1"}:
+            unread.add(name)
+    if not {"begin_distance", "distance"} <= {*places} or {*BEST}.isdisjoint(places):
+        unread |= {*COLUMNS} - {"reward", *EVENTS}  # the run cannot be paid again with its distances
+    places = {name: place for name, place in places.items() if name not in unread}
+    for name in {spelled[place] for place in places.values()}:
+        if spelled.count(name) > 1:
+            raise UsageError(f"{path}, line 1: two columns are called '{name}'")
     notes = () if _ends(path) else ("the last line does not end: it may be cut off",)
-    there = (PAY, *(name for name in (*EVENTS, *TOUCHED) if name in chosen), *(STEPS if "distance" in chosen else ()))
+    there = (PAY, *(name for name in (*EVENTS, *TOUCHED) if name in places), *(STEPS if "distance" in places else ()))
+    read = partial(_read, path, header, places)
     return Log(LogFacts(path=path, format="CSV of steps", first_line=2, notes=notes), there, read)
 
 
@@ -245,15 +237,6 @@ def _ends(path: Path) -> bool:
     with path.open("rb") as file:
         file.seek(-1, os.SEEK_END)
         return file.read(1) in (b"\n", b"\r")
-
-
-def _choose_columns(there: Iterable[str]) -> tuple[str, ...]:
-    """Those of `COLUMNS` that are read. Distances are read only if the run can be paid again with them."""
-    names = set(there)
-    best = names & {"previous_best", "prev_best", "delta_distance"}
-    scorable = bool(best) and {"begin_distance", "distance"} <= names
-    wanted = {"reward": True, **dict.fromkeys(EVENTS, set(EVENTS) <= names)}
-    return tuple(name for name in COLUMNS if name in names and wanted.get(name, scorable))
 
 
 class _Counted:
@@ -288,28 +271,25 @@ def _read_rows(columns: Columns, counted: _Counted) -> dict[str, Array] | None:
     """
     if any((np.abs(column) > LARGEST).any() for column in columns.values()):
         return None
-    reward = columns["reward"]
-    made: dict[str, Array] = {PAY: reward, **{name: columns[name] for name in EVENTS if name in columns}}
+    reward, events = columns["reward"], {name: columns[name] for name in EVENTS if name in columns}
     if "distance" not in columns:
-        return made if _is_finite(it for name, it in made.items() if name != PAY) else None
+        return {PAY: reward, **events} if _is_finite(events.values()) else None
     begin, distance = columns["begin_distance"], columns["distance"]
     best, delta = _before_step(columns)
     env = columns.get("env", np.zeros(len(reward)))
     told = columns.get("step", np.full(len(reward), np.nan))
     flags = {name: columns[name] for name in TOUCHED if name in columns}
-    more = (it for name, it in made.items() if name != PAY)
-    if not _is_finite([*more, *flags.values(), begin, distance, best, delta, env]):
+    needed = (*events.values(), *flags.values(), begin, distance, best, delta, env)
+    if not _is_finite(needed) or max(np.abs(env).max(), np.nanmax(np.abs(told), initial=0.0)) > LARGEST_STEP:
         return None
-    if any((np.abs(count) > LARGEST_STEP).any() for count in (env, told)):
-        return None
-    filled = np.isfinite(columns["delta_distance"]) if "delta_distance" in columns else np.ones(len(reward), bool)
+    filled = np.isfinite(columns["delta_distance"]) if "delta_distance" in columns else True
     alike = filled & (reward == 0.0) & (distance == begin) & (best == begin)
     start = np.where(np.isnan(told), alike, told == 0.0)
     step = np.where(np.isnan(told), counted.steps(start), told).astype(np.int64)
     counted.step, env = int(step[-1]), env.astype(np.int64)
     values = (start, begin, best, distance, delta, step, env, counted.episodes(env, start))
-    made |= {name: values > 0.0 for name, values in flags.items()}
-    return {**made, **dict(zip(STEPS, values, strict=True))}
+    made = {name: values > 0.0 for name, values in flags.items()}
+    return {PAY: reward, **events, **made, **dict(zip(STEPS, values, strict=True))}
 
 
 def _is_finite(columns: Iterable[Array]) -> bool:
@@ -343,45 +323,33 @@ def _first_rows(path: Path, head: bytes) -> TextTable | None:
     return None
 
 
-def _read(path: Path, header: Header, names: tuple[str, ...]) -> Iterator[Columns]:
-    """See `harness.log.Log.read`."""
-    rows, counted = 0, _Counted()
-    for batch in _batches(path, header):
-        if not batch.num_rows:
-            continue
-        columns = {name: batch.column(name).to_numpy(zero_copy_only=False) for name in header.positions}
-        made = None if batch.column("reward").null_count else _read_rows(columns, counted)
-        if made is None:
-            raise fault_of(path, header, "a number is missing, not finite or too large")
-        rows += batch.num_rows
-        yield {name: made[name] for name in names}
-    if not rows:
-        raise UsageError(f"{path} has no rows")
-
-
-def _batches(path: Path, header: Header) -> Iterator[pa.RecordBatch]:
-    """The wanted columns, empty cells as nulls.
+def _read(path: Path, header: list[str], places: Mapping[str, int], names: tuple[str, ...]) -> Iterator[Columns]:
+    """See `harness.log.Log.read`. Empty cells are NaN.
 
     Raises:
         UsageError: A row cannot be read, or rows are no steps.
     """
-    keys = {str(position): name for name, position in header.positions.items()}
-    roles = roles_in(header.names)
-    looked = {role: str(header.names.index(name)) for role, name in roles.items()}
-    texts = dict.fromkeys([place for place in looked.values() if place not in keys], pa.string())
-    watch = RowWatch(roles)
-    read = pa.csv.ReadOptions(column_names=[str(position) for position in range(len(header.names))], skip_rows=1)
-    convert = pa.csv.ConvertOptions(
-        column_types={**dict.fromkeys(keys, pa.float64()), **texts},
-        include_columns=[*keys, *texts],
-        null_values=["", " "],
-    )
+    roles = roles_in(header)
+    labels = [str(place) for place in range(len(header))]
+    for name, place in places.items():
+        labels[place] = name
+    looked = {role: labels[header.index(name)] for role, name in roles.items()}
+    kinds = {**dict.fromkeys(looked.values(), pa.string()), **dict.fromkeys(places, pa.float64())}
+    convert = pa.csv.ConvertOptions(column_types=kinds, include_columns=list(kinds), null_values=["", " "])
+    rows, counted, watch = 0, _Counted(), RowWatch(path, roles)
     try:
-        with pa.csv.open_csv(path, read_options=read, convert_options=convert) as file:
+        with pa.csv.open_csv(path, pa.csv.ReadOptions(column_names=labels, skip_rows=1), None, convert) as file:
             for batch in file:
-                watch.look({role: batch.column(place) for role, place in looked.items()})
-                yield batch.select(list(keys)).rename_columns(list(keys.values()))
-    except UsageError as error:
-        raise UsageError(f"{path}: {error}") from error
+                if not batch.num_rows:
+                    continue
+                watch.look({role: batch.column(label) for role, label in looked.items()})
+                columns = {name: batch.column(name).to_numpy(zero_copy_only=False) for name in places}
+                made = None if batch.column("reward").null_count else _read_rows(columns, counted)
+                if made is None:
+                    raise fault_of(path, header, places, "a number is missing, not finite or too large")
+                rows += batch.num_rows
+                yield {name: made[name] for name in names}
     except (pa.ArrowException, OSError) as error:
-        raise fault_of(path, header, str(error)) from error
+        raise fault_of(path, header, places, str(error)) from error
+    if not rows:
+        raise UsageError(f"{path} has no rows")

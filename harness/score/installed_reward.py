@@ -13,9 +13,14 @@ from harness.registry.choice import Choice
 from harness.registry.registry import Registry
 from harness.registry.sources import fingerprint
 from harness.reward import MissingField, Paid, Reward
-from harness.reward.needs import Needs, needs_of
+from harness.reward.needs import needs_of
 from harness.score.scorer import pay_log
 from harness.score.weights import reweighted
+
+
+def is_installed(registry: Registry, reward: str) -> bool:
+    """Whether there is code for a reward of this name."""
+    return "rewards" in registry.kinds_of(reward)
 
 
 class InstalledReward:
@@ -44,11 +49,11 @@ class InstalledReward:
                 return f"{self.choice.to_json()} as recorded by {taught_by.to_json()}"
             return f"{self.choice.to_json()} {fingerprint(self._reward)}"
 
-    @property
+    @cached_property
     def has_terms(self) -> bool:
         """Whether what it pays is made of terms; False where it cannot be asked."""
-        with suppress(Unscored):
-            return bool(self._needs.terms)
+        with suppress(Unscored), self._told():
+            return bool(needs_of(self._reward).terms)
         return False
 
     def pay(self, run: Log, taught_by: Choice) -> Paid:
@@ -93,22 +98,13 @@ class InstalledReward:
             return reweighted(self.choice.label, taught_by, terms)
         return pay_log(self._reward, run)
 
-    @property
-    def _is_installed(self) -> bool:
-        return ("rewards", self.choice.name) in self._registry.specs
-
     def _is_recorded_by(self, taught_by: Choice) -> bool:
         """Whether nothing but the columns of a run can tell what it pays, and these are of its own terms."""
-        return not self._is_installed and taught_by.name == self.choice.name
-
-    @cached_property
-    def _needs(self) -> Needs:
-        with self._told():
-            return needs_of(self._reward)
+        return not is_installed(self._registry, self.choice.name) and taught_by.name == self.choice.name
 
     @cached_property
     def _reward(self) -> Reward:
-        if not self._is_installed:
+        if not is_installed(self._registry, self.choice.name):
             raise HarnessError(
                 f"No reward '{self.choice.name}' is installed. If it stands in a file, add --plugin FILE"
             )

@@ -16,6 +16,7 @@ robots and no environments.
 
 import re
 from collections.abc import Callable, Collection, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
@@ -36,7 +37,8 @@ NAMES = (END_EFFECTOR, TARGET, JOINTS, JOINTS_DEG, DISTANCE, RENEWED)
 MOST_PLACE = 1_000_000
 EXAMPLE = "end_effector=0:3,target=3:6"
 NO_FIELDS: Mapping[str, Float] = MappingProxyType({})
-_PLACE = re.compile(r"(?:(?P<key>[^\[\]:/=,]+?)\s*(?:\[(?P<a>\d+):(?P<b>\d+)\])?|(?P<c>\d+):(?P<d>\d+))")
+_PART = r"(?P<key>[^\[\]:/=,]+?)\s*(?:\[(?P<a>\d{1,9}):(?P<b>\d{1,9})\])?"
+_PLACE = re.compile(rf"{_PART}|(?P<c>\d{{1,9}}):(?P<d>\d{{1,9}})")
 
 Forward = Callable[[Float], Float]
 """From joint positions, (n, joints), [rad], to the end effector, (n, 3), [m]."""
@@ -58,21 +60,22 @@ class Place:
     stop: int | None = None
     constant: tuple[float, ...] = ()
 
-    def rows(self, vectors: Any, count: int | None = None) -> Float:
-        """These numbers of each vector, (n, size).
-
-        Args:
-            vectors: (n, width), or a table of such by key.
-            count: n, which a constant needs; found out from `vectors` if None.
+    def rows(self, vectors: Any) -> Float:
+        """These numbers of each vector, (n, size), of vectors (n, width), or of a table of such by key.
 
         Raises:
             UsageError: The vectors have no such part, or too few numbers.
         """
         if self.constant:
             part = next(iter(vectors.values())) if isinstance(vectors, Mapping) else vectors
-            size = len(part) if count is None else count
-            return np.broadcast_to(np.asarray(self.constant), (size, len(self.constant)))
-        part = self._part(vectors)
+            return np.broadcast_to(np.asarray(self.constant), (len(part), len(self.constant)))
+        part = vectors
+        if isinstance(vectors, Mapping):
+            if self.key not in vectors:
+                raise UsageError(f"{self} names no part of a vector that has {', '.join(map(str, vectors))}")
+            part = vectors[self.key]
+        elif self.key:
+            raise UsageError(f"{self} names a part of a vector that has none: write numbers, such as 0:3")
         flat = np.asarray(part, np.float64).reshape(len(part), -1)
         stop = flat.shape[1] if self.stop is None else self.stop
         if stop > flat.shape[1] or self.start >= stop:
@@ -84,15 +87,6 @@ class Place:
             return "/".join(f"{it:g}" for it in self.constant)
         numbers = "" if self.stop is None else f"{self.start}:{self.stop}"
         return f"{self.key}[{numbers}]" if self.key and numbers else self.key or numbers
-
-    def _part(self, vectors: Any) -> Any:
-        if isinstance(vectors, Mapping):
-            if self.key not in vectors:
-                raise UsageError(f"{self} names no part of a vector that has {', '.join(map(str, vectors))}")
-            return vectors[self.key]
-        if self.key:
-            raise UsageError(f"{self} names a part of a vector that has none: write numbers, such as 0:3")
-        return vectors
 
 
 @dataclass(frozen=True)
@@ -114,37 +108,31 @@ class ArmPlaces:
         Raises:
             UsageError: As `Place.rows`; or there are other than three numbers.
         """
-        if END_EFFECTOR in self.places:
-            return _three(self.places[END_EFFECTOR].rows(vectors), END_EFFECTOR)
-        self._require_positions()
-        name = JOINTS if JOINTS in self.places else JOINTS_DEG
-        joints = self.places[name].rows(vectors)
+        name = next((it for it in ARM if it in self.places), END_EFFECTOR)
+        found = self._rows(name, vectors)
+        if name == END_EFFECTOR:
+            return _sized(found, name, 3)
         if self.forward is None:
             raise UsageError(f"{name} says where joints stand; name the robot that they belong to")
-        return _three(self.forward(np.deg2rad(joints) if name == JOINTS_DEG else joints), "the robot's end effector")
+        found = self.forward(np.deg2rad(found) if name == JOINTS_DEG else found)
+        return _sized(found, "the robot's end effector", 3)
 
     def target(self, vectors: Any) -> Float:
         """The same of the target."""
-        self._require_positions()
-        return _three(self.places[TARGET].rows(vectors), TARGET)
+        return _sized(self._rows(TARGET, vectors), TARGET, 3)
 
     def distances(self, vectors: Any) -> Float:
         """From end effector to target, (n,), [m]."""
-        if TARGET not in self.places:
-            told = self.places[DISTANCE].rows(vectors)
-            if told.shape[1] != 1:
-                raise UsageError(f"distance has {told.shape[1]} numbers: it is one, in metres, such as distance=17:18")
-            return told[:, 0]
-        return distances(self.end_effector(vectors), self.target(vectors))
+        if TARGET in self.places:
+            return self.reached(vectors, vectors)
+        return _sized(self.places[DISTANCE].rows(vectors), DISTANCE, 1)[:, 0]
 
     def fields(self, vectors: Any, names: Collection[str]) -> dict[str, Float]:
         """Those of ``end_effector``, ``target``, ``qpos`` that are asked for and that the map tells, (n, size) each."""
-        ways = {END_EFFECTOR: self.end_effector, TARGET: self.target, "qpos": self._joints}
-        there = {END_EFFECTOR: TARGET in self.places, TARGET: TARGET in self.places, "qpos": JOINTS in self.places}
-        return {name: ways[name](vectors) for name in ways if name in names and there[name]}
-
-    def _joints(self, vectors: Any) -> Float:
-        return self.places[JOINTS].rows(vectors)
+        ways = {END_EFFECTOR: self.end_effector, TARGET: self.target} if TARGET in self.places else {}
+        if JOINTS in self.places:
+            ways["qpos"] = self.places[JOINTS].rows
+        return {name: way(vectors) for name, way in ways.items() if name in names}
 
     def reached(self, before: Any, after: Any) -> Float:
         """How far the end effector is after steps from the targets before them, (n,), [m].
@@ -153,7 +141,8 @@ class ArmPlaces:
         """
         if TARGET not in self.places:
             return np.zeros(len(self.distances(after)))
-        return distances(self.end_effector(after), self.target(before))
+        far: Float = np.linalg.norm(self.end_effector(after) - self.target(before), axis=1)
+        return far
 
     def has_new_target(self, before: Any, after: Any) -> Mask:
         """Whether another target was drawn in each step, (n,); never if the map does not say what tells."""
@@ -163,9 +152,10 @@ class ArmPlaces:
         changed: Mask = (one != other).any(axis=1)
         return changed
 
-    def _require_positions(self) -> None:
-        if TARGET not in self.places:
+    def _rows(self, name: str, vectors: Any) -> Float:
+        if name not in self.places:
             raise UsageError(f"positions are needed, and the map has the distance alone: give them, as in {EXAMPLE}")
+        return self.places[name].rows(vectors)
 
 
 def parse_places(text: str, forward: Forward | None = None) -> ArmPlaces:
@@ -185,8 +175,7 @@ def parse_places(text: str, forward: Forward | None = None) -> ArmPlaces:
             raise UsageError(f"'{item}' in '{text}': give each of {', '.join(NAMES)} once at most, as in {EXAMPLE}")
         found[name] = parse_place(where)
     arms = [name for name in ARM if name in found]
-    is_of_positions = TARGET in found and len(arms) == 1 and DISTANCE not in found
-    if not is_of_positions and (DISTANCE not in found or arms or TARGET in found):
+    if (TARGET in found, len(arms), DISTANCE in found) not in ((True, 1, False), (False, 0, True)):
         raise UsageError(
             f"'{text}': name target and one of end_effector, joints and joints_deg, as in {EXAMPLE}; or distance alone"
         )
@@ -199,24 +188,20 @@ def parse_place(text: str) -> Place:
     Raises:
         UsageError: It is none.
     """
-    if "/" in text:
-        return Place(constant=_constant(text))
-    match = _PLACE.fullmatch(text)
-    if match is None:
-        raise UsageError(f"'{text}' is no place: write 0:3, a part's name, name[0:3], or three numbers 0.3/0.1/0.2")
-    start, stop = match["a"] or match["c"], match["b"] or match["d"]
-    key = match["key"] or ""
-    if start is None:
-        return Place(key)
-    if len(start) > 9 or len(stop) > 9 or not int(start) < int(stop) <= MOST_PLACE:
-        raise UsageError(f"'{text}' is no place: the first number is below the second, which is {MOST_PLACE:,} at most")
-    return Place(key, int(start), int(stop))
-
-
-def distances(end_effector: Float, target: Float) -> Float:
-    """From each end effector to its target, (n,), of two arrays (n, 3), all in [m]."""
-    far: Float = np.linalg.norm(np.asarray(end_effector) - np.asarray(target), axis=1)
-    return far
+    with suppress(ValueError):
+        numbers = tuple(map(float, text.split("/")))
+        if len(numbers) == 3 and np.isfinite(numbers).all():
+            return Place(constant=numbers)
+    if match := _PLACE.fullmatch(text):
+        key, start, stop = match["key"] or "", match["a"] or match["c"], match["b"] or match["d"]
+        if start is None:
+            return Place(key)
+        if int(start) < int(stop) <= MOST_PLACE:
+            return Place(key, int(start), int(stop))
+    raise UsageError(
+        f"'{text}' is no place: write 0:3, where the first number is below the second, {MOST_PLACE:,} at most; "
+        "a part's name, or name[0:3]; or three numbers in metres, 0.3/0.1/0.2"
+    )
 
 
 def fields_read(reward: Reward) -> tuple[str, ...]:
@@ -255,17 +240,10 @@ class ArmPay:
         return self._scorer.pay(rows)
 
 
-def _constant(text: str) -> tuple[float, ...]:
-    try:
-        numbers = tuple(float(part) for part in text.split("/"))
-    except ValueError:
-        numbers = ()
-    if len(numbers) != 3 or not np.isfinite(numbers).all():
-        raise UsageError(f"'{text}' is no position: write three numbers in metres, as in 0.3/0.1/0.2")
+def _sized(numbers: Float, name: str, count: int) -> Float:
+    if numbers.shape[1] != count:
+        raise UsageError(
+            f"{name} has {numbers.shape[1]} numbers: a position has 3 and a distance 1, in metres, as in {EXAMPLE} or "
+            "distance=17:18"
+        )
     return numbers
-
-
-def _three(positions: Float, name: str) -> Float:
-    if positions.shape[1] != 3:
-        raise UsageError(f"{name} has {positions.shape[1]} numbers: a position has three, in metres")
-    return positions

@@ -1,46 +1,44 @@
 """Pays recorded runs again: a column of rewards per reward, in a file of its own beside the recording."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from functools import partial
+from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 
 import pyarrow as pa
 import pyarrow.parquet as pq
 
 from harness.arrays import Float
-from harness.errors import HarnessError, UsageError, reason_of
+from harness.errors import UsageError, reason_of
 from harness.files.bounded import reading, require_regular
 from harness.files.parquet import require_room
 from harness.files.sums import changed_since_made, note_made
 from harness.files.whole_file import whole_file
 from harness.log import Log
-from harness.log.log import REWARD
+from harness.log.log import REWARD, START
 from harness.record.cell_log import cell_of
 from harness.record.folder import MANIFEST
-from harness.record.trace import to_numpy
 from harness.registry.choice import Choice, choose, parse
 from harness.registry.names import unknown_name
 from harness.registry.registry import Registry
-from harness.reward import Paid, Reward
-from harness.score.scorer import can_be_paid, pay_rewards
-from harness.score.weights import RecordedTerms, name_of, recorded_choice, weighted_label, weighted_pay
+from harness.score.installed_reward import is_installed
+from harness.score.scorer import SCORED, can_be_paid, pay_log
+from harness.score.weights import no_terms, recorded_choice, reweighted, weighted_label
 
 MOST_BYTES = 2**35
 """Most that is read of a file of scores."""
 
 
-def rescore(log: Log, rewards: Mapping[str, Reward], into: Path, weighted: Sequence[str] = ()) -> dict[str, str]:
-    """Write what each of `rewards` would have paid, a column each named by its label, a row for each row of the log.
+def rescore(log: Log, scoring: Collection[Choice], into: Path, registry: Registry) -> dict[str, str]:
+    """Write what each reward would have paid, a column each named by its label, a row for each row of the log.
 
     A term of a reward has a column ``LABEL/TERM`` behind it. Columns of other rewards that `into` holds already are
-    kept. The recording is not touched. A reward that raises costs its own columns.
+    kept. The recording is not touched. A reward that raises costs its own columns. One that is not installed is paid
+    from recorded columns of its terms.
 
     Args:
         log: The run.
-        rewards: By label.
+        scoring: The rewards.
         into: The file of scores.
-        weighted: Rewards without their code, ``gentle:effort=0.05``: recorded columns of their terms pay, those of the
-            recording, or those that `into` holds from an earlier time.
+        registry: The plugins.
 
     Returns:
         By the label of each reward that cannot pay, why.
@@ -48,37 +46,27 @@ def rescore(log: Log, rewards: Mapping[str, Reward], into: Path, weighted: Seque
     Raises:
         UsageError: The recording has no distances, `into` belongs to another recording or cannot be written.
     """
-    if rewards and not can_be_paid(log):
+    if not can_be_paid(log) and any(is_installed(registry, choice.name) for choice in scoring):
         raise UsageError(f"{log.facts.path} records no distances: no other reward can be computed from it")
-    paid, errors = pay_rewards(log, rewards) if rewards else ({}, {})
-    failed = {label: reason_of(error) for label, error in errors.items()}
-    trained = f" trained with {log.facts.trained_with}" if log.facts.trained_with else ""
-    for label in weighted:
+    taught_by, terms = _own_terms(log)
+    columns, failed = dict[str, Float](), dict[str, str]()
+    for choice in scoring:
+        label = choice.label
         try:
-            _, paid[label] = weighted_pay(label, recorded_terms(name_of(label), log, into), f"a run{trained} has")
-        except UsageError as error:
-            failed[label] = str(error)
-    if paid:
-        _write(into, {name: values for label, it in paid.items() for name, values in _columns_of(label, it)})
+            if is_installed(registry, choice.name):
+                paid = pay_log(choice.build(registry, "rewards"), log.load((*SCORED, START)))
+            elif taught_by is not None and taught_by.name == choice.name:
+                paid = reweighted(label, taught_by, {it: log[f"{REWARD}{taught_by.label}/{it}"] for it in terms})
+            else:
+                trained = f" trained with {log.facts.trained_with}" if log.facts.trained_with else ""
+                raise UsageError(no_terms(f"a run{trained} has", choice.name))
+        except (Exception, SystemExit) as error:  # a plugin may raise anything
+            failed[label] = reason_of(error)
+        else:
+            columns |= {label: paid.total, **{f"{label}/{name}": values for name, values in paid.terms.items()}}
+    if columns:
+        _write(into, columns)
     return failed
-
-
-def recorded_terms(name: str, log: Log, into: Path) -> Iterator[RecordedTerms]:
-    """What is recorded of the terms of rewards of a name: by the run itself, then by a file of scores beside it."""
-    reward, own = _own_terms(log)
-    if reward is not None and reward.name == name:
-        label = reward.label
-        yield RecordedTerms(reward, own, lambda: {term: log[f"{REWARD}{label}/{term}"] for term in own})
-    if not into.exists() or into.name in changed_since_made(into.parent):
-        return
-    with reading(into, "file of scores", UsageError):
-        require_regular(into, MOST_BYTES)
-        names = pq.read_schema(into).names
-    for label in (it for it in names if name_of(it) == name):
-        begin = f"{label}/"
-        terms = tuple(it.removeprefix(begin) for it in names if it.startswith(begin) and "/" not in it[len(begin) :])
-        if terms:
-            yield RecordedTerms(recorded_choice(label), terms, partial(_read_terms, into, begin, terms))
 
 
 def _own_terms(log: Log) -> tuple[Choice | None, tuple[str, ...]]:
@@ -88,59 +76,24 @@ def _own_terms(log: Log) -> tuple[Choice | None, tuple[str, ...]]:
     return (cell.reward if cell and own else None), own
 
 
-def _read_terms(scores: Path, begin: str, terms: Sequence[str]) -> dict[str, Float]:
-    with reading(scores, "file of scores", UsageError):
-        table = pq.read_table(scores, columns=[f"{begin}{term}" for term in terms])
-        return {term: to_numpy(table.column(f"{begin}{term}"), f"{scores}: {begin}{term}") for term in terms}
-
-
-def scoring_choice(text: str, registry: Registry, places: Iterable[tuple[Log, Path]]) -> Choice:
+def scoring_choice(text: str, registry: Registry, logs: Iterable[Log]) -> Choice:
     """The reward that a user named; of one that is not installed, its name and its weights, if its terms are recorded.
 
     Args:
         text: What the user typed, ``gentle:effort=0.05``.
         registry: The plugins.
-        places: The runs, each with the file that its scores are written into.
+        logs: The runs.
 
     Raises:
         UsageError: It is neither installed nor recorded, or it is malformed.
     """
     name = parse(text)[0]
-    if is_installed(registry, name):
-        return choose(registry, "rewards", text)
-    known: dict[str, None] = {}
-    for log, into in places:
-        if found := next(recorded_terms(name, log, into), None):
-            return recorded_choice(weighted_label(text, found.terms))
-        if (reward := _own_terms(log)[0]) is not None:
-            known[reward.name] = None
+    known = {} if is_installed(registry, name) else {it.name: of for it, of in map(_own_terms, logs) if it is not None}
+    if name in known:
+        return recorded_choice(weighted_label(text, known[name]))
     if known:
         raise UsageError(unknown_name("reward", name, [*registry.names("rewards"), *known]))
     return choose(registry, "rewards", text)  # which says that there is none
-
-
-def is_installed(registry: Registry, reward: str) -> bool:
-    """Whether there is code for a reward of this name."""
-    return "rewards" in registry.kinds_of(reward)
-
-
-def write_scores(log: Log, scoring: Iterable[Choice], into: Path, registry: Registry) -> dict[str, str]:
-    """See `rescore`; rewards that are not installed are paid from columns."""
-    built, failed, weighted = dict[str, Reward](), dict[str, str](), list[str]()
-    for choice in scoring:
-        if not is_installed(registry, choice.name):
-            weighted.append(choice.label)
-            continue
-        try:
-            built[choice.label] = choice.build(registry, "rewards")
-        except HarnessError as error:
-            failed[choice.label] = str(error)
-    return {**failed, **rescore(log, built, into, weighted)}
-
-
-def _columns_of(label: str, paid: Paid) -> Iterator[tuple[str, Float]]:
-    yield label, paid.total
-    yield from ((f"{label}/{name}", values) for name, values in paid.terms.items())
 
 
 def _write(into: Path, columns: Mapping[str, Float]) -> None:

@@ -3,10 +3,12 @@
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 
 from harness.arrays import Float, Ints
 from harness.errors import SchemaError, UsageError
@@ -168,98 +170,79 @@ def fault_of_episodes(table: TextTable, roles: Mapping[str, str], rows: Ints) ->
 class RowWatch:
     """Looks at all rows of a table of steps, some at a time: whether they count up, and are of one run."""
 
-    def __init__(self, columns: Mapping[str, str]) -> None:
-        self._columns, self._line = dict(columns), 2
-        self._before: dict[str, float] = {}
-        self._run = ""
+    def __init__(self, path: Path, columns: Mapping[str, str]) -> None:
+        self._path, self._columns, self._line = path, dict(columns), 2
+        self._run, self._episode = "", np.nan
         self._count_of_env: dict[float, float] = {}
 
-    def look(self, texts: Mapping[str, pa.Array]) -> None:
-        """Look at the next rows.
+    def look(self, cells: Mapping[str, pa.Array]) -> None:
+        """Look at the next rows, of which there is one.
 
         Args:
-            texts: By role what stands in its column, as text or as numbers.
+            cells: By role what stands in its column, as text or as numbers.
 
         Raises:
             UsageError: They are no single steps; names the line, and what to do.
         """
-        numbered = ((role, self._numbers(role, of)) for role, of in texts.items() if role != "run")
-        values = {role: number for role, number in numbered if number is not None}
-        if "run" in texts:
-            self._look_at_runs(texts["run"], values.get("episode"))
-        if "counter" in values:
-            self._look_at_counter(values["counter"], values.get("env"))
-        self._before |= {role: float(number[-1]) for role, number in values.items() if len(number)}
-        self._line += len(next(iter(texts.values()), ()))
+        counts, env, episodes = (self._numbers(role, cells) for role in ("counter", "env", "episode"))
+        if "run" in cells:
+            self._look_at_runs([str(name).strip() for name in cells["run"].to_pylist()], episodes)
+        if counts is not None:
+            self._look_at_counter(counts, np.zeros(len(counts)) if env is None else np.nan_to_num(env))
+        self._line += len(next(iter(cells.values()), ()))
 
-    def _numbers(self, role: str, column: pa.Array) -> Float | None:
+    def _numbers(self, role: str, cells: Mapping[str, pa.Array]) -> Float | None:
         """Whole numbers, NaN where a cell is empty; None, for good, of a column that holds anything else."""
         if role not in self._columns:
             return None
-        try:
+        column, values = cells[role], np.array([0.5])
+        with suppress(pa.ArrowException, ValueError):
             if pa.types.is_string(column.type):
-                column = _parsed(column)
-            values: Float = column.to_numpy(zero_copy_only=False).astype(np.float64)
-        except (pa.ArrowException, ValueError):
-            values = np.array([0.5])
-        if not (np.isnan(values) | (values == np.floor(values))).all() or (len(values) and np.isnan(values).all()):
+                trimmed = pc.utf8_trim_whitespace(column)
+                column = pc.if_else(pc.equal(trimmed, ""), None, trimmed).cast(pa.float64())
+            values = column.to_numpy(zero_copy_only=False).astype(np.float64)
+        if np.isnan(values).all() or (values != np.floor(values))[~np.isnan(values)].any():
             del self._columns[role]
             return None
         return values
 
-    def _last(self, role: str) -> float:
-        return self._before.get(role, np.nan)
-
-    def _look_at_counter(self, counts: Float, env: Float | None) -> None:
+    def _look_at_counter(self, counts: Float, env: Float) -> None:
         name = self._columns["counter"].strip().lower()
-        before = self._before_of(counts, env)
+        before = np.empty(len(counts))  # what it was in the row before of the same env
+        for number in np.unique(env).tolist():
+            rows = np.flatnonzero(env == number)
+            before[rows] = [self._count_of_env.get(number, np.nan), *counts[rows[:-1]]]
+            self._count_of_env[number] = counts[rows[-1]]
         rise = counts - before
         again = (counts <= 1.0) & (rise <= 0.0) & (name not in ACROSS_EPISODES)
-        odd = np.isfinite(rise) & (rise != 1.0) & ~again
-        if not odd.any():
-            return
-        row = int(np.argmax(odd))
-        shown = name or "without a name"
-        way = f"line {self._line + row}: column '{shown}' goes from {before[row]:,.0f} to {counts[row]:,.0f}"
-        if rise[row] > 1.0:
-            why = "rows are missing, or a row is more than a step"
-        elif rise[row] == 0.0:
-            why = f"a row stands twice, or several envs stand in one file; a column '{ENV}' says which"
-        else:
-            why = "rows stand in another order, or the file holds two runs"
-        raise UsageError(f"{way}: {why}, and {NEEDED}. If each row is a step, delete that column")
-
-    def _look_at_runs(self, runs: pa.Array, episodes: Float | None) -> None:
-        """Check that all rows are of one run; the seed of an episode changes where the next one begins."""
-        names = [str(name).strip() for name in runs.to_pylist()]
-        before = [self._run or "".join(names[:1]), *names[:-1]]
-        self._run = names[-1] if names else self._run
-        changes = [row for row, (name, other) in enumerate(zip(names, before, strict=False)) if name != other]
-        column = self._columns["run"].strip().lower()
-        if column in SEED and episodes is not None:
-            rises = np.diff(episodes, prepend=self._last("episode")) == 1.0
-            changes = [row for row in changes if not rises[row]]
-        if changes:
-            row = changes[0]
-            raise UsageError(
-                f"line {self._line + row}: column '{column}' goes from {shortened(before[row], 40)} to "
-                f"{shortened(names[row], 40)}: the file holds several runs. Give each run a file of its own. If all "
-                "rows are one run, delete that column"
+        for row in np.flatnonzero(np.isfinite(rise) & (rise != 1.0) & ~again):
+            if rise[row] > 1.0:
+                why = "rows are missing, or a row is more than a step"
+            elif rise[row] == 0.0:
+                why = f"a row stands twice, or several envs stand in one file; a column '{ENV}' says which"
+            else:
+                why = "rows stand in another order, or the file holds two runs"
+            raise self._refused(
+                row,
+                f"column '{name or 'without a name'}' goes from {before[row]:,.0f} to {counts[row]:,.0f}: {why}, and "
+                f"{NEEDED}. If each row is a step, delete that column",
             )
 
-    def _before_of(self, counts: Float, env: Float | None) -> Float:
-        """What the counter was in the row before, of the same env where there are several."""
-        env, found = np.zeros(len(counts)) if env is None else np.nan_to_num(env), np.empty_like(counts)
-        for number in np.unique(env).tolist():
-            mine = env == number
-            found[mine] = np.concatenate([[self._count_of_env.get(number, np.nan)], counts[mine][:-1]])
-            self._count_of_env[number] = float(counts[mine][-1])
-        return found
+    def _look_at_runs(self, runs: list[str], episodes: Float | None) -> None:
+        """Check that all rows are of one run; the seed of an episode changes where the next one begins."""
+        column = self._columns["run"].strip().lower()
+        before = [self._run or runs[0], *runs[:-1]]
+        changes = np.array([name != other for name, other in zip(runs, before, strict=True)])
+        self._run = runs[-1]
+        if column in SEED and episodes is not None:
+            changes &= np.diff(episodes, prepend=self._episode) != 1.0
+            self._episode = episodes[-1]
+        for row in np.flatnonzero(changes):
+            raise self._refused(
+                row,
+                f"column '{column}' goes from {shortened(before[row], 40)} to {shortened(runs[row], 40)}: the file "
+                "holds several runs. Give each run a file of its own. If all rows are one run, delete that column",
+            )
 
-
-def _parsed(column: pa.Array) -> pa.Array:
-    """Texts as numbers; null where a cell is empty."""
-    import pyarrow.compute as pc  # most files have no such column
-
-    trimmed = pc.utf8_trim_whitespace(column)
-    return pc.if_else(pc.equal(trimmed, ""), None, trimmed).cast(pa.float64())
+    def _refused(self, row: np.int64, why: str) -> UsageError:
+        return UsageError(f"{self._path}: line {self._line + row}: {why}")

@@ -1,16 +1,16 @@
 """Pays a recorded run again under any reward, exactly as the learner would have been paid."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from harness.arrays import Float, Mask
 from harness.errors import UsageError
 from harness.log import Log, Rows
 from harness.log.log import RECORDED, REWARD
-from harness.reward import Array, Carry, MissingField, Paid, Reward, Sample, Steps, pay, put, take
+from harness.reward import Carry, MissingField, Paid, Reward, Sample, Steps, pay, put, take
 from harness.reward.needs import reads_of
 from harness.reward.row_steps import FIELDS, TOUCHED, Rows as StepRows, RowSteps, field_rows, has_field, stretches_of
 from harness.reward.steps import BEFORE, NOT_RECORDED, rows_of
@@ -40,9 +40,8 @@ class Scorer:
         Raises:
             MissingField: The reward reads what is not recorded.
         """
-        count = len(rows.distance)
-        parts = [self._pay_block(rows.part(slice(first, first + BLOCK))) for first in range(0, count, BLOCK)]
-        return parts[0] if len(parts) == 1 else joined(parts)
+        blocks = range(0, len(rows.distance), BLOCK)
+        return joined([self._pay_block(rows.part(slice(first, first + BLOCK))) for first in blocks])
 
     def _pay_block(self, rows: StepRows) -> Paid:
         steps, restart = self._steps.of(rows)
@@ -51,7 +50,9 @@ class Scorer:
             paid = pay(self._reward, (), steps)[1]
         else:
             paid = self._pay_in_order(rows.start, restart, steps)
-        return Paid(*_map_paid(paid, lambda value: np.where(rows.start, 0.0, np.asarray(value, np.float64))))
+        values = (np.asarray(it, np.float64) for it in (paid.total, *paid.terms.values()))
+        total, *terms = (np.where(rows.start, 0.0, it) for it in values)
+        return Paid(total, dict(zip(paid.terms, terms, strict=True)))
 
     def _pay_in_order(self, start: Mask, restart: Mask, steps: Steps) -> Paid:
         """Score a reward that remembers earlier rows: all targets of the block side by side, step by step."""
@@ -93,14 +94,19 @@ class Payer:
             MissingField: The reward reads what is not recorded.
         """
         there = tuple(name for name in FIELDS if has_field(log, name))
-        self._fields = there if with_all else fields_beside_distances(reads_of(reward, there, *_sizes_of(log)))
-        require_recorded(self._fields, there)
+        sized = [name for name in ("qpos", "action") if name in log]
+        head = next(log.pieces(sized, 1), None) if sized else None
+        sizes = (head[name].shape[1] if head and name in head else None for name in ("qpos", "action"))
+        self._fields = there if with_all else fields_beside_distances(reads_of(reward, there, *sizes))
+        for name in (it for it in self._fields if it not in there):
+            told = "where a reward of the experiment reads it: train in a new folder beside this one"
+            hint = f"{name} is recorded {told}" if name in NOT_RECORDED else ""
+            raise MissingField(name, (*Sample._fields, *there), "The recorded run", hint)
         flags = TOUCHED if all(name in log for name in TOUCHED) else ()
         start = "start" if "start" in log else "step"
         self.columns = ("env", start, *DISTANCES, *flags, *(it for name in self._fields for it in FIELDS[name]))
         self.has_all = set(there) <= {*self._fields}
-        self._reward = reward
-        self._scorers: dict[int, Scorer] = {}
+        self._scorers = defaultdict[int, Scorer](partial(Scorer, reward))
 
     def pay(self, piece: Rows, *, is_whole: bool = False) -> Paid:
         """Shaped reward of the next rows and what each term of it paid, (rows,); 0 in the start rows.
@@ -113,19 +119,17 @@ class Payer:
             MissingField: The reward reads what is not recorded.
         """
         rows, env = field_rows(piece, self._fields), piece["env"]
-        runs = stretches_of(piece) if is_whole else _envs_of(env)
-        if runs is None:
-            return self._scorer_of(env).pay(rows)
+        if (env == env[0]).all():
+            return self._scorers[int(env[0])].pay(rows)
+        stretches = stretches_of(piece) if is_whole else None
+        runs = stretches or [np.flatnonzero(env == number) for number in np.unique(env)]
         total, terms = np.empty(len(piece)), dict[str, Float]()
         for run in runs:
-            part = self._scorer_of(env[run]).pay(rows.part(run))
+            part = self._scorers[int(env[run[0]])].pay(rows.part(run))
             total[run] = part.total
             for name, values in part.terms.items():
                 terms.setdefault(name, np.zeros(len(env)))[run] = values
         return Paid(total, terms)
-
-    def _scorer_of(self, env: Array) -> Scorer:
-        return self._scorers.setdefault(int(env[0]), Scorer(self._reward))
 
 
 def pay_column(log: Log) -> str:
@@ -146,107 +150,28 @@ def can_be_paid(log: Log) -> bool:
     return all(name in log for name in ("env", *DISTANCES)) and ("start" in log or "step" in log)
 
 
-def pay_log(reward: Reward, log: Log) -> Paid:
-    """The shaped reward of every row of a log and its terms, (rows,), in the log's order; see `pay_rewards`.
+def pay_log(reward: Reward, log: Log, *, with_all: bool = False) -> Paid:
+    """The shaped reward of every row of a log that `can_be_paid` and its terms, (rows,), in the log's order.
+
+    A reward that reads more in some steps than in made-up ones is called again with all that is recorded.
 
     Raises:
         MissingField: The reward reads what the log does not have.
     """
-    paid, errors = pay_rewards(log, {"": reward})
-    if errors:
-        raise errors[""]
-    return paid[""]
-
-
-def pay_rewards(
-    log: Log, rewards: Mapping[str, Reward], *, with_all: bool = False
-) -> tuple[dict[str, Paid], dict[str, BaseException]]:
-    """What each reward pays for every row of a log, and what the others raise: a plugin may raise anything.
-
-    Args:
-        log: A log that `can_be_paid`; it is read once.
-        rewards: By label. One that reads more in some steps than in made-up ones is called again `with_all` fields.
-        with_all: See `Payer`.
-    """
-    payers, parts, errors = dict[str, Payer](), dict[str, list[Paid]](), dict[str, BaseException]()
-    for label, reward in rewards.items():
-        with _noted(label, errors):
-            payers[label] = Payer(reward, log, with_all=with_all)
-    columns = dict.fromkeys([*DISTANCES, *(name for payer in payers.values() for name in payer.columns)])
-    for piece, is_whole in _pieces(log, columns):
-        for label, payer in payers.items():
-            if label not in errors:
-                with _noted(label, errors):
-                    parts.setdefault(label, []).append(payer.pay(piece, is_whole=is_whole))
-    paid = {label: joined(parts.get(label, [])) for label in payers if label not in errors}
-    late = [it for it, error in errors.items() if isinstance(error, MissingField) and it in payers]
-    late = [label for label in late if not payers[label].has_all]
-    if not late:
-        return paid, errors
-    more, still = pay_rewards(log, {label: rewards[label] for label in late}, with_all=True)
-    return {**paid, **more}, {**{it: error for it, error in errors.items() if it not in late}, **still}
-
-
-@contextmanager
-def _noted(label: str, errors: dict[str, BaseException]) -> Iterator[None]:
+    payer = Payer(reward, log, with_all=with_all)
     try:
-        yield
-    except (Exception, SystemExit) as error:
-        errors[label] = error
-
-
-def _pieces(log: Log, columns: Iterable[str]) -> Iterator[tuple[Rows, bool]]:
-    """The pieces of a log, and whether each is all of it."""
-    pieces = log.pieces(columns, PIECE)
-    first, second = next(pieces, None), next(pieces, None)
-    yield from ((piece, second is None) for piece in (first, second) if piece is not None)
-    yield from ((piece, False) for piece in pieces)
-
-
-def _envs_of(env: Array) -> list[NDArray[np.int64]] | None:
-    """The rows of each env; None where all are of one."""
-    if (env == env[0]).all():
-        return None
-    return [np.flatnonzero(env == number) for number in np.unique(env)]
-
-
-def _sizes_of(log: Log) -> tuple[int | None, int | None]:
-    """How many joints and numbers of an action a log has; None where it does not tell."""
-    told = [name for name in ("qpos", "action") if name in log]
-    piece = next(iter(log.pieces(told, PIECE)), None) if told else None
-    sizes = {} if piece is None else {name: piece[name].shape[1] for name in told}
-    return sizes.get("qpos"), sizes.get("action")
+        pieces = log.pieces([*DISTANCES, *payer.columns], PIECE)
+        return joined([payer.pay(it, is_whole=it.first == 0 and len(it) < PIECE) for it in pieces])
+    except MissingField:
+        if payer.has_all:
+            raise
+        return pay_log(reward, log, with_all=True)
 
 
 def fields_beside_distances(needs: Iterable[str]) -> tuple[str, ...]:
     """Which of `FIELDS` are among what a reward reads; for one of the step before its own name."""
     read = {name.removeprefix(f"{BEFORE}.") for name in needs}
     return tuple(name for name in FIELDS if name in read)
-
-
-def require_recorded(fields: Iterable[str], recorded: Iterable[str]) -> None:
-    """See that a run has what a reward reads beside distances.
-
-    Args:
-        fields: What it reads.
-        recorded: Those of `FIELDS` that the run has.
-
-    Raises:
-        MissingField: The run lacks one.
-    """
-    there = tuple(recorded)
-    for name in fields:
-        if name not in there:
-            told = (
-                f"{name} is recorded where a reward of the experiment reads it: train in a new folder beside this one"
-            )
-            raise MissingField(
-                name, (*Sample._fields, *there), "The recorded run", told if name in NOT_RECORDED else ""
-            )
-
-
-def _map_paid(paid: Paid, function: Callable[[Array], Float]) -> tuple[Float, dict[str, Float]]:
-    return function(paid.total), {name: function(value) for name, value in paid.terms.items()}
 
 
 def joined(parts: Sequence[Paid]) -> Paid:

@@ -1,25 +1,24 @@
 """Pays recorded trainings in environments by other weights of their recorded terms, without the code of a reward."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple
 
-from harness.arrays import Float
+from harness.errors import UsageError
 from harness.files.sums import making
-from harness.log import Log
+from harness.log import Log, in_memory
 from harness.log.log import REWARD
-from harness.record.recording.facts import Source, facts_of, term_column
+from harness.record.recording.facts import Source, TrainingFacts, facts_of, term_column
 from harness.record.recording.recorded_training import (
     read_recorder,
     read_recording,
     recorder_numbers,
     recordings_in,
 )
-from harness.record.recording.scores import Scores, read_scores, scores_name, write_scores
+from harness.record.recording.scores import read_scores, scores_name, with_scores, write_scores
 from harness.record.store import Store
-from harness.score.weights import RecordedTerms, name_of, recorded_choice, weighted_label, weighted_pay
+from harness.score.weights import name_of, no_terms, recorded_choice, reweighted, weighted_label
 
 
 def recordings_of(folder: Path) -> list[Path]:
@@ -40,9 +39,9 @@ def recorded_weights(text: str, paths: Iterable[Path]) -> str:
     """
     for path in paths:
         for number in recorder_numbers(path):
-            of_recorder = _Recorder.read(path, number)
-            for found in of_recorder.recorded(text):
-                return weighted_label(text, of_recorder.terms[found])
+            for label, terms in facts_of(_read(path, number)[0]).terms.items():
+                if name_of(label) == name_of(text):
+                    return weighted_label(text, terms)
     return ""
 
 
@@ -62,55 +61,45 @@ def pay_by_weights(path: Path, label: str) -> int:
         OSError: The scores cannot be written.
     """
     len(read_recording(path))  # raises an error if it is damaged
-    recorders = [_Recorder.read(path, number) for number in recorder_numbers(path)]
-    if all(label in it.terms for it in recorders):
+    recorders = {number: _read(path, number) for number in recorder_numbers(path)}
+    if all(label in facts_of(log).terms for log, _ in recorders.values()):
         return 0
-    found = [it.scored(label) for it in recorders]  # all of them before one is written
-    for it, scores in zip(recorders, found, strict=True):
-        place = path / scores_name(it.number)
+    found = {number: _scored(log, label) for number, (log, _) in recorders.items()}  # all before one is written
+    for number, scores in found.items():
+        place = path / scores_name(number)
+        earlier = recorders[number][1]
         with making(place):
-            write_scores(place, scores.with_earlier(it.earlier))
-    return sum(len(it.log) for it in recorders)
+            write_scores(place, with_scores(earlier, scores) if earlier is not None else scores)
+    return sum(len(log) for log, _ in recorders.values())
 
 
-class _Recorder(NamedTuple):
-    """What one recorder of a recording left, with what was scored later."""
+def _read(path: Path, number: int) -> tuple[Log, Log | None]:
+    """What one recorder of a recording left, and what of it was scored later; its steps are read when asked for."""
+    log = read_recorder(path, number)
+    earlier = read_scores(path / scores_name(number), partial(len, log))
+    return (with_scores(log, earlier) if earlier is not None else log), earlier
 
-    log: Log
-    number: int
-    earlier: Scores | None
 
-    @classmethod
-    def read(cls, path: Path, number: int) -> "_Recorder":
-        """Its facts and scores; its steps are read when they are asked for."""
-        log = read_recorder(path, number)
-        earlier = read_scores(path / scores_name(number), partial(len, log))
-        return cls(earlier.added_to(log) if earlier else log, number, earlier)
-
-    @property
-    def terms(self) -> Mapping[str, tuple[str, ...]]:
-        """The terms of each reward that has some, by its label."""
-        return facts_of(self.log).terms
-
-    def recorded(self, asked: str) -> list[str]:
-        """The labels under which the terms of the reward of this name are recorded."""
-        return [label for label in self.terms if name_of(label) == name_of(asked)]
-
-    def scored(self, label: str) -> Scores:
-        """The columns of a reward with other weights."""
-        recorded = (
-            RecordedTerms(recorded_choice(then), self.terms[then], partial(self._columns, then))
-            for then in self.recorded(label)
+def _scored(log: Log, label: str) -> Log:
+    """The columns of a reward with other weights."""
+    refused = UsageError(no_terms("these trainings have", name_of(label)))
+    for then, names in facts_of(log).terms.items():
+        if name_of(then) != name_of(label):
+            continue
+        columns = {name: term_column(then, name) for name in names}
+        told = log.rows(columns.values())
+        try:
+            paid = reweighted(label, recorded_choice(then), {name: told[it] for name, it in columns.items()})
+        except UsageError as error:  # a term was recorded with the weight 0, and elsewhere perhaps with another
+            refused = error
+            continue
+        was, now = f"{REWARD}{then}", f"{REWARD}{label}"
+        facts = TrainingFacts(
+            rewards=(label,),
+            trained_with=label,
+            sources={now: Source("", f"the recorded terms of {then}, weighted as {label}")},
+            failed=tuple(replace(it, column=now) for it in facts_of(log).failures if it.column == was),
+            terms={label: tuple(paid.terms)},
         )
-        then, paid = weighted_pay(label, recorded, "these trainings have")
-        was, now = f"{REWARD}{then.label}", f"{REWARD}{label}"
-        return Scores(
-            {now: paid.total, **{term_column(label, name): values for name, values in paid.terms.items()}},
-            (),
-            {now: Source("", f"the recorded terms of {then.label}, weighted as {label}")},
-            tuple(replace(it, column=now) for it in facts_of(self.log).failures if it.column == was),
-        )
-
-    def _columns(self, label: str) -> dict[str, Float]:
-        told = self.log.rows(term_column(label, name) for name in self.terms[label])
-        return {name: told[term_column(label, name)] for name in self.terms[label]}
+        return in_memory(facts, {now: paid.total, **{term_column(label, it): of for it, of in paid.terms.items()}})
+    raise refused

@@ -6,8 +6,7 @@ weight, so that another weight is a matter of one factor.
 """
 
 import math
-from collections.abc import Callable, Iterable, Mapping
-from typing import NamedTuple
+from collections.abc import Collection, Mapping
 
 from harness.arrays import Float
 from harness.errors import UsageError
@@ -22,13 +21,13 @@ def name_of(label: str) -> str:
     return label.partition(":")[0]
 
 
-def weighted_label(asked: str, terms: Iterable[str]) -> str:
+def weighted_label(asked: str, terms: Collection[str]) -> str:
     """The label of a reward whose weights are told, as a run by it has it: weights of 1 left out, in the terms' order.
 
     Raises:
         UsageError: It names no term of these, or what it gives is no weight.
     """
-    weights = _weights(asked, list(terms))
+    weights = _weights(asked, terms)
     return label_of(name_of(asked), {term: weights[term] for term in terms if weights.get(term, 1.0) != 1.0})
 
 
@@ -51,87 +50,46 @@ def reweighted(asked: str, recorded: Choice, terms: Mapping[str, Float]) -> Paid
     """
     if asked == recorded.label:
         return Paid(sum_of(terms), terms)
-    names = list(terms)
-    if not _are_weights(recorded, names):
+    told, params = parse(recorded.label)[1], dict(recorded.params)
+    # Each weight has the name of a term, and is left out of the label where it is 1, and nowhere else.
+    are_weights = all((name in told) == (value != 1.0) for name, value in params.items())
+    if not are_weights or not {*told, *params} <= terms.keys():
         raise UsageError(
             f"The parameters of '{recorded.name}' are not the weights of its terms, so that its recorded columns do "
             f"not tell what '{asked}' pays: give its file, --plugin FILE"
         )
-    now, then = _weights(asked, names), _weights(recorded.label, names)
-    paid = {name: _times(values, name, now.get(name, 1.0), then.get(name, 1.0)) for name, values in terms.items()}
+    now, then, paid = _weights(asked, terms), _weights(recorded.label, terms), dict(terms)
+    for name in {**now, **then}:
+        wanted, was = now.get(name, 1.0), then.get(name, 1.0)
+        if wanted != was and was == 0.0:
+            raise UsageError(
+                f"The term '{name}' was recorded with the weight 0, which cannot be undone: give the reward's file, "
+                "--plugin FILE"
+            )
+        if wanted != was:
+            paid[name] = terms[name] * (wanted / was)
     return Paid(sum_of(paid), paid)
 
 
-class RecordedTerms(NamedTuple):
-    """Columns of the terms of a reward."""
-
-    reward: Choice
-    """The reward, with the weights that it was recorded with."""
-    terms: tuple[str, ...]
-    read: Callable[[], Mapping[str, Float]]
-    """A function that reads them, by term, (rows,) each."""
+def no_terms(who: str, name: str) -> str:
+    """Says that the terms of a reward are not recorded, and what to do; `who` has none, ``these trainings have``."""
+    return f"{who} no columns of the terms of '{name}': give its file, --plugin FILE, and it is called"
 
 
-def weighted_pay(asked: str, recorded: Iterable[RecordedTerms], who: str) -> tuple[Choice, Paid]:
-    """What a reward pays with other weights, from the first recorded columns of its terms that tell it, and which.
-
-    Args:
-        asked: The reward with the weights that are asked for.
-        recorded: Where its terms are recorded.
-        who: Begins the sentence that says that they are nowhere, ``these steps have``.
-
-    Raises:
-        UsageError: They are nowhere, or as `reweighted`.
-    """
-    refused: UsageError | None = None
-    for found in recorded:
-        try:
-            return found.reward, reweighted(asked, found.reward, found.read())
-        except UsageError as error:  # a term was recorded with the weight 0, and elsewhere perhaps with another
-            refused = refused or error
-    raise refused or UsageError(
-        f"{who} no columns of the terms of '{name_of(asked)}': give its file, --plugin FILE, and it is called"
-    )
-
-
-def _are_weights(choice: Choice, terms: Iterable[str]) -> bool:
-    """Whether the parameters of a reward are the weights of its terms, as those of a function of steps are.
-
-    Each has the name of a term, and is left out of the label where it is 1, and nowhere else.
-    """
-    told, known = parse(choice.label)[1], {*terms}
-    params = dict(choice.params)
-    return {*told, *params} <= known and all((name in told) == (value != 1.0) for name, value in params.items())
-
-
-def _times(values: Float, name: str, now: float, then: float) -> Float:
-    if now == then:
-        return values
-    if then == 0.0:
-        raise UsageError(
-            f"The term '{name}' was recorded with the weight 0, which cannot be undone: give the reward's file, "
-            "--plugin FILE"
-        )
-    return values * (now / then)
-
-
-def _weights(label: str, terms: list[str]) -> dict[str, float]:
+def _weights(label: str, terms: Collection[str]) -> dict[str, float]:
     name, params = parse(label)
-    for term in params:
+    found: dict[str, float] = {}
+    for term, text in params.items():
         if term not in terms:
             raise UsageError(
                 f"No term '{term}' of the reward '{name}'. There is: {', '.join(terms)}.{did_you_mean(term, terms)}"
             )
-    return {term: _weight(term, text) for term, text in params.items()}
-
-
-def _weight(term: str, text: str) -> float:
-    try:
-        weight = float(text)
-    except ValueError:
-        weight = math.nan
-    if not abs(weight) <= LARGEST_FACTOR:
-        raise UsageError(
-            f"The weight of '{term}' is '{text}': give a number from -{LARGEST_FACTOR:g} to {LARGEST_FACTOR:g}"
-        )
-    return weight
+        try:
+            found[term] = float(text)
+        except ValueError:
+            found[term] = math.nan
+        if not abs(found[term]) <= LARGEST_FACTOR:
+            raise UsageError(
+                f"The weight of '{term}' is '{text}': give a number from -{LARGEST_FACTOR:g} to {LARGEST_FACTOR:g}"
+            )
+    return found

@@ -11,6 +11,7 @@ from harness.authoring.commands import (
     AsFormat,
     AsJson,
     FailOn,
+    LeftOut,
     Measures,
     Partial,
     Places,
@@ -74,6 +75,7 @@ GOES_WITH: Mapping[str, tuple[str, ...]] = {
     "--random": (RECORDINGS, EXPERIMENT),
     "--as": (LOGS,),
     "--sort": (LOGS,),
+    "--leave-out": (LOGS, RECORDINGS, EXPERIMENT),
 }
 """What a flag goes with; --reward, --plugin and --json go with all, and the flags of data sets with them alone."""
 NEEDS = {
@@ -82,6 +84,7 @@ NEEDS = {
     "--random": "a FOLDER of recorded trainings: harness audit FOLDER --random RANDOM",
     "--as": "a FOLDER of logs that other programs wrote: harness audit FOLDER --as NAME",
     "--sort": "a FOLDER of logs that other programs wrote: harness audit FOLDER --sort TEMPLATE",
+    "--leave-out": "a FOLDER of trainings: harness audit FOLDER --leave-out PATH",
 }
 
 
@@ -102,6 +105,7 @@ def audit(
     random: RandomFolder = None,
     log_format: AsFormat = None,
     sort: SortBy = None,
+    leave_out: LeftOut = None,
     places: Places = None,
     success: Success = None,
     measure: Measures = None,
@@ -145,9 +149,9 @@ def audit(
         "--places": places, "--labels": labels, "--success-above": success_above,
         "--cluster": cluster, "--partial": partial or None, "--beginner": beginner,
         "--robot": robot, "--sim": sim, "--against": against, "--episodes": episodes, "--gamma": gamma,
-        "--random": random, "--as": log_format, "--sort": sort, "--success": success, "--measure": measure,
-        "--budget": budget, "--starts": starts, "--seed": seed or None, "--from": from_folders, "--policy": policy,
-        "--out": out, "--html": html,
+        "--random": random, "--as": log_format, "--sort": sort, "--leave-out": leave_out, "--success": success,
+        "--measure": measure, "--budget": budget, "--starts": starts, "--seed": seed or None, "--from": from_folders,
+        "--policy": policy, "--out": out, "--html": html,
     }  # fmt: skip
     if named is not None and names_dataset(named):
         _refuse_others(DATASET, named, flags)
@@ -195,7 +199,7 @@ def audit(
         audits = [audit_environment(chosen, registry, reward, against, discount, episodes)]
         found_at = places_in_environment(registry, chosen, reward, discount, *told)
     else:
-        audits = [_of_folder(kind, Path(str(named)), registry, reward, random, log_format, sort)]
+        audits = [_of_folder(kind, Path(str(named)), registry, reward, random, log_format, sort, leave_out)]
     if asked is not None:
         from .search.find import cheats_at
 
@@ -417,21 +421,24 @@ def _of_folder(
     random: Path | None,
     log_format: str | None,
     sort: str | None,
+    leave_out: Sequence[Path] | None,
 ) -> "Audit":
     """What lies in a folder: recordings of an experiment or loose ones, cells of an arm, or logs of other programs."""
     from harness.registry import split_list
 
-    from .recorded.recordings import audit_logs, audit_recordings
+    from .recorded.recordings import audit_logs, audit_recordings, held_back
 
+    out = tuple(leave_out or ())
     only = split_list(reward) if reward else []
     if kind == LOGS:
         from harness.authoring.commands import find_logs
 
-        return audit_logs(folder, find_logs(folder, registry, log_format or ""), only, sort or "")
+        return audit_logs(folder, find_logs(folder, registry, log_format or ""), only, sort or "", out)
     if kind == EXPERIMENT:
         from harness.authoring.commands import read_results
+        from harness.results import Told
 
-        results = read_results(folder, registry)
+        results = read_results(folder, registry, told=Told(leave_out=out))
         if not results.in_environment:
             from harness.authoring.commands import audits_of
 
@@ -445,8 +452,9 @@ def _of_folder(
                 for (_, _, label), payoffs in audits_of(results).items()
                 if label in audit.rewards
             )
-            return replace(audit, verdict=(*audit.verdict, *scripted))
-    return audit_recordings(folder, random, only)
+            return held_back(replace(audit, verdict=(*audit.verdict, *scripted)), results.account)
+        return audit_recordings(folder, random, only, account=results.account)
+    return audit_recordings(folder, random, only, out)
 
 
 def _of_task(

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, NotRequired
 
-from pydantic import ConfigDict, Field, TypeAdapter, with_config
+from pydantic import ConfigDict, Field, with_config
 from rich.console import Group, RenderableType
 from rich.text import Text
 from typing_extensions import TypedDict
@@ -18,7 +18,7 @@ from harness.authoring.commands import (
     deciding_manner,
     parse_json,
     read_bytes,
-    require_form,
+    read_form,
     short_name,
     values_text,
 )
@@ -168,10 +168,6 @@ class EnvironmentsForm(TypedDict):
     cells: list[CellForm]
 
 
-ENVIRONMENTS: TypeAdapter[EnvironmentsForm] = TypeAdapter(EnvironmentsForm)
-FORM: TypeAdapter[RecordForm] = TypeAdapter(RecordForm)
-
-
 def is_committed(folder: Path) -> bool:
     """Whether a folder holds records, but no experiment."""
     return (folder / RECORD).is_file() and not (folder / PLAN).exists()
@@ -232,9 +228,9 @@ def _read(folder: Path) -> tuple[RecordForm | None, EnvironmentsForm | None]:
     with reading(folder / RECORD, "record"):
         data = parse_json(read_bytes(folder / RECORD, MOST_BYTES))
         if isinstance(data, dict) and "studies" in data and "format" not in data:  # of version 0.1
-            require_form(ENVIRONMENTS, data)
+            read_form(EnvironmentsForm, data)
             return None, data  # type: ignore[return-value] # its form was just checked
-        require_form(FORM, data)
+        read_form(RecordForm, data)
         return data, None
 
 

@@ -1,17 +1,12 @@
 """What data sets of every format have in common: their facts, the bounds on what is read, and usual names."""
 
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from harness.arrays import Float, Mask
-from harness.authoring.commands import UNKNOWN, SuccessRule, parse_success
 from harness.errors import SchemaError, UsageError
-from harness.log import RECORDED
 from harness.registry import did_you_mean
 from harness.text import shortened
 
@@ -19,8 +14,7 @@ SHOWN = 5
 """So many numbers of episodes are told."""
 
 
-@dataclass(frozen=True)
-class Declared:
+class Declared(NamedTuple):
     """What the metadata says.
 
     Attributes:
@@ -33,24 +27,13 @@ class Declared:
     episodes: int | None = None
     steps: int | None = None
     listed: Collection[int] = ()
-    lengths: Mapping[int, int] = field(default_factory=dict)
+    lengths: Mapping[int, int] = {}
 
 
-@dataclass(frozen=True)
-class Census:
-    """What belongs to a data set.
-
-    Attributes:
-        episodes: Numbers of the episodes that are read.
-        notes: How what lies there differs from what is declared, a line each.
-    """
-
-    episodes: frozenset[int]
-    notes: tuple[str, ...] = ()
-
-
-def take_census(path: Path, declared: Declared, found: Mapping[int, int], partial: bool) -> Census:
-    """Which episodes belong to the data set.
+def take_census(
+    path: Path, declared: Declared, found: Mapping[int, int], partial: bool
+) -> tuple[frozenset[int], list[str]]:
+    """Which episodes belong to the data set, and how what lies there differs from what is declared, a line each.
 
     Args:
         path: The data set, for messages.
@@ -61,63 +44,39 @@ def take_census(path: Path, declared: Declared, found: Mapping[int, int], partia
     Raises:
         SchemaError: Something that is declared does not lie there, or not as it is declared.
     """
-    belonging = _belonging(declared, found)
-    notes = []
-    beside = sorted({*found} - belonging)
+    there, listed, lengths = {*found}, {*declared.listed}, declared.lengths
+    below = {number for number in there if number < (declared.episodes or 0)}
+    belonging = there & listed if listed else below if len(below) == declared.episodes else there
+    beside = there - belonging
+    empty = {number for number in listed | belonging if not found.get(number, lengths.get(number, 1))}
+    gone = {number for number in listed - there if lengths.get(number, 1)}
+    other = sorted(number for number in belonging if lengths.get(number, found[number]) != found[number])
+    count, steps = len(listed or belonging), sum(found[number] for number in belonging)
+    notes, gaps = [], []
     if beside:
         notes.append(f"Left out, since the metadata does not list them: {_episodes(beside)}")
-    empty = sorted(
-        {number for number in {*declared.listed, *belonging} if not found.get(number, _length(declared, number))}
-    )
     if empty:
         notes.append(f"Left out, since they have no step: {_episodes(empty)}")
-    gaps = list(_gaps(declared, found, belonging))
-    other = [number for number in sorted(belonging) if declared.lengths.get(number, found[number]) != found[number]]
+    if gone:
+        gaps.append(f"{_episodes(gone)} declared and not there")
+    if declared.episodes not in (None, count):
+        gaps.append(f"{declared.episodes:,} episodes declared, {count:,} {'listed' if listed else 'there'}")
+    if declared.steps not in (None, steps):
+        gaps.append(f"{declared.steps:,} steps declared, {steps:,} there")
     if other:
-        steps = f"episode {other[0]} has {found[other[0]]:,} steps, {declared.lengths[other[0]]:,} are declared"
-        gaps.append(f"{_episodes(other)} of another length than declared ({steps})")
-        belonging -= {*other}
+        told = f"episode {other[0]} has {found[other[0]]:,} steps, {lengths[other[0]]:,} are declared"
+        gaps.append(f"{_episodes(other)} of another length than declared ({told})")
     if gaps and not partial:
         raise SchemaError(
             f"{path} is not what its metadata declares: {'; '.join(gaps)}. Fetch it again, or take what is there with "
             "--partial"
         )
     notes += [f"In spite of --partial, not as declared: {gap}" for gap in gaps]
-    return Census(frozenset(belonging), tuple(notes))
+    return frozenset(belonging.difference(other)), notes
 
 
-def _belonging(declared: Declared, found: Mapping[int, int]) -> set[int]:
-    if declared.listed:
-        return {*declared.listed} & {*found}
-    if declared.episodes is not None and len(found) > declared.episodes:
-        below = {number for number in found if number < declared.episodes}
-        return below if len(below) == declared.episodes else {*found}
-    return {*found}
-
-
-def _gaps(declared: Declared, found: Mapping[int, int], belonging: Collection[int]) -> list[str]:
-    gaps = []
-    gone = sorted(number for number in {*declared.listed} - {*found} if _length(declared, number))
-    if gone:
-        gaps.append(f"{_episodes(gone)} declared and not there")
-    if declared.episodes is not None:
-        count = len(declared.listed) or len(belonging)
-        if count != declared.episodes:
-            noun = "listed" if declared.listed else "there"
-            gaps.append(f"{declared.episodes:,} episodes declared, {count:,} {noun}")
-    steps = sum(found[number] for number in belonging)
-    if declared.steps is not None and steps != declared.steps:
-        gaps.append(f"{declared.steps:,} steps declared, {steps:,} there")
-    return gaps
-
-
-def _length(declared: Declared, number: int) -> int:
-    """How many steps an episode should have; where nothing says it, some."""
-    return declared.lengths.get(number, 1)
-
-
-def _episodes(numbers: list[int]) -> str:
-    shown = ", ".join(map(str, numbers[:SHOWN])) + (" ..." if len(numbers) > SHOWN else "")
+def _episodes(numbers: Collection[int]) -> str:
+    shown = ", ".join(map(str, sorted(numbers)[:SHOWN])) + (" ..." if len(numbers) > SHOWN else "")
     return f"{len(numbers):,} {'episode' if len(numbers) == 1 else 'episodes'} ({shown})"
 
 
@@ -136,34 +95,8 @@ SUCCESS_KEYS = ("success", "is_success")
 """What a column may be called that says whether a step was a success."""
 OPERATOR_KEYS = ("operator", "operator_id")
 """What may be called who, or what, made an episode."""
-OWN_REWARDS = "harness_rewards"
-"""The key of the metadata under which `harness export` lists the rewards that it wrote, by column."""
 NOTHING_SEEN = "recorded pay is read, and functions that look at no observation"
 """What is left of a data set whose observations hold no numbers."""
-
-
-def own_rewards(path: Path, told: Any, known: Mapping[str, Any], taken: tuple[str, ...] = ()) -> dict[str, str]:
-    """By column, the names of rewards that `harness export` wrote.
-
-    Args:
-        path: What a message names.
-        told: What the metadata has under `OWN_REWARDS`.
-        known: The columns that there are.
-        taken: Columns that mean something else.
-
-    Raises:
-        SchemaError: Two columns have one name, one is called what the data set's own reward is, or it means something
-            else.
-    """
-    own = told if isinstance(told, dict) else {}
-    own = {key: shortened(name, 200) for key, name in own.items() if key in known and isinstance(name, str)}
-    for key, name in own.items():
-        if name == RECORDED or key in taken or list(own.values()).count(name) > 1:
-            raise SchemaError(
-                f"{path}: {OWN_REWARDS} calls {shortened(key, 80)} '{name}', but that name, or that column, is another "
-                "reward's or no reward's"
-            )
-    return own
 
 
 def require_readable(path: Path, steps: int, width: int) -> None:
@@ -188,69 +121,21 @@ def rows_at_once(bytes_of_row: int) -> int:
     return max(1, min(ROWS, PIECE_BYTES // max(1, bytes_of_row)))
 
 
-def texts(text: str, count: int) -> NDArray[Any]:
-    """A column that says the same of every step."""
-    return np.full(count, text, object)
-
-
-def as_texts(values: NDArray[Any]) -> NDArray[Any]:
-    """The first number of each row as text, as one says who made an episode."""
-    found, place = np.unique(values.reshape(len(values), -1)[:, 0], return_inverse=True)
-    return np.array([f"{value}" for value in found], object)[place]
-
-
-def filled_up(values: NDArray[Any], count: int) -> NDArray[Any]:
-    """So many rows; zeros stand for those that a file does not have at its end."""
-    lacking = np.zeros((count - len(values), *values.shape[1:]), values.dtype)
-    return np.concatenate([values, lacking]) if len(lacking) else values
-
-
-def where_seen(values: NDArray[Any], seen: Mask) -> NDArray[Any]:
-    """Rows of an observation, without those that nobody has seen: NaN, or 0 where they are whole numbers."""
-    if seen.all():
-        return values
-    kept = values.copy()
-    kept[~seen] = np.nan if values.dtype.kind == "f" else 0
-    return kept
-
-
-def as_measure(told: NDArray[np.int8]) -> Float:
-    """Labels as a measure of steps: 1, 0, and NaN where it is not known."""
-    return np.where(told == UNKNOWN, np.nan, told)
-
-
-def missing_key(flag: str, key: str, path: Path, known: Iterable[str]) -> UsageError:
-    """What is said where a key is not there: the nearest, and all that are."""
-    keys = list(dict.fromkeys(known))
-    shown = shortened(", ".join(keys), 400) or "none"
-    return UsageError(f"{flag} {key}: {path} has no such key; it has {shown}.{did_you_mean(key, keys)}")
-
-
-def success_rule(success: str, told: Collection[str], path: Path, usual: Iterable[str]) -> SuccessRule | None:
-    """Where success stands; None where nothing says it.
+def chosen_key(flag: str, named: str, told: Collection[str], usual: Iterable[str], path: Path) -> str:
+    """The key that the user names, or the first of the usual ones that is there; empty if none is.
 
     Args:
-        success: What the user says of it; without a key the first of the usual ones that is there.
+        flag: By which the user names it.
+        named: By the user, or empty.
         told: The keys that are there.
-        path: Of the data set, for messages.
         usual: Keys that mostly say it.
+        path: Of the data set, for messages.
 
     Raises:
-        UsageError: The key that the user names is not there.
+        UsageError: The key that the user names is not there; says which are.
     """
-    rule = parse_success(success)
-    if rule.key and rule.key not in told:
-        raise missing_key("--success", rule.key, path, told)
-    key = next((key for key in usual if key in told), None)
-    return rule if rule.key else SuccessRule(key) if key else None
-
-
-def operator_key(cluster: str, told: Collection[str], path: Path) -> str:
-    """What says who made an episode: what the user names, or the first of the usual keys; empty if nothing does.
-
-    Raises:
-        UsageError: The key that the user names is not there.
-    """
-    if cluster and cluster not in told:
-        raise missing_key("--cluster", cluster, path, told)
-    return cluster or next((key for key in OPERATOR_KEYS if key in told), "")
+    if named and named not in told:
+        keys = list(dict.fromkeys(told))
+        shown = shortened(", ".join(keys), 400) or "none"
+        raise UsageError(f"{flag} {named}: {path} has no such key; it has {shown}.{did_you_mean(named, keys)}")
+    return named or next((key for key in usual if key in told), "")

@@ -1,18 +1,22 @@
 """Parts of an HDF5 file that anybody may have made: nothing of another file, nothing twice, nothing without end."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.arrays import Ints
 from harness.authoring.commands import MOST_EPISODES
 from harness.errors import SchemaError
-from harness.text import shortened
+from harness.files import reading, require_regular
+from harness.record.dataset.open_dataset import open_hdf5
 
 from .dataset import MOST_KEYS, MOST_NUMBERS, require_readable, rows_at_once
+from .steps import Source, Steps, nothing_told
 
 MOST_BYTES = 2**40
 CHUNK_BYTES = 2**28
@@ -109,11 +113,14 @@ def group_of(path: Path, parent: Any, key: str, most: int = MOST_KEYS) -> Any:
 
 
 def array_of(path: Path, parent: Any, key: str) -> Array:
-    """An array in a group; see `member_of`.
+    """An array in a group, or in groups of it, ``a/b``; see `member_of`.
 
     Raises:
         SchemaError: It is none.
     """
+    *groups, key = key.split("/")
+    for group in groups:
+        parent = group_of(path, parent, group)
     found = member_of(path, parent, key)
     if not isinstance(found, Array):
         raise SchemaError(f"{path}: {_place(parent, key)} is a group, no array")
@@ -172,54 +179,46 @@ class Walk:
         self._groups: set[int] = set()
         self._count = 0
 
-    def numbers(self, group: Any, prefix: str = "", depth: int = 0) -> Iterator[tuple[str, Array]]:
-        """All arrays of numbers at any depth, by key, ``a/b``; an array of one number has no rows."""
-        for key, found in self._members(group, depth, frozenset()):
-            if not isinstance(found, Array):
-                yield from self.numbers(found, f"{prefix}{key}/", depth + 1)
-            elif found.holds_numbers:
-                yield f"{prefix}{key}", found
-
-    def columns(self, found: Any, left_out: frozenset[str], place: str, depth: int = 0) -> dict[str, Array]:
-        """The arrays of an observation or an action, by place, ``observations/goal``.
+    def arrays(
+        self, found: Any, place: str, left_out: Collection[str] = (), depth: int = 0
+    ) -> Iterator[tuple[str, Array]]:
+        """The arrays of what stands at a place, at any depth, by place, ``observations/goal``.
 
         Args:
             found: What stands in the file.
-            left_out: Places that are not looked at.
             place: Its own.
+            left_out: Places that are not looked at.
             depth: How deep it stands in the episode.
 
         Raises:
-            SchemaError: It holds no rows of numbers.
+            SchemaError: It is nested without end, or has too many parts.
         """
         if isinstance(found, Array):
-            if not found.shape or not found.holds_numbers:
-                raise SchemaError(f"{self._path}: {place} holds no rows of at most {MOST_NUMBERS:,} numbers")
-            return {place: found}
-        skipped = frozenset(name for name in found if f"{place}/{name}" in left_out) if left_out else left_out
-        columns: dict[str, Array] = {}
-        for name, part in self._members(found, depth, skipped):
-            columns |= self.columns(part, left_out, f"{place}/{name}", depth + 1)
-        return columns
-
-    def _members(self, group: Any, depth: int, skipped: frozenset[str]) -> Iterator[tuple[str, Any]]:
+            yield place, found
+            return
         if depth > DEEPEST:
-            raise SchemaError(f"{self._path}: {group.name} is nested too deeply")
-        where = address(group)
-        if where in self._groups:
-            raise SchemaError(f"{self._path}: {group.name} is another name for a group that stands elsewhere too")
+            raise SchemaError(f"{self._path}: {found.name} is nested too deeply")
+        if (where := address(found)) in self._groups:
+            raise SchemaError(f"{self._path}: {found.name} is another name for a group that stands elsewhere too")
         self._groups.add(where)
-        for key in group:
-            if key in skipped:
-                continue
+        for key in found:
             self._count += 1
             if self._count > MOST_KEYS:
-                raise SchemaError(f"{self._path}: {group.name}: an episode has more than {MOST_KEYS:,} parts")
-            yield key, member_of(self._path, group, key)
+                raise SchemaError(f"{self._path}: {found.name}: an episode has more than {MOST_KEYS:,} parts")
+            if (inner := f"{place}/{key}") not in left_out:
+                yield from self.arrays(member_of(self._path, found, key), inner, left_out, depth + 1)
 
 
-def read_stretches(steps: int, parts: Mapping[str, Stretch]) -> Iterator[tuple[int, dict[str, NDArray[Any]]]]:
-    """The rows of some steps after another, by column, and the number of the first of them, counted from 0.
+def infos_of(path: Path, episode: Any) -> dict[str, Array]:
+    """The arrays of numbers among the infos of an episode, by key, ``a/b``."""
+    if "infos" not in episode:
+        return {}
+    found = Walk(path).arrays(group_of(path, episode, "infos"), "infos")
+    return {place.removeprefix("infos/"): array for place, array in found if array.holds_numbers}
+
+
+def read_stretches(steps: int, parts: Mapping[str, Stretch]) -> Iterator[tuple[slice, dict[str, NDArray[Any]]]]:
+    """The rows of some steps after another, by column, and which steps these are, counted from 0.
 
     An array that two columns read, such as observations before and after each step, is read once.
     """
@@ -232,41 +231,62 @@ def read_stretches(steps: int, parts: Mapping[str, Stretch]) -> Iterator[tuple[i
         end = min(begin + rows, steps)
         held = {array: array[begin + low : end + high] for array, (low, high) in spans.items()}
         yield (
-            begin,
+            slice(begin, end),
             {name: held[array][first - spans[array][0] :][: end - begin] for name, (array, first) in parts.items()},
         )
 
 
-class Budget:
-    """Counts the numbers that are read of a file, and refuses too many."""
-
-    def __init__(self, path: Path) -> None:
-        self._path, self._values = path, 0
-
-    def take(self, steps: int, parts: Mapping[str, Stretch]) -> None:
-        """Before they are read.
-
-        Raises:
-            SchemaError: They are too many.
-        """
-        self._values += steps * sum(array.width for array in {part.array for part in parts.values()})
-        require_readable(self._path, 1, self._values)
+@contextmanager
+def opened(path: Path, noun: str) -> Iterator[Any]:
+    """An HDF5 file, open for reading; `noun` says what it should be."""
+    with reading(path, noun):
+        require_regular(path, MOST_BYTES)
+        with open_hdf5(path) as file:
+            yield file
 
 
-def text_of(told: Any) -> str:
-    """What an attribute, or an array of one value, says, on one line."""
-    if isinstance(told, np.ndarray) and told.size == 1:
-        told = told.ravel()[0]
-    text = told.decode(errors="replace") if isinstance(told, bytes) else str(told)
-    return shortened(" ".join(text.split()), 200)
+class Run(NamedTuple):
+    """Steps of an episode, or of several that follow one another in the same arrays.
+
+    Attributes:
+        episode: The number of each step's episode, (steps,).
+        parts: By column where the numbers of all steps stand.
+        where: They stand, for messages.
+        told: See `Source.columns`.
+        known: Further columns, (steps,).
+    """
+
+    episode: Ints
+    parts: Mapping[str, Stretch]
+    where: str
+    told: Callable[[int, str], Any] = nothing_told
+    known: Mapping[str, NDArray[Any]] = {}
 
 
-def one_number(values: NDArray[Any], noun: str) -> NDArray[np.float64]:
-    """A column that has one number of each step, (steps,).
+def tables_of(
+    path: Path, source: Source, runs: Callable[[Any, tuple[str, ...]], Iterable[Run]], names: tuple[str, ...]
+) -> Iterator[dict[str, NDArray[Any]]]:
+    """Some columns of the steps of all runs.
+
+    Args:
+        path: The file.
+        source: What is known of it.
+        runs: Finds them in the open file, with what these columns need.
+        names: Of the columns.
 
     Raises:
-        SchemaError: It has several.
+        SchemaError: They hold too many numbers, or do not fit together.
     """
-    if values.size != len(values):
-        raise SchemaError(f"{noun} holds {values.size // max(1, len(values)):,} numbers a step, not one")
-    return np.asarray(values, np.float64).reshape(len(values))
+    numbers = 0
+    with opened(path, f"{source.facts.format} data set") as file:
+        for episode, parts, where, told, known in runs(file, names):
+            numbers += len(episode) * sum(array.width for array in {part.array for part in parts.values()})
+            require_readable(path, 1, numbers)
+            if not len(episode):
+                continue
+            ends = np.append(np.diff(episode) != 0, True)
+            begins = np.concatenate([[0], np.flatnonzero(ends)[:-1] + 1])
+            step = np.arange(len(episode)) - np.repeat(begins, np.diff(begins, append=len(episode))) + 1
+            for rows, table in read_stretches(len(episode), parts):
+                found = {"step": step[rows], **{name: values[rows] for name, values in known.items()}, **table}
+                yield source.columns(names, Steps(found, episode[rows], ends[rows], where), told)

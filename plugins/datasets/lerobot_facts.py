@@ -6,7 +6,6 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import pyarrow as pa
 import pyarrow.parquet as pq
 
 from harness.authoring.commands import MOST_EPISODES, parse_json, read_bytes
@@ -20,7 +19,7 @@ INFO_FILE, EPISODES, LISTS = Path("meta/info.json"), Path("meta/episodes.jsonl")
 KNOWN = ((2, 0), (2, 1), (3, 0))
 """Versions of the layout."""
 STATE, ACTION, EPISODE, FRAME = "observation.state", "action", "episode_index", "frame_index"
-NEXT_STATE, REWARD, DONE = f"next.{STATE}", "next.reward", "next.done"
+REWARD, DONE = "next.reward", "next.done"
 TASK_INDEX, TASKS = "task_index", "tasks"
 NEEDED = (ACTION, EPISODE, FRAME)
 SEEN_BEGIN = "observation."
@@ -34,6 +33,8 @@ DATA_PATH = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
 LEFT_OUT = ("stats/", "videos/")
 """How keys of an episode begin that say nothing of it as a whole."""
 MOST_FILES, LIST_BYTES = 1_000_000, 2**29
+_SINGLE = re.compile(r"((fixed_size_)?list<\w+: )*(bool|u?int\d+|halffloat|float|double|(large_)?string)\b")
+"""How the type of a column is called that holds a number, a text, or a list of these."""
 _VERSION = re.compile(r"v?(\d{1,4})\.(\d{1,4})")
 
 
@@ -184,35 +185,19 @@ def _tables(paths: list[Path]) -> Iterator[dict[str, Any]]:
     for path in paths:
         require_regular(path, LIST_BYTES)
         with pq.ParquetFile(path) as file:
-            names = [it.name for it in file.schema_arrow if _is_single(it.type) and not it.name.startswith(LEFT_OUT)]
+            names = [
+                it.name for it in file.schema_arrow if _SINGLE.match(str(it.type)) and not it.name.startswith(LEFT_OUT)
+            ]
             if file.metadata.num_rows > MOST_EPISODES or len(names) > MOST_KEYS:
                 raise SchemaError(f"{path} lists more than {MOST_EPISODES:,} episodes, or {MOST_KEYS:,} keys")
             for batch in file.iter_batches(columns=names):
                 yield from batch.to_pylist()
 
 
-def _is_single(kind: pa.DataType) -> bool:
-    if pa.types.is_list(kind) or pa.types.is_fixed_size_list(kind):
-        return _is_single(kind.value_type)
-    kinds = (
-        pa.types.is_boolean,
-        pa.types.is_integer,
-        pa.types.is_floating,
-        pa.types.is_string,
-        pa.types.is_large_string,
-    )
-    return any(check(kind) for check in kinds)
-
-
 def read_tasks(folder: Path) -> dict[int, str]:
     """By number, what a task is called: ``meta/tasks.jsonl``, or ``meta/tasks.parquet`` with texts as an index."""
     lines, table = folder / "meta/tasks.jsonl", folder / "meta/tasks.parquet"
-    if lines.is_file():
-        rows = list(_json_lines(lines))
-    elif table.is_file():
-        rows = list(_tables([table]))
-    else:
-        rows = []
+    rows = _json_lines(lines) if lines.is_file() else _tables([table] if table.is_file() else [])
     named = {}
     for row in rows:
         number, text = whole(row.get(TASK_INDEX)), row.get("task", row.get("__index_level_0__"))

@@ -12,44 +12,37 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from harness.arrays import Mask
+from harness.arrays import Ints, Mask
 from harness.errors import SchemaError, UsageError
-from harness.files.bounded import names_in_hdf5, reading, require_regular
+from harness.files.bounded import names_in_hdf5
 from harness.log import Log
-from harness.log.log import ACTION, BEFORE, BEHAVIOUR, INFO, OBSERVATION, OPERATOR, RECORDED, REWARD, SEEN, SUCCESS
-from harness.record.dataset.labels import SuccessRule
-from harness.record.dataset.open_dataset import HDF5_SIGNATURE, DatasetFacts, open_hdf5
+from harness.log.log import ACTION, BEFORE, INFO, OBSERVATION, RECORDED, REWARD
+from harness.record.dataset.open_dataset import HDF5_SIGNATURE, DatasetFacts
 
 from ..datasets.dataset import (
     MOST_NUMBERS,
-    SUCCESS_KEYS,
-    as_measure,
-    as_texts,
-    filled_up,
-    operator_key,
     require_readable,
-    success_rule,
-    where_seen,
 )
 from ..datasets.hdf5_parts import (
-    MOST_BYTES,
     Array,
+    Run,
     Stretch,
-    Walk,
     array_of,
     find_array,
-    group_of,
-    one_number,
+    infos_of,
+    opened,
     read_stretches,
+    tables_of,
 )
+from ..datasets.steps import Source, one_number, source_of
 
-LABEL, PAY = f"{BEHAVIOUR}{SUCCESS}", f"{REWARD}{RECORDED}"
 NEXT = "next_observations"
 MOST_ROWS = 20_000_000
 """The most steps: the flags of all of them are held at once, 0.7 GB."""
 OF_D3RLPY = "episode_terminals"
+PLACES = {f"{REWARD}{RECORDED}": "rewards", f"{BEFORE}{OBSERVATION}": "observations", ACTION: "actions"}
+"""By column the array that has it."""
 
 
 @dataclass(frozen=True)
@@ -74,31 +67,17 @@ class D4RL:
         """The data set; its steps are read later."""
         if self.horizon < 0:
             raise UsageError(f"horizon={self.horizon}: after at least 1 step an episode is cut, or 0 where nobody says")
-        with reading(path, "D4RL data set"):
-            require_regular(path, MOST_BYTES)
-            with open_hdf5(path) as file:
-                arrays = _arrays(path, file)
-                infos = _infos(path, file)
-                total = len(arrays["rewards"])
-                if total > MOST_ROWS:
-                    raise SchemaError(f"{path} has {total:,} steps, {MOST_ROWS:,} are allowed")
-                require_readable(path, total, sum(it.width for it in (*arrays.values(), *infos.values())))
-                layout, notes = _episodes_of(path, arrays, self.horizon)
-        rule = success_rule(self.success, infos, path, SUCCESS_KEYS)
-        facts = DatasetFacts(
-            path=path,
-            format="D4RL",
-            name=f"d4rl:{path}",
-            success="" if rule is None else rule.text,
-            operator=operator_key(self.cluster, infos, path),
-            notes=notes,
-        )
-        columns: tuple[str, ...] = ("episode", "step", "terminated", "truncated", PAY)
-        columns += (f"{BEFORE}{OBSERVATION}", OBSERVATION, ACTION)
-        columns += tuple(f"{INFO}{key}" for key in infos)
-        more = {SEEN: NEXT not in arrays, LABEL: rule is not None, OPERATOR: bool(facts.operator)}
-        columns += tuple(name for name, is_there in more.items() if is_there)
-        return (Log(facts, columns, partial(_tables, path, facts, layout, rule)),)
+        with opened(path, "D4RL data set") as file:
+            arrays, infos = _arrays(path, file), _infos(path, file)
+            total = len(arrays["rewards"])
+            if total > MOST_ROWS:
+                raise SchemaError(f"{path} has {total:,} steps, {MOST_ROWS:,} are allowed")
+            require_readable(path, total, sum(it.width for it in (*arrays.values(), *infos.values())))
+            layout, notes = _episodes_of(path, arrays, self.horizon)
+        facts = DatasetFacts(path=path, format="D4RL", name=f"d4rl:{path}", notes=notes)
+        source = source_of(facts, self.success, self.cluster, infos, sees_last=NEXT in arrays)
+        columns = ("episode", "step", *layout.flags, *PLACES, OBSERVATION, *(f"{INFO}{key}" for key in infos))
+        return (source.log(columns, partial(tables_of, path, source, partial(_runs, path, source, layout))),)
 
     def write_example(self, folder: Path) -> Path:
         """Two episodes: one ends, one is cut."""
@@ -116,21 +95,15 @@ class D4RL:
 
 
 class _Layout(NamedTuple):
-    """Which rows there are.
+    """Which rows are read; those of an episode that does not end are not.
 
     Attributes:
-        steps: How many are read; those of an episode that does not end are not.
-        episode: Number of each row's episode.
-        step: Of each row, counted from 1 in its episode.
-        ends: Whether each row ends an episode.
-        terminated: Whether it says so by ``terminals``.
+        episode: Number of each row's episode, (rows,).
+        flags: By column of ends, whether each row's episode ended there so, (rows,).
     """
 
-    steps: int
-    episode: NDArray[np.int64]
-    step: NDArray[np.int64]
-    ends: Mask
-    terminated: Mask
+    episode: Ints
+    flags: Mapping[str, Mask]
 
 
 def _arrays(path: Path, file: Any) -> dict[str, Array]:
@@ -176,11 +149,8 @@ def _flag(path: Path, arrays: Mapping[str, Array], key: str) -> Mask:
 
 def _infos(path: Path, file: Any) -> dict[str, Array]:
     """What the environment told after each step, by key; other arrays say nothing of steps."""
-    if "infos" not in file:
-        return {}
-    found = dict(Walk(path).numbers(group_of(path, file, "infos")))
     steps = len(array_of(path, file, "rewards"))
-    return {key: array for key, array in found.items() if array.shape and len(array) == steps}
+    return {key: array for key, array in infos_of(path, file).items() if len(array) == steps}
 
 
 def _episodes_of(path: Path, arrays: Mapping[str, Array], horizon: int) -> tuple[_Layout, tuple[str, ...]]:
@@ -193,19 +163,20 @@ def _episodes_of(path: Path, arrays: Mapping[str, Array], horizon: int) -> tuple
     if horizon and "timeouts" in arrays:
         raise UsageError(f"{path} has timeouts, which say where episodes were cut: leave out horizon={horizon}")
     terminated = _flag(path, arrays, "terminals")
+    goes_on = _go_on(arrays) if NEXT in arrays else np.ones(len(terminated), bool)
     ends = terminated.copy()
     if "timeouts" in arrays:
         ends |= _flag(path, arrays, "timeouts")
     elif horizon:
         ends |= _cut_after(horizon, terminated)
     elif NEXT in arrays:
-        ends |= ~_go_on(arrays)
+        ends |= ~goes_on
     else:
         raise SchemaError(
             f"{path} has no timeouts, so that nothing says where an episode ends that was cut: write them into the "
             "file, or say after how many steps, as d4rl:horizon=1000:FILE"
         )
-    if NEXT in arrays and len(odd := np.flatnonzero(~(_go_on(arrays) | ends)[:-1])):
+    if len(odd := np.flatnonzero(~(goes_on | ends)[:-1])):
         raise SchemaError(
             f"{path}: row {odd[0]} ends no episode by terminals and timeouts, and its {NEXT} is not the observation of "
             f"the row behind it, as in {len(odd):,} rows: the flags stand in the wrong rows"
@@ -217,13 +188,13 @@ def _episodes_of(path: Path, arrays: Mapping[str, Array], horizon: int) -> tuple
     begins = np.concatenate([[0], last[:-1] + 1])
     lengths = last + 1 - begins
     episode = np.repeat(np.arange(len(last)), lengths)
-    step = np.arange(steps) - np.repeat(begins, lengths) + 1
     notes = []
     if rest := len(ends) - steps:
         notes.append(f"Left out, since no row ends the episode: the last {rest:,} steps")
     if single := int((lengths == 1).sum()):
         notes.append(f"Episodes of a single step, as where terminals stay true while a robot goes on: {single:,}")
-    return _Layout(steps, episode, step, ends[:steps], terminated[:steps]), tuple(notes)
+    flags = {"terminated": terminated[:steps], "truncated": (ends & ~terminated)[:steps]}
+    return _Layout(episode, flags), tuple(notes)
 
 
 def _cut_after(horizon: int, terminated: Mask) -> Mask:
@@ -238,52 +209,19 @@ def _go_on(arrays: Mapping[str, Array]) -> Mask:
     """Whether what was seen after each row is what the row behind it begins with; never of the last row."""
     found = np.zeros(len(arrays["rewards"]), bool)
     parts = {"after": Stretch(arrays[NEXT]), "behind": Stretch(arrays["observations"], 1)}
-    for begin, table in read_stretches(len(found) - 1, parts):
+    for rows, table in read_stretches(len(found) - 1, parts):
         same = (table["after"] == table["behind"]) | (np.isnan(table["after"]) & np.isnan(table["behind"]))
-        found[begin : begin + len(same)] = same.reshape(len(same), -1).all(axis=1)
+        found[rows] = same.reshape(len(same), -1).all(axis=1)
     return found
 
 
-def _tables(
-    path: Path, facts: DatasetFacts, layout: _Layout, rule: SuccessRule | None, names: tuple[str, ...]
-) -> Iterator[Mapping[str, NDArray[Any]]]:
-    with reading(path, "D4RL data set"), open_hdf5(path) as file:
-        arrays, infos = _arrays(path, file), _infos(path, file)
-        sources = {PAY: "rewards", f"{BEFORE}{OBSERVATION}": "observations", ACTION: "actions"}
-        parts = {name: Stretch(arrays[key]) for name, key in sources.items() if name in names or name == PAY}
-        if OBSERVATION in names:
-            parts[OBSERVATION] = Stretch(arrays[NEXT]) if NEXT in arrays else Stretch(arrays["observations"], 1)
-        keys = {f"{INFO}{key}": key for key in infos} | {OPERATOR: facts.operator}
-        keys |= {LABEL: rule.key} if rule is not None else {}
-        parts |= {name: Stretch(infos[keys[name]]) for name in names if name in keys}
-        for begin, table in read_stretches(layout.steps, parts):
-            rows = slice(begin, begin + len(table[PAY]))
-            yield {name: _column(path, name, rows, table, layout, rule, NEXT in arrays) for name in names}
-
-
-def _column(
-    path: Path,
-    name: str,
-    rows: slice,
-    table: Mapping[str, NDArray[Any]],
-    layout: _Layout,
-    rule: SuccessRule | None,
-    sees_last: bool,
-) -> NDArray[Any]:
-    seen = np.ones(rows.stop - rows.start, bool) if sees_last else ~layout.ends[rows]
-    known: dict[str, NDArray[Any]] = {
-        "episode": layout.episode[rows],
-        "step": layout.step[rows],
-        "terminated": layout.terminated[rows],
-        "truncated": layout.ends[rows] & ~layout.terminated[rows],
-        SEEN: seen,
-    }
-    if name in known:
-        return known[name]
-    if name == PAY:
-        return one_number(table[name], f"{path}: rewards")
-    if name == LABEL and rule is not None:
-        return as_measure(rule.of_steps(table[name], f"{path}: infos/{rule.key}"))
-    if name == OBSERVATION:
-        return where_seen(filled_up(table[name], len(seen)), seen)
-    return as_texts(table[name]) if name == OPERATOR else table[name]
+def _runs(path: Path, source: Source, layout: _Layout, file: Any, names: tuple[str, ...]) -> Iterator[Run]:
+    """The steps of all episodes."""
+    arrays, infos = _arrays(path, file), _infos(path, file)
+    found = {name: arrays[key] for name, key in PLACES.items()}
+    found[OBSERVATION] = arrays.get(NEXT, arrays["observations"])
+    found |= {f"{INFO}{key}": array for key, array in infos.items()}
+    found |= {name: infos[key] for name, key in source.keys.items() if key}
+    follows = "" if NEXT in arrays else OBSERVATION
+    parts = {name: Stretch(array, int(name == follows)) for name, array in found.items() if name in names}
+    yield Run(layout.episode, parts, str(path), known=layout.flags)

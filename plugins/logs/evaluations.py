@@ -28,7 +28,13 @@ class Evaluations:
 
     def recognises(self, path: Path, head: bytes) -> bool:
         """A zip whose first members are those arrays, whatever it is called."""
-        return head.startswith(ZIP) and path.suffix == ".npz" and {"timesteps.npy", "results.npy"} <= _members(path)
+        if path.suffix != ".npz" or not head.startswith(ZIP):
+            return False
+        try:
+            with zipfile.ZipFile(path) as archive:
+                return {"timesteps.npy", "results.npy"} <= {*archive.namelist()}
+        except Exception:  # readers of other people's bytes raise anything
+            return False
 
     def read(self, path: Path) -> tuple[Log, ...]:
         """The evaluations of the one training.
@@ -41,13 +47,11 @@ class Evaluations:
             steps, returns = arrays["timesteps"], arrays["results"]
             if steps.ndim != 1 or returns.ndim != 2 or returns.shape[0] != len(steps) or not returns.size:
                 raise SchemaError(f"{path}: its results are {returns.shape} of {len(steps)} evaluations")
-            back = np.flatnonzero(np.diff(steps) <= 0.0)
-            if len(back):
-                at = int(back[0])
-                way = f"{steps[at]:,.0f} to {steps[at + 1]:,.0f}"
+            for at in np.flatnonzero(np.diff(steps) <= 0.0):
                 raise SchemaError(
-                    f"{path}: evaluation {at + 2} goes from step {way}: it holds two trainings, or one that went "
-                    "on with reset_num_timesteps=True. Give each call of learn a callback and a folder of its own"
+                    f"{path}: evaluation {at + 2} goes from step {steps[at]:,.0f} to {steps[at + 1]:,.0f}: it holds "
+                    "two trainings, or one that went on with reset_num_timesteps=True. Give each call of learn a "
+                    "callback and a folder of its own"
                 )
             columns = {"time": np.repeat(steps, returns.shape[1]), f"{REWARD}{RECORDED}": returns.ravel()}
             notes = []
@@ -62,15 +66,11 @@ class Evaluations:
                 raise SchemaError(f"{path}: a number is missing or not finite")
             if not np.isin(columns.get(f"{BEHAVIOUR}{SUCCESS}", 0.0), (0.0, 1.0)).all():
                 raise SchemaError(f"{path}: a success is neither 0 nor 1")
-        zoo = zoo_settings(path)
         facts = LogFacts(
             path=path,
             format="evaluations of stable-baselines3's EvalCallback",
             unit="episode",
-            env=zoo.env,
-            algorithm=zoo.algorithm,
-            seed=zoo.seed,
-            asked=zoo.asked,
+            **zoo_settings(path)._asdict(),
             evaluation=True,
             bounds={SUCCESS: (0.0, 1.0)} if f"{BEHAVIOUR}{SUCCESS}" in columns else {},
             notes=(f"{len(steps)} evaluations of {returns.shape[1]} episodes each", *notes),
@@ -87,14 +87,6 @@ class Evaluations:
         return path
 
 
-def _members(path: Path) -> set[str]:
-    try:
-        with zipfile.ZipFile(path) as archive:
-            return set(archive.namelist())
-    except Exception:  # readers of other people's bytes raise anything
-        return set()
-
-
 def _arrays(path: Path) -> Mapping[str, Float]:
     with open_regular(path, MOST_BYTES) as file:
         with zipfile.ZipFile(file) as archive:
@@ -107,4 +99,5 @@ def _arrays(path: Path) -> Mapping[str, Float]:
     for name, values in arrays.items():
         if values.dtype.kind not in "biuf":
             raise SchemaError(f"{path}: its {name} are no numbers")
-    return {name: values.astype(np.float64) for name, values in arrays.items()}
+        arrays[name] = values.astype(np.float64)
+    return arrays

@@ -2,12 +2,13 @@
 
 A frame holds what was seen and what was done then, and under names that begin with ``next.`` what came of it. What was
 seen after the last frame of an episode is not recorded: its pay and its success count, but no function can look at what
-came next. `harness export` writes that too, as ``next.observation.state``.
+came next.
 """
 
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -19,43 +20,20 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from harness.arrays import Float, Mask
+from harness.arrays import Ints
 from harness.errors import SchemaError, UsageError
 from harness.files.bounded import reading, require_regular
 from harness.log import Log
-from harness.log.log import (
-    ACTION,
-    BEFORE,
-    BEHAVIOUR,
-    FILE as FILE_COLUMN,
-    INFO,
-    OBSERVATION,
-    OPERATOR,
-    RECORDED,
-    REWARD,
-    SEEN,
-    SUCCESS,
-    TASK,
-)
-from harness.record.dataset.labels import UNKNOWN, SuccessRule
+from harness.log.log import ACTION, BEFORE, FILE as FILE_COLUMN, INFO, OBSERVATION, RECORDED, REWARD, TASK
 from harness.record.dataset.open_dataset import DatasetFacts
 from harness.text import shortened
 
 from ..datasets.dataset import (
     NOTHING_SEEN,
-    OWN_REWARDS,
     SUCCESS_KEYS,
-    Census,
-    as_measure,
-    as_texts,
-    operator_key,
-    own_rewards,
     require_readable,
     rows_at_once,
-    success_rule,
     take_census,
-    texts,
-    where_seen,
     whole,
 )
 from ..datasets.lerobot_facts import (
@@ -67,8 +45,6 @@ from ..datasets.lerobot_facts import (
     FRAME,
     INFO_FILE,
     MOST_FILES,
-    NEEDED,
-    NEXT_STATE,
     SEEN_BEGIN,
     STATE,
     TASK_INDEX,
@@ -83,12 +59,11 @@ from ..datasets.lerobot_facts import (
     shapes_of,
     version_of,
 )
+from ..datasets.steps import Source, Steps, as_texts, source_of
 
 MOST_BYTES = 2**35
 GROUP_BYTES = 2**30
 """The most bytes of a group of rows, unpacked."""
-LABEL, PAY = f"{BEHAVIOUR}{SUCCESS}", f"{REWARD}{RECORDED}"
-NUMBERS = {"episode": EPISODE, "step": FRAME}
 
 
 @dataclass(frozen=True)
@@ -123,14 +98,12 @@ class LeRobot:
             version = version_of(place, info)
             features = info["features"]
             shapes = shapes_of(place, features)
-            taken = (reward_in(shapes), *NEEDED, STATE, NEXT_STATE)
-            own = own_rewards(place, info.get(OWN_REWARDS), shapes, taken)
             listing, tasks = read_listing(folder), read_tasks(folder)
             files, notes = _files(folder, info, listing)
-        census = _census(folder, files, shapes, listing, info, self.partial)
-        told = (*_other(shapes), *listing.keys)
-        usual = [f"{begin}{key}" for key in SUCCESS_KEYS for begin in ("next.", "")]
-        rule = success_rule(self.success, told, folder, usual)
+            belonging, gaps = take_census(folder, listing.declared(info), _lengths(folder, files, shapes), self.partial)
+        reward, seen = reward_in(shapes), seen_in(shapes)
+        other = [name for name in shapes if name not in (*seen, ACTION)]
+        told = (*other, *listing.keys)
         facts = DatasetFacts(
             path=folder,
             format=f"LeRobot v{'.'.join(map(str, version))}",
@@ -138,97 +111,73 @@ class LeRobot:
             env=shortened(str(info.get("robot_type") or ""), 200),
             declared={"tasks": count} if (count := whole(info.get("total_tasks"))) is not None else {},
             names={OBSERVATION: names_of(features, STATE), ACTION: names_of(features, ACTION)},
-            success="" if rule is None else rule.text,
-            told_by="" if rule is None else {reward_in(shapes): RECORDED, **own}.get(rule.key, ""),
-            operator=operator_key(self.cluster, told, folder),
             task=TASK_INDEX if TASK_INDEX in shapes else TASKS if TASKS in listing.keys else "",
             pictures_left_out=any(name.startswith(SEEN_BEGIN) and name not in shapes for name in features),
-            notes=(*notes, *_notes_on_seen(shapes), *census.notes),
+            notes=(*notes, *_notes_on_seen(seen), *gaps),
         )
-        layout = _Layout(facts, files, shapes, own, listing, tasks, census.episodes, rule)
-        return (Log(facts, tuple(layout.columns()), partial(_tables, layout)),)
+        usual = [f"{begin}{key}" for key in SUCCESS_KEYS for begin in ("next.", "")]
+        source = source_of(facts, self.success, self.cluster, told, reward=reward, usual=usual, sees_last=not seen)
+        places = {"episode": EPISODE, "step": FRAME, f"{REWARD}{RECORDED}": reward, ACTION: ACTION}
+        places |= {f"{INFO}{key}": key for key in other}
+        parts = {key: OBSERVATION if key == STATE else f"{OBSERVATION}/{key.removeprefix(SEEN_BEGIN)}" for key in seen}
+        places |= {f"{begin}{part}": key for key, part in parts.items() for begin in (BEFORE, "")}
+        columns = (*(name for name, key in places.items() if key), FILE_COLUMN)
+        places = {name: key for name, key in {**places, **source.keys}.items() if key in shapes}
+        layout = _Layout(source, files, shapes, places, listing, tasks, np.array([*belonging], np.int64))
+        return (source.log(columns, partial(_tables, layout)),)
 
     def write_example(self, folder: Path) -> Path:
         """Two episodes, of the layout of version 2.1."""
-        lengths = (3, 4)
         (folder / "meta").mkdir()
         (folder / "data/chunk-000").mkdir(parents=True)
-        kinds = {STATE: ("float32", 2), ACTION: ("float32", 1), "next.reward": ("float32", 1),
-                 "next.success": ("bool", 1), EPISODE: ("int64", 1), FRAME: ("int64", 1)}  # fmt: skip
-        features = {name: {"dtype": kind, "shape": [size], "names": None} for name, (kind, size) in kinds.items()}
-        told = {"codebase_version": "v2.1", "total_episodes": 2, "total_frames": 7, "features": features}
-        (folder / INFO_FILE).write_text(json.dumps(told))
-        for number, steps in enumerate(lengths):
+        for number, steps in enumerate((3, 4)):
             columns = {
-                STATE: list(np.arange(2 * steps, dtype=np.float32).reshape(steps, 2)),
-                ACTION: list(np.linspace(-1.0, 1.0, steps, dtype=np.float32)[:, None]),
-                "next.reward": -np.arange(1, steps + 1, dtype=np.float32),
+                STATE: np.arange(2.0 * steps).reshape(steps, 2),
+                ACTION: np.linspace(-1.0, 1.0, steps)[:, None],
+                "next.reward": -np.arange(1.0, steps + 1),
                 "next.success": np.arange(1, steps + 1) == steps * number,
                 EPISODE: np.full(steps, number),
                 FRAME: np.arange(steps),
             }
-            pq.write_table(pa.table(columns), folder / f"data/chunk-000/episode_{number:06d}.parquet")
+            table = pa.table({name: values.tolist() for name, values in columns.items()})
+            pq.write_table(table, folder / f"data/chunk-000/episode_{number:06d}.parquet")
+        features = {name: {"dtype": str(of.dtype), "shape": of.shape[1:] or [1]} for name, of in columns.items()}
+        told = {"codebase_version": "v2.1", "total_episodes": 2, "total_frames": 7, "features": features}
+        (folder / INFO_FILE).write_text(json.dumps(told))
         return folder
 
 
 class _Layout(NamedTuple):
-    """What is read of each file, and what is known of each episode."""
+    """What is read of each file, and what is known of each episode.
 
-    facts: DatasetFacts
+    Attributes:
+        source: What is known of the data set.
+        files: Of frames.
+        shapes: Of the rows of each of their columns.
+        places: By column of the log, that of the files.
+        listing: What is told of each episode.
+        tasks: Names of the tasks, by number.
+        episodes: Numbers of those that are read.
+    """
+
+    source: Source
     files: tuple[Path, ...]
     shapes: Mapping[str, tuple[int, ...]]
-    own: Mapping[str, str]
+    places: Mapping[str, str]
     listing: Listing
     tasks: Mapping[int, str]
-    episodes: frozenset[int]
-    rule: SuccessRule | None
+    episodes: Ints
 
-    @property
-    def seen(self) -> dict[str, str]:
-        """By column of an observation, what the file calls it."""
-        found = seen_in(self.shapes)
-        return {OBSERVATION if it == STATE else f"{OBSERVATION}/{it.removeprefix(SEEN_BEGIN)}": it for it in found}
-
-    @property
-    def plain(self) -> dict[str, str]:
-        """By column, what the file calls it, where nothing has to be done to it."""
-        pay = {PAY: reward} if (reward := reward_in(self.shapes)) else {}
-        pay |= {f"{REWARD}{name}": key for key, name in self.own.items()}
-        infos = {f"{INFO}{key}": key for key in _other(self.shapes) if key not in self.own}
-        return {**NUMBERS, **pay, ACTION: ACTION, **{f"{BEFORE}{name}": it for name, it in self.seen.items()}, **infos}
-
-    @property
-    def sees_last(self) -> bool:
-        """Whether it is known what was seen after the last frame of an episode."""
-        return {STATE, NEXT_STATE} <= {*self.shapes}
-
-    def columns(self) -> Iterator[str]:
-        """All columns of the log."""
-        yield from (*self.plain, *self.seen, FILE_COLUMN)
-        yield from [SEEN] if self.seen and not self.sees_last else []
-        yield from [LABEL] if self.rule is not None else []
-        yield from [OPERATOR] if self.facts.operator else []
-        yield from [TASK] if self.facts.task else []
-
-    def needed(self, names: tuple[str, ...]) -> dict[str, tuple[int, ...]]:
-        """What has to be read of the files for some columns, with its shape."""
-        sources = {*NUMBERS.values(), DONE, *(it for name, it in {**self.plain, **self.seen}.items() if name in names)}
-        sources |= {NEXT_STATE} if OBSERVATION in names else set()
-        sources |= {self.rule.key} if self.rule is not None and LABEL in names else set()
-        sources |= {self.facts.operator} if OPERATOR in names else set()
-        sources |= {self.facts.task} if TASK in names else set()
-        return {name: shape for name, shape in self.shapes.items() if name in sources}
+    def told(self, number: int, key: str) -> Any:
+        """What is told of an episode."""
+        value = self.listing.value(number, key)
+        return " + ".join(map(str, value)) if isinstance(value, list) else value
 
 
-def _other(shapes: Mapping[str, Any]) -> list[str]:
-    """Columns that are told beside what was seen and done."""
-    return [name for name in shapes if name not in (*seen_in(shapes), ACTION, NEXT_STATE)]
-
-
-def _notes_on_seen(shapes: Mapping[str, Any]) -> list[str]:
-    if STATE in shapes:
+def _notes_on_seen(seen: Sequence[str]) -> list[str]:
+    if STATE in seen:
         return []
-    parts = ", ".join(name.removeprefix(SEEN_BEGIN) for name in seen_in(shapes))
+    parts = ", ".join(name.removeprefix(SEEN_BEGIN) for name in seen)
     found = f"an observation is a dictionary of {parts}" if parts else NOTHING_SEEN
     return [f"There are no numbers of {STATE}: {found}"]
 
@@ -238,216 +187,123 @@ def _files(folder: Path, info: Mapping[str, Any], listing: Listing) -> tuple[tup
     found = sorted((folder / "data").glob("*/*.parquet"))
     if len(found) > MOST_FILES:
         raise SchemaError(f"{folder} has {len(found):,} files, {MOST_FILES:,} are allowed")
+    named = {*found}
     if {CHUNK, FILE} <= {*listing.keys} and info.get("data_path", DATA_PATH) == DATA_PATH:
-        rows = listing.rows.values()
-        numbers = [whole(row.get(key)) for row in rows for key in (CHUNK, FILE)]
-        if not all(number is not None and number < MOST_FILES for number in numbers):
+        places = {(whole(row.get(CHUNK)), whole(row.get(FILE))) for row in listing.rows.values()}
+        if any(number is None or number >= MOST_FILES for place in places for number in place):
             raise SchemaError(f"{listing.path} names a file by {CHUNK} and {FILE} that are no numbers of files")
-        places = {(row[CHUNK], row[FILE]) for row in rows}
         named = {folder / DATA_PATH.format(chunk_index=chunk, file_index=file) for chunk, file in places}
-        beside = [path for path in found if path not in named]
-        found = [path for path in found if path in named]
-    else:
-        beside = []
-    if not found:
+    files = tuple(path for path in found if path in named)
+    if not files:
         raise SchemaError(f"{folder} has no file data/*/*.parquet that belongs to it")
-    names = ", ".join(path.relative_to(folder).as_posix() for path in beside[:3])
-    return tuple(found), [
-        f"Left out, since no episode stands in them: {len(beside):,} files ({names})"
-    ] if beside else []
+    beside = [path.relative_to(folder).as_posix() for path in found if path not in named]
+    told = f"Left out, since no episode stands in them: {len(beside):,} files ({', '.join(beside[:3])})"
+    return files, [told] if beside else []
 
 
-def _census(
-    folder: Path,
-    files: tuple[Path, ...],
-    shapes: Mapping[str, tuple[int, ...]],
-    listing: Listing,
-    info: Mapping[str, Any],
-    partial_is_enough: bool,
-) -> Census:
-    """Count the frames of each episode, which takes one column."""
-    found: dict[int, int] = {}
+def _lengths(folder: Path, files: tuple[Path, ...], shapes: Mapping[str, tuple[int, ...]]) -> Mapping[int, int]:
+    """How many frames each episode has, which takes one column."""
+    found = Counter[int]()
     width, total = sum(math.prod(shape) for shape in shapes.values()), 0
     for path in files:
         with reading(path, "LeRobot data set"):
             require_regular(path, MOST_BYTES)
             with pq.ParquetFile(path) as file:
-                _require_columns(path, file, shapes)
+                if missing := [name for name in shapes if name not in file.schema_arrow.names]:
+                    raise SchemaError(f"{path} has no column {', '.join(missing)}, of which {INFO_FILE} tells")
+                groups = map(file.metadata.row_group, range(file.metadata.num_row_groups))
+                if any(group.total_byte_size > GROUP_BYTES for group in groups):
+                    raise SchemaError(f"{path} has a group of rows of more than {GROUP_BYTES:,} bytes")
                 total += file.metadata.num_rows
                 require_readable(folder, total, width)
                 for batch in file.iter_batches(columns=[EPISODE]):
-                    numbers, counts = np.unique(_array(path, batch, EPISODE, (1,), 0), return_counts=True)
-                    for number, count in zip(numbers.tolist(), counts.tolist(), strict=True):
-                        found[int(number)] = found.get(int(number), 0) + count
-    return take_census(folder, listing.declared(info), found, partial_is_enough)
+                    found.update(_array(path, batch, EPISODE, (1,), 0).astype(np.int64).tolist())
+    return found
 
 
-class _Frames(NamedTuple):
-    """Consecutive rows of a file: what it holds, and what was read before them."""
-
-    columns: dict[str, NDArray[Any]]
-    files: NDArray[Any]
-
-    def __len__(self) -> int:
-        return len(self.files)
-
-    def part(self, rows: slice | Mask) -> "_Frames":
-        """Some of them."""
-        return _Frames({name: values[rows] for name, values in self.columns.items()}, self.files[rows])
-
-    def joined(self, other: "_Frames") -> "_Frames":
-        """With those that follow."""
-        columns = {name: np.concatenate([values, other.columns[name]]) for name, values in self.columns.items()}
-        return _Frames(columns, np.concatenate([self.files, other.files]))
+Frames = dict[str, NDArray[Any]]
+"""Consecutive rows of files, by column."""
 
 
-def _tables(layout: _Layout, names: tuple[str, ...]) -> Iterator[Mapping[str, NDArray[Any]]]:
+def _tables(layout: _Layout, names: tuple[str, ...]) -> Iterator[Frames]:
     """The last frame that was read waits for the next one, which may be what was seen after it."""
-    waiting: _Frames | None = None
+    waiting: Frames = {}
     begun: set[int] = set()
-    last = layout.files[-1]
     for path in layout.files:
         with reading(path, "LeRobot data set"):
-            for frames in _read_file(layout, path, names):
-                _require_order(layout.facts.path / frames.files[0], waiting, frames, begun)
-                whole = frames if waiting is None else waiting.joined(frames)
-                waiting = whole.part(slice(len(whole) - 1, None))
-                yield from _rows(layout, whole, len(whole) - 1, names)
-    if waiting is not None:
-        with reading(last, "LeRobot data set"):
-            yield from _rows(layout, waiting, 1, names)
+            for read in _read_file(layout, path, names):
+                frames = {name: np.concatenate([waiting.get(name, of[:0]), of]) for name, of in read.items()}
+                _require_order(path, frames, begun, goes_on=bool(waiting))
+                waiting = {name: values[-1:] for name, values in frames.items()}
+                yield from _rows(layout, frames, len(frames[EPISODE]) - 1, names)
+    if waiting:
+        yield from _rows(layout, waiting, 1, names)
 
 
-def _read_file(layout: _Layout, path: Path, names: tuple[str, ...]) -> Iterator[_Frames]:
-    needed = layout.needed(names)
+def _read_file(layout: _Layout, path: Path, names: tuple[str, ...]) -> Iterator[Frames]:
+    asked = {EPISODE, FRAME, DONE, *(key for name, key in layout.places.items() if name in names)}
+    needed = {name: shape for name, shape in layout.shapes.items() if name in asked}
     rows = max(2, rows_at_once(8 * sum(math.prod(shape) for shape in needed.values())))
-    file, first = path.relative_to(layout.facts.path).as_posix(), 0
+    file, first = path.relative_to(layout.source.facts.path).as_posix(), 0
     with pq.ParquetFile(path) as parquet:
         for batch in parquet.iter_batches(rows, columns=list(needed)):
+            columns = {name: _array(path, batch, name, shape, first) for name, shape in needed.items()}
+            columns |= {name: columns[name].astype(np.int64) for name in (EPISODE, FRAME)}
             if batch.num_rows:
-                columns = {name: _array(path, batch, name, shape, first) for name, shape in needed.items()}
-                yield _Frames(columns, texts(file, batch.num_rows))
+                yield {**columns, FILE_COLUMN: np.full(batch.num_rows, file, object)}
             first += batch.num_rows
 
 
-def _require_order(path: Path, before: _Frames | None, frames: _Frames, begun: set[int]) -> None:
+def _require_order(path: Path, frames: Frames, begun: set[int], *, goes_on: bool) -> None:
     """See that frames follow one another, each episode from 0 on and in one place.
+
+    Args:
+        path: Their file.
+        frames: Some of it.
+        begun: Numbers of the episodes that have begun before; these are added.
+        goes_on: Whether the first frame was looked at before.
 
     Raises:
         SchemaError: They do not, or an episode that had ended goes on: several stand there as one.
     """
-    whole = frames if before is None else before.joined(frames)
-    episode, frame = whole.columns[EPISODE], whole.columns[FRAME].astype(np.int64)
-    same = episode[1:] == episode[:-1]
-    starts = np.flatnonzero(~same) + 1 if before is not None else np.concatenate([[0], np.flatnonzero(~same) + 1])
-    numbers = episode[starts].tolist()
-    odd = [
-        *np.flatnonzero(same & (np.diff(frame) != 1)) + 1,
-        *starts[frame[starts] != 0],
-        *(place for place, number in zip(starts, numbers, strict=True) if number in begun),
-    ]
-    if odd or len({*numbers}) < len(numbers):
-        number = int(episode[odd[0]]) if odd else numbers[0]
+    episode, frame = frames[EPISODE], frames[FRAME]
+    begins = np.concatenate([[not goes_on], episode[1:] != episode[:-1]])
+    follows = np.where(begins, frame == 0, np.diff(frame, prepend=frame[:1] - 1) == 1)
+    wrong = episode[~follows].tolist()
+    for number in episode[begins].tolist():
+        wrong += [number] * (number in begun)
+        begun.add(number)
+    if wrong:
         raise SchemaError(
-            f"{path}, episode {number}: its frames do not follow one another, from 0 on. Sort the rows by {EPISODE} "
+            f"{path}, episode {wrong[0]}: its frames do not follow one another, from 0 on. Sort the rows by {EPISODE} "
             f"and {FRAME}"
         )
-    begun.update(numbers)
-    if DONE not in whole.columns:
-        return
-    done = whole.columns[DONE].astype(bool).ravel()
-    if len(goes_on := np.flatnonzero(same & done[:-1] & ~done[1:])):
-        row = int(goes_on[0])
+    done = frames[DONE].astype(bool).ravel() if DONE in frames else np.zeros(len(frame), bool)
+    if len(ended := np.flatnonzero(~begins[1:] & done[:-1] & ~done[1:])):
+        row = int(ended[0])
         raise SchemaError(
             f"{path}, episode {episode[row]}: {DONE} ends it with frame {frame[row]}, and it goes on with frame "
             f"{frame[row + 1]}: several episodes are stored as one. Record them anew, each with its own {EPISODE}"
         )
 
 
-def _rows(layout: _Layout, whole: _Frames, count: int, names: tuple[str, ...]) -> Iterator[Mapping[str, NDArray[Any]]]:
+def _rows(layout: _Layout, frames: Frames, count: int, names: tuple[str, ...]) -> Iterator[Frames]:
     """The first rows of some frames, without those that do not belong to the data set."""
-    episode = whole.columns[EPISODE]
-    seen = np.zeros(count, bool)
-    seen[: len(whole) - 1] = episode[1 : count + 1] == episode[: len(whole) - 1][:count]
-    belongs = np.isin(episode[:count], list(layout.episodes))
-    if not belongs.any():
+    episode = frames[EPISODE]
+    rows = np.flatnonzero(np.isin(episode[:count], layout.episodes))
+    if not len(rows):
         return
-    frames = whole.part(slice(0, count))
-    table = {name: _column(layout, name, frames, whole, seen) for name in names}
-    yield table if belongs.all() else {name: values[belongs] for name, values in table.items()}
-
-
-def _column(layout: _Layout, name: str, frames: _Frames, whole: _Frames, seen: Mask) -> NDArray[Any]:
-    described = {OPERATOR: _operators, TASK: _tasks}
-    if name in described:
-        return described[name](layout, frames)
-    known = {SEEN: seen, FILE_COLUMN: frames.files}
-    if name in known:
-        return known[name]
-    if name == LABEL:
-        return _success(layout, frames, seen)
-    if name in layout.seen:
-        return _after(layout, layout.seen[name], frames, whole, seen)
-    values = frames.columns[layout.plain[name]]
-    if name == "step":
-        return values.astype(np.int64) + 1
-    return np.asarray(values, np.float64).ravel() if name.startswith(REWARD) else values
-
-
-def _after(layout: _Layout, key: str, frames: _Frames, whole: _Frames, seen: Mask) -> NDArray[Any]:
-    """What was seen after each frame: what the next one of its episode holds."""
-    after = whole.columns[key][np.minimum(np.arange(len(frames)) + 1, len(whole) - 1)]
-    if layout.sees_last:
-        return np.where(seen.reshape(-1, *[1] * (after.ndim - 1)), after, frames.columns[NEXT_STATE])
-    return where_seen(after, seen)
-
-
-def _success(layout: _Layout, frames: _Frames, seen: Mask) -> Float:
-    """Labels of each step; what is said of a whole episode stands in its last one."""
-    rule, numbers = layout.rule, frames.columns[EPISODE]
-    assert rule is not None  # or there is no such column
-    where = f"{layout.facts.path / frames.files[0]}, from episode {numbers[0]} on"
-    if rule.key in layout.shapes:
-        return as_measure(rule.of_steps(frames.columns[rule.key], f"{where}: {rule.key}"))
-    told = np.full(len(frames), UNKNOWN, np.int8)
-    for row in np.flatnonzero(~seen):
-        number = int(numbers[row])
-        noun = f"{layout.listing.path}, episode {number}: {rule.key}"
-        told[row] = rule.of_episode(layout.listing.value(number, rule.key), noun)
-    return as_measure(told)
-
-
-def _by_number(numbers: NDArray[Any], text: Mapping[int, str]) -> NDArray[Any]:
-    """A text for each row, by a number in it."""
-    found, place = np.unique(numbers.ravel(), return_inverse=True)
-    return np.array([text[int(number)] for number in found], object)[place]
-
-
-def _operators(layout: _Layout, frames: _Frames) -> NDArray[Any]:
-    key, numbers = layout.facts.operator, frames.columns[EPISODE]
-    if key in layout.shapes:
-        return as_texts(frames.columns[key])
-    told = {number: layout.listing.value(number, key) for number in np.unique(numbers).tolist()}
-    return _by_number(numbers, {it: "" if who is None else shortened(str(who), 200) for it, who in told.items()})
-
-
-def _tasks(layout: _Layout, frames: _Frames) -> NDArray[Any]:
-    if layout.facts.task == TASK_INDEX:
-        numbers = frames.columns[TASK_INDEX]
-        return _by_number(numbers, {it: layout.tasks.get(it, str(it)) for it in np.unique(numbers).tolist()})
-    numbers = frames.columns[EPISODE]
-    told = {number: layout.listing.value(number, TASKS) for number in np.unique(numbers).tolist()}
-    joined = {it: " + ".join(map(str, of)) if isinstance(of, list) else str(of or "") for it, of in told.items()}
-    return _by_number(numbers, {it: shortened(text, 200) for it, text in joined.items()})
-
-
-def _require_columns(path: Path, file: pq.ParquetFile, shapes: Mapping[str, Any]) -> None:
-    missing = [name for name in shapes if name not in file.schema_arrow.names]
-    if missing:
-        raise SchemaError(f"{path} has no column {', '.join(missing)}, of which {INFO_FILE} tells")
-    for number in range(file.metadata.num_row_groups):
-        if file.metadata.row_group(number).total_byte_size > GROUP_BYTES:
-            raise SchemaError(f"{path} has a group of rows of more than {GROUP_BYTES:,} bytes")
+    ends, following = np.append(episode[1:] != episode[:-1], True), np.minimum(rows + 1, len(episode) - 1)
+    table = {FILE_COLUMN: frames[FILE_COLUMN][rows]}
+    for name, key in layout.places.items():
+        if name in names:
+            table[name] = frames[key][following if name.startswith(OBSERVATION) else rows]
+    if "step" in table:
+        table["step"] = table["step"] + 1
+    if TASK in table:
+        table[TASK] = as_texts(table[TASK], lambda number: layout.tasks.get(int(number), str(number)))
+    where = f"{layout.source.facts.path / table[FILE_COLUMN][0]}, from episode {episode[rows[0]]} on"
+    yield layout.source.columns(names, Steps(table, episode[rows], ends[rows], where), layout.told)
 
 
 def _array(path: Path, batch: pa.RecordBatch, name: str, shape: tuple[int, ...], first: int) -> NDArray[Any]:
@@ -465,7 +321,8 @@ def _array(path: Path, batch: pa.RecordBatch, name: str, shape: tuple[int, ...],
     """
     column = batch.column(name)
     noun = f"{path}: {name} has gaps, or other rows than the {list(shape)} that {INFO_FILE} tells"
-    for level, size in enumerate(_sizes(column.type, shape, noun)):
+    depth = str(column.type).count("list<")  # of one length or of any, lists in lists for each number of the shape
+    for level, size in enumerate({len(shape): shape, 1: (math.prod(shape),)}.get(depth, ())):
         lengths = pc.fill_null(pc.list_value_length(column), -1).to_numpy(zero_copy_only=False)
         odd = np.flatnonzero(lengths != size)
         if len(odd):
@@ -473,22 +330,12 @@ def _array(path: Path, batch: pa.RecordBatch, name: str, shape: tuple[int, ...],
         column = column.flatten()
     if isinstance(column, pa.ExtensionArray):
         raise SchemaError(f"{path}: {name} is of the type {column.type}, not of lists of numbers")
-    if column.null_count and name in (EPISODE, FRAME, TASK_INDEX):
+    is_gappy = column.null_count > 0
+    if len(column) != batch.num_rows * math.prod(shape) or (is_gappy and name in (EPISODE, FRAME, TASK_INDEX)):
         raise SchemaError(noun)
-    if column.null_count:  # what pandas writes for a number that is none
+    if is_gappy:  # what pandas writes for a number that is none
         column = column.cast(pa.float64())
     values = np.asarray(column.to_numpy(zero_copy_only=False))
     if values.dtype.kind not in "biuf":
         raise SchemaError(f"{path}: {name} holds {values.dtype}, no numbers")
     return values if shape == (1,) and name not in (STATE, ACTION) else values.reshape(batch.num_rows, *shape)
-
-
-def _sizes(kind: pa.DataType, shape: tuple[int, ...], noun: str) -> tuple[int, ...]:
-    """How long the lists of a column are at each depth: one for each number of the shape, or one for all."""
-    depth = 0
-    while pa.types.is_list(kind) or pa.types.is_fixed_size_list(kind) or pa.types.is_large_list(kind):
-        kind, depth = kind.value_type, depth + 1
-    sizes = {len(shape): shape, 1: (math.prod(shape),), **({0: ()} if math.prod(shape) == 1 else {})}
-    if depth not in sizes:
-        raise SchemaError(noun)
-    return sizes[depth]

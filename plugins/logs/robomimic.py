@@ -2,55 +2,34 @@
 
 import json
 import re
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from harness.errors import SchemaError, UsageError
-from harness.files.bounded import names_in_hdf5, reading, require_regular
+from harness.files.bounded import names_in_hdf5
 from harness.log import Log
-from harness.log.log import ACTION, BEFORE, BEHAVIOUR, OBSERVATION, OPERATOR, RECORDED, REWARD, SEEN, SUCCESS
-from harness.record.dataset.labels import UNKNOWN, SuccessRule
-from harness.record.dataset.open_dataset import HDF5_SIGNATURE, MOST_EPISODES, DatasetFacts, open_hdf5
+from harness.log.log import ACTION, BEFORE, OBSERVATION, RECORDED, REWARD
+from harness.record.dataset.open_dataset import HDF5_SIGNATURE, MOST_EPISODES, DatasetFacts
 from harness.registry.names import did_you_mean
 from harness.text import one_line_of, shortened
 
 from ..datasets.dataset import (
     NOTHING_SEEN,
-    SUCCESS_KEYS,
     Declared,
-    as_measure,
-    filled_up,
-    operator_key,
-    success_rule,
     take_census,
-    texts,
-    where_seen,
     whole,
 )
-from ..datasets.hdf5_parts import (
-    MOST_BYTES,
-    Budget,
-    Stretch,
-    array_of,
-    find_array,
-    group_of,
-    one_number,
-    read_stretches,
-    text_of,
-)
+from ..datasets.hdf5_parts import Run, Stretch, array_of, find_array, group_of, opened, tables_of
+from ..datasets.steps import source_of, text_of
 
-LABEL, PAY = f"{BEHAVIOUR}{SUCCESS}", f"{REWARD}{RECORDED}"
 DATA, MASK = "data", "mask"
-ENDED = "terminated"
-ARRAY_COLUMNS = {PAY: "rewards", ENDED: "dones"}
-ARRAYS = tuple(ARRAY_COLUMNS.values())
-"""Arrays with a number for each step."""
+ARRAYS = {f"{REWARD}{RECORDED}": "rewards", "terminated": "dones"}
+"""Arrays with a number for each step, by column."""
 _DEMO = re.compile(r"demo_(\d{1,9})")
 
 
@@ -77,39 +56,44 @@ class Robomimic:
 
     def read(self, path: Path) -> tuple[Log, ...]:
         """The data set; its steps are read later."""
-        with reading(path, "robomimic data set"):
-            require_regular(path, MOST_BYTES)
-            with open_hdf5(path) as file:
-                data = group_of(path, file, DATA, MOST_EPISODES)
-                seen = _overview(path, data)
-                total = whole(data.attrs.get("total"))
-                census = take_census(path, Declared(None, total, lengths=seen.told), seen.steps, self.partial)
-                masks = _masks(path, file)
-                listed = _listed(path, masks, self.mask, seen.steps) if self.mask else census.episodes
-                numbers = tuple(sorted(it for it in census.episodes & listed if seen.steps[it]))
-                if not numbers:
-                    raise SchemaError(f"{path} has no demonstration with a step")
-                demo = group_of(path, data, seen.groups[numbers[0]])
-                keys, pictures = _keys_seen(path, demo)
-                arrays = tuple(key for key in ARRAYS if find_array(path, demo, key) is not None)
-                env = data.attrs.get("env_args")
-                sees_last = "next_obs" in demo
-        rule = success_rule(self.success, (*arrays, *seen.attributes), path, SUCCESS_KEYS)
+        with opened(path, "robomimic data set") as file:
+            data = group_of(path, file, DATA, MOST_EPISODES)
+            seen = _overview(path, data)
+            total = whole(data.attrs.get("total"))
+            belonging, notes = take_census(path, Declared(None, total, lengths=seen.told), seen.steps, self.partial)
+            masks = _masks(path, file)
+            listed = masks.get(self.mask, frozenset(seen.groups.values()))
+            if self.mask and self.mask not in masks:
+                there, hint = ", ".join(masks) or "none", did_you_mean(self.mask, masks)
+                raise UsageError(f"{path} has no filter key '{self.mask}'; it has {there}.{hint}")
+            if gone := sorted(listed - {*seen.groups.values()}):
+                raise SchemaError(f"{path}: the filter key {self.mask} lists {gone[0]}, which is not there")
+            groups = {it: seen.groups[it] for it in sorted(belonging) if seen.steps[it] and seen.groups[it] in listed}
+            if not groups:
+                raise SchemaError(f"{path} has no demonstration with a step")
+            demo = group_of(path, data, next(iter(groups.values())))
+            keys, pictures = _keys_seen(path, demo)
+            places = {name: key for name, key in ARRAYS.items() if find_array(path, demo, key) is not None}
+            env = data.attrs.get("env_args")
+            after = "next_obs" if "next_obs" in demo else "obs"
+        told = (*places.values(), *seen.attributes)
         facts = DatasetFacts(
             path=path,
             format="robomimic",
             name=f"robomimic:{f'mask={self.mask}:' if self.mask else ''}{path}",
-            env="" if env is None else text_of(env),
-            success="" if rule is None else rule.text,
-            told_by=RECORDED if rule is not None and ARRAY_COLUMNS.get(PAY) == rule.key else "",
-            operator=operator_key(self.cluster, seen.attributes, path),
+            env=text_of(env),
             pictures_left_out=bool(pictures),
-            notes=(*_notes(keys, pictures, masks, self.mask), *census.notes),
+            notes=(*_notes(keys, pictures, masks, self.mask), *notes),
         )
-        layout = _Layout(
-            path, {number: seen.groups[number] for number in numbers}, keys, sees_last, arrays, rule, facts.operator
-        )
-        return (Log(facts, tuple(layout.columns()), partial(_tables, layout)),)
+        sees_last = not keys or after == "next_obs"
+        source = source_of(facts, self.success, self.cluster, told, reward="rewards", sees_last=sees_last)
+        single = {name: key for name, key in source.keys.items() if key in places.values()}
+        places |= {
+            f"{begin}{OBSERVATION}/{key}": f"{of}/{key}" for key in keys for begin, of in ((BEFORE, "obs"), ("", after))
+        }
+        columns = ("episode", "step", ACTION, *places)
+        places |= {ACTION: "actions", **single}
+        return (source.log(columns, partial(tables_of, path, source, partial(_runs, path, groups, places))),)
 
     def write_example(self, folder: Path) -> Path:
         """Two demonstrations."""
@@ -161,29 +145,10 @@ def _overview(path: Path, data: Any) -> _Overview:
     return seen
 
 
-def _masks(path: Path, file: Any) -> dict[str, frozenset[int]]:
-    """By filter key, the numbers of the demonstrations that it lists."""
-    if MASK not in file:
-        return {}
-    masks = group_of(path, file, MASK)
-    found: dict[str, frozenset[int]] = {}
-    for key in masks:
-        names = [text_of(name) for name in np.ravel(array_of(path, masks, key).value)]
-        matched = [_DEMO.fullmatch(name) for name in names]
-        if not all(matched):
-            raise SchemaError(f"{path}: the filter key {key} lists what is called other than demo_0")
-        found[key] = frozenset(int(it[1]) for it in matched if it)
-    return found
-
-
-def _listed(path: Path, masks: Mapping[str, frozenset[int]], key: str, there: Collection[int]) -> frozenset[int]:
-    """The demonstrations that a filter key lists."""
-    if key not in masks:
-        told = ", ".join(masks) or "none"
-        raise UsageError(f"{path} has no filter key '{key}'; it has {told}.{did_you_mean(key, masks)}")
-    if gone := sorted(masks[key] - {*there}):
-        raise SchemaError(f"{path}: the filter key {key} lists demo_{gone[0]}, which is not there")
-    return masks[key]
+def _masks(path: Path, file: Any) -> dict[str, frozenset[str]]:
+    """By filter key, the names of the demonstrations that it lists."""
+    masks = group_of(path, file, MASK) if MASK in file else ()
+    return {key: frozenset(map(text_of, np.ravel(array_of(path, masks, key).value))) for key in masks}
 
 
 def _keys_seen(path: Path, demo: Any) -> tuple[tuple[str, ...], tuple[str, ...]]:
@@ -201,7 +166,7 @@ def _keys_seen(path: Path, demo: Any) -> tuple[tuple[str, ...], tuple[str, ...]]
 
 
 def _notes(
-    keys: tuple[str, ...], pictures: tuple[str, ...], masks: Mapping[str, frozenset[int]], chosen: str
+    keys: tuple[str, ...], pictures: tuple[str, ...], masks: Mapping[str, frozenset[str]], chosen: str
 ) -> Iterator[str]:
     if pictures:
         yield f"Pictures and texts are left out: {shortened(', '.join(pictures), 200)}"
@@ -210,129 +175,41 @@ def _notes(
     if chosen:
         yield f"Read are the demonstrations of the filter key {chosen} alone"
     elif masks:
-        told = ", ".join(f"{key} {len(numbers):,}" for key, numbers in masks.items())
+        told = ", ".join(f"{key} {len(names):,}" for key, names in masks.items())
         yield f"All demonstrations are read. Of a filter key alone: robomimic:mask=KEY:FILE ({shortened(told, 300)})"
 
 
-class _Layout(NamedTuple):
-    """What is read of each demonstration.
+def _runs(
+    path: Path, groups: Mapping[int, str], places: Mapping[str, str], file: Any, names: tuple[str, ...]
+) -> Iterator[Run]:
+    """The steps of each demonstration.
 
-    Attributes:
+    Args:
         path: The file.
         groups: Names of the demonstrations' groups, by their numbers.
-        keys: Of observations.
-        sees_last: Whether the file tells what was seen after each step, also the last one.
-        arrays: Those of `ARRAYS` that there are.
-        rule: Where success stands; None where nothing says it.
-        operator: The attribute that says who made a demonstration; empty if none does.
-    """
-
-    path: Path
-    groups: Mapping[int, str]
-    keys: tuple[str, ...]
-    sees_last: bool
-    arrays: tuple[str, ...]
-    rule: SuccessRule | None
-    operator: str
-
-    def columns(self) -> Iterator[str]:
-        """All columns of the log."""
-        yield from ("episode", "step", ACTION)
-        yield from (name for name, key in ARRAY_COLUMNS.items() if key in self.arrays)
-        yield from (f"{begin}{OBSERVATION}/{key}" for key in self.keys for begin in (BEFORE, ""))
-        yield from [SEEN] if self.keys and not self.sees_last else []
-        yield from [LABEL] if self.rule is not None else []
-        yield from [OPERATOR] if self.operator else []
-
-
-def _tables(layout: _Layout, names: tuple[str, ...]) -> Iterator[Mapping[str, NDArray[Any]]]:
-    path, budget = layout.path, Budget(layout.path)
-    with reading(path, "robomimic data set"), open_hdf5(path) as file:
-        data = group_of(path, file, DATA, MOST_EPISODES)
-        for number, key in layout.groups.items():
-            demo = group_of(path, data, key)
-            parts = _parts(layout, demo, number, names)
-            steps = len(parts[ACTION].array)
-            budget.take(steps, parts)
-            for begin, table in read_stretches(steps, parts):
-                count = len(table[ACTION])
-                yield {name: _column(layout, demo, number, name, begin, steps, count, table) for name in names}
-
-
-def _parts(layout: _Layout, demo: Any, number: int, names: tuple[str, ...]) -> dict[str, Stretch]:
-    """Where the numbers of columns stand in the file; actions are always among them.
+        places: By column where it stands in a demonstration.
+        file: The file, open.
+        names: Of the columns that are needed.
 
     Raises:
         SchemaError: An array has other rows than the demonstration has actions.
     """
-    path = layout.path
-    arrays = {ACTION: array_of(path, demo, "actions")}
-    keys = {name: key for name, key in ARRAY_COLUMNS.items() if name in names}
-    if layout.rule is not None and LABEL in names and layout.rule.key in layout.arrays:
-        keys[LABEL] = layout.rule.key
-    arrays |= {name: array_of(path, demo, key) for name, key in keys.items()}
-    for place, begin in (("obs", BEFORE), ("next_obs", "")):
-        asked = [key for key in layout.keys if f"{begin}{OBSERVATION}/{key}" in names]
-        if asked and (place == "obs" or layout.sees_last):
-            group = group_of(path, demo, place)
-            arrays |= {f"{begin}{OBSERVATION}/{key}": array_of(path, group, key) for key in asked}
-    steps = len(arrays[ACTION])
-    for name, array in arrays.items():
-        if len(array) != steps or not array.holds_numbers:
-            raise SchemaError(
-                f"{path}: {layout.groups[number]} has {steps:,} actions, and {len(array):,} rows of {name}"
-            )
-        one = arrays.get(f"{BEFORE}{name}", array)
-        if one.shape != array.shape:
-            told = f"{list(one.shape)} in obs and {list(array.shape)} in next_obs"
-            raise SchemaError(f"{path}: {layout.groups[number]}: {name} is {told}")
-    parts = {name: Stretch(array) for name, array in arrays.items()}
-    if not layout.sees_last:
-        group = group_of(path, demo, "obs") if layout.keys else None
-        asked = [key for key in layout.keys if f"{OBSERVATION}/{key}" in names]
-        parts |= {f"{OBSERVATION}/{key}": Stretch(array_of(path, group, key), 1) for key in asked}
-    return parts
+    data = group_of(path, file, DATA, MOST_EPISODES)
+    for number, key in groups.items():
+        demo, where = group_of(path, data, key), f"{path}: {key}"
+        arrays = {name: array_of(path, demo, place) for name, place in places.items() if name in (ACTION, *names)}
+        steps = len(arrays[ACTION])
+        for name, array in arrays.items():
+            if len(array) != steps or not array.holds_numbers:
+                raise SchemaError(f"{where} has {steps:,} actions, and {len(array):,} rows of {name}")
+            one = arrays.get(f"{BEFORE}{name}", array)
+            if one.shape != array.shape:
+                told = f"{list(one.shape)} in obs and {list(array.shape)} in next_obs"
+                raise SchemaError(f"{where}: {name} is {told}")
+        follows = [name for name in places if places.get(f"{BEFORE}{name}") == places[name]]
+        parts = {name: Stretch(array, int(name in follows)) for name, array in arrays.items()}
+        yield Run(np.full(steps, number), parts, where, partial(_attribute, demo))
 
 
-def _column(
-    layout: _Layout,
-    demo: Any,
-    number: int,
-    name: str,
-    begin: int,
-    steps: int,
-    count: int,
-    table: Mapping[str, NDArray[Any]],
-) -> NDArray[Any]:
-    where = f"{layout.path}, {layout.groups[number]}"
-    seen = np.arange(begin, begin + count) < steps - (not layout.sees_last)
-    known: dict[str, NDArray[Any]] = {
-        "episode": np.full(count, number, np.int64),
-        "step": np.arange(begin + 1, begin + count + 1, dtype=np.int64),
-        SEEN: seen,
-    }
-    if name in known:
-        return known[name]
-    if name == OPERATOR:
-        return texts(text_of(demo.attrs.get(layout.operator, "")), count)
-    if name == LABEL and layout.rule is not None:
-        last = begin + count == steps
-        return as_measure(_labels(layout.rule, demo, table.get(name), count, last, f"{where}: {layout.rule.key}"))
-    if name in ARRAY_COLUMNS:
-        numbers = one_number(table[name], f"{where}: {ARRAY_COLUMNS[name]}")
-        # Some files have dones in every step that is a success, and the demonstration goes on.
-        is_last = np.arange(begin, begin + count) == steps - 1
-        return numbers if name == PAY else np.asarray(is_last & (numbers != 0.0))
-    return where_seen(filled_up(table[name], count), seen) if name.startswith(OBSERVATION) else table[name]
-
-
-def _labels(
-    rule: SuccessRule, demo: Any, values: NDArray[Any] | None, count: int, is_last: bool, noun: str
-) -> NDArray[np.int8]:
-    """Labels of each step; what an attribute says of the whole demonstration stands in its last one."""
-    if values is not None:
-        return rule.of_steps(values, noun)
-    told = np.full(count, UNKNOWN, np.int8)
-    if is_last:
-        told[-1] = rule.of_episode(demo.attrs.get(rule.key), noun)
-    return told
+def _attribute(demo: Any, number: int, key: str) -> Any:
+    return demo.attrs.get(key)

@@ -8,14 +8,13 @@ import json
 import re
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from harness.arrays import Float
-from harness.errors import AskedError, SchemaError, UsageError
+from harness.errors import AskedError, SchemaError, UsageError, reason_of
 from harness.files.bounded import read_json
 from harness.log import BEHAVIOUR, SUCCESS, Log, LogFacts, in_memory
 from harness.log.text_table import NOTHING, TextTable, head_of, parse_table, read_text, require_columns
@@ -32,8 +31,22 @@ from harness.score.row_meaning import (
 )
 from harness.text import shortened
 
-from ..curves import CLEANRL_RUN, OF_ALL, ROLES, TIME, Chosen, Roles, Series, column_of, curve, plain, points
-from ..zoo_settings import zoo_settings
+from ..curves import (
+    OF_ALL,
+    ROLES,
+    TIME,
+    VALUES,
+    Chosen,
+    Roles,
+    Series,
+    cleanrl_run,
+    column_of,
+    curve,
+    is_history,
+    plain,
+    points,
+)
+from ..zoo_settings import whole, zoo_settings
 
 MONITOR = ("r", "l", "t")
 """Return, length and seconds since the file was begun: how every file of stable-baselines3's Monitor begins."""
@@ -59,17 +72,16 @@ FEW = 5
 """Rows from which on that is told of a table with numbers of episodes."""
 RISES = 0.8
 """The share of rows from which on a column that rises from row to row counts the steps of a training, or of each."""
-TAUGHT = (
-    "rewardfn", "rewardfunction", "rewardname", "rewardtype", "reward", "method", "variant", "condition", "treatment",
-    "algo", "algorithm", "group",
-)  # fmt: skip
-"""Columns of text that say what taught a training."""
-MODES = ("mode", "split", "phase", "stage", "agent", "agentid", "player", "policyid")
-"""Columns that say which rows of a training count."""
 OF_D3RLPY = re.compile(r"\d+,\d+,[-\d.e+naif]+\n")
 """Epoch, step and value."""
 D3RLPY = {"environment": "eval/mean_reward"}
 """What d3rlpy calls its evaluations in its own examples."""
+FOLDERS = {
+    "meta.yaml": ("metrics", "*", "when value step"),
+    "scalars": ("scalars", "*", "step value"),
+    "params.json": ("", "*.csv", "epoch step value"),
+}
+"""By what else lies there: where a program keeps a file for each of its curves, and what stands in their rows."""
 KEYS = ("env", "env_name", "exp_name", "seed")
 SETTINGS = ("params.json", "config.json")
 """What RLlib and Spinning Up keep beside a table: the settings of the training."""
@@ -90,7 +102,7 @@ class Table(Roles):
     only: str = ""
 
     def recognises(self, path: Path, head: bytes) -> bool:
-        """By a column of returns or success, and one that counts; the rows are no steps."""
+        """By the columns that a user names; else by one of returns or success, and one that counts, of no steps."""
         if path.is_dir() or (path.name == "result.json" and path.with_name("progress.csv").exists()):  # of one training
             return bool(_curves_in(path))
         text = head_of(path, head)
@@ -104,7 +116,16 @@ class Table(Roles):
         names = table.names
         if names[:3] == MONITOR:
             return bool(table.comments) or MONITORED.fullmatch(path.name) is not None
-        return names == EXPORT or _is_chart(names) or _is_history(names) or _has_rows(table)
+        is_named = bool(self._told) and self._told <= {*names}
+        if is_named or names == EXPORT or _is_chart(names) or is_history(names):
+            return True
+        try:
+            chosen = Roles().chosen(path, [name for name in names if not _is_text(table.cells[name])])
+        except (UsageError, SchemaError):
+            return False
+        is_counted = chosen.times or chosen.counter or chosen.unit == "episode"
+        has_rows = len(table) > 0 and ("reward" not in map(str.lower, names) or bool(why_no_steps(table)))
+        return bool(is_counted and (chosen.kind[0] or chosen.is_mean or has_rows))
 
     def read(self, path: Path) -> tuple[Log, ...]:
         """A log for each training in it.
@@ -133,18 +154,26 @@ class Table(Roles):
 
     @property
     def _told(self) -> set[str]:
-        given = {self.time, self.reward, self.success, self.length, self.measure, self.only.partition("=")[0]}
-        return {*given, *self.run.split("+")} - {""}
+        values = (getattr(self, role) for role in VALUES)
+        return {self.time, *values, *self.run.split("+"), self.only.partition("=")[0]} - {""}
 
     # Rows of one training or of several
 
     def _rows(self, table: TextTable) -> Iterator[Log]:
-        table = self._counted(table)
+        require_columns(table.path, table.names, *self._told)
+        if self.only:
+            name, _, value = self.only.partition("=")
+            counted = [row for row, cell in enumerate(table.cells[name]) if cell.strip() == value]
+            if not counted:
+                there = ", ".join(sorted({*table.cells[name]})[:8])
+                raise UsageError(f"{table.path}: no row has '{value}' in its column '{name}'. There is: {there}")
+            table = table.part(counted)
         words = [name for name in table.names if name not in self._told and _is_text(table.cells[name])]
         numbers = [name for name in table.names if name not in words]
         least = FEW if any(plain(name) in ROLES["episode"] for name in numbers) else 2
         counts = [name for name in numbers if plain(name) in OF_ALL]
-        rising = [name for name in counts if len(table) < 2 or _rises(table, name, least)]
+        rises = {name: np.diff(table.numbers(name, NOTHING)) > 0.0 for name in counts if len(table) >= least}
+        rising = [name for name in counts if len(table) < 2 or (name in rises and rises[name].mean() > RISES)]
         told_so = self if self.time or self.length else replace(self, time=next(iter(rising), ""))
         chosen = told_so.chosen(table.path, numbers)
         chosen = chosen._replace(
@@ -157,34 +186,29 @@ class Table(Roles):
         left = shortened(", ".join(it for it in table.names if it not in used and it.lower() not in INDEX), 120)
         told = _settings_beside(table.path.parent)
         told |= {key: table.cells[f"config/{key}"][0] for key in ("env", "seed") if f"config/{key}" in table.cells}
-        is_history = _is_history(table.names)
+        thinned = WANDB if is_history(table.names) else ""
         for cells, rows in split(table, [*taught, *runs]):
             part = table.part(rows) if cells else table
             seed = str(part.cells[seeds[0]][0] if seeds and len(part) else told.get("seed", ""))
             facts = LogFacts(
                 path=table.path,
-                format="history of Weights & Biases" if is_history else f"table of {chosen.unit}s",
+                format="history of Weights & Biases" if thinned else f"table of {chosen.unit}s",
                 unit=chosen.unit,
                 run="_".join(cells),
                 env=told.get("env", told.get("env_name", "")),
                 algorithm=told.get("exp_name", ""),
-                seed=int(seed) if seed.isdecimal() else None,
-                thinned=WANDB if is_history else "",
+                seed=whole(seed),
+                thinned=thinned,
                 notes=(*([f"not used: {left}"] if left else []), *table.notes),
             )
-            yield self._points(part, facts, chosen) if chosen.unit == "point" else _episodes(part, facts, chosen)
-
-    def _counted(self, table: TextTable) -> TextTable:
-        """The rows that count."""
-        name, _, value = self.only.partition("=")
-        require_columns(table.path, table.names, *self._told)
-        if not name:
-            return table
-        rows = [row for row, cell in enumerate(table.cells[name]) if cell.strip() == value]
-        if not rows:
-            there = ", ".join(sorted({*table.cells[name]})[:8])
-            raise UsageError(f"{table.path}: no row has '{value}' in its column '{name}'. There is: {there}")
-        return table.part(rows)
+            if chosen.unit == "episode":
+                yield _episodes(part, facts, chosen)
+                continue
+            step = CALLS[1] if thinned else chosen.counter
+            columns = {name: part.numbers(name, NOTHING) for name in chosen.columns.values()}
+            columns |= {name: part.counts(name, lacks=NOTHING) for name in (*chosen.times, step) if name}
+            columns["step"] = columns[step] if step else np.arange(1.0, len(part) + 1.0)
+            yield points(facts, chosen, columns, self, step or "rows")
 
     def _runs(self, table: TextTable, words: Sequence[str], used: Sequence[str]) -> tuple[list[str], list[str]]:
         """Columns that say what taught a training, and those that say which of these it is.
@@ -194,13 +218,18 @@ class Table(Roles):
         """
         if self.run:
             return [], self.run.split("+")
-        named = [it for it in table.names if it not in used and (names_a_run(it) or plain(it) in MODES)]
+        named = [it for it in table.names if it not in used and (names_a_run(it) or plain(it) in ROLES["mode"])]
         varying = [name for name in named if len({*table.cells[name]}) > 1]
         runs = [name for name in varying if names_a_run(name) and not is_of_episodes(table, name)]
         labels = labels_of(table, [name for name in words if name not in runs])
-        taught = [name for name in labels if plain(name) in TAUGHT]
+        taught = [name for name in labels if plain(name) in ROLES["taught"]]
+        for name in words:  # another file may name another reward, and the names of files may not
+            (first, *others), where = {*table.cells[name]}, str(table.path)
+            if plain(name) in ROLES["taught"][:-3] and first and not others and first.strip() not in where:
+                taught.append(name)
         groups = split(table, [*taught, *runs])
-        modes = [name for name in varying if plain(name) in MODES and name not in labels]
+        modes = [name for name in varying if plain(name) in ROLES["mode"] and name not in labels]
+        said = "".join(f"{it.name}={getattr(self, it.name)}," for it in fields(Roles) if getattr(self, it.name))
         for name in [*labels, *modes]:
             if name in taught:
                 continue
@@ -209,51 +238,37 @@ class Table(Roles):
                 taught.append(name)
                 continue
             some = sorted({cell.strip() for cell in cells})
-            how = f"--as '{READER}:{self._said}only={name}={some[-1]}' reads those of one"
-            if plain(name) not in MODES:
+            how = f"--as 'table:{said}only={name}={some[-1]}' reads those of one"
+            if plain(name) not in ROLES["mode"]:
                 every = "+".join([*taught, name, *runs])
-                how += f"; --as '{READER}:{self._said}run={every}' reads each as a training of its own"
+                how += f"; --as 'table:{said}run={every}' reads each as a training of its own"
             raise AskedError(
                 f"{table.path}: column '{name}' holds {', '.join(some[:4])} in the rows of one training. {how}"
             )
         return taught, runs
 
-    @property
-    def _said(self) -> str:
-        """What the user said so far, to be typed again."""
-        names = ("time", "reward", "success", "length", "measure", "per_step", "episode")
-        return "".join(f"{name}={getattr(self, name)}," for name in names if getattr(self, name))
-
-    def _points(self, table: TextTable, facts: LogFacts, chosen: Chosen) -> Log:
-        step = CALLS[1] if _is_history(table.names) else chosen.counter
-        columns = {name: table.numbers(name, NOTHING) for name in chosen.columns.values()}
-        columns |= {name: table.counts(name, lacks=NOTHING) for name in (*chosen.times, *filter(None, [step]))}
-        columns["step"] = columns[step] if step else np.arange(1.0, len(table) + 1.0)
-        return points(facts, chosen, columns, self, step or "rows")
-
     # Curves that stand in columns or files of their own
 
     def _folder(self, path: Path) -> Log:
         """The one training whose values a program keeps in a file each."""
-        tables = {
-            tag: parse_table(file, read_text(file).replace(" ", ","), names.split())
-            for tag, (file, names) in _curves_in(path).items()
-        }
         name, seed = path / "tags/mlflow.runName", path / "params/seed"
         told = read_text(seed).strip() if seed.is_file() else _settings_beside(path).get("seed", "")
         facts = LogFacts(
             path=path,
             format="folder of curves",
             run=read_text(name).strip() if name.is_file() else "",
-            seed=int(told) if told.isdecimal() else None,
+            seed=whole(told),
         )
-        series = {tag: _series(it, "step", "value") for tag, it in tables.items()}
+        series = {
+            tag: _series(parse_table(file, read_text(file).replace(" ", ","), names.split()), "step", "value")
+            for tag, (file, names) in _curves_in(path).items()
+        }
         return curve(facts, series, self, "" if name.is_file() else "steps of its own")
 
     def _exported(self, path: Path, before: str) -> Log:
         """The curves of a run that lie beside one another, each in a file whose name has the run and the tag."""
-        of = [(it, EXPORTED.fullmatch(it.name)) for it in sorted(path.parent.iterdir())]
-        files = {_tag(it["tag"]): file for file, it in of if it and it["before"] == before}
+        named = [it for file in sorted(path.parent.iterdir()) if (it := EXPORTED.fullmatch(file.name))]
+        files = {_tag(it["tag"]): path.parent / it[0] for it in named if it["before"] == before}
         tables = {tag: parse_table(file, read_text(file)) for tag, file in files.items()}
         notes = tuple(note for it in tables.values() for note in it.notes)
         first = next(iter(files.values()))
@@ -265,43 +280,26 @@ class Table(Roles):
         axis, path = table.names[0], table.path
         places = sorted(path.parent.glob(f"{CHARTS}*.csv")) if path.name.startswith(CHARTS) else [path]
         charts = [table if it == path else parse_table(it, read_text(it)) for it in places]
-        runs: dict[str, dict[str, tuple[TextTable, str]]] = {}
-        for chart in charts:
-            for name in chart.names[1:]:
-                run, between, tag = name.rpartition(BETWEEN)
-                if between and not ENDS.search(tag) and chart.names[0] == axis:
-                    runs.setdefault(run, {}).setdefault(tag, (chart, name))
-        for run, of in sorted(runs.items()):
-            if table not in [chart for chart, _ in of.values()]:
-                continue
-            is_joined = any(_differ(*it) for it in of.values())
-            named = CLEANRL_RUN.fullmatch(run)
+        found = [
+            (chart, name, *name.rpartition(BETWEEN)[::2])
+            for chart in charts
+            for name in chart.names[1:]
+            if chart.names[0] == axis and BETWEEN in name and not ENDS.search(name)
+        ]
+        for run in sorted({run for chart, _, run, _ in found if chart is table}):
+            of = {tag: (chart, name) for chart, name, other, tag in found if other == run}
+            is_joined = any(
+                chart.cells.get(f"{name}__MIN") != chart.cells.get(f"{name}__MAX") for chart, name in of.values()
+            )
             facts = LogFacts(
-                path=next(iter(of.values()))[0].path,
+                path=next(chart.path for chart, _, other, _ in found if other == run),
                 format="export of Weights & Biases",
                 run=run,
-                env=named["env"] if named else "",
-                algorithm=named["algorithm"] if named else "",
-                seed=int(named["seed"]) if named else None,
                 thinned=f"{WANDB}; {JOINED}" if is_joined else WANDB,
                 notes=table.notes,
+                **cleanrl_run(run),
             )
             yield curve(facts, {tag: _series(chart, axis, name) for tag, (chart, name) in of.items()}, self, axis)
-
-
-READER = "table"
-
-
-def _has_rows(table: TextTable) -> bool:
-    """Whether rows are episodes, or points that are counted."""
-    try:
-        chosen = Roles().chosen(table.path, [name for name in table.names if not _is_text(table.cells[name])])
-    except (UsageError, SchemaError):
-        return False
-    is_counted = chosen.times or chosen.counter or chosen.unit == "episode"
-    is_known = chosen.kind[0] or chosen.is_mean
-    has_rows = len(table) > 0 and ("reward" not in map(str.lower, table.names) or bool(why_no_steps(table)))
-    return bool(is_counted and (is_known or has_rows))
 
 
 def _is_chart(names: Sequence[str]) -> bool:
@@ -309,21 +307,10 @@ def _is_chart(names: Sequence[str]) -> bool:
     return bool(charted) and (names[0] in CALLS or any(map(ENDS.search, charted)))
 
 
-def _is_history(names: Sequence[str]) -> bool:
-    """Whether a table is the history of a run of Weights & Biases, which has the names of whatever logged into it."""
-    return {"_step", "_timestamp"} <= {*names}
-
-
 def _is_text(cells: Sequence[str]) -> bool:
     """Whether a column holds words: its first cell that holds anything begins like one."""
     first = next((it.strip() for it in cells if it.strip()), "")
     return first[:1].isalpha() and first.lower() not in (*NOTHING, "true", "false", "inf", "infinity")
-
-
-def _rises(table: TextTable, name: str, least: int) -> bool:
-    """Whether a column counts the steps of a training so far, and not those of each episode."""
-    rises = np.diff(table.numbers(name, NOTHING)) > 0.0
-    return len(table) >= least and float(rises.mean()) > RISES
 
 
 def _tag(written: str) -> str:
@@ -335,15 +322,8 @@ def _tag(written: str) -> str:
 
 
 def _series(table: TextTable, axis: str, name: str) -> Series:
-    values, steps = table.numbers(name, NOTHING), table.numbers(axis)
-    there = ~np.isnan(values)
-    return Series(steps[there].tolist(), values[there].tolist())
-
-
-def _differ(table: TextTable, name: str) -> bool:
-    """Whether the least and the greatest that stand beside a curve differ anywhere."""
-    ends = [table.numbers(end, NOTHING) for end in (f"{name}__MIN", f"{name}__MAX") if end in table.cells]
-    return len(ends) == 2 and bool(np.nansum(np.abs(ends[0] - ends[1])) > 0.0)
+    values = table.numbers(name, NOTHING)
+    return table.numbers(axis)[~np.isnan(values)], values[~np.isnan(values)]
 
 
 def _settings_beside(folder: Path) -> dict[str, str]:
@@ -359,20 +339,16 @@ def _settings_beside(folder: Path) -> dict[str, str]:
 
 def _curves_in(path: Path) -> dict[str, tuple[Path, str]]:
     """By tag the files of a run of MLflow, of TorchRL or of d3rlpy, and what stands in their rows."""
-    try:
-        if (path / "meta.yaml").is_file():
-            of, names = path / "metrics", "when value step"
-        elif (path / "scalars").is_dir():
-            of, names = path / "scalars", "step value"
-        elif (path / "params.json").is_file():
-            files = [file for file in sorted(path.glob("*.csv")) if OF_D3RLPY.match(read_text(file))]
-            return {D3RLPY.get(file.stem, file.stem): (file, "epoch step value") for file in files}
-        else:
-            return {}
-        files = [file for file in sorted(of.rglob("*")) if file.is_file()]
-    except (OSError, SchemaError):
-        return {}
-    return {file.relative_to(of).as_posix().removesuffix(".csv"): (file, names) for file in files}
+    found = dict[str, tuple[Path, str]]()
+    with suppress(OSError, SchemaError):
+        mark = next((it for it in FOLDERS if (path / it).exists()), "")
+        place, pattern, names = FOLDERS.get(mark, ("", "", ""))
+        for file in sorted((path / place).rglob(pattern)) if mark else ():
+            # other programs keep tables beside settings of that name
+            if file.is_file() and (mark != "params.json" or OF_D3RLPY.match(read_text(file))):
+                tag = file.relative_to(path / place).as_posix().removesuffix(".csv")
+                found[D3RLPY.get(tag, tag)] = file, names
+    return found
 
 
 # Episodes
@@ -381,38 +357,49 @@ def _curves_in(path: Path) -> dict[str, tuple[Path, str]]:
 def _episodes(table: TextTable, facts: LogFacts, chosen: Chosen) -> Log:
     if not len(table):
         raise SchemaError(f"{table.path} holds no episode yet")
-    roles = {**chosen.columns, "time": next(iter(chosen.times), ""), "episode": chosen.episode}
-    roles |= {"env": ENV if ENV in table.names else ""}
+    roles = {
+        **chosen.columns,
+        "time": next(iter(chosen.times), ""),
+        "episode": chosen.episode,
+        "env": ENV if ENV in table.names else "",
+    }
     roles = {role: name for role, name in roles.items() if name}
     is_told = table.names[:3] == MONITOR  # that a row is an episode
     fault = None if is_told else fault_of_episodes(table, roles, np.arange(len(table)))
     if fault:
         raise table.refused(fault.row, fault.why)
-    columns: Columns = {}
-    for role in {"reward", "success", "measure"} & roles.keys():
-        of = table.truths(roles[role]) if role == "success" else table.numbers(roles[role], ("nan",))
-        columns[column_of(role, roles[role])] = of
-    numbers = table.numbers(roles["episode"]) if "episode" in roles and "env" not in roles else np.empty(0)
-    is_gappy = bool((np.diff(numbers) != 1.0).any())
-    notes = [", ".join(f"{role} from '{name}'" for role, name in roles.items())]
+    columns: Columns = {
+        column_of(role, name): table.truths(name) if role == "success" else table.numbers(name, ("nan",))
+        for role, name in chosen.columns.items()
+        if role != "length"
+    }
+    is_counted = "episode" in roles and "env" not in roles
+    is_gappy = is_counted and bool((np.diff(table.numbers(roles["episode"])) != 1.0).any())
     if "length" in roles:
-        columns["length"] = lengths = table.counts(roles["length"], least=1)
+        columns["length"] = table.counts(roles["length"], least=1)
         if not is_gappy:
-            columns[TIME] = np.cumsum(lengths)
+            columns[TIME] = np.cumsum(columns["length"])
     if "time" in roles:
         columns[TIME] = table.counts(roles["time"])
         back = np.flatnonzero(np.diff(columns[TIME]) < 0.0)
         if len(back):
             raise table.refused(int(back[0] + 1), f"'{roles['time']}' goes back: the file holds several runs")
-    bounds = {SUCCESS: (0.0, 1.0)} if "success" in roles else {}
-    thinned, notes = GAPS if is_gappy else "", [*notes, *facts.notes]
-    return in_memory(replace(facts, bounds=bounds, thinned=thinned, notes=tuple(notes)), columns)
+    facts = replace(
+        facts,
+        bounds={SUCCESS: (0.0, 1.0)} if "success" in roles else {},
+        thinned=GAPS if is_gappy else "",
+        notes=(", ".join(f"{role} from '{name}'" for role, name in roles.items()), *facts.notes),
+    )
+    return in_memory(facts, columns)
 
 
 def _monitored(table: TextTable, told: Roles) -> Log:
     """Episodes of one environment, or of several that train side by side, as Monitor and VecMonitor write them."""
     path = table.path
-    heads = [_object(path, line, text) for line, text in table.comments]
+    try:
+        heads = [json.loads(text[1:]) for text in table.comments]
+    except (ValueError, RecursionError) as error:
+        raise SchemaError(f"{path}: behind # stands no object of JSON: {reason_of(error)}") from error
     envs = sorted({str(head.get("env_id") or "") for head in heads})
     if len(envs) > 1:
         raise SchemaError(f"{path} holds episodes of several environments: {', '.join(envs)}")
@@ -421,8 +408,11 @@ def _monitored(table: TextTable, told: Roles) -> Log:
     columns = {"reward": "r", "length": "l"} | ({"success": success} if success else {})
     log = _episodes(table, LogFacts(path=path, format=""), Chosen(columns, unit="episode"))
     seconds = table.numbers("t", NOTHING)
-    further = [name for name in table.names[3:] if name != success]
-    measured = {name: values for name in further if (values := _measured(table, name)) is not None}
+    further, measured = [name for name in table.names[3:] if name != success], Columns()
+    for name in further:
+        if not PAY.search(name) and not name.startswith(NAMELESS):
+            with suppress(SchemaError):
+                measured[name] = table.numbers(name)
     left = [name for name in further if name not in measured]
     back = np.flatnonzero(np.diff(seconds) < 0.0)
     line = table.lines[int(back[0]) + 1] if len(back) else 0
@@ -436,15 +426,11 @@ def _monitored(table: TextTable, told: Roles) -> Log:
     }
     started = heads[0].get("t_start") if heads else None
     env = "" if envs in ([], ["None"]) else envs[0]
-    zoo = zoo_settings(path, env)
     facts = replace(
         log.facts,
         format="Monitor of stable-baselines3",
         unit="episode",
-        env=env or zoo.env,
-        algorithm=zoo.algorithm,
-        seed=zoo.seed,
-        asked=zoo.asked,
+        **zoo_settings(path, env)._asdict(),
         started=float(started) if isinstance(started, int | float) else None,
         notes=tuple(note for note, is_so in notes.items() if is_so),
     )
@@ -459,23 +445,3 @@ def _bare_names(path: Path, text: str) -> Sequence[str]:
     if MONITORED.fullmatch(path.name) is None or BARE_ROW.match(first) is None:
         return ()
     return (*MONITOR, *(f"{NAMELESS}{number}" for number in range(4, first.count(",") + 2)))
-
-
-def _object(path: Path, line: int, text: str) -> dict[str, Any]:
-    try:
-        told = json.loads(text.lstrip("#"))
-    except (ValueError, RecursionError):
-        told = None
-    if not isinstance(told, dict):
-        raise SchemaError(f"{path}, line {line}: behind # stands no JSON object")
-    return told
-
-
-def _measured(table: TextTable, name: str) -> Float | None:
-    """A further column that can be a measure; None of pay, of what is no number everywhere, and of one without name."""
-    if PAY.search(name) or name.startswith(NAMELESS):
-        return None
-    try:
-        return table.numbers(name)
-    except SchemaError:
-        return None

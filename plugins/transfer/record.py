@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, ClassVar
 
-from pydantic import ConfigDict, StringConstraints, TypeAdapter, with_config
+from pydantic import ConfigDict, StringConstraints, with_config
 
-from harness.authoring.commands import ChoiceForm, Ending, EndingForm, read_record, require_files
+from harness.authoring.commands import Chosen, Ending, read_record, require_files
 from harness.errors import NewerFormat, SchemaError
 from harness.files import digest_of
 from harness.policy import WEIGHTS
@@ -26,17 +26,6 @@ TRANSFER = "transfer"
 
 
 @with_config(ConfigDict(strict=True, extra="forbid"))
-class TransferForm(EndingForm):
-    """What the manifest of a `TransferRecord` has to look like."""
-
-    cell: Annotated[str, StringConstraints(min_length=1, max_length=1_000)]
-    simulator: ChoiceForm
-    policy: Annotated[str, StringConstraints(max_length=100_000)]
-
-
-FORM: TypeAdapter[TransferForm] = TypeAdapter(TransferForm)
-
-
 @dataclass(frozen=True)
 class TransferRecord(Ending):
     """How the evaluation of one cell's policy in another simulator ended.
@@ -47,9 +36,9 @@ class TransferRecord(Ending):
         policy: SHA-256 of its weights: another policy of the same cell is another result.
     """
 
-    cell: str
-    simulator: Choice
-    policy: str
+    cell: Annotated[str, StringConstraints(min_length=1, max_length=1_000)]
+    simulator: Chosen
+    policy: Annotated[str, StringConstraints(max_length=100_000)]
 
     def is_of(self, digest: str) -> bool:
         """Whether it tells of the policy that a cell has now; one that has none any more has no other."""
@@ -84,7 +73,7 @@ def read_record_of(folder: Path) -> TransferRecord:
     Raises:
         SchemaError: It is damaged or written by a newer version.
     """
-    return read_record(folder, TransferRecord.FORMAT, "record of a transfer", FORM, TransferRecord.from_json)
+    return read_record(folder, TransferRecord, "record of a transfer")
 
 
 def simulator_id(simulator: Choice) -> str:

@@ -46,15 +46,6 @@ def test_a_run_of_another_reward_has_one_clear_reason(harness, runs):
     assert "gentle:effort=0.05" in answer.out
 
 
-def test_columns_of_an_earlier_score_pay_the_others(harness, runs):
-    """Once the file was there."""
-    assert harness("score mine --reward gentle --plugin gentle.py").status == 0
-    answer = harness("score mine --reward gentle:effort=0.05,reach=2 --json")
-    assert answer.status == 0
-    (matrix,) = answer.json["matrices"]
-    assert set(matrix["indices"]["gentle:reach=2,effort=0.05"]) == {"baseline", "gentle:effort=5"}
-
-
 @pytest.mark.parametrize(
     ("reward", "told"),
     [

@@ -409,6 +409,24 @@ def twice_seeded(folder):
                 monitors(folder / f"batch{batch}", f"{reward}/seed{seed}.", final, first + 10 * batch + seed)
 
 
+def of_two_programs(folder):
+    """A training of the proposed reward left event files alone, and all others files of Monitor."""
+    for reward, final, first in TWO:
+        for seed in range(5):
+            if (reward, seed) == ("prop", 4):
+                events(folder / f"{reward}_{seed}", at(40), curve(final, seed + first))
+            else:
+                monitors(folder, f"{reward}_{seed}/", final, first + seed)
+
+
+def of_two_formats(folder):
+    """A data set that has the parts of two formats."""
+    d4rl(folder)
+    robomimic(folder)
+    with h5py.File(folder / "finite.hdf5", "a") as file, h5py.File(folder / "sparse.hdf5") as other:
+        other.copy("data", file)
+
+
 def unlabelled(folder):
     """A data set that does not tell success."""
     d4rl(folder)
@@ -528,6 +546,16 @@ ASKED = [
     Case(
         "seeds-twice", twice_seeded, "report seeds-twice --sort '{reward}/seed{seed}'", ("helps", INTERIM), (), (),
         is_asked=True, untrue=r"\{reward\}/\*/\*",
+    ),
+    Case("per-step", isaac, "report per-step --per-step base=98304", **ENVS),
+    Case(
+        "kinds", of_two_programs, "report kinds", NO_VERDICT, (), (5, 4), is_asked=True, knows={"FORMAT": "table"},
+        untrue=r"\{reward\}/\{seed\}", without=(5, 4),
+    ),
+    Case("formats", of_two_formats, "audit formats/finite.hdf5", NO_DIFFERENCE, (), (), is_asked=True),
+    Case(
+        "odd-names", each("{reward}_{seed}.csv", lambda it: {"n": at(40), "gain": paid(it), "ok": it}),
+        "report odd-names", BETTER, **OWN | {"knows": OF_50 | {"TIME": "n", "SUCCESS": "ok"}}, untrue="^eta",
     ),
     Case("unlabelled", unlabelled, "audit unlabelled/finite.hdf5", NO_DIFFERENCE, (), (),
          knows={"KEY": "solved", "RETURN": "5"}),

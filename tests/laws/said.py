@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from harness.cli import main
 
-ENDS = ("in its last fifth", "in evaluations")
+ENDS = ("in its last fifth", "in evaluations", "deterministic")
 REFUSED, NO_REWARDS, INTERIM = "refused", "one reward", "interim"
 
 
@@ -40,7 +40,7 @@ def say(line):
             status = 0
         except SystemExit as stopped:
             status = stopped.code
-    if status:
+    if status and not out.getvalue():
         told = " ".join(err.getvalue().split())
         assert (status, out.getvalue(), "harness: " in told) == (2, "", True), (line, status, told)
         return Said(line, REFUSED, text=told[told.index("harness: ") :])
@@ -52,17 +52,18 @@ def say(line):
         shares = () if success["value"] is None else (100 * success["value"],)
         return Said(line, success["answer"].lower(), shares, text=f"{text} {success['reason']}")
     if "combinations" not in data:
-        return Said(line, "eta", text=text)
+        is_interim = data.get("verdict", [])[:1] and data["verdict"][0].startswith("Interim")
+        return Said(line, INTERIM if is_interim else "eta", text=text)
     shares, words, p = [], {}, None
     for found in data["combinations"]:
         words[found["headline"]["answer"]] = None
         text += f" {found['headline']['behaviour']} {found['headline']['number']}"
         p = found["test"]["p"]
-        ends = (it for it in found["behaviour"] if (it["name"], it["manner"] in ENDS) == ("success", True))
+        ends = (it for it in found["behaviour"] if it["name"].startswith("success") and it["manner"] in ENDS)
         end = next(ends, None)
         if end is not None and end["proposed"] is not None and end["baseline"] is not None:
             shares += [100 * end["proposed"]] if shares else [100 * end["baseline"], 100 * end["proposed"]]
-    taught = [it["reward"] for it in data["cells"]]
+    taught = [it["reward"] for it in data["cells"] if it["status"] != "skipped"]
     counts = tuple(taught.count(name) for name in sorted(set(taught)))
     return Said(line, " | ".join(words) or NO_REWARDS, tuple(shares), counts, text, p)
 
@@ -93,7 +94,7 @@ def remedies(text):
         typed, flag = [text[match.start() : match.end()].split()[1]], ""
         for word in _words(text[match.end() :]):
             bare = word.rstrip(".,;:)")
-            if not (bare.startswith("--") or flag or Path(bare).exists()):
+            if not (bare.startswith("--") or flag or Path(bare.rpartition(":")[2]).exists()):
                 break
             typed, flag = [*typed, bare], bare if bare.startswith("--") else ""
             if bare != word:

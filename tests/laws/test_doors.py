@@ -9,13 +9,17 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from tests.laws.said import INTERIM, REFUSED, answered, remedies
+from harness.experiment import Plan
+from harness.record import TRACE, Cell, Store
+from harness.registry import Choice
+from tests.laws.said import INTERIM, REFUSED, answered, remedies, say, typed
 from tests.laws.writers import chart, evaluations, events, files, lines, monitor, paid, progress, table
+from tests.results.folders import ARP, BASELINE, fail, finish
 from tests.results.recordings.conftest import record
 
 NEAR = 0.6
 """Points of success that two ways of keeping the same trainings may lie apart."""
-TOTAL, LENGTH, SEEDS = 100_000, 10, 5
+TOTAL, LENGTH, SEEDS, EPISODES = 100_000, 10, 5, 80
 RIGHT = "helps", (SEEDS, SEEDS)
 
 
@@ -107,6 +111,21 @@ def _recordings(folder, kept):
         record(folder / name, reward, int(seed), success, pays=pays)
 
 
+def _own(folder, kept):
+    sim, task, learner = (Choice(name, (), name) for name in ("kinematic", "fd100-reach", "random"))
+    acted = {it.name: it.success[-EPISODES:] == 1 for it in kept}
+    cells = {
+        name: Cell(sim, "fd100", task, learner, ARP if reward == "prop" else BASELINE, int(seed), 6, EPISODES)
+        for name, (reward, seed) in ((it.name, it.name.split("_")) for it in kept)
+    }
+    store = Store.create(folder, Plan(BASELINE.label, (*cells.values(),), (), {"sim": ["kinematic"]}))
+    for it in kept:
+        if len(it.steps) < DOORS["own"].rows:
+            fail(store, cells[it.name], "out of memory")
+        else:
+            finish(store, cells[it.name], [1.0, 1.5, 0.75, 0.5, 0.25, 0.125], acted[it.name], [False] * EPISODES)
+
+
 DOORS = {
     "progress": Door(_progress),
     "events": Door(_events, is_text=False),
@@ -117,6 +136,7 @@ DOORS = {
     "monitor": Door(_monitor, is_curve=False, rows=400),
     "tidy": Door(_tidy, is_curve=False, rows=400),
     "recordings": Door(_recordings, is_curve=False, is_text=False, rows=400),
+    "own": Door(_own, is_curve=False, is_text=False, rows=400),
 }
 
 
@@ -174,7 +194,7 @@ ANY = {
     "percent": lambda kept: [it._replace(success=100 * it.success) for it in kept],
     "percent in one": of_one(lambda it: it._replace(success=100 * it.success)),
 }
-MAY_BE_ASKED = ("copy", "copy a beginning", "cut", "blank", "percent", "percent in one")
+MAY_BE_ASKED = ("copy", "copy a beginning", "cut", "blank", "percent", "percent in one", "split", "damage")
 """What files do not tell by themselves."""
 
 
@@ -204,7 +224,24 @@ def compressed(folder):
         path.unlink()
 
 
+def split(folder):
+    """Each table into two, of the first half of its rows and of the others."""
+    for path in files(folder).values():
+        lines = path.read_text().splitlines(keepends=True)
+        begin = (path.suffix == ".csv") + lines[0].startswith("#")
+        half = (len(lines) + begin) // 2
+        path.write_text("".join(lines[:half]))
+        path.with_name(f"{path.stem}_more{path.suffix}").write_text("".join([*lines[:begin], *lines[half:]]))
+
+
+def damaged(folder):
+    """The second half of a file is lost."""
+    path = [path for name, path in files(folder).items() if "prop_2" in name or path.name == TRACE][-1]
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+
+
 FILES = {
+    "split": split,
     "turn columns": with_tables(lambda number, row: row[::-1]),
     "add a column": with_tables(lambda number, row: [*row, f"{number * 0.5}" if number else "entropy"]),
     "compress": compressed,
@@ -212,8 +249,9 @@ FILES = {
 NOT_SO = {
     "chart": ("turn columns",),  # its first column is what it counts
     "evaluations": ("percent", "percent in one", "thin"),  # 0 or 1 alone is kept, and final policies alone count
-    "monitor": ("percent", "percent in one", "turn columns"),
+    "monitor": ("percent", "percent in one", "turn columns", "split"),  # it counts from where a file begins
     "recordings": ("percent", "percent in one", "blank"),
+    "own": ("percent", "percent in one", "blank", "rename", "copy", "copy a beginning"),
 }
 """What cannot be done at a door."""
 
@@ -221,7 +259,7 @@ NOT_SO = {
 def changes():
     """Every change at every door at which it can be made."""
     for name, door in DOORS.items():
-        possible = [*(CURVES if door.is_curve else ()), *ANY, *(FILES if door.is_text else ())]
+        possible = [*(CURVES if door.is_curve else ()), *ANY, *(FILES if door.is_text else ["damage"])]
         for change in possible:
             if change not in NOT_SO.get(name, ()):
                 yield name, change
@@ -236,7 +274,7 @@ def said(tmp_path_factory):
         folder, door = tmp_path_factory.mktemp("laws") / name, DOORS[name]
         kept = list(trained(door))
         door.write(folder, {**CURVES, **ANY}.get(change, list)(kept))
-        FILES.get(change, lambda _: None)(folder)
+        {**FILES, "damage": damaged}.get(change, lambda _: None)(folder)
         return answered(["report", str(folder)], {"N": str(LENGTH)})
 
     return write
@@ -260,9 +298,27 @@ def test_a_change_of_the_files_changes_nothing_that_is_said(said, name, change):
     if found.word == REFUSED and change in MAY_BE_ASKED:
         said_why = "percent" if "percent" in change else "line "  # and otherwise what to type
         assert remedies(found.text) or said_why in found.text, found.text
-    elif change in ("cut", "blank") and found.word == INTERIM:
-        assert remedies(found.text), found.text
+    elif change in ("cut", "blank", "split", "damage") and found.word == INTERIM:
+        without = _without(found)
+        assert change == "split" or (without.word, *sorted(without.trainings)) == (RIGHT[0], SEEDS - 1, SEEDS), (
+            without.text
+        )
     else:
-        assert change not in ("cut", "percent", "percent in one"), found
+        assert change not in ("cut", "damage", "percent", "percent in one"), found
         assert (found.word, found.trainings) == RIGHT, found.text
         assert found.shares == pytest.approx(said(name).shares, abs=NEAR)
+
+
+@pytest.mark.parametrize("name", DOORS)
+def test_an_audit_gives_no_verdict_either_where_a_training_is_cut(said, name):
+    """Or damaged, until it is left out, as its answer tells."""
+    for change in ("cut", "damage")[: 2 - DOORS[name].is_text]:
+        _without(say(["audit", said(name, change).line[1]]))
+
+
+def _without(found):
+    """What is said when what is missing is left out, as the answer tells to."""
+    assert found.word == INTERIM, found.text
+    without = say(typed(found.line, remedies(found.text)[0], {}))
+    assert without.word not in (INTERIM, REFUSED), without.text
+    return without

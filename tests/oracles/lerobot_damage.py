@@ -179,14 +179,6 @@ def fewer_told(parts, runs, rng):
     return [runs], True, r"(?i)total"
 
 
-def renamed_reward(parts, runs, rng):
-    """A stranger's list of own rewards calls another column `recorded`."""
-    parts.columns["annotation"] = -np.abs(np.sin(np.arange(len(parts.place)))).astype(np.float32)
-    parts.info["features"]["annotation"] = {"dtype": "float32", "shape": [1], "names": None}
-    parts.info["harness_rewards"] = {"annotation": "recorded"}
-    return [runs], True, ""
-
-
 def swapped_files(parts, runs, rng):
     """Two files, or two episodes of one, have changed places; rows carry the number of their own episode."""
     one, other = rng.sample(range(len(runs)), 2)
@@ -201,5 +193,5 @@ def swapped_files(parts, runs, rng):
     return [runs], True, ""
 
 
-PARTLY = (left_over, nan_pay, nan_state, fewer_told, renamed_reward, swapped_files)
+PARTLY = (left_over, nan_pay, nan_state, fewer_told, swapped_files)
 ORACLES = {"lerobot, damaged": damaged, "lerobot, in part": partly}

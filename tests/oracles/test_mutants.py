@@ -16,7 +16,7 @@ from harness.record.dataset.labels import SuccessRule
 from harness.record.recording import recorded_training
 from harness.robot import kinematics
 from harness.score import scorer
-from harness_plugins.datasets.dataset import Census
+from harness_plugins.datasets.steps import Source
 from tests.oracles import settings
 from tests.oracles.test_oracles import faults_of
 
@@ -25,14 +25,17 @@ TRIED = 24
 """So many inputs are tried before a mutant counts as missed."""
 
 
+def _columns(patch, change):
+    columns = Source.columns
+
+    def changed(self, names, steps, told):
+        return {name: change(name, values, steps) for name, values in columns(self, names, steps, told).items()}
+
+    patch.setattr(Source, "columns", changed)
+
+
 def _last_frame_is_not_paid(patch):
-    column = lerobot._column
-
-    def without(layout, name, frames, whole, seen):
-        values = column(layout, name, frames, whole, seen)
-        return np.where(seen, values, 0.0) if name.startswith("reward/") else values
-
-    patch.setattr(lerobot, "_column", without)
+    _columns(patch, lambda name, of, steps: np.where(steps.ends, 0.0, of) if name.startswith("reward/") else of)
 
 
 def _label_is_whatever_is_not_zero(patch):
@@ -40,7 +43,7 @@ def _label_is_whatever_is_not_zero(patch):
 
 
 def _tasks_are_pooled(patch):
-    patch.setattr(lerobot, "_tasks", lambda layout, frames: np.full(len(frames), "", object))
+    _columns(patch, lambda name, of, steps: np.full(len(of), "", object) if name == "task" else of)
 
 
 def _copies_are_counted(patch):
@@ -50,11 +53,11 @@ def _copies_are_counted(patch):
 
 def _metadata_are_not_believed(patch):
     for module in (lerobot, importlib.import_module("harness_plugins.logs.minari")):
-        patch.setattr(module, "take_census", lambda path, declared, found, partial: Census(frozenset(found)))
+        patch.setattr(module, "take_census", lambda path, declared, found, partial: (frozenset(found), []))
 
 
 def _frames_come_in_any_order(patch):
-    patch.setattr(lerobot, "_require_order", lambda path, before, frames, begun: None)
+    patch.setattr(lerobot, "_require_order", lambda path, frames, begun, goes_on: None)
 
 
 def _last_step_is_not_summed(patch):

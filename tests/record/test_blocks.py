@@ -61,9 +61,10 @@ def test_what_was_told_is_read(tmp_path):
 
 @pytest.mark.parametrize(
     "text",
-    ["", "[]", '{"terms": [], "steps": [1], "episodes": [1], "numbers": []}', '{"terms": [], "steps": [1], '
-     '"episodes": [0], "numbers": [[1, 1, 1, 1]]}', '{"terms": [], "steps": [1], "episodes": [1], "numbers": [[1]]}',
-     '{"terms": [], "steps": [1], "episodes": [], "numbers": [[1, 1, 1, 1]]}'],
+    ["", "[]", *('{"terms": [], "steps": [1], ' + rest for rest in (
+        '"episodes": [1], "means": [], "squares": []}', '"episodes": [0], "means": [[1, 1]], "squares": [[1, 1]]}',
+        '"episodes": [1], "means": [[1]], "squares": [[1]]}', '"episodes": [], "means": [[1, 1]], "squares": [[1, 1]]}',
+    ))],
 )  # fmt: skip
 def test_a_damaged_file_tells_nothing(tmp_path, text):
     """A run that goes on after a kill, and who looks, are not stopped by it."""

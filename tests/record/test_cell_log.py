@@ -1,14 +1,11 @@
-"""A cell's trace by the door of all logs: names, facts of its manifest, and a training that is under way."""
+"""A cell's trace by the door of all logs: names, and facts of its manifest."""
 
 import numpy as np
-import pytest
 
-from harness.errors import SchemaError
-from harness.experiment.checkpoints.trace_parts import TraceParts
 from harness.log.open_log import open_logs
 from harness.record import RANDOM, SCALARS, TRACE, Cell, EpisodeFacts, Manifest, TraceWriter, read_trace
 from harness.record.cell_log import CellLog
-from harness.record.trace import episode_facts, read_parts, terms_of
+from harness.record.trace import episode_facts, terms_of
 from harness.registry import Choice, load_registry
 
 FACTS = EpisodeFacts(horizon=2, control_period=0.1)
@@ -62,23 +59,6 @@ def test_other_parquet_files_are_not_recognised(tmp_path):
     path.write_bytes(content[:500])
     assert not CellLog().recognises(path, content[:4096])
     assert not CellLog().recognises(tmp_path, b"")
-
-
-def test_a_training_under_way_has_as_many_rows_as_there_are_by_now(tmp_path):
-    """Those of its finished parts, and more once the next is finished."""
-    path, width = tmp_path / TRACE, len(SCALARS) + 4
-    with TraceParts(path, 2, 2, FACTS) as parts:
-        with pytest.raises(SchemaError):
-            read_parts(path)
-        lengths = []
-        for count in (3, 2):
-            parts.append(np.ones((count, width)))
-            parts.cut()
-            (log,) = open_logs(path.with_name("trace.0"), load_registry())
-            lengths.append((len(log), len(log["distance"]), len(log["obstacle"])))
-        assert lengths == [(3, 3, 3), (5, 5, 5)]
-        assert episode_facts(log) == FACTS
-        assert f"{tmp_path} is still trained, or was cut off: its rows up to the last checkpoint" in log.facts.notes
 
 
 def test_terms_of_a_trace(tmp_path):

@@ -42,7 +42,6 @@ WRONG = {
     "training_seconds": ["1", None],
     "resumed_from": [-1, "x", 1.5],
     "note": [None, 3],
-    "id": [3, "other"],
     "surprise": [0],
 }
 

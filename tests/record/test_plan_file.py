@@ -34,7 +34,8 @@ WRONG = {
     "control": [[[0]], [[0, -1]]],
     "cells": [None, [{}], [3]],
     "more": [1],
-    "experiment": [[], *UNWRITABLE],
+    "experiment": [[], {"sim": _nested(50)}, {"sim": None}],
+    "the file": UNWRITABLE[::2],  # nested without end, or half a character: it is no JSON that anybody reads
     "terms.looks": [{"looks": looks} for looks in ([10_001], [2, 2], [3, 2])],  # a billion seeds would take long
 }
 
@@ -43,7 +44,12 @@ WRONG = {
 def test_plan_of_another_form_is_refused(make_cell, tmp_path, subtests, key):
     """The line names the file and the key."""
     for value in WRONG[key]:
-        data = {"baseline": "baseline", "a_a": False, "cells": [make_cell().to_json()], key.split(".")[0]: value}
+        data = {
+            "baseline": "baseline",
+            "a_a": False,
+            "cells": [make_cell().to_json()],
+            "experiment" if key == "the file" else key.split(".")[0]: value,
+        }
         (tmp_path / PLAN).write_text(json.dumps(data))
         told = rf"plan\.json is no readable plan: ValueError: {key}"
         with subtests.test(value=value), pytest.raises(SchemaError, match=told):

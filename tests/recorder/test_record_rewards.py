@@ -445,6 +445,21 @@ def test_a_measure_decides_only_where_it_is_known_what_is_better(record, tmp_pat
     assert getattr(found.facts, better) == ("left",)
 
 
+def test_a_measure_that_counts_up_from_1_is_asked_as_soon_as_it_is_no_flag(record, counting, tmp_path):
+    """What was recorded is kept, and goes on with the answer; after the first steps the training goes on at once."""
+    counted = {"count": lambda step: step.observation[0]}
+    first = record(behaviour=counted)
+    with pytest.raises(UsageError, match=r"'count' decides.*lower_is_better=\['count'\]"):
+        _act(first, 2)
+    first.close()
+    again = record(behaviour=counted, lower_is_better=["count"], resume=True)
+    found = _recorded(again, 3, tmp_path)
+    assert (found["behaviour/count"].tolist(), found.facts.lower_is_better) == ([1, 1, 2, 3], ("count",))
+    late = {"late": lambda step: 2.0 * (step.observation[0] > 120.0)}
+    with pytest.warns(UserWarning, match=r"'late' decides.*--measure late:better=lower"):
+        _act(record(path="late", env=counting(150), behaviour=late), 130)
+
+
 def test_a_flag_and_an_evaluation_need_no_direction(record, tmp_path):
     """Of what is 0 or 1 more is better, and reports ask for what else a finished policy does."""
     flag = {"fell": lambda step: step.observation[0] > 1.0}

@@ -171,7 +171,7 @@ def test_null_control_finds_what_it_needs(ran_toys, reads):
 def test_payer_of_a_reward_keeps_its_own(ended):
     """Two rewards pay one training: neither takes the other's for its own."""
     cell = ended.done_cells[0]
-    of = ended.traces.of(cell)
+    of = ended.traces.run(cell)
     paid = [of.paid_by(InstalledReward(choice, ended.registry)) for choice in {it.reward: 0 for it in ended.done_cells}]
     assert len({tuple(rewards) for rewards in paid}) == 3
 

@@ -40,8 +40,8 @@ def made_again(open_kept, made_of="x"):
     """How often a number and rewards are made again."""
     number, rewards = Maker(0.5), Maker(REWARDS)
     kept = open_kept()
-    assert kept.number("number", [made_of], number) == 0.5
-    np.testing.assert_array_equal(kept.array("rewards", [made_of], rewards), REWARDS)
+    assert kept.told("number", [made_of], number) == 0.5
+    np.testing.assert_array_equal(kept.told("rewards", [made_of], rewards), REWARDS)
     kept.save()
     return [number.calls, rewards.calls]
 
@@ -111,9 +111,9 @@ def test_link_is_not_followed(open_kept, folder, tmp_path):
 def test_number_comes_back_as_it_was(open_kept, number):
     """With its type, which decides how it is printed."""
     kept = open_kept()
-    made = kept.number("it", [], lambda: number)
+    made = kept.told("it", [], lambda: number)
     kept.save()
-    found = open_kept().number("it", [], Maker(None))
+    found = open_kept().told("it", [], Maker(None))
     assert json.dumps(found) == json.dumps(made) == json.dumps(number)
 
 
@@ -124,7 +124,7 @@ def test_error_passes(open_kept):
         raise ValueError("no")
 
     with pytest.raises(ValueError, match="no"):
-        open_kept().number("it", [], fail)
+        open_kept().told("it", [], fail)
     assert made_again(open_kept) == [1, 1]
 
 

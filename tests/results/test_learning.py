@@ -4,7 +4,7 @@ import pytest
 
 from harness.registry import Choice
 from harness.results import Group
-from harness.results.learning import LearningCurve, LearningRun, Moment, learning_points
+from harness.results.learning import LearningCurve, Moment, learning_points
 from tests.report.conftest import build_results
 
 GROUP = Group("fd100", Choice("reach"), Choice("wander"), 100, 4, evaluate_every=30, simulator=Choice("ideal"))
@@ -12,10 +12,7 @@ GROUP = Group("fd100", Choice("reach"), Choice("wander"), 100, 4, evaluate_every
 
 def _points(*runs, **given):
     """Of these shares by steps, one run for each seed."""
-    told = [
-        LearningRun(seed, tuple(Moment(steps, {"success_rate": share}) for steps, share in shares.items()))
-        for seed, shares in enumerate(runs)
-    ]
+    told = [[Moment(steps, {"success_rate": share}) for steps, share in shares.items()] for shares in runs]
     return learning_points(told, "success_rate", GROUP, **given)
 
 
@@ -54,7 +51,7 @@ def test_seeds_without_a_value_are_told(other, mean, told):
 def test_band_has_the_points_with_an_interval():
     """Where one seed alone has a value there is none."""
     points = _points(*({30: None if seed else 0.5, 60: None, 100: 0.25 * seed} for seed in range(5)))
-    curve = LearningCurve("arp", (), {"success_rate": points})
+    curve = LearningCurve("arp", {}, {"success_rate": points})
     assert curve.band("success_rate") == [(100, points[2].value.low, points[2].value.high)]
 
 

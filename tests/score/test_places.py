@@ -8,7 +8,7 @@ from hypothesis import given, strategies as st
 
 from harness.registry import choose, load_registry
 from harness.reward import Sample
-from harness.score import ArmPay, Place, distances, parse_place, parse_places
+from harness.score import ArmPay, parse_place, parse_places
 from tests.refusals import refused
 
 ROWS = np.arange(12.0).reshape(2, 6)
@@ -16,7 +16,7 @@ ROWS = np.arange(12.0).reshape(2, 6)
 
 def pay_episode(reward, end_effector, target):
     """What an arm's reward pays each step of an episode, by positions before each step and after the last."""
-    pay, far = ArmPay(reward), distances(end_effector, target)
+    pay, far = ArmPay(reward), np.linalg.norm(end_effector - target, axis=1)
     pay.begin(far[0])
     return pay.pay(far[1:]).total
 
@@ -63,11 +63,6 @@ def test_a_map_that_is_none_is_refused(text, told):
     given = {"a": ROWS, "b": ROWS} if "=c" in text else ROWS
     with refused(told):
         parse_places(text).distances(given)
-
-
-def test_a_constant_needs_no_vector_of_its_own():
-    """The number of rows may be told."""
-    assert Place(constant=(1.0, 2.0, 3.0)).rows(None, 2).tolist() == [[1, 2, 3]] * 2
 
 
 @given(st.from_regex(r"[a-z]{1,5}(\[[0-4]:[5-9]\])?|[0-4]:[5-9]", fullmatch=True))

@@ -7,7 +7,7 @@ from harness.env import ReachVectorEnv
 from harness.reach import ReachTask
 from harness.record import TraceWriter
 from harness.registry import choose, load_registry
-from harness.reward.forms import reward_class
+from harness.registry.given import read_given
 from harness.score.open_steps import open_steps
 from harness.score.rescore import rescore
 from harness_plugins.kit import IdealSimulator
@@ -22,6 +22,10 @@ ROWS = [
     "0,2.0,2.0,2.0,0,0",
     "1,2.0,1.5,1.5,-0.5,0.75",
 ]
+LATE = """
+def late(step):
+    return -abs(step.action).sum(-1) if (step.step > 3.5).any() else -step.distance
+"""
 
 
 @pytest.fixture
@@ -32,17 +36,17 @@ def recorded(tmp_path):
     return open_steps(path)
 
 
-def rewards(*names):
-    """Built rewards by label."""
-    registry = load_registry()
-    return {name: choose(registry, "rewards", name).build(registry, "rewards") for name in names}
+def score(log, into, *rewards, plugin=None):
+    """Pay a run by rewards, one of which may stand in a file."""
+    registry = load_registry(given=read_given(plugin and [plugin]))
+    return rescore(log, [choose(registry, "rewards", name) for name in rewards], into, registry)
 
 
 def test_each_reward_gets_a_column(recorded, tmp_path):
     """What it would have paid, start rows nothing; scoring once more adds one, and the recording stays as it is."""
     before, path = recorded.facts.path.read_bytes(), tmp_path / "s.parquet"
-    rescore(recorded, rewards("baseline", "arp"), path)
-    rescore(recorded, rewards("arp:k2=2"), path)
+    score(recorded, path, "baseline", "arp")
+    score(recorded, path, "arp:k2=2")
     table = pq.read_table(path).to_pydict()
     assert table.keys() == {"baseline", "arp", "arp:k2=2"}
     np.testing.assert_allclose(table["baseline"], [0, 0.2, -0.1, 0, 0.5], rtol=1e-12)
@@ -61,20 +65,18 @@ def test_each_reward_gets_a_column(recorded, tmp_path):
 )
 def test_what_cannot_be_scored_is_told(recorded, tmp_path, lines, place, told):
     """In one line, and nothing is overwritten."""
-    rescore(recorded, rewards("arp"), tmp_path / "s.parquet")
+    score(recorded, tmp_path / "s.parquet", "arp")
     other = tmp_path / "other.csv"
     other.write_text("\n".join(lines) + "\n")
     with refused(told):
-        rescore(open_steps(other), rewards("arp"), tmp_path / place)
+        score(open_steps(other), tmp_path / place, "arp")
 
 
 def test_what_a_run_does_not_have_is_said_with_what_to_do(recorded, tmp_path):
     """Joint speeds are recorded where a reward reads them."""
-
-    def swift(step):
-        return -(step.qvel**2).sum(-1)
-
-    failed = rescore(recorded, {"swift": reward_class(swift)()}, tmp_path / "s.parquet")
+    swift = tmp_path / "swift.py"
+    swift.write_text("def swift(step):\n    return -(step.qvel**2).sum(-1)\n")
+    failed = score(recorded, tmp_path / "s.parquet", "swift", plugin=swift)
     assert failed["swift"].startswith("The recorded run has no 'qvel'. It has: begin_distance, ")
     assert failed["swift"].endswith(
         "qvel is recorded where a reward of the experiment reads it: train in a new folder beside this one"
@@ -83,10 +85,8 @@ def test_what_a_run_does_not_have_is_said_with_what_to_do(recorded, tmp_path):
 
 def test_a_field_that_is_read_in_some_steps_alone_is_found(tmp_path):
     """Made-up steps do not show it: the reward is called again with all that the run has."""
-
-    def late(step):
-        return -abs(step.action).sum(-1) if (step.step > 3.5).any() else -step.distance
-
+    late = tmp_path / "late.py"
+    late.write_text(LATE)
     path = tmp_path / "trace.parquet"
     with TraceWriter(path, 6, 6) as recorder:
         env = ReachVectorEnv(
@@ -95,5 +95,5 @@ def test_a_field_that_is_read_in_some_steps_alone_is_found(tmp_path):
         env.reset(seed=0)
         for _ in range(9):
             env.step(np.full((1, 6), 0.5, np.float32))
-    assert rescore(open_steps(path), {"late": reward_class(late)()}, tmp_path / "s.parquet") == {}
+    assert score(open_steps(path), tmp_path / "s.parquet", "late", plugin=late) == {}
     np.testing.assert_allclose(pq.read_table(tmp_path / "s.parquet")["late"].to_numpy()[1:], -3.0)

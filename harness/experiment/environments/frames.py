@@ -158,6 +158,5 @@ def _strip(pictures: Sequence["Image.Image"]) -> bytes:
 
 
 def _told(**facts: Any) -> bytes:
-    """What is said of pictures, a line; see `harness.results.frames.FramesForm`."""
-    told = {"reason": "", "episode": 0, "steps": [], "told": "", "outcome": "", **facts}
-    return f"{json.dumps(told)}\n".encode()
+    """What is said of pictures, a line; see `harness.results.frames.Frames`."""
+    return f"{json.dumps({'reason': '', **facts})}\n".encode()

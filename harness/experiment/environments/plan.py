@@ -9,11 +9,13 @@ from typing import Any
 from harness.algorithm import ActionSpace, Algorithm, needs_arm, needs_goals
 from harness.environment import AnyEnv, Environment, baseline_of, goal_rewards
 from harness.errors import UsageError, reason_of
+from harness.eta.laws import direction_of, may_be_flag, require_direction
 from harness.experiment.environments.columns import columns_of
 from harness.experiment.environments.random_steps import random_steps, value_of
 from harness.experiment.environments.spaces import flat_observations, goal_columns, kind_of_actions
+from harness.log.log import SUCCESS
 from harness.recorder.column import made_columns
-from harness.recorder.env_facts import require_decider
+from harness.recorder.trial import FIRST_STEPS
 from harness.registry.choice import Choice, label_of, parse
 from harness.registry.names import unknown_name
 from harness.registry.registry import Registry
@@ -189,19 +191,21 @@ def look_at(task: Choice, registry: Registry) -> Looked:
 
 
 def _require_direction(environment: Environment, name: str, registry: Registry) -> None:
-    """Raise UsageError if it is not known of a measure what is better, and a step of random actions shows no flag."""
+    """Raise UsageError if it is not known of a measure what is better, and random actions show that it is no flag."""
     given = registry.functions_of("measure").get(name)
     where = f"in '{given.file.path}'" if given else f"in the environment; gymnasium takes lower={name} or higher={name}"
+    how = f"write lower_is_better = ['{name}'] or higher_is_better = ['{name}'] {where}"
     with closing(environment.make()) as env:
         columns = columns_of(environment, env, registry)
+        if direction_of(name, columns.lower_is_better, columns.higher_is_better, is_flag=name == SUCCESS):
+            return
         (column,) = made_columns(env, {}, {name: columns.behaviour[name]}, 1, frozenset())
-        for step in random_steps(env, 0, 1, [column]):
+        for step in random_steps(env, 0, FIRST_STEPS, [column]):
             try:
                 (value,) = column.numbers(value_of(column, step))
             except (Exception, SystemExit):  # the trial tells what fails; the end of an episode may tell a key of info
-                return
-            how = f"write lower_is_better = ['{name}'] or higher_is_better = ['{name}'] {where}"
-            require_decider(name, value, columns.lower_is_better, columns.higher_is_better, how)
+                continue
+            require_direction(name, "higher" if may_be_flag(value) else "", how)
 
 
 def _terms_of(environment: Environment, name: str, registry: Registry) -> tuple[str, ...]:

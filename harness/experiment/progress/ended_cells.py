@@ -5,17 +5,19 @@ import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 
+from harness.errors import SchemaError
 from harness.experiment.plan import Plan
 from harness.record.cell import Cell
 from harness.record.manifest import Manifest
+from harness.record.recording.recorded_training import recordings_in
 from harness.record.store import Store
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry
+from harness.results.cell_results import Cells
 from harness.results.comparison import Group
-from harness.results.done_cells import DoneCells, DoneRecordings
-from harness.results.measured import Values
 from harness.results.metrics import named_measures
-from harness.results.table import Numbers, write_table
+from harness.results.recordings.recording_results import RecordingResults, numbers_in_environment
+from harness.results.table import Numbers, metric_columns, write_table
 
 
 class EndedCells:
@@ -26,10 +28,8 @@ class EndedCells:
     ) -> None:
         named = named_measures(plan.resolved)
         self._plan = plan
-        if any(cell.is_in_environment for cell in plan.cells):
-            self._cells: DoneCells | DoneRecordings = DoneRecordings(store)
-        else:
-            self._cells = DoneCells(store, registry, metrics, named)
+        in_environment = any(cell.is_in_environment for cell in plan.cells)
+        self._store, self._cells = store, None if in_environment else Cells(store, registry, metrics, named)
         self._rewards: dict[Group, dict[Choice, None]] = {}
         for cell in plan.cells:
             self._rewards.setdefault(Group.of(cell), {})[cell.reward] = None
@@ -58,7 +58,12 @@ class EndedCells:
     def keep(self, done: Manifest) -> None:
         """Compute what a report needs. An error of a plugin does not stop the run, because the report will show it."""
         with suppress(Exception):
-            self._cells.keep(done, self._compared_with(done.cell), self._scoring)
+            if self._cells:
+                self._cells.add(done).keep(self._compared_with(done.cell), self._scoring)
+                return
+            for path in recordings_in(self._store.cell_folder(done.cell)):
+                with suppress(SchemaError):  # the report says so
+                    RecordingResults(self._store.folder, path).keep()
 
     def _compared_with(self, cell: Cell) -> list[Choice]:
         """The rewards to compare with: the others for the baseline, the baseline for others, itself for a control."""
@@ -77,18 +82,16 @@ EVERY = 30.0
 class TableSoFar:
     """The table of an experiment while its cells end."""
 
-    def __init__(
-        self, store: Store, cells: DoneCells | DoneRecordings, clock: Callable[[], float] = time.monotonic
-    ) -> None:
+    def __init__(self, store: Store, cells: Cells | None, clock: Callable[[], float] = time.monotonic) -> None:
         """Read nothing yet.
 
         Args:
             store: The experiment's folder.
-            cells: Measures those that are done.
+            cells: Measures cells of arms that are done; None in an environment.
             clock: Tells seconds.
         """
         self._store, self._cells, self._clock = store, cells, clock
-        self._measured: dict[str, tuple[Manifest, Callable[[Values], Numbers] | None]] = {}
+        self._measured: dict[str, tuple[Manifest, Callable[[], Numbers] | None]] = {}
         self._missing: dict[str, Manifest] = {}
         self._due = -math.inf
 
@@ -110,7 +113,8 @@ class TableSoFar:
         if not self._missing:
             return
         if self._can_be_read():
-            write_table(self._store.folder, self._rows(), self._cells.columns)
+            rows = [(manifest, numbers and numbers()) for manifest, numbers in self._measured.values()]
+            write_table(self._store.folder, rows, metric_columns(self._cells.metrics if self._cells else ()))
         self._due = self._clock() + EVERY
 
     def _can_be_read(self) -> bool:
@@ -125,12 +129,13 @@ class TableSoFar:
         self._missing.clear()
         return True
 
-    def _measure(self, manifest: Manifest) -> Callable[[Values], Numbers] | None:
+    def _measure(self, manifest: Manifest) -> Callable[[], Numbers] | None:
         """All but random actions: the cell that does them may not have ended."""
-        return self._cells.numbers(manifest) if manifest.status == "done" else None
-
-    def _rows(self) -> list[tuple[Manifest, Numbers | None]]:
-        floor_of = self._cells.floors(manifest for manifest, _ in self._measured.values())
-        return [
-            (manifest, numbers and numbers(floor_of(manifest.cell))) for manifest, numbers in self._measured.values()
-        ]
+        if manifest.status != "done":
+            return None
+        if self._cells:
+            found = self._cells.add(manifest)
+            _ = found.policy
+            return lambda: found.numbers
+        told = numbers_in_environment(self._store.folder, self._store.cell_folder(manifest.cell))
+        return lambda: told

@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import Annotated, Any, Literal, NotRequired, Self
 
-from pydantic import Field, TypeAdapter, with_config
+from pydantic import AfterValidator, Field, with_config
 from typing_extensions import TypedDict
 
 from harness.eta.manner import Acted
@@ -15,11 +15,10 @@ from harness.files.plain import Plain
 from harness.files.sealed import read_sealed, seal
 from harness.log import Failed, Log, LogFacts
 from harness.log.log import BEHAVIOUR, REWARD
-from harness.record.file_forms import EXACT, Digest, Line, Name, Whole, require_form
+from harness.record.file_forms import EXACT, Digest, Line, Name, Number, Whole, read_form
 
 FORMAT = 2
 """Since format 2 a recording may hold the actions."""
-Number = Annotated[float, Field(allow_inf_nan=False)]
 MOST_NAMES = 1_000
 """The most rewards, and the most measures of behaviour."""
 MOST_ENVS = 1_000_000
@@ -36,11 +35,6 @@ IN_FILES = {REWARD: FILE_REWARD, BEHAVIOUR: FILE_BEHAVIOUR}
 IN_LOGS = {told: begin for begin, told in IN_FILES.items()}
 RECORDER = "recording of harness"
 """The format of the facts of recordings."""
-LATER = {
-    *("pay", "bounds", "horizon", "cut", "acted", "after", "notes", "steps_asked", "episodes_asked", "starts", "terms"),
-    "higher_is_better",
-}
-"""Facts that the first recordings did not have. They are left out of the file where there is nothing to tell."""
 
 
 def term_column(reward: str, term: str) -> str:
@@ -63,6 +57,24 @@ def _begun_otherwise(column: str, begins: Mapping[str, str]) -> str:
     return f"{begins.get(found, '')}{column.removeprefix(found)}"
 
 
+def _distinct(names: tuple[str, ...]) -> tuple[str, ...]:
+    if len({*names}) < len(names):
+        raise ValueError("a name stands twice")
+    return names
+
+
+def _small(shape: tuple[int, ...]) -> tuple[int, ...]:
+    if (count := math.prod(shape)) > MOST_ACTION_NUMBERS:
+        raise ValueError(f"an action has {count:,} numbers, {MOST_ACTION_NUMBERS} are allowed")
+    return shape
+
+
+LogColumn = Annotated[Name, AfterValidator(log_column)]
+"""A column as logs call it; files tell it as `file_column` does."""
+Names = Annotated[tuple[Name, ...], Field(max_length=MOST_NAMES), AfterValidator(_distinct)]
+
+
+@with_config(EXACT)
 @dataclass(frozen=True)
 class Source:
     """The code of a reward or of a measure.
@@ -73,11 +85,12 @@ class Source:
             place: ``info key 'distance'``, ``what the env pays``.
     """
 
-    sha256: str
-    text: str
+    sha256: Digest | Literal[""]
+    text: Annotated[str, Field(max_length=MOST_SOURCE)]
 
 
-@dataclass(frozen=True, kw_only=True)
+@with_config(EXACT)
+@dataclass(frozen=True)
 class Failure(Failed):
     """A reward or a measure that was given up in the middle of a training: from this step on it is NaN in all envs.
 
@@ -87,9 +100,11 @@ class Failure(Failed):
         step: Counted from 0 in that episode.
     """
 
-    env: int
-    episode: int
-    step: int
+    column: LogColumn
+    reason: Line
+    env: Whole
+    episode: Whole
+    step: Whole
 
     @property
     def told(self) -> str:
@@ -97,18 +112,11 @@ class Failure(Failed):
         return f"given up in step {self.step:,} of episode {self.episode:,}: {self.reason}"
 
     def to_json(self) -> dict[str, Any]:
-        """Plain data; `from_json` gives the same back."""
-        return {
-            **{name: getattr(self, name) for name in FailureForm.__annotations__},
-            "column": file_column(self.column),
-        }
-
-    @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> Self:
-        """What `to_json` told."""
-        return cls(**{**data, "column": log_column(data["column"])})
+        """Plain data, as files have it."""
+        return {**asdict(self), "column": file_column(self.column)}
 
 
+@with_config(EXACT)
 @dataclass(frozen=True)
 class ActionFacts(Plain):
     """How the actions of a training are recorded, so that another env can be given the same ones.
@@ -120,9 +128,9 @@ class ActionFacts(Plain):
         problem: Why an env cannot be given the same actions; empty if it can. One line.
     """
 
-    shape: tuple[int, ...]
-    type: str = ""
-    problem: str = ""
+    shape: Annotated[tuple[Annotated[int, Field(gt=0)], ...], Field(max_length=32), AfterValidator(_small)]
+    type: Line = ""
+    problem: Line = ""
 
     @property
     def size(self) -> int:
@@ -212,7 +220,7 @@ class TrainingFacts(LogFacts):
             "steps_asked": self.asked,
         }
         told = {name: named[name] if name in named else getattr(self, name) for name in KEYS}
-        return {name: value for name, value in told.items() if value or name not in LATER}
+        return {name: value for name, value in told.items() if value or name in RecordingForm.__required_keys__}
 
     def write(self, path: Path) -> None:
         """Write them into a file of their own; the writer of the recording puts it in its place whole.
@@ -232,7 +240,7 @@ class TrainingFacts(LogFacts):
         """
         data = read_sealed(path, "recording", newest=FORMAT, since=1)
         with reading(path, "recording"):
-            require_form(FORM, data)
+            del data["format"]
             return cls.from_json(data, path.parent)
 
     @classmethod
@@ -240,33 +248,26 @@ class TrainingFacts(LogFacts):
         """What `to_json` told of the recording in a folder, also after a way through JSON.
 
         Raises:
-            ValueError: Names stand twice, or actions have too many numbers.
+            ValueError: It has another form.
         """
-        seed, terms, actions = data["seed"], data.get("terms", {}), data.get("actions")
-        if data["trained_with"] not in data["rewards"]:
-            raise ValueError(f"it was trained with {data['trained_with']!r}, which is none of its rewards")
-        seeds = tuple(seed) if isinstance(seed, list | tuple) else ()
-        if any(len({*names}) < len(names) for names in (data["rewards"], data["behaviour"], *terms.values())):
-            raise ValueError("a name stands twice")
-        if actions and (count := math.prod(actions["shape"])) > MOST_ACTION_NUMBERS:
-            raise ValueError(f"an action has {count:,} numbers, {MOST_ACTION_NUMBERS} are allowed")
-        known = {it.name for it in fields(cls)} & {*KEYS} & data.keys()
+        told: Mapping[str, Any] = read_form(RecordingForm, data)
+        seed = told["seed"]
+        if told["trained_with"] not in told["rewards"]:
+            raise ValueError(f"it was trained with {told['trained_with']!r}, which is none of its rewards")
+        seeds = seed if isinstance(seed, tuple) else ()
         return cls(**{
-            **{name: tuple(it) if isinstance(it := data[name], list) else it for name in known},
+            **{name: told[name] for it in fields(cls) if (name := it.name) in told},
             "path": folder,
             "bounds": {
                 name: (-math.inf if low is None else low, math.inf if high is None else high)
-                for name, (low, high) in data.get("bounds", {}).items()
+                for name, (low, high) in told.get("bounds", {}).items()
             },
             "seed": next((it for it in seeds if it is not None), None) if seeds else seed,
             "seeds": seeds,
-            "env": str(data["env"].get("id") or ""),
-            "spec": data["env"],
-            "sources": {log_column(column): Source(**source) for column, source in data["sources"].items()},
-            "failed": tuple(map(Failure.from_json, data["failures"])),
-            "actions": actions and ActionFacts.from_json(actions),
-            "asked": data.get("steps_asked", 0),
-            "terms": {name: tuple(of) for name, of in terms.items()},
+            "env": str(told["env"].get("id") or ""),
+            "spec": told["env"],
+            "failed": told["failures"],
+            "asked": told.get("steps_asked", 0),
         })  # fmt: skip
 
 
@@ -280,66 +281,36 @@ def facts_of(log: Log) -> TrainingFacts:
 
 
 @with_config(EXACT)
-class SourceForm(TypedDict):
-    """See `Source`."""
-
-    sha256: Digest | Literal[""]
-    text: Annotated[str, Field(max_length=MOST_SOURCE)]
-
-
-@with_config(EXACT)
-class FailureForm(TypedDict):
-    """See `Failure`."""
-
-    column: Name
-    env: Whole
-    episode: Whole
-    step: Whole
-    reason: Line
-
-
-@with_config(EXACT)
-class ActionForm(TypedDict):
-    """See `ActionFacts`."""
-
-    shape: Annotated[list[Annotated[int, Field(gt=0)]], Field(max_length=32)]
-    type: Line
-    problem: Line
-
-
-@with_config(EXACT)
 class RecordingForm(TypedDict):
-    """The file of `TrainingFacts`; its keys are written in this order."""
+    """The file of `TrainingFacts` but for its format; the keys are written in this order."""
 
-    format: int
-    rewards: Annotated[list[Name], Field(min_length=1, max_length=MOST_NAMES)]
+    rewards: Names
     trained_with: Name
-    behaviour: Annotated[list[Name], Field(max_length=MOST_NAMES)]
-    lower_is_better: Annotated[list[Name], Field(max_length=MOST_NAMES)]
+    behaviour: Names
+    lower_is_better: Names
     pay: NotRequired[bool]
-    bounds: NotRequired[dict[Name, Annotated[list[Number | None], Field(min_length=2, max_length=2)]]]
+    bounds: NotRequired[dict[Name, tuple[Number | None, Number | None]]]
     evaluation: bool
     num_envs: Annotated[int, Field(gt=0, le=MOST_ENVS)]
-    seed: Whole | Annotated[list[Whole | None], Field(max_length=MOST_ENVS)] | None
+    seed: Whole | Annotated[tuple[Whole | None, ...], Field(max_length=MOST_ENVS)] | None
     env: dict[Name, Any]
     versions: dict[Name, Line]
-    sources: dict[Name, SourceForm]
-    failures: Annotated[list[FailureForm], Field(max_length=2 * MOST_NAMES)]
+    sources: dict[LogColumn, Source]
+    failures: Annotated[tuple[Failure, ...], Field(max_length=2 * MOST_NAMES)]
     paid_otherwise: Line
     closed: bool
-    actions: NotRequired[ActionForm | None]
+    actions: NotRequired[ActionFacts | None]
     horizon: NotRequired[Whole]
     cut: NotRequired[Whole]
     acted: NotRequired[Acted]
     after: NotRequired[Whole]
-    notes: NotRequired[Annotated[list[Line], Field(max_length=MOST_NOTES)]]
+    notes: NotRequired[Annotated[tuple[Line, ...], Field(max_length=MOST_NOTES)]]
     steps_asked: NotRequired[Whole]
     episodes_asked: NotRequired[Whole]
     starts: NotRequired[Whole]
-    higher_is_better: NotRequired[Annotated[list[Name], Field(max_length=MOST_NAMES)]]
-    terms: NotRequired[dict[Name, Annotated[list[Name], Field(min_length=1, max_length=MOST_NAMES)]]]
+    higher_is_better: NotRequired[Names]
+    terms: NotRequired[dict[Name, Names]]
 
 
-KEYS = tuple(RecordingForm.__annotations__)[1:]
+KEYS = tuple(RecordingForm.__annotations__)
 """The keys of the file in order, without its format."""
-FORM: TypeAdapter[RecordingForm] = TypeAdapter(RecordingForm)

@@ -9,21 +9,19 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
-from numpy.typing import NDArray
 
 from harness.arrays import Float
 from harness.errors import SchemaError, UsageError
 from harness.files.bounded import reading, require_regular
 from harness.files.parquet import MOST_NUMBERS, require_room
 from harness.log import Log
-from harness.log.log import REWARD, TIME, Columns, joined
+from harness.log.log import REWARD, TIME, Columns, Rows, joined
 from harness.record.recording.facts import FILE_REWARD, TrainingFacts, facts_of, file_column, term_column
-from harness.record.recording.scores import read_scores, scores_name
+from harness.record.recording.scores import read_scores, scores_name, with_scores
 from harness.registry.choice import parse
 from harness.reward.forms import weighted
 from harness.reward.terms import sum_of
@@ -33,7 +31,6 @@ PART_ROWS = 65_536
 PART_BYTES, MOST_PARTS, MOST_RECORDERS = 2**31, 100_000, 10_000
 """Most that is read of a recording."""
 
-MOST_TICKS = 2**62
 TICK, ACTION = "tick", "action"
 TICK_IN_FILE = "time"
 INTEGERS = ("env", "episode", "step")
@@ -59,12 +56,12 @@ def weighed(log: Log, labels: Iterable[str]) -> Log:
             continue
         told = log.rows(term_column(name, term) for term in names)
         paid = weighted({term: told[term_column(name, term)] for term in names}, weights)
-        columns |= {f"{REWARD}{label}": sum_of(paid), **{term_column(label, term): it for term, it in paid.items()}}
-        given_up = [it for it in facts.failed if it.column == f"{REWARD}{name}"]
+        was, now = f"{REWARD}{name}", f"{REWARD}{label}"
+        columns |= {now: sum_of(paid), **{term_column(label, term): it for term, it in paid.items()}}
         facts = replace(
             facts,
             rewards=(*facts.rewards, label),
-            failed=(*facts.failed, *(replace(it, column=f"{REWARD}{label}") for it in given_up)),
+            failed=(*facts.failed, *(replace(it, column=now) for it in facts.failed if it.column == was)),
             terms={**facts.terms, label: names},
         )
     return replace(log, facts=facts).add(columns)
@@ -110,11 +107,17 @@ def read_recording(folder: Path) -> Log:
                 f"{folder} is no recording of a training: it has no {facts_name(0)}. harness.RecordRewards makes one"
             )
         logs = [read_recorder(folder, number) for number in numbers]
-        _require_alike(folder, numbers, logs)
         scores = [read_scores(folder / scores_name(number), partial(step_count, folder, number)) for number in numbers]
-        if all(scores):
-            logs = [one.added_to(log) for one, log in zip(scores, logs, strict=True) if one]
-            _require_alike(folder, numbers, logs)
+        later = [one for one in scores if one is not None]
+        if len(later) == len(logs):
+            logs = [*map(with_scores, logs, later)]
+        told = [(facts.numbers, facts.trained_with) for facts in map(facts_of, logs)]
+        for number, of in zip(numbers, told, strict=True):
+            if of != told[0]:
+                raise SchemaError(
+                    f"{folder}: {facts_name(number)} and {facts_name(numbers[0])} tell of different rewards or "
+                    "measures; they are not one training"
+                )
         return logs[0] if len(logs) == 1 else united(logs)
 
 
@@ -165,14 +168,14 @@ def part_name(number: int, part: int) -> str:
 
 def part_schema(facts: TrainingFacts) -> pa.Schema:
     """Columns and types of a part."""
-    calls = [*dict.fromkeys(CALLS, pa.int64()).items(), *((name, pa.float64()) for name in action_columns(facts))]
-    return pa.schema([
-        (TICK_IN_FILE, pa.int64()),
-        *((name, pa.int32()) for name in INTEGERS),
-        *((name, pa.float64()) for name in (*map(file_column, facts.numbers), *facts.term_columns)),
-        *((name, pa.bool_()) for name in FLAGS),
-        *(calls if facts.actions else ()),
-    ])  # fmt: skip
+    return pa.schema({
+        TICK_IN_FILE: pa.int64(),
+        **dict.fromkeys(INTEGERS, pa.int32()),
+        **dict.fromkeys((*map(file_column, facts.numbers), *facts.term_columns), pa.float64()),
+        **dict.fromkeys(FLAGS, pa.bool_()),
+        **dict.fromkeys(CALLS if facts.actions else (), pa.int64()),
+        **dict.fromkeys(action_columns(facts), pa.float64()),
+    })  # fmt: skip
 
 
 def action_columns(facts: TrainingFacts) -> list[str]:
@@ -186,8 +189,7 @@ def step_count(folder: Path, number: int) -> int:
     Raises:
         SchemaError: That part is damaged.
     """
-    count = part_count(folder, number)
-    if not count:
+    if not (count := part_count(folder, number)):
         return 0
     path = folder / part_name(number, count - 1)
     with reading(path, "part of a recording"):
@@ -278,7 +280,7 @@ def _require_sound(folder: Path, facts: TrainingFacts, columns: Columns, last: C
     for name in columns.keys() & {*map(file_column, facts.numbers), *terms}:
         if np.isinf(columns[name]).any():
             raise SchemaError(f"{folder}: {name} is infinite")
-        reward = file_column(terms[name]) if name in terms else name
+        reward = file_column(terms.get(name, name))
         if reward.startswith(FILE_REWARD) and reward not in failed and np.isnan(columns[name]).any():
             raise SchemaError(f"{folder}: {name} has no value in some steps, and no failure of it is told")
     return ends
@@ -305,16 +307,6 @@ def _require_unbroken(folder: Path, columns: Columns, last: Columns) -> Columns:
     return {name: rows[name][order][is_last] for name in names}
 
 
-def _require_alike(folder: Path, numbers: Sequence[int], logs: Sequence[Log]) -> None:
-    told = [(facts.numbers, facts.trained_with) for facts in map(facts_of, logs)]
-    for number, of in zip(numbers, told, strict=True):
-        if of != told[0]:
-            raise SchemaError(
-                f"{folder}: {facts_name(number)} and {facts_name(numbers[0])} tell of different rewards or measures; "
-                "they are not one training"
-            )
-
-
 def united(logs: Sequence[Log]) -> Log:
     """The logs of several recorders of one training as one, its rows in the order of time and of their envs."""
     facts = [facts_of(log) for log in logs]
@@ -333,40 +325,19 @@ def united(logs: Sequence[Log]) -> Log:
         cut=sum(one.cut for one in facts),
     )
     with_calls = all(ACTION in log and one.actions == first.actions for log, one in zip(logs, facts, strict=True))
-    return Log(whole, _names(whole, with_calls=with_calls), partial(_merged, logs, begins))
+    return Log(whole, _names(whole, with_calls=with_calls), partial(_sorted, logs, begins))
 
 
-def _merged(logs: Sequence[Log], begins: Sequence[int], names: tuple[str, ...]) -> Iterator[Columns]:
-    """Their rows in the order of time, those of a moment by env. It holds a part or two of each."""
+def _sorted(logs: Sequence[Log], begins: Sequence[int], names: tuple[str, ...]) -> Iterator[Columns]:
+    """Their rows in the order of time, those of a moment by env; NaN in rows of a recorder that lacks a term."""
     asked = tuple(dict.fromkeys(name for name in (TICK, "env", *names) if name != TIME))
-    going = {index: _numbered(log, begins[index], asked) for index, log in enumerate(logs)}
-    held: dict[int, Columns] = {}
-    until, taken = -1, 0
-    while going or held:
-        for index in [it for it in going if it not in held or held[it][TICK][-1] <= until]:
-            table = next(going[index], None)
-            if table is None:
-                del going[index]
-            else:
-                held[index] = joined([held[index], table]) if index in held else table
-        # Who goes on may have more steps of its last moment, and has none of earlier ones.
-        until = min((held[it][TICK][-1] for it in going), default=MOST_TICKS)
-        found = joined([_where(table, table[TICK] < until) for table in held.values()]) if held else {}
-        held = {it: rest for it, table in held.items() if len((rest := _where(table, table[TICK] >= until))[TICK])}
-        if found and (count := len(found[TICK])):
-            found = _where(found, np.lexsort((found["env"], found[TICK])))
-            found[TIME] = np.arange(taken + 1, taken + count + 1)
-            taken += count
-            yield {name: found[name] for name in names}
-
-
-def _numbered(log: Log, begin: int, names: Sequence[str]) -> Iterator[Columns]:
-    """The rows of a recorder whose envs count from `begin`, NaN where it has no such term: it has no step yet."""
-    own = [name for name in names if name in log]
-    for piece in log.pieces(own):
-        table = {name: piece[name] if name in own else np.full(len(piece), np.nan) for name in names}
-        yield {**table, "env": table["env"] + np.int32(begin)}
-
-
-def _where(table: Columns, rows: NDArray[Any]) -> dict[str, NDArray[Any]]:
-    return {name: values[rows] for name, values in table.items()}
+    tables = list[Columns]()
+    for log, begin in zip(logs, begins, strict=False):
+        told = log.rows(name for name in asked if name in log)
+        rows = {name: told[name] if name in log else np.full(len(told), np.nan) for name in asked}
+        tables += [{**rows, "env": rows["env"] + np.int32(begin)}] if len(told) else []
+    if tables:
+        whole = Rows(joined(tables))
+        ordered = whole.part(np.lexsort((whole["env"], whole[TICK]))).columns
+        found = {**ordered, TIME: np.arange(1, len(whole) + 1)}
+        yield {name: found[name] for name in names}

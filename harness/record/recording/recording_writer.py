@@ -23,10 +23,10 @@ from harness.record.recording.recorded_training import (
     TICK,
     TICK_IN_FILE,
     facts_name,
-    part_count,
     part_name,
     part_schema,
     read_part,
+    read_recorder,
 )
 
 Rows = Float | Sequence[Sequence[float]]
@@ -97,16 +97,14 @@ class RecordingWriter:
         Raises:
             OSError: They cannot be written.
         """
-        begin, count = 0, len(rows)
-        while self._filled + count - begin >= PART_ROWS:
-            end = begin + PART_ROWS - self._filled
-            self._block[self._filled :] = rows[begin:end]
-            self._filled, begin = PART_ROWS, end
-            self._write()
-            self._part, self._filled = self._part + 1, 0
-        if begin < count:
-            self._block[self._filled : self._filled + count - begin] = rows[begin:]
-            self._filled += count - begin
+        while len(rows):
+            taken = rows[: PART_ROWS - self._filled]
+            self._block[self._filled : self._filled + len(taken)] = taken
+            self._filled += len(taken)
+            rows = rows[len(taken) :]
+            if self._filled == PART_ROWS:
+                self._write()
+                self._part, self._filled = self._part + 1, 0
         if time.monotonic() >= self.due:
             self._write()
 
@@ -142,22 +140,19 @@ class RecordingWriter:
     def _go_on(self) -> None:
         before = TrainingFacts.read(self.folder / facts_name(self.number))
         _require_same_training(self.folder, before, self.facts)
-        asked = self.facts.asked or before.asked  # whoever goes on may ask for more
-        self.facts = replace(before, closed=False, asked=asked)
+        now, asked = self.facts, self.facts.asked or before.asked  # whoever goes on may ask for more
+        better = now if now.lower_is_better or now.higher_is_better else before  # and say what nobody had said
+        lower, higher = better.lower_is_better, better.higher_is_better
+        self.facts = replace(before, closed=False, asked=asked, lower_is_better=lower, higher_is_better=higher)
         self._make_room()
-        count = part_count(self.folder, self.number)
-        self._part = max(0, count - 1)
-        for part in reversed(range(count)):
-            table = read_part(self.folder / part_name(self.number, part), self._schema)
-            rows = np.stack([table.column(name).to_numpy().astype(float) for name in self._schema.names], axis=1)
-            if part == count - 1 and len(rows):
-                self._filled, self.next_time = len(rows), int(rows[-1, 0]) + 1
-                self._block[: len(rows)] = rows
-            np.maximum.at(self.next_episodes, rows[:, 1].astype(int), rows[:, 2].astype(np.int64) + 1)
-            if self.next_episodes.all():  # earlier parts have earlier episodes
-                break
-        if self._filled == PART_ROWS:
-            self._part, self._filled = self._part + 1, 0
+        earlier = read_recorder(self.folder, self.number).rows((TICK, "env", "episode"))
+        if len(earlier):
+            self.next_time = int(earlier[TICK][-1]) + 1
+            np.maximum.at(self.next_episodes, earlier["env"], earlier["episode"] + 1)
+            self._part, self._filled = divmod(len(earlier), PART_ROWS)
+        if self._filled:
+            table = read_part(self.folder / part_name(self.number, self._part), self._schema)
+            self._block[: self._filled] = np.stack([column.to_numpy() for column in table.columns], axis=1)
 
     def _write(self) -> None:
         """The facts first: no reader finds NaN of which they do not tell."""

@@ -7,7 +7,8 @@ environments from those of several trainings.
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from itertools import takewhile
+from itertools import product
+from os.path import commonprefix
 from typing import NamedTuple
 
 import numpy as np
@@ -62,14 +63,25 @@ def sort_names(names: Iterable[str], template: str = "", *, is_asked: bool = Tru
 
     Args:
         names: Paths below the folder, without endings of files.
-        template: How they are made, if the user says it; see `sort_by_template`.
+        template: How they are made, if the user says it: ``{reward}/{seed}``, ``*_{reward}_s{seed}``. ``*`` stands for
+            anything within a folder's or a file's name. What it fits is one training: ``{reward}`` says that all files
+            of a folder are one, ``{reward}/*`` that each file is one. Without ``{seed}`` they have none.
+            ``base_{seed}|{reward}`` says it of two kinds of names: what fits the first one has the reward ``base``.
         is_asked: Whether it matters; if not, no number is the seed of names that can be read in two ways.
 
     Raises:
         UsageError: They can be read in two ways, or do not fit; says the flags that say each way.
     """
     if template:
-        return sort_by_template(template, names)
+        of = list(names)
+        fitted = _fitted(template, of) if "{reward}" in template else {}
+        for name in of:
+            if name not in fitted:
+                raise UsageError(
+                    f"--sort '{template}' does not fit '{name}', which lies below the folder. It needs {{reward}} "
+                    "once, and {seed} at most once: '{reward}/{seed}'"
+                )
+        return fitted
     texts = {name: _SAYS_NOTHING.sub("", name) for name in names}
     alike: dict[tuple[str, int], list[str]] = {}
     for name, text in texts.items():
@@ -84,9 +96,11 @@ def sort_names(names: Iterable[str], template: str = "", *, is_asked: bool = Tru
             why = "two numbers may be the seed"
         chosen = told or varying or (columns if len(of) == 1 else [])
         seeds |= zip(of, chosen[-1], strict=True) if chosen else ()
-    rest = [_cut(text, seeds.get(name)) for name, text in texts.items()]
-    values = [int(seeds[name]["digits"]) if name in seeds else None for name in texts]
-    found = dict(zip(texts, map(Named, labels_of(rest), values, texts), strict=True))
+    values, rest = [int(seeds[it]["digits"]) if it in seeds else None for it in texts], texts.copy()
+    for name, seed in seeds.items():  # without it, and the word that announces it
+        begin = seed.start("word" if seed["seed"] or seed["run"] else "digits")
+        rest[name] = texts[name][:begin] + texts[name][seed.end() :]
+    found = dict(zip(texts, map(Named, labels_of([*rest.values()]), values, texts), strict=True))
     why, weighed = (why, []) if why else _doubt_of(found, texts, seeds)
     if why and is_asked:
         ways = templates_of(list(found))
@@ -127,12 +141,6 @@ def _numbers_in(text: str) -> list[re.Match[str]]:
     return [it for it in _NUMBER.finditer(text) if it["digits"]]
 
 
-def _cut(text: str, seed: re.Match[str] | None) -> str:
-    """The text without a seed and the word that announces it."""
-    group = "word" if seed and (seed["seed"] or seed["run"]) else "digits"
-    return text[: seed.start(group)] + text[seed.end() :] if seed else text
-
-
 def labels_of(texts: Sequence[str]) -> list[str]:
     """What differs between texts, by whole words: each without the words that all begin with, or end with.
 
@@ -141,22 +149,13 @@ def labels_of(texts: Sequence[str]) -> list[str]:
     words = {text: _TOKENS.findall(text.strip(BETWEEN)) for text in texts}
     if len(words) == 1:
         return [next((it for part in texts[0].split("/")[::-1] if (it := part.strip(BETWEEN))), "")] * len(texts)
-    begin, end = _shared([*words.values()])
+    begin, end = (len(commonprefix([it[::way] for it in words.values()])) for way in (1, -1))  # noqa: RUF071 (words)
+    least = max(0, min(map(len, words.values())) - 1)  # a word of each is left
+    end = min(end, least)
+    begin = min(begin, least - end)
     while begin and any("".join(it[begin : len(it) - end]).isdecimal() for it in words.values()):
         begin -= 1
     return ["".join(words[text][begin : len(words[text]) - end]).strip(BETWEEN) for text in texts]
-
-
-def _shared(words: Sequence[Sequence[str]]) -> tuple[int, int]:
-    """With how many equal words all begin, and with how many all end; a word of each is left."""
-    least = max(0, min(map(len, words)) - 1)
-    if len(words) == 1:
-        return least, 0
-    begin, end = (
-        sum(1 for _ in takewhile(lambda at: len({*at}) == 1, zip(*of, strict=False)))
-        for of in (words, [it[::-1] for it in words])
-    )
-    return min(begin, least - min(end, least)), min(end, least)
 
 
 # Templates
@@ -169,43 +168,30 @@ def templates_of(names: Sequence[str]) -> list[str]:
         names: Paths below the folder, without endings of files; each once.
     """
     texts = [_SAYS_NOTHING.sub("*", name) for name in names]
-    numbers = [_numbers_in(text) for text in texts]
-    most = max(map(len, numbers))
-    found: dict[frozenset[tuple[str, str]], tuple[bool, bool, str]] = {}
-    for at in range(-most, most + 1):
-        marked = [
-            text[: of[at].start("digits")] + "{seed}" + text[of[at].end() :] if -len(of) <= at < len(of) else text
-            for text, of in zip(texts, numbers, strict=True)
-        ]
-        for template in _templates(marked):
+    found: dict[tuple[int, ...], tuple[bool, bool, int, str]] = {}
+    for parts in (_TOKENS, re.compile("/|[^/]+")):
+        rows = [parts.findall(text) for text in texts]
+        if len({*map(len, rows)}) > 1:
+            continue
+        columns = [[*dict.fromkeys(it)] for it in zip(*rows, strict=True)]
+        varying = [at for at, of in enumerate(columns) if len(of) > 1] or [len(columns) - 1]
+        told = [at for at in varying if "*" not in columns[at][0]]
+        for reward, seed in product(told, [None, *told]):
+            shown = [of[0] if len(of) == 1 else "*" for of in columns]
+            if seed is not None:
+                shown[seed] = re.sub("[0-9]{1,9}$", "{seed}", columns[seed][0])
+            ending = re.search(r"([-_=. ]|(?<=[A-Za-z]))\{seed\}$", shown[reward])
+            shown[reward] = "{reward}" + (ending[0] if ending else "")
+            template = re.sub(r"\*+", "*", "".join(shown))
             fitted = _fitted(template, names).values()
             rewards = [it.reward for it in fitted]
             runs = {(it.reward, it.place if it.seed is None else it.seed) for it in fitted}
-            of_seeds = any(it["seed"] for reward in rewards for it in _numbers_in(reward))
+            of_seeds = any(it["seed"] for name in rewards for it in _numbers_in(name))
             if len(runs) == len(names) and not of_seeds:
-                rank = min(map(rewards.count, rewards)) < 2, "{seed}" not in template, template
-                key = frozenset(zip(rewards, names, strict=True))
+                rank = min(map(rewards.count, rewards)) < 2, "{seed}" not in template, template.count("*"), template
+                key = tuple(map(rewards.index, rewards))
                 found[key] = min(rank, found.get(key, rank))
     return [template for *_, template in sorted(found.values())]
-
-
-def _templates(marked: Sequence[str]) -> list[str]:
-    """Templates that fit names in which the seeds, and what says nothing, are marked."""
-    different = [_TOKENS.findall(text) for text in dict.fromkeys(marked)]
-    begin, end = _shared(different)
-    found = []
-    for border in (r"(/|\{seed\}|\*)", r"([-_=,. /]+|\{seed\}|\*)"):
-        parts = [re.split(border, "".join(it[begin : len(it) - end])) for it in different]
-        if len({tuple(it[1::2]) for it in parts}) > 1:
-            continue
-        columns = [{*it} for it in zip(*parts, strict=True)]
-        shown = [next(iter(it)) if len(it) == 1 else "*" for it in columns]
-        for at in range(0, len(columns), 2):
-            if columns[at] != {""}:
-                middle = [*shown[:at], "{reward}", *shown[at + 1 :]]
-                whole = [*different[0][:begin], *middle, *different[0][len(different[0]) - end :]]
-                found.append(re.sub(r"\*+", "*", "".join(whole)))
-    return found
 
 
 def question(names: Sequence[str], why: str, ways: Sequence[str] | None = None) -> UsageError:
@@ -227,43 +213,19 @@ def question(names: Sequence[str], why: str, ways: Sequence[str] | None = None) 
     return UsageError(f"Names such as {seen} {why}. {remedy}")
 
 
-def sort_by_template(template: str, names: Iterable[str]) -> dict[str, Named]:
-    """The same where the user says how names are made: ``{reward}/{seed}``, ``*_{reward}_s{seed}``.
-
-    ``*`` stands for anything within a folder's or a file's name. What the template fits is one training: ``{reward}``
-    says that all files of a folder are one, ``{reward}/*`` that each file is one. Without ``{seed}`` they have none.
-    ``base_{seed}|{reward}`` says it of two kinds of names: what fits the first one has the reward ``base``.
-
-    Raises:
-        UsageError: It has no ``{reward}``, or a name is not made so.
-    """
-    if "{reward}" not in template or not _is_clear(template):
-        raise UsageError(f"--sort '{template}' needs {{reward}} once, and {{seed}} at most once: '{{reward}}/{{seed}}'")
-    of = list(names)
-    found = _fitted(template, of)
-    without = next((it for it in of if it not in found), "")
-    if without:
-        raise UsageError(f"--sort '{template}' does not fit '{without}', which lies below the folder")
-    return found
-
-
-def _is_clear(template: str) -> bool:
-    return all(it.count("{reward}") < 2 and it.count("{seed}") < 2 for it in template.split("|"))
-
-
 def _fitted(template: str, names: Iterable[str]) -> dict[str, Named]:
     """What a template says of the names that fit it."""
-    patterns = {}
-    for way in template.split("|") if _is_clear(template) else ():
-        pattern = re.escape(way).replace(r"\{seed\}", "(?P<seed>[0-9]{1,9})").replace(r"\*", "[^/]*?")
-        pattern = pattern.replace(r"\{reward\}", "(?P<reward>[^/]+?)")
-        patterns[way] = re.compile(f"(?P<place>(?:.*?/)??{pattern})(?:[.][^/]*)?(?:/.*)?")
-    found = {}
-    for name in names:
-        fits = ((way, match.groupdict()) for way, it in patterns.items() if (match := it.fullmatch(name)))
-        for way, told in [*fits][:1]:
-            reward = told.get("reward") or re.sub(r"[-_=,. /]*(\{seed\}|\*)[-_=,. /]*", "", way)
-            found[name] = Named(reward, int(told["seed"]) if "seed" in told else None, told["place"])
+    found = dict[str, Named]()
+    for way in template.split("|"):
+        pattern = re.escape(way).replace(r"\{seed\}", "(?P<seed>[0-9]{1,9})", 1).replace(r"\*", "[^/]*?")
+        pattern = pattern.replace(r"\{reward\}", "(?P<reward>[^/]+?)", 1)
+        pattern = f"(?P<place>(?:.*?/)??{pattern})(?:[.][^/]*)?(?:/.*)?"
+        for name in names:
+            if match := re.fullmatch(pattern, name):
+                told = match.groupdict()
+                reward = told.get("reward") or re.sub(r"[-_=,. /]*(\{seed\}|\*)[-_=,. /]*", "", way)
+                seed = int(told["seed"]) if "seed" in told else None
+                found.setdefault(name, Named(reward, seed, told["place"]))
     return found
 
 
@@ -292,18 +254,18 @@ def in_lockstep(logs: Sequence[Log]) -> bool | None:
     Returns:
         True if all go together, False if some do not. None if nobody can tell: there are too few episodes, or no times.
     """
-    of = [(log.facts.started, log) for log in logs]
-    began = [started for started, log in of if started is not None and "seconds" in log and "time" in log]
-    if len(began) < len(of):
+    if any(log.facts.started is None or "seconds" not in log or "time" not in log for log in logs):
         return None
-    steps = np.concatenate([log["time"] for _, log in of]).astype(np.float64)
-    at = np.concatenate([start + log["seconds"] for start, (_, log) in zip(began, of, strict=True)]).astype(np.float64)
+    began = [log.facts.started or 0.0 for log in logs]
+    ends = [start + log["seconds"].astype(np.float64) for start, log in zip(began, logs, strict=True)]
+    at, steps = np.concatenate(ends), np.concatenate([log["time"] for log in logs]).astype(np.float64)
     if not np.isfinite(at).all():
         return None
-    order = np.lexsort((at, steps))
-    steps, at, file = steps[order], at[order], np.repeat(np.arange(len(of)), [len(log) for _, log in of])[order]
-    if any(at[file == number].max() < max(began) for number in np.unique(file)):
+    if any(of.max() < max(began) for of in ends):
         return False
+    order = np.lexsort((at, steps))
+    file = np.repeat(np.arange(len(logs)), [*map(len, logs)])[order]
+    steps, at = steps[order], at[order]
     per_step = (at.max() - min(began)) / steps.max()  # seconds for a step of an environment, learning included
     earlier = np.searchsorted(steps, steps, side="left")
     waited = np.maximum.accumulate(at)[earlier - 1] - at  # by how much an end came before one of fewer steps

@@ -12,6 +12,7 @@ from harness.errors import SchemaError, UsageError
 from harness.eta.amounts import listed
 from harness.eta.equal import equal_sentences, equal_trainings
 from harness.eta.laws import (
+    LEAST_POINTS,
     NEAR,
     NEARLY_ALL,
     Account,
@@ -21,22 +22,34 @@ from harness.eta.laws import (
     latest_shared,
     require_direction,
     require_share,
+    shortfall_at_begin,
     shortfall_beside,
     within,
 )
 from harness.eta.manner import EVALUATION, LAST_FIFTH, WHOLE
-from harness.log import Log, LogFacts, Unit, in_memory
-from harness.log.log import BEHAVIOUR, RECORDED, REWARD, SINCE, SUCCESS, TIME
+from harness.log import Log, LogFacts, in_memory
+from harness.log.log import BEHAVIOUR, RECORDED, REWARD, SINCE, SUCCESS, TIME, Rows, joined
 from harness.record.cell import UNKNOWN_ALGORITHM
+from harness.record.recording.facts import facts_of
 from harness.registry.choice import Choice
 from harness.results.comparison import Group
 from harness.results.logs.labels import LABELS
 from harness.results.logs.told import LENGTH, RETURN, SUCCESS_DECIDES, Deciding
 from harness.results.logs.trainings import Sorted, Training, digest_of
 from harness.results.measured import Counted
-from harness.results.recordings.episodes import LAST_SHARE, Points, cut_notes, require_ends
-from harness.results.recordings.recording_results import NOTHING_ALIKE
-from harness.results.recordings.runs import DIRECTION, NO_NAME, Directions, Run, Runs, brought, run_of
+from harness.results.recordings.episodes import LAST_SHARE, Episodes, Points, cut_notes, require_ends
+from harness.results.recordings.recording_results import Likeness
+from harness.results.recordings.runs import (
+    DIRECTION,
+    NO_NAME,
+    Run,
+    Runs,
+    better_of,
+    brought,
+    quantities_of,
+    require_one,
+    run_of,
+)
 
 NO_STEPS = (
     "An index of steps, I_N or I_P, needs the reward of each environment step, and these logs keep {}. "
@@ -57,32 +70,26 @@ def require_comparable(trainings: Sequence[Training]) -> None:
     Raises:
         UsageError: They are not; says what was found, and the flags that say it otherwise.
     """
-    _require_one(trainings, lambda it: it.logs[0].facts.env, "mixes trainings in several envs", "Name one env's folder")
+    _require_one(trainings, lambda it: it.env, "mixes trainings in several envs", "Name one env's folder")
     algorithm = "mixes trainings by several algorithms"
-    _require_one(trainings, lambda it: it.logs[0].facts.algorithm, algorithm, "Name one algorithm's folder")
+    _require_one(trainings, lambda it: it.algorithm, algorithm, "Name one algorithm's folder")
     for training in trainings:
         if len(training.logs) > 1 and training.logs[0].facts.unit == "step":
             raise UsageError(
                 f"{training.shown} has {len(training.logs)} logs of the steps of one training, which are not joined. "
                 "--sort '{reward}/{seed}' says that each is a training"
             )
-    _require_one(trainings, _unit_of, "cannot compare logs of several kinds", FLAG)
+    _require_one(trainings, _kind_of, "cannot compare logs of several kinds", FLAG)
 
 
-def _unit_of(training: Training) -> str:
-    facts = training.logs[0].facts
+def _kind_of(facts: LogFacts) -> str:
     thinned = f", {facts.thinned}" if facts.thinned else ""
     return f"{facts.unit}s of {facts.format}{' of evaluations' * facts.evaluation}{thinned}"
 
 
-def _require_one(trainings: Iterable[Training], value_of: Callable[[Training], str], problem: str, remedy: str) -> None:
-    found: dict[str, Training] = {}
-    for training in trainings:
-        if value_of(training):
-            found.setdefault(value_of(training), training)
-    if len(found) > 1:
-        told = ", ".join(f"{value} ({training.reward}: {training.shown})" for value, training in found.items())
-        raise UsageError(f"The folder {problem}: {told}. {remedy}")
+def _require_one(trainings: Iterable[Training], of: Callable[[LogFacts], str], problem: str, remedy: str) -> None:
+    told = ((of(it.logs[0].facts), f"{it.reward}: {it.shown}") for it in trainings)
+    require_one((it for it in told if it[0]), f"The folder {problem}", remedy)
 
 
 def account_of(
@@ -104,7 +111,7 @@ def account_of(
     if ran:
         axis = _axis_of(ran)
         done = {it: (it.reward, _steps(it, axis), sum(map(len, it.logs))) for it in ran}
-        short |= shortfall_beside(done, axis.noun)
+        short |= shortfall_beside(done, axis.noun) | shortfall_at_begin({it: _span(it, axis) for it in ran}, axis.noun)
     begun = [*((it, it.place, short.get(it, "")) for it in trainings), *((None, *it) for it in other)]
     account = counted(begun, leave_out)
     if not account.whole:
@@ -188,43 +195,35 @@ def runs_of(
     logs = [log for it in found.trainings for log in it.all_logs]
     shares = {it.facts.path / it.facts.run: it[f"{BEHAVIOUR}{SUCCESS}"] for it in logs if SUCCESS in it.measures}
     require_share("Success", shares, lambda place: f"'{place}'")
-    directions = Directions.of([log.facts for log in logs], deciding)
-    told = list(dict.fromkeys(name for log in logs for name in log.measures))
-    measures = _measures(told, directions, deciding)
+    facts, told = [log.facts for log in logs], list(dict.fromkeys(name for log in logs for name in log.measures))
+    measures = _measures(told, facts, deciding)
     account = account_of(found.trainings, other, leave_out, next(iter(measures), ""))
     found = found._replace(trainings=account.whole)
     trainings = found.trainings
     runs, steps, axis = read_trainings(trainings, measures)
     if measures and len(found.rewards) > 1:
         _require_steps(trainings, axis, is_evaluated=all(it.evaluation for it in runs))
-    members = {(run.reward, run.seed): run for run in runs}
-    unknown = np.array([np.nan])  # of a reward that some training by another one does not know
-    is_shared = not any(
-        np.isnan(run.episodes.returns.get(name, unknown)).any() for run in runs for name in {it.reward for it in runs}
-    )
-    equal = equal_trainings({key: run.likeness.digest for key, run in members.items()})
-    rewards = tuple(dict.fromkeys(name for name in (*found.rewards, *(it for run in runs for it in run.facts.rewards))))
+    # a reward that some training by another one does not know
+    is_apart = any(np.isnan(it.episodes.returns.get(name, np.nan)).any() for it in runs for name in found.rewards)
+    shortest = min(steps)
+    members = {it.key: replace(it, cut=shortest, apart=OWN_ALONE * is_apart) for it in runs}
     return Runs(
-        _group(trainings, runs, min(steps)),
-        rewards,
-        found.rewards,
-        measures,
-        directions,
+        _group(runs, shortest),
+        tuple(dict.fromkeys([*found.rewards, *(name for run in runs for name in run.facts.rewards)])),
+        quantities_of(measures, runs, facts, deciding),
         members,
-        min(steps),
+        shortest,
         no_steps_notes(logs),
-        (),
         said=(
             found.sentence + _deciding_text(measures, told, trainings),
             *account.lines,
             *found.notes,
             *facts_notes([log for log in logs if log.facts.format != LABELS]),
             *cut_notes({it.shown: of for it, of in zip(trainings, steps, strict=True)}, axis.noun),
-            *equal_sentences(equal),
+            *equal_sentences(equal_trainings({it.key: it.likeness.digest for it in runs})),
         ),
-        counted=_counted(trainings, runs, min(steps)),
+        counted=_counted(trainings, runs, shortest),
         missing=account.missing,
-        returns_apart="" if is_shared else OWN_ALONE,
     )
 
 
@@ -269,10 +268,14 @@ def _at_one_moment(runs: list[Run], steps: int) -> list[Run]:
 
 def _curve_of(evaluated: Sequence[Run]) -> Points:
     """Evaluations as points of a curve, each at its moment."""
-    after, parts = np.array([float(it.facts.after) for it in evaluated]), [it.whole for it in evaluated]
-    returns = {name: np.array([it.returns[name] for it in parts], np.float64) for name in parts[0].returns}
-    behaviour = {name: np.array([it.behaviour[name] for it in parts], np.float64) for name in parts[0].behaviour}
-    return Points(after.astype(np.int64) - 1, returns, behaviour, {}, since=after, beside=Curves(()))
+    told = [
+        [it.facts.after - 1, *part.returns.values(), *part.behaviour.values()]
+        for it in evaluated
+        for part in (it.whole,)
+    ]
+    numbers = np.array(told, np.float64).T
+    found = Episodes.of(evaluated[0].facts, numbers)
+    return Points(**vars(found), since=numbers[0] + 1.0, beside=Curves(()))
 
 
 def _require_steps(trainings: Sequence[Training], axis: "Axis", *, is_evaluated: bool) -> None:
@@ -327,28 +330,29 @@ def _deciding_text(measures: Sequence[str], told: Sequence[str], trainings: Sequ
     return f"; {first} decides{without}{more}"
 
 
-def _measures(told: Sequence[str], directions: Directions, deciding: Deciding) -> tuple[str, ...]:
+def _measures(told: Sequence[str], facts: Sequence[LogFacts], deciding: Deciding) -> tuple[str, ...]:
     """The names of the measures of which it is known which values are better; the one that decides first."""
-    known = sorted(filter(directions.better, told), key=lambda name: name != SUCCESS)
-    if not deciding.name:
-        return tuple(known) if SUCCESS in known else ()
+    better = {name: better_of(name, facts, deciding) for name in (*told, RETURN, LENGTH)}
+    known = sorted((it for it in told if better[it]), key=lambda name: name != SUCCESS)
     named = deciding.name
-    if named not in (*told, RETURN, LENGTH):
+    if not named:
+        return tuple(known) if SUCCESS in known else ()
+    if named not in better:
         raise UsageError(f"--measure {named}: the logs tell {', '.join([*told, RETURN, LENGTH])}")
-    require_direction(named, directions.better(named), DIRECTION.format(named))
+    require_direction(named, better[named], DIRECTION.format(named))
     return tuple(dict.fromkeys([named, *known]))
 
 
-def _group(trainings: Sequence[Training], runs: Sequence[Run], steps: int) -> Group:
+def _group(runs: Sequence[Run], steps: int) -> Group:
     """What they share. Policies are evaluated every so many steps, if that is the same in all trainings."""
-    env = next((it.logs[0].facts.env for it in trainings if it.logs[0].facts.env), NO_NAME)
-    algorithms = {it.logs[0].facts.algorithm for it in trainings}
-    name = algorithms.pop() if len(algorithms) == 1 else ""
-    algorithm = Choice(name, (), name) if name else UNKNOWN_ALGORITHM
-    times = {(0, *(it.facts.after for it in (*run.before, run.evaluation) if it is not None)) for run in runs}
-    gaps = {*np.diff(min(times)).tolist()} if len(times) == 1 and len(min(times)) > 2 else set[int]()
-    episodes = min((len(run.evaluation.episodes.last) for run in runs if run.evaluation), default=0)
-    return brought(env, algorithm, steps, episodes, gaps.pop() if len(gaps) == 1 else 0)
+    env = next((it.facts.env for it in runs if it.facts.env), NO_NAME)
+    names = {it.facts.algorithm for it in runs}
+    algorithm = UNKNOWN_ALGORITHM if len(names) > 1 or "" in names else Choice(min(names), (), min(names))
+    evaluated = [[*it.before, it.evaluation] for it in runs if it.evaluation is not None]
+    times, *others = {(0, *(it.facts.after for it in of)) for of in evaluated} or {()}
+    every, *gaps = {*np.diff(times).tolist()} if len(times) > 2 and len(evaluated) == len(runs) else {0}
+    episodes = min((len(of[-1].episodes.last) for of in evaluated), default=0)
+    return brought(env, algorithm, steps, episodes, 0 if others or gaps else every)
 
 
 # One training
@@ -387,6 +391,14 @@ def _steps(training: Training, axis: Axis) -> int:
     return max(rows, int(_ends(evaluated, axis)[-1]))
 
 
+def _span(training: Training, axis: Axis) -> Span:
+    """Of which steps the rows of its first log tell; the first row of no more than any other one."""
+    log = training.logs[0]
+    ends = _ends(log, axis)
+    apart = log[LENGTH][0] if log.facts.unit == "episode" and LENGTH in log else np.diff(ends).max(initial=0.0)
+    return Span(max(0.0, float(ends[0] - apart)) if len(ends) >= LEAST_POINTS else 0.0, float(ends[-1]))
+
+
 def _ends(log: Log, axis: Axis) -> Float:
     """How much of the training was done when each row ended, (rows,)."""
     if not axis.column:
@@ -400,58 +412,41 @@ def _ends(log: Log, axis: Axis) -> Float:
 
 def _run(training: Training, steps: int, until: int, measures: Sequence[str], axis: Axis) -> Run:
     """A training of so many steps with its evaluations, of which those after `until` are left out."""
-    if training.logs[0].facts.unit == "step":
+    facts = replace(training.logs[0].facts, trained_with=training.reward, seed=training.seed)
+    if facts.unit == "step":
         (log,) = training.logs
-        return run_of(replace(log, facts=replace(log.facts, trained_with=training.reward, seed=training.seed)))
-    whole = in_memory(_facts(training, training.path), _joined(training, axis, measures))
-    evaluated = training.evaluated
-    if training.is_evaluated_alone:
-        whole = in_memory(whole.facts, {name: values[:0] for name, values in whole.rows().columns.items()})
-    run = replace(run_of(whole), steps=steps, likeness=replace(NOTHING_ALIKE, digest=digest_of(training.logs)))
-    found = [] if evaluated is None else _evaluations(training, evaluated, measures, axis, min(steps, until))
+        return run_of(replace(log, facts=facts))
+    # environments of a batch step together
+    ends = {log: _ends(log, axis) * len(training.logs) for log in training.logs}
+    rows = Rows(joined([_columns(training, log, of, measures) for log, of in ends.items()]))
+    order = np.argsort(rows[TIME], kind="stable")[: 0 if training.is_evaluated_alone else None]
+    facts = replace(facts, path=training.path, evaluation=False)
+    likeness = Likeness(digest_of(training.logs))
+    run = replace(run_of(in_memory(facts, rows.part(order).columns)), steps=steps, likeness=likeness)
+    found = _evaluations(training, facts, measures, axis, min(steps, until))
     return replace(run, evaluation=found[-1], before=tuple(found[:-1])) if found else run
 
 
-def _evaluations(training: Training, log: Log, measures: Sequence[str], axis: Axis, until: int) -> list[Run]:
+def _evaluations(training: Training, facts: LogFacts, measures: Sequence[str], axis: Axis, until: int) -> list[Run]:
     """What policies did in each evaluation up to a step of the training, in order."""
+    log = training.evaluated
+    if log is None:
+        return []
     if log.facts.format == LABELS:
         ends = np.full(len(log), float(until))
     elif axis.column in log:
         ends = _ends(log, axis)
     else:
         raise UsageError(f"'{log.facts.path}' does not tell the {axis.noun} at which it evaluated: move it elsewhere")
-    columns = _columns(training, log, ends, measures)
+    rows = Rows(_columns(training, log, ends, measures))
+    facts = replace(facts, path=log.facts.path, evaluation=True, unit="episode")
+    told, moments = facts_of(in_memory(facts, rows.columns)), rows[TIME]
     runs = []
-    for after in np.unique(columns[TIME][columns[TIME] <= until * (1.0 + NEAR)]):
-        rows = {name: values[columns[TIME] == after] for name, values in columns.items() if name != SINCE}
-        rows[TIME] = np.arange(1.0, len(rows[TIME]) + 1)
-        facts = replace(_facts(training, log.facts.path), evaluation=True, unit="episode")
-        run = run_of(in_memory(facts, rows))
-        runs.append(replace(run, facts=replace(run.facts, after=int(after))))
+    for after in np.unique(moments[moments <= until * (1.0 + NEAR)]):
+        of = rows.part(moments == after)
+        numbered = {**of.columns, TIME: np.arange(1.0, len(of) + 1)}
+        runs.append(run_of(in_memory(replace(told, after=int(after)), numbered)))
     return runs
-
-
-def _facts(training: Training, path: Path) -> LogFacts:
-    facts = training.logs[0].facts
-    unit: Unit = "point" if facts.unit == "point" else "episode"
-    return LogFacts(
-        path=path,
-        format=facts.format,
-        unit=unit,
-        run=facts.run,
-        trained_with=training.reward,
-        seed=training.seed,
-        env=facts.env,
-        bounds=facts.bounds,
-    )
-
-
-def _joined(training: Training, axis: Axis, measures: Sequence[str]) -> dict[str, Float]:
-    """The rows of all logs of one training in the order in which they ended; environments of a batch step together."""
-    parts = [_columns(training, log, _ends(log, axis) * len(training.logs), measures) for log in training.logs]
-    whole = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
-    order = np.argsort(whole[TIME], kind="stable")
-    return {name: values[order] for name, values in whole.items()}
 
 
 def _columns(training: Training, log: Log, ends: Float, measures: Sequence[str]) -> dict[str, Float]:
@@ -459,15 +454,16 @@ def _columns(training: Training, log: Log, ends: Float, measures: Sequence[str])
 
     A row before the first step, such as a first point at 0, counts as one of the first.
     """
-    unknown = np.full(len(ends), np.nan)
-    found: dict[str, Float] = {TIME: np.maximum(ends, 1.0), f"{REWARD}{training.reward}": unknown}
+
+    def told(column: str) -> Float:
+        return np.asarray(log[column], np.float64) if column in log else np.full(len(ends), np.nan)
+
+    found = {TIME: np.maximum(ends, 1.0), f"{REWARD}{training.reward}": told(f"{REWARD}{RECORDED}")}
     if SINCE in log:
         found[SINCE] = np.where(np.isnan(log[SINCE]), ends, log[SINCE])
-    for name in log.rewards:
-        own = training.reward if name == RECORDED else name
-        found[f"{REWARD}{own}"] = np.asarray(log[f"{REWARD}{name}"], np.float64)
+    found |= {column: told(column) for name in log.rewards if name != RECORDED for column in (f"{REWARD}{name}",)}
     for name in measures:
+        column = f"{BEHAVIOUR}{name}"
         other = {RETURN: f"{REWARD}{RECORDED}", LENGTH: LENGTH}.get(name, "")
-        column = f"{BEHAVIOUR}{name}" if f"{BEHAVIOUR}{name}" in log else other
-        found[f"{BEHAVIOUR}{name}"] = np.asarray(log[column], np.float64) if column in log else unknown
+        found[column] = told(column if column in log else other)
     return found

@@ -19,7 +19,6 @@ from harness.results.logs.read_logs import Other, runs_of
 from harness.results.logs.told import FOUND_OUT, Told
 from harness.results.logs.trainings import Sorted, require_several, sort_files, sort_logs
 from harness.results.recordings.episodes import ENDS
-from harness.results.recordings.read_runs import LooseStore
 from harness.results.results import Results
 from harness.text import command_text
 
@@ -50,25 +49,35 @@ def results_of_logs(
         SchemaError: A log is damaged.
     """
     found = _opened(folder, registry, told)
-    logs, other = _kept(found.logs, told)
-    if not logs:
-        raise UsageError(f"--leave-out leaves no training of '{folder}'")
-    if not any(log.facts.unit != "step" or {*ENDS} & {*log.names} for log in logs):
+    if not any(log.facts.unit != "step" or {*ENDS} & {*log.names} for log in found.logs):
         command = _command_of_steps(folder)
         raise UsageError(f"'{folder}' holds steps that do not tell where episodes end: {command} compares their pay")
     place = folder if folder.is_dir() else folder.parent
-    sorted_ = sort_logs(place, logs, told.sort, told.baseline)
+    sorted_, other = sort_found(folder, found, told)
     if not told.sort:
         require_several(place, sorted_)
+    return _results(place, registry, sorted_, told, kind, other, metrics, pairs=pairs)
+
+
+def sort_found(folder: Path, found: Found, told: Told) -> tuple[Sorted, list[Other]]:
+    """The trainings of what was found in a file or below a folder, and those of which nothing is read.
+
+    Raises:
+        UsageError: As `sort_logs`; or all of them are left out.
+    """
+    logs, other = _kept(found.logs, told)
+    if not logs:
+        raise UsageError(f"--leave-out leaves no training of '{folder}'")
+    sorted_ = sort_logs(folder if folder.is_dir() else folder.parent, logs, told.sort, told.baseline)
     unread, lines = _unread(folder, found, sorted_)
-    sorted_ = sorted_._replace(notes=(*sorted_.notes, *lines))
-    return _results(place, registry, sorted_, told, kind, [*other, *unread], metrics, pairs=pairs)
+    return sorted_._replace(notes=(*sorted_.notes, *lines)), [*other, *unread]
 
 
 def _kept(logs: Iterable[Log], told: Told) -> tuple[list[Log], list[Other]]:
     """The logs that the user does not leave out, and the others."""
-    out = {id(log) for log in logs if told.leave_out and is_left_out(log.facts.path / log.facts.run, told.leave_out)}
-    return [log for log in logs if id(log) not in out], [(log.facts.path, "") for log in logs if id(log) in out]
+    places = [(log, log.facts.path / log.facts.run) for log in logs]
+    out = [(place, "") for _, place in places if is_left_out(place, told.leave_out)]
+    return [log for log, place in places if (place, "") not in out], out
 
 
 def _unread(folder: Path, found: Found, of: Sorted) -> tuple[list[Other], list[str]]:
@@ -177,7 +186,8 @@ def _results(
     if told.labels is not None:
         found = labelled(found, place, told.labels)
     runs = runs_of(found, told.deciding, other, told.leave_out)
-    return Results(place, registry, kind, metrics=metrics, store=LooseStore(place, runs), pairs=pairs)
+    runs.require_direction()
+    return Results(place, registry, kind, metrics=metrics, runs=runs, pairs=pairs)
 
 
 def _in_steps(found: Sorted, registry: Registry, told: Told) -> Sorted:
@@ -202,7 +212,8 @@ def _nothing(folder: Path, registry: Registry, damaged: Sequence[str]) -> UsageE
     steps = f"; {_command_of_steps(folder)} compares CSV files if a row is a step" if ".csv" in dict(endings) else ""
     return UsageError(
         f"'{folder}' is no experiment, and holds no recorded training and no log that is read. Seen: {seen}. Formats: "
-        f"{', '.join(registry.names(LOGS))}; --as FORMAT:setting=value names one{steps}"
+        f"{', '.join(registry.names(LOGS))}; --as table:time=TIME,success=SUCCESS says which columns of a table "
+        f"count{steps}"
     )
 
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from harness.errors import UsageError
 from harness.eta.amounts import listed
+from harness.eta.laws import numbered
 from harness.log import Log, Unit
 from harness.log.log import BEHAVIOUR, REWARD, SUCCESS, TIME, Rows
 from harness.results.logs.names import Named, in_lockstep, question, sort_names, templates_of
@@ -332,15 +333,12 @@ def _require_apart(folder: Path, trainings: Iterable[Training]) -> None:
 
 
 def _with_seeds(best: Mapping[Key, tuple[tuple[Log, ...], Log | None]], notes: list[str]) -> list[Training]:
-    """Whoever has no seed gets the lowest number that is free."""
-    taken, found = {key[:2] for key in best}, []
-    for (reward, told, _), of in best.items():
-        seed = next(it for it in range(len(best)) if (reward, it) not in taken) if told is None else told
-        taken.add((reward, seed))
-        found.append(Training(reward, seed, *of))
-    numbered = sum(told is None for _, told, _ in best)
-    if numbered and len(found) > len({it.reward for it in found}):
-        notes.append(f"{numbered} of {len(found)} trainings tell no seed: numbered in the order of their names")
+    """The trainings; a note tells how many tell no seed."""
+    seeds = numbered([(reward, told) for reward, told, _ in best])
+    found = [Training(reward, seed, *of) for ((reward, _, _), of), seed in zip(best.items(), seeds, strict=True)]
+    untold = sum(told is None for _, told, _ in best)
+    if untold and len(found) > len({it.reward for it in found}):
+        notes.append(f"{untold} of {len(found)} trainings tell no seed: numbered in the order of their names")
     return found
 
 

@@ -1,6 +1,6 @@
 """A training by its finished episodes, whatever log it comes from."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import NamedTuple, Self
 
@@ -11,9 +11,10 @@ from harness.arrays import Float, Mask
 from harness.errors import SchemaError, UsageError
 from harness.eta.interval import Bounds, are_within
 from harness.eta.laws import LEAST_POINTS, Curve, Curves, Span, within
-from harness.log import Log, LogFacts
+from harness.log import Log
 from harness.log.log import BEHAVIOUR, REWARD, SINCE, TIME, OpenEpisodes
 from harness.record.recording.facts import TrainingFacts, facts_of
+from harness.results.by_term import part_of
 
 UNKNOWN = "not a number in some episodes"
 ENDS = ("terminated", "truncated")
@@ -55,36 +56,37 @@ class Episodes:
         return np.array([self.last, *self.returns.values(), *self.behaviour.values()], dtype=np.float64)
 
     @classmethod
-    def of(cls, facts: LogFacts, rewards: Sequence[str], measures: Sequence[str], numbers: Float) -> Self:
+    def of(cls, facts: TrainingFacts, numbers: Float) -> Self:
         """The episodes of a log.
 
         Args:
             facts: What is known of it beside its rows.
-            rewards: Names of its rewards, in order.
-            measures: The same of its measures.
             numbers: What `numbers` told of its episodes.
         """
-        last, returns, behaviour = np.split(numbers, [1, 1 + len(rewards)])
+        last, returns, behaviour = np.split(numbers, [1, 1 + len(facts.rewards)])
         return cls(
             last[0].astype(np.int64),
-            dict(zip(rewards, returns, strict=True)),
-            dict(zip(measures, behaviour, strict=True)),
+            dict(zip(facts.rewards, returns, strict=True)),
+            dict(zip(facts.behaviour, behaviour, strict=True)),
             {failed.column: failed.told for failed in facts.failed},
         )
 
     def part(self, begin: int, end: int) -> Part:
         """The episodes that ended in the rows from `begin` to `end`, the latter not included."""
         inside = slice(*np.searchsorted(self.last, [begin, end]).tolist())
-        count = len(self.last[inside])
-        returns, behaviour = (
-            {name: _mean(values[inside]) for name, values in side.items()} for side in (self.returns, self.behaviour)
-        )
-        missing = [*((REWARD, it) for it in returns if returns[it] is None)]
-        missing += [(BEHAVIOUR, it) for it in behaviour if behaviour[it] is None]
-        reasons = {
-            name: self.reasons.get(f"{kind}{name}", UNKNOWN) if count else "no episode ended" for kind, name in missing
-        }
-        return Part(count, returns, behaviour, reasons)
+        return self._part(len(self.last[inside]), lambda values: float(values[inside].mean()), "no episode ended")
+
+    def _part(self, count: int, mean: Callable[[Float], float | None], why_none: str) -> Part:
+        """What so many episodes come to, by the mean of each column; without any, why there are none."""
+        found: dict[str, dict[str, float | None]] = {REWARD: {}, BEHAVIOUR: {}}
+        reasons = {}
+        for kind, columns in ((REWARD, self.returns), (BEHAVIOUR, self.behaviour)):
+            for name, values in columns.items():
+                told = mean(values) if count else None
+                found[kind][name] = None if told is None or np.isnan(told) else told
+                if found[kind][name] is None:
+                    reasons[name] = self.reasons.get(f"{kind}{name}", UNKNOWN) if count else why_none
+        return Part(count, found[REWARD], found[BEHAVIOUR], reasons)
 
     def end(self, steps: int) -> Part:
         """The last fifth of so many steps, in rows."""
@@ -94,6 +96,14 @@ class Episodes:
     def whole(self) -> Part:
         """All of them."""
         return self.part(0, int(self.last.max(initial=-1)) + 1)
+
+    @property
+    def ends(self) -> tuple[Part, Part]:
+        """The first ones and the last ones; see `harness.results.by_term.part_of`."""
+        last = self.last
+        count = min(part_of(len(last)), len(last))
+        start = self.part(0, int(last[count - 1]) + 1 if count else 0)
+        return start, self.part(int(last[-count]), int(last[-1]) + 1) if count else start
 
     def knows(self, reward: str) -> bool:
         """Whether it is known what a reward paid all episodes."""
@@ -137,27 +147,19 @@ class Points(Episodes):
 
     def part(self, begin: int, end: int) -> Part:
         """What is known of the steps from `begin` to `end`, where all curves stand."""
-        over = within(Span(begin, end), self.beside.known)
+        known = self.beside.known
+        over = within(Span(begin, end), known)
         if over is None:
-            known = self.beside.known
-            return self._unknown(f"all curves stand from {known.begin:,.0f} to {known.end:,.0f} steps only")
-        returns, behaviour = (
-            {name: self.curve.mean(values, over) for name, values in side.items()}
-            for side in (self.returns, self.behaviour)
-        )
-        reasons = {name: UNKNOWN for side in (returns, behaviour) for name, value in side.items() if value is None}
-        return Part(max(1, self.curve.count(over)), returns, behaviour, reasons)
+            why = f"all curves stand from {known.begin:,.0f} to {known.end:,.0f} steps only"
+            return self._part(0, np.mean, why)
+        return self._part(max(1, self.curve.count(over)), lambda values: self.curve.mean(values, over), "")
 
     def end(self, steps: int) -> Part:
         """The last fifth, where at least `LEAST_POINTS` of each curve stand in it: fewer tell more of the grid."""
         over = within(Span(round((1.0 - LAST_SHARE) * steps), steps), self.beside.known)
         if over is None or self.beside.fewest(over) >= LEAST_POINTS:
             return super().end(steps)
-        return self._unknown(f"fewer than {LEAST_POINTS} points of a curve stand in its last fifth")
-
-    def _unknown(self, reason: str) -> Part:
-        names = (*self.returns, *self.behaviour)
-        return Part(0, dict.fromkeys(self.returns), dict.fromkeys(self.behaviour), dict.fromkeys(names, reason))
+        return self._part(0, np.mean, f"fewer than {LEAST_POINTS} points of a curve stand in its last fifth")
 
 
 def episodes_of(log: Log) -> Episodes:
@@ -171,7 +173,7 @@ def episodes_of(log: Log) -> Episodes:
     """
     facts = facts_of(log)
     numbers = _of_steps(log.without_starts(), facts) if facts.unit == "step" else _of_rows(log, facts)
-    found = Episodes.of(facts, facts.rewards, facts.behaviour, numbers)
+    found = Episodes.of(facts, numbers)
     if facts.unit != "point":
         return found
     after = (found.last + 1).astype(np.float64)
@@ -248,10 +250,3 @@ def cut_notes(steps: Mapping[str, int], noun: str = "steps") -> list[str]:
 def cut_text(cut: int, episodes: int, horizon: int) -> str:
     """How many of the episodes of evaluations were cut at the horizon, in words."""
     return f"{cut:,} of {episodes:,} evaluation episodes were cut after {horizon:,} steps"
-
-
-def _mean(values: Float) -> float | None:
-    """None without any, and where one is not known."""
-    if not len(values) or np.isnan(values).any():
-        return None
-    return float(values.mean())

@@ -1,35 +1,33 @@
 """Reads the recorded trainings below a folder, finds out what makes them one study, and what to keep in mind of it."""
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
 
 from harness.errors import SchemaError, UsageError
 from harness.eta.equal import equal_sentences, equal_trainings
-from harness.eta.laws import Account, Missing, counted, shortfall_beside
+from harness.eta.laws import Account, Missing, counted, numbered, shortfall_beside
 from harness.eta.manner import ACTED_AT_RANDOM, DETERMINISTIC, OWN_AND_OTHER
-from harness.record.cell import BROUGHT, EVALUATION_HORIZON, UNKNOWN_ALGORITHM, Cell
-from harness.record.manifest import Manifest
-from harness.record.plan_file import PLAN, StoredPlan
+from harness.record.cell import UNKNOWN_ALGORITHM
+from harness.record.plan_file import PLAN
 from harness.record.recording.facts import OWN_SOURCE, TrainingFacts
 from harness.record.recording.recorded_training import facts_name, recordings_in, weights_of
-from harness.record.store import MOST_NAMED, Store
-from harness.registry.choice import Choice
+from harness.record.store import MOST_NAMED
 from harness.results.comparison import Group
 from harness.results.logs.told import FOUND_OUT, Told
 from harness.results.recordings.episodes import count_text, cut_notes, cut_text
 from harness.results.recordings.recording_results import RecordingResults
 from harness.results.recordings.runs import (
     NO_NAME,
-    Directions,
     Run,
     Runs,
     brought,
     meet_same_starts,
+    quantities_of,
+    require_one,
     rescaling_between,
 )
 from harness.text import command_text
@@ -40,61 +38,71 @@ UNLIKE_STARTS = (
     "seeds, and every evaluation has to begin with the same seed"
 )
 GOES_ON = "it is still going on, or was killed"
+NO_SEED = "recorded without a seed: numbered in the order of their folders"
 
 
-def _length_notes(runs: Collection[Run]) -> list[str]:
-    told = cut_notes({f"'{run.path}'": run.steps for run in runs})
-    late = ["Evaluations are of policies at the end of their trainings, which were not of one length"]
-    return [*told, *(late if told and any(run.evaluation for run in runs) else [])]
+def _notes_of(runs: Sequence[Run], everything: Sequence[Run], rewards: Sequence[str]) -> Iterator[str]:
+    """What to keep in mind of trainings that are compared, and of everything that was recorded beside them."""
+    lengths = cut_notes({f"'{run.path}'": run.steps for run in runs})
+    yield from lengths
+    if lengths and any(run.evaluation for run in runs):
+        yield "Evaluations are of policies at the end of their trainings, which were not of one length"
+    if not meet_same_starts(runs):
+        yield UNLIKE_STARTS
+    for reward in rewards:
+        yield from _end_notes(reward, [run for run in runs if run.reward == reward])
+    yield from _code_notes(everything)
+    left = {
+        name: f"{low:g} to {high:g}, in '{it.path}'"
+        for it in everything
+        for name, (low, high) in it.facts.bounds.items()
+        if not it.episodes.is_within(name, (low, high))
+    }
+    yield from (f"{name} leaves its bounds, {of}: its intervals are not cut to them" for name, of in left.items())
+    yield from equal_sentences(equal_trainings({run.key: run.likeness.digest for run in runs}))
+    rescaled = dict[str, str]()  # of each reward the first one before it that it is but for scale and offset
+    for other, name in combinations(rewards, 2):
+        rescaling = rescaling_between(runs, name, other)
+        if rescaling is not None:
+            rescaled.setdefault(name, rescaling.sentence(name, other))
+    yield from rescaled.values()
+    yield from (f"{run.path}: {run.facts.paid_otherwise}" for run in runs if run.facts.paid_otherwise)
+    told = dict[str, str]()  # once, though every recording may say it with its step
+    for run in everything:
+        for line in run.facts.notes:
+            told.setdefault(line.partition(",")[0], f"{run.path}: {line}")
+    yield from told.values()
 
 
-def _end_notes(trained: Sequence[str], members: Mapping[tuple[str, int], Run]) -> list[str]:
-    """Trainings in which no episode ended, and evaluations whose episodes were cut, for each reward that trained."""
-    notes = []
-    for reward in trained:
-        runs = [run for (name, _), run in members.items() if name == reward]
-        unended = sum(not len(run.episodes.last) for run in runs)
-        if unended:
-            told = f"No episode ended in {unended} of {count_text(len(runs), 'training')} by {reward}"
-            notes.append(f"{told}: give the environment a time limit")
-        evaluations: dict[int, list[Run]] = {}
-        for evaluation in (run.evaluation for run in runs if run.evaluation is not None):
-            evaluations.setdefault(evaluation.facts.horizon, []).append(evaluation)
-        for horizon, some in evaluations.items():
-            cut = sum(it.facts.cut for it in some)
-            if cut:
-                told = cut_text(cut, sum(len(it.episodes.last) for it in some), horizon)
-                notes.append(f"Policies trained by {reward}: {told}")
-    return notes
+def _end_notes(reward: str, runs: Sequence[Run]) -> Iterator[str]:
+    """Trainings by a reward in which no episode ended, and evaluations whose episodes were cut."""
+    unended = sum(not len(run.episodes.last) for run in runs)
+    if unended:
+        told = f"No episode ended in {unended} of {count_text(len(runs), 'training')} by {reward}"
+        yield f"{told}: give the environment a time limit"
+    evaluated = [run.evaluation for run in runs if run.evaluation]
+    for horizon in dict.fromkeys(it.facts.horizon for it in evaluated):
+        some = [it for it in evaluated if it.facts.horizon == horizon]
+        cut = sum(it.facts.cut for it in some)
+        if cut:
+            told = cut_text(cut, sum(len(it.episodes.last) for it in some), horizon)
+            yield f"Policies trained by {reward}: {told}"
 
 
-def _code_notes(runs: Iterable[Run]) -> list[str]:
+def _code_notes(runs: Iterable[Run]) -> Iterator[str]:
     """Rewards and measures that have one name and are not the same."""
     found: dict[str, dict[str, Path]] = {}
     for run in runs:
         for column, source in run.facts.sources.items():
             if source.text and source.text != OWN_SOURCE:
                 found.setdefault(column, {}).setdefault(source.text, run.path)
-    return [
-        f"The code of {column.replace('/', ' ', 1)} is not the same in '{paths[0]}' and '{paths[1]}': its numbers may "
-        "not be comparable"
-        for column, of in found.items()
-        if len(paths := list(of.values())) > 1
-    ]
-
-
-def _bounds_notes(runs: Iterable[Run]) -> list[str]:
-    """Measures that left the bounds that their recordings name."""
-    left = {
-        name: (run.path, bounds)
-        for run in runs
-        for name, bounds in run.facts.bounds.items()
-        if not run.episodes.is_within(name, bounds)
-    }
-    return [
-        f"{name} leaves its bounds, {low:g} to {high:g}, in '{path}': its intervals are not cut to them"
-        for name, (path, (low, high)) in left.items()
-    ]
+    for column, of in found.items():
+        one, *others = of.values()
+        if others:
+            yield (
+                f"The code of {column.replace('/', ' ', 1)} is not the same in '{one}' and '{others[0]}': its numbers "
+                "may not be comparable"
+            )
 
 
 def has_recordings(folder: Path) -> bool:
@@ -133,61 +141,43 @@ def read_runs(
         raise UsageError(f"'{folder}' holds no recorded training: harness.RecordRewards makes one.{unread}")
     at_random = _read(folder, random, _weighed([it.path for it in everything])) if random else None
     env, env_notes = env_of(folder, everything) if group is None else (group.task.label, [])
-    account, whole, short = account_of(everything, damaged, told.leave_out)
-    seeds, seed_notes = _with_seeds([it for it in whole if not it.facts.evaluation])
+    account, whole, replaced = account_of_runs(everything, damaged, told.leave_out)
     evaluated = [it for it in whole if it.facts.evaluation]
-    evaluations, evaluation_notes = _evaluations(folder, evaluated, seeds, group is None or group.deterministic)
-    members = {key: replace(run, **evaluations.get(key, {})) for key, run in _by_key(seeds).items()}
+    runs = _by_key([it for it in whole if not it.facts.evaluation])
+    unseeded = sum(it.facts.seed is None for it in runs.values())
+    seed_notes = [f"{count_text(unseeded, 'training')} {NO_SEED}"] if unseeded else []
+    runs, evaluation_notes = _with_evaluations(folder, runs, evaluated, group is None or group.deterministic)
     others = {other: seed for seed, other in control.items() if other not in control}
-    again = {others[key[1]]: members.pop(key) for key in list(members) if key[0] == told.baseline and key[1] in others}
-    named = _in_order(run.facts.rewards for run in members.values())
-    rewards = tuple(sorted(named, key=lambda name: name != told.baseline))  # all others stay in their order
-    trained = tuple(name for name in rewards if any(name == reward for reward, _ in members))
-    if not trained:
+    again = {key for key in runs if key[0] == told.baseline and key[1] in others}
+    if not runs.keys() - again:
         why = "".join(f". {line}" for line in account.lines[:MOST_NAMED])
         raise UsageError(f"'{folder}' has nothing to report: no training in it has a step, or all of its steps{why}")
-    shortest = min(run.steps for run in members.values())
-    notes = [*account.lines, *short, *env_notes, *seed_notes, *evaluation_notes]
-    notes += [*_length_notes(members.values()), *([] if meet_same_starts(members.values()) else [UNLIKE_STARTS])]
-    notes += [*_end_notes(trained, members), *_code_notes(everything), *_bounds_notes(everything)]
-    equal = equal_trainings({key: run.likeness.digest for key, run in members.items()})
-    notes += [*equal_sentences(equal), *_rescaled_notes(rewards, members.values())]
-    notes += [f"{run.path}: {run.facts.paid_otherwise}" for run in members.values() if run.facts.paid_otherwise]
-    notes += _told_notes(everything)
+    shortest = min(run.steps for key, run in runs.items() if key not in again)
     at_random = at_random or next((it for it in evaluated if it.facts.acted == ACTED_AT_RANDOM), None)
+    members = {key: replace(run, cut=shortest, random=at_random) for key, run in runs.items()}
+    apart = {others[key[1]]: members.pop(key) for key in again}
+    compared = list(members.values())
+    named = dict.fromkeys(name for run in compared for name in run.facts.rewards)
+    rewards = sorted(named, key=lambda name: name != told.baseline)  # all others stay in their order
+    measures = dict.fromkeys([*deciding, *(name for run in compared for name in run.facts.behaviour)])
     return Runs(
         group or brought(env, UNKNOWN_ALGORITHM, shortest),
-        rewards,
-        trained,
-        _in_order([deciding, *(run.facts.behaviour for run in members.values())]),
-        Directions.of([run.facts for run in members.values()], told.deciding),
+        tuple(rewards),
+        quantities_of(measures, compared, [run.facts for run in compared], told.deciding),
         members,
         shortest,
-        tuple(notes),
+        (
+            *account.lines,
+            *replaced,
+            *env_notes,
+            *seed_notes,
+            *evaluation_notes,
+            *_notes_of(compared, everything, rewards),
+        ),
         tuple(it.why for it in damaged if it in account.missing),
-        at_random,
-        again,
+        apart,
         missing=account.missing,
     )
-
-
-def _told_notes(runs: Iterable[Run]) -> list[str]:
-    """What recorders told of rewards, measures and wrappers; once, though every recording may say it with its step."""
-    told: dict[str, str] = {}
-    for run in runs:
-        for line in run.facts.notes:
-            told.setdefault(line.partition(",")[0], f"{run.path}: {line}")
-    return [*told.values()]
-
-
-def _rescaled_notes(rewards: Sequence[str], runs: Collection[Run]) -> list[str]:
-    """For each reward the first one before it that it is but for scale and offset."""
-    found: dict[str, str] = {}
-    for other, name in combinations(rewards, 2):
-        rescaling = rescaling_between(runs, name, other)
-        if rescaling is not None:
-            found.setdefault(name, rescaling.sentence(name, other))
-    return [*found.values()]
 
 
 def read_all(folder: Path, only: Sequence[Path] | None = None) -> tuple[list[Run], list[Missing]]:
@@ -205,7 +195,7 @@ def read_all(folder: Path, only: Sequence[Path] | None = None) -> tuple[list[Run
             f"'{folder}' holds whole experiments, not only recorded trainings: {named}. "
             "Name an experiment itself, and move recordings that belong to none into a folder of their own"
         )
-    runs, damaged = [], []
+    runs, damaged = list[Run](), list[Missing]()
     paths = sorted(recordings_in(folder)) if only is None else only
     weighed = _weighed(paths)
     for path in paths:
@@ -213,11 +203,11 @@ def read_all(folder: Path, only: Sequence[Path] | None = None) -> tuple[list[Run
             runs.append(_read(folder, path, weighed))
         except SchemaError as error:
             damaged.append(Missing(path, str(error)))
-    paid = {(run.reward, run.seed) for run in runs if run.facts.pay}
-    return [run if (run.reward, run.seed) in paid else _without_mistaken(run) for run in runs], damaged
+    paid = {run.key for run in runs if run.facts.pay}
+    return [run if run.key in paid else _without_mistaken(run) for run in runs], damaged
 
 
-def account_of(
+def account_of_runs(
     runs: Sequence[Run], damaged: Iterable[Missing] = (), leave_out: Collection[Path] = ()
 ) -> tuple[Account[Run], list[Run], list[str]]:
     """Which trainings count, then the same with the evaluations that count, then lines on those that others replace.
@@ -233,26 +223,26 @@ def account_of(
         UsageError: Nothing lies at one of these.
     """
     why = {run: why_short(run) for run in runs}
-    trainings = [run for run in runs if not run.facts.evaluation]
-    untold = [it for it in trainings if not (why[it] or it.facts.asked > 0)]
+    untold = [it for it in runs if not (it.facts.evaluation or why[it] or it.facts.asked > 0)]
     why |= shortfall_beside({it: (it.reward, it.steps, len(it.episodes.last)) for it in untold}, "steps")
-    whole = {_place(run): run for run in runs if not why[run]}
-    replaced = [run for run in runs if why[run] and (_place(run) in whole or run.facts.acted == ACTED_AT_RANDOM)]
-    lines = [f"'{run.path}' is left out: {why[run]}" for run in replaced]
-    begun = [run for run in trainings if run not in replaced]
-    by_key, by_path = {(run.reward, run.seed): run for run in begun}, {run.path: run for run in begun}
-    evaluations = [it for it in runs if it.facts.evaluation and why[it] and it not in replaced]
-    parts = [(by_key.get((it.reward, it.seed)), Missing(it.path, why[it])) for it in evaluations]
+    whole = {_place(run) for run in runs if not why[run]}
+    replaced = {run for run in runs if why[run] and (_place(run) in whole or run.facts.acted == ACTED_AT_RANDOM)}
+    begun = [run for run in runs if not run.facts.evaluation and run not in replaced]
+    by_key, by_path = {run.key: run for run in begun}, {run.path: run for run in begun}
+    parts = [
+        (by_key.get(it.key), Missing(it.path, why[it]))
+        for it in runs
+        if it.facts.evaluation and why[it] and it not in replaced
+    ]
     parts += [(by_path.get(it.path.parent), it) for it in damaged]
     for home, part in parts:
         if home is not None:
             why[home] = why[home] or f"its evaluation '{part.path}': {part.why}"
-    lone = [part for home, part in parts if home is None]
-    account = counted([*((run, run.path, why[run]) for run in begun), *((None, *it) for it in lone)], leave_out)
-    out = {(run.reward, run.seed) for run in begun} - {(run.reward, run.seed) for run in account.whole}
-    kept = [
-        it for it in runs if it.facts.evaluation and not why[it] and (it.seed < 0 or (it.reward, it.seed) not in out)
-    ]
+    lone = [(None, *part) for home, part in parts if home is None]
+    account = counted([*((run, run.path, why[run]) for run in begun), *lone], leave_out)
+    out = by_key.keys() - {run.key for run in account.whole}
+    kept = [it for it in runs if it.facts.evaluation and not why[it] and (it.seed < 0 or it.key not in out)]
+    lines = [f"'{run.path}' is left out: {why[run]}" for run in runs if run in replaced]
     return account, [*account.whole, *kept], lines
 
 
@@ -268,14 +258,8 @@ def why_short(run: Run) -> str:
 
 def _place(run: Run) -> tuple[object, ...]:
     """What a repetition has in common with the run that it replaces."""
-    facts = run.facts
-    return (
-        facts.evaluation,
-        run.reward,
-        run.seed if run.seed >= 0 else run.path,
-        facts.after,
-        facts.acted or DETERMINISTIC,
-    )
+    facts, which = run.facts, run.seed if run.seed >= 0 else run.path
+    return facts.evaluation, run.reward, which, facts.after, facts.acted or DETERMINISTIC
 
 
 def _weighed(paths: Sequence[Path]) -> list[str]:
@@ -283,9 +267,8 @@ def _weighed(paths: Sequence[Path]) -> list[str]:
     found: dict[str, None] = {}
     for path in paths:
         with suppress(SchemaError):  # the next reader says so
-            label = TrainingFacts.read(path / facts_name(0)).trained_with
-            found |= {label: None} if weights_of(label)[1] else {}
-    return [*found]
+            found[TrainingFacts.read(path / facts_name(0)).trained_with] = None
+    return [label for label in found if weights_of(label)[1]]
 
 
 def _read(folder: Path, path: Path, weighed: Sequence[str] = ()) -> Run:
@@ -316,143 +299,78 @@ def env_of(folder: Path, runs: Sequence[Run]) -> tuple[str, list[str]]:
     Raises:
         UsageError: There are several.
     """
-    names: dict[str, Path] = {}
-    for run in runs:
-        names.setdefault(run.facts.env or NO_NAME, run.path)
-    if len(names) > 1:
-        told = ", ".join(f"{name} ('{path}')" for name, path in names.items())
-        raise UsageError(f"'{folder}' mixes trainings in several envs: {told}. Name a folder of one env")
+    named = ((run.facts.env or NO_NAME, f"'{run.path}'") for run in runs)
+    name = require_one(named, f"'{folder}' mixes trainings in several envs", "Name a folder of one env")
     given = {str(run.facts.spec.get("kwargs") or {}) for run in runs}
-    notes = [f"The env was made with different arguments: {' and '.join(sorted(given))}"] if len(given) > 1 else []
-    return next(iter(names)), notes
+    return name, [f"The env was made with different arguments: {' and '.join(sorted(given))}"] * (len(given) > 1)
 
 
-def _with_seeds(runs: Sequence[Run]) -> tuple[list[Run], list[str]]:
-    """Whoever has no seed gets the lowest number that is free: any pairs do that do not depend on what came out."""
-    taken, found = {(run.reward, run.seed) for run in runs}, []
-    for run in runs:
-        free = next(it for it in range(len(runs) + 1) if (run.reward, it) not in taken)
-        found.append(replace(run, seed=free if run.seed < 0 else run.seed))
-        taken.add((run.reward, found[-1].seed))
-    numbered = sum(run.seed < 0 for run in runs)
-    told = f"{count_text(numbered, 'training')} recorded without a seed: numbered in the order of their folders"
-    return found, [told] if numbered else []
-
-
-def _by_key(runs: Iterable[Run]) -> dict[tuple[str, int], Run]:
+def _by_key(runs: Sequence[Run]) -> dict[tuple[str, int], Run]:
+    """By reward and seed; those without a seed are numbered: any pairs do that do not depend on what came out."""
     found: dict[tuple[str, int], Run] = {}
-    for run in runs:
-        other = found.setdefault((run.reward, run.seed), run)
-        if other is not run:
+    for run, seed in zip(runs, numbered([(it.reward, it.facts.seed) for it in runs]), strict=True):
+        other = found.setdefault((run.reward, seed), replace(run, seed=seed))
+        if other.path != run.path:
             raise UsageError(
-                f"'{other.path.name}' was trained with {run.reward} and seed {run.seed} too: "
+                f"'{other.path.name}' was trained with {run.reward} and seed {seed} too: "
                 f"give each a seed of its own, or leave one out, {command_text('--leave-out', run.path)}"
             )
     return found
 
 
-def _keyed(runs: Iterable[Run]) -> dict[tuple[str, int], Run]:
-    """Evaluations of one kind by reward and seed; those without a seed are numbered."""
-    return _by_key(_with_seeds(list(runs))[0])
-
-
-def _evaluations(
-    folder: Path, runs: Sequence[Run], trainings: Sequence[Run], deterministic: bool
-) -> tuple[dict[tuple[str, int], dict[str, Any]], list[str]]:
-    """By reward and seed of the trainings: the fields of `Run` that their evaluations fill; and notes.
+def _with_evaluations(
+    folder: Path, trainings: Mapping[tuple[str, int], Run], evaluated: Sequence[Run], deterministic: bool
+) -> tuple[dict[tuple[str, int], Run], list[str]]:
+    """The trainings with what evaluated each; and notes.
 
     Args:
         folder: Where they lie.
-        runs: All evaluations, those of random actions too.
-        trainings: The trainings.
+        trainings: By reward and seed.
+        evaluated: All evaluations, those of random actions too.
         deterministic: How policies act in the evaluations that decide.
     """
     _, other = OWN_AND_OTHER[deterministic]
-    by_policies = [run for run in runs if run.facts.acted != ACTED_AT_RANDOM]
-    final = [run for run in by_policies if not run.facts.after]
-    own = _keyed(run for run in final if run.facts.acted != other)
-    others = _keyed(run for run in final if run.facts.acted == other)
-    steps = sorted({run.facts.after for run in by_policies if run.facts.after})
-    early = [_keyed(run for run in by_policies if run.facts.after == after) for after in steps]
-    found = {**others, **own}  # where only the other manner was recorded, it decides
-    known = {(run.reward, run.seed) for run in trainings}
-    lost = [run for key, run in found.items() if key not in known]
+    kinds: dict[tuple[int, bool], list[Run]] = {}
+    for run in evaluated:
+        if run.facts.acted != ACTED_AT_RANDOM:
+            is_other = not run.facts.after and run.facts.acted == other
+            kinds.setdefault((run.facts.after, is_other), []).append(run)
+    early = {kind: _by_key(of) for kind, of in sorted(kinds.items())}
+    own, others = early.pop((0, False), {}), early.pop((0, True), {})
+    final = {**others, **own}  # where only the other manner was recorded, it decides
     notes = [
         f"'{run.path}' is left out: it evaluates {run.reward} of seed {run.seed}, whose training is not in '{folder}'"
-        for run in lost
+        for key, run in final.items()
+        if key not in trainings
     ]
-    missing = len(known - found.keys())
-    if 0 < missing < len(known):
-        notes.append(f"{missing} of {count_text(len(known), 'training')} have no evaluation beside them")
-    before = {key: tuple(of[key] for of in early if key in of) for key in known}
-    fields = {
-        key: {"evaluation": found.get(key), "other": others.get(key) if key in own else None, "before": before[key]}
-        for key in known
+    missing = len(trainings.keys() - final.keys())
+    if 0 < missing < len(trainings):
+        notes.append(f"{missing} of {count_text(len(trainings), 'training')} have no evaluation beside them")
+    found = {
+        key: replace(
+            run,
+            evaluation=final.get(key),
+            other=others.get(key) if key in own else None,
+            before=tuple(of[key] for of in early.values() if key in of),
+        )
+        for key, run in trainings.items()
     }
-    return fields, notes
+    return found, notes
 
 
-def _in_order(names: Iterable[Sequence[str]]) -> tuple[str, ...]:
-    return tuple(dict.fromkeys(name for some in names for name in some))
+def read_loose(folder: Path, told: Told = FOUND_OUT) -> Runs:
+    """The recorded trainings that lie in a folder which is no experiment's, at any depth; see `read_runs`.
 
-
-class LooseStore(Store):
-    """A folder in which recorded trainings lie, at any depth.
-
-    Attributes:
-        runs: The trainings.
+    Raises:
+        UsageError: There are none, none that can be compared, or whole experiments lie among them; no training was
+            taught by the baseline; or nobody says which values of what decides are better.
     """
-
-    def __init__(
-        self,
-        folder: Path,
-        runs: Runs | None = None,
-        told: Told = FOUND_OUT,
-    ) -> None:
-        """Read all recordings, unless they were read already.
-
-        Args:
-            folder: Where they lie.
-            runs: What was read of them; None if nothing was.
-            told: What the user says; see `read_runs`.
-
-        Raises:
-            UsageError: There are none, none that can be compared, or whole experiments lie among them; no training was
-                taught by the baseline; or nobody says which values of what decides are better.
-        """
-        super().__init__(folder)
-        baseline, decides = told.baseline, told.deciding.name
-        named = [decides] if decides else []
-        self.runs: Runs = runs or read_runs(folder, None, named, told=told)
-        known = {name for run in self.runs.members.values() for name in run.episodes.behaviour}
-        if runs is None and named and not {*named} <= known:
-            raise UsageError(f"--measure {decides}: the recordings tell {', '.join(sorted(known)) or 'none'}")
-        self.runs.require_direction()
-        if baseline and baseline not in self.runs.trained:
-            there = ", ".join(self.runs.trained)
-            raise UsageError(f"--baseline {baseline}: no training was taught by it. There are: {there}")
-        self._run_of = {self._cell(run): run for run in self.runs.members.values()}
-
-    def read_plan(self) -> StoredPlan:
-        """A plan of these trainings; the reward that was given first is the baseline."""
-        return StoredPlan(self.runs.trained[0], False, {}, tuple(self._run_of), {})
-
-    def examine(self, cell: Cell) -> Manifest:
-        """All of them are done."""
-        return Manifest(cell, status="done")
-
-    def manifests(self) -> list[Manifest]:
-        """The manifests of all trainings."""
-        return list(map(self.examine, self._run_of))
-
-    def cell_folder(self, cell: Cell) -> Path:
-        """The folder of the recording."""
-        return self._run_of[cell].path
-
-    def _cell(self, run: Run) -> Cell:
-        group = self.runs.group
-        reward = Choice(run.reward, (), run.reward)
-        return Cell(
-            *BROUGHT, group.task, group.algorithm, reward, run.seed, group.steps,
-            group.evaluation_episodes, evaluation_horizon=EVALUATION_HORIZON,
-        )  # fmt: skip
+    baseline, decides = told.baseline, told.deciding.name
+    runs = read_runs(folder, None, [decides] if decides else [], told=told)
+    known = {name for run in runs.members.values() for name in run.episodes.behaviour}
+    if decides and decides not in known:
+        raise UsageError(f"--measure {decides}: the recordings tell {', '.join(sorted(known)) or 'none'}")
+    runs.require_direction()
+    if baseline and baseline not in runs.trained:
+        raise UsageError(f"--baseline {baseline}: no training was taught by it. There are: {', '.join(runs.trained)}")
+    return runs

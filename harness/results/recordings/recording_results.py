@@ -1,18 +1,19 @@
 """What follows from the files of one recording, each thing computed once; see `harness.results.kept`."""
 
 import hashlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import permutations
 from pathlib import Path
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 
 from harness.arrays import Float
 from harness.eta.rescaling import PayLine, line_of
 from harness.files.bounded import reading
+from harness.files.plain import Plain
 from harness.log import Log
 from harness.log.log import REWARD, episode_rows
 from harness.record.folder import EVALUATION_RECORDING
@@ -36,33 +37,23 @@ from harness.results.table import Numbers
 
 
 @dataclass(frozen=True)
-class Likeness:
+class Likeness(Plain):
     """What one recording says of that.
 
     Attributes:
         digest: SHA-256 of all of its steps; empty where every recorded number is the same in all steps, so that equal
             recordings would say nothing of the trainings.
-        lines: By each two rewards, what the second one paid over what the first one paid; None where that is no line.
+        lines: Each two rewards, and what the second one paid over what the first one paid; None where that is no line.
         paid_alike: Rewards that are recorded as what the env pays, each with a reward that paid the same in all steps.
     """
 
-    digest: str
-    lines: Mapping[tuple[str, str], PayLine | None]
-    paid_alike: frozenset[tuple[str, str]]
+    digest: str = ""
+    lines: tuple[tuple[str, str, PayLine | None], ...] = ()
+    paid_alike: tuple[tuple[str, str], ...] = ()
 
-    def to_json(self) -> dict[str, Any]:
-        """Plain data; `from_json` gives the same back."""
-        lines = [[*names, line and line.to_json()] for names, line in self.lines.items()]
-        return {"digest": self.digest, "lines": lines, "paid_alike": sorted(self.paid_alike)}
-
-    @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> Self:
-        """What `to_json` told, also after a way through JSON."""
-        lines = {(one, other): line and PayLine.from_json(line) for one, other, line in data["lines"]}
-        return cls(data["digest"], lines, frozenset((name, other) for name, other in data["paid_alike"]))
-
-
-NOTHING_ALIKE = Likeness("", {}, frozenset())
+    def line(self, one: str, other: str) -> PayLine | None:
+        """What the second of two rewards paid over what the first one paid."""
+        return next((line for *both, line in self.lines if both == [one, other]), None)
 
 
 def likeness_of(recording: Log) -> Likeness:
@@ -73,11 +64,11 @@ def likeness_of(recording: Log) -> Likeness:
     can_end = "terminated" not in recording or bool(recording["terminated"].any())
     return Likeness(
         _digest(recording),
-        {
-            (one, other): line_of(rewards[one], rewards[other], can_end=can_end)
+        tuple(
+            (one, other, line_of(rewards[one], rewards[other], can_end=can_end))
             for one, other in permutations(rewards, 2)
-        },
-        frozenset(
+        ),
+        tuple(
             (name, other)
             for name in own
             for other in rewards
@@ -100,7 +91,6 @@ def _digest(recording: Log) -> str:
     return digest.hexdigest()
 
 
-WHAT = "recording"
 RETURN = "return_"
 """What the columns of mean returns begin with."""
 
@@ -151,13 +141,13 @@ class RecordingResults:
     @property
     def episodes(self) -> Episodes:
         """All that ended."""
-        numbers = self._kept.array("episodes", self._made_of, lambda: np.ravel(episodes_of(self._recording).numbers))
+        numbers = self._kept.told("episodes", self._made_of, lambda: np.ravel(episodes_of(self._recording).numbers))
         facts = self.facts
-        return Episodes.of(facts, facts.rewards, facts.behaviour, numbers.reshape(1 + len(facts.numbers), -1))
+        return Episodes.of(facts, numbers.reshape(1 + len(facts.numbers), -1))
 
     def paid_by(self, reward: str) -> Float:
         """What a reward pays for each step, (steps,)."""
-        return self._kept.array(f"paid by {reward}", self._made_of, lambda: self._paid(reward)[f"{REWARD}{reward}"])
+        return self._kept.told(f"paid by {reward}", self._made_of, lambda: self._paid(reward)[f"{REWARD}{reward}"])
 
     def terms_paid(self, reward: str) -> ByTerm:
         """What each term of a reward paid; without terms of one that has none, or was given up on the way."""
@@ -181,13 +171,12 @@ class RecordingResults:
 
     @cached_property
     def _told(self) -> dict[str, Any]:
-        told: dict[str, Any] = self._kept.told(WHAT, self._made_of, self._tell)
-        return told
+        def tell() -> dict[str, Any]:
+            recording = self._recording
+            likeness = likeness_of(recording).to_json()
+            return {"facts": facts_of(recording).to_json(), "steps": len(recording), "likeness": likeness}
 
-    def _tell(self) -> dict[str, Any]:
-        recording = self._recording
-        likeness = likeness_of(recording).to_json()
-        return {"facts": facts_of(recording).to_json(), "steps": len(recording), "likeness": likeness}
+        return self._kept.told("recording", self._made_of, tell)
 
     @cached_property
     def _made_of(self) -> list[str]:

@@ -1,7 +1,6 @@
 """The recorded trainings of an experiment's cells in environments, or recordings and logs that lie loose."""
 
-from collections.abc import Iterable, Mapping
-from dataclasses import replace
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from types import MappingProxyType
 from typing import NamedTuple
@@ -13,14 +12,14 @@ from harness.eta.seed_mean import SeedMean, mean_of_known
 from harness.measure import Measure
 from harness.record.cell import Cell
 from harness.record.folder import RANDOM, TRAINING_RECORDING, recording_of
-from harness.record.manifest import is_named
+from harness.record.manifest import Manifest, is_named
 from harness.record.recording.recorded_training import recordings_in
 from harness.record.store import Floor, floors_in
 from harness.registry.choice import split_list
 from harness.results.comparison import Group
 from harness.results.logs.told import Told
 from harness.results.metrics import require_measures
-from harness.results.recordings.read_runs import LooseStore, read_runs
+from harness.results.recordings.read_runs import read_runs
 from harness.results.recordings.recording_results import RecordingResults, numbers_in_environment, numbers_of_part
 from harness.results.recordings.runs import Run, Runs
 from harness.results.records import Records
@@ -55,6 +54,13 @@ class Recordings:
         """
         self.records, self._shown = records, None if measures is None else tuple(split_list(measures))
 
+    def examine(self, manifest: Manifest) -> Manifest:
+        """What there is to say of a cell: a recording is looked at as it is read."""
+        return manifest
+
+    def remove(self, cell: Cell) -> None:
+        """Leave out a cell: one that is not done is not read."""
+
     @cached_property
     def places(self) -> tuple[Place, ...]:
         """The done cells of each group.
@@ -62,13 +68,12 @@ class Recordings:
         Raises:
             UsageError: A measure was chosen that no environment has.
         """
-        records, store = self.records, self.records.store
-        if isinstance(store, LooseStore):
-            found: dict[Group, tuple[list[Cell], Runs | str]] = {
-                store.runs.group: (list(records.plan.cells), store.runs)
-            }
-        else:
-            found = {group: (cells, self._read(group, cells)) for group, cells in records.groups.items()}
+        records = self.records
+        found: dict[Group, tuple[Sequence[Cell], Runs | str]] = (
+            {records.runs.group: (records.plan.cells, records.runs)}
+            if records.runs
+            else {group: (cells, self._read(group, cells)) for group, cells in records.groups.items()}
+        )
         read = [runs for _, runs in found.values() if isinstance(runs, Runs)]
         if read and self._shown is not None:
             require_measures(self._shown, {name for runs in read for name in runs.measures})
@@ -80,23 +85,20 @@ class Recordings:
             noted = (f"{cell.title}: {note}" for cell in cells if (note := records.manifest(cell).note))
             return Place(group, cells, None, (runs, *noted))
 
-        def asked(run: Run) -> Run:
-            return replace(run, cut=runs.steps, random=runs.random, apart=runs.returns_apart)
-
         deciding = runs.measures[:1]
         keys = [key for reward in runs.trained for key in sorted(runs.members) if key[0] == reward]
         of = Trainings(
             runs.group,
             runs.trained[0],
-            {key: asked(runs.members[key]) for key in keys},
+            {key: runs.members[key] for key in keys},
             tuple(it for it in runs.measures if self._shown is None or it in {*deciding, *self._shown}),
             runs.measure,
             records.kind,
             deciding,
             deciding,
-            next(filter(runs.is_flag, deciding), ""),
+            next((name for name in deciding if runs.quantities[name].episodes), ""),
             records.plan.terms.averaged,
-            {seed: asked(run) for seed, run in runs.control.items()},
+            runs.control,
             is_alone=len(runs.trained) == 1 and not runs.control,
             read=runs,
         )
@@ -151,17 +153,17 @@ class Recordings:
 
     def numbers(self, cell: Cell) -> Numbers:
         """See `Results`: means over the episodes of the final policy, else over those that say most about it."""
-        if isinstance(self.records.store, LooseStore):
+        if self.records.runs:
             run = self.run(cell)
             return numbers_of_part(next(iter(run.parts(run.steps).values())))
         return numbers_in_environment(self.records.folder, self.records.store.cell_folder(cell))
 
     def recorded(self, cell: Cell) -> Float:
         """See `Results`."""
-        files = self.records.store.cell_folder(cell)
-        training = files / TRAINING_RECORDING
-        recorded = RecordingResults(self.records.folder, training if training.is_dir() else files)
-        return recorded.paid_by(cell.reward.label)
+        if self.records.runs:
+            return self.run(cell).recorded.paid_by(cell.reward.label)
+        training = self.records.store.cell_folder(cell) / TRAINING_RECORDING
+        return RecordingResults(self.records.folder, training).paid_by(cell.reward.label)
 
     def run(self, cell: Cell) -> Run:
         """The recorded training of a done cell.

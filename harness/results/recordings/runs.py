@@ -1,18 +1,18 @@
 """Recorded trainings, their steps left in their files, and those that can be compared."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, NamedTuple, Self
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from harness.arrays import Float
 from harness.errors import Unscored, UsageError
 from harness.eta.behaviour_change import Quantity
-from harness.eta.interval import SHARE, UNBOUNDED, Bounds
+from harness.eta.interval import SHARE, UNBOUNDED
 from harness.eta.laws import Better, Missing, direction_of, require_direction
 from harness.eta.manner import EVALUATION, LAST_FIFTH, WHOLE
 from harness.eta.rescaling import Rescaling, rescaling_of
@@ -21,13 +21,12 @@ from harness.log.log import RECORDED, REWARD, SUCCESS, TIME
 from harness.record.cell import BROUGHT
 from harness.record.recording.facts import TrainingFacts, facts_of
 from harness.registry.choice import Choice
-from harness.results.by_term import ByTerm, part_of
+from harness.results.by_term import ByTerm
 from harness.results.comparison import Group
-from harness.results.logs.told import RETURN, SUCCESS_DECIDES, Deciding
+from harness.results.logs.told import RETURN, Deciding
 from harness.results.measured import Counted, Measured, Moment
 from harness.results.recordings.episodes import Episodes, Part, episodes_of
 from harness.results.recordings.recording_results import (
-    NOTHING_ALIKE,
     Likeness,
     RecordingResults,
     likeness_of,
@@ -104,6 +103,16 @@ class Run:
         return self.facts.path
 
     @property
+    def key(self) -> tuple[str, int]:
+        """Its reward and its seed."""
+        return self.reward, self.seed
+
+    @property
+    def everything(self) -> list["Run"]:
+        """The training, and its evaluations."""
+        return [it for it in (self, self.evaluation, self.other, *self.before) if it is not None]
+
+    @property
     def shortfall(self) -> str:
         """What there is of what was asked for, ``3 of 20 episodes``; empty of a whole one, and if nobody said."""
         facts, episodes = self.facts, len(self.episodes.last)
@@ -171,11 +180,7 @@ class Run:
 
     def ends(self) -> tuple[Part, Part, Part | None]:
         """Its first episodes, its last ones, and those of its evaluation, where there is one."""
-        last = self.episodes.last
-        count = min(part_of(len(last)), len(last))
-        start = self.stretch(0, int(last[count - 1]) + 1 if count else 0)
-        end = self.stretch(int(last[-count]), int(last[-1]) + 1) if count else start
-        return start, end, self.evaluation.whole if self.evaluation else None
+        return *self.episodes.ends, self.evaluation.whole if self.evaluation else None
 
     def paid(self, by: Any) -> Float:
         """What the reward of a training pays for each of its steps, (rows,)."""
@@ -255,7 +260,7 @@ def run_of(log: Log) -> Run:
         -1 if facts.seed is None else facts.seed,
         len(log) if is_of_steps else int(episodes.last.max(initial=-1)) + 1,
         episodes,
-        likeness_of(log) if is_of_steps else NOTHING_ALIKE,
+        likeness_of(log) if is_of_steps else Likeness(),
     )
 
 
@@ -263,7 +268,7 @@ def rescaling_between(runs: Iterable[Run], reward: str, other: str) -> Rescaling
     """What a reward is of another one, by all trainings that know both; None if it is another one."""
     return rescaling_of(
         [
-            run.likeness.lines.get((other, reward))
+            run.likeness.line(other, reward)
             for run in runs
             if {reward, other} <= {*run.facts.rewards} and run.episodes.knows(reward) and run.episodes.knows(other)
         ]
@@ -272,11 +277,8 @@ def rescaling_between(runs: Iterable[Run], reward: str, other: str) -> Rescaling
 
 def meet_same_starts(runs: Iterable[Run]) -> bool:
     """Whether policies met the same episodes in their evaluations, as far as the first observations tell."""
-    starts: dict[int, set[int]] = {}
-    for it in _with_evaluations(runs):
-        if it.facts.starts:
-            starts.setdefault(len(it.episodes.last), set()).add(it.facts.starts)
-    return all(len(found) == 1 for found in starts.values())
+    found = {(len(it.episodes.last), it.facts.starts) for run in runs for it in run.everything if it.facts.starts}
+    return len(found) == len({episodes for episodes, _ in found})
 
 
 def brought(env: str, algorithm: Choice, steps: int, episodes: int = 0, every: int = 0) -> Group:
@@ -285,30 +287,62 @@ def brought(env: str, algorithm: Choice, steps: int, episodes: int = 0, every: i
     return Group(BROUGHT.robot, Choice(env, (), env), algorithm, steps, episodes, every, simulator=simulator)
 
 
-class Directions(NamedTuple):
-    """Measures of which somebody said which values are better."""
+def better_of(measure: str, told: Sequence[LogFacts], deciding: Deciding, *, is_flag: bool = False) -> Better:
+    """Which values of a measure are better, by what logs tell; what the user says of the one that decides counts more.
 
-    lower: frozenset[str] = frozenset()
-    higher: frozenset[str] = frozenset()
+    Empty where nobody says it.
+    """
+    if deciding.better and measure == deciding.name:
+        return "lower" if deciding.better == "lower" else "higher"
+    lower = {name for it in told for name in it.lower_is_better}
+    higher = {SUCCESS, RETURN, *(name for it in told for name in it.higher_is_better)}
+    return direction_of(measure, lower, higher, is_flag=is_flag)
 
-    @classmethod
-    def of(cls, logs: Iterable[LogFacts], deciding: Deciding = SUCCESS_DECIDES) -> Self:
-        """What logs tell, and what the user says of the one that decides, which counts."""
-        told = [*logs]
-        lower = {name for of in told for name in of.lower_is_better}
-        higher = {SUCCESS, RETURN, *(name for of in told for name in of.higher_is_better)}
-        if deciding.better:
-            lower, higher = lower - {deciding.name}, higher - {deciding.name}
-            (lower if deciding.better == "lower" else higher).add(deciding.name)
-        return cls(frozenset(lower), frozenset(higher))
 
-    def better(self, measure: str, *, is_flag: bool = False) -> Better:
-        """Which values of a measure are better; empty where nobody says it."""
-        return direction_of(measure, self.lower, self.higher, is_flag=is_flag)
+def quantities_of(
+    names: Iterable[str], runs: Collection[Run], told: Sequence[LogFacts], deciding: Deciding
+) -> dict[str, Quantity]:
+    """What measures are, by name.
+
+    A share is 0 or 1 in every episode. Bounds are what the recordings say, if they agree, else 0 to 1 of success; none
+    of a measure that left them.
+    """
+    everybody = [it for run in runs for it in run.everything]
+    found = {}
+    for name in names:
+        is_flag = all(it.episodes.is_flag(name) for it in everybody)
+        said = {run.facts.bounds.get(name, UNBOUNDED) for run in runs}
+        bounds = said.pop() if len(said) == 1 else UNBOUNDED
+        if bounds == UNBOUNDED and name == SUCCESS:
+            bounds = SHARE
+        if not all(it.episodes.is_within(name, bounds) for it in everybody):
+            bounds = UNBOUNDED
+        better = better_of(name, told, deciding, is_flag=is_flag)
+        found[name] = Quantity(name, "", better, "", 1 if is_flag else None, bounds=bounds)
+    return found
 
 
 DIRECTION = "say --measure {0}:better=lower or --measure {0}:better=higher"
 """What to type for a measure that decides and has no direction."""
+
+
+def require_one(told: Iterable[tuple[str, str]], problem: str, remedy: str) -> str:
+    """The one value that all trainings tell; empty where none tells it.
+
+    Args:
+        told: Each value that is told, with the training that tells it.
+        problem: What to say of several.
+        remedy: What to do then.
+
+    Raises:
+        UsageError: They tell several.
+    """
+    found: dict[str, str] = {}
+    for value, where in told:
+        found.setdefault(value, where)
+    if len(found) > 1:
+        raise UsageError(f"{problem}: {', '.join(f'{value} ({where})' for value, where in found.items())}. {remedy}")
+    return next(iter(found), "")
 
 
 class Runs(NamedTuple):
@@ -317,23 +351,17 @@ class Runs(NamedTuple):
     group: Group
     """What all of them share; of loose recordings, as far as it is known."""
     rewards: tuple[str, ...]
-    """The rewards that scored them, in the order that they were given in."""
-    trained: tuple[str, ...]
-    """Those that taught a policy; the first one is the baseline."""
-    measures: tuple[str, ...]
+    """The rewards that scored them, in the order that they were given in; of those that taught, the baseline first."""
+    quantities: Mapping[str, Quantity]
     """The measures of behaviour, in the order that they were given in; the first one decides."""
-    directions: "Directions"
-    """Which values of the measures are better."""
     members: Mapping[tuple[str, int], Run]
     """By reward and seed."""
     steps: int
     """The steps of the shortest: all are cut to it."""
     notes: tuple[str, ...]
     """What to keep in mind, a line each."""
-    damaged: tuple[str, ...]
+    damaged: tuple[str, ...] = ()
     """What could not be read, a line each."""
-    random: Run | None = None
-    """Random actions, where they were recorded."""
     control: Mapping[int, Run] = MappingProxyType({})
     """Trainings by the baseline again with other seeds, each by the seed that it is compared with."""
     said: tuple[str, ...] = ()
@@ -342,12 +370,16 @@ class Runs(NamedTuple):
     """By manner, what stands for episodes: a log of curves has a ``point``, which is a mean over some."""
     missing: tuple[Missing, ...] = ()
     """Trainings that were begun and have no value: no test is made without them."""
-    returns_apart: str = ""
-    """Why mean returns are not compared; empty where they are."""
 
-    def better(self, measure: str) -> Better:
-        """Which values of a measure are better; empty where nobody says it."""
-        return self.directions.better(measure, is_flag=self.is_flag(measure))
+    @property
+    def trained(self) -> list[str]:
+        """The rewards that taught a policy; the first one is the baseline."""
+        return [name for name in self.rewards if any(name == reward for reward, _ in self.members)]
+
+    @property
+    def measures(self) -> tuple[str, ...]:
+        """The names of the measures of behaviour."""
+        return tuple(self.quantities)
 
     def require_direction(self) -> None:
         """Check that it is known which values of what decides are better, where rewards are compared.
@@ -356,26 +388,9 @@ class Runs(NamedTuple):
             UsageError: Nobody says it.
         """
         for name in self.measures[:1] if len(self.trained) > 1 else ():
-            require_direction(name, self.better(name), DIRECTION.format(name))
+            require_direction(name, self.quantities[name].better, DIRECTION.format(name))
 
     def measure(self, name: str, manner: str, episodes: int) -> Quantity:
         """What a measure is in the episodes of one manner, of which each seed has `episodes` at least."""
-        share = episodes if self.is_flag(name) else None
-        return Quantity(name, "", self.better(name), manner, share, bounds=self.bounds(name))
-
-    def is_flag(self, measure: str) -> bool:
-        """Whether it is 0 or 1 in every episode of every training."""
-        return all(run.episodes.is_flag(measure) for run in _with_evaluations(self.members.values()))
-
-    def bounds(self, measure: str) -> Bounds:
-        """What it can be: what the recordings say, if they agree, else 0 to 1 of success; anything if it left that."""
-        said = {run.facts.bounds.get(measure, UNBOUNDED) for run in self.members.values()}
-        bounds = said.pop() if len(said) == 1 else UNBOUNDED
-        if bounds == UNBOUNDED and measure == SUCCESS:
-            bounds = SHARE
-        runs = _with_evaluations(self.members.values())
-        return bounds if all(run.episodes.is_within(measure, bounds) for run in runs) else UNBOUNDED
-
-
-def _with_evaluations(runs: Iterable[Run]) -> list[Run]:
-    return [it for run in runs for it in (run, run.evaluation, run.other, *run.before) if it is not None]
+        of = self.quantities[name]
+        return of._replace(manner=manner, episodes=of.episodes and episodes)

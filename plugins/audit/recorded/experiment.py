@@ -1,6 +1,7 @@
 """The rewards of an arm's experiment beside one another: what its policies did, and what each reward pays for it."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
 
 import numpy as np
 
@@ -9,7 +10,7 @@ from harness.errors import Unscored, UsageError
 from harness.log import REWARD, START, Log, LogFacts, in_memory
 from harness.record import TRACE, Cell, read_trace
 from harness.registry import Choice
-from harness.results import Results
+from harness.results import CellResults, Results, Traces
 from harness.score import InstalledReward
 
 from ..audit import Audit
@@ -35,15 +36,18 @@ def audit_experiment(results: Results, only: Sequence[str] = ()) -> Audit:
         UsageError: No training of it is done.
         SchemaError: A file is damaged or written by a newer version.
     """
-    if not results.done_cells:
+    traces = results.traces
+    if not results.done_cells or traces is None:
         raise UsageError(f"'{results.folder}' has nothing to audit: none of its trainings is done")
     labels = {it.cell.reward.label: it.cell.reward for it in results.manifests if it.status != "skipped"}
     rewards = chosen_rewards(labels, only, f"'{results.folder}'")
-    payers, notes = _payers(results, {label: labels[label] for label in rewards})
+    payers, notes = _payers(results, traces, {label: labels[label] for label in rewards})
     measures = sorted(results.measures, key=lambda name: name != SUCCESS)  # all others stay in their order
     groups = [[it for it in cells if not results.is_control(it)] for cells in results.groups.values()]
-    earned = [row for cells in groups for row in _earned(results, cells, payers, rewards, measures)]
-    pairs, told = pairs_in((_paid(results, cell, payers) for cell in results.done_cells), tuple(payers), most=MOST)
+    earned = [row for cells in groups for row in _earned(results, traces, cells, payers, rewards, measures)]
+    folders = {cell: results.store.cell_folder(cell) for cell in results.done_cells}
+    paid = (_paid(traces.run(cell), folder, payers) for cell, folder in folders.items())
+    pairs, told = pairs_in(paid, tuple(payers), most=MOST)
     count = len(results.done_cells)
     return Audit(
         title=title_of(f"'{results.folder}'", count_text(count, "training"), rewards),
@@ -60,19 +64,18 @@ def audit_experiment(results: Results, only: Sequence[str] = ()) -> Audit:
     )
 
 
-def _payers(results: Results, labels: Mapping[str, Choice]) -> tuple[dict[str, InstalledReward], list[str]]:
+def _payers(
+    results: Results, traces: Traces, labels: Mapping[str, Choice]
+) -> tuple[dict[str, InstalledReward], list[str]]:
     """The rewards that still pay what they paid in the experiment, and a line for each other one."""
     payers: dict[str, InstalledReward] = {}
     notes = []
     trained = {cell.reward.label: cell for cell in results.done_cells}
     for label, choice in labels.items():
         try:
-            installed = results.traces.installed(choice)
-            if label in trained:
-                installed.require_unchanged(results.traces.of(trained[label]).pays_recorded(installed))
+            installed = traces.run(trained[label]).unchanged(TRACE) if label in trained else traces.installed(choice)
             for cell in results.done_cells:
-                results.traces.of(cell).paid_by(installed)  # it is kept
-                results.traces.of(cell).finish()
+                traces.run(cell).paid_by(installed)  # it is kept
             payers[label] = installed
         except Unscored as error:
             notes.append(f"What {label} pays is not known: {error}")
@@ -81,6 +84,7 @@ def _payers(results: Results, labels: Mapping[str, Choice]) -> tuple[dict[str, I
 
 def _earned(
     results: Results,
+    traces: Traces,
     cells: Sequence[Cell],
     payers: Mapping[str, InstalledReward],
     rewards: Sequence[str],
@@ -89,34 +93,34 @@ def _earned(
     """Random actions, then the policies of each reward, all in one simulator and task."""
     first = cells[0]
     where = f" ({first.place.label}, {first.task.label}, {first.learner})" if len(results.groups) > 1 else ""
-    values = results.measured(cells[0]).random
-    floor = {label: found for label, it in payers.items() if len(found := results.traces.floor_returns(cells[0], it))}
-    if floor:
+    values = results.measured(first).random
+    acted = traces.run(first).floor_cell
+    floor = {label: acted.floor_returns(it) for label, it in payers.items()} if acted else {}
+    if any(map(len, floor.values())):
         count = len(next(iter(floor.values())))
         at_random = earned_in_episodes(f"{RANDOM}{where}", [Episodes(np.arange(count), floor, {}, {})], rewards, ())
         showed = earned_in_parts("", [Part(count, {}, values, {})], (), measures).measures
         yield Earned(at_random.behaviour, count, at_random.returns, showed)
     for label in dict.fromkeys(cell.reward.label for cell in cells):
-        parts = [_part(results, cell, payers) for cell in cells if cell.reward.label == label]
+        parts = [_part(traces.run(cell), payers) for cell in cells if cell.reward.label == label]
         yield earned_in_parts(f"trained with {label}, evaluations{where}", parts, rewards, measures)
 
 
-def _part(results: Results, cell: Cell, payers: Mapping[str, InstalledReward]) -> Part:
+def _part(of: CellResults, payers: Mapping[str, InstalledReward]) -> Part:
     """The final evaluation of a cell."""
-    of, measured = results.traces.of(cell), results.measured(cell)
     returns: dict[str, float | None] = {}
-    for label, payer in payers.items():
-        shaped, events = of.evaluation_return(payer), of.recorded_return("events")
-        returns[label] = None if shaped is None or events is None else shaped + events
-    of.finish()
-    return Part(next(iter(measured.episodes.values())), returns, measured.own, {})
+    with of:
+        for label, payer in payers.items():
+            shaped, events = of.evaluation_return(payer), of.recorded_return("events")
+            returns[label] = None if shaped is None or events is None else shaped + events
+    return Part(next(iter(of.measured.episodes.values())), returns, of.measured.own, {})
 
 
-def _paid(results: Results, cell: Cell, payers: Mapping[str, InstalledReward]) -> tuple[str, Log]:
+def _paid(of: CellResults, folder: Path, payers: Mapping[str, InstalledReward]) -> tuple[str, Log]:
     """The training of a cell, paid by rewards."""
-    path, of = results.store.cell_folder(cell) / TRACE, results.traces.of(cell)
+    path = folder / TRACE
     told = read_trace(path).rows(KEYS).columns
-    paid = {f"{REWARD}{label}": of.paid_by(payer) for label, payer in payers.items()}
-    of.finish()
+    with of:
+        paid = {f"{REWARD}{label}": of.paid_by(payer) for label, payer in payers.items()}
     facts = LogFacts(path=path, format="trace")
-    return f"cells/{cell.id}", in_memory(facts, {**told, START: told["step"] == 0, **paid})
+    return f"cells/{of.cell.id}", in_memory(facts, {**told, START: told["step"] == 0, **paid})

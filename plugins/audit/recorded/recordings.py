@@ -1,27 +1,34 @@
 """The rewards of recorded trainings, and of logs that other programs wrote, beside one another. Trains nothing."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from harness.authoring.commands import (
     ACTED_AT_RANDOM,
     LAST_SHARE,
     NO_NAME,
+    Account,
     Found,
+    Missing,
     Run,
     account_of,
+    account_of_runs,
     count_text,
     env_of,
     facts_notes,
+    is_left_out,
     read_all,
     read_trainings,
     require_comparable,
-    why_short,
+    sort_found,
 )
 from harness.errors import UsageError
+from harness.eta import CANNOT_TELL
+from harness.log import SUCCESS
 from harness.registry import unknown_name
-from harness.results import sort_logs
+from harness.results import Told
 
 from ..audit import Audit
 from ..questions import (
@@ -38,15 +45,24 @@ from .pair import MOST, pairs_in
 from .pair_grid import SCALE
 
 RANDOM = "random actions"
+INTERIM = "Interim: {} missing"
 
 
-def audit_recordings(folder: Path, random: Path | None = None, only: Sequence[str] = ()) -> Audit:
+def audit_recordings(
+    folder: Path,
+    random: Path | None = None,
+    only: Sequence[str] = (),
+    leave_out: Collection[Path] = (),
+    account: Account[Any] | None = None,
+) -> Audit:
     """How far apart the rewards in a folder of recordings are, what behaviour was like, and what it earned under each.
 
     Args:
         folder: With recordings of one env, at any depth: those of an experiment too.
         random: With recordings of random actions in the same env, if they lie somewhere else.
         only: The rewards that are told of; all of them if empty.
+        leave_out: The trainings that the user leaves out.
+        account: Of all trainings of an experiment, which knows them better; None of loose recordings.
 
     Raises:
         UsageError: There is nothing to compare, or the recordings are of several envs.
@@ -57,50 +73,66 @@ def audit_recordings(folder: Path, random: Path | None = None, only: Sequence[st
     paths = {run.path.resolve() for run in apart}  # they may lie in the same folder
     found = [run for run in found if run.path.resolve() not in paths]
     env, notes = env_of(folder, [*found, *apart])
-    notes += [f"'{run.path}' is left out: {why}" for run in found if (why := why_short(run))]
-    found = [run for run in found if not (run.facts.evaluation and run.shortfall)]
+    if account is None:
+        account, found, lines = account_of_runs(found, damaged, leave_out)
+        notes += lines
+    else:
+        out = [it.path for it in (*account.missing, *account.left_out)]
+        found = [run for run in found if not is_left_out(run.path, out)]
     # Evaluations before the training ended are of other policies than the one that it left.
     final = [run for run in (*apart, *found) if run.steps and (not run.facts.after or _is_random(run))]
     audit = _audit(folder, f"'{folder}'", env, "recorded", final, only, notes)
-    return replace(audit, damaged=(*damaged, *damaged_too), not_asked=(*NOT_ASKED[RECORDED], *audit.not_asked))
+    unread = tuple(it.why for it in (*damaged, *damaged_too) if it not in account.left_out)
+    return held_back(replace(audit, damaged=unread, not_asked=(*NOT_ASKED[RECORDED], *audit.not_asked)), account)
 
 
-def audit_logs(path: Path, found: Found, only: Sequence[str] = (), sort: str = "") -> Audit:
+def held_back(audit: Audit, account: Account[Any]) -> Audit:
+    """The same with what is missing told, and without a verdict until it is left out."""
+    audit = replace(audit, notes=(*audit.notes, *account.lines))
+    if not account.missing:
+        return audit
+    why = INTERIM.format(count_text(len(account.missing), "training"))
+    rankings = {name: replace(auc, answer=CANNOT_TELL, reason=why) for name, auc in audit.rankings.items()}
+    return replace(audit, verdict=(f"{why}.",), rankings=rankings)
+
+
+def audit_logs(
+    path: Path, found: Found, only: Sequence[str] = (), sort: str = "", leave_out: Sequence[Path] = ()
+) -> Audit:
     """The same of logs that other programs wrote, as far as their rows tell it.
 
     Args:
         path: Where they lie.
         found: Those that were read, and what could not be.
         only: The rewards that are told of; all of them if empty.
-        sort: How names are made, if the user says it; see `harness.results.logs.names.sort_by_template`.
+        sort: How names are made, if the user says it; see `harness.results.logs.names.sort_names`.
+        leave_out: The trainings that the user leaves out.
 
     Raises:
         UsageError: There is none, none has a row, or they cannot be compared.
         SchemaError: One is damaged.
     """
-    left = [f"'{place}' is left out: {why}" for place, why in found.left_out]
     if not found.logs:
-        raise UsageError(". ".join([f"'{path}' holds no log that is read: harness describe logs tells which", *left]))
+        unread = (f"'{place}' cannot be read: {why}" for place, why in found.left_out)
+        raise UsageError(". ".join([f"'{path}' holds no log that is read: harness describe logs tells which", *unread]))
     folder = path if path.is_dir() else path.parent
-    sorted_ = sort_logs(folder, found.logs, sort)
+    sorted_, other = sort_found(path, found, Told(sort=sort, leave_out=tuple(leave_out)))
     require_comparable(sorted_.trainings)
-    account = account_of(sorted_.trainings)
-    left += [f"'{it.path}' is left out: {it.why}" for it in account.missing]
+    account = account_of(sorted_.trainings, other, leave_out, SUCCESS)
     logs = [log for it in account.whole for log in (*it.logs, it.evaluation) if log is not None]
     measures = list(dict.fromkeys(name for log in logs for name in log.measures))
     runs, _, _ = read_trainings(account.whole, measures)
     everything = [it for run in runs for it in (run, run.evaluation) if it is not None and len(it.recorded.log)]
     env = next((log.facts.env for log in logs if log.facts.env), NO_NAME)
-    notes = [sorted_.sentence, *sorted_.notes, *facts_notes(logs), *left]
+    notes = [sorted_.sentence, *sorted_.notes, *facts_notes(logs)]
     audit = _audit(folder, f"'{path}'", env, "logged", everything, only, notes)
-    return replace(audit, not_asked=(*NOT_ASKED[LOGS], *audit.not_asked))
+    return held_back(replace(audit, not_asked=(*NOT_ASKED[LOGS], *audit.not_asked)), account)
 
 
-def _read(folder: Path) -> tuple[list[Run], list[str]]:
-    found, unread = read_all(folder)
-    damaged = [it.why for it in unread]
+def _read(folder: Path) -> tuple[list[Run], list[Missing]]:
+    found, damaged = read_all(folder)
     if not found:
-        told = f" Damaged: {'; '.join(damaged)}" if damaged else ""
+        told = f" Damaged: {'; '.join(it.why for it in damaged)}" if damaged else ""
         raise UsageError(f"'{folder}' holds no recorded training: harness.RecordRewards makes one.{told}")
     return found, damaged
 

@@ -11,11 +11,11 @@ from typing import Annotated, Any, Literal, NotRequired
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import ConfigDict, Field, StringConstraints, TypeAdapter, with_config
+from pydantic import ConfigDict, Field, StringConstraints, with_config
 from typing_extensions import TypedDict
 
 from harness.arrays import Float, Mask
-from harness.authoring.commands import ChoiceForm, require_form
+from harness.authoring.commands import ChoiceForm, read_form
 from harness.files import read_sealed, reading, seal, write_whole
 from harness.text import file_stems, number
 
@@ -190,9 +190,6 @@ class CertificateForm(TypedDict):
     rating: NotRequired[RatingForm]
 
 
-FORM: TypeAdapter[CertificateForm] = TypeAdapter(CertificateForm)
-
-
 @dataclass(frozen=True)
 class Answer:
     """What the search said of the reward; see `Finding`.
@@ -360,7 +357,7 @@ class Certificate:
         Raises:
             ValueError: It is something else.
         """
-        require_form(FORM, data)
+        read_form(CertificateForm, data)
         if ("policy" in data) != ("rating" in data):
             raise ValueError("policy and rating: one of them is missing")
         paid, behaviour, role = data["paid"], data["behaviour"], data["role"]

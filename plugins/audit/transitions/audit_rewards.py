@@ -160,7 +160,7 @@ class _Taken(NamedTuple):
     def of(self, number: int, count: int) -> Episodes:
         """The episodes of one policy, of which each has so many."""
         facts, own = facts_of(self.log), slice(number * count, (number + 1) * count)
-        return Episodes.of(facts, facts.rewards, facts.behaviour, self.episodes.numbers[:, own])
+        return Episodes.of(facts, self.episodes.numbers[:, own])
 
 
 def _take(

@@ -34,10 +34,10 @@ def test_nothing_is_kept_of_a_failed_cell(toys, run_here, tmp_path):
 def test_metric_that_raises_stops_no_run(toys, run_here, tmp_path, monkeypatch):
     """The cells are done; whoever reports meets the error."""
 
-    def fail(self, floor):
+    def fail(self):
         raise ZeroDivisionError("a metric's own fault")
 
-    monkeypatch.setattr(CellResults, "measured", fail)
+    monkeypatch.setattr(CellResults, "policy", property(fail))
     results = run_here(expand(check_experiment(GIVEN), toys), tmp_path / "out")
     assert len(results.done) == 3
     with pytest.raises(ZeroDivisionError):

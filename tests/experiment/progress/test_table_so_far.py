@@ -7,8 +7,7 @@ from harness.experiment import check_experiment, expand
 from harness.experiment.progress.ended_cells import EVERY, TableSoFar
 from harness.record import RESULTS, Store, read_manifest
 from harness.record.verify import verify
-from harness.results.cell_results import CellResults
-from harness.results.done_cells import DoneCells
+from harness.results.cell_results import CellResults, Cells
 
 GIVEN = {
     "sim": "ideal", "algo": "wander", "task": "fd100-reach:horizon=5", "seeds": 2, "steps": 12,
@@ -95,7 +94,7 @@ def table(toys, run_here, plan, tmp_path):
     run_here(plan, tmp_path)
     (tmp_path / RESULTS).unlink()
     store, clock = Store(tmp_path), Clock()
-    return TableSoFar(store, DoneCells(store, toys), clock), clock, store
+    return TableSoFar(store, Cells(store, toys), clock), clock, store
 
 
 def test_table_is_written_anew_after_some_time_alone(table, plan):
@@ -127,10 +126,10 @@ def test_cell_is_measured_once(table, plan, monkeypatch):
     """Its row is kept for the next tables."""
     so_far, _, store = table
     asked = []
-    measured = CellResults.measured
-    monkeypatch.setattr(CellResults, "measured", lambda of, floor: (asked.append(of.cell.id), measured(of, floor))[1])
+    measured = CellResults.policy.func
+    monkeypatch.setattr(CellResults.policy, "func", lambda of: (asked.append(of.cell.id), measured(of))[1])
     so_far.add(read_manifest(store.cell_folder(plan.cells[0])))
     so_far.write()
     so_far.add(read_manifest(store.cell_folder(plan.cells[1])))
     so_far.write()
-    assert asked == [*(cell.id for cell in plan.cells), plan.cells[1].id]
+    assert asked == [cell.id for cell in plan.cells]

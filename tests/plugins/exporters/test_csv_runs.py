@@ -55,9 +55,8 @@ def test_recording_is_that_of_the_trace(trace, written):
 def test_other_rewards_pay_the_file_what_they_pay_the_trace(trace, written, toys, tmp_path):
     """Also one that remembers."""
     for name in ("arp:k2=2", "aarp", "dense"):
-        reward = choose(toys, "rewards", name).build(toys, "rewards")
         for path in (trace, written):
-            rescore(open_steps(path), {name: reward}, tmp_path / f"{path.suffix}.scores")
+            rescore(open_steps(path), [choose(toys, "rewards", name)], tmp_path / f"{path.suffix}.scores", toys)
         one, other = ((tmp_path / f"{path.suffix}.scores").read_bytes() for path in (trace, written))
         assert one == other
 

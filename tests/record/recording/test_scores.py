@@ -8,10 +8,11 @@ import pyarrow.parquet as pq
 import pytest
 
 from harness.errors import NewerFormat, SchemaError
+from harness.log import in_memory
 from harness.record import TrainingFacts, read_recording
 from harness.record.recording.facts import Failure, Source
 from harness.record.recording.recording_writer import RecordingWriter
-from harness.record.recording.scores import Scores, write_scores
+from harness.record.recording.scores import with_scores, write_scores
 
 FACTS = TrainingFacts(
     rewards=("own", "calm"),
@@ -21,12 +22,23 @@ FACTS = TrainingFacts(
     failed=(Failure("reward/calm", "ValueError: no", env=0, episode=1, step=2),),
 )
 STEPS = 4
-SCORES = Scores(
+SCORES = in_memory(
+    TrainingFacts(
+        rewards=("new",),
+        trained_with="",
+        behaviour=("effort",),
+        lower_is_better=("effort",),
+        sources={"reward/new": Source("b" * 64, "new"), "behaviour/effort": Source("c" * 64, "effort")},
+        failed=(Failure("behaviour/effort", "KeyError: 'x'", env=0, episode=0, step=1),),
+    ),
     {"reward/new": np.arange(4.0), "behaviour/effort": np.array([1, np.nan, 3, 4])},
-    ("effort",),
-    {"reward/new": Source("b" * 64, "new"), "behaviour/effort": Source("c" * 64, "effort")},
-    (Failure("behaviour/effort", "KeyError: 'x'", env=0, episode=0, step=1),),
 )
+
+
+def _paid(name, paid, source):
+    """Scores of one reward."""
+    facts = TrainingFacts(rewards=(name,), trained_with="", sources={f"reward/{name}": source})
+    return in_memory(facts, {f"reward/{name}": paid})
 
 
 @pytest.fixture
@@ -44,17 +56,16 @@ def test_recording_has_them_among_its_own(folder):
     write_scores(folder / "scores-0.parquet", SCORES)
     found = read_recording(folder)
     assert (found.facts.rewards, found.facts.behaviour) == (("own", "calm", "new"), ("success", "effort"))
-    assert (found.facts.lower_is_better, found.facts.sources) == (("effort",), FACTS.sources | SCORES.sources)
-    assert found.facts.failures == FACTS.failures + SCORES.failures
-    for name, values in SCORES.columns.items():
+    assert (found.facts.lower_is_better, found.facts.sources) == (("effort",), FACTS.sources | SCORES.facts.sources)
+    assert found.facts.failures == FACTS.failures + SCORES.facts.failures
+    for name, values in SCORES.known.items():
         np.testing.assert_array_equal(found[name], values)
     assert {name: (folder / name).read_bytes() for name in before} == before
 
 
 def test_column_of_a_name_that_was_recorded_takes_its_place(folder):
     """Where it was computed by other code, or given up; its failure is gone then."""
-    later = Scores({"reward/calm": np.full(STEPS, 9.0)}, (), {"reward/calm": Source("d" * 64, "mended")})
-    write_scores(folder / "scores-0.parquet", later)
+    write_scores(folder / "scores-0.parquet", _paid("calm", np.full(STEPS, 9.0), Source("d" * 64, "mended")))
     found = read_recording(folder)
     assert found["reward/calm"].tolist() == [9.0] * STEPS
     assert (found.facts.rewards, found.facts.failures) == (("own", "calm"), ())
@@ -63,14 +74,10 @@ def test_column_of_a_name_that_was_recorded_takes_its_place(folder):
 
 def test_earlier_scores_stay(folder):
     """Those of other names; a name that both have is the later one's."""
-    later = Scores({"reward/new": np.zeros(STEPS)}, (), {"reward/new": Source("e" * 64, "newer")})
-    both = later.with_earlier(SCORES)
-    assert {name: values.tolist()[0] for name, values in both.columns.items()} == {
-        "behaviour/effort": 1,
-        "reward/new": 0,
-    }
-    assert (both.sources["reward/new"].text, both.lower_is_better) == ("newer", ("effort",))
-    assert both.failures == SCORES.failures
+    both = with_scores(SCORES, _paid("new", np.zeros(STEPS), Source("e" * 64, "newer")))
+    assert (both["behaviour/effort"][0], both["reward/new"][0]) == (1, 0)
+    assert (both.facts.sources["reward/new"].text, both.facts.lower_is_better) == ("newer", ("effort",))
+    assert both.facts.failures == SCORES.facts.failures
 
 
 def test_recording_that_went_on_is_not_scored_any_more(folder):

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from harness.errors import SchemaError
+from harness.log import in_memory
 from harness.record import TrainingFacts, read_recording
 from harness.record.recording.facts import ActionFacts, Source
 from harness.record.recording.recording_writer import RecordingWriter
-from harness.record.recording.scores import Scores, write_scores
+from harness.record.recording.scores import write_scores
 from tests.record.recording.told import change_first
 
 FACTS = TrainingFacts(rewards=("v1",), trained_with="v1", num_envs=2)
@@ -56,8 +57,8 @@ def test_scores_of_several_recorders_follow_their_steps(tmp_path):
     for number in range(2):
         steps = _write(tmp_path, number, [*range(9)])
         paid = np.array([100 * number + 10 * tick + env for tick, env, _ in steps], float)
-        scores = Scores({"reward/later": paid}, (), {"reward/later": Source("", "later")})
-        write_scores(tmp_path / f"scores-{number}.parquet", scores)
+        facts = TrainingFacts(rewards=("later",), trained_with="", sources={"reward/later": Source("", "later")})
+        write_scores(tmp_path / f"scores-{number}.parquet", in_memory(facts, {"reward/later": paid}))
     rows = read_recording(tmp_path).rows(["tick", "env", "reward/later"])
     expected = 100 * (rows["env"] // 2) + 10 * rows["tick"] + rows["env"] % 2
     assert rows["reward/later"].tolist() == expected.tolist()

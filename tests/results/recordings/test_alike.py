@@ -105,8 +105,8 @@ def test_a_reward_that_is_not_known_everywhere_is_compared_where_it_is(tmp_path)
 @pytest.mark.parametrize("ends", [False, True])
 def test_an_offset_is_no_ruler_where_an_episode_terminated(training, ends):
     """In one that was cut only, it pays every episode the same."""
-    lines = likeness_of(training.add({"terminated": training["truncated"] & ends})).lines
-    rescaling = rescaling_of([lines["plain", "thrice"]])
+    likeness = likeness_of(training.add({"terminated": training["truncated"] & ends}))
+    rescaling = rescaling_of([likeness.line("plain", "thrice")])
     assert rescaling is not None
     assert (rescaling.is_ruler, rescaling.can_end) == (not ends, ends)
 

@@ -379,17 +379,6 @@ def test_an_episode_of_one_frame_counts(write):
     assert (found.steps, told(found)) == (20, (10, 10, 1.0))
 
 
-@pytest.mark.parametrize(
-    "own", [{"next.extra": "recorded"}, {"next.reward": "mine"}, {"next.extra": "a", "next.other": "a"}]
-)
-def test_no_column_is_called_what_another_is(write, own):
-    """``recorded`` is the data set's own reward."""
-    folder = write(labelled(EVEN[:4], next__extra=1.0, next__other=2.0))
-    (folder / "meta/info.json").write_text(json.dumps({**info_of(folder), "harness_rewards": own}))
-    with pytest.raises(SchemaError, match="harness_rewards calls"):
-        ask(folder)
-
-
 def test_operators_stand_in_the_list_of_episodes(write):
     """As text."""
     who = {"operator": [f"who {number // 4}" for number in range(20)]}

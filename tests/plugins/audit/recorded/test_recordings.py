@@ -231,11 +231,12 @@ def test_names_of_logs_are_sorted_as_the_user_says(logged):
 
 
 def test_logs_of_one_folder_share_their_reward(logged):
-    """It is called as the folder is, as nobody says what it is; what was left out is told."""
+    """It is called as the folder is, as nobody says what it is; what is missing is told, and holds back the verdict."""
     found = logged({"a/0.csv": np.array([1.0, 2.0])}, "a", DAMAGED)
-    assert (found.rewards, found.pairs) == (("a",), ())
-    assert "'x' is left out: it is damaged" in found.notes
-    with refused(r"holds no log that is read: .* 'x' is left out: it is damaged"):
+    assert (found.rewards, found.pairs, found.verdict) == (("a",), (), ("Interim: 1 training missing.",))
+    assert "'x' is missing: it is damaged" in found.notes
+    assert logged({"a/0.csv": np.array([1.0, 2.0])}, "a", DAMAGED, leave_out=[Path("x")]).verdict == ()
+    with refused(r"holds no log that is read: .* 'x' cannot be read: it is damaged"):
         logged({}, left_out=DAMAGED)
 
 
