@@ -22,7 +22,6 @@ from harness.eta.return_split import ReturnSplit
 from harness.eta.scored_sums import Pair
 from harness.eta.splits import Decomposition, Names, Splits, no_splits, splits_to_json
 from harness.eta.swaps import corrected_where_known
-from harness.eta.verdict.deals import smallest_p
 from harness.eta.verdict.ruling import Ruling
 from harness.record.cell import BROUGHT, DISCOUNT, EVALUATION_HORIZON, UNKNOWN_ALGORITHM, Cell
 from harness.registry.choice import Choice
@@ -484,7 +483,6 @@ class Comparison:
             "baseline_index": indices and indices.baseline.to_json(),
             "proposed_index": indices and indices.proposed.to_json(),
             "claims": self.answer.claims,
-            "smallest_p": smallest_p(*self.counts) if self.has_trainings else None,
             "episodes": dict(measured.episodes),
             **({"over": over} if over else {}),
             "behaviour": [change.to_json() for change in measured.changes],

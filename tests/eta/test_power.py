@@ -4,74 +4,56 @@ import numpy as np
 import pytest
 from numpy.random import default_rng
 
-from harness.eta import Question, rule
-from harness.eta.power import seeds_to_tell
+from harness.eta import Question
+from harness.eta.power import FEWEST, POWER, seeds_to_tell
+
+ENDS = np.array([[[0.0, 1.0]]])
 
 
-def tell(difference, spread, seeds, asked):
-    """At 5 %; (0, 0) where nobody would run so many."""
-    return seeds_to_tell(difference, spread, seeds, asked, 0.05) or (0, 0)
+def found(baseline, difference, spread, seeds, confidence, experiments=400):
+    """How often the bound of so many trainings leaves out 0."""
+    rng, told = default_rng(seeds), 0
+    for _ in range(experiments):
+        values = (
+            baseline + spread * rng.normal(size=(2, seeds, 1, 1)) + np.array([0.0, difference])[:, None, None, None]
+        )
+        told += Question.of(np.clip(values, 0.0, 1.0), ENDS).leaning(0, confidence) == 1
+    return told / experiments
 
 
-def found(difference, seeds, asked, experiments=200, measures=1):
-    """How often so many seeds show a difference, in standard deviations of a training, among questions without one.
-
-    Of several measures only the first shows it.
-    """
-    values = default_rng([seeds, asked]).normal(size=(experiments, asked, 2, seeds, 1, measures))
-    values[:, 0, 1, ..., 0] += difference
-    return float(np.mean([rule([Question.of(each) for each in one])[0].is_decided for one in values]))
-
-
-SHOWN = (10.865 / 18.0) ** 0.5
-"""What ten seeds show where 1 is the largest likely spread; 10.865: the tenth of chi-square, 18 degrees of freedom."""
-
-
-@pytest.mark.parametrize("difference", [1.0, 1.5])
-@pytest.mark.parametrize("claims", [1, pytest.param(4, marks=pytest.mark.slow)])
-def test_high_end_is_enough(difference, claims):
-    """Where the spread is the largest likely one, four of five experiments show it; Monte Carlo error 0.028."""
-    assert found(difference, tell(difference, SHOWN, 10, claims)[1], claims) > 0.8 - 3.0 * 0.028
+@pytest.mark.parametrize(
+    ("baseline", "difference", "spread"), [(0.45, 0.2, 0.18), (0.45, 0.3, 0.18), (0.8, 0.1, 0.02), (0.3, 0.5, 0.15)]
+)
+@pytest.mark.parametrize("confidence", [0.95, 0.9875])
+def test_so_many_trainings_are_enough_and_hardly_more(baseline, difference, spread, confidence):
+    """Where the spread is the largest likely one, four of five experiments tell; Monte Carlo error 0.02."""
+    known = spread / seeds_to_spread(1000)
+    low, high = seeds_to_tell(difference, known, 1000, confidence, baseline + difference)
+    assert low <= high
+    assert found(baseline, difference, spread, high + 1, confidence) >= POWER - 0.06
+    assert found(baseline, difference, spread, max(2, low - 4), confidence) <= POWER + 0.06
 
 
-def test_high_end_is_enough_where_one_of_three_measures_shows_it():
-    """They count as three tests; Monte Carlo error 0.028."""
-    seeds = tell(1.5, SHOWN, 10, 3)[1]
-    assert found(1.5, seeds, 1, measures=3) > 0.8 - 3.0 * 0.028
-    assert found(1.5, seeds - 3, 1, measures=3) < 0.8
+def seeds_to_spread(seeds):
+    """By how much the largest likely spread of so many seeds is larger than the one that was seen."""
+    from harness.eta.interval import spread_range
+
+    return spread_range(1.0, 2 * seeds - 1)[1]
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("pilot", [3, 10])
-def test_experiments_of_the_high_end_mostly_have_the_power(pilot):
-    """The spread of a few seeds is known roughly: nine of ten pilots ask for enough."""
-    spreads = default_rng(pilot).normal(size=(300, 2, pilot)).var(axis=2, ddof=1).mean(axis=1) ** 0.5
-    told = [tell(1.5, spread, pilot, 1)[1] for spread in spreads]
-    enough = min(seeds for seeds in range(5, 14) if found(1.5, seeds, 1, 600) >= 0.8 - 0.02)
-    assert np.mean(np.array([it for it in told if it]) >= enough) >= 0.9 - 3.0 * 0.017
+def test_few_seeds_know_their_spread_roughly():
+    """So the range is wide; smaller differences take more, and beyond MOST nobody would run them."""
+    few, many = (seeds_to_tell(0.2, 0.18, seeds, 0.95, 0.65) for seeds in (3, 100))
+    assert few[0] <= many[0] <= many[1] <= few[1]
+    assert few[1] - few[0] > many[1] - many[0]
+    told = [seeds_to_tell(size, 0.18, 10, 0.95, 0.7) for size in (0.4, 0.2, 0.1, 0.05)]
+    assert told == sorted(told)
+    assert seeds_to_tell(1e-4, 0.18, 10, 0.95, 0.7) is None
 
 
-def test_low_end_takes_the_smallest_likely_spread_and_one_claim():
-    """Fewer seeds than that hardly ever tell."""
-    told, more = tell(1.0, 1.0, 10, 1), tell(1.0, 1.0, 10, 100)
-    assert told[0] == more[0] < told[1] < more[1]
-    assert found(np.sqrt(25.99 / 18.0), told[0], 1) > 0.8 - 3.0 * 0.028
-    assert found(np.sqrt(25.99 / 18.0), told[0] - 3, 1) < 0.8
-
-
-@pytest.mark.parametrize(("claims", "fewest"), [(1, 4), (28, 7)])
-def test_no_seeds_tell_that_cannot_show_anything(claims, fewest):
-    """However large the difference: also where scipy's distribution has no number any more, or nothing varies."""
-    for difference in (5.0, 12.0, 20.0, 100.0, 1e6):
-        assert tell(difference, 1.0, 10, claims) == (4, fewest)
-    assert tell(0.1, 0.0, 5, 1) == (4, 4)
-
-
-def test_smaller_differences_take_more_seeds():
-    """At both ends; thousands are a number, beyond MOST nobody would run them."""
-    for numbers in zip(*(tell(difference, 1.0, 10, 10) for difference in (2.0, 1.0, 0.5, 0.3)), strict=True):
-        assert list(numbers) == sorted(set(numbers))
-    low, high = tell(0.08, 1.0, 10, 1)
-    assert 1_000 < low < high <= 10_000
-    assert tell(0.2, 1.0, 10, 1)[1] <= 10_000
-    assert tell(0.01, 1.0, 10, 1) == tell(1e-4, 1.0, 10, 1) == (0, 0)
+def test_fewer_than_four_never_tell():
+    """However large the difference is: a fourth, unseen one could undo it."""
+    assert seeds_to_tell(1.0, 0.0, 5, 0.95, 1.0) == (FEWEST, FEWEST)
+    for seeds, leaning in ((FEWEST - 1, 0), (FEWEST, 1)):
+        values = np.stack([np.zeros((seeds, 1, 1)), np.ones((seeds, 1, 1))])
+        assert Question.of(values, ENDS).leaning(0, 0.95) == leaning

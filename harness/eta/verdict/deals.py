@@ -47,13 +47,6 @@ def count_deals(strata: Strata) -> int:
     return math.prod(math.comb(baselines + proposed, proposed) for _, baselines, proposed in strata)
 
 
-def smallest_p(baselines: int, proposed: int) -> float:
-    """The smallest two-sided p that so many trainings of each reward can give in one place."""
-    alike = 2 if baselines == proposed else 1  # with as many of each, all labels swapped give the same statistic
-    ways = min(math.comb(baselines + proposed, proposed), alike * MOST_DEALS)  # they may be more than a float can say
-    return max(alike / ways, 1.0 / MOST_DEALS)
-
-
 @lru_cache(maxsize=8)
 def _deals(strata: Strata, is_drawn: bool) -> Float:
     drawn = [_drawn_in(*stratum) for stratum in strata] if is_drawn else [_all(strata)]

@@ -123,7 +123,15 @@ def dealt(questions: Sequence[Question]) -> list[Ruling]:
         return found
     worst = _dealt([it.at_worst for it in questions])
     return [
-        max(one, other, key=lambda it: it.corrected or 0.0) if one.sign == other.sign else replace(one, corrected=1.0)
+        replace(
+            one,
+            of_measures=tuple(
+                max(p, with_it) if sign == there else 1.0
+                for p, with_it, sign, there in zip(
+                    one.of_measures, other.of_measures, one.signs, other.signs, strict=True
+                )
+            ),
+        )
         for one, other in zip(found, worst, strict=True)
     ]
 

@@ -7,7 +7,6 @@ from harness.eta.amounts import trainings_text
 from harness.eta.equal import equal_sentences
 from harness.eta.headline import Answer, Headline
 from harness.eta.manner import DETERMINISTIC, EVALUATION, LAST_FIFTH, STOCHASTIC, WHOLE
-from harness.eta.verdict.deals import smallest_p
 from harness.record.file_forms import Status
 from harness.record.plan_file import EXPERIMENT
 from harness.report.answers import word_of
@@ -148,18 +147,16 @@ def _run_text(results: Results, out: str) -> str:
 
 
 def claims_text(comparison: Comparison) -> str:
-    """How much is tested and how much explored, and what a test with so many seeds can show; empty without a seed."""
-    counts, ruling, claims = comparison.counts, comparison.answer.ruling, comparison.answer.claims
+    """How much is tested and how much explored; empty without a seed."""
+    ruling, claims = comparison.answer.ruling, comparison.answer.claims
     if not comparison.has_trainings or comparison.headline.answer is Answer.INTERIM:
         return ""
     asked = 1 if ruling is None else ruling.asked
-    smallest = smallest_p(*counts)
     verb = "is" if asked == 1 else "are"
     together = "" if asked == 1 else " together"
     questions = f"{asked} question{'s' * (asked != 1)} about the {comparison.group.subject} {verb} tested{together}."
-    least = f"From {trainings_text(comparison.names, counts)} no p can be below {smallest:.2g}."
     others = f"{claims} exploratory comparison{'s' * (claims != 1)} do{'es' * (claims == 1)} not affect the verdict."
-    return f"{questions} {least} {others}"
+    return f"{questions} {others}"
 
 
 """Names of the paths: the runs on which a path's ruler is measured."""

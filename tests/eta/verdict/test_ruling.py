@@ -1,8 +1,11 @@
 """What the test says of questions that are asked together."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import scipy.stats
+from numpy.random import default_rng
 
 from harness.eta import Question, Ruling, rule
 from harness.eta.verdict.ruling import better_in, opposed_in, rule_places
@@ -13,6 +16,11 @@ def ruling_of(question):
     """What the test says of one question."""
     (found,) = rule([question])
     return found
+
+
+def ended(question, ends=(-12.0, 12.0)):
+    """The same question, of measures with known ends."""
+    return replace(question, ends=np.broadcast_to(ends, question.ends.shape))
 
 
 def test_p_of_one_question_is_that_of_all_permutations(subtests):
@@ -64,11 +72,36 @@ def test_the_larger_of_two_measures_counts():
     assert found.of_measures[0] > found.of_measures[1]
 
 
-@pytest.mark.parametrize(("seeds", "p", "is_decided"), [(4, 2 / 70, True), (3, 0.1, False)])
-def test_four_seeds_can_decide_one_question(seeds, p, is_decided):
-    """The smallest p is 2 / 70, of three 2 / 20."""
+@pytest.mark.parametrize(("seeds", "p", "is_told"), [(4, 2 / 70, True), (3, 0.1, False)])
+def test_four_seeds_can_tell(seeds, p, is_told):
+    """The smallest p is 2 / 70, of three 2 / 20. Without known ends only these trainings are told about."""
     found = ruling_of(question_of(seeds, effect=9.0))
-    assert (found.p, found.is_decided) == (pytest.approx(p), is_decided)
+    assert (found.p, found.is_ahead, found.is_decided) == (pytest.approx(p), is_told, False)
+    apart = np.stack([np.zeros((seeds, 1, 1)), np.ones((seeds, 1, 1))])
+    assert ruling_of(ended(Question.of(apart), (0.0, 1.0))).is_decided == is_told
+
+
+@pytest.mark.parametrize("offered", [0, 10])
+def test_a_measure_that_was_chosen_from_several_is_held_against_all(offered):
+    """Its p is that of the largest of all, and its bound is wider."""
+    values = values_of(8, measures=1 + offered, effect=[1.2, *[0.0] * offered])
+    (found,), (named,) = rule([Question.of(values)], offered=offered), rule([Question.of(values[..., :1])])
+    assert (found.p >= named.p, len(found.signs), found.asked) == (True, 1, 1 + offered)
+    assert (found.p > named.p) == (found.confidence > 0.95) == (offered > 0)
+
+
+def test_what_left_no_value_has_to_agree():
+    """Who drops its bad trainings is not ahead of who keeps them."""
+    rng = default_rng(0)
+    values = np.stack([rng.uniform(0.0, 1.0, 10), rng.uniform(0.8, 1.0, 10)])[..., None, None]
+    begun = np.ones(values.shape[:3], bool)
+    assert ruling_of(ended(Question.of(values, begun=begun), (0.0, 1.0))).is_ahead
+    values[1, 5:] = np.nan
+    dropped = ruling_of(ended(Question.of(values), (0.0, 1.0)))
+    found = ruling_of(ended(Question.of(values, begun=begun), (0.0, 1.0)))
+    assert dropped.sign == 1
+    assert not found.is_ahead
+    assert not found.is_decided
 
 
 def test_one_seed_has_no_ruling():
@@ -116,7 +149,7 @@ def test_swapping_the_rewards_swaps_the_sign():
 
 def test_measures_that_both_pass_with_opposite_signs_are_contrary():
     """The answer says so."""
-    found = ruling_of(question_of(6, measures=2, effect=[9.0, -9.0]))
+    found = ruling_of(ended(question_of(20, measures=2, effect=[9.0, -9.0])))
     assert found.is_decided
     assert found.is_contrary
 
@@ -124,7 +157,7 @@ def test_measures_that_both_pass_with_opposite_signs_are_contrary():
 def test_questions_over_places_are_corrected_as_those_in_one_place():
     """By the step-down procedure: the largest p of three that all pass is not multiplied by three."""
     found = rule([question_of(8, places=3, effect=effect, seed=seed) for seed, effect in enumerate((1.5, 2.0, 2.5))])
-    assert all(it.is_decided for it in found)
+    assert all(it.is_ahead for it in found)
     last = max(found, key=lambda it: it.p)
     assert last.corrected < 3 * last.p
     assert {it.asked for it in found} == {3}
@@ -140,7 +173,7 @@ def test_a_place_is_decided_only_where_all_places_together_are():
 
 def test_single_places_are_told_where_the_answer_stands():
     """The place with the effect passes, the other one does not; without an answer none is opposed or better."""
-    question, undecided = question_of(8, places=2, effect=[[6.0], [0.0]]), Ruling(p=0.5, corrected=0.5)
+    question, undecided = ended(question_of(20, places=2, effect=[[9.0], [0.0]])), Ruling(p=0.5, corrected=0.5)
     whole = ruling_of(question)
     found = rule_places(question, whole)
     assert [it.is_decided for it in found] == [True, False]
@@ -150,7 +183,7 @@ def test_single_places_are_told_where_the_answer_stands():
 
 def test_a_place_that_goes_the_other_way_is_opposed():
     """Better in three places, worse in the fourth, and the mean says better."""
-    question = question_of(8, places=4, effect=[*[[6.0]] * 3, [-6.0]], seed=1)
+    question = ended(question_of(20, places=4, effect=[*[[9.0]] * 3, [-9.0]], seed=1))
     whole = ruling_of(question)
     assert whole.sign == 1
     assert opposed_in(whole, rule_places(question, whole)) == 1
@@ -159,11 +192,11 @@ def test_a_place_that_goes_the_other_way_is_opposed():
 @pytest.mark.parametrize(("affected", "least"), [(4, 3), (1, 1)])
 def test_better_in_so_many_places_at_least(affected, least):
     """Never more than those in which something happens."""
-    question = question_of(10, places=4, effect=5.0 * np.eye(4)[:, :affected].sum(axis=1, keepdims=True), seed=3)
+    question = ended(question_of(20, places=4, effect=9.0 * np.eye(4)[:, :affected].sum(axis=1, keepdims=True), seed=3))
     assert least <= better_in(question, ruling_of(question)) <= affected
 
 
 def test_of_many_places_single_ones_count():
     """Too many for all of their sets."""
-    question = question_of(10, places=12, effect=[*[[6.0]] * 5, *[[0.0]] * 7])
+    question = ended(question_of(40, places=12, effect=[*[[9.0]] * 5, *[[0.0]] * 7]))
     assert better_in(question, ruling_of(question)) == 5
