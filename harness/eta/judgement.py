@@ -187,7 +187,7 @@ def _why_open(deciding: Sequence[Compared], ruling: Ruling) -> str:
         return "A single place is told only where the answer over all is."
     if ruling.is_ahead:
         return "By one measure it is ahead so far, by another it is behind."
-    return clear_text(deciding, ruling) or ends_text(deciding)
+    return f"{clear_text(deciding, ruling)} {ends_text(deciding)}".strip()
 
 
 def ends_text(deciding: Sequence[Compared]) -> str:

@@ -41,8 +41,8 @@ MORE = change([0.5, 0.6, 0.7], [0.9, 0.91, 0.92])
 OPEN = change([0.5, 0.6, 0.7], [0.55, 0.7, 0.6])
 LESS = change([0.9] * 3, [0.5] * 3)
 SOONER = change([0.3, 0.4, 0.5], [0.6, 0.7, 0.8], SPEED)
-APART = change([0.1, 0.11, 0.12], [0.9, 0.91, 0.92])
 AROUND = list(0.9 + 0.01 * np.linspace(-1.0, 1.0, 80))
+SECONDS = list(7.0 + 0.01 * np.linspace(-1.0, 1.0, 80))
 PASSES, FAILS = (1, 0.01), (1, 0.9)
 SAID = {
     "a decided answer says what the robot does instead, and of the other measure that nothing was found": (
@@ -59,7 +59,7 @@ SAID = {
     "what is worse stands beside what is better, that of the measure that says most first": (
         ([LESS, FAST], ruled((-1, 0.02), PASSES)),
         Answer.MIXED,
-        "Better: time to the target, 0.37 s instead of 0.86 s. Worse: success, 50 % instead of 90 %.",
+        "Worse: success, 50 % instead of 90 %. Better: time to the target, 0.37 s instead of 0.86 s.",
     ),
     "learning faster says that the end is open": (
         ([SAME, SOONER], ruled(FAILS, PASSES)),
@@ -77,6 +77,11 @@ SAID = {
         ([change([1.1, 1.2, 1.3], [1.9, 2.0, 2.1], HEIGHT)], ruled(PASSES), "agent"),
         Answer.HELPS,
         "Tip height is 2.00 m instead of 1.20 m.",
+    ),
+    "these trainings alone": (
+        ([MORE], Ruling(0.01, 0.01, (0.01,), (1,), (False,))),
+        Answer.AHEAD,
+        "In these trainings: the robot succeeds in 91 % instead of 60 % of its episodes. New ones may not differ.",
     ),
     "several places are told": (
         ([FAST], ruled(PASSES), "robot", "over 4 places"),
@@ -106,7 +111,7 @@ SAID = {
         "The rewards differ by less than 5 points of success, also where trainings fail that were not seen.",
     ),
     "and that of the time": (
-        ([change(AROUND, AROUND[::-1], TIME)], ruled(FAILS)),
+        ([change(SECONDS, SECONDS[::-1], TIME)], ruled(FAILS)),
         Answer.NO_DIFFERENCE,
         "The rewards differ by less than 10% of the time.",
     ),
@@ -126,18 +131,13 @@ SAID = {
         "Train longer, or with another algorithm.",
     ),
     "nothing measured has its reason": (([],), Answer.CANNOT_TELL, UNMEASURED),
-    "an interval that leaves out 0 is not called no difference": (
-        ([APART, FAST], ruled((1, 0.2), PASSES)),
-        Answer.HELPS,
-        " Whether success differs cannot be told.",
-    ),
-    "nor at the end": (
-        ([APART, change([0.1, 0.11, 0.1], [0.5, 0.51, 0.5], SPEED)], ruled((1, 0.2), PASSES)),
+    "an end that is apart is not called no difference": (
+        ([change([1.1, 1.2, 1.3], [1.9, 2.0, 2.1], HEIGHT), SOONER], ruled((1, 0.2), PASSES)),
         Answer.LEARNS_FASTER,
         " Whether the end differs too cannot be told.",
     ),
 }
-PARTS = ("learning more slowly", "a difference of", "a plan", "neither learns", "an interval", "nor at")
+PARTS = ("learning more slowly", "a difference of", "a plan", "neither learns", "an end", "these trainings")
 """Rows that have a part of the text."""
 
 
