@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from harness.arrays import Float
 from harness.eta.headline import SUCCESS_MARGIN
 from harness.eta.interval import CONFIDENCE, SHARE, UNBOUNDED, cut_to, of_difference, why_no_interval
-from harness.eta.unseen import mean_bounds
+from harness.eta.unseen import difference_bounds
 from harness.files.plain import Plain
 
 REWARDS, PLACES = 2, 2
@@ -148,11 +148,11 @@ def _order(runs: Runs, episodes: int | None, confidence: float) -> Order:
     count, seeds = values.shape
     means = values.mean(axis=1)
     low, high = np.full((count, count), -np.inf), np.full((count, count), np.inf)
-    bounds = UNBOUNDED if episodes is None else of_difference(SHARE)
+    ends = UNBOUNDED if episodes is None else SHARE
     if not why_no_interval(seeds):
         for one, other in zip(*np.triu_indices(count, 1), strict=True):
-            differences = values[one] - values[other]
-            low[one, other], high[one, other] = cut_to(mean_bounds([differences], [bounds], confidence), bounds)
+            found = difference_bounds([values[other]], [values[one]], [ends], confidence)
+            low[one, other], high[one, other] = cut_to(found, of_difference(ends))
             low[other, one], high[other, one] = -high[one, other], -low[one, other]
     return Order(tuple(runs), means, low, high, seeds)
 

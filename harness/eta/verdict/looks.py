@@ -2,7 +2,7 @@
 
 Whoever looks at the results after some seeds and trains more of them if the answer is not there yet gives luck several
 chances. The bound that a plain word rests on allows for a training that was not seen, so it moves little from look to
-look: from the second look on its level is `LATER`, and the chance of a false word over all looks stays below 5 %
+look: from the second look on its level is `LATER`, and the chance of a false word over all looks stays at 6 % at most
 (docs/statistics.md). Labels are dealt anew once, at the last look.
 """
 

@@ -100,7 +100,7 @@ SHARED: Mapping[str, str] = MappingProxyType(
     }
 )
 """Texts of the template."""
-PROMISE = "if nothing differed, about 5 % of reports would raise a false alarm"
+PROMISE = "where two rewards are equal on average, at most 5 % of reports say that one helps or hurts"
 BARS = (
     "Dot and thin bar: the difference and its 95 % interval; right of the line is better. Small dots: a training each, "
     "by the measure above them, on a scale of their own; further right is better. Thick bars are pay: right of "
