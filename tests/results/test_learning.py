@@ -2,6 +2,7 @@
 
 import pytest
 
+from harness.eta import SHARE
 from harness.registry import Choice
 from harness.results import Group
 from harness.results.learning import LearningCurve, Moment, learning_points
@@ -34,7 +35,7 @@ def test_points_are_where_evaluations_were_due(runs, points):
 def test_points_have_intervals_over_seeds():
     """Around the mean; none of one seed."""
     runs = [{100: 0.4 + 0.05 * seed} for seed in range(5)]
-    (point,), (share,), (alone,) = _points(*runs), _points(*runs, is_share=True), _points(runs[0])
+    (point,), (share,), (alone,) = _points(*runs), _points(*runs, bounds=SHARE), _points(runs[0])
     assert point.value.low < 0.5 < point.value.high
     assert share.value.low < point.value.low  # a share allows for the seed that was not seen
     assert (alone.value.low, alone.value.note) == (None, "one seed: no interval below 3 seeds")
@@ -58,7 +59,7 @@ def test_band_has_the_points_with_an_interval():
 def test_bands_stay_within_what_a_metric_can_be():
     """No distance is below 0."""
     runs = [{100: 0.1 * seed} for seed in range(3)]
-    (free,), (bound,) = _points(*runs), _points(*runs, bounds=(0.0, 9.0))
+    (free,), (bound,) = _points(*runs), _points(*runs, bounds=(0.0, float("inf")))
     assert free.value.low < 0.0
     assert (bound.value.low, bound.value.high) == (0.0, free.value.high)
 

@@ -27,8 +27,9 @@ def pool_of(mean, spread=0.05):
 def test_the_answer_says_over_how_many_places_and_in_how_many_at_least():
     """In one sentence each."""
     told = pool_of(0.9).headline.robot
-    assert told.startswith("Success +40.0 points on average over 4 places (+")
-    assert told.endswith(" dense helps over 4 places, corrected p 0.002. It is better in all 4 places.")
+    assert told.startswith("Success +40.6 points on average over 4 places (+")
+    assert " dense helps over 4 places. One training more of either reward" in told
+    assert told.endswith("It is better in all 4 places.")
 
 
 def test_a_reward_that_hurts_is_worse():

@@ -48,7 +48,7 @@ def test_row_has_the_place_the_answer_its_test_and_the_numbers():
     """As the comparison does, as exact as they are known."""
     row, change, ruling = row_of(COMPARED), COMPARED.decisive, COMPARED.answer.ruling
     named = (row["simulator"], row["task"], row["baseline"], row["proposed"], row["seeds"], row["steps"])
-    assert named == ("mujoco", "reach", "baseline", "arp", 6, 1000)
+    assert named == ("mujoco", "reach", "baseline", "arp", 20, 1000)
     assert (row["answer"], row["p"], row["p_corrected"]) == ("helps", ruling.p, ruling.corrected)
     assert (row["measure"], row["difference"]) == (change.name, change.difference)
     assert row["eta_P"] is None

@@ -7,7 +7,7 @@ from harness.registry import Choice
 from harness.results import Behaviour, Comparison, Group
 
 SUCCESS = Quantity("success_rate", "", "higher", "deterministic", 100)
-TIME = Quantity("time_to_target", "s", "lower", "deterministic")
+TIME = Quantity("time_to_target", "s", "lower", "deterministic", bounds=(0.0, 5.0))
 SPEED = Quantity("success_rate", "", "higher", "while training", 100)
 
 
@@ -51,7 +51,7 @@ def comparison(
     )
 
 
-def rates(mean, other, seeds=6, spread=0.05, seed=0):
+def rates(mean, other, seeds=20, spread=0.05, seed=0):
     """Success under the baseline and under the proposed reward, (2, seeds)."""
     values = np.random.default_rng(seed).normal(size=(2, seeds)) * spread + np.array([[mean], [other]])
     return np.clip(values, 0.0, 1.0)
