@@ -28,7 +28,7 @@ def test_json_has_the_promised_keys(experiment):
     assert set(combination) == {
         *("simulator", "algorithm", "robot", "task", "steps", "deterministic", "baseline", "proposed", "is_control"),
         *("seeds", "trained", "mixtures", "headline", "eta_N", "eta_P", "total", "baseline_index", "proposed_index"),
-        *("claims", "smallest_p", "episodes", "behaviour", "along_the_budget"),
+        *("claims", "episodes", "behaviour", "along_the_budget"),
         *("deciding", "decided_in", "returns", "returns_missing", "test", "same_steps"),
         *("paid_at_random", "not_maximised"),
     }
