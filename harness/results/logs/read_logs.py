@@ -1,5 +1,6 @@
 """Turns sorted logs into the trainings of a study, which the same tests compare as recorded trainings."""
 
+from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -147,16 +148,14 @@ def _shortfall(training: Training) -> str:
 def facts_notes(logs: Sequence[Log]) -> list[str]:
     """What logs tell of themselves, each line once: how they were thinned, and what to keep in mind."""
     kinds = dict.fromkeys((log.facts.format, log.facts.unit) for log in logs)
-    counts = {name: sum(log.facts.format == name for log in logs) for name, _ in kinds}
+    counts = Counter(log.facts.format for log in logs)
     read = [f"Read: {counts[name]} of {name}, a row is {ROW_IS[unit]}" for name, unit in kinds]
     thinned = dict.fromkeys(log.facts.thinned for log in logs if log.facts.thinned)
-    told = dict.fromkeys(note for log in logs for note in log.facts.notes)
-    lines = [*read, *thinned, *told]
+    lines = [*read, *thinned, *dict.fromkeys(note for log in logs for note in log.facts.notes)]
     more = len(lines) - MOST_TOLD
-    return [
-        *lines[:MOST_TOLD],
-        *([f"The logs tell {more} lines more of themselves, such as: {lines[-1]}"] if more > 0 else []),
-    ]
+    if more > 0:
+        lines[MOST_TOLD:] = [f"The logs tell {more} lines more of themselves, such as: {lines[-1]}"]
+    return lines
 
 
 def no_steps_notes(logs: Sequence[Log]) -> tuple[str, ...]:
@@ -362,20 +361,18 @@ class Axis(NamedTuple):
     """What a training's length is counted in."""
 
     column: str
-    """The column that tells it; empty where rows are counted."""
+    """The column that tells it, of episodes their lengths; empty where rows are counted."""
     noun: str
-    is_summed: bool = False
-    """Whether the column tells it of each row alone."""
 
 
-AXES = (Axis("time", "steps"), Axis(LENGTH, "steps", is_summed=True), Axis("iteration", "iterations"))
+AXES = (Axis(TIME, "steps"), Axis(LENGTH, "steps"), Axis("iteration", "iterations"))
 
 
 def _axis_of(trainings: Sequence[Training]) -> Axis:
     """The first of these that all logs tell; else their rows."""
     logs = [log for it in trainings for log in it.logs]
     unit = logs[0].facts.unit
-    usable = AXES if unit == "episode" else [axis for axis in AXES if not axis.is_summed]
+    usable = (axis for axis in AXES if unit == "episode" or axis.column != LENGTH)
     return next((axis for axis in usable if all(axis.column in log for log in logs)), Axis("", f"{unit}s"))
 
 
@@ -386,7 +383,7 @@ def _steps(training: Training, axis: Axis) -> int:
     """
     rows = int(max(_ends(log, axis)[-1] for log in training.logs)) * len(training.logs)
     evaluated = training.evaluation
-    if evaluated is None or not axis.column or axis.is_summed or axis.column not in evaluated:
+    if evaluated is None or axis.column == LENGTH or axis.column not in evaluated:
         return rows
     return max(rows, int(_ends(evaluated, axis)[-1]))
 
@@ -404,7 +401,7 @@ def _ends(log: Log, axis: Axis) -> Float:
     if not axis.column:
         return np.arange(1.0, len(log) + 1)
     told: Float = np.asarray(log[axis.column], np.float64)
-    ends: Float = np.cumsum(told) if axis.is_summed else told
+    ends: Float = np.cumsum(told) if axis.column == LENGTH else told
     if not np.isfinite(ends).all() or (np.diff(ends) < 0).any():
         raise SchemaError(f"{log.facts.path}: its rows are not in the order of their {axis.noun}")
     return ends

@@ -24,7 +24,6 @@ PLAIN_FILES = ("monitor", "evaluations", "progress", "result", "results", "metri
 PLAIN_FOLDERS = ("eval", "evaluation", "evaluations", "tb", "tensorboard", "log", "logs", "monitor", "runs", "train")
 """Names that programs give to what belongs to any training: they say nothing of it."""
 EVENTS = "events.out.tfevents"
-ENDINGS = (".monitor.csv", ".csv", ".npz", ".json", ".jsonl", ".parquet", ".hdf5", ".h5")
 NUMBERED = re.compile("[0-9]+([.][0-9]+)*")
 """Names of files which a batch of environments writes: a number, or one of a process and one of its environment."""
 EVALUATED = re.compile("eval(uation)?s?([-_](env|logs?|monitor))?", re.IGNORECASE)
@@ -197,14 +196,14 @@ def _parts(folder: Path, path: Path) -> list[str]:
     if path.is_dir():
         return [*below]
     name = path.name
-    ending = next((it for it in ENDINGS if name.lower().endswith(it)), "" if name.startswith(EVENTS) else path.suffix)
+    ending = ".monitor.csv" if name.lower().endswith(".monitor.csv") else path.suffix
     return [*below[:-1], name[: len(name) - len(ending)]]
 
 
 def _name_of(folder: Path, path: Path, run: str = "") -> str:
     """The path below the folder without what says nothing, and what the file calls the training."""
     parts = _parts(folder, path)
-    if not path.is_dir() and (parts[-1].lower() in PLAIN_FILES or parts[-1].startswith(EVENTS)):
+    if not path.is_dir() and (parts[-1].lower() in PLAIN_FILES or path.name.startswith(EVENTS)):
         parts.pop()
     said = [part for part in parts if part.lower() not in PLAIN_FOLDERS]
     return "/".join(filter(None, [*said, run])) or folder.resolve().name
@@ -257,9 +256,9 @@ def _named(folder: Path, logs: Sequence[Log], names: Sequence[str], template: st
     kinds: dict[tuple[bool, int, str], list[int]] = {}
     for number, log in enumerate(logs):
         kinds.setdefault((log.facts.evaluation, UNITS.index(log.facts.unit), log.facts.format), []).append(number)
-    best = min(kinds, key=lambda kind: (*kind[:2], -len(kinds[kind]), kind))
+    order = sorted(kinds, key=lambda kind: (*kind[:2], -len(kinds[kind]), kind))
     found, above = dict[int, Named](), dict[str, Named]()
-    for kind in sorted(kinds, key=lambda kind: kind != best):
+    for kind in order:
         homes = {it: [*accumulate(names[it].split("/"), "{}/{}".format)] for it in kinds[kind]}
         named = {it: next((above[home] for home in of[::-1] if home in above), None) for it, of in homes.items()}
         alone = [it for it, of in named.items() if not of]
@@ -270,7 +269,8 @@ def _named(folder: Path, logs: Sequence[Log], names: Sequence[str], template: st
             if not template:
                 of = Named(facts.trained_with or of.reward, of.seed if facts.seed is None else facts.seed, of.place)
             found[it] = of._replace(reward=of.reward or folder.resolve().name)
-        above = above if template or kind != best else {names[it]: found[it] for it in alone}
+        if not template and kind == order[0]:
+            above = {names[it]: found[it] for it in alone}
     return [found[number] for number in range(len(logs))]
 
 

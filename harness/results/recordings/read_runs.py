@@ -248,9 +248,12 @@ def account_of_runs(
 
 def why_short(run: Run) -> str:
     """Why a recording is not whole by what it says of itself; empty if it is."""
-    facts = run.facts
-    if run.shortfall:
-        return f"it has {run.shortfall}. {'It ended early' if facts.closed else GOES_ON.capitalize()}"
+    facts, episodes = run.facts, len(run.episodes.last)
+    ended = "It ended early" if facts.closed else GOES_ON.capitalize()
+    if episodes < facts.episodes_asked:
+        return f"it has {episodes:,} of {facts.episodes_asked:,} episodes. {ended}"
+    if run.steps < facts.asked:
+        return f"it has {run.steps:,} of {facts.asked:,} steps. {ended}"
     if not run.steps:
         return "it has no steps"
     return "" if facts.closed or facts.asked or facts.episodes_asked else GOES_ON

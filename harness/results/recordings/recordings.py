@@ -3,7 +3,6 @@
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from types import MappingProxyType
-from typing import NamedTuple
 
 from harness.arrays import Float
 from harness.errors import SchemaError, UsageError
@@ -26,17 +25,6 @@ from harness.results.records import Records
 from harness.results.return_matrix import ReturnMatrix
 from harness.results.table import Numbers
 from harness.results.trainings import Match, Trainings
-
-
-class Place(NamedTuple):
-    """The cells of one algorithm in one environment."""
-
-    group: Group
-    cells: tuple[Cell, ...]
-    trainings: Trainings | None
-    """What they left; None if there is nothing to compare."""
-    notes: tuple[str, ...]
-    """What to keep in mind of them, or why there is nothing and what to know of the cells, a line each."""
 
 
 class Recordings:
@@ -62,8 +50,8 @@ class Recordings:
         """Leave out a cell: one that is not done is not read."""
 
     @cached_property
-    def places(self) -> tuple[Place, ...]:
-        """The done cells of each group.
+    def read(self) -> dict[Group, tuple[Sequence[Cell], Runs | str]]:
+        """The done cells of each group, with what they left; why there is nothing to compare where that is so.
 
         Raises:
             UsageError: A measure was chosen that no environment has.
@@ -74,20 +62,15 @@ class Recordings:
             if records.runs
             else {group: (cells, self._read(group, cells)) for group, cells in records.groups.items()}
         )
-        read = [runs for _, runs in found.values() if isinstance(runs, Runs)]
-        if read and self._shown is not None:
-            require_measures(self._shown, {name for runs in read for name in runs.measures})
-        return tuple(self._place(group, tuple(cells), runs) for group, (cells, runs) in found.items())
+        known = [runs.measures for _, runs in found.values() if isinstance(runs, Runs)]
+        if known and self._shown is not None:
+            require_measures(self._shown, {name for names in known for name in names})
+        return found
 
-    def _place(self, group: Group, cells: tuple[Cell, ...], runs: Runs | str) -> Place:
-        records = self.records
-        if isinstance(runs, str):
-            noted = (f"{cell.title}: {note}" for cell in cells if (note := records.manifest(cell).note))
-            return Place(group, cells, None, (runs, *noted))
-
-        deciding = runs.measures[:1]
+    def _trainings(self, runs: Runs) -> Trainings:
+        records, deciding = self.records, runs.measures[:1]
         keys = [key for reward in runs.trained for key in sorted(runs.members) if key[0] == reward]
-        of = Trainings(
+        return Trainings(
             runs.group,
             runs.trained[0],
             {key: runs.members[key] for key in keys},
@@ -102,7 +85,6 @@ class Recordings:
             is_alone=len(runs.trained) == 1 and not runs.control,
             read=runs,
         )
-        return Place(group, cells, of, runs.notes)
 
     def _read(self, group: Group, cells: list[Cell]) -> Runs | str:
         """The recorded trainings of cells; why there is nothing to compare where that is so."""
@@ -127,10 +109,10 @@ class Recordings:
         except UsageError as error:
             return str(error)
 
-    @property
+    @cached_property
     def trainings(self) -> list[Trainings]:
         """Those that are done, by group."""
-        return [it.trainings for it in self.places if it.trainings]
+        return [self._trainings(runs) for _, runs in self.read.values() if isinstance(runs, Runs)]
 
     @property
     def asked(self) -> list[tuple[Trainings, Match]]:
@@ -141,9 +123,13 @@ class Recordings:
     def notes(self) -> tuple[str, ...]:
         """What to keep in mind of the trainings, a line each."""
         told: dict[str, None] = {}
-        for it in self.places:
-            is_named = len(self.places) > 1 or not it.trainings
-            told |= dict.fromkeys(f"{it.group.title}: {line}" if is_named else line for line in it.notes)
+        for group, (cells, runs) in self.read.items():
+            if isinstance(runs, str):
+                noted = (f"{it.title}: {note}" for it in cells if (note := self.records.manifest(it).note))
+                lines, begin = (runs, *noted), f"{group.title}: "
+            else:
+                lines, begin = runs.notes, f"{group.title}: " * (len(self.read) > 1)
+            told |= dict.fromkeys(f"{begin}{line}" for line in lines)
         return tuple(told)
 
     @property
@@ -178,12 +164,14 @@ class Recordings:
     @cached_property
     def runs(self) -> dict[str, Run]:
         """The trainings that were read, those of the null control too, by id of the cell."""
-        found: dict[str, Run] = {}
-        for it in self.places:
-            everything = [*it.trainings.runs.values(), *it.trainings.again.values()] if it.trainings else []
-            of = {(run.reward, run.seed): run for run in everything if isinstance(run, Run)}
-            found |= {cell.id: of[key] for cell in it.cells if (key := (cell.reward.label, cell.seed)) in of}
-        return found
+        return {
+            cell.id: run
+            for cells, runs in self.read.values()
+            if isinstance(runs, Runs)
+            for of in ({it.key: it for it in (*runs.members.values(), *runs.control.values())},)
+            for cell in cells
+            if (run := of.get((cell.reward.label, cell.seed)))
+        }
 
 
 def _returns(trainings: Trainings) -> list[ReturnMatrix]:

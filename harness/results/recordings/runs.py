@@ -113,14 +113,6 @@ class Run:
         return [it for it in (self, self.evaluation, self.other, *self.before) if it is not None]
 
     @property
-    def shortfall(self) -> str:
-        """What there is of what was asked for, ``3 of 20 episodes``; empty of a whole one, and if nobody said."""
-        facts, episodes = self.facts, len(self.episodes.last)
-        if episodes < facts.episodes_asked:
-            return f"{episodes:,} of {facts.episodes_asked:,} episodes"
-        return f"{self.steps:,} of {facts.asked:,} steps" if self.steps < facts.asked else ""
-
-    @property
     def reward(self) -> str:
         """The reward that it was trained with."""
         return self.facts.trained_with
@@ -270,7 +262,7 @@ def rescaling_between(runs: Iterable[Run], reward: str, other: str) -> Rescaling
         [
             run.likeness.line(other, reward)
             for run in runs
-            if {reward, other} <= {*run.facts.rewards} and run.episodes.knows(reward) and run.episodes.knows(other)
+            if all(it in run.facts.rewards and run.episodes.knows(it) for it in (reward, other))
         ]
     )
 
