@@ -43,10 +43,10 @@ class CellLog:
     def write_example(self, folder: Path) -> Path:
         """Two episodes of two steps, each with its start row."""
         rows = np.zeros((6, len(SCALARS) + 2 * EXAMPLE_DOF))
-        names = ("episode", "step", "begin_distance", "distance", "reward", "truncated")
-        for episode in (0, 1):
-            told = ((episode, 0, 0.5, 0.5, 0.0, 0), (episode, 1, 0.5, 0.4, 0.25, 0), (episode, 2, 0.5, 0.2, 0.5, 1))
-            rows[3 * episode : 3 * episode + 3, [COLUMN[name] for name in names]] = told
+        steps = np.tile([0.0, 1.0, 2.0], 2)
+        told = {"episode": np.repeat([0, 1], 3), "step": steps, "begin_distance": 0.5, "distance": 0.5 - steps / 10}
+        for name, values in {**told, "reward": steps / 4, "truncated": steps == 2}.items():
+            rows[:, COLUMN[name]] = values
         with TraceWriter(folder / TRACE, EXAMPLE_DOF, EXAMPLE_DOF) as writer:
             writer.append(rows)
         return folder / TRACE

@@ -1,6 +1,5 @@
 """What was asked for in an experiment's folder: ``plan.json``, and ``experiment.toml``, which people read."""
 
-import hashlib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -11,7 +10,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, with_config
 
 import harness.record.file_forms as forms
 from harness.errors import SchemaError, UsageError, one_line
-from harness.files.bounded import digest_of, reading
+from harness.files.bounded import reading
 from harness.files.sealed import read_sealed, seal, unseal
 from harness.files.whole_file import write_whole
 from harness.record.cell import Cell
@@ -28,7 +27,7 @@ LISTS = ("sim", "algo", "reward")
 
 
 BESIDE = ("format", "experiment_digest", "note")
-"""Keys of the file that tell nothing of the plan, or that only this program writes."""
+"""Keys of the file that tell nothing of the plan; that digest stands in plans of earlier versions."""
 
 
 def _once(cells: tuple[Cell, ...]) -> tuple[Cell, ...]:
@@ -94,14 +93,12 @@ class StoredPlan:
             UsageError: Nobody could read it again. Nothing is written.
         """
         try:
-            text = self.experiment_text
             content = seal({
                 "format": FORMAT,
                 "baseline": self.baseline,
                 "a_a": self.a_a,
                 "control": [list(pair) for pair in self.control.items()],
                 "experiment": self.experiment,
-                "experiment_digest": hashlib.sha256(text.encode()).hexdigest(),
                 "terms": self.terms.to_json(),
                 "cells": [cell.to_json() for cell in self.cells],
             })  # fmt: skip
@@ -113,7 +110,7 @@ class StoredPlan:
                 f"'{folder}' cannot hold what is asked for, nobody could read its {PLAN} again: {one_line(error)}"
             ) from None
         write_whole(folder / PLAN, content)
-        write_whole(folder / EXPERIMENT, text)
+        write_whole(folder / EXPERIMENT, self.experiment_text)
 
     @property
     def experiment_text(self) -> str:
@@ -128,7 +125,7 @@ def read_plan(folder: Path) -> StoredPlan:
         SchemaError: It is damaged or written by a newer version.
     """
     path = folder / PLAN
-    data = _told_in(path)
+    data = read_sealed(path, "plan", FORMAT, SEALED_SINCE, PLAN_BYTES)
     with reading(path, "plan"):
         return _plan_of(data if data.get("experiment", {}) != {} else {**data, "experiment": experiment_in(folder)})
 
@@ -136,21 +133,6 @@ def read_plan(folder: Path) -> StoredPlan:
 def _plan_of(data: dict[str, Any]) -> StoredPlan:
     told = {name: it for name, it in data.items() if name not in BESIDE}
     return forms.read_form(StoredPlan, {"control": [], **told})  # a plan of version 0.1 has none
-
-
-def _told_in(path: Path) -> dict[str, Any]:
-    return read_sealed(path, "plan", FORMAT, SEALED_SINCE, PLAN_BYTES)
-
-
-def is_experiment_of_plan(folder: Path) -> bool:
-    """Whether ``experiment.toml`` is the one that ``plan.json`` was written with; so it is where that names none.
-
-    Raises:
-        SchemaError: The plan is damaged.
-    """
-    told = _told_in(folder / PLAN).get("experiment_digest")
-    path = folder / EXPERIMENT
-    return told is None or (path.is_file() and digest_of(path) == told)
 
 
 def plan_from_cells(folder: Path, cells: Iterable[Cell], damage: str) -> StoredPlan:
@@ -176,7 +158,10 @@ def plan_from_cells(folder: Path, cells: Iterable[Cell], damage: str) -> StoredP
             f"{EXPERIMENT} does not say which of them is the baseline: run the same command as before"
         )
     rewards = [_label(reward, known) for reward in experiment.get("reward", [])]
-    control = control_seeds(_seeds_of(experiment, known)) if baseline in rewards else {}
+    seeds = _with_seed_list(experiment).get("seeds")
+    if not isinstance(seeds, list):
+        seeds = sorted({cell.seed for cell in known})
+    control = control_seeds(seeds) if baseline in rewards else {}
     note = f"{damage}. The plan was put together from {len(known)} cells; run the same command as before to mend it"
     return StoredPlan(baseline, bool(control), control, known, experiment, note)
 
@@ -202,13 +187,6 @@ def _label(given: Any, cells: Sequence[Cell]) -> str:
         if {"name": reward.name, **{key: value for key, value in params if value is not None}} == given:
             return reward.label
     return str(given["name"] if isinstance(given, dict) and "name" in given else given)
-
-
-def _seeds_of(experiment: Mapping[str, Any], cells: Sequence[Cell]) -> list[int]:
-    told = experiment.get("seeds")
-    if isinstance(told, int):
-        return list(range(told))
-    return list(told) if isinstance(told, list) else sorted({cell.seed for cell in cells})
 
 
 def unite(plans: Sequence[tuple[Path, StoredPlan]]) -> StoredPlan:
@@ -268,7 +246,7 @@ def _terms_of_both(one: Terms, other: Terms) -> Terms:
 
 def _experiment_of_both(one: StoredPlan, other: StoredPlan) -> dict[str, Any]:
     """The experiment that asks for the cells of both; empty where no single one does."""
-    first, second = _with_seed_list(one), _with_seed_list(other)
+    first, second = _with_seed_list(one.experiment), _with_seed_list(other.experiment)
     differing = [key for key in {**first, **second} if first.get(key) != second.get(key)]
     if not differing:
         return first
@@ -280,12 +258,12 @@ def _experiment_of_both(one: StoredPlan, other: StoredPlan) -> dict[str, Any]:
     return {**second, key: sorted(items) if is_sorted else items}
 
 
-def _with_seed_list(plan: StoredPlan) -> dict[str, Any]:
-    """The experiment with its seeds one by one; a number of seeds that the cells do not have stays a number."""
-    seeds = plan.experiment.get("seeds")
-    if not isinstance(seeds, int) or seeds > len(plan.cells):
-        return dict(plan.experiment)
-    return {**plan.experiment, "seeds": list(range(seeds))}
+def _with_seed_list(experiment: Mapping[str, Any]) -> dict[str, Any]:
+    """The experiment with its seeds one by one; a number of seeds that no experiment has stays a number."""
+    seeds = experiment.get("seeds")
+    if not isinstance(seeds, int) or seeds > forms.MOST_SEEDS:
+        return dict(experiment)
+    return {**experiment, "seeds": [*range(seeds)]}
 
 
 def _in_order(plan: StoredPlan) -> tuple[Cell, ...]:

@@ -14,14 +14,13 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from harness.arrays import Float
 from harness.errors import SchemaError, UsageError
 from harness.files.bounded import reading, require_regular
 from harness.files.parquet import MOST_NUMBERS, require_room
 from harness.log import Log
-from harness.log.log import REWARD, TIME, Columns, Rows, joined
+from harness.log.log import TIME, Columns, Rows, joined
 from harness.record.recording.facts import FILE_REWARD, TrainingFacts, facts_of, file_column, term_column
-from harness.record.recording.scores import read_scores, scores_name, with_scores
+from harness.record.recording.scores import read_scores, scores_name, weighted_scores, with_scores
 from harness.registry.choice import parse
 from harness.reward.forms import weighted
 from harness.reward.terms import sum_of
@@ -48,23 +47,15 @@ _FACTS = re.compile(r"recording-(0|[1-9]\d{0,5})\.json")
 
 def weighed(log: Log, labels: Iterable[str]) -> Log:
     """The same, and what rewards with other weights pay its steps, ``gentle:effort=5``, as far as terms tell it."""
-    facts, columns = facts_of(log), dict[str, Float]()
+    facts = facts_of(log)
     for label in labels:
         name, weights = weights_of(label)
         names = facts.terms.get(name, ())
-        if label in facts.rewards or not weights or not weights.keys() <= {*names}:
-            continue
-        told = log.rows(term_column(name, term) for term in names)
-        paid = weighted({term: told[term_column(name, term)] for term in names}, weights)
-        was, now = f"{REWARD}{name}", f"{REWARD}{label}"
-        columns |= {now: sum_of(paid), **{term_column(label, term): it for term, it in paid.items()}}
-        facts = replace(
-            facts,
-            rewards=(*facts.rewards, label),
-            failed=(*facts.failed, *(replace(it, column=now) for it in facts.failed if it.column == was)),
-            terms={**facts.terms, label: names},
-        )
-    return replace(log, facts=facts).add(columns)
+        if label not in facts.rewards and weights and weights.keys() <= {*names}:
+            told = log.rows(term_column(name, term) for term in names)
+            paid = weighted({term: told[term_column(name, term)] for term in names}, weights)
+            log = with_scores(log, weighted_scores(log, name, label, sum_of(paid), paid))
+    return log
 
 
 def weights_of(label: str) -> tuple[str, dict[str, float]]:
@@ -209,7 +200,7 @@ def _tables(folder: Path, number: int, facts: TrainingFacts, names: tuple[str, .
         raise SchemaError(
             f"{folder} has more than {least:,} steps of {len(columns):,} columns, {MOST_NUMBERS:,} numbers are allowed"
         )
-    last: Columns = {}
+    last: Columns = dict.fromkeys((*INTEGERS, TICK_IN_FILE), np.empty(0, np.int64))
     taken = 0
     for part in range(count):
         path = folder / part_name(number, part)
@@ -261,7 +252,7 @@ def _require_sound(folder: Path, facts: TrainingFacts, columns: Columns, last: C
         folder: Of the training.
         facts: What is known of it.
         columns: Of the part, as they are called in it.
-        last: What this returned of the part before; empty at the first one.
+        last: What this returned of the part before; no rows at the first one.
 
     Returns:
         The last step of each env so far.
@@ -269,7 +260,7 @@ def _require_sound(folder: Path, facts: TrainingFacts, columns: Columns, last: C
     time, env = columns[TICK_IN_FILE], columns["env"]
     if not len(time):
         return last
-    if (np.diff(time, prepend=last[TICK_IN_FILE].max() if last else 0) < 0).any():
+    if (np.diff(time, prepend=last[TICK_IN_FILE].max(initial=0)) < 0).any():
         raise SchemaError(f"{folder}: its steps do not stand in the order of time")
     if env.min() < 0 or env.max() >= facts.num_envs:
         raise SchemaError(f"{folder} has steps of an env beyond its {facts.num_envs}")
@@ -289,11 +280,11 @@ def _require_sound(folder: Path, facts: TrainingFacts, columns: Columns, last: C
 def _require_unbroken(folder: Path, columns: Columns, last: Columns) -> Columns:
     """See that no step of an env is missing, doubled or out of place: episodes would be paid otherwise."""
     names = ("env", TICK_IN_FILE, "episode", "step")
-    rows = {name: np.concatenate([last.get(name, columns[name][:0]), columns[name]]) for name in names}
+    rows = {name: np.concatenate([last[name], columns[name]]) for name in names}
     order = np.argsort(rows["env"], kind="stable")
     env, time, episode, step = (rows[name][order] for name in names)
     is_first = np.diff(env, prepend=-1) != 0
-    is_known = order < len(last.get("env", ()))  # a step of an earlier part, the first one of its env here
+    is_known = order < len(last["env"])  # a step of an earlier part, the first one of its env here
     goes_on = (np.diff(episode) == 0) & (np.diff(step) == 1)
     begins = (np.diff(episode) > 0) & (step[1:] == 0)
     follows = (goes_on | begins) & (np.diff(time) > 0)
