@@ -20,7 +20,7 @@ beginDistance can change inside an episode (a target that was touched is drawn a
 import csv
 import os
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
@@ -111,10 +111,14 @@ def _no_reward(names: list[str]) -> str:
     for separator, word in ((";", "semicolons"), ("\t", "tabs"), ("|", "|")):
         if line.count(separator) >= max(1, len(names)):
             return f"no column 'reward': the columns are separated by {word}; only commas are read, and decimal points"
-    there = ", ".join(shortened(name.strip(), SHOWN) for name in names[:12]) + (", ..." if len(names) > 12 else "")
     paid = next((name.strip() for name in names if name.strip().lower().startswith("reward_")), None)
     rename = "" if paid is None else f". Call the one that taught 'reward', such as '{shortened(paid, SHOWN)}'"
-    return f"no column 'reward'; there is: {there or 'nothing'}{rename}"
+    return f"no column 'reward'; there is: {shown_names(names) or 'nothing'}{rename}"
+
+
+def shown_names(names: Sequence[str]) -> str:
+    """The first names of columns, for a message."""
+    return ", ".join(shortened(name.strip(), SHOWN) for name in names[:12]) + (", ..." if len(names) > 12 else "")
 
 
 def _find_fault(cells: list[str], header: list[str], places: Mapping[str, int]) -> str | None:

@@ -1,6 +1,7 @@
 """What a row of somebody's table stands for: a step, as an index needs it, or an episode or a mean over many."""
 
 import re
+from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -134,14 +135,12 @@ def split(table: TextTable, names: Sequence[str]) -> list[tuple[tuple[str, ...],
     """
     if not names:
         return [((), np.arange(len(table)))]
-    cells = [tuple(cell.strip() for cell in row) for row in zip(*(table.cells[name] for name in names), strict=True)]
-    numbers = {of: number for number, of in enumerate(dict.fromkeys(cells))}
-    if len(numbers) > MOST_RUNS:
+    found = defaultdict[tuple[str, ...], list[int]](list)
+    for row, cells in enumerate(zip(*(table.cells[name] for name in names), strict=True)):
+        found[tuple(map(str.strip, cells))].append(row)
+    if len(found) > MOST_RUNS:
         raise SchemaError(f"{table.path}: '{', '.join(names)}' names more than {MOST_RUNS:,} runs")
-    number = np.array([numbers[of] for of in cells], np.int64)
-    order = np.argsort(number, kind="stable")
-    parts = np.split(order, np.flatnonzero(np.diff(number[order])) + 1)
-    return list(zip(numbers, parts, strict=True))
+    return [(cells, np.array(rows)) for cells, rows in found.items()]
 
 
 def fault_of_episodes(table: TextTable, roles: Mapping[str, str], rows: Ints) -> Fault | None:

@@ -113,17 +113,14 @@ def group_of(path: Path, parent: Any, key: str, most: int = MOST_KEYS) -> Any:
 
 
 def array_of(path: Path, parent: Any, key: str) -> Array:
-    """An array in a group, or in groups of it, ``a/b``; see `member_of`.
+    """An array in a group, or in groups of it; see `find_array`.
 
     Raises:
-        SchemaError: It is none.
+        SchemaError: There is none.
     """
-    *groups, key = key.split("/")
-    for group in groups:
-        parent = group_of(path, parent, group)
-    found = member_of(path, parent, key)
-    if not isinstance(found, Array):
-        raise SchemaError(f"{path}: {_place(parent, key)} is a group, no array")
+    found = find_array(path, parent, key)
+    if found is None:
+        raise SchemaError(f"{path}: {parent.name} has no {key}, or a group in its place")
     return found
 
 

@@ -22,7 +22,6 @@ from harness.text import shortened
 
 from ..datasets.dataset import (
     MOST_NUMBERS,
-    Declared,
     take_census,
     whole,
 )
@@ -85,7 +84,7 @@ class Minari:
             seen = _overview(place, file)
             episodes, steps = (whole(metadata.get(key)) for key in ("total_episodes", "total_steps"))
             belonging, notes = take_census(
-                place, Declared(episodes, steps, lengths=seen.told), seen.steps, self.partial
+                place, seen.steps, partial=self.partial, episodes=episodes, steps=steps, lengths=seen.told
             )
             numbers = tuple(sorted(belonging - seen.again))
             pictures = pictures_of(metadata)

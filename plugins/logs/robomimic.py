@@ -20,7 +20,6 @@ from harness.text import one_line_of, shortened
 
 from ..datasets.dataset import (
     NOTHING_SEEN,
-    Declared,
     take_census,
     whole,
 )
@@ -60,7 +59,7 @@ class Robomimic:
             data = group_of(path, file, DATA, MOST_EPISODES)
             seen = _overview(path, data)
             total = whole(data.attrs.get("total"))
-            belonging, notes = take_census(path, Declared(None, total, lengths=seen.told), seen.steps, self.partial)
+            belonging, notes = take_census(path, seen.steps, partial=self.partial, steps=total, lengths=seen.told)
             masks = _masks(path, file)
             listed = masks.get(self.mask, frozenset(seen.groups.values()))
             if self.mask and self.mask not in masks:
