@@ -5,6 +5,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+from harness.eta.behaviour_change import Quantity
 from harness.eta.interval import UNBOUNDED, Bounds
 from harness.eta.seed_mean import SeedMean, mean_of_known
 from harness.results.comparison import Group
@@ -87,10 +88,8 @@ class Learning:
         return {"metrics": metrics, "runs": runs}
 
 
-def learning_points(
-    runs: Collection[Sequence[Moment]], metric: str, group: Group, is_share: bool = False, bounds: Bounds = UNBOUNDED
-) -> tuple[Point, ...]:
-    """The mean of one metric, which may be a share of episodes or have bounds, over seeds at each evaluation.
+def learning_points(runs: Collection[Sequence[Moment]], measure: Quantity, group: Group) -> tuple[Point, ...]:
+    """The mean of one measure over seeds at each evaluation.
 
     Evaluations that were due at the same step form one point.
     """
@@ -98,13 +97,13 @@ def learning_points(
     for moments in runs:
         for due, moment in moments_by_due(moments, group.evaluate_every, group.steps):
             found.setdefault(due, []).append(moment)
-    episodes = group.evaluation_episodes if is_share else None
+    episodes = None if measure.episodes is None else group.evaluation_episodes
     return tuple(
         mean_point(
             round(sum(it.steps for it in moments) / len(moments)),
-            [*(it.values[metric] for it in moments), *[None] * (len(runs) - len(moments))],
+            [*(it.values[measure.name] for it in moments), *[None] * (len(runs) - len(moments))],
             episodes,
-            bounds,
+            measure.bounds,
         )
         for _, moments in sorted(found.items())
     )

@@ -339,10 +339,7 @@ class Trainings:
     def _evaluated(self, reward: str, members: Sequence[Trained]) -> LearningCurve:
         runs = {it.seed: it.moments for it in members}
         measures = [self.quantity(name, "", 1) for name in self.names]
-        points = {
-            it.name: learning_points(runs.values(), it.name, self.group, it.episodes is not None, it.bounds)
-            for it in measures
-        }
+        points = {it.name: learning_points(runs.values(), it, self.group) for it in measures}
         return LearningCurve(reward, runs, points)
 
     def learned(self, reward: str, members: Sequence[Trained]) -> LearningCurve:

@@ -24,6 +24,7 @@ from harness.eta import (
     decompose,
     number_sentence,
 )
+from harness.eta.amounts import listed
 from harness.eta.laws import counted, shortfall_beside
 from harness.log import Log, Rows
 from harness.log.log import ROWS
@@ -439,5 +440,4 @@ def _begin_distance(group: Sequence[Log]) -> float:
 
 
 def _listed(runs: Sequence[Log]) -> str:
-    *most, last = (f"'{run.facts.path}'" for run in runs)
-    return f"{', '.join(most)} and {last}" if most else last
+    return listed([f"'{run.facts.path}'" for run in runs])
