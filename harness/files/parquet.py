@@ -8,6 +8,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from harness.arrays import Float
+from harness.files.bounded import require_regular
 
 MOST_NUMBERS = 2**31
 """The most numbers that are read at once, rows times columns: 16 GiB of float64."""
@@ -36,6 +37,12 @@ def write_packed(table: pa.Table, path: Path) -> None:
     pq.write_table(
         table, path, compression="zstd", use_dictionary=False, column_encoding=encodings, write_page_checksum=True
     )
+
+
+def open_parquet(path: Path, most: int) -> pq.ParquetFile:
+    """A regular file of at most `most` bytes; a page with a wrong bit is refused when it is read."""
+    require_regular(path, most)
+    return pq.ParquetFile(path, page_checksum_verification=True)
 
 
 def require_room(file: pq.ParquetFile, columns: Collection[str] | None = None, most: int = MOST_NUMBERS) -> None:

@@ -252,7 +252,7 @@ class Log:
         """
         old = {new.get(name, name): name for name in self.names}
         for name, other in new.items():
-            if name in self and other != name and other in self:
+            if name in self and other != name and other in self and new.get(other, other) == other:
                 raise UsageError(f"'{name}' cannot be called '{other}': {self.facts.path} has a column of that name")
 
         def read(names: tuple[str, ...]) -> Iterator[Columns]:

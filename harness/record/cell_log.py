@@ -1,6 +1,5 @@
 """The traces that cells of an arm leave, as logs with the names that all logs share."""
 
-from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -9,7 +8,7 @@ import numpy as np
 import pyarrow.parquet as pq
 
 from harness.log import Log, LogFacts
-from harness.log.log import RECORDED, REWARD, START, TIME, Columns
+from harness.log.log import RECORDED, REWARD, START, TIME
 from harness.record.cell import Cell
 from harness.record.folder import MANIFEST, RANDOM, SUFFIX, TRACE
 from harness.record.manifest import read_manifest
@@ -60,15 +59,9 @@ def cell_log(path: Path) -> Log:
     """
     trace, cell = read_trace(path), cell_of(path)
     label = cell.reward.label if cell else RECORDED
-    own = {name: name for name in trace.columns if name != "reward" and not name.startswith(TERM)}
-    terms = {f"{REWARD}{label}/{name.removeprefix(TERM)}": name for name in trace.columns if name.startswith(TERM)}
-    names = {**own, f"{REWARD}{label}": "reward", **terms}
-
-    def read(asked: tuple[str, ...]) -> Iterator[Columns]:
-        for table in trace.read(tuple(names[name] for name in asked)):
-            yield {name: table[names[name]] for name in asked}
-
-    log = Log(_facts(trace, path, cell), tuple(names), read, {**trace.known})
+    paid = f"{REWARD}{label}"
+    terms = {name: f"{paid}/{name.removeprefix(TERM)}" for name in trace.columns if name.startswith(TERM)}
+    log = replace(trace, facts=_facts(trace, path, cell)).renamed({"reward": paid, **terms})
     is_step = log["step"] > 0
     return log.add({START: ~is_step, TIME: np.cumsum(is_step)})
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import chain
 from pathlib import Path
 from typing import Annotated, Any, Self
 
@@ -254,8 +255,7 @@ def _experiment_of_both(one: StoredPlan, other: StoredPlan) -> dict[str, Any]:
     if more or key not in (*LISTS, "seeds") or not all(isinstance(it.get(key), list) for it in (first, second)):
         return {}
     items = [*first[key], *(item for item in second[key] if item not in first[key])]
-    is_sorted = all(isinstance(item, int) for item in items)
-    return {**second, key: sorted(items) if is_sorted else items}
+    return {**second, key: sorted(items) if key == "seeds" else items}
 
 
 def _with_seed_list(experiment: Mapping[str, Any]) -> dict[str, Any]:
@@ -268,12 +268,12 @@ def _with_seed_list(experiment: Mapping[str, Any]) -> dict[str, Any]:
 
 def _in_order(plan: StoredPlan) -> tuple[Cell, ...]:
     """Cells in the order in which one experiment has them: seeds outermost, the null control's last."""
-    choices = dict.fromkeys(choice for cell in plan.cells for choice in (cell.place, cell.algorithm, cell.reward))
-    ranks = {choice: rank for rank, choice in enumerate(choices)}
+    chosen = {cell: (cell.place, cell.algorithm, cell.reward) for cell in plan.cells}
+    ranks = [*dict.fromkeys(chain.from_iterable(chosen.values()))]
     others = set(plan.control.values()) - set(plan.control)
 
-    def place(cell: Cell) -> tuple[int, ...]:
+    def rank(cell: Cell) -> tuple[int, ...]:
         is_control = cell.seed in others and cell.reward.label == plan.baseline
-        return (is_control, cell.seed, ranks[cell.place], ranks[cell.algorithm], ranks[cell.reward])
+        return (is_control, cell.seed, *map(ranks.index, chosen[cell]))
 
-    return tuple(sorted(plan.cells, key=place))
+    return tuple(sorted(plan.cells, key=rank))

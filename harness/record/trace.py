@@ -52,11 +52,11 @@ from pydantic import ConfigDict, with_config
 
 from harness.arrays import Float
 from harness.errors import SchemaError, SimulationDiverged
-from harness.files.bounded import reading, require_regular
-from harness.files.parquet import require_room, table_of
+from harness.files.bounded import reading
+from harness.files.parquet import open_parquet, require_room, table_of
 from harness.files.plain import Plain
 from harness.log import Log, LogFacts, in_memory
-from harness.log.log import MOST_ROWS, ROWS, Columns
+from harness.log.log import ROWS, Columns
 from harness.record.file_forms import read_form
 from harness.reward import LARGEST_PAID
 from harness.text import shortened
@@ -301,7 +301,7 @@ def require_plausible(path: Path, most: int) -> None:
     Raises:
         SchemaError: It has another number of rows, or holds a number that is too large; or as `read_trace`.
     """
-    with reading(path, "trace"), _opened(path) as file:
+    with reading(path, "trace"), open_parquet(path, TRACE_BYTES) as file:
         metadata = file.metadata
         if not 0 < metadata.num_rows <= most:
             raise SchemaError(f"{path} has {metadata.num_rows:,} rows, 1 to {most:,} are allowed")
@@ -321,11 +321,6 @@ def term_names(path: Path) -> tuple[str, ...]:
     return tuple(name.removeprefix(TERM) for name in read_trace(path).columns if name.startswith(TERM))
 
 
-def _opened(path: Path) -> pq.ParquetFile:
-    require_regular(path, TRACE_BYTES)
-    return pq.ParquetFile(path)
-
-
 def read_trace(path: Path, columns: Sequence[str] | None = None) -> Log:
     """A trace with all of its columns or some. Each is read when it is asked for.
 
@@ -333,7 +328,7 @@ def read_trace(path: Path, columns: Sequence[str] | None = None) -> Log:
         SchemaError: The file is damaged, is no trace or was written by a newer version. A column that is damaged raises
             it when it is read, and so does every column of a file that was replaced by then.
     """
-    with reading(path, "trace"), _opened(path) as file:
+    with reading(path, "trace"), open_parquet(path, TRACE_BYTES) as file:
         opened, metadata, there = _identity(path), file.metadata, file.schema_arrow.names
         told = metadata.metadata or {}
         version = told.get(FORMAT_KEY, b"none").decode()
@@ -344,8 +339,6 @@ def read_trace(path: Path, columns: Sequence[str] | None = None) -> Log:
         chosen = known if columns is None else [name for name in columns if name != OBSTACLE or name in known]
         stored = [*dict.fromkeys([*(name for name in chosen if name not in lacking), *(ENDS_OF_1 if lacking else ())])]
         _require_columns(file.schema_arrow, stored, path)
-        if metadata.num_rows > MOST_ROWS:
-            raise SchemaError(f"{path} has {metadata.num_rows:,} rows, {MOST_ROWS:,} are allowed")
         require_room(file, stored)
         facts = EpisodeFacts.from_bytes(told[FACTS_KEY]) if FACTS_KEY in told else NOTHING_KNOWN
         read = partial(_tables, path, opened, metadata)

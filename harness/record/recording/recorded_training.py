@@ -12,11 +12,10 @@ from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
-import pyarrow.parquet as pq
 
 from harness.errors import SchemaError, UsageError
-from harness.files.bounded import reading, require_regular
-from harness.files.parquet import MOST_NUMBERS, require_room
+from harness.files.bounded import reading
+from harness.files.parquet import MOST_NUMBERS, open_parquet, require_room
 from harness.log import Log
 from harness.log.log import TIME, Columns, Rows, joined
 from harness.record.recording.facts import FILE_REWARD, TrainingFacts, facts_of, file_column, term_column
@@ -184,8 +183,7 @@ def step_count(folder: Path, number: int) -> int:
         return 0
     path = folder / part_name(number, count - 1)
     with reading(path, "part of a recording"):
-        require_regular(path, PART_BYTES)
-        return (count - 1) * PART_ROWS + int(pq.read_metadata(path).num_rows)
+        return (count - 1) * PART_ROWS + int(open_parquet(path, PART_BYTES).metadata.num_rows)
 
 
 def _tables(folder: Path, number: int, facts: TrainingFacts, names: tuple[str, ...]) -> Iterator[Columns]:
@@ -232,8 +230,7 @@ def read_part(path: Path, schema: pa.Schema, names: Sequence[str] | None = None)
         SchemaError: It is damaged, or has other columns.
     """
     with reading(path, "part of a recording"):
-        require_regular(path, PART_BYTES)
-        file = pq.ParquetFile(path, page_checksum_verification=True)
+        file = open_parquet(path, PART_BYTES)
         if not file.schema_arrow.equals(schema):
             raise SchemaError(f"{path} has other columns than {facts_name(int(path.name.split('-')[1]))} tells")
         if file.metadata.num_rows > PART_ROWS:

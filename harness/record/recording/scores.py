@@ -15,14 +15,13 @@ from typing import Annotated, Any, NotRequired
 
 import numpy as np
 import pyarrow as pa
-import pyarrow.parquet as pq
 from pydantic import Field, with_config
 from typing_extensions import TypedDict
 
 from harness.arrays import Float
 from harness.errors import NewerFormat, SchemaError
-from harness.files.bounded import parse_json, reading, require_regular
-from harness.files.parquet import require_room, write_packed
+from harness.files.bounded import parse_json, reading
+from harness.files.parquet import open_parquet, require_room, write_packed
 from harness.files.whole_file import whole_file
 from harness.log import Log, in_memory
 from harness.log.log import BEHAVIOUR, REWARD, Columns
@@ -124,8 +123,7 @@ def read_scores(path: Path, count_steps: Callable[[], int]) -> Log | None:
     if not path.exists():
         return None
     with reading(path, "file of scores"):
-        require_regular(path, MOST_BYTES)
-        file, steps = pq.ParquetFile(path, page_checksum_verification=True), count_steps()
+        file, steps = open_parquet(path, MOST_BYTES), count_steps()
         if file.metadata.num_rows > steps:
             raise SchemaError(f"{path} scores {file.metadata.num_rows:,} steps, and the recording has {steps:,}")
         if file.metadata.num_rows < steps:
