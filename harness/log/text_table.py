@@ -27,7 +27,7 @@ MOST_BYTES = 2**27
 LONGEST_LINE = 2**20
 GZIP, WIDE = b"\x1f\x8b", (b"\xff\xfe", b"\xfe\xff")
 """How a file begins that gzip packed, and text in UTF-16."""
-TRUTH = {"true": 1.0, "false": 0.0}
+TRUTH = {"true": 1.0, "false": 0.0, "yes": 1.0, "no": 0.0}
 NOTHING = ("", "nan", "none", "null")
 COMMENT = re.compile(r"#(?<![^\r\n]#)[ \t]*\{[^\r\n]*")
 """A line of JSON behind ``#``."""

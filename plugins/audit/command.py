@@ -435,10 +435,11 @@ def _of_folder(
 
         return audit_logs(folder, find_logs(folder, registry, log_format or ""), only, sort or "", out)
     if kind == EXPERIMENT:
-        from harness.results import Told, Traces, load_results
+        from harness.authoring.commands import read_results
+        from harness.results import Told
 
-        results = load_results(folder, told=Told(leave_out=out), registry=registry)
-        if isinstance(results, Traces):
+        results = read_results(folder, registry, told=Told(leave_out=out))
+        if not results.in_environment:
             from harness.authoring.commands import audits_of
 
             from .recorded.experiment import audit_experiment

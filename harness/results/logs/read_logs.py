@@ -142,6 +142,11 @@ def _shortfall(training: Training) -> str:
         asked = max(log.facts.asked, log.facts.declared.get("steps", 0))
         if steps and steps < NEARLY_ALL * asked:
             return f"it has {steps:,} of {asked:,} steps"
+    if len(rows) > 1:  # environments that step together end within an episode of one another
+        ends = {log.facts.path: log[TIME].max() for log in training.logs}
+        first, last = min(ends, key=ends.__getitem__), max(ends.values())
+        if ends[first] + max(log[LENGTH].max() for log in training.logs) < NEARLY_ALL * last:
+            return f"'{first}' ends after {ends[first]:,.0f} steps, and another environment after {last:,.0f}"
     return ""
 
 
@@ -319,9 +324,12 @@ def _deciding_text(measures: Sequence[str], told: Sequence[str], trainings: Sequ
     others = [f"`{name}`" for name in told if name not in measures]
     more = f". The logs tell {listed(others)} too: --measure NAME:better=lower lets one decide" if others else ""
     if not measures:
+        has_lengths = all(LENGTH in log for it in trainings for log in it.logs)
         return (
             "; only returns are told, and returns of two rewards are not comparable. --labels FILE says which "
-            f"trainings succeeded, --measure length:better=lower lets the length of episodes decide{more}"
+            "trainings succeeded"
+            + ", --measure length:better=lower lets the length of episodes decide" * has_lengths
+            + more
         )
     first, count = measures[0], len(trainings)
     lacking = sum(not any(f"{BEHAVIOUR}{first}" in log for log in it.all_logs) for it in trainings)

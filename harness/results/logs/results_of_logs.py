@@ -19,7 +19,6 @@ from harness.results.logs.read_logs import Other, runs_of
 from harness.results.logs.told import FOUND_OUT, Told
 from harness.results.logs.trainings import Sorted, require_several, sort_files, sort_logs
 from harness.results.recordings.episodes import ENDS
-from harness.results.recordings.recordings import Recordings, plan_of
 from harness.results.results import Results
 from harness.text import command_text
 
@@ -182,7 +181,7 @@ def _results(
         found = labelled(found, place, told.labels)
     runs = runs_of(found, told.deciding, other, told.leave_out)
     runs.require_direction()
-    return Recordings(place, registry, plan_of(runs), kind, metrics=metrics, pairs=pairs, loose=runs)
+    return Results(place, registry, kind, metrics=metrics, runs=runs, pairs=pairs)
 
 
 def _in_steps(found: Sorted, registry: Registry, told: Told) -> Sorted:

@@ -151,6 +151,8 @@ class Points(Episodes):
         over = within(Span(begin, end), known)
         if over is None:
             why = f"all curves stand from {known.begin:,.0f} to {known.end:,.0f} steps only"
+            if known.begin > known.end:
+                why = "no step lies on all curves"
             return self._part(0, np.mean, why)
         return self._part(max(1, self.curve.count(over)), lambda values: self.curve.mean(values, over), "")
 
