@@ -3,6 +3,7 @@
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 from harness.eta.behaviour_change import Quantity
@@ -49,7 +50,7 @@ class LearningCurve:
         """Steps and both ends of the interval, for all points that have one. Points of a single seed have none."""
         return [
             (point.steps, point.value.low, point.value.high)
-            for point in self.known(metric)
+            for point in self.points[metric]
             if point.value.low is not None and point.value.high is not None
         ]
 
@@ -112,8 +113,7 @@ def learning_points(runs: Collection[Sequence[Moment]], measure: Quantity, group
 def stretches(steps: int) -> Iterator[tuple[int, int]]:
     """Where the stretches of a training begin and end, in environment steps."""
     count = min(STRETCHES, steps)
-    ends = [math.ceil(steps * (place + 1) / count) for place in range(count)]
-    return zip([0, *ends], ends, strict=False)
+    return pairwise(math.ceil(steps * place / count) for place in range(count + 1))
 
 
 def mean_point(

@@ -24,7 +24,6 @@ from harness.eta import (
     decompose,
     number_sentence,
 )
-from harness.eta.amounts import listed
 from harness.eta.laws import counted, shortfall_beside
 from harness.log import Log, Rows
 from harness.log.log import ROWS
@@ -195,15 +194,15 @@ def compare_logs(
         UsageError: A file cannot be read or has no event terms, a reward that is given did not pay the runs, or
             trainings are missing: they diverged, or stopped early.
     """
-    bare = next((log for log in (*baseline, *proposed) if any(name not in log for name in EVENTS)), None)
-    if with_events and bare is not None:
-        raise UsageError(f"{bare.facts.path} has no event terms: leave out --with-events")
+    for log in (*baseline, *proposed):
+        if with_events and any(name not in log for name in EVENTS):
+            raise UsageError(f"{log.facts.path} has no event terms: leave out --with-events")
     groups = [_in_order_of_seeds(baseline), _in_order_of_seeds(proposed)]
     _require_apart(*groups)
     given = (baseline_reward, proposed_reward)
     guesses = [_reward_of(group, name, registry) for group, name in zip(groups, given, strict=True)]
-    unpaid = [log.facts.path for log in (*baseline, *proposed) if not can_be_paid(log)]
-    reasons = [*(f"{it} has no distances to score again" for it in unpaid), *(it.reason for it in guesses)]
+    unpaid = (log.facts.path for log in (*baseline, *proposed) if not can_be_paid(log))
+    reasons = [*(f"{path} has no distances to score again" for path in unpaid), *(it.reason for it in guesses)]
     missing = next(filter(None, reasons), None)
     others: list[Reward | None] = [
         None if missing or it.choice is None else choose(registry, "rewards", it.choice).build(registry, "rewards")
@@ -440,4 +439,5 @@ def _begin_distance(group: Sequence[Log]) -> float:
 
 
 def _listed(runs: Sequence[Log]) -> str:
-    return listed([f"'{run.facts.path}'" for run in runs])
+    *most, last = (f"'{run.facts.path}'" for run in runs)
+    return f"{', '.join(most)} and {last}" if most else last
