@@ -74,17 +74,17 @@ class StoredPlan:
         Raises:
             UsageError: Together they are too many: nobody could read the plan again.
         """
-        asked = {cell: cell for cell in self.cells}
-        # The traces of a cell that was asked for twice keep what either plan asks for.
-        both = ((cell, asked.get(cell, cell)) for cell in earlier)
-        known = {it: replace(it, records=tuple(dict.fromkeys((*cell.records, *it.records)))) for cell, it in both}
-        cells = tuple({**known, **asked, **known}.values())
+        cells: dict[Cell, Cell] = {}
+        for cell in (*earlier, *self.cells):
+            # The traces of a cell that was asked for twice keep what either plan asks for.
+            records = dict.fromkeys((*cells.get(cell, cell).records, *cell.records))
+            cells[cell] = replace(cell, records=tuple(records))
         if len(cells) > forms.MOST_CELLS:
             raise UsageError(
                 f"{len(earlier):,} cells that are there and those that are asked for are {len(cells):,}, "
                 f"{forms.MOST_CELLS:,} are allowed in one folder. Name another folder"
             )
-        return replace(self, cells=cells)
+        return replace(self, cells=tuple(cells.values()))
 
     def write(self, folder: Path) -> None:
         """Write both files; ``plan.json``, which says all, comes first.
