@@ -31,7 +31,6 @@ from harness.eta.manner import EVALUATION, LAST_FIFTH, WHOLE
 from harness.log import Log, LogFacts, in_memory
 from harness.log.log import BEHAVIOUR, RECORDED, REWARD, SINCE, SUCCESS, TIME, Rows, joined
 from harness.record.cell import UNKNOWN_ALGORITHM
-from harness.record.recording.facts import facts_of
 from harness.registry.choice import Choice
 from harness.results.comparison import Group
 from harness.results.logs.labels import LABELS
@@ -39,7 +38,6 @@ from harness.results.logs.told import LENGTH, RETURN, SUCCESS_DECIDES, Deciding
 from harness.results.logs.trainings import Sorted, Training, digest_of
 from harness.results.measured import Counted
 from harness.results.recordings.episodes import LAST_SHARE, Episodes, Points, cut_notes, require_ends
-from harness.results.recordings.recording_results import Likeness
 from harness.results.recordings.runs import (
     DIRECTION,
     NO_NAME,
@@ -420,14 +418,14 @@ def _run(training: Training, steps: int, until: int, measures: Sequence[str], ax
     facts = replace(training.logs[0].facts, trained_with=training.reward, seed=training.seed)
     if facts.unit == "step":
         (log,) = training.logs
-        return run_of(replace(log, facts=facts))
+        return run_of(replace(log, facts=facts), training.seed)
     # environments of a batch step together
     ends = {log: _ends(log, axis) * len(training.logs) for log in training.logs}
-    rows = Rows(joined([_columns(training, log, of, measures) for log, of in ends.items()]))
-    order = np.argsort(rows[TIME], kind="stable")[: 0 if training.is_evaluated_alone else None]
+    rows = Rows(joined([_columns(log, of, measures) for log, of in ends.items()]))
+    order = np.argsort(rows[TIME], kind="stable")[: 0 if facts.evaluation else None]
     facts = replace(facts, path=training.path, evaluation=False)
-    likeness = Likeness(digest_of(training.logs))
-    run = replace(run_of(in_memory(facts, rows.part(order).columns)), steps=steps, likeness=likeness)
+    whole = in_memory(facts, rows.part(order).columns)
+    run = run_of(whole, training.seed, steps, digest_of(training.logs))
     found = _evaluations(training, facts, measures, axis, min(steps, until))
     return replace(run, evaluation=found[-1], before=tuple(found[:-1])) if found else run
 
@@ -443,19 +441,18 @@ def _evaluations(training: Training, facts: LogFacts, measures: Sequence[str], a
         ends = _ends(log, axis)
     else:
         raise UsageError(f"'{log.facts.path}' does not tell the {axis.noun} at which it evaluated: move it elsewhere")
-    rows = Rows(_columns(training, log, ends, measures))
+    rows = Rows(_columns(log, ends, measures))
     facts = replace(facts, path=log.facts.path, evaluation=True, unit="episode")
-    told, moments = facts_of(in_memory(facts, rows.columns)), rows[TIME]
-    runs = []
+    moments, runs = rows[TIME], []
     for after in np.unique(moments[moments <= until * (1.0 + NEAR)]):
         of = rows.part(moments == after)
-        numbered = {**of.columns, TIME: np.arange(1.0, len(of) + 1)}
-        runs.append(run_of(in_memory(replace(told, after=int(after)), numbered)))
+        run = run_of(in_memory(facts, {**of.columns, TIME: np.arange(1.0, len(of) + 1)}), training.seed, len(of))
+        runs.append(replace(run, facts=replace(run.facts, after=int(after))))
     return runs
 
 
-def _columns(training: Training, log: Log, ends: Float, measures: Sequence[str]) -> dict[str, Float]:
-    """The numbers of a log under the names of the study; NaN of what decides and is not told.
+def _columns(log: Log, ends: Float, measures: Sequence[str]) -> dict[str, Float]:
+    """The numbers of a log; NaN of what decides and is not told.
 
     A row before the first step, such as a first point at 0, counts as one of the first.
     """
@@ -463,10 +460,11 @@ def _columns(training: Training, log: Log, ends: Float, measures: Sequence[str])
     def told(column: str) -> Float:
         return np.asarray(log[column], np.float64) if column in log else np.full(len(ends), np.nan)
 
-    found = {TIME: np.maximum(ends, 1.0), f"{REWARD}{training.reward}": told(f"{REWARD}{RECORDED}")}
+    found = {TIME: np.maximum(ends, 1.0)}
     if SINCE in log:
         found[SINCE] = np.where(np.isnan(log[SINCE]), ends, log[SINCE])
-    found |= {column: told(column) for name in log.rewards if name != RECORDED for column in (f"{REWARD}{name}",)}
+    for name in log.rewards or (RECORDED,):
+        found[f"{REWARD}{name}"] = told(f"{REWARD}{name}")
     for name in measures:
         column = f"{BEHAVIOUR}{name}"
         other = {RETURN: f"{REWARD}{RECORDED}", LENGTH: LENGTH}.get(name, "")

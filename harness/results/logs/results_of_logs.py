@@ -100,9 +100,9 @@ def _unread(folder: Path, found: Found, of: Sorted) -> tuple[list[Other], list[s
     for path in sorted(folder.rglob("*")):
         if path not in full and shape(path) in named and silent.keys().isdisjoint(path.parents):
             silent[path] = "nothing in it is a log" if path.is_dir() else "it is no log"
-    is_lost = {path: path.parent not in homes or shape(path) in named for path, _ in found.left_out}
-    lines = [f"'{path}' is left out: {why}" for path, why in found.left_out if not is_lost[path]]
-    return [*((path, why) for path, why in found.left_out if is_lost[path]), *silent.items()], lines
+    lost = [it for it in found.left_out if it[0].parent not in homes or shape(it[0]) in named]
+    lines = [f"'{path}' is left out: {why}" for path, why in found.left_out if (path, why) not in lost]
+    return [*lost, *silent.items()], lines
 
 
 def results_of_groups(

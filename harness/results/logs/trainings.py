@@ -69,11 +69,6 @@ class Training:
         return f"'{self.path}'{f' ({run})' if run else ''}"
 
     @property
-    def is_evaluated_alone(self) -> bool:
-        """Whether nothing is known of it but evaluations."""
-        return self.logs[0].facts.evaluation
-
-    @property
     def all_logs(self) -> tuple[Log, ...]:
         """Those of the training and that of its evaluations."""
         return self.logs if self.evaluation is None else (*self.logs, self.evaluation)
@@ -81,7 +76,7 @@ class Training:
     @property
     def evaluated(self) -> Log | None:
         """What policies did without being trained; what somebody else says of it comes first."""
-        return self.logs[0] if self.evaluation is None and self.is_evaluated_alone else self.evaluation
+        return self.logs[0] if self.evaluation is None and self.logs[0].facts.evaluation else self.evaluation
 
 
 class Sorted(NamedTuple):

@@ -203,8 +203,15 @@ def read_all(folder: Path, only: Sequence[Path] | None = None) -> tuple[list[Run
             runs.append(_read(folder, path, weighed))
         except SchemaError as error:
             damaged.append(Missing(path, str(error)))
+    # Where the env paid the reward that taught, a reward recorded as what the env pays has the name of another one.
+    # Where the recorder paid the learner, the env itself pays the same whatever taught.
     paid = {run.key for run in runs if run.facts.pay}
-    return [run if run.key in paid else _without_mistaken(run) for run in runs], damaged
+    for number, run in enumerate(runs):
+        why = f"recorded as what the env pays, and that was {run.reward} here"
+        for name, other in run.likeness.paid_alike if run.key not in paid else ():
+            if other == run.reward:
+                runs[number] = replace(run, episodes=runs[number].episodes.without(name, why))
+    return runs, damaged
 
 
 def account_of_runs(
@@ -280,19 +287,6 @@ def _read(folder: Path, path: Path, weighed: Sequence[str] = ()) -> Run:
     seed = -1 if facts.seed is None else facts.seed
     run = Run(recorded, facts, seed, recorded.steps, recorded.episodes, recorded.likeness)
     recorded.keep()
-    return run
-
-
-def _without_mistaken(run: Run) -> Run:
-    """The same without rewards recorded as what the env pays where the env paid the reward that taught instead.
-
-    Under their names other recordings have another reward. Where the recorder paid the learner, the env itself pays the
-    same whatever taught.
-    """
-    paid = f"recorded as what the env pays, and that was {run.reward} here"
-    for name, other in run.likeness.paid_alike:
-        if other == run.reward:
-            run = replace(run, episodes=run.episodes.without(name, paid))
     return run
 
 
