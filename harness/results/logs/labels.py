@@ -47,7 +47,7 @@ def labelled(found: Sorted, folder: Path, path: Path) -> Sorted:
 def _names(training: Training, folder: Path) -> tuple[str, ...]:
     path = training.path
     below = path.relative_to(folder).as_posix() if path.is_relative_to(folder) else path.as_posix()
-    run = training.logs[0].facts.run
+    run = training.facts.run
     return (f"{training.reward}/{training.seed}", below, *([run] if run else []))
 
 

@@ -73,7 +73,7 @@ def require_comparable(trainings: Sequence[Training]) -> None:
     algorithm = "mixes trainings by several algorithms"
     _require_one(trainings, lambda it: it.algorithm, algorithm, "Name one algorithm's folder")
     for training in trainings:
-        if len(training.logs) > 1 and training.logs[0].facts.unit == "step":
+        if len(training.logs) > 1 and training.facts.unit == "step":
             raise UsageError(
                 f"{training.shown} has {len(training.logs)} logs of the steps of one training, which are not joined. "
                 "--sort '{reward}/{seed}' says that each is a training"
@@ -87,7 +87,7 @@ def _kind_of(facts: LogFacts) -> str:
 
 
 def _require_one(trainings: Iterable[Training], of: Callable[[LogFacts], str], problem: str, remedy: str) -> None:
-    told = ((of(it.logs[0].facts), f"{it.reward}: {it.shown}") for it in trainings)
+    told = ((of(it.facts), f"{it.reward}: {it.shown}") for it in trainings)
     require_one((it for it in told if it[0]), f"The folder {problem}", remedy)
 
 
@@ -131,7 +131,7 @@ def _diverged(training: Training, measure: str) -> str:
 def _shortfall(training: Training) -> str:
     rows = [len(log) for log in training.logs]
     if not sum(rows):
-        return f"it has no {training.logs[0].facts.unit}"
+        return f"it has no {training.facts.unit}"
     for log, count in zip(training.logs, rows, strict=True):
         declared = log.facts.declared.get(f"{log.facts.unit}s", count)
         if count != declared:
@@ -236,34 +236,33 @@ def read_trainings(trainings: Sequence[Training], measures: Sequence[str]) -> tu
         SchemaError: A log is damaged.
     """
     axis = _axis_of(trainings)
-    steps = [_steps(it, axis) for it in trainings]
-    runs = [_run(it, of, min(steps), measures, axis) for it, of in zip(trainings, steps, strict=True)]
-    runs = _at_one_moment(runs, min(steps))
+    steps = {it: _steps(it, axis) for it in trainings}
+    until = min(steps.values())
+    runs = [_run(it, of, measures, axis) for it, of in steps.items()]
+    evaluated = [_evaluations(it, measures, axis, until) for it in steps]
+    runs = _at_one_moment(runs, evaluated, until)
     beside = Curves(tuple(it.episodes.curve for it in runs if isinstance(it.episodes, Points)))
     found = [
         replace(it, episodes=replace(it.episodes, beside=beside)) if isinstance(it.episodes, Points) else it
         for it in runs
     ]
-    return found, steps, axis
+    return found, list(steps.values()), axis
 
 
-def _at_one_moment(runs: list[Run], steps: int) -> list[Run]:
-    """The same, each with the evaluation as its last that was made when those of all others were.
+def _at_one_moment(runs: Sequence[Run], evaluated: Sequence[Sequence[Run]], steps: int) -> list[Run]:
+    """The same, each with its evaluations up to the last that was made when those of all others were.
 
-    Where there is no such moment in the last fifth, evaluations are points of a curve, unless the training itself tells
-    more.
+    Where some have none, each has all of its own. Where there is no such moment in the last fifth, evaluations are
+    points of a curve, unless the training itself tells more.
     """
-    evaluated = [[*it.before, it.evaluation] for it in runs if it.evaluation is not None]
-    if len(evaluated) < len(runs):
-        return runs
-    last = latest_shared([[it.facts.after for it in of] for of in evaluated], (1.0 - LAST_SHARE) * steps)
+    last: list[int] | None = [len(of) - 1 for of in evaluated]
+    if all(evaluated):
+        last = latest_shared([[it.facts.after for it in of] for of in evaluated], (1.0 - LAST_SHARE) * steps)
     if last is None:
-        return [
-            replace(it, episodes=it.episodes if len(it.episodes.last) else _curve_of(of), evaluation=None, before=())
-            for it, of in zip(runs, evaluated, strict=True)
-        ]
+        both = zip(runs, evaluated, strict=True)
+        return [it if len(it.episodes.last) else replace(it, episodes=_curve_of(of)) for it, of in both]
     return [
-        replace(it, evaluation=of[place], before=tuple(of[:place]))
+        replace(it, evaluation=of[place], before=tuple(of[:place])) if of else it
         for it, of, place in zip(runs, evaluated, last, strict=True)
     ]
 
@@ -287,7 +286,7 @@ def _require_steps(trainings: Sequence[Training], axis: "Axis", *, is_evaluated:
         UsageError: Nobody knows it of one; says what to type.
     """
     if axis.noun == "iterations":
-        facts = trainings[0].logs[0].facts
+        facts = trainings[0].facts
         each = ",".join(f"{name}=N" for name in dict.fromkeys(it.reward for it in trainings))
         raise UsageError(
             f"'{facts.path}' counts iterations of the learner, or calls of a logger, and no environment steps, and two "
@@ -305,11 +304,9 @@ def _require_steps(trainings: Sequence[Training], axis: "Axis", *, is_evaluated:
 
 def _counted(trainings: Sequence[Training], runs: Sequence[Run], steps: int) -> dict[str, Counted]:
     """By manner, what is counted of these trainings, which are cut to so many steps, and where."""
-    found = {}
-    curve = next((it.episodes for it in runs if isinstance(it.episodes, Points)), None)
-    for manner, begin in ((WHOLE, 0.0), (LAST_FIFTH, (1.0 - LAST_SHARE) * steps)):
-        if curve is not None:
-            found[manner] = Counted("point", within(Span(begin, steps), curve.beside.known))
+    curves = [it.episodes.beside for it in runs if isinstance(it.episodes, Points)]
+    begins = {WHOLE: 0.0, LAST_FIFTH: (1.0 - LAST_SHARE) * steps} if curves else {}
+    found = {manner: Counted("point", within(Span(of, steps), curves[0].known)) for manner, of in begins.items()}
     ends = [it.evaluation.facts.after for it in runs if it.evaluation is not None]
     if ends:
         are_points = any(log.facts.unit == "point" for it in trainings if (log := it.evaluated) is not None)
@@ -413,9 +410,9 @@ def _ends(log: Log, axis: Axis) -> Float:
     return ends
 
 
-def _run(training: Training, steps: int, until: int, measures: Sequence[str], axis: Axis) -> Run:
-    """A training of so many steps with its evaluations, of which those after `until` are left out."""
-    facts = replace(training.logs[0].facts, trained_with=training.reward, seed=training.seed)
+def _run(training: Training, steps: int, measures: Sequence[str], axis: Axis) -> Run:
+    """A training of so many steps, without its evaluations."""
+    facts = training.facts
     if facts.unit == "step":
         (log,) = training.logs
         return run_of(replace(log, facts=facts), training.seed)
@@ -423,17 +420,14 @@ def _run(training: Training, steps: int, until: int, measures: Sequence[str], ax
     ends = {log: _ends(log, axis) * len(training.logs) for log in training.logs}
     rows = Rows(joined([_columns(log, of, measures) for log, of in ends.items()]))
     order = np.argsort(rows[TIME], kind="stable")[: 0 if facts.evaluation else None]
-    facts = replace(facts, path=training.path, evaluation=False)
-    whole = in_memory(facts, rows.part(order).columns)
-    run = run_of(whole, training.seed, steps, digest_of(training.logs))
-    found = _evaluations(training, facts, measures, axis, min(steps, until))
-    return replace(run, evaluation=found[-1], before=tuple(found[:-1])) if found else run
+    whole = in_memory(replace(facts, path=training.path, evaluation=False), rows.part(order).columns)
+    return run_of(whole, training.seed, steps, digest_of(training.logs))
 
 
-def _evaluations(training: Training, facts: LogFacts, measures: Sequence[str], axis: Axis, until: int) -> list[Run]:
-    """What policies did in each evaluation up to a step of the training, in order."""
+def _evaluations(training: Training, measures: Sequence[str], axis: Axis, until: int) -> list[Run]:
+    """What policies did in each evaluation up to a step of the training, in order; none beside a log of steps."""
     log = training.evaluated
-    if log is None:
+    if log is None or training.facts.unit == "step":
         return []
     if log.facts.format == LABELS:
         ends = np.full(len(log), float(until))
@@ -441,8 +435,8 @@ def _evaluations(training: Training, facts: LogFacts, measures: Sequence[str], a
         ends = _ends(log, axis)
     else:
         raise UsageError(f"'{log.facts.path}' does not tell the {axis.noun} at which it evaluated: move it elsewhere")
+    facts = replace(training.facts, path=log.facts.path, evaluation=True, unit="episode")
     rows = Rows(_columns(log, ends, measures))
-    facts = replace(facts, path=log.facts.path, evaluation=True, unit="episode")
     moments, runs = rows[TIME], []
     for after in np.unique(moments[moments <= until * (1.0 + NEAR)]):
         of = rows.part(moments == after)

@@ -180,7 +180,6 @@ def _results(
     if told.labels is not None:
         found = labelled(found, place, told.labels)
     runs = runs_of(found, told.deciding, other, told.leave_out)
-    runs.require_direction()
     return Results(place, registry, kind, metrics=metrics, runs=runs, pairs=pairs)
 
 

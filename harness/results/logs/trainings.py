@@ -3,7 +3,7 @@
 import hashlib
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import accumulate, pairwise
 from pathlib import Path
 from typing import NamedTuple, TypeAlias
@@ -13,7 +13,7 @@ import numpy as np
 from harness.errors import UsageError
 from harness.eta.amounts import listed
 from harness.eta.laws import numbered
-from harness.log import Log, Unit
+from harness.log import Log, LogFacts, Unit
 from harness.log.log import BEHAVIOUR, REWARD, SUCCESS, TIME, Rows
 from harness.results.logs.names import Named, in_lockstep, question, sort_names, templates_of
 from harness.text import command_text
@@ -53,19 +53,24 @@ class Training:
     evaluation: Log | None = None
 
     @property
+    def facts(self) -> LogFacts:
+        """What its log tells, with the reward and the seed that it has."""
+        return replace(self.logs[0].facts, trained_with=self.reward, seed=self.seed)
+
+    @property
     def path(self) -> Path:
         """The file or the folder of its log; of several files their folder."""
-        return self.logs[0].facts.path if len(self.logs) == 1 else self.logs[0].facts.path.parent
+        return self.facts.path if len(self.logs) == 1 else self.facts.path.parent
 
     @property
     def place(self) -> Path:
         """The same with what a file that holds several calls it."""
-        return self.path / self.logs[0].facts.run
+        return self.path / self.facts.run
 
     @property
     def shown(self) -> str:
         """The path in words, with what the file calls the training."""
-        run = self.logs[0].facts.run
+        run = self.facts.run
         return f"'{self.path}'{f' ({run})' if run else ''}"
 
     @property
@@ -76,7 +81,7 @@ class Training:
     @property
     def evaluated(self) -> Log | None:
         """What policies did without being trained; what somebody else says of it comes first."""
-        return self.logs[0] if self.evaluation is None and self.logs[0].facts.evaluation else self.evaluation
+        return self.logs[0] if self.evaluation is None and self.facts.evaluation else self.evaluation
 
 
 class Sorted(NamedTuple):
@@ -314,8 +319,8 @@ def _require_apart(folder: Path, trainings: Iterable[Training]) -> None:
     Raises:
         UsageError: Two are: says which, and the flag that says it otherwise.
     """
-    of = [it for it in trainings if it.logs[0].facts.started is not None and it.logs[0].facts.unit == "episode"]
-    of.sort(key=lambda it: (it.reward, it.logs[0].facts.started))
+    of = [it for it in trainings if it.facts.started is not None and it.facts.unit == "episode"]
+    of.sort(key=lambda it: (it.reward, it.facts.started))
     for first, second in pairwise(of):  # environments of one training are begun one after the other
         if first.reward == second.reward and in_lockstep([*first.logs, *second.logs]):
             paths = [log.facts.path for it in of for log in it.logs]

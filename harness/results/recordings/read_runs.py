@@ -9,7 +9,7 @@ from types import MappingProxyType
 
 from harness.errors import SchemaError, UsageError
 from harness.eta.equal import equal_sentences, equal_trainings
-from harness.eta.laws import Account, Missing, counted, numbered, shortfall_beside
+from harness.eta.laws import Account, Missing, counted, numbered, require_direction, shortfall_beside
 from harness.eta.manner import ACTED_AT_RANDOM, DETERMINISTIC, OWN_AND_OTHER
 from harness.record.cell import UNKNOWN_ALGORITHM
 from harness.record.plan_file import PLAN
@@ -21,6 +21,7 @@ from harness.results.logs.told import FOUND_OUT, Told
 from harness.results.recordings.episodes import count_text, cut_notes, cut_text
 from harness.results.recordings.recording_results import RecordingResults
 from harness.results.recordings.runs import (
+    DIRECTION,
     NO_NAME,
     Run,
     Runs,
@@ -232,15 +233,13 @@ def account_of_runs(
     why = {run: why_short(run) for run in runs}
     untold = [it for it in runs if not (it.facts.evaluation or why[it] or it.facts.asked > 0)]
     why |= shortfall_beside({it: (it.reward, it.steps, len(it.episodes.last)) for it in untold}, "steps")
+    short = [run for run in runs if why[run]]
     whole = {_place(run) for run in runs if not why[run]}
-    replaced = {run for run in runs if why[run] and (_place(run) in whole or run.facts.acted == ACTED_AT_RANDOM)}
-    begun = [run for run in runs if not run.facts.evaluation and run not in replaced]
+    replaced = [run for run in short if _place(run) in whole or run.facts.acted == ACTED_AT_RANDOM]
+    begun = [run for run in runs if not (run.facts.evaluation or run in replaced)]
     by_key, by_path = {run.key: run for run in begun}, {run.path: run for run in begun}
-    parts = [
-        (by_key.get(it.key), Missing(it.path, why[it]))
-        for it in runs
-        if it.facts.evaluation and why[it] and it not in replaced
-    ]
+    evaluations = [it for it in short if it.facts.evaluation and it not in replaced]
+    parts = [(by_key.get(it.key), Missing(it.path, why[it])) for it in evaluations]
     parts += [(by_path.get(it.path.parent), it) for it in damaged]
     for home, part in parts:
         if home is not None:
@@ -249,7 +248,7 @@ def account_of_runs(
     account = counted([*((run, run.path, why[run]) for run in begun), *lone], leave_out)
     out = by_key.keys() - {run.key for run in account.whole}
     kept = [it for it in runs if it.facts.evaluation and not why[it] and (it.seed < 0 or it.key not in out)]
-    lines = [f"'{run.path}' is left out: {why[run]}" for run in runs if run in replaced]
+    lines = [f"'{run.path}' is left out: {why[run]}" for run in replaced]
     return account, [*account.whole, *kept], lines
 
 
@@ -367,7 +366,9 @@ def read_loose(folder: Path, told: Told = FOUND_OUT) -> Runs:
     known = {name for run in runs.members.values() for name in run.episodes.behaviour}
     if decides and decides not in known:
         raise UsageError(f"--measure {decides}: the recordings tell {', '.join(sorted(known)) or 'none'}")
-    runs.require_direction()
+    first = next(iter(runs.quantities.values()), None)
+    if first and len(runs.trained) > 1:
+        require_direction(first.name, first.better, DIRECTION.format(first.name))
     if baseline and baseline not in runs.trained:
         raise UsageError(f"--baseline {baseline}: no training was taught by it. There are: {', '.join(runs.trained)}")
     return runs

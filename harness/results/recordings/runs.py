@@ -13,7 +13,7 @@ from harness.arrays import Float
 from harness.errors import Unscored, UsageError
 from harness.eta.behaviour_change import Quantity
 from harness.eta.interval import SHARE, UNBOUNDED
-from harness.eta.laws import Better, Missing, direction_of, require_direction
+from harness.eta.laws import Better, Missing, direction_of
 from harness.eta.manner import EVALUATION, LAST_FIFTH, WHOLE
 from harness.eta.rescaling import Rescaling, rescaling_of
 from harness.log import Log, LogFacts
@@ -358,15 +358,6 @@ class Runs(NamedTuple):
     def measures(self) -> tuple[str, ...]:
         """The names of the measures of behaviour."""
         return tuple(self.quantities)
-
-    def require_direction(self) -> None:
-        """Check that it is known which values of what decides are better, where rewards are compared.
-
-        Raises:
-            UsageError: Nobody says it.
-        """
-        for name in self.measures[:1] if len(self.trained) > 1 else ():
-            require_direction(name, self.quantities[name].better, DIRECTION.format(name))
 
     def measure(self, name: str, manner: str, episodes: int) -> Quantity:
         """What a measure is in the episodes of one manner, of which each seed has `episodes` at least."""
