@@ -372,11 +372,9 @@ def _series(table: TextTable, axis: str, name: str) -> Series:
 def _settings_beside(folder: Path) -> dict[str, str]:
     """The settings of the training, where a program left them in the folder; empty if they cannot be read."""
     for name in SETTINGS:
-        with suppress(OSError, ValueError):
-            told = read_json(folder / name)
-            if isinstance(told, dict):
-                kept = (str, int, float)
-                return {key: str(value) for key, value in told.items() if isinstance(value, kept) and key in KEYS}
+        with suppress(OSError, ValueError, AttributeError):
+            told = read_json(folder / name).items()
+            return {key: str(it) for key, it in told if key in KEYS and isinstance(it, str | int | float)}
     return {}
 
 
