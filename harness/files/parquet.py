@@ -27,7 +27,7 @@ def table_of(rows: Float, schema: pa.Schema) -> pa.Table:
         if is_list:
             columns.append(pa.FixedSizeListArray.from_arrays(numbers, kind.list_size))
         else:
-            columns.append(pa.array(numbers.astype(kind.to_pandas_dtype())))
+            columns.append(pa.array(numbers.astype(kind.to_pandas_dtype(), copy=False)))
     return pa.Table.from_arrays(columns, schema=schema)
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pyarrow.parquet as pq
 
-from harness.log import Log, LogFacts
+from harness.log import Log
 from harness.log.log import RECORDED, REWARD, START, TIME
 from harness.record.cell import Cell
 from harness.record.folder import MANIFEST, RANDOM, SUFFIX, TRACE
@@ -61,7 +61,18 @@ def cell_log(path: Path) -> Log:
     label = cell.reward.label if cell else RECORDED
     paid = f"{REWARD}{label}"
     terms = {name: f"{paid}/{name.removeprefix(TERM)}" for name in trace.columns if name.startswith(TERM)}
-    log = replace(trace, facts=_facts(trace, path, cell)).renamed({"reward": paid, **terms})
+    facts, is_training, is_random = trace.facts, path.name == TRACE, path.name == RANDOM
+    if cell is not None:
+        facts = replace(
+            facts,
+            env=cell.task.label,
+            algorithm="random actions" if is_random else cell.algorithm.label,
+            seed=cell.seed,
+            trained_with="" if is_random else label,
+            evaluation=not is_training,
+            asked=cell.steps if is_training else 0,
+        )
+    log = replace(trace, facts=facts).renamed({"reward": paid, **terms})
     is_step = log["step"] > 0
     return log.add({START: ~is_step, TIME: np.cumsum(is_step)})
 
@@ -69,18 +80,3 @@ def cell_log(path: Path) -> Log:
 def cell_of(path: Path) -> Cell | None:
     """The cell that left a trace, if the manifest beside it says so."""
     return read_manifest(path.parent).cell if path.with_name(MANIFEST).is_file() else None
-
-
-def _facts(trace: Log, path: Path, cell: Cell | None) -> LogFacts:
-    if cell is None:
-        return trace.facts
-    is_training, is_random = path.name == TRACE, path.name == RANDOM
-    return replace(
-        trace.facts,
-        env=cell.task.label,
-        algorithm="random actions" if is_random else cell.algorithm.label,
-        seed=cell.seed,
-        trained_with="" if is_random else cell.reward.label,
-        evaluation=not is_training,
-        asked=cell.steps if is_training else 0,
-    )

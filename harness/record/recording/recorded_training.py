@@ -17,8 +17,8 @@ from harness.errors import SchemaError, UsageError
 from harness.files.bounded import reading
 from harness.files.parquet import MOST_NUMBERS, open_parquet, require_room
 from harness.log import Log
-from harness.log.log import TIME, Columns, Rows, joined
-from harness.record.recording.facts import FILE_REWARD, TrainingFacts, facts_of, file_column, term_column
+from harness.log.log import REWARD, TIME, Columns, Rows, joined
+from harness.record.recording.facts import TrainingFacts, facts_of, file_column, log_column, term_column
 from harness.record.recording.scores import read_scores, scores_name, weighted_scores, with_scores
 from harness.registry.choice import parse
 from harness.reward.forms import weighted
@@ -189,30 +189,28 @@ def step_count(folder: Path, number: int) -> int:
 def _tables(folder: Path, number: int, facts: TrainingFacts, names: tuple[str, ...]) -> Iterator[Columns]:
     """The parts of a recorder, these columns of them, as soon as its steps were found to follow one another."""
     schema, count, actions = part_schema(facts), part_count(folder, number), action_columns(facts)
-    of_file = {name: name if name in facts.term_columns else file_column(name) for name in names}
-    of_file |= {TICK: TICK_IN_FILE}
-    wanted = {*INTEGERS, *of_file.values(), *(actions if ACTION in names else ())}
-    columns = [name for name in schema.names if name in wanted]
+    own = {name: TICK if name == TICK_IN_FILE else log_column(name) for name in schema.names}
+    wanted = {*INTEGERS, TICK, *names, *(actions if ACTION in names else ())}
+    columns = [name for name, called in own.items() if called in wanted]
     least = max(count - 1, 0) * PART_ROWS  # the last one may be short
     if least * len(columns) > MOST_NUMBERS:  # each part alone may be small
         raise SchemaError(
             f"{folder} has more than {least:,} steps of {len(columns):,} columns, {MOST_NUMBERS:,} numbers are allowed"
         )
-    last: Columns = dict.fromkeys((*INTEGERS, TICK_IN_FILE), np.empty(0, np.int64))
+    last: Columns = dict.fromkeys((*INTEGERS, TICK), np.empty(0, np.int64))
     taken = 0
     for part in range(count):
         path = folder / part_name(number, part)
         table = read_part(path, schema, columns)
         if part < count - 1 and len(table) != PART_ROWS:
             raise SchemaError(f"{path} has {len(table):,} steps, not {PART_ROWS:,}")
-        told = {name: np.asarray(table.column(name).to_numpy()) for name in columns}
+        told = {own[name]: np.asarray(table.column(name).to_numpy()) for name in columns}
         last = _require_sound(folder, facts, told, last)
-        found = {name: told[own] for name, own in of_file.items() if own in told}
         if ACTION in names and facts.actions:
-            found[ACTION] = np.stack([told[name] for name in actions], axis=1).reshape(-1, *facts.actions.shape)
-        found[TIME] = np.arange(taken + 1, taken + len(table) + 1)
+            told[ACTION] = np.stack([told[name] for name in actions], axis=1).reshape(-1, *facts.actions.shape)
+        told[TIME] = np.arange(taken + 1, taken + len(table) + 1)
         taken += len(table)
-        yield {name: found[name] for name in names}
+        yield {name: told[name] for name in names}
 
 
 def part_count(folder: Path, number: int) -> int:
@@ -248,35 +246,35 @@ def _require_sound(folder: Path, facts: TrainingFacts, columns: Columns, last: C
     Args:
         folder: Of the training.
         facts: What is known of it.
-        columns: Of the part, as they are called in it.
+        columns: Of the part.
         last: What this returned of the part before; no rows at the first one.
 
     Returns:
         The last step of each env so far.
     """
-    time, env = columns[TICK_IN_FILE], columns["env"]
+    time, env = columns[TICK], columns["env"]
     if not len(time):
         return last
-    if (np.diff(time, prepend=last[TICK_IN_FILE].max(initial=0)) < 0).any():
+    if (np.diff(time, prepend=last[TICK].max(initial=0)) < 0).any():
         raise SchemaError(f"{folder}: its steps do not stand in the order of time")
     if env.min() < 0 or env.max() >= facts.num_envs:
         raise SchemaError(f"{folder} has steps of an env beyond its {facts.num_envs}")
     if min(columns["episode"].min(), columns["step"].min()) < 0:
         raise SchemaError(f"{folder} has a step or an episode below 0")
     ends = _require_unbroken(folder, columns, last)
-    failed, terms = {file_column(failure.column) for failure in facts.failed}, facts.term_columns
-    for name in columns.keys() & {*map(file_column, facts.numbers), *terms}:
+    failed, terms = {failure.column for failure in facts.failed}, facts.term_columns
+    for name in columns.keys() & {*facts.numbers, *terms}:
         if np.isinf(columns[name]).any():
             raise SchemaError(f"{folder}: {name} is infinite")
-        reward = file_column(terms.get(name, name))
-        if reward.startswith(FILE_REWARD) and reward not in failed and np.isnan(columns[name]).any():
+        reward = terms.get(name, name)
+        if reward.startswith(REWARD) and reward not in failed and np.isnan(columns[name]).any():
             raise SchemaError(f"{folder}: {name} has no value in some steps, and no failure of it is told")
     return ends
 
 
 def _require_unbroken(folder: Path, columns: Columns, last: Columns) -> Columns:
     """See that no step of an env is missing, doubled or out of place: episodes would be paid otherwise."""
-    names = ("env", TICK_IN_FILE, "episode", "step")
+    names = ("env", TICK, "episode", "step")
     rows = {name: np.concatenate([last[name], columns[name]]) for name in names}
     order = np.argsort(rows["env"], kind="stable")
     env, time, episode, step = (rows[name][order] for name in names)
