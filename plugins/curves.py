@@ -13,7 +13,7 @@ import numpy as np
 from harness.arrays import Float
 from harness.errors import SchemaError, UsageError
 from harness.log import BEHAVIOUR, LARGEST, RECORDED, REWARD, SINCE, SUCCESS, Log, LogFacts, Unit, in_memory
-from harness.log.text_table import require_columns
+from harness.log.log import require_columns
 from harness.progress import RETURN
 from harness.score.row_meaning import EPISODE, LENGTH
 from harness.text import shortened

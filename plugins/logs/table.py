@@ -17,7 +17,8 @@ from harness.arrays import Float
 from harness.errors import AskedError, SchemaError, UsageError, reason_of
 from harness.files.bounded import read_json
 from harness.log import BEHAVIOUR, SUCCESS, Log, LogFacts, in_memory
-from harness.log.text_table import NOTHING, TRUTH, TextTable, head_of, parse_table, read_text, require_columns
+from harness.log.log import require_columns
+from harness.log.text_table import NOTHING, TRUTH, TextTable, head_of, parse_table, read_text
 from harness.score.row_meaning import (
     ENV,
     INDEX,
