@@ -339,7 +339,9 @@ def _read(path: Path, header: list[str], places: Mapping[str, int], names: tuple
         labels[place] = name
     looked = {role: labels[header.index(name)] for role, name in roles.items()}
     kinds = {**dict.fromkeys(looked.values(), pa.string()), **dict.fromkeys(places, pa.float64())}
-    convert = pa.csv.ConvertOptions(column_types=kinds, include_columns=list(kinds), null_values=["", " "])
+    convert = pa.csv.ConvertOptions(
+        column_types=kinds, include_columns=list(kinds), null_values=["", " "], strings_can_be_null=True
+    )
     rows, counted, watch = 0, _Counted(), RowWatch(path, roles)
     try:
         with pa.csv.open_csv(path, pa.csv.ReadOptions(column_names=labels, skip_rows=1), None, convert) as file:

@@ -122,17 +122,14 @@ def matched_paths(patterns: str | Iterable[str], *, folders: bool = False) -> li
     Raises:
         UsageError: A pattern matches nothing.
     """
-    given = [patterns] if isinstance(patterns, str) else list(patterns)
-    return sorted({path for pattern in given for path in _matched(pattern, folders)})
-
-
-def _matched(pattern: str, folders: bool) -> list[Path]:
-    path = Path(os.path.expanduser(pattern))  # no error, whatever the text
-    if os.path.isfile(path) or (folders and os.path.isdir(path)):  # a name may hold [ or *
-        return [path]
-    matched = [Path(name) for name in glob.glob(str(path), recursive=True)]
-    files = [name for name in matched if os.path.isfile(name)]
-    if files or (folders and matched):
-        return files or matched
-    only = "; it matches folders only" if matched else ""
-    raise UsageError(f"No file matches '{pattern}'{only}. Quote a pattern, as in 'runs/*.csv'")
+    found = set[Path]()
+    for pattern in [patterns] if isinstance(patterns, str) else patterns:
+        path = Path(os.path.expanduser(pattern))  # no error, whatever the text
+        is_name = os.path.isfile(path) or (folders and os.path.isdir(path))  # a name may hold [ or *
+        matched = [path] if is_name else [Path(name) for name in glob.glob(str(path), recursive=True)]
+        files = [it for it in matched if os.path.isfile(it)]
+        if not files and not (folders and matched):
+            only = "; it matches folders only" if matched else ""
+            raise UsageError(f"No file matches '{pattern}'{only}. Quote a pattern, as in 'runs/*.csv'")
+        found.update(files or matched)
+    return sorted(found)

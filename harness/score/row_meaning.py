@@ -185,7 +185,7 @@ class RowWatch:
         """
         counts, env, episodes = (self._numbers(role, cells) for role in ("counter", "env", "episode"))
         if "run" in cells:
-            self._look_at_runs([str(name).strip() for name in cells["run"].to_pylist()], episodes)
+            self._look_at_runs([(name or "").strip() for name in cells["run"].to_pylist()], episodes)
         if counts is not None:
             self._look_at_counter(counts, np.zeros(len(counts)) if env is None else np.nan_to_num(env))
         self._line += len(next(iter(cells.values()), ()))
@@ -197,8 +197,7 @@ class RowWatch:
         column, values = cells[role], np.array([0.5])
         with suppress(pa.ArrowException, ValueError):
             if pa.types.is_string(column.type):
-                trimmed = pc.utf8_trim_whitespace(column)
-                column = pc.if_else(pc.equal(trimmed, ""), None, trimmed).cast(pa.float64())
+                column = pc.utf8_trim_whitespace(column).cast(pa.float64())
             values = column.to_numpy(zero_copy_only=False).astype(np.float64)
         if np.isnan(values).all() or (values != np.floor(values))[~np.isnan(values)].any():
             del self._columns[role]

@@ -90,13 +90,11 @@ def shapes_of(path: Path, features: Mapping[str, Any]) -> dict[str, tuple[int, .
     Raises:
         SchemaError: A column that is needed is not among them.
     """
-    for name in NEEDED:
-        if name not in features:
-            raise SchemaError(f"{path} tells of no column {name}")
     shapes = {name: shape for name, feature in features.items() if (shape := _shape(feature)) is not None}
     for name in NEEDED:
         if name not in shapes:
-            raise SchemaError(f"{path}: the column {name} holds no numbers, or more than {MOST_NUMBERS:,}")
+            what = f" of 1 to {MOST_NUMBERS:,} numbers a frame" if name in features else ""
+            raise SchemaError(f"{path} tells of no column {name}{what}")
     for name in (reward_in(shapes), *SINGLE):
         if name in shapes and math.prod(shapes[name]) != 1:
             raise SchemaError(f"{path}: the column {name} holds {math.prod(shapes[name]):,} numbers a frame, not one")
