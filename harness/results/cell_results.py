@@ -118,7 +118,7 @@ class Cells:
 
 
 class CellResults:
-    """A done cell of an arm as a training, see `harness.results.trainings.Trained`.
+    """A done cell of an arm as a training, which answers what a `harness.results.recordings.runs.Run` does.
 
     Every method raises SchemaError if a file that it has to read is damaged, or written by a newer version. In a `with`
     block, columns that one method has read are kept for the others.
@@ -268,7 +268,7 @@ class CellResults:
         return self._ask(TRACE, "learned", make)
 
     def stretch(self, begin: int, end: int) -> Part:
-        """See `Trained`: success and pay."""
+        """See `Run`: success and pay."""
         return self._episodes.part(begin, end)
 
     def on_the_way(self, every: int) -> Mapping[int, Part]:
@@ -305,7 +305,7 @@ class CellResults:
         return self._ask(TRACE, "reward", lambda: self._trace(TRACE)["reward"])
 
     def paid(self, by: Any) -> Float:
-        """See `Trained`: its own reward's pay is recorded."""
+        """See `Run`: its own reward's pay is recorded."""
         return self.recorded if by.reward == self.reward else self.paid_by(by.unchanged(TRACE))
 
     def paid_by(self, reward: InstalledReward) -> Float:
@@ -330,7 +330,7 @@ class CellResults:
         return own
 
     def returned(self, by: Any, manner: str) -> float:
-        """See `Trained`: its events left out."""
+        """See `Run`: its events left out."""
         return self._known(self.evaluation_return(by.unchanged(EVALUATION)))
 
     def evaluation_return(self, reward: InstalledReward) -> float | None:
@@ -347,7 +347,7 @@ class CellResults:
         )
 
     def final_pay(self) -> float:
-        """See `Trained`: its events included."""
+        """See `Run`: its events included."""
         return self._known(self.recorded_return("paid"))
 
     def _known(self, value: float | None) -> float:
@@ -382,18 +382,18 @@ class CellResults:
         return np.array(self._ask(RANDOM, "returns", make, reward), np.float64)
 
     def at_random(self) -> Part:
-        """See `Trained`: pay where a cell of the reward recorded it."""
+        """See `Run`: pay where a cell of the reward recorded it."""
         owner = self.floor_cell
         pay = owner.recorded_return("return", RANDOM) if owner and owner.reward == self.reward else None
         return Part(0, {self.reward: pay}, self.measured.random, {})
 
     @property
     def has_terms(self) -> bool:
-        """See `Trained`: whether its training recorded some."""
+        """See `Run`: whether its training recorded some."""
         return bool(term_names(self._files / TRACE))
 
     def terms(self, by: Any, part: str) -> ByTerm | None:
-        """See `Trained`: what others pay its training is not asked for."""
+        """See `Run`: what others pay its training is not asked for."""
         reward = self._cells.installed(by.cell.reward)
         if part != "random":
             is_asked = part != "training" or by.reward == self.reward
