@@ -417,7 +417,7 @@ class CellResults:
         def make() -> dict[str, Any]:
             trace = self._trace(file)
             terms = terms_of(trace) if is_own else self._paid(file, reward).terms
-            return by_term(terms, trace.episodes, trace["step"] > 0).to_json()
+            return by_term(terms, trace.episodes, int((trace["step"] > 0).sum())).to_json()
 
         return ByTerm.from_json(self._ask(file, "terms", make, None if is_own else reward))
 

@@ -63,7 +63,6 @@ class Side:
 
     Attributes:
         title: What tells it from the other side.
-        cells: Id of the cell of each episode.
         seeds: The seed of its training, of each episode.
         scene: What its arm looks like.
         episodes: As many as the show has, in the same order.
@@ -73,7 +72,6 @@ class Side:
     """
 
     title: str
-    cells: tuple[str, ...]
     seeds: tuple[int, ...]
     scene: Scene
     episodes: tuple[Episode, ...]
@@ -310,12 +308,11 @@ def _show(results: Results, shown: ShownCells, most: int, room: int = 0) -> Show
         kinds = {kind: chosen.index(it) for kind in pairs.counts if (it := pairs.typical(kind)) in chosen}
     sides = []
     for title, scene, ways in zip(shown.titles, scenes, zip(*met, strict=True), strict=True):
-        facts, these = episode_facts(ways[0].trace), [ways[place] for place in chosen]
+        facts = episode_facts(ways[0].trace)
         sides.append(
             Side(
                 title,
-                tuple(it.cell.id for it in these),
-                tuple(it.cell.seed for it in these),
+                tuple(ways[place].cell.seed for place in chosen),
                 scene,
                 tuple(_episode(results, ways[place], place in measured) for place in chosen),
                 facts.control_period or CONTROL_PERIOD,

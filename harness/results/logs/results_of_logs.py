@@ -19,6 +19,7 @@ from harness.results.logs.read_logs import Other, runs_of
 from harness.results.logs.told import FOUND_OUT, Told
 from harness.results.logs.trainings import Sorted, require_several, sort_files, sort_logs
 from harness.results.recordings.episodes import ENDS
+from harness.results.recordings.recordings import Recordings, plan_of
 from harness.results.results import Results
 from harness.text import command_text
 
@@ -180,7 +181,7 @@ def _results(
     if told.labels is not None:
         found = labelled(found, place, told.labels)
     runs = runs_of(found, told.deciding, other, told.leave_out)
-    return Results(place, registry, kind, metrics=metrics, runs=runs, pairs=pairs)
+    return Recordings(place, registry, plan_of(runs), kind, metrics=metrics, pairs=pairs, loose=runs)
 
 
 def _in_steps(found: Sorted, registry: Registry, told: Told) -> Sorted:

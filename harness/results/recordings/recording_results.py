@@ -152,7 +152,7 @@ class RecordingResults:
     def terms_paid(self, reward: str) -> ByTerm:
         """What each term of a reward paid; without terms of one that has none, or was given up on the way."""
         if not self.facts.terms.get(reward):
-            return ByTerm({}, self.steps, len(self.episodes.last))
+            return ByTerm({}, self.steps)
         told = self._kept.told(f"terms {reward}", self._made_of, lambda: terms_in(self._paid(reward), reward).to_json())
         self._kept.save()
         return ByTerm.from_json(told)
@@ -207,7 +207,7 @@ def terms_in(recording: Log, reward: str) -> ByTerm:
     found = {name: told[term_column(reward, name)] for name in names}
     rows = episode_rows(env, episode, np.logical_or(*ends))
     is_known = not any(np.isnan(values).any() for values in found.values())
-    return by_term(found if is_known else {}, rows, np.ones(len(told), bool))
+    return by_term(found if is_known else {}, rows, len(told))
 
 
 def numbers_in_environment(folder: Path, files: Path) -> Numbers:

@@ -60,7 +60,7 @@ class LogPay:
 
     def terms_paid(self, reward: str) -> ByTerm:
         """What each term of a reward paid; a log without steps tells none."""
-        return terms_in(self.log, reward) if self.log.facts.unit == "step" else ByTerm({}, 0, 0)
+        return terms_in(self.log, reward) if self.log.facts.unit == "step" else ByTerm({}, 0)
 
 
 @dataclass(frozen=True, eq=False)
