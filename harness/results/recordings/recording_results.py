@@ -15,7 +15,7 @@ from harness.eta.rescaling import PayLine, line_of
 from harness.files.bounded import reading
 from harness.files.plain import Plain
 from harness.log import Log
-from harness.log.log import REWARD, episode_rows
+from harness.log.log import EPISODES, REWARD
 from harness.record.folder import EVALUATION_RECORDING
 from harness.record.recording.facts import FILE_BEHAVIOUR, OWN_SOURCE, TrainingFacts, facts_of, file_column, term_column
 from harness.record.recording.recorded_training import (
@@ -199,15 +199,12 @@ class RecordingResults:
 
 def terms_in(recording: Log, reward: str) -> ByTerm:
     """What each term of a reward paid in a log of steps; without terms of one that was given up on the way."""
-    names = facts_of(recording).terms.get(reward, ())
-    there = [name for name in (*INTEGERS[:2], *FLAGS) if name in recording]
-    told = recording.rows([*there, *(term_column(reward, name) for name in names)])
-    zeros = np.zeros(len(told), np.int32)
-    env, episode, *ends = (told[name] if name in there else zeros for name in (*INTEGERS[:2], *FLAGS))
-    found = {name: told[term_column(reward, name)] for name in names}
-    rows = episode_rows(env, episode, np.logical_or(*ends))
+    columns = {name: term_column(reward, name) for name in facts_of(recording).terms.get(reward, ())}
+    log = recording.add({}).load([*EPISODES, *columns.values()])
+    log = log.add({name: np.zeros(len(log), bool) for name in EPISODES if name not in log})
+    found = {name: log[column] for name, column in columns.items()}
     is_known = not any(np.isnan(values).any() for values in found.values())
-    return by_term(found if is_known else {}, rows, len(told))
+    return by_term(found if is_known else {}, log.episodes, len(log))
 
 
 def numbers_in_environment(folder: Path, files: Path) -> Numbers:
