@@ -116,22 +116,17 @@ class Results(ABC):
         """What is compared: each reward that taught with the baseline, or every two; the null control too."""
         return [(it, match) for it in self.trainings for match in it.matches(pairs=self.pairs)]
 
-    @property
     @abstractmethod
-    def returns(self) -> tuple[ReturnMatrix, ...]:
-        """What each reward would have paid the policies that each reward trained.
+    def _matrices(self) -> Iterator[ReturnMatrix]:
+        """See `returns`."""
 
-        Raises:
-            SchemaError: A file is damaged or written by a newer version.
-        """
+    def _lines(self) -> Iterable[str]:
+        """What to keep in mind of the trainings that were read."""
+        return ()
 
     @abstractmethod
-    def run(self, cell: Cell) -> Trained:
-        """A done cell as a training.
-
-        Raises:
-            SchemaError: It is not compared with any other, and so was not read.
-        """
+    def run(self, cell: Cell) -> Trained | None:
+        """A done cell as a training; None of one in an environment that is not compared, and so was not read."""
 
     @abstractmethod
     def numbers(self, cell: Cell) -> Numbers:
@@ -268,11 +263,11 @@ class Results(ABC):
         """One answer for each reward over all places in which it trained, where there are several."""
         return pools_of(self.combinations)
 
-    @property
+    @cached_property
     def notes(self) -> tuple[str, ...]:
         """What to keep in mind of the trainings, a line each; a plan of looks waits for no cell that failed."""
         is_told = self.account.missing and not self.plan.terms.looks and not self.is_temporary
-        return (self.account.remedy,) if is_told else ()
+        return (*self._lines(), *([self.account.remedy] if is_told else ()))
 
     @property
     def said(self) -> tuple[str, ...]:
@@ -283,6 +278,15 @@ class Results(ABC):
     def damaged_recordings(self) -> tuple[str, ...]:
         """Recordings that could not be read, a line each; a cell with a damaged file is among `damaged` instead."""
         return tuple(dict.fromkeys(line for it in self._read for line in it.damaged))
+
+    @cached_property
+    def returns(self) -> tuple[ReturnMatrix, ...]:
+        """What each reward would have paid the policies that each reward trained.
+
+        Raises:
+            SchemaError: A file is damaged or written by a newer version.
+        """
+        return tuple(self._matrices())
 
     @cached_property
     def terms(self) -> tuple[TermsPaid, ...]:
@@ -316,11 +320,13 @@ class Results(ABC):
 
     def measured(self, cell: Cell) -> Measured:
         """Every measure of a done cell, by manner; none of a cell in an environment that is not compared."""
-        return self.run(cell).measured
+        run = self.run(cell)
+        return run.measured if run else Measured({}, {}, {})
 
     def moments(self, cell: Cell) -> tuple[Moment, ...]:
         """Every evaluation of a done cell during its training, and the one after it."""
-        return tuple(self.run(cell).moments)
+        run = self.run(cell)
+        return tuple(run.moments) if run else ()
 
     def frames(self, cell: Cell, episode: int = 0) -> Frames | None:
         """Pictures of an evaluation episode that an environment drew; None of an arm, which has a replay."""

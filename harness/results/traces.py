@@ -1,6 +1,6 @@
 """The done cells of arms as trainings that are compared: what their traces say, each thing computed once."""
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from functools import cached_property
 from itertools import combinations
 from pathlib import Path
@@ -91,10 +91,9 @@ class Traces(Results):
             for trainings in (of.get(group) or self._of_group(group),)
         ]
 
-    @property
-    def returns(self) -> tuple[ReturnMatrix, ...]:
+    def _matrices(self) -> Iterator[ReturnMatrix]:
         scoring = dict.fromkeys(cell.reward for cell in self._planned)
-        return tuple(self._matrix(it, scoring) for it in self.trainings)
+        return (self._matrix(it, scoring) for it in self.trainings)
 
     def _matrix(self, of: Trainings, scoring: Iterable[Choice]) -> ReturnMatrix:
         taught, payers = dict[str, list[CellResults]](), dict[str, InstalledReward | str]()

@@ -16,8 +16,7 @@ from harness.files.bounded import reading
 from harness.files.plain import Plain
 from harness.log import Log
 from harness.log.log import EPISODES, REWARD
-from harness.record.folder import EVALUATION_RECORDING
-from harness.record.recording.facts import FILE_BEHAVIOUR, OWN_SOURCE, TrainingFacts, facts_of, file_column, term_column
+from harness.record.recording.facts import OWN_SOURCE, TrainingFacts, facts_of, file_column, term_column
 from harness.record.recording.recorded_training import (
     ACTION,
     CALLS,
@@ -32,8 +31,7 @@ from harness.record.recording.recorded_training import (
 from harness.record.store import CELLS
 from harness.results.by_term import ByTerm, by_term
 from harness.results.kept import Kept
-from harness.results.recordings.episodes import Episodes, Part, episodes_of
-from harness.results.table import Numbers
+from harness.results.recordings.episodes import Episodes, episodes_of
 
 
 @dataclass(frozen=True)
@@ -89,10 +87,6 @@ def _digest(recording: Log) -> str:
         digest.update(f"{name}\0{len(values)}\0".encode())
         digest.update(np.ascontiguousarray(values).data)
     return digest.hexdigest()
-
-
-RETURN = "return_"
-"""What the columns of mean returns begin with."""
 
 
 class RecordingResults:
@@ -205,28 +199,6 @@ def terms_in(recording: Log, reward: str) -> ByTerm:
     found = {name: log[column] for name, column in columns.items()}
     is_known = not any(np.isnan(values).any() for values in found.values())
     return by_term(found if is_known else {}, log.episodes, len(log))
-
-
-def numbers_in_environment(folder: Path, files: Path) -> Numbers:
-    """What the final policy of a cell in an environment did, and what every reward paid for it: means over episodes.
-
-    Args:
-        folder: The experiment's.
-        files: The cell's.
-
-    Raises:
-        SchemaError: The recording of its evaluation is damaged.
-    """
-    found = RecordingResults(folder, files / EVALUATION_RECORDING)
-    part = found.episodes.part(0, found.steps)
-    found.keep()
-    return numbers_of_part(part)
-
-
-def numbers_of_part(part: Part) -> Numbers:
-    """Measures and mean returns of some episodes, by the columns that they have in a table of cells."""
-    did = {f"{FILE_BEHAVIOUR}{name}": value for name, value in part.behaviour.items()}
-    return Numbers({**did, **{f"{RETURN}{name}": value for name, value in part.returns.items()}}, part.reasons)
 
 
 def _name_of(folder: Path, path: Path) -> str:

@@ -1,33 +1,38 @@
 """The recorded trainings of an experiment's cells in environments, or recordings and logs that lie loose."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
+from pathlib import Path
 from types import MappingProxyType
 
 from harness.arrays import Float
-from harness.errors import SchemaError, UsageError
+from harness.errors import UsageError
 from harness.eta.manner import MANNERS
 from harness.eta.seed_mean import SeedMean, mean_of_known
 from harness.measure import Measure
 from harness.record.cell import BROUGHT, EVALUATION_HORIZON, Cell
-from harness.record.folder import RANDOM, TRAINING_RECORDING, recording_of
+from harness.record.folder import EVALUATION_RECORDING, RANDOM, TRAINING_RECORDING, recording_of
 from harness.record.manifest import Manifest, is_named
 from harness.record.plan_file import StoredPlan
+from harness.record.recording.facts import FILE_BEHAVIOUR
 from harness.record.recording.recorded_training import recordings_in
 from harness.record.store import Floor, floors_in
 from harness.registry.choice import Choice, split_list
 from harness.results.comparison import Group
 from harness.results.frames import Frames, read_frames
 from harness.results.logs.told import Told
-from harness.results.measured import Measured
 from harness.results.metrics import require_measures
+from harness.results.recordings.episodes import Part
 from harness.results.recordings.read_runs import read_runs
-from harness.results.recordings.recording_results import RecordingResults, numbers_in_environment, numbers_of_part
+from harness.results.recordings.recording_results import RecordingResults
 from harness.results.recordings.runs import Run, Runs
 from harness.results.results import Results
 from harness.results.return_matrix import ReturnMatrix
 from harness.results.table import Numbers
 from harness.results.trainings import Trainings
+
+RETURN = "return_"
+"""What the columns of mean returns begin with."""
 
 
 class Recordings(Results):
@@ -101,8 +106,7 @@ class Recordings(Results):
     def trainings(self) -> list[Trainings]:
         return [self._trainings(runs) for _, runs in self.read.values() if isinstance(runs, Runs)]
 
-    @property
-    def notes(self) -> tuple[str, ...]:
+    def _lines(self) -> Iterable[str]:
         told: dict[str, None] = {}
         for group, (cells, runs) in self.read.items():
             if isinstance(runs, str):
@@ -111,23 +115,22 @@ class Recordings(Results):
             else:
                 lines, begin = runs.notes, f"{group.title}: " * (len(self.read) > 1)
             told |= dict.fromkeys(f"{begin}{line}" for line in lines)
-        return (*told, *super().notes)
+        return told
 
-    @property
-    def returns(self) -> tuple[ReturnMatrix, ...]:
-        """See `Results`; a matrix for each manner."""
-        return tuple(matrix for it in self.trainings for matrix in _returns(it))
+    def _matrices(self) -> Iterator[ReturnMatrix]:
+        """See `Results`; one for each manner."""
+        return (matrix for it in self.trainings for matrix in _returns(it))
 
     def numbers(self, cell: Cell) -> Numbers:
         """See `Results`: means over the episodes of the final policy, else over those that say most about it."""
         if self.loose:
-            run = self.run(cell)
+            run = self.runs[cell.id]
             return numbers_of_part(next(iter(run.parts(run.steps).values())))
         return numbers_in_environment(self.folder, self.store.cell_folder(cell))
 
     def recorded(self, cell: Cell) -> Float:
         if self.loose:
-            return self.run(cell).recorded.paid_by(cell.reward.label)
+            return self.runs[cell.id].recorded.paid_by(cell.reward.label)
         training = self.store.cell_folder(cell) / TRAINING_RECORDING
         return RecordingResults(self.folder, training).paid_by(cell.reward.label)
 
@@ -136,22 +139,11 @@ class Recordings(Results):
             return Frames("recordings that no experiment made hold no policies, so no episode can be played again")
         return read_frames(self.folder, self.manifest(cell), episode)
 
-    def measured(self, cell: Cell) -> Measured:
-        """See `Results`: none of a cell that is not compared."""
-        return super().measured(cell) if cell.id in self.runs else Measured({}, {}, {})
-
     def _examine(self, cell: Cell) -> Manifest:
         return Manifest(cell, status="done") if self.loose else super()._examine(cell)
 
-    def run(self, cell: Cell) -> Run:
-        """The recorded training of a done cell.
-
-        Raises:
-            SchemaError: It is not compared with any other, and so was not read.
-        """
-        if cell.id not in self.runs:
-            raise SchemaError(f"cell {cell.id} is not compared with any other")
-        return self.runs[cell.id]
+    def run(self, cell: Cell) -> Run | None:
+        return self.runs.get(cell.id)
 
     @cached_property
     def runs(self) -> dict[str, Run]:
@@ -200,3 +192,25 @@ def plan_of(runs: Runs) -> StoredPlan:
         for reward, seed in runs.members
     )  # fmt: skip
     return StoredPlan(runs.trained[0], False, {}, tuple(cells), {})
+
+
+def numbers_in_environment(folder: Path, files: Path) -> Numbers:
+    """What the final policy of a cell in an environment did, and what every reward paid for it: means over episodes.
+
+    Args:
+        folder: The experiment's.
+        files: The cell's.
+
+    Raises:
+        SchemaError: The recording of its evaluation is damaged.
+    """
+    found = RecordingResults(folder, files / EVALUATION_RECORDING)
+    part = found.episodes.part(0, found.steps)
+    found.keep()
+    return numbers_of_part(part)
+
+
+def numbers_of_part(part: Part) -> Numbers:
+    """Measures and mean returns of some episodes, by the columns that they have in a table of cells."""
+    did = {f"{FILE_BEHAVIOUR}{name}": value for name, value in part.behaviour.items()}
+    return Numbers({**did, **{f"{RETURN}{name}": value for name, value in part.returns.items()}}, part.reasons)
