@@ -31,7 +31,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.csv
 
-from harness.arrays import Float, Mask
+from harness.arrays import Mask
 from harness.errors import SchemaError, UsageError
 from harness.files.bounded import require_regular
 from harness.log import Log, LogFacts
@@ -278,16 +278,20 @@ def _read_rows(columns: Columns, counted: _Counted) -> dict[str, Array] | None:
     reward, events = columns["reward"], {name: columns[name] for name in EVENTS if name in columns}
     if "distance" not in columns:
         return {PAY: reward, **events} if _is_finite(events.values()) else None
-    begin, distance = columns["begin_distance"], columns["distance"]
-    best, delta = _before_step(columns)
+    begin, distance, nothing = columns["begin_distance"], columns["distance"], np.full(len(reward), np.nan)
+    told, filled = columns.get("step", nothing), columns.get("delta_distance", nothing)
+    best = columns.get("previous_best", columns.get("prev_best", nothing))
+    if "previous_best" not in columns:  # see the rule at the top of this file
+        best = np.where(np.isnan(filled), best, distance - filled)
+    delta = np.where(np.isnan(filled), distance - best, filled)
     env = columns.get("env", np.zeros(len(reward)))
-    told = columns.get("step", np.full(len(reward), np.nan))
     flags = {name: columns[name] for name in TOUCHED if name in columns}
     needed = (*events.values(), *flags.values(), begin, distance, best, delta, env)
     if not _is_finite(needed) or max(np.abs(env).max(), np.nanmax(np.abs(told), initial=0.0)) > LARGEST_STEP:
         return None
-    filled = np.isfinite(columns["delta_distance"]) if "delta_distance" in columns else True
-    alike = filled & (reward == 0.0) & (distance == begin) & (best == begin)
+    alike = (reward == 0.0) & (distance == begin) & (best == begin)
+    if "delta_distance" in columns:
+        alike &= np.isfinite(filled)
     start = np.where(np.isnan(told), alike, told == 0.0)
     step = np.where(np.isnan(told), counted.steps(start), told).astype(np.int64)
     counted.step, env = int(step[-1]), env.astype(np.int64)
@@ -298,20 +302,6 @@ def _read_rows(columns: Columns, counted: _Counted) -> dict[str, Array] | None:
 
 def _is_finite(columns: Iterable[Array]) -> bool:
     return all(bool(np.isfinite(column).all()) for column in columns)
-
-
-def _before_step(columns: Columns) -> tuple[Float, Float]:
-    """Pb before the step and d - Pb, by the rule at the top of this file."""
-    distance, delta = columns["distance"], columns.get("delta_distance")
-    best = columns.get("previous_best", columns.get("prev_best"))
-    if delta is None:
-        assert best is not None  # one of the two is there, or the distances are not read
-        return best, distance - best
-    if best is None:
-        return distance - delta, delta
-    empty = np.isnan(delta)
-    before = best if "previous_best" in columns else np.where(empty, best, distance - delta)
-    return before, np.where(empty, distance - before, delta)
 
 
 def _spelled(header: Iterable[str]) -> list[str]:

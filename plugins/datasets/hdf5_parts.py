@@ -281,9 +281,9 @@ def tables_of(
             require_readable(path, 1, numbers)
             if not len(episode):
                 continue
-            ends = np.append(np.diff(episode) != 0, True)
-            begins = np.concatenate([[0], np.flatnonzero(ends)[:-1] + 1])
-            step = np.arange(len(episode)) - np.repeat(begins, np.diff(begins, append=len(episode))) + 1
+            row, begins = np.arange(len(episode)), np.diff(episode, prepend=-1) != 0
+            step = row - np.maximum.accumulate(np.where(begins, row, 0)) + 1
+            ends = np.append(begins[1:], True)
             for rows, table in read_stretches(len(episode), parts):
                 found = {"step": step[rows], **{name: values[rows] for name, values in known.items()}, **table}
                 yield source.columns(names, Steps(found, episode[rows], ends[rows], where), told)
