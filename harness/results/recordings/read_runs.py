@@ -1,5 +1,6 @@
 """Reads the recorded trainings below a folder, finds out what makes them one study, and what to keep in mind of it."""
 
+import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
@@ -204,6 +205,12 @@ def read_all(folder: Path, only: Sequence[Path] | None = None) -> tuple[list[Run
             runs.append(_read(folder, path, weighed))
         except SchemaError as error:
             damaged.append(Missing(path, str(error)))
+    rewards = sorted({run.reward for run in runs}, key=len, reverse=True)
+    words = re.compile("|".join([*map(re.escape, rewards), "[0-9]+"]))
+    shapes = {(run.path.parent, words.sub("", run.path.name)) for run in runs}
+    for home in sorted({home for home, _ in shapes}) if only is None else ():
+        alike = (it for it in home.iterdir() if it.is_dir() and (home, words.sub("", it.name)) in shapes)
+        damaged += [Missing(it, f"{it} holds no recording") for it in sorted(alike) if not any(it.iterdir())]
     # Where the env paid the reward that taught, a reward recorded as what the env pays has the name of another one.
     # Where the recorder paid the learner, the env itself pays the same whatever taught.
     paid = {run.key for run in runs if run.facts.pay}
