@@ -136,7 +136,7 @@ class Run:
         """All of its episodes."""
         return self.episodes.whole
 
-    # What a `harness.results.traces.CellRun` says too, for `harness.results.trainings`
+    # What a `harness.results.cell_results.CellResults` says too, for `harness.results.trainings`
 
     @cached_property
     def measured(self) -> Measured:
