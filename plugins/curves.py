@@ -4,6 +4,7 @@ import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
@@ -12,7 +13,7 @@ import numpy as np
 from harness.arrays import Float
 from harness.errors import SchemaError, UsageError
 from harness.log import BEHAVIOUR, LARGEST, RECORDED, REWARD, SINCE, SUCCESS, Log, LogFacts, Unit, in_memory
-from harness.log.text_table import require_columns
+from harness.log.log import require_columns
 from harness.progress import RETURN
 from harness.score.row_meaning import EPISODE, LENGTH
 from harness.text import shortened
@@ -162,7 +163,11 @@ class Roles:
         """
         given = {role: getattr(self, role) for role in VALUES}
         require_columns(path, names, self.time, *given.values())
-        of = {it: _roles_of(name for name in names if is_evaluated(name) == it) for it in (False, True)}
+        of: dict[bool, dict[str, str]] = {False: {}, True: {}}
+        for evaluated, role in product(of, (*VALUES[:3], "episode")):
+            best = _named((name for name in names if is_evaluated(name) == evaluated), role)
+            if best:
+                of[evaluated][role] = best[0]
         there = [it for it, roles in of.items() if {"reward", "success"} & roles.keys()]
         evaluation = min(there, key=lambda it: ("success" not in of[it], it), default=False)
         if self.reward or self.success:
@@ -176,21 +181,19 @@ class Roles:
             )
         columns = {role: roles[role] for role in VALUES if role in roles}
         chosen = Chosen(columns, episode=roles.get("episode", ""), evaluation=evaluation)
-        is_known = bool(chosen.kind[0]) and not chosen.episode
-        if chosen.is_mean or is_known or is_history(names) or not {"episode", "length"} & roles.keys():
-            if not self.length and plain(columns.get("length", "")) in OF_ALL:
-                del columns["length"]
-        else:
-            chosen = chosen._replace(unit="episode")
+        is_known = chosen.kind[0] and not chosen.episode
+        has_points = chosen.is_mean or is_known or is_history(names) or not {"episode", "length"} & roles.keys()
+        if has_points and not self.length and plain(columns.get("length", "")) in OF_ALL:
+            del columns["length"]
         nearest = sorted(names, key=lambda name: is_evaluated(name) != evaluation)
         free = [name for name in nearest if name not in columns.values()]
-        counters = [name for name in _named(free, "counter") if name != chosen.episode or chosen.unit == "point"]
-        others = {it["reward"]: None for it in of.values() if "reward" in it}
-        others.pop(columns.get("reward", ""), None)
+        counters = (name for name in _named(free, "counter") if name != chosen.episode or has_points)
+        returns = (it["reward"] for it in of.values() if "reward" in it)
         return chosen._replace(
+            unit="point" if has_points else "episode",
             times=(self.time,) if self.time else tuple(_named(free, "time")),
-            counter=next(iter(counters), ""),
-            others=tuple(others),
+            counter=next(counters, ""),
+            others=tuple(name for name in returns if name != columns.get("reward")),
         )
 
 
@@ -219,16 +222,6 @@ def _named(names: Iterable[str], role: str) -> list[str]:
         if len(key) >= LONG:
             found.setdefault(key, name)
     return list(dict.fromkeys(found[key] for key in ROLES[role] if key in found))
-
-
-def _roles_of(names: Iterable[str]) -> dict[str, str]:
-    """By role: the name that says it best."""
-    names, found = list(names), dict[str, str]()
-    for role in (*VALUES[:3], "episode"):
-        first = next((name for name in _named(names, role) if name not in found.values()), None)
-        if first:
-            found[role] = first
-    return found
 
 
 def points(facts: LogFacts, chosen: Chosen, columns: Mapping[str, Float], told: Roles, step: str = "") -> Log:

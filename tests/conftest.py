@@ -20,7 +20,7 @@ from harness.experiment.workers.workers import News
 from harness.policy.discrete import ChoosingNetwork
 from harness.record import Cell, Store
 from harness.registry import Choice, load_registry
-from harness.results import Results, load_results
+from harness.results import load_results
 
 settings.register_profile("no deadline", deadline=None)  # a busy machine is no bug
 settings.load_profile("no deadline")
@@ -260,7 +260,7 @@ def run_once(toys, run_here, tmp_path_factory):
             run_here(plan, making)
             making.rename(kept)
         shutil.copytree(kept, folder)
-        return Results(folder, toys)
+        return load_results(folder, registry=toys)
 
     return run
 

@@ -182,7 +182,6 @@ if TYPE_CHECKING:
     from harness.results.alone import Alone as Alone
     from harness.results.comparison import deciding_manner as deciding_manner
     from harness.results.learning import Learning as Learning
-    from harness.results.load import read_results as read_results
     from harness.results.logs.read_logs import (
         account_of as account_of,
         facts_notes as facts_notes,

@@ -178,7 +178,7 @@ def _open_folder(
     folder: Path, registry: "Registry", told: "Told", curve: "Kind", of_logs: Mapping[str, object]
 ) -> "Results | OfSteps":
     """The results of a folder; or the files of steps of the two rewards in it."""
-    from harness.results.load import read_results
+    from harness.results.load import load_results
 
     if is_experiment(folder):
         refuse_flags({**of_logs, "--baseline": told.baseline}, "an experiment, whose plan says it")
@@ -188,7 +188,7 @@ def _open_folder(
         (baseline, ours), (proposed, theirs) = groups.items()
         say(f"CSV files: {len(ours)} of `{baseline}`, the baseline, and {len(theirs)} of `{proposed}`", err=True)
         return list(map(glob.escape, map(str, ours))), list(map(glob.escape, map(str, theirs)))
-    return read_results(folder, registry, curve, told=told)
+    return load_results(folder, curve, told=told, registry=registry)
 
 
 def _files_of_steps(folder: Path, registry: "Registry", told: "Told") -> dict[str, list[Path]]:

@@ -191,7 +191,7 @@ def _read_together(
     from harness.eta.laws import is_left_out
     from harness.record.merge import merge
     from harness.registry.registry import load_registry
-    from harness.results.load import read_results
+    from harness.results.load import load_results
 
     merged = merge(folders, out, is_temporary=True)
     registry = load_registry(given=given)
@@ -200,7 +200,8 @@ def _read_together(
         path: out / path.absolute().relative_to(folder.absolute()) for path, folder in homes
     }
     told = replace(told, leave_out=tuple(place or path for path, place in there.items()))
-    return read_results(out, registry, curve, metric, is_temporary=True, pairs=pairs, told=told), merged.left_out
+    results = load_results(out, curve, metric, pairs=pairs, told=told, registry=registry, is_temporary=True)
+    return results, merged.left_out
 
 
 def _details(results: "Results", folders: Sequence[Path], told: "Told | None" = None) -> str:

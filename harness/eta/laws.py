@@ -108,7 +108,8 @@ class Account(NamedTuple, Generic[T]):
 
 def is_left_out(path: Path, leave_out: Collection[Path]) -> bool:
     """Whether a file or a folder is among those that the user leaves out; a folder with all that lies in it."""
-    return not {path.absolute(), *path.absolute().parents}.isdisjoint(it.absolute() for it in leave_out)
+    out = {it.absolute() for it in leave_out}
+    return bool(out) and not out.isdisjoint({path.absolute(), *path.absolute().parents})
 
 
 def counted(trainings: Iterable[tuple[T | None, Path, str]], leave_out: Collection[Path] = ()) -> Account[T]:

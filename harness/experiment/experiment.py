@@ -34,7 +34,7 @@ from harness.registry.choice import Choice, split_list
 from harness.registry.given import Given as Plugins, read_given, require_given, split_measures
 from harness.registry.registry import Registry, load_registry
 from harness.results import Results
-from harness.results.load import read_results
+from harness.results.load import load_results
 from harness.results.standing import standing_of
 from harness.text import visible
 from harness.tracker import Tracker
@@ -201,7 +201,7 @@ class BegunRun:
             followed.stop()
             store.discard_partial()
             ended.finish()
-        return read_results(store.folder, self.asked.registry, options.curve, options.metrics)
+        return load_results(store.folder, options.curve, options.metrics, registry=self.asked.registry)
 
     def _stages(self) -> Iterator[tuple[Cell, ...]]:
         """The cells that wait: all at once, or those of one look after the other until the answers stand."""
@@ -211,7 +211,7 @@ class BegunRun:
             return
         may = set(self._selected)
         while True:
-            results = read_results(self.asked.store.folder, self.asked.registry, metrics=options.metrics)
+            results = load_results(self.asked.store.folder, metrics=options.metrics, registry=self.asked.registry)
             standing = standing_of(results)
             wanted = [] if standing is None else standing.next
             done = {it.cell for it in results.done}

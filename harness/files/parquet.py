@@ -1,15 +1,48 @@
-"""What a Parquet file will take in memory, from what it says at its end: a small file may tell of very many rows."""
+"""Parquet files of numbers: written small, and bounded before they are read: a small one may tell of many rows."""
 
 from collections import Counter
 from collections.abc import Collection, Iterator
+from pathlib import Path
 
 import pyarrow as pa
 import pyarrow.parquet as pq
+
+from harness.arrays import Float
+from harness.files.bounded import require_regular
 
 MOST_NUMBERS = 2**31
 """The most numbers that are read at once, rows times columns: 16 GiB of float64."""
 TEXT_BYTES = 2**28
 """The most bytes of texts that are read at once."""
+ENCODINGS = {pa.float64(): "BYTE_STREAM_SPLIT", **dict.fromkeys((pa.int32(), pa.int64()), "DELTA_BINARY_PACKED")}
+
+
+def table_of(rows: Float, schema: pa.Schema) -> pa.Table:
+    """A table of the columns of a schema, which stand one after the other in each row, (rows, numbers)."""
+    columns, end = list[pa.Array](), 0
+    for kind in schema.types:
+        is_list = pa.types.is_fixed_size_list(kind)
+        begin, end = end, end + (kind.list_size if is_list else 1)
+        numbers = rows[:, begin:end].ravel()
+        if is_list:
+            columns.append(pa.FixedSizeListArray.from_arrays(numbers, kind.list_size))
+        else:
+            columns.append(pa.array(numbers.astype(kind.to_pandas_dtype(), copy=False)))
+    return pa.Table.from_arrays(columns, schema=schema)
+
+
+def write_packed(table: pa.Table, path: Path) -> None:
+    """Write numbers of which hardly one is told twice. A reader can see that no bit of a page is another."""
+    encodings = {field.name: ENCODINGS[field.type] for field in table.schema if field.type in ENCODINGS}
+    pq.write_table(
+        table, path, compression="zstd", use_dictionary=False, column_encoding=encodings, write_page_checksum=True
+    )
+
+
+def open_parquet(path: Path, most: int) -> pq.ParquetFile:
+    """A regular file of at most `most` bytes; a page with a wrong bit is refused when it is read."""
+    require_regular(path, most)
+    return pq.ParquetFile(path, page_checksum_verification=True)
 
 
 def require_room(file: pq.ParquetFile, columns: Collection[str] | None = None, most: int = MOST_NUMBERS) -> None:

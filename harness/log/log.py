@@ -38,7 +38,7 @@ A cell's trace has columns of its own names, see `harness.record.trace`. A CSV f
 these names: ``begin_distance``, ``previous_best``, ``distance``, ``delta_distance``.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Self, TypeAlias
@@ -50,6 +50,7 @@ from harness.arrays import Float
 from harness.errors import SchemaError, UsageError
 from harness.log.facts import LogFacts
 from harness.reward.steps import nearest
+from harness.text import shortened
 
 Array: TypeAlias = NDArray[Any]
 Columns: TypeAlias = Mapping[str, Array]
@@ -92,8 +93,7 @@ class Rows:
         Raises:
             UsageError: It is not among them; says what is.
         """
-        if name not in self.columns:
-            raise missing_column(name, self.columns, "These rows have")
+        require_columns("A row", self.columns, name)
         return self.columns[name]
 
     def __contains__(self, name: object) -> bool:
@@ -154,9 +154,7 @@ class Log:
             SchemaError: It is damaged, or has more rows than are allowed.
         """
         names = tuple(dict.fromkeys(columns))
-        for name in names:
-            if name not in self:
-                raise missing_column(name, self.names, f"{self.facts.path} has")
+        require_columns(self.facts.path, self.names, *names)
         own = tuple(name for name in names if name not in self.known)
         if not own:
             yield Rows({name: self.known[name] for name in names})
@@ -252,7 +250,7 @@ class Log:
         """
         old = {new.get(name, name): name for name in self.names}
         for name, other in new.items():
-            if name in self and other != name and other in self:
+            if name in self and other != name and other in self and new.get(other, other) == other:
                 raise UsageError(f"'{name}' cannot be called '{other}': {self.facts.path} has a column of that name")
 
         def read(names: tuple[str, ...]) -> Iterator[Columns]:
@@ -359,10 +357,16 @@ class OpenEpisodes:
         return type(self)(episodes[is_open], sums[:, is_open]), rows, sums[:, ended]
 
 
-def missing_column(name: str, there: Iterable[str], begin: str) -> UsageError:
-    """Says that there is no such column, and what there is."""
-    names = list(there)
-    return UsageError(f"No column '{name}'. {begin}: {', '.join(names)}{nearest(name, names)}")
+def require_columns(where: object, names: Collection[str], *wanted: str) -> None:
+    """See that there are columns that somebody named; empty texts are not looked for.
+
+    Raises:
+        UsageError: One is not there; says what is.
+    """
+    for name in wanted:
+        if name and name not in names:
+            there = shortened(", ".join(names), 160)
+            raise UsageError(f"{where} has no '{name}'. It has: {there}{nearest(name, list(names))}")
 
 
 def _count(facts: LogFacts, columns: Columns) -> int:

@@ -16,10 +16,9 @@ from typing import Any
 import numpy as np
 
 from harness.arrays import Float, Mask
-from harness.errors import SchemaError, UsageError
+from harness.errors import SchemaError
 from harness.files.bounded import open_regular, reading
 from harness.log.log import LARGEST
-from harness.reward.steps import nearest
 from harness.text import shortened
 
 MOST_BYTES = 2**27
@@ -27,7 +26,7 @@ MOST_BYTES = 2**27
 LONGEST_LINE = 2**20
 GZIP, WIDE = b"\x1f\x8b", (b"\xff\xfe", b"\xfe\xff")
 """How a file begins that gzip packed, and text in UTF-16."""
-TRUTH = {"true": 1.0, "false": 0.0}
+TRUTH = {"true": 1.0, "false": 0.0, "yes": 1.0, "no": 0.0}
 NOTHING = ("", "nan", "none", "null")
 COMMENT = re.compile(r"#(?<![^\r\n]#)[ \t]*\{[^\r\n]*")
 """A line of JSON behind ``#``."""
@@ -224,18 +223,6 @@ def parse_table(path: Path, text: str, names: Sequence[str] = ()) -> TextTable:
         raise SchemaError(f"{path} has no header, a header that is cut off, or names a column twice in it")
     has_commas = separator == ";" and any(re.fullmatch(r"\s*-?\d+,\d+\s*", cell) for of in columns for cell in of)
     return TextTable(path, known, dict(zip(known, columns, strict=True)), numbers, comments, cut, has_commas)
-
-
-def require_columns(path: Path, names: Sequence[str], *wanted: str) -> None:
-    """See that a table has columns that a user named; empty texts are not looked for.
-
-    Raises:
-        UsageError: It lacks one; says what it has.
-    """
-    for name in wanted:
-        if name and name not in names:
-            there = shortened(", ".join(names), 160)
-            raise UsageError(f"{path} has no '{name}'. It has: {there}{nearest(name, list(names))}")
 
 
 def _of_objects(path: Path, text: str) -> TextTable:

@@ -1,6 +1,5 @@
 """The traces that cells of an arm leave, as logs with the names that all logs share."""
 
-from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -8,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pyarrow.parquet as pq
 
-from harness.log import Log, LogFacts
-from harness.log.log import RECORDED, REWARD, START, TIME, Columns
+from harness.log import Log
+from harness.log.log import RECORDED, REWARD, START, TIME
 from harness.record.cell import Cell
 from harness.record.folder import MANIFEST, RANDOM, SUFFIX, TRACE
 from harness.record.manifest import read_manifest
@@ -43,10 +42,10 @@ class CellLog:
     def write_example(self, folder: Path) -> Path:
         """Two episodes of two steps, each with its start row."""
         rows = np.zeros((6, len(SCALARS) + 2 * EXAMPLE_DOF))
-        names = ("episode", "step", "begin_distance", "distance", "reward", "truncated")
-        for episode in (0, 1):
-            told = ((episode, 0, 0.5, 0.5, 0.0, 0), (episode, 1, 0.5, 0.4, 0.25, 0), (episode, 2, 0.5, 0.2, 0.5, 1))
-            rows[3 * episode : 3 * episode + 3, [COLUMN[name] for name in names]] = told
+        steps = np.tile([0.0, 1.0, 2.0], 2)
+        told = {"episode": np.repeat([0, 1], 3), "step": steps, "begin_distance": 0.5, "distance": 0.5 - steps / 10}
+        for name, values in {**told, "reward": steps / 4, "truncated": steps == 2}.items():
+            rows[:, COLUMN[name]] = values
         with TraceWriter(folder / TRACE, EXAMPLE_DOF, EXAMPLE_DOF) as writer:
             writer.append(rows)
         return folder / TRACE
@@ -60,15 +59,20 @@ def cell_log(path: Path) -> Log:
     """
     trace, cell = read_trace(path), cell_of(path)
     label = cell.reward.label if cell else RECORDED
-    own = {name: name for name in trace.columns if name != "reward" and not name.startswith(TERM)}
-    terms = {f"{REWARD}{label}/{name.removeprefix(TERM)}": name for name in trace.columns if name.startswith(TERM)}
-    names = {**own, f"{REWARD}{label}": "reward", **terms}
-
-    def read(asked: tuple[str, ...]) -> Iterator[Columns]:
-        for table in trace.read(tuple(names[name] for name in asked)):
-            yield {name: table[names[name]] for name in asked}
-
-    log = Log(_facts(trace, path, cell), tuple(names), read, {**trace.known})
+    paid = f"{REWARD}{label}"
+    terms = {name: f"{paid}/{name.removeprefix(TERM)}" for name in trace.columns if name.startswith(TERM)}
+    facts, is_training, is_random = trace.facts, path.name == TRACE, path.name == RANDOM
+    if cell is not None:
+        facts = replace(
+            facts,
+            env=cell.task.label,
+            algorithm="random actions" if is_random else cell.algorithm.label,
+            seed=cell.seed,
+            trained_with="" if is_random else label,
+            evaluation=not is_training,
+            asked=cell.steps if is_training else 0,
+        )
+    log = replace(trace, facts=facts).renamed({"reward": paid, **terms})
     is_step = log["step"] > 0
     return log.add({START: ~is_step, TIME: np.cumsum(is_step)})
 
@@ -76,18 +80,3 @@ def cell_log(path: Path) -> Log:
 def cell_of(path: Path) -> Cell | None:
     """The cell that left a trace, if the manifest beside it says so."""
     return read_manifest(path.parent).cell if path.with_name(MANIFEST).is_file() else None
-
-
-def _facts(trace: Log, path: Path, cell: Cell | None) -> LogFacts:
-    if cell is None:
-        return trace.facts
-    is_training, is_random = path.name == TRACE, path.name == RANDOM
-    return replace(
-        trace.facts,
-        env=cell.task.label,
-        algorithm="random actions" if is_random else cell.algorithm.label,
-        seed=cell.seed,
-        trained_with="" if is_random else cell.reward.label,
-        evaluation=not is_training,
-        asked=cell.steps if is_training else 0,
-    )

@@ -53,8 +53,8 @@ def evaluation_files(folder: Path, suffix: str = SUFFIX) -> dict[int, Path]:
         folder: The folder of the cell.
         suffix: What their names end with: that of traces, or nothing if they are recordings.
     """
-    found = (path for path in (folder / EVALUATIONS).glob(f"[0-9]*{suffix}") if path.stem.isdecimal())
-    return dict(sorted((int(path.stem), path) for path in found if path.suffix == suffix))
+    found = (folder / EVALUATIONS).glob(f"[0-9]*{suffix}")
+    return dict(sorted((int(it.stem), it) for it in found if it.stem.isdecimal() and it.suffix == suffix))
 
 
 def publish(partial: Path, folder: Path, *, is_lasting: bool = True) -> None:

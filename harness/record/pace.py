@@ -1,6 +1,7 @@
 """How long the rest of a run takes, by what its cells took so far."""
 
 import heapq
+import math
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
@@ -102,29 +103,28 @@ class _Running:
     cell: Cell
     started: float
     steps: int = 0
-    settled: float | None = None
-    trained: float | None = None
+    settled: float = math.inf
+    trained: float = math.inf
     marks: deque[tuple[float, int]] = field(default_factory=deque)
 
     def hear(self, steps: int, now: float) -> None:
         """It has done so many steps."""
         if steps > self.steps:
-            self.settled = now + SETTLING if self.settled is None else self.settled
+            self.settled = min(self.settled, now + SETTLING)
             if now < self.settled:
                 self.marks.clear()
             self.marks.append((now, steps))
             while len(self.marks) > 2 and self.marks[1][0] <= now - WINDOW:
                 self.marks.popleft()
             self.steps = steps
-        if steps >= self.cell.steps and self.trained is None:
-            self.trained = now
+        if steps >= self.cell.steps:
+            self.trained = min(self.trained, now)
 
     def begun(self, now: float) -> Begun:
         """How far it is."""
         (begin, before), (end, after) = (self.marks[0], self.marks[-1]) if self.marks else ((0.0, 0), (0.0, 0))
         per_step = (end - begin) / (after - before) if end - begin >= SHORTEST else None
-        since = 0.0 if self.trained is None else now - self.trained
-        return Begun(self.cell, min(self.steps, self.cell.steps), per_step, since)
+        return Begun(self.cell, min(self.steps, self.cell.steps), per_step, max(now - self.trained, 0.0))
 
 
 class Pace:
@@ -161,7 +161,7 @@ class Pace:
         one = self._running.pop(cell.id)
         if not failed:
             now = self._now()
-            trained = now if one.trained is None else one.trained
+            trained = min(one.trained, now)
             self._ended.append(Ended(one.cell, trained - one.started, now - trained))
 
     @property

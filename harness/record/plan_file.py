@@ -1,8 +1,8 @@
 """What was asked for in an experiment's folder: ``plan.json``, and ``experiment.toml``, which people read."""
 
-import hashlib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import chain
 from pathlib import Path
 from typing import Annotated, Any, Self
 
@@ -11,7 +11,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, with_config
 
 import harness.record.file_forms as forms
 from harness.errors import SchemaError, UsageError, one_line
-from harness.files.bounded import digest_of, reading
+from harness.files.bounded import reading
 from harness.files.sealed import read_sealed, seal, unseal
 from harness.files.whole_file import write_whole
 from harness.record.cell import Cell
@@ -28,7 +28,7 @@ LISTS = ("sim", "algo", "reward")
 
 
 BESIDE = ("format", "experiment_digest", "note")
-"""Keys of the file that tell nothing of the plan, or that only this program writes."""
+"""Keys of the file that tell nothing of the plan; that digest stands in plans of earlier versions."""
 
 
 def _once(cells: tuple[Cell, ...]) -> tuple[Cell, ...]:
@@ -74,17 +74,17 @@ class StoredPlan:
         Raises:
             UsageError: Together they are too many: nobody could read the plan again.
         """
-        asked = {cell: cell for cell in self.cells}
-        # The traces of a cell that was asked for twice keep what either plan asks for.
-        both = ((cell, asked.get(cell, cell)) for cell in earlier)
-        known = {it: replace(it, records=tuple(dict.fromkeys((*cell.records, *it.records)))) for cell, it in both}
-        cells = tuple({**known, **asked, **known}.values())
+        cells: dict[Cell, Cell] = {}
+        for cell in (*earlier, *self.cells):
+            # The traces of a cell that was asked for twice keep what either plan asks for.
+            records = dict.fromkeys((*cells.get(cell, cell).records, *cell.records))
+            cells[cell] = replace(cell, records=tuple(records))
         if len(cells) > forms.MOST_CELLS:
             raise UsageError(
                 f"{len(earlier):,} cells that are there and those that are asked for are {len(cells):,}, "
                 f"{forms.MOST_CELLS:,} are allowed in one folder. Name another folder"
             )
-        return replace(self, cells=cells)
+        return replace(self, cells=tuple(cells.values()))
 
     def write(self, folder: Path) -> None:
         """Write both files; ``plan.json``, which says all, comes first.
@@ -94,14 +94,12 @@ class StoredPlan:
             UsageError: Nobody could read it again. Nothing is written.
         """
         try:
-            text = self.experiment_text
             content = seal({
                 "format": FORMAT,
                 "baseline": self.baseline,
                 "a_a": self.a_a,
                 "control": [list(pair) for pair in self.control.items()],
                 "experiment": self.experiment,
-                "experiment_digest": hashlib.sha256(text.encode()).hexdigest(),
                 "terms": self.terms.to_json(),
                 "cells": [cell.to_json() for cell in self.cells],
             })  # fmt: skip
@@ -113,7 +111,7 @@ class StoredPlan:
                 f"'{folder}' cannot hold what is asked for, nobody could read its {PLAN} again: {one_line(error)}"
             ) from None
         write_whole(folder / PLAN, content)
-        write_whole(folder / EXPERIMENT, text)
+        write_whole(folder / EXPERIMENT, self.experiment_text)
 
     @property
     def experiment_text(self) -> str:
@@ -128,7 +126,7 @@ def read_plan(folder: Path) -> StoredPlan:
         SchemaError: It is damaged or written by a newer version.
     """
     path = folder / PLAN
-    data = _told_in(path)
+    data = read_sealed(path, "plan", FORMAT, SEALED_SINCE, PLAN_BYTES)
     with reading(path, "plan"):
         return _plan_of(data if data.get("experiment", {}) != {} else {**data, "experiment": experiment_in(folder)})
 
@@ -136,21 +134,6 @@ def read_plan(folder: Path) -> StoredPlan:
 def _plan_of(data: dict[str, Any]) -> StoredPlan:
     told = {name: it for name, it in data.items() if name not in BESIDE}
     return forms.read_form(StoredPlan, {"control": [], **told})  # a plan of version 0.1 has none
-
-
-def _told_in(path: Path) -> dict[str, Any]:
-    return read_sealed(path, "plan", FORMAT, SEALED_SINCE, PLAN_BYTES)
-
-
-def is_experiment_of_plan(folder: Path) -> bool:
-    """Whether ``experiment.toml`` is the one that ``plan.json`` was written with; so it is where that names none.
-
-    Raises:
-        SchemaError: The plan is damaged.
-    """
-    told = _told_in(folder / PLAN).get("experiment_digest")
-    path = folder / EXPERIMENT
-    return told is None or (path.is_file() and digest_of(path) == told)
 
 
 def plan_from_cells(folder: Path, cells: Iterable[Cell], damage: str) -> StoredPlan:
@@ -176,7 +159,10 @@ def plan_from_cells(folder: Path, cells: Iterable[Cell], damage: str) -> StoredP
             f"{EXPERIMENT} does not say which of them is the baseline: run the same command as before"
         )
     rewards = [_label(reward, known) for reward in experiment.get("reward", [])]
-    control = control_seeds(_seeds_of(experiment, known)) if baseline in rewards else {}
+    seeds = _with_seed_list(experiment).get("seeds")
+    if not isinstance(seeds, list):
+        seeds = sorted({cell.seed for cell in known})
+    control = control_seeds(seeds) if baseline in rewards else {}
     note = f"{damage}. The plan was put together from {len(known)} cells; run the same command as before to mend it"
     return StoredPlan(baseline, bool(control), control, known, experiment, note)
 
@@ -202,13 +188,6 @@ def _label(given: Any, cells: Sequence[Cell]) -> str:
         if {"name": reward.name, **{key: value for key, value in params if value is not None}} == given:
             return reward.label
     return str(given["name"] if isinstance(given, dict) and "name" in given else given)
-
-
-def _seeds_of(experiment: Mapping[str, Any], cells: Sequence[Cell]) -> list[int]:
-    told = experiment.get("seeds")
-    if isinstance(told, int):
-        return list(range(told))
-    return list(told) if isinstance(told, list) else sorted({cell.seed for cell in cells})
 
 
 def unite(plans: Sequence[tuple[Path, StoredPlan]]) -> StoredPlan:
@@ -268,7 +247,7 @@ def _terms_of_both(one: Terms, other: Terms) -> Terms:
 
 def _experiment_of_both(one: StoredPlan, other: StoredPlan) -> dict[str, Any]:
     """The experiment that asks for the cells of both; empty where no single one does."""
-    first, second = _with_seed_list(one), _with_seed_list(other)
+    first, second = _with_seed_list(one.experiment), _with_seed_list(other.experiment)
     differing = [key for key in {**first, **second} if first.get(key) != second.get(key)]
     if not differing:
         return first
@@ -276,26 +255,25 @@ def _experiment_of_both(one: StoredPlan, other: StoredPlan) -> dict[str, Any]:
     if more or key not in (*LISTS, "seeds") or not all(isinstance(it.get(key), list) for it in (first, second)):
         return {}
     items = [*first[key], *(item for item in second[key] if item not in first[key])]
-    is_sorted = all(isinstance(item, int) for item in items)
-    return {**second, key: sorted(items) if is_sorted else items}
+    return {**second, key: sorted(items) if key == "seeds" else items}
 
 
-def _with_seed_list(plan: StoredPlan) -> dict[str, Any]:
-    """The experiment with its seeds one by one; a number of seeds that the cells do not have stays a number."""
-    seeds = plan.experiment.get("seeds")
-    if not isinstance(seeds, int) or seeds > len(plan.cells):
-        return dict(plan.experiment)
-    return {**plan.experiment, "seeds": list(range(seeds))}
+def _with_seed_list(experiment: Mapping[str, Any]) -> dict[str, Any]:
+    """The experiment with its seeds one by one; a number of seeds that no experiment has stays a number."""
+    seeds = experiment.get("seeds")
+    if not isinstance(seeds, int) or seeds > forms.MOST_SEEDS:
+        return dict(experiment)
+    return {**experiment, "seeds": [*range(seeds)]}
 
 
 def _in_order(plan: StoredPlan) -> tuple[Cell, ...]:
     """Cells in the order in which one experiment has them: seeds outermost, the null control's last."""
-    choices = dict.fromkeys(choice for cell in plan.cells for choice in (cell.place, cell.algorithm, cell.reward))
-    ranks = {choice: rank for rank, choice in enumerate(choices)}
+    chosen = {cell: (cell.place, cell.algorithm, cell.reward) for cell in plan.cells}
+    ranks = [*dict.fromkeys(chain.from_iterable(chosen.values()))]
     others = set(plan.control.values()) - set(plan.control)
 
-    def place(cell: Cell) -> tuple[int, ...]:
+    def rank(cell: Cell) -> tuple[int, ...]:
         is_control = cell.seed in others and cell.reward.label == plan.baseline
-        return (is_control, cell.seed, ranks[cell.place], ranks[cell.algorithm], ranks[cell.reward])
+        return (is_control, cell.seed, *map(ranks.index, chosen[cell]))
 
-    return tuple(sorted(plan.cells, key=place))
+    return tuple(sorted(plan.cells, key=rank))

@@ -8,7 +8,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Annotated, Self
+from typing import Annotated, Any, Self
 
 from pydantic import Field
 
@@ -43,15 +43,9 @@ class Running:
     track: Seconds = 0.0
     tracked: Whole = 0
 
-    def after(self, steps: int, now: float, success: float | None = None, mean_return: float | None = None) -> Self:
-        """The same cell, when it has told its steps; success and return stay where they are None."""
-        return replace(
-            self,
-            steps=max(steps, self.steps),
-            told=now,
-            success=self.success if success is None else success,
-            mean_return=self.mean_return if mean_return is None else mean_return,
-        )
+    def after(self, steps: int, now: float, **shown: Any) -> Self:
+        """The same cell, when it has told its steps, and its success and return if they are given."""
+        return replace(self, steps=max(steps, self.steps), told=now, **shown)
 
 
 def write_running(folder: Path, running: Mapping[str, Running]) -> None:

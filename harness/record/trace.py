@@ -52,11 +52,11 @@ from pydantic import ConfigDict, with_config
 
 from harness.arrays import Float
 from harness.errors import SchemaError, SimulationDiverged
-from harness.files.bounded import reading, require_regular
-from harness.files.parquet import require_room
+from harness.files.bounded import reading
+from harness.files.parquet import open_parquet, require_room, table_of
 from harness.files.plain import Plain
 from harness.log import Log, LogFacts, in_memory
-from harness.log.log import MOST_ROWS, ROWS, Columns
+from harness.log.log import ROWS, Columns
 from harness.record.file_forms import read_form
 from harness.reward import LARGEST_PAID
 from harness.text import shortened
@@ -263,19 +263,8 @@ class TraceWriter:
             told = f"beyond {LARGEST_PAID:g}" if np.isfinite(rows[row, column]) else "not finite"
             raise SimulationDiverged(f"{name} is {told} at {where}")
         if len(rows):
-            self._file.write_table(self._table(rows))
+            self._file.write_table(table_of(rows, self.schema))
         self._filled = 0
-
-    def _table(self, rows: Rows) -> pa.Table:
-        columns, end = list[pa.Array](), 0
-        for field in self.schema:
-            begin, end = end, end + self._widths.get(field.name, 1)
-            part, kind = rows[:, begin:end], field.type
-            if pa.types.is_fixed_size_list(kind):
-                columns.append(pa.FixedSizeListArray.from_arrays(part.ravel(), kind.list_size))
-            else:
-                columns.append(pa.array(part[:, 0].astype(kind.to_pandas_dtype())))
-        return pa.Table.from_arrays(columns, schema=self.schema)
 
 
 def trace_schema(dof: int, action_size: int, extras: Mapping[str, int] = NO_EXTRAS) -> pa.Schema:
@@ -284,10 +273,6 @@ def trace_schema(dof: int, action_size: int, extras: Mapping[str, int] = NO_EXTR
     number = pa.float64()
     kinds = {name: pa.list_(number, n) if name in LISTS else KINDS.get(name, number) for name, n in widths.items()}
     return pa.schema(kinds, metadata={FORMAT_KEY: str(FORMAT).encode()})
-
-
-KNOWN = trace_schema(1, 1, dict.fromkeys(EXTRAS, 1))
-"""All columns that are read, whatever else is there; lists may have other lengths."""
 
 
 def terms_of(trace: Log) -> dict[str, NDArray[Any]]:
@@ -316,7 +301,7 @@ def require_plausible(path: Path, most: int) -> None:
     Raises:
         SchemaError: It has another number of rows, or holds a number that is too large; or as `read_trace`.
     """
-    with reading(path, "trace"), _opened(path) as file:
+    with reading(path, "trace"), open_parquet(path, TRACE_BYTES) as file:
         metadata = file.metadata
         if not 0 < metadata.num_rows <= most:
             raise SchemaError(f"{path} has {metadata.num_rows:,} rows, 1 to {most:,} are allowed")
@@ -336,11 +321,6 @@ def term_names(path: Path) -> tuple[str, ...]:
     return tuple(name.removeprefix(TERM) for name in read_trace(path).columns if name.startswith(TERM))
 
 
-def _opened(path: Path) -> pq.ParquetFile:
-    require_regular(path, TRACE_BYTES)
-    return pq.ParquetFile(path)
-
-
 def read_trace(path: Path, columns: Sequence[str] | None = None) -> Log:
     """A trace with all of its columns or some. Each is read when it is asked for.
 
@@ -348,7 +328,7 @@ def read_trace(path: Path, columns: Sequence[str] | None = None) -> Log:
         SchemaError: The file is damaged, is no trace or was written by a newer version. A column that is damaged raises
             it when it is read, and so does every column of a file that was replaced by then.
     """
-    with reading(path, "trace"), _opened(path) as file:
+    with reading(path, "trace"), open_parquet(path, TRACE_BYTES) as file:
         opened, metadata, there = _identity(path), file.metadata, file.schema_arrow.names
         told = metadata.metadata or {}
         version = told.get(FORMAT_KEY, b"none").decode()
@@ -359,8 +339,6 @@ def read_trace(path: Path, columns: Sequence[str] | None = None) -> Log:
         chosen = known if columns is None else [name for name in columns if name != OBSTACLE or name in known]
         stored = [*dict.fromkeys([*(name for name in chosen if name not in lacking), *(ENDS_OF_1 if lacking else ())])]
         _require_columns(file.schema_arrow, stored, path)
-        if metadata.num_rows > MOST_ROWS:
-            raise SchemaError(f"{path} has {metadata.num_rows:,} rows, {MOST_ROWS:,} are allowed")
         require_room(file, stored)
         facts = EpisodeFacts.from_bytes(told[FACTS_KEY]) if FACTS_KEY in told else NOTHING_KNOWN
         read = partial(_tables, path, opened, metadata)
@@ -396,7 +374,7 @@ def _tables(
 
 
 def _is_known(column: str) -> bool:
-    return column in KNOWN.names or column.startswith(TERM)
+    return column in (*SCALARS, *LISTS, *EXTRAS) or column.startswith(TERM)
 
 
 def _require_columns(schema: pa.Schema, columns: list[str], path: Path) -> None:
@@ -404,9 +382,9 @@ def _require_columns(schema: pa.Schema, columns: list[str], path: Path) -> None:
     if missing:
         raise SchemaError(f"{path} has no column {', '.join(missing)}")
     for name in filter(_is_known, schema.names):
-        found, expected = schema.field(name).type, KNOWN.field(name).type if name in KNOWN.names else pa.float64()
-        if pa.types.is_fixed_size_list(expected) and pa.types.is_fixed_size_list(found):
-            expected = pa.list_(expected.value_type, found.list_size)
+        found, number = schema.field(name).type, pa.float64()
+        is_list = name in LISTS  # of any length
+        expected = pa.list_(number, getattr(found, "list_size", 1)) if is_list else KINDS.get(name, number)
         if found != expected:
             raise SchemaError(f"{path} has a column {name} of {found}, not of {expected}")
 

@@ -14,7 +14,7 @@ from harness.files.whole_file import files_in, is_partial, write_whole
 from harness.record.added import owners
 from harness.record.folder import DERIVED, SCORES
 from harness.record.manifest import REMEDY, added_files, read_manifest, require_files, whole_cell
-from harness.record.plan_file import EXPERIMENT, PLAN, is_experiment_of_plan, read_plan
+from harness.record.plan_file import EXPERIMENT, PLAN, experiment_in, read_plan
 from harness.record.store import CELLS, REPORT, RESULTS, Store
 
 DERIVED_BYTES = 2**32
@@ -108,13 +108,13 @@ def _links(folder: Path) -> Iterator[Problem]:
 
 def _of_plan(folder: Path) -> Iterator[Problem]:
     try:
-        read_plan(folder)
+        plan = read_plan(folder)
     except NewerFormat:
         raise
     except SchemaError as error:
         yield Problem(Path(PLAN), str(error), PLAN_REMEDY)
         return
-    if not is_experiment_of_plan(folder):
+    if experiment_in(folder) != plan.experiment:
         yield Problem(
             Path(EXPERIMENT), f"it is not what was written beside {PLAN}", "harness verify --repair writes it again"
         )

@@ -94,7 +94,7 @@ def alone_of(trainings: Trainings) -> Alone | None:
     members, pay = trainings.members(reward), Quantity(trainings.pay_name(reward), "", "", TRAINING)
     ends, random = [it.ends() for it in members], members[0].at_random()
     first = trainings.leading
-    names = sorted(trainings.names, key=lambda name: first.index(name) if name in first else len(first))
+    names = dict.fromkeys([*(name for name in first if name in trainings.names), *trainings.names])
     evaluated = ends[0][2].episodes if ends[0][2] else 0
     stages = [_stages(trainings.quantity(name, TRAINING, evaluated), ends, random) for name in names]
     curve = trainings.learned(reward, members)

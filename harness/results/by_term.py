@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.arrays import Float, Mask
+from harness.arrays import Float
 from harness.log.log import episode_sums
 
 PART = 0.1
@@ -33,17 +33,15 @@ class ByTerm(NamedTuple):
     """By term, in their order; none of a reward without terms."""
     steps: int
     """How many steps there are."""
-    episodes: int
-    """How many episodes ended."""
 
     def to_json(self) -> dict[str, Any]:
         """Plain data; `from_json` gives the same back."""
-        return {**self._asdict(), "terms": {name: list(means) for name, means in self.terms.items()}}
+        return {"terms": {name: list(means) for name, means in self.terms.items()}, "steps": self.steps}
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> "ByTerm":
         """What `to_json` told, also after a way through JSON."""
-        return cls({name: TermMeans(*means) for name, means in data["terms"].items()}, data["steps"], data["episodes"])
+        return cls({name: TermMeans(*means) for name, means in data["terms"].items()}, data["steps"])
 
 
 def part_of(episodes: int) -> int:
@@ -51,16 +49,16 @@ def part_of(episodes: int) -> int:
     return max(1, round(PART * episodes))
 
 
-def by_term(terms: Mapping[str, Float], episodes: Sequence[NDArray[np.int64]], paid: Mask) -> ByTerm:
+def by_term(terms: Mapping[str, Float], episodes: Sequence[NDArray[np.int64]], steps: int) -> ByTerm:
     """What terms paid.
 
     Args:
         terms: By name, what each paid in every row, (rows,).
         episodes: Row numbers of each finished episode, in their order.
-        paid: Which rows are steps, (rows,), and no start of an episode.
+        steps: How many of the rows are steps, and no start of an episode.
     """
     ordered = sorted(episodes, key=lambda rows: int(rows[-1]))
-    return ByTerm({name: _means(values, ordered) for name, values in terms.items()}, int(paid.sum()), len(ordered))
+    return ByTerm({name: _means(values, ordered) for name, values in terms.items()}, steps)
 
 
 def _means(values: Float, episodes: Sequence[NDArray[np.int64]]) -> TermMeans:

@@ -118,7 +118,7 @@ class Cells:
 
 
 class CellResults:
-    """A done cell of an arm as a training, see `harness.results.trainings.Trained`.
+    """A done cell of an arm as a training, which answers what a `harness.results.recordings.runs.Run` does.
 
     Every method raises SchemaError if a file that it has to read is damaged, or written by a newer version. In a `with`
     block, columns that one method has read are kept for the others.
@@ -201,14 +201,13 @@ class CellResults:
         """Every metric of the policy in both manners, and of the training."""
         own, other = OWN_AND_OTHER[self.cell.deterministic]
         files = {own: EVALUATION, other: f"{other}{SUFFIX}", TRAINING: TRACE}
-        there = {name: file for name, file in files.items() if name != other or self._is_there(file)}
-
-        def episodes(file: str) -> int:
-            return self._ask(file, "episodes", lambda: len(self._trace(file).episodes))
-
+        if not self._is_there(files[other]):
+            del files[other]
         with self:
-            did = {manner: self._measure(file) for manner, file in there.items()}
-            counts = {manner: episodes(file) for manner, file in there.items()}
+            did = {manner: self._measure(file) for manner, file in files.items()}
+            counts = {
+                manner: self._ask(file, "episodes", lambda trace: len(trace.episodes)) for manner, file in files.items()
+            }
             if self._read:
                 self._keep_own()  # columns are there now
         return Measured(did, counts, {}, self._reasons)
@@ -244,8 +243,7 @@ class CellResults:
     @cached_property
     def moments(self) -> Sequence[Moment]:
         named = {steps: f"{EVALUATIONS}/{path.name}" for steps, path in evaluation_files(self._files).items()}
-        before = {steps: name for steps, name in named.items() if self._is_there(name)}
-        files = {**before, self.cell.steps: EVALUATION}
+        files = {**{steps: name for steps, name in named.items() if self._is_there(name)}, self.cell.steps: EVALUATION}
         with self:
             return tuple(Moment(steps, self._measure(file)) for steps, file in files.items())
 
@@ -259,8 +257,7 @@ class CellResults:
         return Episodes(last.astype(np.int64), {self.reward: paid}, {SUCCESS: reached}, {})
 
     def _learned(self) -> Float:
-        def make() -> Float:
-            trace = self._trace(TRACE)
+        def make(trace: Log) -> Float:
             reached, paid = (episode_sums(trace[name], trace.episodes) for name in ("reached", "reward"))
             last = np.array([rows[-1] for rows in trace.episodes], np.int64)
             return np.array([last, reached > 0, paid])[:, np.argsort(last)].ravel()
@@ -268,7 +265,7 @@ class CellResults:
         return self._ask(TRACE, "learned", make)
 
     def stretch(self, begin: int, end: int) -> Part:
-        """See `Trained`: success and pay."""
+        """See `Run`: success and pay."""
         return self._episodes.part(begin, end)
 
     def on_the_way(self, every: int) -> Mapping[int, Part]:
@@ -287,8 +284,8 @@ class CellResults:
     def motion(self) -> str:
         """A digest of every joint position in the final evaluation: equal where policies take the same steps."""
 
-        def make() -> str:
-            positions = self._trace(EVALUATION)["qpos"]
+        def make(trace: Log) -> str:
+            positions = trace["qpos"]
             return hashlib.sha256(repr(positions.shape).encode() + positions.tobytes()).hexdigest()
 
         return self._ask(EVALUATION, "motion", make)
@@ -297,15 +294,15 @@ class CellResults:
 
     @property
     def cut(self) -> int:
-        return self._ask(TRACE, "rows", lambda: len(self._trace(TRACE)))
+        return self._ask(TRACE, "rows", len)
 
     @property
     def recorded(self) -> Float:
         """What the cell's own reward paid, every row of the training, (rows,)."""
-        return self._ask(TRACE, "reward", lambda: self._trace(TRACE)["reward"])
+        return self._ask(TRACE, "reward", lambda trace: trace["reward"])
 
     def paid(self, by: Any) -> Float:
-        """See `Trained`: its own reward's pay is recorded."""
+        """See `Run`: its own reward's pay is recorded."""
         return self.recorded if by.reward == self.reward else self.paid_by(by.unchanged(TRACE))
 
     def paid_by(self, reward: InstalledReward) -> Float:
@@ -314,7 +311,7 @@ class CellResults:
         Raises:
             Unscored: It cannot.
         """
-        return self._ask(TRACE, "paid", lambda: self._paid(TRACE, reward).total, reward)
+        return self._ask(TRACE, "paid", lambda trace: self._paid(trace, reward).total, reward)
 
     def unchanged(self, file: str) -> InstalledReward:
         """Its own reward, which still pays what the cell recorded in a file.
@@ -324,13 +321,13 @@ class CellResults:
         """
         own = self._cells.installed(self.cell.reward)
         if file not in self._unchanged:
-            pays = self._ask(file, "is paid", lambda: own.pays_recorded(self._trace(file).load(SCORED)), own)
+            pays = self._ask(file, "is paid", lambda trace: own.pays_recorded(trace.load(SCORED)), own)
             own.require_unchanged(pays)
             self._unchanged.add(file)
         return own
 
     def returned(self, by: Any, manner: str) -> float:
-        """See `Trained`: its events left out."""
+        """See `Run`: its events left out."""
         return self._known(self.evaluation_return(by.unchanged(EVALUATION)))
 
     def evaluation_return(self, reward: InstalledReward) -> float | None:
@@ -340,14 +337,11 @@ class CellResults:
             Unscored: It cannot.
         """
         return self._ask(
-            EVALUATION,
-            "return",
-            lambda: mean_over_episodes(self._paid(EVALUATION, reward).total, self._trace(EVALUATION)),
-            reward,
+            EVALUATION, "return", lambda trace: mean_over_episodes(self._paid(trace, reward).total, trace), reward
         )
 
     def final_pay(self) -> float:
-        """See `Trained`: its events included."""
+        """See `Run`: its events included."""
         return self._known(self.recorded_return("paid"))
 
     def _known(self, value: float | None) -> float:
@@ -362,7 +356,7 @@ class CellResults:
             of: ``return`` of the cell's own reward, ``events``, or ``paid``, which is both.
             file: `EVALUATION` or `RANDOM`.
         """
-        return self._ask(file, of, lambda: mean_return(self._trace(file), SUMMED[of]))
+        return self._ask(file, of, lambda trace: mean_return(trace, SUMMED[of]))
 
     def random_pay(self) -> Float:
         reward, owner = self.unchanged(EVALUATION), self.floor_cell
@@ -375,25 +369,24 @@ class CellResults:
             Unscored: It cannot.
         """
 
-        def make() -> Any:
-            trace = self._trace(RANDOM)
-            return episode_sums(self._paid(RANDOM, reward).total + paid_in(trace, EVENTS), trace.episodes).tolist()
+        def make(trace: Log) -> Any:
+            return episode_sums(self._paid(trace, reward).total + paid_in(trace, EVENTS), trace.episodes).tolist()
 
         return np.array(self._ask(RANDOM, "returns", make, reward), np.float64)
 
     def at_random(self) -> Part:
-        """See `Trained`: pay where a cell of the reward recorded it."""
+        """See `Run`: pay where a cell of the reward recorded it."""
         owner = self.floor_cell
         pay = owner.recorded_return("return", RANDOM) if owner and owner.reward == self.reward else None
         return Part(0, {self.reward: pay}, self.measured.random, {})
 
     @property
     def has_terms(self) -> bool:
-        """See `Trained`: whether its training recorded some."""
+        """See `Run`: whether its training recorded some."""
         return bool(term_names(self._files / TRACE))
 
     def terms(self, by: Any, part: str) -> ByTerm | None:
-        """See `Trained`: what others pay its training is not asked for."""
+        """See `Run`: what others pay its training is not asked for."""
         reward = self._cells.installed(by.cell.reward)
         if part != "random":
             is_asked = part != "training" or by.reward == self.reward
@@ -414,10 +407,9 @@ class CellResults:
         """
         is_own = reward.choice == self.cell.reward  # which needs no code of it
 
-        def make() -> dict[str, Any]:
-            trace = self._trace(file)
-            terms = terms_of(trace) if is_own else self._paid(file, reward).terms
-            return by_term(terms, trace.episodes, trace["step"] > 0).to_json()
+        def make(trace: Log) -> dict[str, Any]:
+            terms = terms_of(trace) if is_own else self._paid(trace, reward).terms
+            return by_term(terms, trace.episodes, int((trace["step"] > 0).sum())).to_json()
 
         return ByTerm.from_json(self._ask(file, "terms", make, None if is_own else reward))
 
@@ -433,24 +425,30 @@ class CellResults:
         self.motion()
 
     def _ask(
-        self, file: str, what: str, make: Callable[[], Told], by: InstalledReward | None = None, code: str = ""
+        self, file: str, what: str, make: Callable[[Log], Told], by: InstalledReward | None = None, code: str = ""
     ) -> Told:
         """What a file of the cell says.
 
         Args:
             file: Its name.
             what: Is asked.
-            make: Finds it out, if it is not kept.
+            make: Finds it out of the trace, of which it reads the columns that it needs, if it is not kept.
             by: The reward that pays for it.
             code: The digest of other code that it follows from.
         """
         if by:
             what, code = f"{what} {by.choice.label}", by.fingerprint(self.cell.reward)
-        with self:
-            return self._kept.told(f"{file} {what}", [self._kept.digest(file), code], make)
 
-    def _paid(self, file: str, reward: InstalledReward) -> Paid:
-        return reward.pay(self._trace(file).load(SCORED), self.cell.reward)
+        def read() -> Told:
+            if file not in self._read:
+                self._read[file] = read_trace(self._files / file)
+            return make(self._read[file])
+
+        with self:
+            return self._kept.told(f"{file} {what}", [self._kept.digest(file), code], read)
+
+    def _paid(self, trace: Log, reward: InstalledReward) -> Paid:
+        return reward.pay(trace.load(SCORED), self.cell.reward)
 
     def _measure(self, file: str, part: str = "") -> Values:
         """Every metric of a trace, or of a part of it.
@@ -459,24 +457,14 @@ class CellResults:
         """
         values = Values()
         for name, (metric, fingerprint) in self._cells.fingerprinted.items():
-            values[name], make = None, partial(self._apply, metric, file, part)
+            values[name], make = None, partial(_measured, metric, part)
             try:
+                if isinstance(metric, Unmeasurable):  # no trace has to be read for it
+                    raise Unmeasured(metric.reason)
                 values[name] = self._ask(file, f"{part}{name}", make, code=fingerprint)
             except Unmeasured as error:
                 self._reasons.setdefault(name, str(error))
         return values
-
-    def _apply(self, metric: Measure, file: str, part: str) -> float | None:
-        if isinstance(metric, Unmeasurable):  # no trace has to be read for it
-            raise Unmeasured(metric.reason)
-        trace = self._trace(file).load(MEASURED)
-        return value_of(metric, _some(trace, part) if part else trace)
-
-    def _trace(self, file: str) -> Log:
-        """A trace, of which results read the columns that they need."""
-        if file not in self._read:
-            self._read[file] = read_trace(self._files / file)
-        return self._read[file]
 
     def _most(self, file: str) -> int:
         """The most rows that a trace can have by what the cell says of itself; each episode has a row at its start."""
@@ -488,10 +476,17 @@ class CellResults:
         return name in self.manifest.files and (self._files / name).is_file()
 
 
-def _some(trace: Log, part: str) -> Log:
-    """The first or the last episodes of a trace; what is known of each env's only episode does not belong to them."""
+def _measured(metric: Measure, part: str, trace: Log) -> float | None:
+    """The value of a metric for a trace, or for its first or last episodes.
+
+    What is known of each env's only episode does not belong to a part.
+    """
+    trace.load(MEASURED)
+    if not part:
+        return value_of(metric, trace)
     episodes = sorted(trace.episodes, key=lambda rows: int(rows[-1]))
     count = part_of(len(episodes))
     chosen = episodes[:count] if part == START else episodes[-count:]
     rows = np.sort(np.concatenate([np.empty(0, np.int64), *chosen]))
-    return with_episode_facts(trace.part(rows), replace(episode_facts(trace), ik_steps=None, work=None))
+    facts = replace(episode_facts(trace), ik_steps=None, work=None)
+    return value_of(metric, with_episode_facts(trace.part(rows), facts))

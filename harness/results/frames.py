@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated
@@ -11,10 +10,11 @@ from pydantic import Field, with_config
 
 from harness.errors import SchemaError
 from harness.files.bounded import parse_json, reading
-from harness.files.keyed_file import is_whole, read_keyed, write_keyed
+from harness.files.keyed_file import is_whole, read_keyed
 from harness.record.file_forms import EXACT, Line, Whole, read_form
 from harness.record.folder import DERIVED, EVALUATION_RECORDING, POLICY
 from harness.record.manifest import Manifest
+from harness.results.kept import write_kept
 
 NAME = "frames"
 """The file in the folder of a cell's kept results: a line of JSON, then the pictures."""
@@ -93,9 +93,4 @@ def write_frames(folder: Path, done: Manifest, content: bytes, episode: int = 0)
 
     A folder that allows no writing stays as it is, and so does one that holds a link.
     """
-    path = frames_file(folder, done.cell.id, episode)
-    if any(place.is_symlink() for place in (folder / DERIVED, path.parent)):
-        return
-    with suppress(OSError):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        write_keyed(path, made_of(done), content)
+    write_kept(folder / DERIVED, frames_file(folder, done.cell.id, episode), made_of(done), content)

@@ -106,7 +106,7 @@ class Kept:
             self._changed = True
             return made
         packed: bytes = pa.compress(np.ascontiguousarray(made), codec="zstd", asbytes=True)
-        self._write(path, owner, len(made).to_bytes(8, "little") + packed)
+        write_kept(self._derived, path, owner, len(made).to_bytes(8, "little") + packed)
         for old in self._folder.glob(f"{name}-*"):  # of files or plugins that have changed
             if old != path:
                 with suppress(OSError):
@@ -119,16 +119,23 @@ class Kept:
             return
         self._changed = False
         text = json.dumps(self._values, separators=(",", ":"))
-        self._write(self._folder / VALUES, self._owner, text.encode())
+        write_kept(self._derived, self._folder / VALUES, self._owner, text.encode())
 
-    def _write(self, path: Path, key: str, content: bytes) -> None:
-        """Write a file of kept results. If that fails, nothing is kept, since no report needs it."""
-        way = (place for place in (self._folder, *self._folder.parents) if place.is_relative_to(self._derived))
-        if any(place.is_symlink() for place in way):
-            return  # a stranger's folder may point anywhere
-        with suppress(OSError):
-            self._folder.mkdir(parents=True, exist_ok=True)
-            write_keyed(path, key, content)
+
+def write_kept(derived: Path, path: Path, key: str, content: bytes) -> None:
+    """Write a file of kept results. If that fails, nothing is kept, since no report needs it.
+
+    Args:
+        derived: The folder of all that is kept.
+        path: The file in it.
+        key: See `write_keyed`.
+        content: See there.
+    """
+    if any(it.is_symlink() for it in path.parents if it.is_relative_to(derived)):
+        return  # a stranger's folder may point anywhere
+    with suppress(OSError):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_keyed(path, key, content)
 
 
 @lru_cache(maxsize=1)

@@ -3,8 +3,10 @@
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, NamedTuple
 
+from harness.eta.behaviour_change import Quantity
 from harness.eta.interval import UNBOUNDED, Bounds
 from harness.eta.seed_mean import SeedMean, mean_of_known
 from harness.results.comparison import Group
@@ -48,7 +50,7 @@ class LearningCurve:
         """Steps and both ends of the interval, for all points that have one. Points of a single seed have none."""
         return [
             (point.steps, point.value.low, point.value.high)
-            for point in self.known(metric)
+            for point in self.points[metric]
             if point.value.low is not None and point.value.high is not None
         ]
 
@@ -87,10 +89,8 @@ class Learning:
         return {"metrics": metrics, "runs": runs}
 
 
-def learning_points(
-    runs: Collection[Sequence[Moment]], metric: str, group: Group, bounds: Bounds = UNBOUNDED
-) -> tuple[Point, ...]:
-    """The mean of one metric, which may have bounds, over seeds at each evaluation.
+def learning_points(runs: Collection[Sequence[Moment]], measure: Quantity, group: Group) -> tuple[Point, ...]:
+    """The mean of one measure over seeds at each evaluation.
 
     Evaluations that were due at the same step form one point.
     """
@@ -101,8 +101,8 @@ def learning_points(
     return tuple(
         mean_point(
             round(sum(it.steps for it in moments) / len(moments)),
-            [*(it.values[metric] for it in moments), *[None] * (len(runs) - len(moments))],
-            bounds,
+            [*(it.values[measure.name] for it in moments), *[None] * (len(runs) - len(moments))],
+            measure.ends,
         )
         for _, moments in sorted(found.items())
     )
@@ -111,8 +111,7 @@ def learning_points(
 def stretches(steps: int) -> Iterator[tuple[int, int]]:
     """Where the stretches of a training begin and end, in environment steps."""
     count = min(STRETCHES, steps)
-    ends = [math.ceil(steps * (place + 1) / count) for place in range(count)]
-    return zip([0, *ends], ends, strict=False)
+    return pairwise(math.ceil(steps * place / count) for place in range(count + 1))
 
 
 def mean_point(end: int, values: Sequence[float | None], bounds: Bounds = UNBOUNDED) -> Point:

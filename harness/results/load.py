@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 from pathlib import Path
 
+from harness.errors import UsageError
 from harness.eta.curve import Kind
 from harness.record.store import Store
 from harness.registry.given import read_given
@@ -10,7 +11,9 @@ from harness.registry.registry import Registry, load_registry
 from harness.results.logs.results_of_logs import results_of_logs
 from harness.results.logs.told import FOUND_OUT, Told
 from harness.results.recordings.read_runs import has_recordings, read_loose
+from harness.results.recordings.recordings import Recordings, plan_of
 from harness.results.results import Results
+from harness.results.traces import Traces
 
 
 def load_results(
@@ -22,6 +25,8 @@ def load_results(
     pairs: bool = False,
     measures: Iterable[str | Path] = (),
     told: Told | None = None,
+    registry: Registry | None = None,
+    is_temporary: bool = False,
 ) -> Results:
     """The results in an experiment's folder, or of the recorded trainings or the logs in a folder.
 
@@ -36,42 +41,27 @@ def load_results(
             together, so more of them have larger p-values.
         measures: Files whose functions measure what an arm does.
         told: What the user says of logs, and which trainings are left out; see `harness.results.logs.told.Told`.
+        registry: The plugins, where they are loaded already.
+        is_temporary: Whether the folder is soon gone, so that no command may name it.
 
     Raises:
         UsageError: The folder holds no results, or a named metric is not registered.
         PluginError: A named metric is broken.
         SchemaError: A newer version wrote a file in it, or its plan is damaged and the cells do not tell either.
     """
-    return read_results(
-        Path(folder), load_registry(given=read_given(plugins, measures)), kind, metrics, pairs=pairs, told=told
-    )
-
-
-def read_results(
-    folder: Path,
-    registry: Registry,
-    kind: Kind = "accumulated",
-    metrics: Iterable[str] | str | None = None,
-    *,
-    is_temporary: bool = False,
-    pairs: bool = False,
-    told: Told | None = None,
-) -> Results:
-    """The same, with plugins that are loaded already.
-
-    Args:
-        folder: See `load_results`.
-        registry: The plugins.
-        kind: See `load_results`.
-        metrics: See `load_results`.
-        is_temporary: Whether the folder is soon gone, so that no command may name it.
-        pairs: See `load_results`.
-        told: What the user says of logs.
-    """
-    told = told or FOUND_OUT
+    folder, told = Path(folder), told or FOUND_OUT
+    registry = registry or load_registry(given=read_given(plugins, measures))
+    loose = None
     if Store.is_experiment(folder):
-        return Results(folder, registry, kind, metrics=metrics, is_temporary=is_temporary, pairs=pairs, told=told)
-    if told.format or not has_recordings(folder):
+        plan = Store.open(folder).read_plan()
+    elif told.format or not has_recordings(folder):
         return results_of_logs(folder, registry, told, kind, metrics, pairs=pairs)
-    runs = read_loose(folder, told)
-    return Results(folder, registry, kind, metrics=metrics, is_temporary=is_temporary, runs=runs, pairs=pairs)
+    else:
+        loose = read_loose(folder, told)
+        plan, told = plan_of(loose), FOUND_OUT
+    kinds = {cell.is_in_environment for cell in plan.cells}
+    if len(kinds) > 1:
+        raise UsageError(f"'{folder}' mixes cells of an arm with cells in environments: report them apart")
+    return (Recordings if kinds == {True} else Traces)(
+        folder, registry, plan, kind, metrics=metrics, is_temporary=is_temporary, pairs=pairs, told=told, loose=loose
+    )

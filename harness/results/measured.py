@@ -3,13 +3,15 @@
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from typing import Any, NamedTuple, TypeAlias
+from dataclasses import dataclass
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
 from harness.errors import SchemaError, Unmeasured, reason_of
 from harness.eta.headline import SUCCESS
 from harness.eta.laws import Span
+from harness.files.plain import Plain
 from harness.hookspecs import NOUNS
 from harness.log import Log
 from harness.measure import Measure
@@ -127,11 +129,9 @@ def last_values(moments: Sequence[Moment], budget: int, most: int) -> Values:
     last = [moment for moment in moments if moment.steps >= LAST_PART * budget][-most:]
     if len(last) < 2:
         return {}
-    found: Values = {}
-    for name in last[-1].values:
-        known = [value for moment in last if (value := moment.values.get(name)) is not None]
-        found[name] = float(np.mean(known)) if len(known) == len(last) else None
-    return found
+    names = last[-1].values
+    means = {name: float(np.mean(np.array([it.values.get(name) for it in last], np.float64))) for name in names}
+    return {name: None if math.isnan(mean) else mean for name, mean in means.items()}
 
 
 def learning_values(moments: Sequence[Moment], budget: int, success: str = SUCCESS) -> Values:
@@ -146,14 +146,19 @@ def learning_values(moments: Sequence[Moment], budget: int, success: str = SUCCE
     return {AREA: float(np.mean([share for _, share in known])), STEPS_TO_GOAL: float(min([*reached, budget]))}
 
 
-class Mixture(NamedTuple):
-    """A plugin whose source files were not the same for all cells of one comparison."""
+@dataclass(frozen=True)
+class Mixture(Plain):
+    """A plugin whose source files were not the same for all cells of one comparison.
+
+    Attributes:
+        kind: Of the plugin.
+        name: Of the plugin, or the path of a robot's files.
+        cells: How many cells each version made, by the SHA-256 of its files. The version that made most comes first.
+    """
 
     kind: str
     name: str
-    """The name of the plugin, or the path of a robot's files."""
     cells: Mapping[str, int]
-    """How many cells each version made, by the SHA-256 of its files. The version that made most comes first."""
 
     @property
     def text(self) -> str:
@@ -165,10 +170,6 @@ class Mixture(NamedTuple):
             f"{other} of {total} cells {'was' if other == 1 else 'were'} made by another {self.name} "
             f"({hashes}; the others {main[:SHOWN_DIGITS]}): they are not the same {NOUNS[self.kind]}"
         )
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        return {"kind": self.kind, "name": self.name, "cells": dict(self.cells)}
 
 
 def mixtures_of(manifests: Iterable[Manifest]) -> tuple[Mixture, ...]:

@@ -119,9 +119,8 @@ def overview_row(name: str, comparison: Comparison, with_intervals: bool, overvi
         return measured
     if overview.numbers == "pay":
         return (*measured, *pay_texts(number.pay, with_intervals))
-    etas = (number.splits[name].eta for name in ("eta_N", "eta_P"))
-    told = (short_value(eta) + _interval(eta) * with_intervals for eta in etas)
-    return (*measured, *told, short_value(number.splits["eta_P"].ruler))
+    etas = (short_value(number.splits[name].eta, with_intervals) for name in ("eta_N", "eta_P"))
+    return (*measured, *etas, short_value(number.splits["eta_P"].ruler))
 
 
 def pay_texts(pay: ReturnSplit | None, with_intervals: bool = False) -> tuple[str, str, str, str]:
@@ -135,20 +134,18 @@ def pay_texts(pay: ReturnSplit | None, with_intervals: bool = False) -> tuple[st
         return (NOTHING,) * 4
     own = ARROW.join(format_number(pay.returns[pair].mean) for pair in (BB, KK))
     if pay.has_ratio:
-        change, ruler, behaviour = map(factor_text, (pay.ratio.eta, pay.ratio.ruler, pay.ratio.behaviour))
-        ends = _interval(pay.ratio.eta)
-    else:
-        total = pay.total
-        change, ruler, behaviour = (signed(it.mean) for it in (total.change, total.ruler, total.behaviour))
-        ends = _ends(total.change.low, total.change.high)
-    return own, change + ends * with_intervals, ruler, behaviour
+        changed = factor_text(pay.ratio.eta, with_intervals)
+        return own, changed, factor_text(pay.ratio.ruler), factor_text(pay.ratio.behaviour)
+    change = pay.total.change
+    changed = signed(change.mean) + _ends(change.low, change.high) * with_intervals
+    return own, changed, signed(pay.total.ruler.mean), signed(pay.total.behaviour.mean)
 
 
-def factor_text(ratio: Ratio) -> str:
+def factor_text(ratio: Ratio, with_interval: bool = False) -> str:
     """A ratio as a factor, such as ``x 1.52``."""
     if ratio.value is None or ratio.near_zero is not None:
         return NOTHING
-    return f"x {format_number(ratio.value)}"
+    return f"x {format_number(ratio.value)}" + _ends(ratio.low, ratio.high) * with_interval
 
 
 def measure_text(change: Change | None) -> str:
@@ -168,10 +165,9 @@ def values_text(baseline: float, proposed: float, unit: str, is_share: bool) -> 
 
 def decider_text(comparison: Comparison) -> str:
     """The measure that decided, with its values if the overview has no column for it."""
-    name = comparison.headline.decided_by
-    change = next((it for it in comparison.decisive_changes if key_of(it) == name), None)
-    first = None if comparison.decisive is None else key_of(comparison.decisive)
-    return decided_by_text(name, first, measure_text(change))
+    name, first = comparison.headline.decided_by, comparison.decisive
+    deciding = {key_of(it): it for it in comparison.decisive_changes}
+    return decided_by_text(name, None if first is None else key_of(first), measure_text(deciding.get(name or "")))
 
 
 def decided_by_text(name: str | None, first: str | None, values: str) -> str:
@@ -187,16 +183,11 @@ def short_name(key: str) -> str:
     return f"{SHORT.get(name, name.replace('_', ' '))}{blank}{manner}"
 
 
-def short_value(ratio: Ratio) -> str:
-    """A ratio with three digits."""
-    if ratio.near_zero is not None:
-        return NEAR_ZERO
-    return NOTHING if ratio.value is None else _digits(ratio.value, 3)
-
-
-def _interval(ratio: Ratio) -> str:
-    """The interval of a ratio, with two digits for each end; empty if there is none to show."""
-    return "" if ratio.near_zero is not None else _ends(ratio.low, ratio.high)
+def short_value(ratio: Ratio, with_interval: bool = False) -> str:
+    """A ratio with three digits, and two for each end of its interval."""
+    if ratio.value is None or ratio.near_zero is not None:
+        return NOTHING if ratio.near_zero is None else NEAR_ZERO
+    return _digits(ratio.value, 3) + _ends(ratio.low, ratio.high) * with_interval
 
 
 def _ends(low: float | None, high: float | None) -> str:

@@ -63,7 +63,6 @@ class Side:
 
     Attributes:
         title: What tells it from the other side.
-        cells: Id of the cell of each episode.
         seeds: The seed of its training, of each episode.
         scene: What its arm looks like.
         episodes: As many as the show has, in the same order.
@@ -73,7 +72,6 @@ class Side:
     """
 
     title: str
-    cells: tuple[str, ...]
     seeds: tuple[int, ...]
     scene: Scene
     episodes: tuple[Episode, ...]
@@ -120,8 +118,7 @@ def shows_of(results: Results, most: int = MOST) -> tuple[Show, ...]:
         SchemaError: A file is damaged or written by a newer version.
     """
     pairs = [*_pairs(results)]
-    shows = [_show(results, pair, most, ROOM // len(pairs)) for pair in pairs]
-    return tuple(show for show in shows if show is not None)
+    return tuple(filter(None, (_show(results, pair, most, ROOM // len(pairs)) for pair in pairs)))
 
 
 def first_show(results: Results, most: int) -> Show:
@@ -131,8 +128,7 @@ def first_show(results: Results, most: int) -> Show:
         UsageError: There is none.
         SchemaError: A file is damaged or written by a newer version.
     """
-    shows = (_show(results, pair, most) for pair in _pairs(results))
-    found = next((show for show in shows if show is not None), None)
+    found = next(filter(None, (_show(results, pair, most) for pair in _pairs(results))), None)
     if found is None:
         raise UsageError(
             f"'{results.folder}' has no episode to show: no cell is done, or an earlier version made them all. "
@@ -287,63 +283,45 @@ def _show(results: Results, shown: ShownCells, most: int, room: int = 0) -> Show
         most: The most episodes.
         room: Frames for which there is room: of a comparison more than `most` episodes are shown up to these.
     """
-    scenes = [read_scene(results.store.cell_folder(cells[0])) for cells in shown.cells]
-    known = [scene for scene in scenes if scene is not None]
-    if len(known) < len(scenes):
+    folder_of = results.store.cell_folder
+    scenes = [scene for cells in shown.cells if (scene := read_scene(folder_of(cells[0])))]
+    if len(scenes) < len(shown.cells):
         return None
-    met = [*_met(results, shown, known)]
+    met = [
+        ways
+        for cells in zip(*shown.cells, strict=True)
+        for ways in zip(*map(_ways, cells, map(folder_of, cells), shown.files, scenes), strict=False)
+    ]
     if not met:
         return None
     outcomes = [[way.outcome for way in ways] for ways in zip(*met, strict=True)]
-    pairs = None
+    pairs, chosen, kinds = None, choose_episodes(outcomes, most), dict[int, int]()
     if shown.comparison is not None:
         ends = [kind_of(*(way.outcome == "reached" for way in ways)) for ways in met]
         found = (
             Met(one.cell.seed, one.number, kind, it.took - one.took) for (one, it), kind in zip(met, ends, strict=True)
         )
         pairs = Pairs(kinds_of("reach", shown.comparison.proposed, "es"), tuple(found))
-    chosen = choose_episodes(outcomes, most) if pairs is None else choose_pairs(outcomes, pairs)
+        chosen = choose_pairs(outcomes, pairs)
     measured, chosen = set(chosen[:MOST]), sorted(_within(met, chosen, most, room))
-    facts = [episode_facts(way.trace) for way in met[0]]
-    sides = tuple(
-        Side(
-            title,
-            tuple(met[place][side].cell.id for place in chosen),
-            tuple(met[place][side].cell.seed for place in chosen),
-            known[side],
-            tuple(_episode(results, met[place][side], place in measured) for place in chosen),
-            facts[side].control_period or CONTROL_PERIOD,
-            facts[side].error or "distance",
-            "m" if facts[side].error is None else facts[side].unit or "",
+    if pairs is not None:
+        kinds = {kind: chosen.index(it) for kind in pairs.counts if (it := pairs.typical(kind)) in chosen}
+    sides = []
+    for title, scene, ways in zip(shown.titles, scenes, zip(*met, strict=True), strict=True):
+        facts = episode_facts(ways[0].trace)
+        sides.append(
+            Side(
+                title,
+                tuple(ways[place].cell.seed for place in chosen),
+                scene,
+                tuple(_episode(results, ways[place], place in measured) for place in chosen),
+                facts.control_period or CONTROL_PERIOD,
+                facts.error or "distance",
+                "m" if facts.error is None else facts.unit or "",
+            )
         )
-        for side, title in enumerate(shown.titles)
-    )
-    typical = {} if pairs is None else {kind: pairs.typical(kind) for kind in pairs.counts}
-    return Show(
-        shown.title,
-        tuple(met[place][0].number + 1 for place in chosen),
-        sides,
-        shown.comparison,
-        pairs=pairs,
-        first=chosen.index(next(iter(typical.values()))) if typical else 0,
-        kinds={kind: chosen.index(place) for kind, place in typical.items() if place in chosen},
-    )
-
-
-def _met(results: Results, shown: ShownCells, scenes: Sequence[Scene]) -> Iterator[tuple[Way, ...]]:
-    """The episodes that all sides began alike, by seed and number."""
-    for cells in zip(*shown.cells, strict=True):
-        traces = [
-            _read(results.store.cell_folder(cell) / name, scene)
-            for cell, name, scene in zip(cells, shown.files, scenes, strict=True)
-        ]
-        yield from zip(
-            *(
-                [Way(cell, trace, rows, number) for number, rows in enumerate(trace.episodes[:READ])]
-                for cell, trace in zip(cells, traces, strict=True)
-            ),
-            strict=False,
-        )
+    numbers, first = tuple(met[place][0].number + 1 for place in chosen), kinds[pairs.usual] if pairs else 0
+    return Show(shown.title, numbers, tuple(sides), shown.comparison, pairs=pairs, first=first, kinds=kinds)
 
 
 def _within(met: Sequence[tuple[Way, ...]], chosen: Sequence[int], most: int, room: int) -> Iterator[int]:
@@ -356,7 +334,9 @@ def _within(met: Sequence[tuple[Way, ...]], chosen: Sequence[int], most: int, ro
         yield place
 
 
-def _read(path: Path, scene: Scene) -> Log:
+def _ways(cell: Cell, folder: Path, name: str, scene: Scene) -> list[Way]:
+    """The episodes of an evaluation, in order."""
+    path = folder / name
     trace = read_trace(path).load()  # at once: a file is opened for each column that is asked for alone
     shown = (*SHOWN, OBSTACLES) if OBSTACLES in trace else SHOWN
     if max(float(np.abs(trace[name]).max(initial=0.0)) for name in shown) > LARGEST:
@@ -364,7 +344,7 @@ def _read(path: Path, scene: Scene) -> Log:
     dof = trace["qpos"].shape[1]
     if dof != len(scene.joints):
         raise SchemaError(f"{path} has {dof} joint positions a row, the arm {len(scene.joints)} joints")
-    return trace
+    return [Way(cell, trace, rows, number) for number, rows in enumerate(trace.episodes[:READ])]
 
 
 def _episode(results: Results, way: Way, is_measured: bool) -> Episode:

@@ -2,42 +2,45 @@
 
 import html
 import importlib.util
+from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import pyarrow as pa
 
 from harness.arrays import Float
 from harness.errors import UsageError
 from harness.eta.curve import Kind
-from harness.eta.equal import key_to_json
+from harness.eta.equal import Key, equal_trainings, key_to_json
 from harness.eta.laws import Account, counted, is_left_out
 from harness.log import Log
 from harness.measure import Measure
 from harness.record.cell import Cell
+from harness.record.folder import TRACE
 from harness.record.manifest import Manifest
+from harness.record.plan_file import StoredPlan
+from harness.record.store import Store
+from harness.registry.given import plugin_flags
 from harness.registry.registry import Registry
 from harness.results.alone import Alone, alone_of
 from harness.results.compare import compare_all
-from harness.results.comparison import Comparison, pools_of
-from harness.results.frames import Frames, read_frames
+from harness.results.comparison import Comparison, Group, pools_of
+from harness.results.frames import Frames
 from harness.results.learning import Learning
 from harness.results.logs.told import FOUND_OUT, Told
 from harness.results.measured import Measured, Moment, Values, measure
+from harness.results.metrics import named_measures
 from harness.results.overview import overview_html
 from harness.results.pool import Pool
-from harness.results.recordings.recordings import Recordings
 from harness.results.recordings.runs import Runs
-from harness.results.records import Records
 from harness.results.return_matrix import ReturnMatrix
 from harness.results.table import Numbers, cell_to_json, comparison_rows, metric_columns, table_of, write_table
 from harness.results.terms_paid import TermsPaid, terms_of
-from harness.results.traces import Traces
-from harness.results.trainings import Trainings
+from harness.results.trainings import Match, Trained, Trainings
 
 FORMAT = 2
 """The version of what reports say as JSON; docs/json.md explains it."""
@@ -45,49 +48,104 @@ LEFT_SOMETHING = ("done", "failed", "damaged")
 """How cells end that were begun."""
 
 
-class Results(Records):
-    """The cells of an experiment, or recorded trainings, and what compares them."""
+class Results(ABC):
+    """The cells of an experiment, or recorded trainings, and what compares them.
+
+    Attributes:
+        subject: What behaves, in words.
+        in_environment: Whether it is no arm.
+    """
+
+    subject: ClassVar[str]
+    in_environment: ClassVar[bool]
 
     def __init__(
         self,
         folder: Path,
         registry: Registry,
+        plan: StoredPlan,
         kind: Kind = "accumulated",
         *,
         metrics: Iterable[str] | str | None = None,
         is_temporary: bool = False,
-        runs: Runs | None = None,
         pairs: bool = False,
         told: Told = FOUND_OUT,
+        loose: Runs | None = None,
     ) -> None:
-        """Read the plan and all manifests; see `Records` for what is not told here.
+        """Read all manifests.
 
         Args:
             folder: The folder of the experiment, or of recordings.
             registry: The plugins, for metrics and rewards.
-            kind: See `Records`.
+            plan: What was asked for.
+            kind: Which curves the indices are read from; see `harness.eta.curve.GroupCurve`.
             metrics: Which metrics; every registered one if None, see `harness.results.metrics.load_metrics`. Of an
                 environment: which of its measures, beside the one that decides.
-            is_temporary: See `Records`.
-            runs: See `Records`.
-            pairs: See `Records`.
+            is_temporary: Whether the folder is soon gone, so that no command may name it.
+            pairs: Whether every two rewards are compared, and not each with the baseline alone.
             told: What the user says: which cells of an experiment are left out.
+            loose: Recordings or logs that no experiment made.
 
         Raises:
-            UsageError: It mixes cells of an arm with others, a named metric is not registered, or what is to be left
-                out is no cell that ended.
+            UsageError: A named metric is not registered, or what is to be left out is no cell that ended.
             PluginError: A named metric is broken.
+            SchemaError: A newer version wrote a file in it.
         """
-        super().__init__(folder, registry, kind, is_temporary=is_temporary, runs=runs, pairs=pairs)
-        kinds = {cell.is_in_environment for cell in self.plan.cells}
-        if len(kinds) > 1:
-            raise UsageError(f"'{folder}' mixes cells of an arm with cells in environments: report them apart")
-        self.in_environment = kinds == {True}
-        self._source = source = Recordings(self, metrics) if self.in_environment else Traces(self, metrics)
-        self.recordings = source if isinstance(source, Recordings) else None
-        self.traces = source if isinstance(source, Traces) else None
-        self.manifests = list(map(source.examine, self.manifests))
-        self.account = self._counted(told.leave_out) if self.is_experiment else Account[Manifest]((), (), ())
+        self.folder, self.registry, self.plan, self.store = folder, registry, plan, Store(folder)
+        self.kind: Kind = kind
+        self.loose = loose
+        self.is_temporary, self.pairs, self._chosen = is_temporary, pairs, metrics
+        self.baseline, self.named = plan.baseline, named_measures(plan.experiment)
+        self.manifests = list(map(self._examine, plan.cells))
+        self.account = self._counted(told.leave_out)
+
+    # What trained
+
+    @property
+    @abstractmethod
+    def metrics(self) -> Mapping[str, Measure]:
+        """Every registered metric, or those that were chosen, by name; none of an environment."""
+
+    @property
+    @abstractmethod
+    def trainings(self) -> Sequence[Trainings]:
+        """Those that are done, by group, as far as there is something to compare."""
+
+    @property
+    def _asked(self) -> Sequence[tuple[Trainings, Match]]:
+        """What is compared: each reward that taught with the baseline, or every two; the null control too."""
+        return [(it, match) for it in self.trainings for match in it.matches(pairs=self.pairs)]
+
+    @abstractmethod
+    def _matrices(self) -> Iterator[ReturnMatrix]:
+        """See `returns`."""
+
+    def _lines(self) -> Iterable[str]:
+        """What to keep in mind of the trainings that were read."""
+        return ()
+
+    @abstractmethod
+    def run(self, cell: Cell) -> Trained | None:
+        """A done cell as a training; None of one in an environment that is not compared, and so was not read."""
+
+    @abstractmethod
+    def numbers(self, cell: Cell) -> Numbers:
+        """The numbers of a done cell, in the columns of `write_table`."""
+
+    @abstractmethod
+    def recorded(self, cell: Cell) -> Float:
+        """What a done cell's own reward paid, every row of its training, (rows,)."""
+
+    def _examine(self, cell: Cell) -> Manifest:
+        """What there is to say of a cell."""
+        return self.store.examine(cell)
+
+    # The cells
+
+    @property
+    def is_experiment(self) -> bool:
+        """Whether an experiment made what is read, so that it can be repeated."""
+        return self.loose is None
 
     def _counted(self, leave_out: Collection[Path]) -> Account[Manifest]:
         """The account of all cells that ended; those that the user leaves out are skipped from here on."""
@@ -101,19 +159,76 @@ class Results(Records):
         self.manifests = [
             replace(it, status="skipped", reason=out[it.cell]) if it.cell in out else it for it in self.manifests
         ]
-        for cell in out:
-            self._source.remove(cell)
         return account
 
     @property
-    def subject(self) -> str:
-        """What behaves, in words."""
-        return self._source.subject
+    def failed(self) -> list[Manifest]:
+        """Cells that failed."""
+        return [manifest for manifest in self.manifests if manifest.status == "failed"]
 
     @property
-    def metrics(self) -> Mapping[str, Measure]:
-        """Every registered metric, or those that were chosen, by name; none of an environment."""
-        return self._source.metrics
+    def damaged(self) -> list[Manifest]:
+        """Cells with a file that is not what was written. Nothing is read of them."""
+        return [manifest for manifest in self.manifests if manifest.status == "damaged"]
+
+    @property
+    def experiment_text(self) -> str:
+        """The newest experiment as an experiment file."""
+        return self.plan.experiment_text
+
+    @property
+    def plugin_flags(self) -> str:
+        """The flags that give the plugins of the newest experiment, to be appended to ``harness run``; often empty."""
+        return plugin_flags(self.plan.experiment.get("plugins"))
+
+    @property
+    def report_flags(self) -> str:
+        """Those of them that a report needs."""
+        return plugin_flags(self.plan.experiment.get("plugins"), for_report=True)
+
+    @property
+    def done(self) -> list[Manifest]:
+        """Cells that left a trace."""
+        return [manifest for manifest in self.manifests if manifest.status == "done"]
+
+    @cached_property
+    def groups(self) -> dict[Group, list[Cell]]:
+        """Cells that left a trace, by the group in which they are compared."""
+        groups: dict[Group, list[Cell]] = {}
+        for manifest in self.done:
+            groups.setdefault(Group.of(manifest.cell), []).append(manifest.cell)
+        return groups
+
+    @cached_property
+    def equal(self) -> dict[Group, tuple[tuple[Key, ...], ...]]:
+        """Trainings of an arm that left the same trace, bit for bit, by their group."""
+        found = {
+            group: equal_trainings(
+                {(cell.reward.label, cell.seed): self.manifest(cell).files.get(TRACE, "") for cell in cells}
+            )
+            for group, cells in self.groups.items()
+        }
+        return {group: equal for group, equal in found.items() if equal}
+
+    @property
+    def done_cells(self) -> list[Cell]:
+        """The same, without the cells that only the null control needs."""
+        return [manifest.cell for manifest in self.done if not self.is_control(manifest.cell)]
+
+    def is_control(self, cell: Cell) -> bool:
+        """Whether only the null control needs a cell: the baseline trained again with another seed."""
+        control = self.plan.control
+        return cell.reward.label == self.baseline and cell.seed in control.values() and cell.seed not in control
+
+    def manifest(self, cell: Cell) -> Manifest:
+        """The manifest of a planned cell."""
+        return self._ended[cell.id]
+
+    @cached_property
+    def _ended(self) -> dict[str, Manifest]:
+        return {manifest.cell.id: manifest for manifest in self.manifests}
+
+    # What is compared
 
     @property
     def measures(self) -> tuple[str, ...]:
@@ -128,11 +243,6 @@ class Results(Records):
             reasons = {**self.measured(manifest.cell).reasons, **reasons}
         return reasons
 
-    @property
-    def trainings(self) -> Sequence[Trainings]:
-        """Those that are done, by group, as far as there is something to compare."""
-        return self._source.trainings
-
     @cached_property
     def combinations(self) -> tuple[Comparison, ...]:
         """Every proposed reward against the baseline, or every two rewards where `pairs` was asked for.
@@ -140,7 +250,7 @@ class Results(Records):
         A baseline that is its own proposed reward is the null control; these come last.
         """
         unread = sum(len(it.missing) for it in self._read)
-        found = compare_all(self._source.asked, self.plan.terms, self.manifests, unread)
+        found = compare_all(self._asked, self.plan.terms, self.manifests, unread)
         return tuple(sorted(found, key=lambda it: it.is_control))
 
     @property
@@ -157,8 +267,7 @@ class Results(Records):
     def notes(self) -> tuple[str, ...]:
         """What to keep in mind of the trainings, a line each; a plan of looks waits for no cell that failed."""
         is_told = self.account.missing and not self.plan.terms.looks and not self.is_temporary
-        notes = self.recordings.notes if self.recordings else ()
-        return (*notes, *([self.account.remedy] if is_told else ()))
+        return (*self._lines(), *([self.account.remedy] if is_told else ()))
 
     @property
     def said(self) -> tuple[str, ...]:
@@ -177,7 +286,7 @@ class Results(Records):
         Raises:
             SchemaError: A file is damaged or written by a newer version.
         """
-        return self._source.returns
+        return tuple(self._matrices())
 
     @cached_property
     def terms(self) -> tuple[TermsPaid, ...]:
@@ -211,25 +320,17 @@ class Results(Records):
 
     def measured(self, cell: Cell) -> Measured:
         """Every measure of a done cell, by manner; none of a cell in an environment that is not compared."""
-        if self.recordings and cell.id not in self.recordings.runs:
-            return Measured({}, {}, {})
-        return self._source.run(cell).measured
+        run = self.run(cell)
+        return run.measured if run else Measured({}, {}, {})
 
     def moments(self, cell: Cell) -> tuple[Moment, ...]:
         """Every evaluation of a done cell during its training, and the one after it."""
-        return tuple(self._source.run(cell).moments)
-
-    def recorded(self, cell: Cell) -> Float:
-        """What a done cell's own reward paid, every row of its training, (rows,)."""
-        return self._source.recorded(cell)
+        run = self.run(cell)
+        return tuple(run.moments) if run else ()
 
     def frames(self, cell: Cell, episode: int = 0) -> Frames | None:
         """Pictures of an evaluation episode that an environment drew; None of an arm, which has a replay."""
-        if self.recordings is None:
-            return None
-        if not self.is_experiment:
-            return Frames("recordings that no experiment made hold no policies, so no episode can be played again")
-        return read_frames(self.folder, self.manifest(cell), episode)
+        return None
 
     def measure(self, trace: Log) -> Values:
         """Every metric of an evaluation."""
@@ -290,10 +391,6 @@ class Results(Records):
 
     def _rows(self) -> Iterator[tuple[Manifest, Numbers | None]]:
         return ((it, self.numbers(it.cell) if it.status == "done" else None) for it in self.manifests)
-
-    def numbers(self, cell: Cell) -> Numbers:
-        """The numbers of a done cell, in the columns of `write_table`."""
-        return self._source.numbers(cell)
 
 
 def _data_frame(table: pa.Table, asked: str) -> Any:

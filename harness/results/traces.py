@@ -1,15 +1,17 @@
 """The done cells of arms as trainings that are compared: what their traces say, each thing computed once."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from functools import cached_property
 from itertools import combinations
+from pathlib import Path
 
 from harness.arrays import Float
 from harness.errors import NewerFormat, SchemaError, Unscored
 from harness.eta.behaviour_change import Quantity
 from harness.eta.headline import DECIDING, SUCCESS
+from harness.eta.laws import Account
 from harness.eta.seed_mean import SeedMean, mean_over_seeds
-from harness.measure import is_share
+from harness.measure import Measure, is_share
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION
 from harness.record.manifest import REMEDY, Manifest
@@ -17,7 +19,7 @@ from harness.registry.choice import Choice
 from harness.results.cell_results import CellResults, Cells
 from harness.results.comparison import Group
 from harness.results.metrics import measure_of
-from harness.results.records import Records
+from harness.results.results import Results
 from harness.results.return_matrix import ReturnMatrix
 from harness.results.table import Numbers
 from harness.results.trainings import Match, Trainings
@@ -26,89 +28,79 @@ from harness.score.installed_reward import InstalledReward
 EVENTS, UNFINISHED = "", "no finished episode in some seeds"
 
 
-class Traces(Cells):
+class Traces(Results):
     """What the cells of an arm left."""
 
-    subject = "robot"
+    subject, in_environment = "robot", False
 
-    def __init__(self, records: Records, metrics: Iterable[str] | None = None) -> None:
-        """Read nothing yet.
+    @cached_property
+    def cells(self) -> Cells:
+        """Those that are done."""
+        return Cells(self.store, self.registry, self._chosen, self.named)
 
-        Args:
-            records: What the folder of the experiment says of its cells.
-            metrics: Which metrics; see `harness.results.metrics.load_metrics`.
-
-        Raises:
-            UsageError: A named metric is not registered.
-            PluginError: A named metric is broken.
-        """
-        super().__init__(records.store, records.registry, metrics, records.named)
-        self.records = records
+    @property
+    def metrics(self) -> dict[str, Measure]:
+        return self.cells.metrics
 
     @cached_property
     def trainings(self) -> list[Trainings]:
-        """Those that are done, by group."""
-        return list(map(self._of_group, self.records.groups))
+        return list(map(self._of_group, self.groups))
 
     @property
     def _planned(self) -> list[Cell]:
-        return [it.cell for it in self.records.manifests if it.status != "skipped"]
+        return [it.cell for it in self.manifests if it.status != "skipped"]
 
     def _of_group(self, group: Group) -> Trainings:
-        records, metrics = self.records, self.metrics
-        cells = sorted(records.groups.get(group, []), key=lambda cell: cell.seed)
+        metrics = self.metrics
+        cells = sorted(self.groups.get(group, []), key=lambda cell: cell.seed)
         planned = {cell.reward for cell in self._planned if Group.of(cell) == group}
-        baseline = {cell.seed: self.run(cell) for cell in cells if cell.reward.label == records.baseline}
-        deciding = records.named[:1] or DECIDING
+        baseline = {cell.seed: self.run(cell) for cell in cells if cell.reward.label == self.baseline}
+        deciding = self.named[:1] or DECIDING
 
         def quantity(name: str, manner: str, episodes: int) -> Quantity:
-            return measure_of(name, metrics[name], manner, episodes, records.manifest(cells[0]))
+            return measure_of(name, metrics[name], manner, episodes, self.manifest(cells[0]))
 
         return Trainings(
             group,
-            records.baseline,
-            {(cell.reward.label, cell.seed): self.run(cell) for cell in cells if not records.is_control(cell)},
+            self.baseline,
+            {(cell.reward.label, cell.seed): self.run(cell) for cell in cells if not self.is_control(cell)},
             tuple(metrics),
             quantity,
-            records.kind,
+            self.kind,
             deciding,
-            records.named or DECIDING,
+            self.named or DECIDING,
             next((name for name in deciding if name in metrics and is_share(metrics[name])), SUCCESS),
-            records.plan.terms.averaged,
-            {seed: baseline[other] for seed, other in records.plan.control.items() if other in baseline},
-            is_alone=len(planned) == 1 and not records.plan.control,
+            self.plan.terms.averaged,
+            {seed: baseline[other] for seed, other in self.plan.control.items() if other in baseline},
+            is_alone=len(planned) == 1 and not self.plan.control,
         )
 
     @property
-    def asked(self) -> list[tuple[Trainings, Match]]:
+    def _asked(self) -> list[tuple[Trainings, Match]]:
         """Each reward of the plan with the baseline, or every two; also in a group in which nothing is done yet."""
-        records = self.records
         planned = dict.fromkeys((Group.of(cell), cell.reward.label) for cell in self._planned)
-        of, first = {it.group: it for it in self.trainings}, records.baseline
-        asked = [(group, first, reward) for group, reward in planned if reward != first or records.plan.a_a]
-        others: dict[Group, list[str]] = {}
-        for group, reward in planned if records.pairs else ():
-            others.setdefault(group, []).append(reward)
-        for group, rewards in others.items():
-            asked += [(group, *two) for two in combinations(filter(first.__ne__, rewards), 2)]
+        of, first = {it.group: it for it in self.trainings}, self.baseline
+        asked = [(group, first, reward) for group, reward in planned if reward != first or self.plan.a_a]
+        for two in combinations(planned, 2) if self.pairs else ():
+            (group, one), (other, another) = two
+            if group == other and first not in (one, another):
+                asked.append((group, one, another))
         return [
             (trainings, trainings.match(*names))
             for group, *names in asked
             for trainings in (of.get(group) or self._of_group(group),)
         ]
 
-    @property
-    def returns(self) -> tuple[ReturnMatrix, ...]:
-        """See `Results`; scored by every reward of the experiment."""
+    def _matrices(self) -> Iterator[ReturnMatrix]:
         scoring = dict.fromkeys(cell.reward for cell in self._planned)
-        return tuple(self._matrix(it, scoring) for it in self.trainings)
+        return (self._matrix(it, scoring) for it in self.trainings)
 
     def _matrix(self, of: Trainings, scoring: Iterable[Choice]) -> ReturnMatrix:
         taught, payers = dict[str, list[CellResults]](), dict[str, InstalledReward | str]()
         for it in scoring:  # a reward, or why it cannot pay what it paid; one that taught nobody is not checked
             runs = taught[it.label] = [run for run in of.members(it.label) if isinstance(run, CellResults)]
             try:
-                payers[it.label] = runs[0].unchanged(EVALUATION) if runs else self.installed(it)
+                payers[it.label] = runs[0].unchanged(EVALUATION) if runs else self.cells.installed(it)
             except Unscored as unscored:
                 payers[it.label] = str(unscored)
         columns = {label: _column(runs, payers) for label, runs in taught.items() if runs}
@@ -117,28 +109,33 @@ class Traces(Cells):
             of.group, tuple(columns), rows, {label: column[EVENTS] for label, column in columns.items()}
         )
 
-    def examine(self, manifest: Manifest) -> Manifest:
+    def _examine(self, cell: Cell) -> Manifest:
         """What there is to say of a cell. Files that are what was written may still hold what no cell can have done."""
+        manifest = super()._examine(cell)
         if manifest.status == "done":
             try:
-                self.add(manifest).require_plausible()
+                self.cells.add(manifest).require_plausible()
             except NewerFormat:
                 raise
             except SchemaError as error:
-                self.remove(manifest.cell)
-                return Manifest(manifest.cell, status="damaged", reason=f"{error}; {REMEDY}")
+                self.cells.remove(cell)
+                return Manifest(cell, status="damaged", reason=f"{error}; {REMEDY}")
         return manifest
 
+    def _counted(self, leave_out: Collection[Path]) -> Account[Manifest]:
+        account = super()._counted(leave_out)
+        for it in self.manifests:
+            if it.status == "skipped":
+                self.cells.remove(it.cell)
+        return account
+
     def run(self, cell: Cell) -> CellResults:
-        """A done cell as a training."""
-        return self.done[cell.id]
+        return self.cells.done[cell.id]
 
     def numbers(self, cell: Cell) -> Numbers:
-        """See `Results`."""
         return self.run(cell).numbers
 
     def recorded(self, cell: Cell) -> Float:
-        """See `Results`."""
         return self.run(cell).recorded
 
 

@@ -3,9 +3,8 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import combinations
-from typing import Literal, NamedTuple, Protocol
+from typing import Literal, NamedTuple, TypeAlias
 
-from harness.arrays import Float
 from harness.eta.behaviour_change import Quantity
 from harness.eta.curve import GroupCurve, Kind, stream_curve
 from harness.eta.headline import SUCCESS
@@ -13,8 +12,8 @@ from harness.eta.interval import SHARE
 from harness.eta.manner import DETERMINISTIC, EVALUATION, OWN_AND_OTHER, STOCHASTIC, TRAINING, WHOLE
 from harness.eta.rescaling import Rescaling
 from harness.eta.scored_sums import Pair
-from harness.record.manifest import Manifest
 from harness.results.by_term import ByTerm
+from harness.results.cell_results import CellResults
 from harness.results.comparison import Comparison, Group
 from harness.results.learning import (
     Learning,
@@ -23,8 +22,7 @@ from harness.results.learning import (
     mean_point,
     stretches,
 )
-from harness.results.measured import Measured, Mixture, Moment, mixtures_of
-from harness.results.recordings.episodes import Part
+from harness.results.measured import Mixture, mixtures_of
 from harness.results.recordings.runs import Run, Runs, meet_same_starts, rescaling_between
 
 LEARNED = Quantity(SUCCESS, "", "higher", TRAINING, 1, bounds=SHARE)
@@ -33,72 +31,8 @@ KEPT_CURVES = 2
 """Many rewards are compared with one baseline, so that the curves that were read last are asked for again."""
 
 
-class Trained(Protocol):
-    """One training: what it was paid, and what it did. What is not known of its pay raises Unscored."""
-
-    @property
-    def seed(self) -> int:
-        """The seed of the training, or the number that it was given."""
-
-    @property
-    def reward(self) -> str:
-        """The label of the reward that taught it."""
-
-    @property
-    def cut(self) -> int:
-        """How many of its steps are compared."""
-
-    @property
-    def manifest(self) -> Manifest | None:
-        """What made it; None where a recording has notes on that instead."""
-
-    @property
-    def measured(self) -> Measured:
-        """Every measure, by manner; what says most about the final policy comes first."""
-
-    @property
-    def moments(self) -> Sequence[Moment]:
-        """Its evaluations, the one after the training last."""
-
-    def reason(self, name: str, manner: str) -> str:
-        """Why a measure has no value; empty if it has one."""
-
-    def stretch(self, begin: int, end: int) -> Part:
-        """The episodes that ended in these steps."""
-
-    def on_the_way(self, every: int) -> Mapping[int, Part]:
-        """Its evaluations by the step at which they were due; empty where the training itself tells how it learned."""
-
-    def ends(self) -> tuple[Part, Part, Part | None]:
-        """Its first episodes, its last ones, and those of its evaluation, where there is one."""
-
-    def paid(self, by: "Trained") -> Float:
-        """What the reward of a training pays for each of its steps, (rows,)."""
-
-    def returned(self, by: "Trained", manner: str) -> float:
-        """What that reward pays one of its episodes of one manner."""
-
-    def final_pay(self) -> float:
-        """What its own reward paid an episode of its evaluation, with all that the training maximised."""
-
-    def random_pay(self) -> Float:
-        """What its reward pays random actions, (episodes,)."""
-
-    def at_random(self) -> Part | None:
-        """What random actions come to; None where they are not known."""
-
-    @property
-    def has_terms(self) -> bool:
-        """Whether its reward may have terms."""
-
-    def terms(self, by: "Trained", part: str) -> ByTerm | None:
-        """What the terms of a training's reward pay its ``training``, its ``evaluation``, or ``random`` actions.
-
-        None where that is not known, or not asked for.
-        """
-
-    def motion(self) -> str:
-        """A digest of all that its final policy did in its evaluation; empty where not everything is recorded."""
+Trained: TypeAlias = Run | CellResults
+"""One training: what it was paid, and what it did. What is not known of its pay raises Unscored."""
 
 
 class TermsOfTraining(NamedTuple):
@@ -339,7 +273,7 @@ class Trainings:
     def _evaluated(self, reward: str, members: Sequence[Trained]) -> LearningCurve:
         runs = {it.seed: it.moments for it in members}
         measures = [self.quantity(name, "", 1) for name in self.names]
-        points = {it.name: learning_points(runs.values(), it.name, self.group, it.ends) for it in measures}
+        points = {it.name: learning_points(runs.values(), it, self.group) for it in measures}
         return LearningCurve(reward, runs, points)
 
     def learned(self, reward: str, members: Sequence[Trained]) -> LearningCurve:

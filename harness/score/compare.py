@@ -194,15 +194,15 @@ def compare_logs(
         UsageError: A file cannot be read or has no event terms, a reward that is given did not pay the runs, or
             trainings are missing: they diverged, or stopped early.
     """
-    bare = next((log for log in (*baseline, *proposed) if any(name not in log for name in EVENTS)), None)
-    if with_events and bare is not None:
-        raise UsageError(f"{bare.facts.path} has no event terms: leave out --with-events")
+    for log in (*baseline, *proposed):
+        if with_events and any(name not in log for name in EVENTS):
+            raise UsageError(f"{log.facts.path} has no event terms: leave out --with-events")
     groups = [_in_order_of_seeds(baseline), _in_order_of_seeds(proposed)]
     _require_apart(*groups)
     given = (baseline_reward, proposed_reward)
     guesses = [_reward_of(group, name, registry) for group, name in zip(groups, given, strict=True)]
-    unpaid = [log.facts.path for log in (*baseline, *proposed) if not can_be_paid(log)]
-    reasons = [*(f"{it} has no distances to score again" for it in unpaid), *(it.reason for it in guesses)]
+    unpaid = (log.facts.path for log in (*baseline, *proposed) if not can_be_paid(log))
+    reasons = [*(f"{path} has no distances to score again" for path in unpaid), *(it.reason for it in guesses)]
     missing = next(filter(None, reasons), None)
     others: list[Reward | None] = [
         None if missing or it.choice is None else choose(registry, "rewards", it.choice).build(registry, "rewards")
@@ -414,16 +414,18 @@ def _notes_of(sides: Sequence[ComparedRows], copied: Sequence[Sequence[Log]], is
     for run in (run for group in groups for run in group):
         yield from (f"'{run.facts.path}': {note}" for note in run.facts.notes)
     rows = {run.facts.path: rows for side in sides for run, rows in side.rows.items()}
-    shortest, longest = (of(rows, key=lambda path: rows[path]) for of in (min, max))
-    if rows[longest] > rows[shortest]:
+    shortest = min(rows, key=lambda path: rows[path])
+    if max(rows.values()) > rows[shortest]:
         told = f"All runs are cut to the {rows[shortest]:,} steps of the shortest, '{shortest}'"
-        yield f"{told}; the longest has {rows[longest]:,}"
-    for runs in (runs for side in sides for runs in side.alike.values() if len(runs) > 1):
-        yield f"{_listed(runs)} record the same rewards; each counts"
+        yield f"{told}; the longest has {max(rows.values()):,}"
     baseline, proposed = (side.alike for side in sides)
-    for digest in () if is_same else baseline.keys() & proposed.keys():
-        both = [baseline[digest][0], proposed[digest][0]]
-        yield f"{_listed(both)} record the same rewards: between them there is nothing to compare"
+    for runs in (*baseline.values(), *proposed.values()):
+        if len(runs) > 1:
+            yield f"{_listed(runs)} record the same rewards; each counts"
+    for digest, runs in baseline.items():
+        if digest in proposed and not is_same:
+            both = [runs[0], proposed[digest][0]]
+            yield f"{_listed(both)} record the same rewards: between them there is nothing to compare"
     begins = [_begin_distance(group) for group in groups]
     if begins[0] and begins[1] and not 1.0 / UNLIKE_METRES < begins[1] / begins[0] < UNLIKE_METRES:
         yield (

@@ -20,7 +20,7 @@ beginDistance can change inside an episode (a target that was touched is drawn a
 import csv
 import os
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
@@ -31,7 +31,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.csv
 
-from harness.arrays import Float, Mask
+from harness.arrays import Mask
 from harness.errors import SchemaError, UsageError
 from harness.files.bounded import require_regular
 from harness.log import Log, LogFacts
@@ -111,10 +111,14 @@ def _no_reward(names: list[str]) -> str:
     for separator, word in ((";", "semicolons"), ("\t", "tabs"), ("|", "|")):
         if line.count(separator) >= max(1, len(names)):
             return f"no column 'reward': the columns are separated by {word}; only commas are read, and decimal points"
-    there = ", ".join(shortened(name.strip(), SHOWN) for name in names[:12]) + (", ..." if len(names) > 12 else "")
     paid = next((name.strip() for name in names if name.strip().lower().startswith("reward_")), None)
     rename = "" if paid is None else f". Call the one that taught 'reward', such as '{shortened(paid, SHOWN)}'"
-    return f"no column 'reward'; there is: {there or 'nothing'}{rename}"
+    return f"no column 'reward'; there is: {shown_names(names) or 'nothing'}{rename}"
+
+
+def shown_names(names: Sequence[str]) -> str:
+    """The first names of columns, for a message."""
+    return ", ".join(shortened(name.strip(), SHOWN) for name in names[:12]) + (", ..." if len(names) > 12 else "")
 
 
 def _find_fault(cells: list[str], header: list[str], places: Mapping[str, int]) -> str | None:
@@ -274,16 +278,20 @@ def _read_rows(columns: Columns, counted: _Counted) -> dict[str, Array] | None:
     reward, events = columns["reward"], {name: columns[name] for name in EVENTS if name in columns}
     if "distance" not in columns:
         return {PAY: reward, **events} if _is_finite(events.values()) else None
-    begin, distance = columns["begin_distance"], columns["distance"]
-    best, delta = _before_step(columns)
+    begin, distance, nothing = columns["begin_distance"], columns["distance"], np.full(len(reward), np.nan)
+    told, filled = columns.get("step", nothing), columns.get("delta_distance", nothing)
+    best = columns.get("previous_best", columns.get("prev_best", nothing))
+    if "previous_best" not in columns:  # see the rule at the top of this file
+        best = np.where(np.isnan(filled), best, distance - filled)
+    delta = np.where(np.isnan(filled), distance - best, filled)
     env = columns.get("env", np.zeros(len(reward)))
-    told = columns.get("step", np.full(len(reward), np.nan))
     flags = {name: columns[name] for name in TOUCHED if name in columns}
     needed = (*events.values(), *flags.values(), begin, distance, best, delta, env)
     if not _is_finite(needed) or max(np.abs(env).max(), np.nanmax(np.abs(told), initial=0.0)) > LARGEST_STEP:
         return None
-    filled = np.isfinite(columns["delta_distance"]) if "delta_distance" in columns else True
-    alike = filled & (reward == 0.0) & (distance == begin) & (best == begin)
+    alike = (reward == 0.0) & (distance == begin) & (best == begin)
+    if "delta_distance" in columns:
+        alike &= np.isfinite(filled)
     start = np.where(np.isnan(told), alike, told == 0.0)
     step = np.where(np.isnan(told), counted.steps(start), told).astype(np.int64)
     counted.step, env = int(step[-1]), env.astype(np.int64)
@@ -294,20 +302,6 @@ def _read_rows(columns: Columns, counted: _Counted) -> dict[str, Array] | None:
 
 def _is_finite(columns: Iterable[Array]) -> bool:
     return all(bool(np.isfinite(column).all()) for column in columns)
-
-
-def _before_step(columns: Columns) -> tuple[Float, Float]:
-    """Pb before the step and d - Pb, by the rule at the top of this file."""
-    distance, delta = columns["distance"], columns.get("delta_distance")
-    best = columns.get("previous_best", columns.get("prev_best"))
-    if delta is None:
-        assert best is not None  # one of the two is there, or the distances are not read
-        return best, distance - best
-    if best is None:
-        return distance - delta, delta
-    empty = np.isnan(delta)
-    before = best if "previous_best" in columns else np.where(empty, best, distance - delta)
-    return before, np.where(empty, distance - before, delta)
 
 
 def _spelled(header: Iterable[str]) -> list[str]:
@@ -335,7 +329,9 @@ def _read(path: Path, header: list[str], places: Mapping[str, int], names: tuple
         labels[place] = name
     looked = {role: labels[header.index(name)] for role, name in roles.items()}
     kinds = {**dict.fromkeys(looked.values(), pa.string()), **dict.fromkeys(places, pa.float64())}
-    convert = pa.csv.ConvertOptions(column_types=kinds, include_columns=list(kinds), null_values=["", " "])
+    convert = pa.csv.ConvertOptions(
+        column_types=kinds, include_columns=list(kinds), null_values=["", " "], strings_can_be_null=True
+    )
     rows, counted, watch = 0, _Counted(), RowWatch(path, roles)
     try:
         with pa.csv.open_csv(path, pa.csv.ReadOptions(column_names=labels, skip_rows=1), None, convert) as file:

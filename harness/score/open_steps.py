@@ -10,13 +10,10 @@ from harness.files.bounded import HEAD, kind_of, open_regular, reading
 from harness.log import Log
 from harness.log.open_log import formats_of, open_logs
 from harness.registry.registry import Registry
-from harness.score.csv_steps import MOST_BYTES, StepsCsv, open_csv
+from harness.score.csv_steps import MOST_BYTES, StepsCsv, open_csv, shown_names
 from harness.score.row_meaning import NEEDED, RECORD
-from harness.text import shortened
 
 _PARQUET = b"PAR1"
-SHOWN = 60
-"""The most characters of a name in a message."""
 _NOUNS = {"episode": "an episode", "point": "a point of a curve"}
 
 
@@ -63,12 +60,11 @@ def open_steps(path: Path, registry: Registry | None = None) -> Log:
             raise UsageError(f"{path} is empty")
         if head.startswith(_PARQUET):
             return _trace_of(path)
-        is_plain = registry is None or StepsCsv().recognises(path, head)
-        other = None if is_plain or registry is None else _other_log(path, head, registry)
-        if other is not None:
-            return other
-        kind = kind_of(head, path)
-        if kind is not None:
+        if registry is not None and not StepsCsv().recognises(path, head):
+            other = next((name for name, it in formats_of(registry).items() if it.recognises(path, head)), None)
+            if other is not None:
+                return _only_log(path, other, registry)
+        if kind := kind_of(head, path):
             raise UsageError(f"{path} is {kind.sentence}")
         return open_csv(path)
 
@@ -99,19 +95,15 @@ def _what_it_has(names: Sequence[str]) -> str:
     """What a Parquet file of others is, and what to do with it."""
     if {"episode_index", "frame_index"} <= set(names):
         return "it is a part of a LeRobot data set: harness audit lerobot:FOLDER"
-    told = ", ".join(shortened(name, SHOWN) for name in names[:12]) + (", ..." if len(names) > 12 else "")
-    return f"export its rewards as CSV with a column 'reward'; there is: {told}"
+    return f"export its rewards as CSV with a column 'reward'; there is: {shown_names(names)}"
 
 
-def _other_log(path: Path, head: bytes, registry: Registry) -> Log | None:
-    """The log of steps that another format reads; None if no other recognises the file.
+def _only_log(path: Path, name: str, registry: Registry) -> Log:
+    """The log of steps that a format reads.
 
     Raises:
         UsageError: Its rows are no steps, or it holds several trainings.
     """
-    name = next((name for name, it in formats_of(registry).items() if it.recognises(path, head)), None)
-    if name is None:
-        return None
     log, *others = open_logs(path, registry, name)
     if log.facts.unit != "step":
         raise UsageError(f"{path} is {log.facts.format}: a row is {_NOUNS[log.facts.unit]}, and {NEEDED}; {RECORD}")
@@ -130,17 +122,14 @@ def matched_paths(patterns: str | Iterable[str], *, folders: bool = False) -> li
     Raises:
         UsageError: A pattern matches nothing.
     """
-    given = [patterns] if isinstance(patterns, str) else list(patterns)
-    return sorted({path for pattern in given for path in _matched(pattern, folders)})
-
-
-def _matched(pattern: str, folders: bool) -> list[Path]:
-    path = Path(os.path.expanduser(pattern))  # no error, whatever the text
-    if os.path.isfile(path) or (folders and os.path.isdir(path)):  # a name may hold [ or *
-        return [path]
-    matched = [Path(name) for name in glob.glob(str(path), recursive=True)]
-    files = [name for name in matched if os.path.isfile(name)]
-    if files or (folders and matched):
-        return files or matched
-    only = "; it matches folders only" if matched else ""
-    raise UsageError(f"No file matches '{pattern}'{only}. Quote a pattern, as in 'runs/*.csv'")
+    found = set[Path]()
+    for pattern in [patterns] if isinstance(patterns, str) else patterns:
+        path = Path(os.path.expanduser(pattern))  # no error, whatever the text
+        is_name = os.path.isfile(path) or (folders and os.path.isdir(path))  # a name may hold [ or *
+        matched = [path] if is_name else [Path(name) for name in glob.glob(str(path), recursive=True)]
+        files = [it for it in matched if os.path.isfile(it)]
+        if not files and not (folders and matched):
+            only = "; it matches folders only" if matched else ""
+            raise UsageError(f"No file matches '{pattern}'{only}. Quote a pattern, as in 'runs/*.csv'")
+        found.update(files or matched)
+    return sorted(found)

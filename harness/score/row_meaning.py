@@ -1,6 +1,7 @@
 """What a row of somebody's table stands for: a step, as an index needs it, or an episode or a mean over many."""
 
 import re
+from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -134,14 +135,12 @@ def split(table: TextTable, names: Sequence[str]) -> list[tuple[tuple[str, ...],
     """
     if not names:
         return [((), np.arange(len(table)))]
-    cells = [tuple(cell.strip() for cell in row) for row in zip(*(table.cells[name] for name in names), strict=True)]
-    numbers = {of: number for number, of in enumerate(dict.fromkeys(cells))}
-    if len(numbers) > MOST_RUNS:
+    found = defaultdict[tuple[str, ...], list[int]](list)
+    for row, cells in enumerate(zip(*(table.cells[name] for name in names), strict=True)):
+        found[tuple(map(str.strip, cells))].append(row)
+    if len(found) > MOST_RUNS:
         raise SchemaError(f"{table.path}: '{', '.join(names)}' names more than {MOST_RUNS:,} runs")
-    number = np.array([numbers[of] for of in cells], np.int64)
-    order = np.argsort(number, kind="stable")
-    parts = np.split(order, np.flatnonzero(np.diff(number[order])) + 1)
-    return list(zip(numbers, parts, strict=True))
+    return [(cells, np.array(rows)) for cells, rows in found.items()]
 
 
 def fault_of_episodes(table: TextTable, roles: Mapping[str, str], rows: Ints) -> Fault | None:
@@ -186,7 +185,7 @@ class RowWatch:
         """
         counts, env, episodes = (self._numbers(role, cells) for role in ("counter", "env", "episode"))
         if "run" in cells:
-            self._look_at_runs([str(name).strip() for name in cells["run"].to_pylist()], episodes)
+            self._look_at_runs([(name or "").strip() for name in cells["run"].to_pylist()], episodes)
         if counts is not None:
             self._look_at_counter(counts, np.zeros(len(counts)) if env is None else np.nan_to_num(env))
         self._line += len(next(iter(cells.values()), ()))
@@ -198,8 +197,7 @@ class RowWatch:
         column, values = cells[role], np.array([0.5])
         with suppress(pa.ArrowException, ValueError):
             if pa.types.is_string(column.type):
-                trimmed = pc.utf8_trim_whitespace(column)
-                column = pc.if_else(pc.equal(trimmed, ""), None, trimmed).cast(pa.float64())
+                column = pc.utf8_trim_whitespace(column).cast(pa.float64())
             values = column.to_numpy(zero_copy_only=False).astype(np.float64)
         if np.isnan(values).all() or (values != np.floor(values))[~np.isnan(values)].any():
             del self._columns[role]

@@ -1,22 +1,20 @@
 """Pays recorded trainings in environments by other weights of their recorded terms, without the code of a reward."""
 
 from collections.abc import Iterable
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 from harness.errors import UsageError
 from harness.files.sums import making
-from harness.log import Log, in_memory
-from harness.log.log import REWARD
-from harness.record.recording.facts import Source, TrainingFacts, facts_of, term_column
+from harness.log import Log
+from harness.record.recording.facts import facts_of, term_column
 from harness.record.recording.recorded_training import (
     read_recorder,
     read_recording,
     recorder_numbers,
     recordings_in,
 )
-from harness.record.recording.scores import read_scores, scores_name, with_scores, write_scores
+from harness.record.recording.scores import read_scores, scores_name, weighted_scores, with_scores, write_scores
 from harness.record.store import Store
 from harness.score.weights import name_of, no_terms, recorded_choice, reweighted, weighted_label
 
@@ -93,13 +91,6 @@ def _scored(log: Log, label: str) -> Log:
         except UsageError as error:  # a term was recorded with the weight 0, and elsewhere perhaps with another
             refused = error
             continue
-        was, now = f"{REWARD}{then}", f"{REWARD}{label}"
-        facts = TrainingFacts(
-            rewards=(label,),
-            trained_with=label,
-            sources={now: Source("", f"the recorded terms of {then}, weighted as {label}")},
-            failed=tuple(replace(it, column=now) for it in facts_of(log).failures if it.column == was),
-            terms={label: tuple(paid.terms)},
-        )
-        return in_memory(facts, {now: paid.total, **{term_column(label, it): of for it, of in paid.terms.items()}})
+        origin = f"the recorded terms of {then}, weighted as {label}"
+        return weighted_scores(log, then, label, paid.total, paid.terms, origin)
     raise refused

@@ -435,11 +435,10 @@ def _of_folder(
 
         return audit_logs(folder, find_logs(folder, registry, log_format or ""), only, sort or "", out)
     if kind == EXPERIMENT:
-        from harness.authoring.commands import read_results
-        from harness.results import Told
+        from harness.results import Told, Traces, load_results
 
-        results = read_results(folder, registry, told=Told(leave_out=out))
-        if not results.in_environment:
+        results = load_results(folder, told=Told(leave_out=out), registry=registry)
+        if isinstance(results, Traces):
             from harness.authoring.commands import audits_of
 
             from .recorded.experiment import audit_experiment

@@ -2,7 +2,7 @@
 
 from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -14,44 +14,38 @@ SHOWN = 5
 """So many numbers of episodes are told."""
 
 
-class Declared(NamedTuple):
-    """What the metadata says.
-
-    Attributes:
-        episodes: How many there are; None if it does not say so.
-        steps: How many steps; None likewise.
-        listed: Numbers of the episodes that it lists; empty if it lists none.
-        lengths: How many steps it says that an episode has, by number.
-    """
-
-    episodes: int | None = None
-    steps: int | None = None
-    listed: Collection[int] = ()
-    lengths: Mapping[int, int] = {}
-
-
 def take_census(
-    path: Path, declared: Declared, found: Mapping[int, int], partial: bool
+    path: Path,
+    found: Mapping[int, int],
+    *,
+    partial: bool,
+    episodes: int | None = None,
+    steps: int | None = None,
+    listed: Collection[int] = (),
+    lengths: Mapping[int, int] = {},
 ) -> tuple[frozenset[int], list[str]]:
     """Which episodes belong to the data set, and how what lies there differs from what is declared, a line each.
 
     Args:
         path: The data set, for messages.
-        declared: What the metadata says.
         found: Steps of each episode that lies there, by number.
         partial: Whether a part of what is declared is enough.
+        episodes: How many the metadata declares; None if it does not say so.
+        steps: How many steps; None likewise.
+        listed: Numbers of the episodes that it lists; empty if it lists none.
+        lengths: How many steps it says that an episode has, by number.
 
     Raises:
         SchemaError: Something that is declared does not lie there, or not as it is declared.
     """
-    there, listed, lengths = {*found}, {*declared.listed}, declared.lengths
-    below = {number for number in there if number < (declared.episodes or 0)}
-    belonging = there & listed if listed else below if len(below) == declared.episodes else there
+    there, named = {*found}, {*listed}
+    below = {number for number in there if number < (episodes or 0)}
+    belonging = there & named if named else below if len(below) == episodes else there
     beside = there - belonging
-    empty = {number for number in listed | belonging if not found.get(number, lengths.get(number, 1))}
-    gone = {number for number in listed - there if lengths.get(number, 1)}
+    empty = {number for number in named | belonging if not found.get(number, lengths.get(number, 1))}
+    gone = {number for number in named - there if lengths.get(number, 1)}
     other = sorted(number for number in belonging if lengths.get(number, found[number]) != found[number])
-    count, steps = len(listed or belonging), sum(found[number] for number in belonging)
+    count, total = len(named or belonging), sum(found[number] for number in belonging)
     notes, gaps = [], []
     if beside:
         notes.append(f"Left out, since the metadata does not list them: {_episodes(beside)}")
@@ -59,10 +53,10 @@ def take_census(
         notes.append(f"Left out, since they have no step: {_episodes(empty)}")
     if gone:
         gaps.append(f"{_episodes(gone)} declared and not there")
-    if declared.episodes not in (None, count):
-        gaps.append(f"{declared.episodes:,} episodes declared, {count:,} {'listed' if listed else 'there'}")
-    if declared.steps not in (None, steps):
-        gaps.append(f"{declared.steps:,} steps declared, {steps:,} there")
+    if episodes not in (None, count):
+        gaps.append(f"{episodes:,} episodes declared, {count:,} {'listed' if named else 'there'}")
+    if steps not in (None, total):
+        gaps.append(f"{steps:,} steps declared, {total:,} there")
     if other:
         told = f"episode {other[0]} has {found[other[0]]:,} steps, {lengths[other[0]]:,} are declared"
         gaps.append(f"{_episodes(other)} of another length than declared ({told})")

@@ -113,17 +113,14 @@ def group_of(path: Path, parent: Any, key: str, most: int = MOST_KEYS) -> Any:
 
 
 def array_of(path: Path, parent: Any, key: str) -> Array:
-    """An array in a group, or in groups of it, ``a/b``; see `member_of`.
+    """An array in a group, or in groups of it; see `find_array`.
 
     Raises:
-        SchemaError: It is none.
+        SchemaError: There is none.
     """
-    *groups, key = key.split("/")
-    for group in groups:
-        parent = group_of(path, parent, group)
-    found = member_of(path, parent, key)
-    if not isinstance(found, Array):
-        raise SchemaError(f"{path}: {_place(parent, key)} is a group, no array")
+    found = find_array(path, parent, key)
+    if found is None:
+        raise SchemaError(f"{path}: {parent.name} has no {key}, or a group in its place")
     return found
 
 
@@ -284,9 +281,9 @@ def tables_of(
             require_readable(path, 1, numbers)
             if not len(episode):
                 continue
-            ends = np.append(np.diff(episode) != 0, True)
-            begins = np.concatenate([[0], np.flatnonzero(ends)[:-1] + 1])
-            step = np.arange(len(episode)) - np.repeat(begins, np.diff(begins, append=len(episode))) + 1
+            row, begins = np.arange(len(episode)), np.diff(episode, prepend=-1) != 0
+            step = row - np.maximum.accumulate(np.where(begins, row, 0)) + 1
+            ends = np.append(begins[1:], True)
             for rows, table in read_stretches(len(episode), parts):
                 found = {"step": step[rows], **{name: values[rows] for name, values in known.items()}, **table}
                 yield source.columns(names, Steps(found, episode[rows], ends[rows], where), told)

@@ -13,7 +13,7 @@ from harness.errors import NewerFormat, SchemaError
 from harness.files import read_json, require_regular
 from harness.text import shortened
 
-from .dataset import MOST_KEYS, MOST_NUMBERS, Declared, whole
+from .dataset import MOST_KEYS, MOST_NUMBERS, whole
 
 INFO_FILE, EPISODES, LISTS = Path("meta/info.json"), Path("meta/episodes.jsonl"), Path("meta/episodes")
 KNOWN = ((2, 0), (2, 1), (3, 0))
@@ -50,17 +50,6 @@ class Listing(NamedTuple):
     path: Path
     keys: tuple[str, ...]
     rows: Mapping[int, Mapping[str, Any]]
-
-    def value(self, number: int, key: str) -> Any:
-        """What it says of an episode under a key; None if nothing."""
-        return self.rows.get(number, {}).get(key)
-
-    def declared(self, info: Mapping[str, Any]) -> Declared:
-        """With the totals of ``info.json``."""
-        lengths = {
-            number: steps for number, row in self.rows.items() if (steps := whole(row.get("length"))) is not None
-        }
-        return Declared(whole(info.get("total_episodes")), whole(info.get("total_frames")), self.rows.keys(), lengths)
 
 
 def read_info(path: Path) -> dict[str, Any]:
@@ -101,13 +90,11 @@ def shapes_of(path: Path, features: Mapping[str, Any]) -> dict[str, tuple[int, .
     Raises:
         SchemaError: A column that is needed is not among them.
     """
-    for name in NEEDED:
-        if name not in features:
-            raise SchemaError(f"{path} tells of no column {name}")
     shapes = {name: shape for name, feature in features.items() if (shape := _shape(feature)) is not None}
     for name in NEEDED:
         if name not in shapes:
-            raise SchemaError(f"{path}: the column {name} holds no numbers, or more than {MOST_NUMBERS:,}")
+            what = f" of 1 to {MOST_NUMBERS:,} numbers a frame" if name in features else ""
+            raise SchemaError(f"{path} tells of no column {name}{what}")
     for name in (reward_in(shapes), *SINGLE):
         if name in shapes and math.prod(shapes[name]) != 1:
             raise SchemaError(f"{path}: the column {name} holds {math.prod(shapes[name]):,} numbers a frame, not one")
@@ -133,17 +120,14 @@ def _shape(feature: Mapping[str, Any]) -> tuple[int, ...] | None:
     return tuple(shape) if math.prod(shape) <= MOST_NUMBERS else None
 
 
-def names_of(features: Mapping[str, Any], column: str) -> tuple[str, ...]:
+def names_of(features: Mapping[str, Any], shapes: Mapping[str, tuple[int, ...]], column: str) -> tuple[str, ...]:
     """What the numbers of a column are called: a list, or a table with one list."""
-    if column not in features:
-        return ()
-    names = features[column].get("names")
+    names = features.get(column, {}).get("names")
     if isinstance(names, dict) and len(names) == 1:
         (names,) = names.values()
-    size = math.prod(features[column]["shape"])
-    if not isinstance(names, list) or len(names) != size or not all(isinstance(it, str) for it in names):
-        return ()
-    return tuple(shortened(it, 100) for it in names)
+    is_list = isinstance(names, list) and all(isinstance(it, str) for it in names)
+    fits = is_list and column in shapes and len(names) == math.prod(shapes[column])
+    return tuple(shortened(it, 100) for it in names) if fits else ()
 
 
 def read_listing(folder: Path) -> Listing:

@@ -94,9 +94,8 @@ def _picture_places(space: Any, place: str, depth: int) -> Iterator[str]:
     is_picture = space.get("dtype") == "uint8" and len(sizes) == 3
     if space.get("type") == "Text" or (is_picture and (depth or math.prod(sizes) > MOST_NUMBERS)):
         yield place
-    elif isinstance(parts, dict):
-        for key, part in parts.items():
-            yield from _picture_places(part, f"{place}/{key}", depth + 1)
-    elif isinstance(parts, list):
-        for number, part in enumerate(parts):
-            yield from _picture_places(part, f"{place}/_index_{number}", depth + 1)
+        return
+    if isinstance(parts, list):
+        parts = {f"_index_{number}": part for number, part in enumerate(parts)}
+    for key, part in parts.items() if isinstance(parts, dict) else ():
+        yield from _picture_places(part, f"{place}/{key}", depth + 1)

@@ -185,8 +185,7 @@ def _episodes_of(path: Path, arrays: Mapping[str, Array], horizon: int) -> tuple
     if not len(last):
         raise SchemaError(f"{path}: no row of terminals or timeouts is true, so that no episode ends")
     steps = int(last[-1]) + 1
-    begins = np.concatenate([[0], last[:-1] + 1])
-    lengths = last + 1 - begins
+    lengths = np.diff(last, prepend=-1)
     episode = np.repeat(np.arange(len(last)), lengths)
     notes = []
     if rest := len(ends) - steps:

@@ -100,23 +100,32 @@ class LeRobot:
             shapes = shapes_of(place, features)
             listing, tasks = read_listing(folder), read_tasks(folder)
             files, notes = _files(folder, info, listing)
-            belonging, gaps = take_census(folder, listing.declared(info), _lengths(folder, files, shapes), self.partial)
+            told = {number: whole(row.get("length")) for number, row in listing.rows.items()}
+            belonging, gaps = take_census(
+                folder,
+                _lengths(folder, files, shapes),
+                partial=self.partial,
+                episodes=whole(info.get("total_episodes")),
+                steps=whole(info.get("total_frames")),
+                listed=told,
+                lengths={number: length for number, length in told.items() if length is not None},
+            )
         reward, seen = reward_in(shapes), seen_in(shapes)
         other = [name for name in shapes if name not in (*seen, ACTION)]
-        told = (*other, *listing.keys)
+        keys = (*other, *listing.keys)
         facts = DatasetFacts(
             path=folder,
             format=f"LeRobot v{'.'.join(map(str, version))}",
             name=f"lerobot:{path}",
             env=shortened(str(info.get("robot_type") or ""), 200),
             declared={"tasks": count} if (count := whole(info.get("total_tasks"))) is not None else {},
-            names={OBSERVATION: names_of(features, STATE), ACTION: names_of(features, ACTION)},
+            names={OBSERVATION: names_of(features, shapes, STATE), ACTION: names_of(features, shapes, ACTION)},
             task=TASK_INDEX if TASK_INDEX in shapes else TASKS if TASKS in listing.keys else "",
             pictures_left_out=any(name.startswith(SEEN_BEGIN) and name not in shapes for name in features),
             notes=(*notes, *_notes_on_seen(seen), *gaps),
         )
         usual = [f"{begin}{key}" for key in SUCCESS_KEYS for begin in ("next.", "")]
-        source = source_of(facts, self.success, self.cluster, told, reward=reward, usual=usual, sees_last=not seen)
+        source = source_of(facts, self.success, self.cluster, keys, reward=reward, usual=usual, sees_last=not seen)
         places = {"episode": EPISODE, "step": FRAME, f"{REWARD}{RECORDED}": reward, ACTION: ACTION}
         places |= {f"{INFO}{key}": key for key in other}
         parts = {key: OBSERVATION if key == STATE else f"{OBSERVATION}/{key.removeprefix(SEEN_BEGIN)}" for key in seen}
@@ -170,7 +179,7 @@ class _Layout(NamedTuple):
 
     def told(self, number: int, key: str) -> Any:
         """What is told of an episode."""
-        value = self.listing.value(number, key)
+        value = self.listing.rows.get(number, {}).get(key)
         return " + ".join(map(str, value)) if isinstance(value, list) else value
 
 

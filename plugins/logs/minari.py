@@ -22,7 +22,6 @@ from harness.text import shortened
 
 from ..datasets.dataset import (
     MOST_NUMBERS,
-    Declared,
     take_census,
     whole,
 )
@@ -85,7 +84,7 @@ class Minari:
             seen = _overview(place, file)
             episodes, steps = (whole(metadata.get(key)) for key in ("total_episodes", "total_steps"))
             belonging, notes = take_census(
-                place, Declared(episodes, steps, lengths=seen.told), seen.steps, self.partial
+                place, seen.steps, partial=self.partial, episodes=episodes, steps=steps, lengths=seen.told
             )
             numbers = tuple(sorted(belonging - seen.again))
             pictures = pictures_of(metadata)
@@ -228,18 +227,11 @@ class _Layout(NamedTuple):
         for number in self.numbers:
             group, where = group_of(self.path, file, f"episode_{number}"), f"{self.path}, episode {number}"
             steps, parts = len(array_of(self.path, group, "rewards")), self.vectors(group)
-            rows = {
-                column: {len(it.array) for name, it in parts.items() if name.startswith(column)}
-                for column in PLACES.values()
-            }
-            if rows[ACTION] != {steps} or not rows[OBSERVATION] <= {steps + 1}:
-                told = " and ".join(
-                    f"{'/'.join(map(str, sorted(rows[it]))) or 'no'} {it}s" for it in (ACTION, OBSERVATION)
-                )
-                raise SchemaError(
-                    f"{where} has {steps:,} rewards, {told}; a Minari episode has one observation more than actions"
-                )
-            parts = {name: part for name, part in parts.items() if name in names}
+            for name, it in parts.items():
+                if len(it.array) != steps + (not name.startswith(ACTION)):
+                    told = f"{steps:,} rewards, and {len(it.array):,} rows of {name}"
+                    raise SchemaError(f"{where} has {told}; a Minari episode has one observation more than actions")
+            parts = {name: it for name, it in parts.items() if name in names}
             for name, key in {**FLAGS, **self.keys, LABEL: f"infos/{self.success}"}.items():
                 if name in names and (part := _rows(find_array(self.path, group, key), steps)):
                     parts[name] = part

@@ -20,7 +20,6 @@ from harness.text import one_line_of, shortened
 
 from ..datasets.dataset import (
     NOTHING_SEEN,
-    Declared,
     take_census,
     whole,
 )
@@ -60,7 +59,7 @@ class Robomimic:
             data = group_of(path, file, DATA, MOST_EPISODES)
             seen = _overview(path, data)
             total = whole(data.attrs.get("total"))
-            belonging, notes = take_census(path, Declared(None, total, lengths=seen.told), seen.steps, self.partial)
+            belonging, notes = take_census(path, seen.steps, partial=self.partial, steps=total, lengths=seen.told)
             masks = _masks(path, file)
             listed = masks.get(self.mask, frozenset(seen.groups.values()))
             if self.mask and self.mask not in masks:
@@ -136,8 +135,7 @@ def _overview(path: Path, data: Any) -> _Overview:
             raise SchemaError(f"{path}: {DATA} holds '{name}': a demonstration is called demo_ and a number, as demo_0")
         if seen.groups.setdefault(int(found[1]), key) != key:
             raise SchemaError(f"{path}: {DATA} holds {seen.groups[int(found[1])]} and {key}, which have one number")
-    for number, key in sorted(seen.groups.items()):
-        demo = group_of(path, data, key)
+        demo, number = group_of(path, data, key), int(found[1])
         seen.steps[number] = len(array_of(path, demo, "actions"))
         if (told := whole(demo.attrs.get("num_samples"))) is not None:
             seen.told[number] = told
@@ -153,16 +151,10 @@ def _masks(path: Path, file: Any) -> dict[str, frozenset[str]]:
 
 def _keys_seen(path: Path, demo: Any) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Keys of observations that are read, and of those that are not: pictures, texts, and what is too large."""
-    if "obs" not in demo:
-        return (), ()
-    seen = group_of(path, demo, "obs")
-    arrays = {key: array_of(path, seen, key) for key in seen}
-    read = [
-        key
-        for key, it in arrays.items()
-        if it.shape and it.holds_numbers and not (it.dtype == np.uint8 and len(it.shape) == 4)
-    ]
-    return tuple(read), tuple(key for key in arrays if key not in read)
+    seen = {key: array_of(path, demo, f"obs/{key}") for key in group_of(path, demo, "obs")} if "obs" in demo else {}
+    numbers = [key for key, it in seen.items() if it.shape and it.holds_numbers]
+    read = tuple(key for key in numbers if seen[key].dtype != np.uint8 or len(seen[key].shape) != 4)
+    return read, tuple(key for key in seen if key not in read)
 
 
 def _notes(

@@ -17,7 +17,8 @@ from harness.arrays import Float
 from harness.errors import AskedError, SchemaError, UsageError, reason_of
 from harness.files.bounded import read_json
 from harness.log import BEHAVIOUR, SUCCESS, Log, LogFacts, in_memory
-from harness.log.text_table import NOTHING, TextTable, head_of, parse_table, read_text, require_columns
+from harness.log.log import require_columns
+from harness.log.text_table import NOTHING, TRUTH, TextTable, head_of, parse_table, read_text
 from harness.score.row_meaning import (
     ENV,
     INDEX,
@@ -187,8 +188,12 @@ class Table(Roles):
         told = _settings_beside(table.path.parent)
         told |= {key: table.cells[f"config/{key}"][0] for key in ("env", "seed") if f"config/{key}" in table.cells}
         thinned = WANDB if is_history(table.names) else ""
+        others = [name for name in numbers if name not in used]
+        is_unsure = chosen.is_mean and not (rising or chosen.counter or self.time or self.length)
         for cells, rows in split(table, [*taught, *runs]):
             part = table.part(rows) if cells else table
+            if chosen.unit == "point":
+                part = _in_order(part, chosen.times[:1], counts if is_unsure else [], others, [*taught, *runs])
             seed = str(part.cells[seeds[0]][0] if seeds and len(part) else told.get("seed", ""))
             facts = LogFacts(
                 path=table.path,
@@ -310,7 +315,46 @@ def _is_chart(names: Sequence[str]) -> bool:
 def _is_text(cells: Sequence[str]) -> bool:
     """Whether a column holds words: its first cell that holds anything begins like one."""
     first = next((it.strip() for it in cells if it.strip()), "")
-    return first[:1].isalpha() and first.lower() not in (*NOTHING, "true", "false", "inf", "infinity")
+    return first[:1].isalpha() and first.lower() not in (*NOTHING, *TRUTH, "inf", "infinity")
+
+
+def _in_order(
+    table: TextTable, times: Sequence[str], unsure: Sequence[str], others: Sequence[str], runs: Sequence[str]
+) -> TextTable:
+    """The table of a training with its rows in the order of its steps.
+
+    Args:
+        table: Of one training.
+        times: The column that counts the steps of the training.
+        unsure: Columns that may count them, in another order.
+        others: Columns of numbers that say nothing so far.
+        runs: Columns that say of which training a row is.
+
+    Raises:
+        UsageError: One may count the steps, or say of which training a row is.
+    """
+    for name in [*times, *unsure]:
+        at = table.numbers(name, NOTHING)
+        back = np.flatnonzero(np.diff(at) < 0.0)
+        if len(back) <= (1.0 - RISES) * len(at):
+            for other in others if len(back) else ():
+                with suppress(SchemaError):
+                    if np.array_equal(np.flatnonzero(np.diff(table.numbers(other, NOTHING))), back):
+                        run = "+".join([other, *runs])
+                        raise AskedError(
+                            f"{table.path}: '{name}' goes back where column '{other}' changes. --as 'table:run={run}' "
+                            "reads each as a training of its own"
+                        )
+            continue
+        if len(np.unique(at)) < len(at):
+            continue  # it counts something else
+        if name in unsure:
+            raise AskedError(
+                f"{table.path}: column '{name}' goes up and down. --as table:time={name} sorts the rows by it; "
+                f"--as table:length={name} says that it holds the lengths of episodes"
+            )
+        table = table.part(np.argsort(at))
+    return table
 
 
 def _tag(written: str) -> str:
@@ -329,11 +373,9 @@ def _series(table: TextTable, axis: str, name: str) -> Series:
 def _settings_beside(folder: Path) -> dict[str, str]:
     """The settings of the training, where a program left them in the folder; empty if they cannot be read."""
     for name in SETTINGS:
-        with suppress(OSError, ValueError):
-            told = read_json(folder / name)
-            if isinstance(told, dict):
-                kept = (str, int, float)
-                return {key: str(value) for key, value in told.items() if isinstance(value, kept) and key in KEYS}
+        with suppress(OSError, ValueError, AttributeError):
+            told = read_json(folder / name).items()
+            return {key: str(it) for key, it in told if key in KEYS and isinstance(it, str | int | float)}
     return {}
 
 

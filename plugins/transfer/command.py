@@ -36,15 +36,16 @@ def transfer(
 
     Trains nothing. What is evaluated already is not evaluated again.
     """
-    from harness.authoring.commands import read_results, worker_count
+    from harness.authoring.commands import worker_count
     from harness.registry import load_registry, read_given
+    from harness.results import load_results
 
     from .jobs import plan_transfers, run_transfers
     from .matrix import load_transfers
     from .progress import TransferProgress
 
     at_once, registry = worker_count(jobs), load_registry(given=read_given(plugin))
-    results = read_results(folder, registry)
+    results = load_results(folder, registry=registry)
     plan = plan_transfers(results, to, registry)
     with kept_when_interrupted("what was evaluated is kept", folder), TransferProgress(plan) as progress:
         run_transfers(plan, at_once, progress)

@@ -17,7 +17,6 @@ from harness.authoring.commands import (
     draft_of,
     leave_record,
     now,
-    read_results,
     record_evaluation,
     run_orders,
     storage_errors,
@@ -39,7 +38,7 @@ from harness.registry import (
     read_given,
     split_list,
 )
-from harness.results import Results
+from harness.results import Results, load_results
 from harness.simulator import require_drives
 from harness.text import command_text
 
@@ -179,7 +178,7 @@ def transfer(
     """
     at_once = worker_count(jobs)
     registry = load_registry(given=read_given(plugins))
-    results = read_results(Path(folder), registry)
+    results = load_results(folder, registry=registry)
     run_transfers(plan_transfers(results, to, registry), at_once)
     return load_transfers(results)
 

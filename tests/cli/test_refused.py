@@ -211,6 +211,7 @@ AMONG = {
         "--sort '{seed}'": "needs {reward} once",
         "--summary s": "--summary does not go with a folder of logs",
         "--measure speed": "the logs tell success, return, length",
+        "--per-step ,": "--per-step base=N,prop=N does",
         "--measure success --measure length": "one measure of the logs decides",
         "--measure length": "nobody says whether less or more",
         "--as evaluations": "holds no recorded training and no log that is read. Seen: 4 .csv",

@@ -1,11 +1,9 @@
 import html
-import shlex
 
 import pytest
 
 from tests.left import files_of
 from tests.plugins.committed.kept import RECORDS
-from tests.report.conftest import build_results
 
 
 @pytest.fixture
@@ -160,20 +158,3 @@ def test_committed_records_open(harness, experiment, tmp_path):
         answer = harness(*command)
         assert answer.status == 2
         assert "harness run records/experiment.toml --out NEW" in answer.err
-
-
-def test_no_verdict_is_given_without_a_cell_that_failed(harness, tmp_path):
-    """Unless the user leaves it out, as the answer tells to: by its folder, or by anything in it."""
-    results = build_results(tmp_path / "runs", ended={("arp", 2): ("failed", "no luck")})
-    told = harness("report", "runs", "--json").json
-    assert told["combinations"][0]["headline"]["answer"] == "interim"
-    assert "1 training is missing" in harness("report", "runs").out
-    assert "says which failed" in " ".join(harness("report", "runs").out.split())
-    (remedy,) = (note for note in told["notes"] if "--leave-out" in note)
-    flags = shlex.split(remedy[remedy.index("--leave-out") :].removesuffix(" leaves it out"))
-    assert flags == ["--leave-out", f"runs/cells/{results.failed[0].cell.id}"]
-    for typed in (flags, [f"{flags[0]}={flags[1]}/evaluation.parquet"]):
-        answer = harness("report", "runs", "--details", *typed)
-        assert (answer.status, "INTERIM" in answer.out) == (0, False)
-        assert "1 skipped: left out, as --leave-out says: no luck" in answer.out
-    assert "--leave-out nowhere: no training lies there" in harness("report", "runs", "--leave-out", "nowhere").err

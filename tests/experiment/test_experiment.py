@@ -11,7 +11,7 @@ from harness.experiment import ExperimentRun, RunOptions, check_experiment, expa
 from harness.experiment.experiment import check, default_folder, run
 from harness.record import LOG, Manifest, Store, partial_folder
 from harness.registry import Choice
-from harness.results import Results
+from harness.results import Results, load_results
 from tests.left import files_of
 from tests.refusals import refused
 
@@ -91,7 +91,7 @@ def test_skipped_cells_are_not_run(toys, tmp_path):
     """A combination that cannot work is recorded, and no executor sees it."""
     plan = _plan(toys, algo=["buttons", "wander"], task="handless", seeds=1)
     assert {cell.algorithm.label for cell in _ended(toys, tmp_path, plan)} == {"wander"}
-    assert {item.status for item in Results(tmp_path, toys).manifests} == {"done", "skipped"}
+    assert {item.status for item in load_results(tmp_path, registry=toys).manifests} == {"done", "skipped"}
 
 
 def test_reason_of_a_cell_without_a_folder_is_recorded(toys, make_cell, tmp_path):

@@ -401,12 +401,38 @@ def numbered(trainings, together, count=40):
     return write
 
 
+def one_of_three(folder):
+    """One environment of a training stopped early."""
+    numbered([f"{reward}_{seed}/{{}}" for reward, seed in RUNS], True)(folder)
+    path = folder / "prop_2/2.monitor.csv"
+    path.write_text("".join(path.read_text().splitlines(keepends=True)[:20]))
+
+
 def twice_seeded(folder):
     """Two trainings of each reward have one seed, of which one is elsewhere."""
     for reward, final, first in TWO:
         for batch in range(2):
             for seed in range(5 - 4 * batch):
                 monitors(folder / f"batch{batch}", f"{reward}/seed{seed}.", final, first + 10 * batch + seed)
+
+
+def weighed(folder):
+    """One table of all trainings, in which a weight of the reward says which a row is of."""
+    told = (
+        (i, s, *it)
+        for i, (_, end, more) in enumerate(WIDE)
+        for s in range(5)
+        for it in zip(at(40), curve(end, s + more), strict=True)
+    )
+    table(
+        folder / "all.csv",
+        dict(zip(("weight", "seed", "timesteps", "success_rate"), zip(*told, strict=True), strict=True)),
+    )
+
+
+def yes(shares):
+    """Whether episodes succeeded, in words."""
+    return np.where(np.random.default_rng(0).random(len(shares)) < shares, "yes", "no")
 
 
 def of_two_programs(folder):
@@ -556,6 +582,17 @@ ASKED = [
     Case(
         "odd-names", each("{reward}_{seed}.csv", lambda it: {"n": at(40), "gain": paid(it), "ok": it}),
         "report odd-names", BETTER, **OWN | {"knows": OF_50 | {"TIME": "n", "SUCCESS": "ok"}}, untrue="^eta",
+    ),
+    Case(
+        "unordered", each("{reward}/{seed}.csv", lambda it: {"timesteps": at(40)[::-1], "success_rate": it[::-1]}),
+        "report unordered", BETTER, **OWN, untrue="length=",
+    ),
+    Case("weights", weighed, "report weights", BETTER, **OWN, untrue=r"\{seed\}_\{reward\}"),
+    Case("one-of-three", one_of_three, "report one-of-three", NO_VERDICT, (), (5, 4), untrue=r"\*/", without=(5, 4)),
+    Case(
+        "yes-no",
+        each("{reward}/{seed}.csv", lambda it: {"return": paid(it), "length": 50 + at(40) % 7, "success": yes(it)}),
+        "report yes-no", BETTER, (), (5, 5),
     ),
     Case("unlabelled", unlabelled, "audit unlabelled/finite.hdf5", NO_DIFFERENCE, (), (),
          knows={"KEY": "solved", "RETURN": "5"}),

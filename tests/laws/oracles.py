@@ -1,10 +1,5 @@
-"""Synthetic experiments of which it is known whether their two rewards differ, kept as other programs keep them.
+"""Synthetic experiments of which it is known whether their two rewards differ, kept as other programs keep them."""
 
-`python -m tests.laws.oracles` prints how often a false word is said of them, how often a difference is found, and how
-far two ways of logging the same trainings lie apart.
-"""
-
-import sys
 import tempfile
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
@@ -226,16 +221,8 @@ class Tally:
     @property
     def sentence(self):
         """One line."""
-        words = dict(Counter(said.word for _, said in self.oracles).most_common())
-        by = {
-            name: f"{sum(key(of) == name for of, _ in self.claims)}/{sum(key(of) == name for of, _ in self.oracles)}"
-            for key in (lambda of: of.door, lambda of: of.spread, lambda of: f"stopped {of.stopped}")
-            for name in dict.fromkeys(sorted(key(of) for of, _ in self.oracles))
-        }
-        apart = f"; at most {self.farthest:.2f} points apart" * (self.kind == "exact")
-        if self.kind == "twice":
-            apart = f"; {len(self.differing)} pairs differ"
-        return f"{self.kind}: {len(self.claims)} claims of {len(self.oracles)}; {words}; {by}{apart}"
+        words = Counter(said.word for _, said in self.oracles)
+        return f"{self.kind}: {len(self.claims)} claims of {len(self.oracles)}: {words}"
 
 
 def _told(oracle):
@@ -254,15 +241,3 @@ def tally(kind, numbers: Iterable[int]):
         if kind != "twice":
             found.append(_told(oracle))
     return Tally(kind, found)
-
-
-if __name__ == "__main__":
-    for kind, count in KINDS.items():
-        if not sys.argv[1:] or kind in sys.argv[1:]:
-            found = tally(kind, range(count))
-            print(found.sentence, flush=True)  # noqa: T201
-            for pair in found.differing if kind == "twice" else ():
-                print("   ", *((said.word, said.shares, said.p) for said in pair))  # noqa: T201
-            refused = Counter(said.text[:230] for _, said in found.oracles if said.word == REFUSED)
-            for text, times in refused.most_common(4):
-                print("   ", times, text)  # noqa: T201

@@ -240,18 +240,27 @@ def damaged(folder):
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
 
 
+def emptied(folder):
+    """A training left a folder alone."""
+    for name, path in files(folder).items():
+        if "prop_2" in name:
+            path.unlink()
+
+
 FILES = {
     "split": split,
     "turn columns": with_tables(lambda number, row: row[::-1]),
     "add a column": with_tables(lambda number, row: [*row, f"{number * 0.5}" if number else "entropy"]),
     "compress": compressed,
 }
+BINARY = {"damage": damaged, "empty": emptied}
+"""The same at doors of files that are no text."""
 NOT_SO = {
     "chart": ("turn columns",),  # its first column is what it counts
     "evaluations": ("percent", "percent in one", "thin"),  # 0 or 1 alone is kept, and final policies alone count
     "monitor": ("percent", "percent in one", "turn columns", "split"),  # it counts from where a file begins
     "recordings": ("percent", "percent in one", "blank"),
-    "own": ("percent", "percent in one", "blank", "rename", "copy", "copy a beginning"),
+    "own": ("percent", "percent in one", "blank", "rename", "copy", "copy a beginning", "empty"),
 }
 """What cannot be done at a door."""
 
@@ -259,7 +268,7 @@ NOT_SO = {
 def changes():
     """Every change at every door at which it can be made."""
     for name, door in DOORS.items():
-        possible = [*(CURVES if door.is_curve else ()), *ANY, *(FILES if door.is_text else ["damage"])]
+        possible = [*(CURVES if door.is_curve else ()), *ANY, *(FILES if door.is_text else BINARY)]
         for change in possible:
             if change not in NOT_SO.get(name, ()):
                 yield name, change
@@ -274,7 +283,7 @@ def said(tmp_path_factory):
         folder, door = tmp_path_factory.mktemp("laws") / name, DOORS[name]
         kept = list(trained(door))
         door.write(folder, {**CURVES, **ANY}.get(change, list)(kept))
-        {**FILES, "damage": damaged}.get(change, lambda _: None)(folder)
+        {**FILES, **BINARY}.get(change, lambda _: None)(folder)
         return answered(["report", str(folder)], {"N": str(LENGTH)})
 
     return write
@@ -298,13 +307,13 @@ def test_a_change_of_the_files_changes_nothing_that_is_said(said, name, change):
     if found.word == REFUSED and change in MAY_BE_ASKED:
         said_why = "percent" if "percent" in change else "line "  # and otherwise what to type
         assert remedies(found.text) or said_why in found.text, found.text
-    elif change in ("cut", "blank", "split", "damage") and found.word == INTERIM:
+    elif change in ("cut", "blank", "split", *BINARY) and found.word == INTERIM:
         without = _without(found)
         assert change == "split" or (without.word, *sorted(without.trainings)) == (RIGHT[0], SEEDS - 1, SEEDS), (
             without.text
         )
     else:
-        assert change not in ("cut", "damage", "percent", "percent in one"), found
+        assert change not in ("cut", *BINARY, "percent", "percent in one"), found
         assert (found.word, found.trainings) == RIGHT, found.text
         assert found.shares == pytest.approx(said(name).shares, abs=NEAR)
 

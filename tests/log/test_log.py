@@ -63,7 +63,7 @@ def test_columns_are_loaded_in_one_pass(log, source):
 
 def test_unknown_column_says_what_there_is(log):
     """With the file's name."""
-    with refused(r"No column 'c'. runs/a.log has: a, b"):
+    with refused(r"runs/a.log has no 'c'. It has: a, b"):
         log["c"]
 
 

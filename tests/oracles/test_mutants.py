@@ -53,7 +53,7 @@ def _copies_are_counted(patch):
 
 def _metadata_are_not_believed(patch):
     for module in (lerobot, importlib.import_module("harness_plugins.logs.minari")):
-        patch.setattr(module, "take_census", lambda path, declared, found, partial: (frozenset(found), []))
+        patch.setattr(module, "take_census", lambda path, found, **declared: (frozenset(found), []))
 
 
 def _frames_come_in_any_order(patch):

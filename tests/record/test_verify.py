@@ -11,7 +11,7 @@ from harness.errors import UsageError
 from harness.record import EXPERIMENT, MANIFEST, PLAN, REPORT, RESULTS, TRACE, Store
 from harness.record.verify import missing_cells, repair, verify
 from harness.registry import load_registry
-from harness.results import Results
+from harness.results import load_results
 
 SUMS = "SHA256SUMS"
 FIRST_LINE = "# harness made these files from others"
@@ -96,7 +96,7 @@ def test_plan_is_put_together_from_the_cells(ran, damage):
     (ran / PLAN).unlink()
     if damage:
         (ran / PLAN).write_text(damage)
-    results = Results(ran, load_registry())
+    results = load_results(ran)
     assert "was put together from 4 cells" in results.plan.note
     assert {cell.id for cell in results.done_cells} == {cell.id for cell in known.cells}
     assert [told for _, told in repair(ran)] == ["put together from 4 cells"]
@@ -254,7 +254,7 @@ def test_a_cell_that_cannot_be_read_is_one_problem(ran, first, monkeypatch):
 
 def _numbers(folder):
     """What a report says of each cell that it believes, and of nothing else."""
-    results = Results(folder, load_registry())
+    results = load_results(folder)
     return {cell.id: results.measured(cell) for cell in results.done_cells}
 
 
@@ -263,7 +263,7 @@ def test_no_flipped_bit_is_read_as_another_number(ran, count):
     """Every one is named by `verify`; a report says of a cell what it said, or that it is damaged."""
     expected = json.dumps(_numbers(ran), default=str)
     registry, rng, files = load_registry(), random.Random(1), _files(ran)
-    whole = {cell.id for cell in Results(ran, registry).done_cells}
+    whole = {cell.id for cell in load_results(ran, registry=registry).done_cells}
     for _ in range(count):
         path = rng.choice(files)
         before = path.read_bytes()
@@ -274,6 +274,6 @@ def test_no_flipped_bit_is_read_as_another_number(ran, count):
         [problem] = verify(ran)
         assert path.is_relative_to(ran / problem.path) or path.name in problem.what, (path, bit)
         owner = path.relative_to(ran).parts[1] if path.is_relative_to(ran / "cells") else None
-        assert {cell.id for cell in Results(ran, registry).done_cells} == whole - {owner}
+        assert {cell.id for cell in load_results(ran, registry=registry).done_cells} == whole - {owner}
         path.write_bytes(before)
     assert json.dumps(_numbers(ran), default=str) == expected

@@ -357,7 +357,7 @@ def test_full_disk_ends_the_recording_and_not_the_training(record, tmp_path, mon
 
     monkeypatch.setattr("harness.record.recording.recording_writer.WRITE_EVERY", 0.0)
     env = record()
-    monkeypatch.setattr("harness.record.recording.recording_writer.RecordingWriter._write_part", refuse)
+    monkeypatch.setattr("harness.record.recording.recording_writer.write_packed", refuse)
     with pytest.warns(
         UserWarning, match=r"cannot be written: No space left on device\. Nothing more is recorded"
     ) as told:

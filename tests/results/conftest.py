@@ -7,7 +7,7 @@ import pytest
 from harness.experiment import check_experiment, expand
 from harness.record import Store, read_trace
 from harness.registry import load_registry
-from harness.results import Results
+from harness.results import load_results
 from tests.results.folders import ARP, ARP_RUNS, BASELINE, BASELINE_RUNS, finish
 from tests.results.gentle import run_gentle
 from tests.results.in_looks import folder_in_looks
@@ -41,7 +41,7 @@ def made(make_plan, registry, tmp_path):
         for cell in cells:
             if (given := how(cell)) is not None:
                 finish(store, cell, **given)
-        return Results(store.folder, plugins)
+        return load_results(store.folder, registry=plugins)
 
     return make
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from harness.record import Store, Terms
 from harness.registry import Choice
-from harness.results import Results, standing_of
+from harness.results import load_results, standing_of
 from tests.results.folders import BASELINE_RUNS, finish
 
 RACE = Terms((2, 4), asked=3, margin=0.1, race=True)
@@ -29,7 +29,7 @@ class Folder:
     @property
     def results(self):
         """What it says now."""
-        return Results(self.store.folder, self.registry)
+        return load_results(self.store.folder, registry=self.registry)
 
     @property
     def standing(self):

@@ -9,7 +9,7 @@ import pytest
 from harness.record import read_manifest, read_trace
 from harness.record.merge import merge
 from harness.report import report_text
-from harness.results import Results
+from harness.results import load_results
 from harness.score.installed_reward import InstalledReward
 from harness_plugins.committed.tables import write_cells
 
@@ -24,7 +24,7 @@ def _ended(ran_toys):
 
 def fresh(results):
     """As another process reads the folder."""
-    return Results(results.folder, results.registry, results.kind)
+    return load_results(results.folder, results.kind, registry=results.registry)
 
 
 def without_kept(results):
@@ -84,14 +84,14 @@ def test_merged_cells_bring_what_is_kept(ended, tmp_path, reads):
     All that follows from traces was made as the cells ended.
     """
     merge([ended.folder], tmp_path / "all")
-    assert report_text(Results(tmp_path / "all", ended.registry)) == report_text(ended)
+    assert report_text(load_results(tmp_path / "all", registry=ended.registry)) == report_text(ended)
     assert reads.files == []
 
 
 @pytest.mark.parametrize("kind", ["accumulated", "per-step"])
 def test_report_makes_what_is_missing(ended, reads, kind):
     """Byte for byte what was kept, of both kinds of curves; the next one finds it."""
-    read = lambda: Results(ended.folder, ended.registry, kind)  # noqa: E731
+    read = lambda: load_results(ended.folder, kind, registry=ended.registry)  # noqa: E731
     kept = report_text(read())
     without_kept(ended)
     assert report_text(read()) == kept
@@ -171,7 +171,7 @@ def test_null_control_finds_what_it_needs(ran_toys, reads):
 def test_payer_of_a_reward_keeps_its_own(ended):
     """Two rewards pay one training: neither takes the other's for its own."""
     cell = ended.done_cells[0]
-    of = ended.traces.run(cell)
+    of = ended.run(cell)
     paid = [of.paid_by(InstalledReward(choice, ended.registry)) for choice in {it.reward: 0 for it in ended.done_cells}]
     assert len({tuple(rewards) for rewards in paid}) == 3
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from harness.eta import SHARE
+from harness.eta import Quantity
 from harness.registry import Choice
 from harness.results import Group
 from harness.results.learning import LearningCurve, Moment, learning_points
@@ -11,10 +11,10 @@ from tests.report.conftest import build_results
 GROUP = Group("fd100", Choice("reach"), Choice("wander"), 100, 4, evaluate_every=30, simulator=Choice("ideal"))
 
 
-def _points(*runs, **given):
+def _points(*runs, episodes=None, **given):
     """Of these shares by steps, one run for each seed."""
     told = [[Moment(steps, {"success_rate": share}) for steps, share in shares.items()] for shares in runs]
-    return learning_points(told, "success_rate", GROUP, **given)
+    return learning_points(told, Quantity("success_rate", "", "higher", "", episodes, **given), GROUP)
 
 
 @pytest.mark.parametrize(
@@ -35,7 +35,7 @@ def test_points_are_where_evaluations_were_due(runs, points):
 def test_points_have_intervals_over_seeds():
     """Around the mean; none of one seed."""
     runs = [{100: 0.4 + 0.05 * seed} for seed in range(5)]
-    (point,), (share,), (alone,) = _points(*runs), _points(*runs, bounds=SHARE), _points(runs[0])
+    (point,), (share,), (alone,) = _points(*runs), _points(*runs, episodes=4), _points(runs[0])
     assert point.value.low < 0.5 < point.value.high
     assert share.value.low < point.value.low  # a share allows for the seed that was not seen
     assert (alone.value.low, alone.value.note) == (None, "one seed: no interval below 3 seeds")

@@ -9,7 +9,7 @@ from harness.errors import PluginError, UsageError
 from harness.record import Manifest
 from harness.registry import load_registry
 from harness.report import behaviour_grids, report_text
-from harness.results import Results, load_metrics, measure
+from harness.results import load_metrics, load_results, measure
 from harness.results.metrics import measure_of
 from harness_plugins.committed.tables import write_cells
 from tests.results.folders import only
@@ -126,7 +126,7 @@ def test_tables_have_nothing_and_the_reason(results):
 
 def test_chosen_metrics_stand_beside_those_that_decide(results, odd):
     """By their labels; nothing else fails then."""
-    chosen = Results(results.folder, odd, metrics=["smoothness,work"])
+    chosen = load_results(results.folder, metrics=["smoothness,work"], registry=odd)
     assert list(chosen.metrics) == ["success_rate", "time_to_target", "smoothness", "work"]
     assert chosen.not_measured == {}
     assert only(chosen).headline.robot

@@ -76,7 +76,7 @@ def test_an_episode_is_what_was_recorded(recorded):
     """Joint positions, distances and what was paid are those of the trace; the arm is where these say."""
     (show,) = shows_of(recorded)
     side = show.sides[1]
-    trace = read_trace(recorded.folder / "cells" / side.cells[0] / "evaluation.parquet")
+    trace = read_trace(recorded.store.cell_folder(recorded.done_cells[1]) / "evaluation.parquet")
     rows, episode = trace.episodes[0], side.episodes[0]
     kept = rows[episode.steps]
     np.testing.assert_array_equal(episode.qpos, trace["qpos"][kept])
@@ -88,9 +88,9 @@ def test_an_episode_is_what_was_recorded(recorded):
 
 def test_cells_are_shown_by_the_beginnings_of_their_ids(recorded):
     """In the order in which they are named."""
-    ids = [manifest.cell.id for manifest in recorded.manifests]
-    show = show_cells(recorded, [ids[1][:8], ids[0]], 2)
-    assert [side.cells for side in show.sides] == [(ids[1],) * 2, (ids[0],) * 2]
+    one, other = (manifest.cell for manifest in recorded.manifests)
+    show = show_cells(recorded, [other.id[:8], one.id], 2)
+    assert [side.title for side in show.sides] == [f"{it.reward.label} · seed {it.seed}" for it in (other, one)]
     assert show.numbers == (1, 2)
 
 

@@ -18,12 +18,12 @@ STEPS = 100
 
 
 def _by_term(start, end, whole, pays=True, name="reach"):
-    return ByTerm({name: TermMeans(start, end, whole, pays)}, STEPS, 10)
+    return ByTerm({name: TermMeans(start, end, whole, pays)}, STEPS)
 
 
 def _trained(start, end, evaluation, pays=True, name="reach"):
     told = _by_term(start, end, 0.0, pays, name)
-    return TermsOfTraining(told, ByTerm({name: TermMeans(0.0, 0.0, evaluation, pays)}, STEPS, 5))
+    return TermsOfTraining(told, ByTerm({name: TermMeans(0.0, 0.0, evaluation, pays)}, STEPS))
 
 
 @pytest.fixture(name="group")
@@ -74,7 +74,7 @@ def test_the_term_that_changed_most_is_the_one_that_differs_most_from_the_baseli
 
     def both(small, large, start):
         means = {"a": TermMeans(start, 0.0, small, True), "b": TermMeans(0.0, 0.0, large, True)}
-        return TermsOfTraining(ByTerm(means, STEPS, 9), ByTerm(means, STEPS, 9))
+        return TermsOfTraining(ByTerm(means, STEPS), ByTerm(means, STEPS))
 
     alone = _paid(group, ("gentle", ""), [both(0.0, -3.0, 9.0)])
     assert alone.most_changed.name == "a"
@@ -91,7 +91,7 @@ def test_without_evaluations_the_end_of_the_trainings_is_compared(group):
 
 def test_a_reward_without_terms_has_nothing_to_tell(group):
     """It pays a plain number."""
-    assert terms_paid(group, ("arp", ""), [TermsOfTraining(ByTerm({}, STEPS, 3), ByTerm({}, STEPS, 3))]) is None
+    assert terms_paid(group, ("arp", ""), [TermsOfTraining(ByTerm({}, STEPS), ByTerm({}, STEPS))]) is None
 
 
 # Of a run

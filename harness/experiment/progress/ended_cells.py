@@ -16,7 +16,8 @@ from harness.registry.registry import Registry
 from harness.results.cell_results import Cells
 from harness.results.comparison import Group
 from harness.results.metrics import named_measures
-from harness.results.recordings.recording_results import RecordingResults, numbers_in_environment
+from harness.results.recordings.recording_results import RecordingResults
+from harness.results.recordings.recordings import numbers_in_environment
 from harness.results.table import Numbers, metric_columns, write_table
 
 

@@ -31,8 +31,6 @@ OWN_SOURCE = "what the env pays"
 """The source of a reward that is no function."""
 FILE_REWARD, FILE_BEHAVIOUR = "reward_", "behaviour_"
 """What the columns of rewards and of measures begin with in the files, and in what a recorder tells."""
-IN_FILES = {REWARD: FILE_REWARD, BEHAVIOUR: FILE_BEHAVIOUR}
-IN_LOGS = {told: begin for begin, told in IN_FILES.items()}
 RECORDER = "recording of harness"
 """The format of the facts of recordings."""
 
@@ -44,17 +42,12 @@ def term_column(reward: str, term: str) -> str:
 
 def file_column(column: str) -> str:
     """What the column of a log, ``reward/v1``, is called in files, ``reward_v1``; it is none of a term."""
-    return _begun_otherwise(column, IN_FILES)
+    return column.replace("/", "_", 1) if column.startswith((REWARD, BEHAVIOUR)) else column
 
 
 def log_column(column: str) -> str:
     """What the column of a file, ``reward_v1``, is called in a log, ``reward/v1``."""
-    return _begun_otherwise(column, IN_LOGS)
-
-
-def _begun_otherwise(column: str, begins: Mapping[str, str]) -> str:
-    found = next((begin for begin in begins if column.startswith(begin)), "")
-    return f"{begins.get(found, '')}{column.removeprefix(found)}"
+    return column.replace("_", "/", 1) if column.startswith((FILE_REWARD, FILE_BEHAVIOUR)) else column
 
 
 def _distinct(names: tuple[str, ...]) -> tuple[str, ...]:

@@ -12,16 +12,14 @@ from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
-import pyarrow.parquet as pq
 
-from harness.arrays import Float
 from harness.errors import SchemaError, UsageError
-from harness.files.bounded import reading, require_regular
-from harness.files.parquet import MOST_NUMBERS, require_room
+from harness.files.bounded import reading
+from harness.files.parquet import MOST_NUMBERS, open_parquet, require_room
 from harness.log import Log
 from harness.log.log import REWARD, TIME, Columns, Rows, joined
-from harness.record.recording.facts import FILE_REWARD, TrainingFacts, facts_of, file_column, term_column
-from harness.record.recording.scores import read_scores, scores_name, with_scores
+from harness.record.recording.facts import TrainingFacts, facts_of, file_column, log_column, term_column
+from harness.record.recording.scores import read_scores, scores_name, weighted_scores, with_scores
 from harness.registry.choice import parse
 from harness.reward.forms import weighted
 from harness.reward.terms import sum_of
@@ -48,23 +46,15 @@ _FACTS = re.compile(r"recording-(0|[1-9]\d{0,5})\.json")
 
 def weighed(log: Log, labels: Iterable[str]) -> Log:
     """The same, and what rewards with other weights pay its steps, ``gentle:effort=5``, as far as terms tell it."""
-    facts, columns = facts_of(log), dict[str, Float]()
+    facts = facts_of(log)
     for label in labels:
         name, weights = weights_of(label)
         names = facts.terms.get(name, ())
-        if label in facts.rewards or not weights or not weights.keys() <= {*names}:
-            continue
-        told = log.rows(term_column(name, term) for term in names)
-        paid = weighted({term: told[term_column(name, term)] for term in names}, weights)
-        was, now = f"{REWARD}{name}", f"{REWARD}{label}"
-        columns |= {now: sum_of(paid), **{term_column(label, term): it for term, it in paid.items()}}
-        facts = replace(
-            facts,
-            rewards=(*facts.rewards, label),
-            failed=(*facts.failed, *(replace(it, column=now) for it in facts.failed if it.column == was)),
-            terms={**facts.terms, label: names},
-        )
-    return replace(log, facts=facts).add(columns)
+        if label not in facts.rewards and weights and weights.keys() <= {*names}:
+            told = log.rows(term_column(name, term) for term in names)
+            paid = weighted({term: told[term_column(name, term)] for term in names}, weights)
+            log = with_scores(log, weighted_scores(log, name, label, sum_of(paid), paid))
+    return log
 
 
 def weights_of(label: str) -> tuple[str, dict[str, float]]:
@@ -193,37 +183,34 @@ def step_count(folder: Path, number: int) -> int:
         return 0
     path = folder / part_name(number, count - 1)
     with reading(path, "part of a recording"):
-        require_regular(path, PART_BYTES)
-        return (count - 1) * PART_ROWS + int(pq.read_metadata(path).num_rows)
+        return (count - 1) * PART_ROWS + int(open_parquet(path, PART_BYTES).metadata.num_rows)
 
 
 def _tables(folder: Path, number: int, facts: TrainingFacts, names: tuple[str, ...]) -> Iterator[Columns]:
     """The parts of a recorder, these columns of them, as soon as its steps were found to follow one another."""
     schema, count, actions = part_schema(facts), part_count(folder, number), action_columns(facts)
-    of_file = {name: name if name in facts.term_columns else file_column(name) for name in names}
-    of_file |= {TICK: TICK_IN_FILE}
-    wanted = {*INTEGERS, *of_file.values(), *(actions if ACTION in names else ())}
-    columns = [name for name in schema.names if name in wanted]
+    own = {name: TICK if name == TICK_IN_FILE else log_column(name) for name in schema.names}
+    wanted = {*INTEGERS, TICK, *names, *(actions if ACTION in names else ())}
+    columns = [name for name, called in own.items() if called in wanted]
     least = max(count - 1, 0) * PART_ROWS  # the last one may be short
     if least * len(columns) > MOST_NUMBERS:  # each part alone may be small
         raise SchemaError(
             f"{folder} has more than {least:,} steps of {len(columns):,} columns, {MOST_NUMBERS:,} numbers are allowed"
         )
-    last: Columns = {}
+    last: Columns = dict.fromkeys((*INTEGERS, TICK), np.empty(0, np.int64))
     taken = 0
     for part in range(count):
         path = folder / part_name(number, part)
         table = read_part(path, schema, columns)
         if part < count - 1 and len(table) != PART_ROWS:
             raise SchemaError(f"{path} has {len(table):,} steps, not {PART_ROWS:,}")
-        told = {name: np.asarray(table.column(name).to_numpy()) for name in columns}
+        told = {own[name]: np.asarray(table.column(name).to_numpy()) for name in columns}
         last = _require_sound(folder, facts, told, last)
-        found = {name: told[own] for name, own in of_file.items() if own in told}
         if ACTION in names and facts.actions:
-            found[ACTION] = np.stack([told[name] for name in actions], axis=1).reshape(-1, *facts.actions.shape)
-        found[TIME] = np.arange(taken + 1, taken + len(table) + 1)
+            told[ACTION] = np.stack([told[name] for name in actions], axis=1).reshape(-1, *facts.actions.shape)
+        told[TIME] = np.arange(taken + 1, taken + len(table) + 1)
         taken += len(table)
-        yield {name: found[name] for name in names}
+        yield {name: told[name] for name in names}
 
 
 def part_count(folder: Path, number: int) -> int:
@@ -241,8 +228,7 @@ def read_part(path: Path, schema: pa.Schema, names: Sequence[str] | None = None)
         SchemaError: It is damaged, or has other columns.
     """
     with reading(path, "part of a recording"):
-        require_regular(path, PART_BYTES)
-        file = pq.ParquetFile(path, page_checksum_verification=True)
+        file = open_parquet(path, PART_BYTES)
         if not file.schema_arrow.equals(schema):
             raise SchemaError(f"{path} has other columns than {facts_name(int(path.name.split('-')[1]))} tells")
         if file.metadata.num_rows > PART_ROWS:
@@ -260,40 +246,40 @@ def _require_sound(folder: Path, facts: TrainingFacts, columns: Columns, last: C
     Args:
         folder: Of the training.
         facts: What is known of it.
-        columns: Of the part, as they are called in it.
-        last: What this returned of the part before; empty at the first one.
+        columns: Of the part.
+        last: What this returned of the part before; no rows at the first one.
 
     Returns:
         The last step of each env so far.
     """
-    time, env = columns[TICK_IN_FILE], columns["env"]
+    time, env = columns[TICK], columns["env"]
     if not len(time):
         return last
-    if (np.diff(time, prepend=last[TICK_IN_FILE].max() if last else 0) < 0).any():
+    if (np.diff(time, prepend=last[TICK].max(initial=0)) < 0).any():
         raise SchemaError(f"{folder}: its steps do not stand in the order of time")
     if env.min() < 0 or env.max() >= facts.num_envs:
         raise SchemaError(f"{folder} has steps of an env beyond its {facts.num_envs}")
     if min(columns["episode"].min(), columns["step"].min()) < 0:
         raise SchemaError(f"{folder} has a step or an episode below 0")
     ends = _require_unbroken(folder, columns, last)
-    failed, terms = {file_column(failure.column) for failure in facts.failed}, facts.term_columns
-    for name in columns.keys() & {*map(file_column, facts.numbers), *terms}:
+    failed, terms = {failure.column for failure in facts.failed}, facts.term_columns
+    for name in columns.keys() & {*facts.numbers, *terms}:
         if np.isinf(columns[name]).any():
             raise SchemaError(f"{folder}: {name} is infinite")
-        reward = file_column(terms.get(name, name))
-        if reward.startswith(FILE_REWARD) and reward not in failed and np.isnan(columns[name]).any():
+        reward = terms.get(name, name)
+        if reward.startswith(REWARD) and reward not in failed and np.isnan(columns[name]).any():
             raise SchemaError(f"{folder}: {name} has no value in some steps, and no failure of it is told")
     return ends
 
 
 def _require_unbroken(folder: Path, columns: Columns, last: Columns) -> Columns:
     """See that no step of an env is missing, doubled or out of place: episodes would be paid otherwise."""
-    names = ("env", TICK_IN_FILE, "episode", "step")
-    rows = {name: np.concatenate([last.get(name, columns[name][:0]), columns[name]]) for name in names}
+    names = ("env", TICK, "episode", "step")
+    rows = {name: np.concatenate([last[name], columns[name]]) for name in names}
     order = np.argsort(rows["env"], kind="stable")
     env, time, episode, step = (rows[name][order] for name in names)
     is_first = np.diff(env, prepend=-1) != 0
-    is_known = order < len(last.get("env", ()))  # a step of an earlier part, the first one of its env here
+    is_known = order < len(last["env"])  # a step of an earlier part, the first one of its env here
     goes_on = (np.diff(episode) == 0) & (np.diff(step) == 1)
     begins = (np.diff(episode) > 0) & (step[1:] == 0)
     follows = (goes_on | begins) & (np.diff(time) > 0)

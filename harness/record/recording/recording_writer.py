@@ -4,15 +4,15 @@ import os
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
-import pyarrow as pa
-import pyarrow.parquet as pq
 from filelock import FileLock, Timeout
 
 from harness.arrays import Float
 from harness.errors import UsageError
+from harness.files.parquet import table_of, write_packed
 from harness.files.whole_file import whole_files
 from harness.log import Log
 from harness.record.recording.facts import TrainingFacts, facts_of
@@ -21,7 +21,6 @@ from harness.record.recording.recorded_training import (
     INTEGERS,
     PART_ROWS,
     TICK,
-    TICK_IN_FILE,
     facts_name,
     part_name,
     part_schema,
@@ -160,32 +159,15 @@ class RecordingWriter:
         if self.facts is not self._written_facts:
             files[facts_name(self.number)] = self.facts.write
         if self._filled:
-            files[part_name(self.number, self._part)] = self._write_part
+            steps = table_of(self._block[: self._filled], self._schema)
+            files[part_name(self.number, self._part)] = partial(write_packed, steps)
         # Without steps nothing would be lost, and beginning a training does not wait for the disk.
         with whole_files(self.folder, [*files], is_lasting=self._filled > 0) as partials:
-            for partial, write in zip(partials, files.values(), strict=True):
-                write(partial)
+            for path, write in zip(partials, files.values(), strict=True):
+                write(path)
         self._written_facts = self.facts
         took = time.thread_time() - begun
         self.due = time.monotonic() + min(WRITE_EVERY, max(SOONEST, took / LARGEST_SHARE))
-
-    def _write_part(self, path: Path) -> None:
-        columns = [
-            pa.array(np.ascontiguousarray(values).astype(field.type.to_pandas_dtype()))
-            for values, field in zip(self._block[: self._filled].T, self._schema, strict=True)
-        ]
-        numbers = [field.name for field in self._schema if field.type == pa.float64()]
-        pq.write_table(
-            pa.Table.from_arrays(columns, schema=self._schema),
-            path,
-            compression="zstd",
-            use_dictionary=False,
-            column_encoding={
-                **dict.fromkeys((TICK_IN_FILE, *INTEGERS), "DELTA_BINARY_PACKED"),
-                **dict.fromkeys(numbers, "BYTE_STREAM_SPLIT"),
-            },
-            write_page_checksum=True,
-        )
 
 
 def write_recording(folder: Path, log: Log) -> None:

@@ -15,13 +15,13 @@ from typing import Annotated, Any, NotRequired
 
 import numpy as np
 import pyarrow as pa
-import pyarrow.parquet as pq
 from pydantic import Field, with_config
 from typing_extensions import TypedDict
 
+from harness.arrays import Float
 from harness.errors import NewerFormat, SchemaError
-from harness.files.bounded import parse_json, reading, require_regular
-from harness.files.parquet import require_room
+from harness.files.bounded import parse_json, reading
+from harness.files.parquet import open_parquet, require_room, write_packed
 from harness.files.whole_file import whole_file
 from harness.log import Log, in_memory
 from harness.log.log import BEHAVIOUR, REWARD, Columns
@@ -36,6 +36,7 @@ from harness.record.recording.facts import (
     facts_of,
     file_column,
     log_column,
+    term_column,
 )
 
 FORMAT = 1
@@ -57,6 +58,28 @@ def with_scores(log: Log, later: Log) -> Log:
         terms={**kept, **new.terms},
     )
     return replace(log, facts=told).add(later.rows().columns)
+
+
+def weighted_scores(log: Log, taught: str, label: str, total: Float, terms: Columns, told: str = "") -> Log:
+    """Scores of a reward that pays what the terms of another one in the log pay, with other weights.
+
+    Args:
+        log: The steps.
+        taught: The other one.
+        label: What to call the reward.
+        total: What it pays, (steps,).
+        terms: What each of its terms pays, (steps,).
+        told: What to tell of its code; empty to tell nothing.
+    """
+    was, now = f"{REWARD}{taught}", f"{REWARD}{label}"
+    facts = TrainingFacts(
+        rewards=(label,),
+        trained_with=label,
+        sources={now: Source("", told)} if told else {},
+        failed=tuple(replace(it, column=now) for it in facts_of(log).failed if it.column == was),
+        terms={label: tuple(terms)},
+    )
+    return in_memory(facts, {now: total, **{term_column(label, it): of for it, of in terms.items()}})
 
 
 def scores_name(number: int) -> str:
@@ -83,14 +106,7 @@ def write_scores(path: Path, scores: Log) -> None:
         **{name: scores[name] for name in facts.term_columns},
     }
     with whole_file(path) as partial:
-        pq.write_table(
-            pa.table(columns).replace_schema_metadata({_FACTS: json.dumps(told)}),
-            partial,
-            compression="zstd",
-            use_dictionary=False,
-            column_encoding=dict.fromkeys(columns, "BYTE_STREAM_SPLIT"),
-            write_page_checksum=True,
-        )
+        write_packed(pa.table(columns).replace_schema_metadata({_FACTS: json.dumps(told)}), partial)
 
 
 def read_scores(path: Path, count_steps: Callable[[], int]) -> Log | None:
@@ -107,8 +123,7 @@ def read_scores(path: Path, count_steps: Callable[[], int]) -> Log | None:
     if not path.exists():
         return None
     with reading(path, "file of scores"):
-        require_regular(path, MOST_BYTES)
-        file, steps = pq.ParquetFile(path, page_checksum_verification=True), count_steps()
+        file, steps = open_parquet(path, MOST_BYTES), count_steps()
         if file.metadata.num_rows > steps:
             raise SchemaError(f"{path} scores {file.metadata.num_rows:,} steps, and the recording has {steps:,}")
         if file.metadata.num_rows < steps:
@@ -128,23 +143,23 @@ def read_scores(path: Path, count_steps: Callable[[], int]) -> Log | None:
 
 def _facts(path: Path, form: "ScoresForm", columns: Columns) -> TrainingFacts:
     sources = form["sources"]
-    names: dict[str, tuple[str, ...]] = {REWARD: (), BEHAVIOUR: ()}
     terms: dict[str, tuple[str, ...]] = {}
     for column, values in columns.items():
         whole = column if column in sources else column.rpartition("/")[0]
-        begin = next((it for it in names if whole.startswith(it)), "")
-        if whole not in sources or not begin or values.dtype != np.float64:
+        if whole not in sources or not whole.startswith((REWARD, BEHAVIOUR)) or values.dtype != np.float64:
             raise SchemaError(f"{path}: the column '{file_column(column)}' is no column of scores")
-        name = whole.removeprefix(begin)
-        if whole == column:
-            names[begin] += (name,)
-        else:
+        if whole != column:
+            name = whole.removeprefix(REWARD)
             terms[name] = (*terms.get(name, ()), column.removeprefix(f"{whole}/"))
+    rewards, measures = (
+        tuple(it.removeprefix(begin) for it in columns if it in sources and it.startswith(begin))
+        for begin in (REWARD, BEHAVIOUR)
+    )
     return TrainingFacts(
         path=path,
-        rewards=names[REWARD],
+        rewards=rewards,
         trained_with="",
-        behaviour=names[BEHAVIOUR],
+        behaviour=measures,
         lower_is_better=form["lower_is_better"],
         higher_is_better=form.get("higher_is_better", ()),
         sources=sources,

@@ -9,7 +9,7 @@ import numpy as np
 from harness.errors import UsageError
 from harness.log import LogFacts, in_memory
 from harness.log.log import BEHAVIOUR, SUCCESS
-from harness.record.dataset.labels import FAILURE, UNKNOWN, WHOLE, SuccessRule, read_labels
+from harness.record.dataset.labels import UNKNOWN, WHOLE, SuccessRule, read_labels
 from harness.results.logs.trainings import Sorted, Training
 
 COLUMN = f"{BEHAVIOUR}{SUCCESS}"
@@ -29,11 +29,9 @@ def labelled(found: Sorted, folder: Path, path: Path) -> Sorted:
         UsageError: The file cannot be read, or a run or an episode of it is not there, or it leaves some out.
     """
     labels = read_labels(path, RULE, len(found.trainings))
-    of = {
-        training: next((labels[name] for name in ("", *_names(training, folder)) if name in labels), None)
-        for training in found.trainings
-    }
-    unknown = labels.keys() - {name for training in found.trainings for name in _names(training, folder)} - {""}
+    names = {training: _names(training, folder) for training in found.trainings}
+    of = {it: next((labels[name] for name in ("", *called) if name in labels), None) for it, called in names.items()}
+    unknown = labels.keys() - {name for called in names.values() for name in called} - {""}
     if unknown:
         shown = ", ".join(f"'{it.reward}/{it.seed}'" for it in found.trainings[:3])
         raise UsageError(f"--labels {path}: no training is called '{min(unknown)}'; they are called {shown}, ...")
@@ -49,26 +47,24 @@ def labelled(found: Sorted, folder: Path, path: Path) -> Sorted:
 def _names(training: Training, folder: Path) -> tuple[str, ...]:
     path = training.path
     below = path.relative_to(folder).as_posix() if path.is_relative_to(folder) else path.as_posix()
-    run = training.logs[0].facts.run
+    run = training.facts.run
     return (f"{training.reward}/{training.seed}", below, *([run] if run else []))
 
 
 def _with_success(training: Training, labels: Mapping[int, int], path: Path) -> Training:
-    if WHOLE in labels:
-        # One label of a whole training stands as one episode of its final policy: it has no time of its own.
-        facts = LogFacts(path=path, format=LABELS, unit="episode", evaluation=True)
-        return replace(training, evaluation=in_memory(facts, {COLUMN: np.array([_value(labels[WHOLE])])}))
-    if len(training.logs) > 1:
+    log, is_whole = training.logs[0], WHOLE in labels
+    if not is_whole and len(training.logs) > 1:
         count = len(training.logs)
         raise UsageError(f"--labels {path}: the {count} files of {training.shown} number no episodes together")
-    log = training.logs[0]
-    lacking = next((it for it in range(len(log)) if it not in labels), None)
-    if lacking is not None or len(labels) > len(log):
+    numbers = [WHOLE] if is_whole else range(len(log))
+    lacking = next((it for it in numbers if it not in labels), None)
+    if lacking is not None or len(labels) > len(numbers):
         told = f"lacks episode {lacking}" if lacking is not None else f"has {len(labels):,} episodes"
         raise UsageError(f"--labels {path} {told} of {training.shown}, which has {len(log):,}")
-    values = np.array([_value(labels[number]) for number in range(len(log))])
-    return replace(training, logs=(log.add({COLUMN: values}),))
-
-
-def _value(label: int) -> float:
-    return np.nan if label == UNKNOWN else float(label != FAILURE)
+    values = np.array([labels[it] for it in numbers], np.float64)
+    values[values == UNKNOWN] = np.nan
+    if not is_whole:
+        return replace(training, logs=(log.add({COLUMN: values}),))
+    # One label of a whole training stands as one episode of its final policy: it has no time of its own.
+    facts = LogFacts(path=path, format=LABELS, unit="episode", evaluation=True)
+    return replace(training, evaluation=in_memory(facts, {COLUMN: values}))

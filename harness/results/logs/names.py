@@ -236,8 +236,8 @@ NEAR = 10
 """Episodes of two files that end within so many steps are compared; clocks of processes drift further than that."""
 LEAST = 6
 """So many of them tell; of fewer, separate processes may have ended in one order by chance."""
-FITTING = 0.9
-"""The share of episodes which end in the same step that have to end at the same time; a computer may be busy once."""
+APART = 0.1
+"""The share of episodes which end in the same step that may end at other times; a computer may be busy once."""
 CLOCK = 1e-3
 """What a clock may be wrong by, [s]."""
 
@@ -267,14 +267,12 @@ def in_lockstep(logs: Sequence[Log]) -> bool | None:
     file = np.repeat(np.arange(len(logs)), [*map(len, logs)])[order]
     steps, at = steps[order], at[order]
     per_step = (at.max() - min(began)) / steps.max()  # seconds for a step of an environment, learning included
-    earlier = np.searchsorted(steps, steps, side="left")
-    waited = np.maximum.accumulate(at)[earlier - 1] - at  # by how much an end came before one of fewer steps
-    late = waited[earlier > 0].max(initial=0.0)
+    late = (np.maximum.accumulate(at)[:-1] - at[1:]).max(initial=0.0)  # how long before one of fewer steps an end came
     if late > CLOCK:
         return False if late > NEAR * per_step else None
     gaps, waits = np.diff(steps), np.diff(at)
     near = (np.diff(file) != 0) & (gaps <= NEAR)
     equal = waits[near & (gaps == 0)]
-    is_apart = len(equal) > 0 and (equal <= NEAR * per_step).mean() < FITTING
+    is_apart = (equal > NEAR * per_step).sum() > APART * len(equal)
     has_no_clock = not waits[near].any()  # its ticks are too long to tell, or somebody made the times up
     return None if near.sum() < LEAST or is_apart or has_no_clock else True

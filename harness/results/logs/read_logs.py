@@ -1,5 +1,6 @@
 """Turns sorted logs into the trainings of a study, which the same tests compare as recorded trainings."""
 
+from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -30,7 +31,6 @@ from harness.eta.manner import EVALUATION, LAST_FIFTH, WHOLE
 from harness.log import Log, LogFacts, in_memory
 from harness.log.log import BEHAVIOUR, RECORDED, REWARD, SINCE, SUCCESS, TIME, Rows, joined
 from harness.record.cell import UNKNOWN_ALGORITHM
-from harness.record.recording.facts import facts_of
 from harness.registry.choice import Choice
 from harness.results.comparison import Group
 from harness.results.logs.labels import LABELS
@@ -38,7 +38,6 @@ from harness.results.logs.told import LENGTH, RETURN, SUCCESS_DECIDES, Deciding
 from harness.results.logs.trainings import Sorted, Training, digest_of
 from harness.results.measured import Counted
 from harness.results.recordings.episodes import LAST_SHARE, Episodes, Points, cut_notes, require_ends
-from harness.results.recordings.recording_results import Likeness
 from harness.results.recordings.runs import (
     DIRECTION,
     NO_NAME,
@@ -74,7 +73,7 @@ def require_comparable(trainings: Sequence[Training]) -> None:
     algorithm = "mixes trainings by several algorithms"
     _require_one(trainings, lambda it: it.algorithm, algorithm, "Name one algorithm's folder")
     for training in trainings:
-        if len(training.logs) > 1 and training.logs[0].facts.unit == "step":
+        if len(training.logs) > 1 and training.facts.unit == "step":
             raise UsageError(
                 f"{training.shown} has {len(training.logs)} logs of the steps of one training, which are not joined. "
                 "--sort '{reward}/{seed}' says that each is a training"
@@ -88,7 +87,7 @@ def _kind_of(facts: LogFacts) -> str:
 
 
 def _require_one(trainings: Iterable[Training], of: Callable[[LogFacts], str], problem: str, remedy: str) -> None:
-    told = ((of(it.logs[0].facts), f"{it.reward}: {it.shown}") for it in trainings)
+    told = ((of(it.facts), f"{it.reward}: {it.shown}") for it in trainings)
     require_one((it for it in told if it[0]), f"The folder {problem}", remedy)
 
 
@@ -132,7 +131,7 @@ def _diverged(training: Training, measure: str) -> str:
 def _shortfall(training: Training) -> str:
     rows = [len(log) for log in training.logs]
     if not sum(rows):
-        return f"it has no {training.logs[0].facts.unit}"
+        return f"it has no {training.facts.unit}"
     for log, count in zip(training.logs, rows, strict=True):
         declared = log.facts.declared.get(f"{log.facts.unit}s", count)
         if count != declared:
@@ -141,22 +140,25 @@ def _shortfall(training: Training) -> str:
         asked = max(log.facts.asked, log.facts.declared.get("steps", 0))
         if steps and steps < NEARLY_ALL * asked:
             return f"it has {steps:,} of {asked:,} steps"
+    if len(rows) > 1:  # environments that step together end within an episode of one another
+        ends = {log.facts.path: log[TIME].max() for log in training.logs}
+        first, last = min(ends, key=ends.__getitem__), max(ends.values())
+        if ends[first] + max(log[LENGTH].max() for log in training.logs) < NEARLY_ALL * last:
+            return f"'{first}' ends after {ends[first]:,.0f} steps, and another environment after {last:,.0f}"
     return ""
 
 
 def facts_notes(logs: Sequence[Log]) -> list[str]:
     """What logs tell of themselves, each line once: how they were thinned, and what to keep in mind."""
     kinds = dict.fromkeys((log.facts.format, log.facts.unit) for log in logs)
-    counts = {name: sum(log.facts.format == name for log in logs) for name, _ in kinds}
+    counts = Counter(log.facts.format for log in logs)
     read = [f"Read: {counts[name]} of {name}, a row is {ROW_IS[unit]}" for name, unit in kinds]
     thinned = dict.fromkeys(log.facts.thinned for log in logs if log.facts.thinned)
-    told = dict.fromkeys(note for log in logs for note in log.facts.notes)
-    lines = [*read, *thinned, *told]
+    lines = [*read, *thinned, *dict.fromkeys(note for log in logs for note in log.facts.notes)]
     more = len(lines) - MOST_TOLD
-    return [
-        *lines[:MOST_TOLD],
-        *([f"The logs tell {more} lines more of themselves, such as: {lines[-1]}"] if more > 0 else []),
-    ]
+    if more > 0:
+        lines[MOST_TOLD:] = [f"The logs tell {more} lines more of themselves, such as: {lines[-1]}"]
+    return lines
 
 
 def no_steps_notes(logs: Sequence[Log]) -> tuple[str, ...]:
@@ -234,34 +236,33 @@ def read_trainings(trainings: Sequence[Training], measures: Sequence[str]) -> tu
         SchemaError: A log is damaged.
     """
     axis = _axis_of(trainings)
-    steps = [_steps(it, axis) for it in trainings]
-    runs = [_run(it, of, min(steps), measures, axis) for it, of in zip(trainings, steps, strict=True)]
-    runs = _at_one_moment(runs, min(steps))
+    steps = {it: _steps(it, axis) for it in trainings}
+    until = min(steps.values())
+    runs = [_run(it, of, measures, axis) for it, of in steps.items()]
+    evaluated = [_evaluations(it, measures, axis, until) for it in steps]
+    runs = _at_one_moment(runs, evaluated, until)
     beside = Curves(tuple(it.episodes.curve for it in runs if isinstance(it.episodes, Points)))
     found = [
         replace(it, episodes=replace(it.episodes, beside=beside)) if isinstance(it.episodes, Points) else it
         for it in runs
     ]
-    return found, steps, axis
+    return found, list(steps.values()), axis
 
 
-def _at_one_moment(runs: list[Run], steps: int) -> list[Run]:
-    """The same, each with the evaluation as its last that was made when those of all others were.
+def _at_one_moment(runs: Sequence[Run], evaluated: Sequence[Sequence[Run]], steps: int) -> list[Run]:
+    """The same, each with its evaluations up to the last that was made when those of all others were.
 
-    Where there is no such moment in the last fifth, evaluations are points of a curve, unless the training itself tells
-    more.
+    Where some have none, each has all of its own. Where there is no such moment in the last fifth, evaluations are
+    points of a curve, unless the training itself tells more.
     """
-    evaluated = [[*it.before, it.evaluation] for it in runs if it.evaluation is not None]
-    if len(evaluated) < len(runs):
-        return runs
-    last = latest_shared([[it.facts.after for it in of] for of in evaluated], (1.0 - LAST_SHARE) * steps)
+    last: list[int] | None = [len(of) - 1 for of in evaluated]
+    if all(evaluated):
+        last = latest_shared([[it.facts.after for it in of] for of in evaluated], (1.0 - LAST_SHARE) * steps)
     if last is None:
-        return [
-            replace(it, episodes=it.episodes if len(it.episodes.last) else _curve_of(of), evaluation=None, before=())
-            for it, of in zip(runs, evaluated, strict=True)
-        ]
+        both = zip(runs, evaluated, strict=True)
+        return [it if len(it.episodes.last) else replace(it, episodes=_curve_of(of)) for it, of in both]
     return [
-        replace(it, evaluation=of[place], before=tuple(of[:place]))
+        replace(it, evaluation=of[place], before=tuple(of[:place])) if of else it
         for it, of, place in zip(runs, evaluated, last, strict=True)
     ]
 
@@ -285,7 +286,7 @@ def _require_steps(trainings: Sequence[Training], axis: "Axis", *, is_evaluated:
         UsageError: Nobody knows it of one; says what to type.
     """
     if axis.noun == "iterations":
-        facts = trainings[0].logs[0].facts
+        facts = trainings[0].facts
         each = ",".join(f"{name}=N" for name in dict.fromkeys(it.reward for it in trainings))
         raise UsageError(
             f"'{facts.path}' counts iterations of the learner, or calls of a logger, and no environment steps, and two "
@@ -303,11 +304,9 @@ def _require_steps(trainings: Sequence[Training], axis: "Axis", *, is_evaluated:
 
 def _counted(trainings: Sequence[Training], runs: Sequence[Run], steps: int) -> dict[str, Counted]:
     """By manner, what is counted of these trainings, which are cut to so many steps, and where."""
-    found = {}
-    curve = next((it.episodes for it in runs if isinstance(it.episodes, Points)), None)
-    for manner, begin in ((WHOLE, 0.0), (LAST_FIFTH, (1.0 - LAST_SHARE) * steps)):
-        if curve is not None:
-            found[manner] = Counted("point", within(Span(begin, steps), curve.beside.known))
+    curves = [it.episodes.beside for it in runs if isinstance(it.episodes, Points)]
+    begins = {WHOLE: 0.0, LAST_FIFTH: (1.0 - LAST_SHARE) * steps} if curves else {}
+    found = {manner: Counted("point", within(Span(of, steps), curves[0].known)) for manner, of in begins.items()}
     ends = [it.evaluation.facts.after for it in runs if it.evaluation is not None]
     if ends:
         are_points = any(log.facts.unit == "point" for it in trainings if (log := it.evaluated) is not None)
@@ -320,9 +319,12 @@ def _deciding_text(measures: Sequence[str], told: Sequence[str], trainings: Sequ
     others = [f"`{name}`" for name in told if name not in measures]
     more = f". The logs tell {listed(others)} too: --measure NAME:better=lower lets one decide" if others else ""
     if not measures:
+        has_lengths = all(LENGTH in log for it in trainings for log in it.logs)
         return (
             "; only returns are told, and returns of two rewards are not comparable. --labels FILE says which "
-            f"trainings succeeded, --measure length:better=lower lets the length of episodes decide{more}"
+            "trainings succeeded"
+            + ", --measure length:better=lower lets the length of episodes decide" * has_lengths
+            + more
         )
     first, count = measures[0], len(trainings)
     lacking = sum(not any(f"{BEHAVIOUR}{first}" in log for log in it.all_logs) for it in trainings)
@@ -362,20 +364,18 @@ class Axis(NamedTuple):
     """What a training's length is counted in."""
 
     column: str
-    """The column that tells it; empty where rows are counted."""
+    """The column that tells it, of episodes their lengths; empty where rows are counted."""
     noun: str
-    is_summed: bool = False
-    """Whether the column tells it of each row alone."""
 
 
-AXES = (Axis("time", "steps"), Axis(LENGTH, "steps", is_summed=True), Axis("iteration", "iterations"))
+AXES = (Axis(TIME, "steps"), Axis(LENGTH, "steps"), Axis("iteration", "iterations"))
 
 
 def _axis_of(trainings: Sequence[Training]) -> Axis:
     """The first of these that all logs tell; else their rows."""
     logs = [log for it in trainings for log in it.logs]
     unit = logs[0].facts.unit
-    usable = AXES if unit == "episode" else [axis for axis in AXES if not axis.is_summed]
+    usable = (axis for axis in AXES if unit == "episode" or axis.column != LENGTH)
     return next((axis for axis in usable if all(axis.column in log for log in logs)), Axis("", f"{unit}s"))
 
 
@@ -386,7 +386,7 @@ def _steps(training: Training, axis: Axis) -> int:
     """
     rows = int(max(_ends(log, axis)[-1] for log in training.logs)) * len(training.logs)
     evaluated = training.evaluation
-    if evaluated is None or not axis.column or axis.is_summed or axis.column not in evaluated:
+    if evaluated is None or axis.column == LENGTH or axis.column not in evaluated:
         return rows
     return max(rows, int(_ends(evaluated, axis)[-1]))
 
@@ -404,33 +404,30 @@ def _ends(log: Log, axis: Axis) -> Float:
     if not axis.column:
         return np.arange(1.0, len(log) + 1)
     told: Float = np.asarray(log[axis.column], np.float64)
-    ends: Float = np.cumsum(told) if axis.is_summed else told
+    ends: Float = np.cumsum(told) if axis.column == LENGTH else told
     if not np.isfinite(ends).all() or (np.diff(ends) < 0).any():
         raise SchemaError(f"{log.facts.path}: its rows are not in the order of their {axis.noun}")
     return ends
 
 
-def _run(training: Training, steps: int, until: int, measures: Sequence[str], axis: Axis) -> Run:
-    """A training of so many steps with its evaluations, of which those after `until` are left out."""
-    facts = replace(training.logs[0].facts, trained_with=training.reward, seed=training.seed)
+def _run(training: Training, steps: int, measures: Sequence[str], axis: Axis) -> Run:
+    """A training of so many steps, without its evaluations."""
+    facts = training.facts
     if facts.unit == "step":
         (log,) = training.logs
-        return run_of(replace(log, facts=facts))
+        return run_of(replace(log, facts=facts), training.seed)
     # environments of a batch step together
     ends = {log: _ends(log, axis) * len(training.logs) for log in training.logs}
-    rows = Rows(joined([_columns(training, log, of, measures) for log, of in ends.items()]))
-    order = np.argsort(rows[TIME], kind="stable")[: 0 if training.is_evaluated_alone else None]
-    facts = replace(facts, path=training.path, evaluation=False)
-    likeness = Likeness(digest_of(training.logs))
-    run = replace(run_of(in_memory(facts, rows.part(order).columns)), steps=steps, likeness=likeness)
-    found = _evaluations(training, facts, measures, axis, min(steps, until))
-    return replace(run, evaluation=found[-1], before=tuple(found[:-1])) if found else run
+    rows = Rows(joined([_columns(log, of, measures) for log, of in ends.items()]))
+    order = np.argsort(rows[TIME], kind="stable")[: 0 if facts.evaluation else None]
+    whole = in_memory(replace(facts, path=training.path, evaluation=False), rows.part(order).columns)
+    return run_of(whole, training.seed, steps, digest_of(training.logs))
 
 
-def _evaluations(training: Training, facts: LogFacts, measures: Sequence[str], axis: Axis, until: int) -> list[Run]:
-    """What policies did in each evaluation up to a step of the training, in order."""
+def _evaluations(training: Training, measures: Sequence[str], axis: Axis, until: int) -> list[Run]:
+    """What policies did in each evaluation up to a step of the training, in order; none beside a log of steps."""
     log = training.evaluated
-    if log is None:
+    if log is None or training.facts.unit == "step":
         return []
     if log.facts.format == LABELS:
         ends = np.full(len(log), float(until))
@@ -438,19 +435,18 @@ def _evaluations(training: Training, facts: LogFacts, measures: Sequence[str], a
         ends = _ends(log, axis)
     else:
         raise UsageError(f"'{log.facts.path}' does not tell the {axis.noun} at which it evaluated: move it elsewhere")
-    rows = Rows(_columns(training, log, ends, measures))
-    facts = replace(facts, path=log.facts.path, evaluation=True, unit="episode")
-    told, moments = facts_of(in_memory(facts, rows.columns)), rows[TIME]
-    runs = []
+    facts = replace(training.facts, path=log.facts.path, evaluation=True, unit="episode")
+    rows = Rows(_columns(log, ends, measures))
+    moments, runs = rows[TIME], []
     for after in np.unique(moments[moments <= until * (1.0 + NEAR)]):
         of = rows.part(moments == after)
-        numbered = {**of.columns, TIME: np.arange(1.0, len(of) + 1)}
-        runs.append(run_of(in_memory(replace(told, after=int(after)), numbered)))
+        run = run_of(in_memory(facts, {**of.columns, TIME: np.arange(1.0, len(of) + 1)}), training.seed, len(of))
+        runs.append(replace(run, facts=replace(run.facts, after=int(after))))
     return runs
 
 
-def _columns(training: Training, log: Log, ends: Float, measures: Sequence[str]) -> dict[str, Float]:
-    """The numbers of a log under the names of the study; NaN of what decides and is not told.
+def _columns(log: Log, ends: Float, measures: Sequence[str]) -> dict[str, Float]:
+    """The numbers of a log; NaN of what decides and is not told.
 
     A row before the first step, such as a first point at 0, counts as one of the first.
     """
@@ -458,10 +454,11 @@ def _columns(training: Training, log: Log, ends: Float, measures: Sequence[str])
     def told(column: str) -> Float:
         return np.asarray(log[column], np.float64) if column in log else np.full(len(ends), np.nan)
 
-    found = {TIME: np.maximum(ends, 1.0), f"{REWARD}{training.reward}": told(f"{REWARD}{RECORDED}")}
+    found = {TIME: np.maximum(ends, 1.0)}
     if SINCE in log:
         found[SINCE] = np.where(np.isnan(log[SINCE]), ends, log[SINCE])
-    found |= {column: told(column) for name in log.rewards if name != RECORDED for column in (f"{REWARD}{name}",)}
+    for name in log.rewards or (RECORDED,):
+        found[f"{REWARD}{name}"] = told(f"{REWARD}{name}")
     for name in measures:
         column = f"{BEHAVIOUR}{name}"
         other = {RETURN: f"{REWARD}{RECORDED}", LENGTH: LENGTH}.get(name, "")

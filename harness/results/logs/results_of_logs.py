@@ -19,6 +19,7 @@ from harness.results.logs.read_logs import Other, runs_of
 from harness.results.logs.told import FOUND_OUT, Told
 from harness.results.logs.trainings import Sorted, require_several, sort_files, sort_logs
 from harness.results.recordings.episodes import ENDS
+from harness.results.recordings.recordings import Recordings, plan_of
 from harness.results.results import Results
 from harness.text import command_text
 
@@ -100,9 +101,9 @@ def _unread(folder: Path, found: Found, of: Sorted) -> tuple[list[Other], list[s
     for path in sorted(folder.rglob("*")):
         if path not in full and shape(path) in named and silent.keys().isdisjoint(path.parents):
             silent[path] = "nothing in it is a log" if path.is_dir() else "it is no log"
-    is_lost = {path: path.parent not in homes or shape(path) in named for path, _ in found.left_out}
-    lines = [f"'{path}' is left out: {why}" for path, why in found.left_out if not is_lost[path]]
-    return [*((path, why) for path, why in found.left_out if is_lost[path]), *silent.items()], lines
+    lost = [it for it in found.left_out if it[0].parent not in homes or shape(it[0]) in named]
+    lines = [f"'{path}' is left out: {why}" for path, why in found.left_out if (path, why) not in lost]
+    return [*lost, *silent.items()], lines
 
 
 def results_of_groups(
@@ -120,23 +121,28 @@ def results_of_groups(
         UsageError: As `results_of_logs`; or a file is in both groups, or none is a log.
     """
     dropped = [(path, "") for paths in groups for path in paths if is_left_out(path, told.leave_out)]
-    groups = [[path for path in paths if (path, "") not in dropped] for paths in groups]
-    opened = {path: _opened(path, registry, told, is_whole=True).logs for paths in groups for path in paths}
-    both = [path for path in groups[0] if path in groups[1]]
+    kept = [[path.absolute() for path in paths if (path, "") not in dropped] for paths in groups]
+    if not all(kept):
+        raise UsageError("--leave-out leaves no training of one of the groups: leave out fewer, or name more files")
+    opened = {path: _opened(path, registry, told, is_whole=True).logs for paths in kept for path in paths}
+    both = [path for path in kept[0] if path in kept[1]]
     if both:
         raise UsageError(f"'{both[0]}' is in both groups: let --baseline and --proposed name different files")
-    place = Path(os.path.commonpath([path.absolute().parent for path in opened]))
-    names = _group_names(place, groups)
-    logs = [
-        replace(log, facts=replace(log.facts, trained_with=name))
-        for name, paths in zip(names, groups, strict=True)
-        for path in paths
-        for log in opened[path]
-    ]
-    kept, other = _kept(logs, told)
-    absolute = [replace(log, facts=replace(log.facts, path=log.facts.path.absolute())) for log in kept]
-    found = sort_logs(place, absolute, told.sort, names[0])
-    return _results(place, registry, found, told, kind, [*dropped, *other])
+    place = Path(os.path.commonpath([path.parent for path in opened]))
+    named = sort_files(place, list(opened), is_asked=False)
+    ours, theirs = ([name for name, of in named.items() if {*of} & {*paths}] for paths in kept)
+    is_told = len(ours) == len(theirs) == 1 and ours != theirs
+    names = [*ours, *theirs] if is_told else ["baseline", "proposed"]
+    logs, other = _kept(
+        (
+            replace(log, facts=replace(log.facts, trained_with=name))
+            for name, paths in zip(names, kept, strict=True)
+            for path in paths
+            for log in opened[path]
+        ),
+        told,
+    )
+    return _results(place, registry, sort_logs(place, logs, told.sort, names[0]), told, kind, [*dropped, *other])
 
 
 def _opened(path: Path, registry: Registry, told: Told, *, is_whole: bool = False) -> Found:
@@ -151,23 +157,12 @@ def _opened(path: Path, registry: Registry, told: Told, *, is_whole: bool = Fals
     Raises:
         UsageError: Nothing that can be read.
     """
-    found = find_logs(path, registry, told.format)
-    if told.labels is not None:
-        labels = [told.labels]
-        logs = tuple(log for log in found.logs if not is_left_out(log.facts.path, labels))
-        found = Found(logs, tuple(it for it in found.left_out if not is_left_out(it[0], labels)))
+    found, labels = find_logs(path, registry, told.format), [told.labels] if told.labels else []
+    logs = tuple(log for log in found.logs if not is_left_out(log.facts.path, labels))
+    found = Found(logs, tuple(it for it in found.left_out if not is_left_out(it[0], labels)))
     if not found.logs or (is_whole and found.left_out):
         raise _nothing(path, registry, [f"{place}: {reason}" for place, reason in found.left_out])
     return found
-
-
-def _group_names(place: Path, groups: Sequence[Sequence[Path]]) -> list[str]:
-    """The reward that the names of each group's files tell; what they are to the user where they tell none."""
-    absolute = [[path.absolute() for path in paths] for paths in groups]
-    sorted_ = sort_files(place, [path for paths in absolute for path in paths], is_asked=False)
-    told = [[name for name, of in sorted_.items() if {*of} & {*paths}] for paths in absolute]
-    ours, theirs = told
-    return [*ours, *theirs] if len(ours) == len(theirs) == 1 and ours != theirs else ["baseline", "proposed"]
 
 
 def _results(
@@ -186,8 +181,7 @@ def _results(
     if told.labels is not None:
         found = labelled(found, place, told.labels)
     runs = runs_of(found, told.deciding, other, told.leave_out)
-    runs.require_direction()
-    return Results(place, registry, kind, metrics=metrics, runs=runs, pairs=pairs)
+    return Recordings(place, registry, plan_of(runs), kind, metrics=metrics, pairs=pairs, loose=runs)
 
 
 def _in_steps(found: Sorted, registry: Registry, told: Told) -> Sorted:

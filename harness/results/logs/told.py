@@ -62,14 +62,14 @@ class Told:
         return [text for flag, value in (*given.items(), *left_out) if value for text in (flag, value)]
 
     def steps_of(self, rewards: Collection[str]) -> dict[str, int]:
-        """How many environment steps an iteration of each reward is; empty if the user says nothing.
+        """How many environment steps an iteration of each reward is.
 
         Raises:
             UsageError: It is malformed, or says nothing of a reward.
         """
         pairs = [it.rpartition("=") for it in self.per_step.split(",") if it]
         found = {name: int(number) for name, _, number in pairs if number.isdecimal() and int(number)}
-        if pairs and (len(found) < len(pairs) or found.keys() != {*rewards}):
+        if len(found) < len(pairs) or found.keys() != {*rewards}:
             each = ",".join(f"{name}=N" for name in rewards)
             raise UsageError(f"'{self.per_step}' does not say it of each reward: --per-step {each} does, N above 0")
         return found

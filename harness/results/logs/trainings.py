@@ -3,7 +3,7 @@
 import hashlib
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import accumulate, pairwise
 from pathlib import Path
 from typing import NamedTuple, TypeAlias
@@ -13,7 +13,7 @@ import numpy as np
 from harness.errors import UsageError
 from harness.eta.amounts import listed
 from harness.eta.laws import numbered
-from harness.log import Log, Unit
+from harness.log import Log, LogFacts, Unit
 from harness.log.log import BEHAVIOUR, REWARD, SUCCESS, TIME, Rows
 from harness.results.logs.names import Named, in_lockstep, question, sort_names, templates_of
 from harness.text import command_text
@@ -24,7 +24,6 @@ PLAIN_FILES = ("monitor", "evaluations", "progress", "result", "results", "metri
 PLAIN_FOLDERS = ("eval", "evaluation", "evaluations", "tb", "tensorboard", "log", "logs", "monitor", "runs", "train")
 """Names that programs give to what belongs to any training: they say nothing of it."""
 EVENTS = "events.out.tfevents"
-ENDINGS = (".monitor.csv", ".csv", ".npz", ".json", ".jsonl", ".parquet", ".hdf5", ".h5")
 NUMBERED = re.compile("[0-9]+([.][0-9]+)*")
 """Names of files which a batch of environments writes: a number, or one of a process and one of its environment."""
 EVALUATED = re.compile("eval(uation)?s?([-_](env|logs?|monitor))?", re.IGNORECASE)
@@ -54,25 +53,25 @@ class Training:
     evaluation: Log | None = None
 
     @property
+    def facts(self) -> LogFacts:
+        """What its log tells, with the reward and the seed that it has."""
+        return replace(self.logs[0].facts, trained_with=self.reward, seed=self.seed)
+
+    @property
     def path(self) -> Path:
         """The file or the folder of its log; of several files their folder."""
-        return self.logs[0].facts.path if len(self.logs) == 1 else self.logs[0].facts.path.parent
+        return self.facts.path if len(self.logs) == 1 else self.facts.path.parent
 
     @property
     def place(self) -> Path:
         """The same with what a file that holds several calls it."""
-        return self.path / self.logs[0].facts.run
+        return self.path / self.facts.run
 
     @property
     def shown(self) -> str:
         """The path in words, with what the file calls the training."""
-        run = self.logs[0].facts.run
+        run = self.facts.run
         return f"'{self.path}'{f' ({run})' if run else ''}"
-
-    @property
-    def is_evaluated_alone(self) -> bool:
-        """Whether nothing is known of it but evaluations."""
-        return self.logs[0].facts.evaluation
 
     @property
     def all_logs(self) -> tuple[Log, ...]:
@@ -82,7 +81,7 @@ class Training:
     @property
     def evaluated(self) -> Log | None:
         """What policies did without being trained; what somebody else says of it comes first."""
-        return self.logs[0] if self.evaluation is None and self.is_evaluated_alone else self.evaluation
+        return self.logs[0] if self.evaluation is None and self.facts.evaluation else self.evaluation
 
 
 class Sorted(NamedTuple):
@@ -124,14 +123,15 @@ def sort_logs(folder: Path, logs: Sequence[Log], template: str = "", baseline: s
     """
     notes: list[str] = []
     logs = _without_evaluated(folder, logs, notes)
-    names = [_name_of(folder, log.facts.path, log.facts.run) for log in logs]
-    if all(map(NUMBERED.fullmatch, names)):  # of one reward, whose name is the folder's
-        names = [f"{folder.resolve().name}/{name}" for name in names]
+    names = {log: _name_of(folder, log.facts.path, log.facts.run) for log in logs}
+    if all(map(NUMBERED.fullmatch, names.values())):  # of one reward, whose name is the folder's
+        names = {log: f"{folder.resolve().name}/{name}" for log, name in names.items()}
     if not template:
-        names = _with_batches(folder, logs, names, notes)
-    found: dict[Key, list[tuple[Log, str]]] = {}
-    for log, of, name in zip(logs, _named(folder, logs, names, template), names, strict=True):
-        found.setdefault((of.reward, of.seed, of.place if of.seed is None else ""), []).append((log, name))
+        names |= _batches(folder, names, notes)
+    named, found = _named(folder, names, template), dict[Key, list[Log]]()
+    for log in names:
+        of = named[log]
+        found.setdefault((of.reward, of.seed, of.place if of.seed is None else ""), []).append(log)
     best = {key: _best_of(key, of, names, is_told=bool(template)) for key, of in found.items()}
     trainings = _without_copies(_with_seeds(best, notes), notes)
     if not template:
@@ -197,14 +197,14 @@ def _parts(folder: Path, path: Path) -> list[str]:
     if path.is_dir():
         return [*below]
     name = path.name
-    ending = next((it for it in ENDINGS if name.lower().endswith(it)), "" if name.startswith(EVENTS) else path.suffix)
+    ending = ".monitor.csv" if name.lower().endswith(".monitor.csv") else path.suffix
     return [*below[:-1], name[: len(name) - len(ending)]]
 
 
 def _name_of(folder: Path, path: Path, run: str = "") -> str:
     """The path below the folder without what says nothing, and what the file calls the training."""
     parts = _parts(folder, path)
-    if not path.is_dir() and (parts[-1].lower() in PLAIN_FILES or parts[-1].startswith(EVENTS)):
+    if not path.is_dir() and (parts[-1].lower() in PLAIN_FILES or path.name.startswith(EVENTS)):
         parts.pop()
     said = [part for part in parts if part.lower() not in PLAIN_FOLDERS]
     return "/".join(filter(None, [*said, run])) or folder.resolve().name
@@ -222,22 +222,21 @@ def _ways(folder: Path, places: Iterable[Path]) -> list[str]:
     return [way, f"{way.replace('{seed}', '*')}/{'*' if '{seed}' in way else '{seed}'}"]
 
 
-def _with_batches(folder: Path, logs: Sequence[Log], names: list[str], notes: list[str]) -> list[str]:
-    """The names; of numbered files of Monitor that are environments of one training, their folder's name.
+def _batches(folder: Path, names: Mapping[Log, str], notes: list[str]) -> dict[Log, str]:
+    """The numbered files of Monitor that are environments of one training, each with their folder's name.
 
     Raises:
         UsageError: Nobody can tell whether they are; says both flags.
     """
-    beside: dict[Path, list[int]] = {}
-    for number, log in enumerate(logs):
-        if _is_numbered(log):
-            beside.setdefault(log.facts.path.parent, []).append(number)
-    several = {place: of for place, of in beside.items() if len(_distinct(logs[it] for it in of)) > 1}
-    together = {place: in_lockstep([logs[it] for it in of]) for place, of in several.items()}
+    beside: dict[Path, list[Log]] = {}
+    for log in filter(_is_numbered, names):
+        beside.setdefault(log.facts.path.parent, []).append(log)
+    several = {place: of for place, of in beside.items() if len(_distinct(of)) > 1}
+    together = {place: in_lockstep(of) for place, of in several.items()}
     known = {*together.values()} - {None}
     if None in together.values() and len(known) != 1:  # folders beside one another were written by one program
         why = "are of Monitor: of one training's environments, or of a training each? Their times do not tell"
-        raise question([names[it] for of in several.values() for it in of], why, _ways(folder, several))
+        raise question([names[log] for of in several.values() for log in of], why, _ways(folder, several))
     batches = [place for place, is_one in together.items() if is_one or known == {True}]
     if batches:
         notes.append(
@@ -245,40 +244,40 @@ def _with_batches(folder: Path, logs: Sequence[Log], names: list[str], notes: li
             f"{len(several[batches[0]])} in '{batches[0]}': their episodes end in step. If each is a training, say "
             f"--sort '{_ways(folder, several)[1]}'"
         )
-    members = {number: _name_of(folder, place) for place in batches for number in several[place]}
-    return [members.get(number, name) for number, name in enumerate(names)]
+    return {log: _name_of(folder, place) for place in batches for log in several[place]}
 
 
-def _named(folder: Path, logs: Sequence[Log], names: Sequence[str], template: str) -> list[Named]:
+def _named(folder: Path, names: Mapping[Log, str], template: str) -> dict[Log, Named]:
     """What each log, or its name, says: names are sorted among logs of the same kind.
 
     A log that says little is of the training that is called as it is, or as a folder in which it lies.
     """
-    kinds: dict[tuple[bool, int, str], list[int]] = {}
-    for number, log in enumerate(logs):
-        kinds.setdefault((log.facts.evaluation, UNITS.index(log.facts.unit), log.facts.format), []).append(number)
-    best = min(kinds, key=lambda kind: (*kind[:2], -len(kinds[kind]), kind))
-    found, above = dict[int, Named](), dict[str, Named]()
-    for kind in sorted(kinds, key=lambda kind: kind != best):
-        homes = {it: [*accumulate(names[it].split("/"), "{}/{}".format)] for it in kinds[kind]}
-        named = {it: next((above[home] for home in of[::-1] if home in above), None) for it, of in homes.items()}
-        alone = [it for it, of in named.items() if not of]
-        is_asked = any(not logs[it].facts.trained_with for it in alone)
-        own = sort_names([names[it] for it in alone], template, is_asked=is_asked) if alone else {}
-        for it, home in named.items():
-            of, facts = home or own[names[it]], logs[it].facts
+    kinds: dict[tuple[bool, int, str], list[Log]] = {}
+    for log in names:
+        kinds.setdefault((log.facts.evaluation, UNITS.index(log.facts.unit), log.facts.format), []).append(log)
+    order = sorted(kinds, key=lambda kind: (*kind[:2], -len(kinds[kind]), kind))
+    found, above = dict[Log, Named](), dict[str, Named]()
+    for kind in order:
+        homes = {log: [*accumulate(names[log].split("/"), "{}/{}".format)] for log in kinds[kind]}
+        named = {log: next((above[home] for home in of[::-1] if home in above), None) for log, of in homes.items()}
+        alone = [log for log, of in named.items() if not of]
+        is_asked = any(not log.facts.trained_with for log in alone)
+        own = sort_names([names[log] for log in alone], template, is_asked=is_asked) if alone else {}
+        for log, home in named.items():
+            of, facts = home or own[names[log]], log.facts
             if not template:
                 of = Named(facts.trained_with or of.reward, of.seed if facts.seed is None else facts.seed, of.place)
-            found[it] = of._replace(reward=of.reward or folder.resolve().name)
-        above = above if template or kind != best else {names[it]: found[it] for it in alone}
-    return [found[number] for number in range(len(logs))]
+            found[log] = of._replace(reward=of.reward or folder.resolve().name)
+        if not template and kind == order[0]:
+            above = {names[log]: found[log] for log in alone}
+    return found
 
 
 # What belongs together
 
 
 def _best_of(
-    key: Key, of: Sequence[tuple[Log, str]], names: Sequence[str], *, is_told: bool
+    key: Key, of: Sequence[Log], names: Mapping[Log, str], *, is_told: bool
 ) -> tuple[tuple[Log, ...], Log | None]:
     """The log that tells a training best, of all of its logs, and the one of its evaluations.
 
@@ -288,18 +287,18 @@ def _best_of(
     Raises:
         UsageError: Two logs tell the same of the training; says the flags that tell them apart.
     """
-    finest = sorted(of, key=lambda it: (UNITS.index(it[0].facts.unit), str(it[0].facts.path)))
-    evaluation = next((log for log, _ in finest if log.facts.evaluation), None)
-    trained = [it for it in finest if not it[0].facts.evaluation]
+    finest = sorted(of, key=lambda log: (UNITS.index(log.facts.unit), str(log.facts.path)))
+    evaluation = next((log for log in finest if log.facts.evaluation), None)
+    trained = [log for log in finest if not log.facts.evaluation]
     needs_success = evaluation is None or SUCCESS not in evaluation.measures
-    first = min(trained or finest, key=lambda it: needs_success and SUCCESS not in it[0].measures)[0].facts
-    called = {log: name for log, name in of if (log.facts.format, log.facts.evaluation) == (first.format, not trained)}
-    logs = _distinct(called)
-    is_batch = len({*called.values()}) == 1 and all(map(_is_numbered, logs))
+    first = min(trained or finest, key=lambda log: needs_success and SUCCESS not in log.measures).facts
+    alike = [log for log in of if (log.facts.format, log.facts.evaluation) == (first.format, not trained)]
+    logs = _distinct(alike)
+    is_batch = len({names[log] for log in alike}) == 1 and all(map(_is_numbered, logs))
     is_batch |= is_told and all("seconds" in log and log.facts.path.parent == first.path.parent for log in logs)
     if len(logs) > 1 and not is_batch:
-        twice = called[logs[0]], called[logs[1]]
-        rest = dict.fromkeys(it for it in names if it not in twice)
+        twice = names[logs[0]], names[logs[1]]
+        rest = dict.fromkeys(it for it in names.values() if it not in twice)
         one = command_text("--leave-out", logs[1].facts.path)
         why = f"say that {key[0]} was trained with seed {key[1]}: {one} keeps one"
         raise question([twice[0], *rest, twice[1]], why, None if len({*twice}) > 1 else [])
@@ -319,8 +318,8 @@ def _require_apart(folder: Path, trainings: Iterable[Training]) -> None:
     Raises:
         UsageError: Two are: says which, and the flag that says it otherwise.
     """
-    of = [it for it in trainings if it.logs[0].facts.started is not None and it.logs[0].facts.unit == "episode"]
-    of.sort(key=lambda it: (it.reward, it.logs[0].facts.started))
+    of = [it for it in trainings if it.facts.started is not None and it.facts.unit == "episode"]
+    of.sort(key=lambda it: (it.reward, it.facts.started))
     for first, second in pairwise(of):  # environments of one training are begun one after the other
         if first.reward == second.reward and in_lockstep([*first.logs, *second.logs]):
             paths = [log.facts.path for it in of for log in it.logs]
@@ -377,11 +376,11 @@ def _without_copies(trainings: Sequence[Training], notes: list[str]) -> list[Tra
 
 def _left_out(logs: Sequence[Log], trainings: Sequence[Training]) -> list[str]:
     """How many logs of each kind say less of a training than another one does."""
-    told = {id(log) for it in trainings for log in it.all_logs}
+    told = {log for it in trainings for log in it.all_logs}
     kept = {log.facts.format for it in trainings for log in it.logs}
     kinds: dict[str, list[Log]] = {}
     for log in logs:
-        if id(log) not in told and log.facts.format not in kept:
+        if log not in told and log.facts.format not in kept:
             kinds.setdefault(log.facts.format, []).append(log)
     return [
         f"Left out: {len(of)} of {name}, such as '{of[0].facts.path}'. {listed(sorted(kept))} says more of the same "

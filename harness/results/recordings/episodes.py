@@ -12,7 +12,7 @@ from harness.errors import SchemaError, UsageError
 from harness.eta.interval import Bounds, are_within
 from harness.eta.laws import LEAST_POINTS, Curve, Curves, Span, within
 from harness.log import Log
-from harness.log.log import BEHAVIOUR, REWARD, SINCE, TIME, OpenEpisodes
+from harness.log.log import BEHAVIOUR, REWARD, SINCE, TIME, OpenEpisodes, episode_rows
 from harness.record.recording.facts import TrainingFacts, facts_of
 from harness.results.by_term import part_of
 
@@ -151,6 +151,8 @@ class Points(Episodes):
         over = within(Span(begin, end), known)
         if over is None:
             why = f"all curves stand from {known.begin:,.0f} to {known.end:,.0f} steps only"
+            if known.begin > known.end:
+                why = "no step lies on all curves"
             return self._part(0, np.mean, why)
         return self._part(max(1, self.curve.count(over)), lambda values: self.curve.mean(values, over), "")
 
@@ -221,11 +223,10 @@ def _of_steps(log: Log, facts: TrainingFacts) -> Float:
 
 def _followed(log: Log) -> Mask:
     """Which steps are the last of an episode that another one follows in its env, (steps,)."""
-    zeros = np.zeros(len(log), np.int64)
-    env, episode = (log[name].astype(np.int64) if name in log else zeros for name in ("env", "episode"))
-    order = np.lexsort((episode, env))  # it is stable, so that steps stay in order
-    env, episode, found = env[order], episode[order], np.zeros(len(log), bool)
-    found[order[:-1][(np.diff(env) == 0) & (np.diff(episode) != 0)]] = True
+    found = np.zeros(len(log), bool)
+    env, episode = (np.asarray(log[name], np.int64) if name in log else found for name in ("env", "episode"))
+    last = np.array([rows[-1] for rows in episode_rows(env, episode)], np.int64)  # by env
+    found[last[:-1][env[last[:-1]] == env[last[1:]]]] = True
     return found
 
 

@@ -1,5 +1,6 @@
 """Reads the recorded trainings below a folder, finds out what makes them one study, and what to keep in mind of it."""
 
+import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
@@ -9,7 +10,7 @@ from types import MappingProxyType
 
 from harness.errors import SchemaError, UsageError
 from harness.eta.equal import equal_sentences, equal_trainings
-from harness.eta.laws import Account, Missing, counted, numbered, shortfall_beside
+from harness.eta.laws import Account, Missing, counted, numbered, require_direction, shortfall_beside
 from harness.eta.manner import ACTED_AT_RANDOM, DETERMINISTIC, OWN_AND_OTHER
 from harness.record.cell import UNKNOWN_ALGORITHM
 from harness.record.plan_file import PLAN
@@ -21,6 +22,7 @@ from harness.results.logs.told import FOUND_OUT, Told
 from harness.results.recordings.episodes import count_text, cut_notes, cut_text
 from harness.results.recordings.recording_results import RecordingResults
 from harness.results.recordings.runs import (
+    DIRECTION,
     NO_NAME,
     Run,
     Runs,
@@ -203,8 +205,21 @@ def read_all(folder: Path, only: Sequence[Path] | None = None) -> tuple[list[Run
             runs.append(_read(folder, path, weighed))
         except SchemaError as error:
             damaged.append(Missing(path, str(error)))
+    rewards = sorted({run.reward for run in runs}, key=len, reverse=True)
+    words = re.compile("|".join([*map(re.escape, rewards), "[0-9]+"]))
+    shapes = {(run.path.parent, words.sub("", run.path.name)) for run in runs}
+    for home in sorted({home for home, _ in shapes}) if only is None else ():
+        alike = (it for it in home.iterdir() if it.is_dir() and (home, words.sub("", it.name)) in shapes)
+        damaged += [Missing(it, f"{it} holds no recording") for it in sorted(alike) if not any(it.iterdir())]
+    # Where the env paid the reward that taught, a reward recorded as what the env pays has the name of another one.
+    # Where the recorder paid the learner, the env itself pays the same whatever taught.
     paid = {run.key for run in runs if run.facts.pay}
-    return [run if run.key in paid else _without_mistaken(run) for run in runs], damaged
+    for number, run in enumerate(runs):
+        why = f"recorded as what the env pays, and that was {run.reward} here"
+        for name, other in run.likeness.paid_alike if run.key not in paid else ():
+            if other == run.reward:
+                runs[number] = replace(run, episodes=runs[number].episodes.without(name, why))
+    return runs, damaged
 
 
 def account_of_runs(
@@ -225,15 +240,13 @@ def account_of_runs(
     why = {run: why_short(run) for run in runs}
     untold = [it for it in runs if not (it.facts.evaluation or why[it] or it.facts.asked > 0)]
     why |= shortfall_beside({it: (it.reward, it.steps, len(it.episodes.last)) for it in untold}, "steps")
+    short = [run for run in runs if why[run]]
     whole = {_place(run) for run in runs if not why[run]}
-    replaced = {run for run in runs if why[run] and (_place(run) in whole or run.facts.acted == ACTED_AT_RANDOM)}
-    begun = [run for run in runs if not run.facts.evaluation and run not in replaced]
+    replaced = [run for run in short if _place(run) in whole or run.facts.acted == ACTED_AT_RANDOM]
+    begun = [run for run in runs if not (run.facts.evaluation or run in replaced)]
     by_key, by_path = {run.key: run for run in begun}, {run.path: run for run in begun}
-    parts = [
-        (by_key.get(it.key), Missing(it.path, why[it]))
-        for it in runs
-        if it.facts.evaluation and why[it] and it not in replaced
-    ]
+    evaluations = [it for it in short if it.facts.evaluation and it not in replaced]
+    parts = [(by_key.get(it.key), Missing(it.path, why[it])) for it in evaluations]
     parts += [(by_path.get(it.path.parent), it) for it in damaged]
     for home, part in parts:
         if home is not None:
@@ -242,15 +255,18 @@ def account_of_runs(
     account = counted([*((run, run.path, why[run]) for run in begun), *lone], leave_out)
     out = by_key.keys() - {run.key for run in account.whole}
     kept = [it for it in runs if it.facts.evaluation and not why[it] and (it.seed < 0 or it.key not in out)]
-    lines = [f"'{run.path}' is left out: {why[run]}" for run in runs if run in replaced]
+    lines = [f"'{run.path}' is left out: {why[run]}" for run in replaced]
     return account, [*account.whole, *kept], lines
 
 
 def why_short(run: Run) -> str:
     """Why a recording is not whole by what it says of itself; empty if it is."""
-    facts = run.facts
-    if run.shortfall:
-        return f"it has {run.shortfall}. {'It ended early' if facts.closed else GOES_ON.capitalize()}"
+    facts, episodes = run.facts, len(run.episodes.last)
+    ended = "It ended early" if facts.closed else GOES_ON.capitalize()
+    if episodes < facts.episodes_asked:
+        return f"it has {episodes:,} of {facts.episodes_asked:,} episodes. {ended}"
+    if run.steps < facts.asked:
+        return f"it has {run.steps:,} of {facts.asked:,} steps. {ended}"
     if not run.steps:
         return "it has no steps"
     return "" if facts.closed or facts.asked or facts.episodes_asked else GOES_ON
@@ -277,19 +293,6 @@ def _read(folder: Path, path: Path, weighed: Sequence[str] = ()) -> Run:
     seed = -1 if facts.seed is None else facts.seed
     run = Run(recorded, facts, seed, recorded.steps, recorded.episodes, recorded.likeness)
     recorded.keep()
-    return run
-
-
-def _without_mistaken(run: Run) -> Run:
-    """The same without rewards recorded as what the env pays where the env paid the reward that taught instead.
-
-    Under their names other recordings have another reward. Where the recorder paid the learner, the env itself pays the
-    same whatever taught.
-    """
-    paid = f"recorded as what the env pays, and that was {run.reward} here"
-    for name, other in run.likeness.paid_alike:
-        if other == run.reward:
-            run = replace(run, episodes=run.episodes.without(name, paid))
     return run
 
 
@@ -370,7 +373,9 @@ def read_loose(folder: Path, told: Told = FOUND_OUT) -> Runs:
     known = {name for run in runs.members.values() for name in run.episodes.behaviour}
     if decides and decides not in known:
         raise UsageError(f"--measure {decides}: the recordings tell {', '.join(sorted(known)) or 'none'}")
-    runs.require_direction()
+    first = next(iter(runs.quantities.values()), None)
+    if first and len(runs.trained) > 1:
+        require_direction(first.name, first.better, DIRECTION.format(first.name))
     if baseline and baseline not in runs.trained:
         raise UsageError(f"--baseline {baseline}: no training was taught by it. There are: {', '.join(runs.trained)}")
     return runs

@@ -15,9 +15,8 @@ from harness.eta.rescaling import PayLine, line_of
 from harness.files.bounded import reading
 from harness.files.plain import Plain
 from harness.log import Log
-from harness.log.log import REWARD, episode_rows
-from harness.record.folder import EVALUATION_RECORDING
-from harness.record.recording.facts import FILE_BEHAVIOUR, OWN_SOURCE, TrainingFacts, facts_of, file_column, term_column
+from harness.log.log import EPISODES, REWARD
+from harness.record.recording.facts import OWN_SOURCE, TrainingFacts, facts_of, file_column, term_column
 from harness.record.recording.recorded_training import (
     ACTION,
     CALLS,
@@ -32,8 +31,7 @@ from harness.record.recording.recorded_training import (
 from harness.record.store import CELLS
 from harness.results.by_term import ByTerm, by_term
 from harness.results.kept import Kept
-from harness.results.recordings.episodes import Episodes, Part, episodes_of
-from harness.results.table import Numbers
+from harness.results.recordings.episodes import Episodes, episodes_of
 
 
 @dataclass(frozen=True)
@@ -89,10 +87,6 @@ def _digest(recording: Log) -> str:
         digest.update(f"{name}\0{len(values)}\0".encode())
         digest.update(np.ascontiguousarray(values).data)
     return digest.hexdigest()
-
-
-RETURN = "return_"
-"""What the columns of mean returns begin with."""
 
 
 class RecordingResults:
@@ -152,7 +146,7 @@ class RecordingResults:
     def terms_paid(self, reward: str) -> ByTerm:
         """What each term of a reward paid; without terms of one that has none, or was given up on the way."""
         if not self.facts.terms.get(reward):
-            return ByTerm({}, self.steps, len(self.episodes.last))
+            return ByTerm({}, self.steps)
         told = self._kept.told(f"terms {reward}", self._made_of, lambda: terms_in(self._paid(reward), reward).to_json())
         self._kept.save()
         return ByTerm.from_json(told)
@@ -199,37 +193,12 @@ class RecordingResults:
 
 def terms_in(recording: Log, reward: str) -> ByTerm:
     """What each term of a reward paid in a log of steps; without terms of one that was given up on the way."""
-    names = facts_of(recording).terms.get(reward, ())
-    there = [name for name in (*INTEGERS[:2], *FLAGS) if name in recording]
-    told = recording.rows([*there, *(term_column(reward, name) for name in names)])
-    zeros = np.zeros(len(told), np.int32)
-    env, episode, *ends = (told[name] if name in there else zeros for name in (*INTEGERS[:2], *FLAGS))
-    found = {name: told[term_column(reward, name)] for name in names}
-    rows = episode_rows(env, episode, np.logical_or(*ends))
+    columns = {name: term_column(reward, name) for name in facts_of(recording).terms.get(reward, ())}
+    log = recording.add({}).load([*EPISODES, *columns.values()])
+    log = log.add({name: np.zeros(len(log), bool) for name in EPISODES if name not in log})
+    found = {name: log[column] for name, column in columns.items()}
     is_known = not any(np.isnan(values).any() for values in found.values())
-    return by_term(found if is_known else {}, rows, np.ones(len(told), bool))
-
-
-def numbers_in_environment(folder: Path, files: Path) -> Numbers:
-    """What the final policy of a cell in an environment did, and what every reward paid for it: means over episodes.
-
-    Args:
-        folder: The experiment's.
-        files: The cell's.
-
-    Raises:
-        SchemaError: The recording of its evaluation is damaged.
-    """
-    found = RecordingResults(folder, files / EVALUATION_RECORDING)
-    part = found.episodes.part(0, found.steps)
-    found.keep()
-    return numbers_of_part(part)
-
-
-def numbers_of_part(part: Part) -> Numbers:
-    """Measures and mean returns of some episodes, by the columns that they have in a table of cells."""
-    did = {f"{FILE_BEHAVIOUR}{name}": value for name, value in part.behaviour.items()}
-    return Numbers({**did, **{f"{RETURN}{name}": value for name, value in part.returns.items()}}, part.reasons)
+    return by_term(found if is_known else {}, log.episodes, len(log))
 
 
 def _name_of(folder: Path, path: Path) -> str:

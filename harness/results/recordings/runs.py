@@ -13,11 +13,11 @@ from harness.arrays import Float
 from harness.errors import Unscored, UsageError
 from harness.eta.behaviour_change import Quantity
 from harness.eta.interval import SHARE, UNBOUNDED
-from harness.eta.laws import Better, Missing, direction_of, require_direction
+from harness.eta.laws import Better, Missing, direction_of
 from harness.eta.manner import EVALUATION, LAST_FIFTH, WHOLE
 from harness.eta.rescaling import Rescaling, rescaling_of
 from harness.log import Log, LogFacts
-from harness.log.log import RECORDED, REWARD, SUCCESS, TIME
+from harness.log.log import RECORDED, REWARD, SUCCESS
 from harness.record.cell import BROUGHT
 from harness.record.recording.facts import TrainingFacts, facts_of
 from harness.registry.choice import Choice
@@ -60,7 +60,7 @@ class LogPay:
 
     def terms_paid(self, reward: str) -> ByTerm:
         """What each term of a reward paid; a log without steps tells none."""
-        return terms_in(self.log, reward) if self.log.facts.unit == "step" else ByTerm({}, 0, 0)
+        return terms_in(self.log, reward) if self.log.facts.unit == "step" else ByTerm({}, 0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,24 +113,14 @@ class Run:
         return [it for it in (self, self.evaluation, self.other, *self.before) if it is not None]
 
     @property
-    def shortfall(self) -> str:
-        """What there is of what was asked for, ``3 of 20 episodes``; empty of a whole one, and if nobody said."""
-        facts, episodes = self.facts, len(self.episodes.last)
-        if episodes < facts.episodes_asked:
-            return f"{episodes:,} of {facts.episodes_asked:,} episodes"
-        return f"{self.steps:,} of {facts.asked:,} steps" if self.steps < facts.asked else ""
-
-    @property
     def reward(self) -> str:
         """The reward that it was trained with."""
         return self.facts.trained_with
 
     def parts(self, steps: int) -> dict[str, Part]:
         """By manner, the training cut to so many steps; what says most about its final policy comes first."""
-        evaluated = {
-            EVALUATION: self.evaluation,
-            **({f"{EVALUATION}, {it.facts.acted}": it} if (it := self.other) else {}),
-        }
+        other = f"{EVALUATION}, {self.other.facts.acted}" if self.other else ""
+        evaluated = {EVALUATION: self.evaluation, other: self.other}
         return {
             **{manner: run.whole for manner, run in evaluated.items() if run is not None},
             LAST_FIFTH: self.episodes.end(steps),
@@ -146,7 +136,7 @@ class Run:
         """All of its episodes."""
         return self.episodes.whole
 
-    # What a `harness.results.traces.CellRun` says too, for `harness.results.trainings`
+    # What a `harness.results.cell_results.CellResults` says too, for `harness.results.trainings`
 
     @cached_property
     def measured(self) -> Measured:
@@ -232,36 +222,24 @@ class Run:
         return f"{name} in '{self.path}': {part.reasons.get(name, 'not recorded')}"
 
 
-def run_of(log: Log) -> Run:
-    """The training of a log, whose facts tell the reward that paid it; without a seed it gets -1.
+def run_of(log: Log, seed: int, steps: int = 0, digest: str = "") -> Run:
+    """The training of a log, whose facts tell the reward that paid it: what the log calls `RECORDED` is what it paid.
 
-    What the log calls `RECORDED` is what that reward paid. What others would have paid it does not tell.
+    Args:
+        log: Its rows may be steps, which tell the rest.
+        seed: Of the training.
+        steps: How many there were.
+        digest: Of its rows; see `Likeness`.
 
     Raises:
-        UsageError: The log does not tell the reward, or when episodes or points end.
         SchemaError: It is damaged.
     """
-    if not log.facts.trained_with:
-        raise UsageError(f"'{log.facts.path}' does not tell which reward paid its training: name it")
-    if log.facts.unit != "step" and TIME not in log:
-        raise UsageError(
-            f"'{log.facts.path}' does not tell how many environment steps were taken before its {log.facts.unit}s"
-        )
-    if RECORDED in log.rewards:
-        then, now = (f"{REWARD}{name}" for name in (RECORDED, log.facts.trained_with))
-        terms = {f"{then}/{term}": f"{now}/{term}" for term in log.terms_of(RECORDED)}
-        log = log.renamed({then: now, **terms})
-    log = log.without_starts()
-    facts, episodes = facts_of(log), episodes_of(log)
-    is_of_steps = facts.unit == "step"
-    return Run(
-        LogPay(log),
-        facts,
-        -1 if facts.seed is None else facts.seed,
-        len(log) if is_of_steps else int(episodes.last.max(initial=-1)) + 1,
-        episodes,
-        likeness_of(log) if is_of_steps else Likeness(),
-    )
+    then, now = (f"{REWARD}{name}" for name in (RECORDED, log.facts.trained_with))
+    terms = {f"{then}/{term}": f"{now}/{term}" for term in log.terms_of(RECORDED)}
+    log = log.renamed({then: now, **terms}).without_starts()
+    is_of_steps = log.facts.unit == "step"
+    likeness = likeness_of(log) if is_of_steps else Likeness(digest)
+    return Run(LogPay(log), facts_of(log), seed, len(log) if is_of_steps else steps, episodes_of(log), likeness)
 
 
 def rescaling_between(runs: Iterable[Run], reward: str, other: str) -> Rescaling | None:
@@ -270,7 +248,7 @@ def rescaling_between(runs: Iterable[Run], reward: str, other: str) -> Rescaling
         [
             run.likeness.line(other, reward)
             for run in runs
-            if {reward, other} <= {*run.facts.rewards} and run.episodes.knows(reward) and run.episodes.knows(other)
+            if all(it in run.facts.rewards and run.episodes.knows(it) for it in (reward, other))
         ]
     )
 
@@ -380,15 +358,6 @@ class Runs(NamedTuple):
     def measures(self) -> tuple[str, ...]:
         """The names of the measures of behaviour."""
         return tuple(self.quantities)
-
-    def require_direction(self) -> None:
-        """Check that it is known which values of what decides are better, where rewards are compared.
-
-        Raises:
-            UsageError: Nobody says it.
-        """
-        for name in self.measures[:1] if len(self.trained) > 1 else ():
-            require_direction(name, self.quantities[name].better, DIRECTION.format(name))
 
     def measure(self, name: str, manner: str, episodes: int) -> Quantity:
         """What a measure is in the episodes of one manner, of which each seed has `episodes` at least."""

@@ -10,7 +10,7 @@ from harness.errors import Unscored, UsageError
 from harness.log import REWARD, START, Log, LogFacts, in_memory
 from harness.record import TRACE, Cell, read_trace
 from harness.registry import Choice
-from harness.results import CellResults, Results, Traces
+from harness.results import CellResults, Traces
 from harness.score import InstalledReward
 
 from ..audit import Audit
@@ -23,7 +23,7 @@ from .recordings import RANDOM, chosen_rewards, title_of
 KEYS = ["env", "episode", "step", "terminated", "truncated"]
 
 
-def audit_experiment(results: Results, only: Sequence[str] = ()) -> Audit:
+def audit_experiment(results: Traces, only: Sequence[str] = ()) -> Audit:
     """How far apart rewards are in the steps of trainings, what policies did, and what each reward pays them for it.
 
     What policies earned includes the events of the task, which pay the same under every reward.
@@ -36,17 +36,16 @@ def audit_experiment(results: Results, only: Sequence[str] = ()) -> Audit:
         UsageError: No training of it is done.
         SchemaError: A file is damaged or written by a newer version.
     """
-    traces = results.traces
-    if not results.done_cells or traces is None:
+    if not results.done_cells:
         raise UsageError(f"'{results.folder}' has nothing to audit: none of its trainings is done")
     labels = {it.cell.reward.label: it.cell.reward for it in results.manifests if it.status != "skipped"}
     rewards = chosen_rewards(labels, only, f"'{results.folder}'")
-    payers, notes = _payers(results, traces, {label: labels[label] for label in rewards})
+    payers, notes = _payers(results, {label: labels[label] for label in rewards})
     measures = sorted(results.measures, key=lambda name: name != SUCCESS)  # all others stay in their order
     groups = [[it for it in cells if not results.is_control(it)] for cells in results.groups.values()]
-    earned = [row for cells in groups for row in _earned(results, traces, cells, payers, rewards, measures)]
+    earned = [row for cells in groups for row in _earned(results, cells, payers, rewards, measures)]
     folders = {cell: results.store.cell_folder(cell) for cell in results.done_cells}
-    paid = (_paid(traces.run(cell), folder, payers) for cell, folder in folders.items())
+    paid = (_paid(results.run(cell), folder, payers) for cell, folder in folders.items())
     pairs, told = pairs_in(paid, tuple(payers), most=MOST)
     count = len(results.done_cells)
     return Audit(
@@ -64,18 +63,18 @@ def audit_experiment(results: Results, only: Sequence[str] = ()) -> Audit:
     )
 
 
-def _payers(
-    results: Results, traces: Traces, labels: Mapping[str, Choice]
-) -> tuple[dict[str, InstalledReward], list[str]]:
+def _payers(results: Traces, labels: Mapping[str, Choice]) -> tuple[dict[str, InstalledReward], list[str]]:
     """The rewards that still pay what they paid in the experiment, and a line for each other one."""
     payers: dict[str, InstalledReward] = {}
     notes = []
     trained = {cell.reward.label: cell for cell in results.done_cells}
     for label, choice in labels.items():
         try:
-            installed = traces.run(trained[label]).unchanged(TRACE) if label in trained else traces.installed(choice)
+            installed = (
+                results.run(trained[label]).unchanged(TRACE) if label in trained else results.cells.installed(choice)
+            )
             for cell in results.done_cells:
-                traces.run(cell).paid_by(installed)  # it is kept
+                results.run(cell).paid_by(installed)  # it is kept
             payers[label] = installed
         except Unscored as error:
             notes.append(f"What {label} pays is not known: {error}")
@@ -83,8 +82,7 @@ def _payers(
 
 
 def _earned(
-    results: Results,
-    traces: Traces,
+    results: Traces,
     cells: Sequence[Cell],
     payers: Mapping[str, InstalledReward],
     rewards: Sequence[str],
@@ -94,7 +92,7 @@ def _earned(
     first = cells[0]
     where = f" ({first.place.label}, {first.task.label}, {first.learner})" if len(results.groups) > 1 else ""
     values = results.measured(first).random
-    acted = traces.run(first).floor_cell
+    acted = results.run(first).floor_cell
     floor = {label: acted.floor_returns(it) for label, it in payers.items()} if acted else {}
     if any(map(len, floor.values())):
         count = len(next(iter(floor.values())))
@@ -102,7 +100,7 @@ def _earned(
         showed = earned_in_parts("", [Part(count, {}, values, {})], (), measures).measures
         yield Earned(at_random.behaviour, count, at_random.returns, showed)
     for label in dict.fromkeys(cell.reward.label for cell in cells):
-        parts = [_part(traces.run(cell), payers) for cell in cells if cell.reward.label == label]
+        parts = [_part(results.run(cell), payers) for cell in cells if cell.reward.label == label]
         yield earned_in_parts(f"trained with {label}, evaluations{where}", parts, rewards, measures)
 
 

@@ -263,7 +263,7 @@ def _show(group: Mapping[Role, Certificate], scene: Scene) -> Show | None:
     if not shown:
         return None
     sides = tuple(
-        Side(title, ("",), (it.shown.start,), scene, (_episode(it),), float(it.shown.drawn["time"][1, 0]))
+        Side(title, (it.shown.start,), scene, (_episode(it),), float(it.shown.drawn["time"][1, 0]))
         for title, it in shown.items()
     )
     first = next(iter(shown.values()))

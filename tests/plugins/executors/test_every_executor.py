@@ -10,7 +10,7 @@ import pytest
 from harness.authoring import run_job
 from harness.executor import CellOptions, Event, Job, Limits
 from harness.record import LOG, Cell, partial_folder, read_manifest
-from harness.record.manifest import examine
+from harness.record.manifest import whole_cell
 from harness.registry import choose
 
 ELSEWHERE = ("ray", "ray:fetch=true", "slurm:cluster=local", "slurm:memory=0.5")
@@ -64,7 +64,7 @@ def test_cells_that_go_wrong_cost_themselves_alone(executor, that, make_cell, tm
     assert "the arm" in read_manifest(tmp_path / raising.id).reason
     assert (partial_folder(tmp_path / killed.id) / LOG).is_file()
     for cell in good:
-        left, here = examine(tmp_path / cell.id, cell), run_job(Job(cell, tmp_path / "here" / cell.id))
+        left, here = whole_cell(tmp_path / cell.id), run_job(Job(cell, tmp_path / "here" / cell.id))
         assert left.status == "done"
         assert not partial_folder(tmp_path / cell.id).exists()
         assert {**left.files, LOG: ""} == {**here.files, LOG: ""}

@@ -17,8 +17,7 @@ from harness.executor import CellOptions, Job
 from harness.experiment import expand
 from harness.experiment.jobs import run_jobs
 from harness.experiment.plan import Experiment
-from harness.record import LOG, MANIFEST
-from harness.record.manifest import examine
+from harness.record import LOG, MANIFEST, Store
 from harness.registry import load_registry
 from harness_plugins.executors.ray import Ray
 from tests.refusals import refused
@@ -92,7 +91,7 @@ def test_a_cell_whose_process_is_lost_is_begun_again(toys, that, two_nodes, tmp_
     cell = that("last", note)
     told = _run(Ray(address=two_nodes.address), [cell], tmp_path / "cells", on_event=kill)
     assert [event.kind for event in told if event.kind != "progress"] == ["started", "ended"]
-    assert examine(tmp_path / "cells" / cell.id, cell).status == "done"
+    assert Store(tmp_path).examine(cell).status == "done"
     assert not any(process.is_running() for process in killed)
 
 

@@ -10,8 +10,7 @@ import psutil
 import pytest
 
 from harness.executor import CellOptions, Event, Job
-from harness.record import LOG, partial_folder
-from harness.record.manifest import examine
+from harness.record import LOG, Store, partial_folder
 from harness_plugins.executors.slurm import Slurm
 from tests.refusals import refused
 
@@ -89,7 +88,7 @@ def test_a_job_that_has_to_make_room_goes_on(slurm, that, tmp_path):
     Slurm(memory=0.5).run([job], 1, told.append)
     thread.join()
     assert [event.kind for event in told if event.kind != "progress"] == ["started", "ended"]
-    assert examine(tmp_path / "cells" / cell.id, cell).status == "done"
+    assert Store(tmp_path).examine(cell).status == "done"
 
 
 def test_without_a_cluster_it_says_what_there_is(make_cell, tmp_path, state, monkeypatch):

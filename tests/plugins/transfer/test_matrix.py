@@ -8,8 +8,8 @@ import pytest
 
 from harness.policy import WEIGHTS
 from harness.record import COLUMN, EVALUATION, POLICY, SCALARS, Manifest, Store, TraceWriter
-from harness.registry import Choice, load_registry
-from harness.results import Results
+from harness.registry import Choice
+from harness.results import Results, load_results
 from harness_plugins.transfer import TRANSFER, TransferRecord, load_transfers, simulator_id
 from harness_plugins.transfer.record import policy_digest
 
@@ -32,7 +32,7 @@ def train(make_cell, make_plan, tmp_path):
             (folder / POLICY / WEIGHTS).write_bytes(bytes([cell.seed]))
             write_evaluation(folder, reached)
             Manifest(cell, status="done").write(folder)
-        return Results(store.folder, load_registry())
+        return load_results(store.folder)
 
     return write
 
@@ -148,7 +148,7 @@ def test_policies_that_share_less_have_a_matrix_of_their_own(make_cell, make_pla
         folder.mkdir(parents=True)
         write_evaluation(folder, 4)
         Manifest(cell, status="done").write(folder)
-    results = Results(store.folder, load_registry())
+    results = load_results(store.folder)
     for cell in cells:
         visit(results, cell, 0, Choice("far", (), "far"))
     assert [len(matrix.trained_in) for matrix in load_transfers(results).matrices] == [2, 1]

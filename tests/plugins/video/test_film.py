@@ -31,7 +31,7 @@ def show():
     """A quick and a slow side, one episode."""
     scene = scene_of(load_robot("fd100"))
     sides = [
-        Side(title, (title,), (0,), scene, (episode(steps, outcome),), 0.1)
+        Side(title, (0,), scene, (episode(steps, outcome),), 0.1)
         for title, steps, outcome in (("one", 4, "reached"), ("other", 60, "time-out"))
     ]
     return Show("both", (7,), tuple(sides))

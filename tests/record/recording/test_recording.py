@@ -174,7 +174,7 @@ DAMAGES = {
     "time back": (lambda folder: change_first(folder / PART, "time", 0), "do not stand in the order of time"),
     "env beyond": (lambda folder: change_first(folder / PART, "env", 2), "steps of an env beyond its 2"),
     "step below 0": (lambda folder: change_first(folder / PART, "step", -1), "a step or an episode below 0"),
-    "infinite": (lambda folder: change_first(folder / PART, "reward_v1", np.inf), "reward_v1 is infinite"),
+    "infinite": (lambda folder: change_first(folder / PART, "reward_v1", np.inf), "reward/v1 is infinite"),
 }
 
 
@@ -268,5 +268,5 @@ def test_a_reward_without_a_value_is_refused_unless_a_failure_is_told(tmp_path):
     for name in ("v1", "v2"):
         training[f"reward/{name}"][30] = np.nan
     write_recording(tmp_path / "run", training)
-    with pytest.raises(SchemaError, match="reward_v2 has no value in some steps"):
+    with pytest.raises(SchemaError, match="reward/v2 has no value in some steps"):
         read_recording(tmp_path / "run").rows()

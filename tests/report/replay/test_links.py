@@ -127,7 +127,7 @@ def test_pairs_of_all_seeds_are_counted_and_shown(build):
     show = shows_of(results)[0]
     assert show.pairs is not None
     for side, kinds in zip(show.sides, ({BOTH, FIRST}, {BOTH, SECOND}), strict=True):
-        for cell in (it for it in results.done_cells if it.id in side.cells):
+        for cell in (it for it in results.done_cells if it.reward.label == side.title.partition(": ")[2]):
             ended = [it.kind in kinds for it in show.pairs.met if it.seed == cell.seed]
             assert np.mean(ended) == pytest.approx(results.measured(cell).manners["deterministic"]["success_rate"])
     assert [set(side.seeds) for side in show.sides] == [set(results.combinations[0].seeds)] * 2

@@ -102,14 +102,6 @@ def test_an_old_evaluation_that_was_never_closed_is_missing(tmp_path):
     assert "evaluation': it is still going on, or was killed" in told(tmp_path)
 
 
-def test_one_that_stopped_before_others_of_its_reward_is_missing(tmp_path):
-    """An exception closes a recording too; how much was asked for nobody told."""
-    for seed, episodes in enumerate((3, 3, 1)):
-        record(tmp_path / f"plain-{seed}", "plain", seed, [0.1] * episodes)
-    (missing,) = read_runs(tmp_path).missing
-    assert missing == (tmp_path / "plain-2", "it ends after 5 steps, and another one of plain after 15")
-
-
 def test_trainings_of_unequal_length_are_told_with_what_evaluates_them(tmp_path):
     """They are cut to the shortest, and their evaluations cannot be."""
     evaluated(tmp_path, "deterministic", 0)

@@ -91,12 +91,10 @@ def test_last_episode_may_go_on_where_nothing_tells_its_end():
     assert (found.last.tolist(), found.returns["a"].tolist()) == ([1, 2], [8.0, 3.0])
 
 
-def test_episodes_without_a_time_or_out_of_order_are_refused():
-    """A curve over steps would be drawn of them otherwise."""
+def test_episodes_without_a_time_are_counted_and_out_of_order_refused():
+    """A curve over steps would be drawn of these otherwise."""
     log = _episodes("base", 0, [1.0, 2.0])
     assert episodes_of(log.renamed({"time": "seconds"})).last.tolist() == [0, 1]
-    with pytest.raises(UsageError, match="does not tell how many environment steps were taken"):
-        run_of(log.renamed({"time": "seconds"}))
     with pytest.raises(SchemaError, match="do not stand in the order of time"):
         episodes_of(log.add({"time": np.array([20.0, 10.0])}))
 
@@ -104,7 +102,7 @@ def test_episodes_without_a_time_or_out_of_order_are_refused():
 def test_what_a_log_calls_recorded_is_what_trained_it():
     """Only that reward is known; it says why there is no pay of steps, and what was given up."""
     failed = (Failed("reward/recorded", "it was NaN"),)
-    run = run_of(_episodes("base", 4, [1.0, 2.0], failed=failed))
+    run = run_of(_episodes("base", 4, [1.0, 2.0], failed=failed), 4, 20)
     assert (run.reward, run.seed, run.steps, run.facts.rewards) == ("base", 4, 20, ("base",))
     assert run.episodes.reasons == {"reward/base": "given up: it was NaN"}
     assert run.parts(20)["over the training"].returns == {"base": 1.5}
@@ -113,17 +111,11 @@ def test_what_a_log_calls_recorded_is_what_trained_it():
     assert run.recorded.terms_paid("base").terms == {}
 
 
-def test_log_that_names_no_reward_is_refused():
-    """It would be compared with others under no name."""
-    with pytest.raises(UsageError, match="does not tell which reward paid its training: name it"):
-        run_of(_episodes("", 0, [1.0]))
-
-
 def test_run_of_steps_tells_pay_and_terms():
     """As a recording does."""
     log = _steps(60, **{"reward/own/half": np.arange(60) / 2})
-    run = run_of(replace(log, facts=replace(log.facts, trained_with="own")))
-    assert (run.seed, run.steps) == (-1, 60)
+    run = run_of(replace(log, facts=replace(log.facts, trained_with="own")), 4)
+    assert (run.seed, run.steps) == (4, 60)
     assert run.recorded.paid_by("own").tolist() == log["reward/own"].tolist()
     assert run.recorded.terms_paid("own").steps == 60
     assert [*run.recorded.terms_paid("own").terms] == ["half"]

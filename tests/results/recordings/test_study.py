@@ -318,16 +318,6 @@ def test_what_is_not_one_study_is_refused(study_of, beside, told):
         study_of(beside)
 
 
-def test_a_damaged_recording_is_missing(study_of, tmp_path):
-    """The others are compared, and no verdict is given without it."""
-    study_of()
-    (tmp_path / "plain-1" / "recording-0.json").write_text("{}")
-    study = load_study(tmp_path)
-    assert study.combinations[0].seeds == (0,)
-    assert "plain-1" in "".join(read_of(study).damaged)
-    assert study.combinations[0].headline.answer == "interim"
-
-
 def test_a_training_that_goes_on_is_missing(study_of, tmp_path):
     """Its recording was not closed."""
     study_of()
