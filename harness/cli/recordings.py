@@ -61,17 +61,21 @@ def told_of_logs(
     labels: Path | None,
     leave_out: Sequence[Path] | None = None,
     per_step: str | None = None,
+    ends: Sequence[str] | None = None,
 ) -> "Told":
     """What the flags say of logs.
 
     Raises:
         UsageError: What decides is malformed, or stands twice.
     """
-    from harness.results.logs.told import Told, parse_deciding
+    from harness.results.logs.told import Told, parse_deciding, parse_ends
 
     if measure is not None and len(measure) > 1:
         raise UsageError(
             f"--measure {measure[1]}: one measure of the logs decides, and --measure {measure[0]} names it"
         )
     deciding = parse_deciding(measure[0] if measure else "")
-    return Told(as_format or "", sort or "", baseline or "", deciding, labels, tuple(leave_out or ()), per_step or "")
+    return Told(
+        as_format or "", sort or "", baseline or "", deciding, labels, tuple(leave_out or ()), per_step or "",
+        parse_ends(ends or ()),
+    )  # fmt: skip

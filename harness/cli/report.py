@@ -86,6 +86,7 @@ def report(
     labels: logs.LabelsFile = None,
     leave_out: logs.LeftOut = None,
     per_step: logs.StepsOfEach = None,
+    ends: logs.EndsOf = None,
     fail_on: FailOn = None,
 ) -> int:
     """Show the results of an experiment. Trains nothing.
@@ -114,6 +115,7 @@ def report(
                 "--as": as_format,
                 "--leave-out": leave_out,
                 "--per-step": per_step,
+                "--ends": ends,
             },
             "a data set",
         )
@@ -130,13 +132,13 @@ def report(
     if not any(map(is_experiment, folders)) and (as_format or not holds_recordings(folders)):
         require_one_folder(folders, "logs of trainings")
         refuse_flags({"--plugin": plugin, "--summary": summary}, "a folder of logs")
-        told, measure = told_of_logs(as_format, sort, baseline, measure, labels, leave_out, per_step), None
+        told, measure = told_of_logs(as_format, sort, baseline, measure, labels, leave_out, per_step, ends), None
     elif holds_recordings(folders):
         refuse_flags({"--plugin": plugin, **of_logs})
-        told, measure = told_of_logs(None, None, baseline, measure, None, leave_out), None
+        told, measure = told_of_logs(None, None, baseline, measure, None, leave_out, ends=ends), None
     else:
         refuse_flags({"--baseline": baseline, **of_logs}, "an experiment, whose plan says it")
-        told = told_of_logs(None, None, None, None, None, leave_out)
+        told = told_of_logs(None, None, None, None, None, leave_out, ends=ends)
     show = partial(show_results, as_json=as_json, html=html, details=details, summary=summary)
     if len(folders) == 1:
         results = load_results(folders[0], curve, metric, plugin or (), pairs=pairs, measures=measure or (), told=told)

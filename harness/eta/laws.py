@@ -4,6 +4,7 @@ Each stands here once, and every door calls it.
 
 * **Direction**, `direction_of`: a measure says better or worse only where somebody said which is better, or where it is
   0 or 1. One that decides has to have a direction before anything is trained or read.
+* **Ends**, `ends_of`: a plain word needs to know how bad and how good a training can be, never from the data.
 * **Missing is an outcome**, `counted`: a training that failed, stopped early or cannot be read stays in the count. A
   verdict waits for it, unless the user leaves it out by name.
 * **Times, not rows**, `Curve.mean`, `Curves.known`, `latest_shared`: what is compared stands on one span of environment
@@ -24,6 +25,7 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.errors import UsageError
+from harness.eta.interval import UNBOUNDED, Bounds, are_within
 
 Better: TypeAlias = Literal["higher", "lower", ""]
 """Which values of a measure are better; empty where nobody said it."""
@@ -70,6 +72,27 @@ def require_direction(name: str, better: str, how: str) -> None:
     """
     if not better:
         raise UsageError(f"Measure '{name}' decides, and nobody says whether less or more of it is better: {how}")
+
+
+# Ends
+
+
+def ends_of(name: str, known: Bounds, told: Mapping[str, Bounds], values: Collection[float]) -> Bounds:
+    """The least and the greatest value that a training can have, by what the user says or else what is known.
+
+    Ends that are known and that a value leaves are none. They are never taken from the values.
+
+    Raises:
+        UsageError: A value leaves what the user says.
+    """
+    ends = told.get(name, known)
+    beyond = [it for it in values if not are_within([it], ends)]
+    if beyond and name in told:
+        raise UsageError(
+            f"--ends {name}={ends[0]:g},{ends[1]:g}: {name} is {beyond[0]:g} in a training. Say the least and the "
+            "greatest value that it can have"
+        )
+    return UNBOUNDED if beyond else ends
 
 
 # Missing is an outcome

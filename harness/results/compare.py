@@ -6,11 +6,12 @@ from dataclasses import replace
 from functools import cached_property
 from typing import TypeAlias
 
-from harness.errors import Unscored
+from harness.errors import Unscored, UsageError
 from harness.eta.behaviour_change import Change, Quantity, change_of
 from harness.eta.curve import GroupCurve
 from harness.eta.decomposition import decompose
 from harness.eta.interval import SHARE
+from harness.eta.laws import ends_of
 from harness.eta.manner import LAST, LEARNING
 from harness.eta.paid_at_random import PaidAtRandom, paid_at_random
 from harness.eta.return_split import ReturnSplit, split_returns
@@ -19,7 +20,9 @@ from harness.eta.splits import Decomposition
 from harness.eta.swaps import Swaps, swaps_of
 from harness.record.manifest import Manifest
 from harness.record.terms import FIRST, Terms
+from harness.registry.names import unknown_name
 from harness.results.comparison import Behaviour, Comparison, Number, StepChange
+from harness.results.logs.told import FOUND_OUT, Told
 from harness.results.measured import (
     AREA,
     STEPS_TO_GOAL,
@@ -42,6 +45,7 @@ def compare_all(
     terms: Terms = FIRST,
     manifests: Sequence[Manifest] = (),
     unread: int = 0,
+    told: Told = FOUND_OUT,
 ) -> tuple[Comparison, ...]:
     """All comparisons of an experiment. Their questions are asked together, and all hints are one family.
 
@@ -50,17 +54,27 @@ def compare_all(
         terms: What was agreed on before the first training.
         manifests: Of all planned cells: some may be missing, or still to come.
         unread: How many trainings are missing besides.
+        told: What the user says of the measures.
+
+    Raises:
+        UsageError: It does not fit them.
     """
     swaps = swaps_of(sorted({seed for _, match in asked for of in match.seeds_of for seed in of}))
     seen = Seen.of(manifests, terms.looks)
     found = [
-        compare(of, match, swaps, (seen.lost(of.group, match.baseline), seen.lost(of.group, match.proposed)))
+        compare(of, match, swaps, (seen.lost(of.group, match.baseline), seen.lost(of.group, match.proposed)), told)
         for of, match in asked
     ]
+    names = dict.fromkeys(change.name for it in found for change in it.measured.changes)
+    for name in told.ends:
+        if name not in names:
+            raise UsageError(f"--ends: {unknown_name('measure', name, names)}")
     return with_verdicts(found, terms, seen.look_of, seen.to_come + unread)
 
 
-def compare(trainings: Trainings, match: Match, swaps: Swaps, lost: Lost = NONE_LOST) -> Comparison:
+def compare(
+    trainings: Trainings, match: Match, swaps: Swaps, lost: Lost = NONE_LOST, told: Told = FOUND_OUT
+) -> Comparison:
     """One reward against another, by all of their trainings; p-values are not corrected yet.
 
     Args:
@@ -68,12 +82,14 @@ def compare(trainings: Trainings, match: Match, swaps: Swaps, lost: Lost = NONE_
         match: Those of both rewards.
         swaps: The ways in which the names of a seed's trainings are swapped.
         lost: The seeds of trainings of either that a plan of looks counts, though they left nothing.
+        told: What the user says of the measures.
     """
-    comparer = _Comparer(trainings, match, swaps, lost)
+    comparer = _Comparer(trainings, match, swaps, lost, told)
     measured = Behaviour(
         episodes=comparer.episodes,
         counted=trainings.read.counted if trainings.read else {},
         deciding=trainings.deciding,
+        offered=tuple(it for it in trainings.names if told.is_named_later and it not in trainings.deciding),
         decided_in=trainings.decided_in(comparer.episodes),
         same_starts=trainings.same_starts(match),
     )
@@ -122,8 +138,8 @@ class _CurvesOnDemand(Mapping[Pair, GroupCurve]):
 class _Comparer:
     """Compares the trainings of two rewards."""
 
-    def __init__(self, trainings: Trainings, match: Match, swaps: Swaps, lost: Lost) -> None:
-        self._trainings, self._match, self._swaps, self._lost = trainings, match, swaps, lost
+    def __init__(self, trainings: Trainings, match: Match, swaps: Swaps, lost: Lost, told: Told) -> None:
+        self._trainings, self._match, self._swaps, self._lost, self._told = trainings, match, swaps, lost, told
         self._sides = [[it.measured for it in side] for side in match.sides]
         everything = [it for side in self._sides for it in side]
         self.episodes = {
@@ -248,6 +264,8 @@ class _Comparer:
             {**dict(zip(seeds, of, strict=True)), **dict.fromkeys(lost)}
             for seeds, of, lost in zip(self._match.seeds_of, values, self._lost, strict=True)
         )
+        known = [it for side in (one, other) for it in side.values() if it is not None]
+        measure = measure._replace(bounds=ends_of(measure.name, measure.ends, self._told.ends, known))
         has_floor = self._trainings.has_floor(measure.manner)
         random = [it.random.get(measure.name) for side in self._sides for it in side] if has_floor else []
         reason = self._trainings.reason(self._match, measure.name, measure.manner)

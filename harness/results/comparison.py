@@ -140,6 +140,7 @@ class Behaviour:
         counted: By manner, what `episodes` counts where it counts no episodes of all steps, such as points of a curve.
         mixtures: Plugins of which several versions made the cells that are compared.
         deciding: Names of the measures that decide about the robot, in this order.
+        offered: Names of those that could have been named to decide instead, where one was named after they were known.
         decided_in: The manner that decides; by default that in which the cells say that policies act, unless it has
             fewer episodes than another.
         same_steps: Whether the policies of both rewards take the same steps in every evaluation, bit for bit.
@@ -153,6 +154,7 @@ class Behaviour:
     counted: Mapping[str, Counted] = field(default_factory=dict)
     mixtures: tuple[Mixture, ...] = ()
     deciding: tuple[str, ...] = DECIDING
+    offered: tuple[str, ...] = ()
     decided_in: str = ""
     same_steps: bool = False
     same_starts: bool = True
@@ -398,6 +400,12 @@ class Comparison:
         if found and speed is not None and speed.can_decide and all(it is not speed for it in found):
             found.append(speed)
         return tuple(it for it in found if asked is None or _name_and_manner(it) in asked)
+
+    @property
+    def offered_changes(self) -> list[Change]:
+        """Those of `Behaviour.offered` of the manner that decides, as far as every training has a value."""
+        acted = self.measured.changes_of(self.answered_in)
+        return [it for it in acted if it.name in self.measured.offered and it.seeds and not any(it.without)]
 
     @property
     def answered_in(self) -> str:

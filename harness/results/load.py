@@ -1,6 +1,7 @@
 """Reads the results in a folder, whatever was trained: arms, policies in environments, or recordings that lie loose."""
 
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 
 from harness.errors import UsageError
@@ -58,7 +59,7 @@ def load_results(
         return results_of_logs(folder, registry, told, kind, metrics, pairs=pairs)
     else:
         loose = read_loose(folder, told)
-        plan, told = plan_of(loose), FOUND_OUT
+        plan, told = plan_of(loose), replace(told, leave_out=())
     kinds = {cell.is_in_environment for cell in plan.cells}
     if len(kinds) > 1:
         raise UsageError(f"'{folder}' mixes cells of an arm with cells in environments: report them apart")

@@ -83,7 +83,7 @@ class Results(ABC):
                 environment: which of its measures, beside the one that decides.
             is_temporary: Whether the folder is soon gone, so that no command may name it.
             pairs: Whether every two rewards are compared, and not each with the baseline alone.
-            told: What the user says: which cells of an experiment are left out.
+            told: What the user says: which cells of an experiment are left out, and how bad and good measures can be.
             loose: Recordings or logs that no experiment made.
 
         Raises:
@@ -97,7 +97,7 @@ class Results(ABC):
         self.is_temporary, self.pairs, self._chosen = is_temporary, pairs, metrics
         self.baseline, self.named = plan.baseline, named_measures(plan.experiment)
         self.manifests = list(map(self._examine, plan.cells))
-        self.account = self._counted(told.leave_out)
+        self.account, self._told = self._counted(told.leave_out), told
 
     # What trained
 
@@ -250,7 +250,7 @@ class Results(ABC):
         A baseline that is its own proposed reward is the null control; these come last.
         """
         unread = sum(len(it.missing) for it in self._read)
-        found = compare_all(self._asked, self.plan.terms, self.manifests, unread)
+        found = compare_all(self._asked, self.plan.terms, self.manifests, unread, self._told)
         return tuple(sorted(found, key=lambda it: it.is_control))
 
     @property

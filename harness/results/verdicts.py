@@ -7,7 +7,7 @@ places where both trained. Whatever else the comparisons say are hints, correcte
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import takewhile
+from itertools import takewhile, zip_longest
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -34,18 +34,16 @@ class Asked:
     members: tuple[Comparison, ...]
     changes: tuple[tuple[Change, ...], ...]
     """By place, the measures that decide, the same in each."""
+    offered: tuple[tuple[Change, ...], ...] = ()
+    """By place, those that could have been named to decide instead; none where it was named before."""
 
     @cached_property
     def question(self) -> Question:
-        """The values, scaled so that higher is better and places can be put together."""
+        """The values, scaled so that higher is better and places can be put together; those that decide come first."""
         # Higher is better; what is no share counts relative to its size, so that places can be put together.
-        return question_of(
-            self.changes,
-            [
-                [(1.0 if change.measure.better == "higher" else -1.0) / size_of(change) for change in changes]
-                for changes in self.changes
-            ],
-        )
+        each = [(*of, *more) for of, more in zip_longest(self.changes, self.offered, fillvalue=())]
+        scales = [[(-1.0 if it.measure.better == "lower" else 1.0) / size_of(it) for it in of] for of in each]
+        return question_of(each, scales)
 
     def together(self, confidence: float) -> tuple[Together, ...]:
         """The measures, means over places, with intervals of this confidence; none where places have other ones."""
@@ -85,7 +83,8 @@ def _ruled(family: Sequence[Comparison], terms: Terms, look_of: LookOf | None, t
     elif to_come:
         rulings = [unasked] * len(asked)
     else:
-        rulings = rule([it.question for it in asked], 1 + len(terms.grown))
+        offered = [len(it.offered[0]) if it.offered else 0 for it in asked]
+        rulings = rule([it.question for it in asked], 1 + len(terms.grown), offered)
     found = dict[int, tuple[Sequence[Change], Ruling, Pool | None]]()
     for it, whole in zip(asked, rulings, strict=True):
         pool, of_places = _pooled(it, whole) if len(it.members) > 1 else (None, [whole])
@@ -127,21 +126,24 @@ def _asked(family: Iterable[Comparison]) -> list[Asked]:
     for it in family:
         if it.decisive_changes:
             found.setdefault((it.baseline, it.proposed, it.group.steps), []).append(it)
-    asked = (Asked(tuple(members), _in_all(members)) for members in found.values())
+    asked = (
+        Asked(
+            tuple(members),
+            _in_all([it.decisive_changes for it in members]) or tuple(it.decisive_changes[:1] for it in members),
+            _in_all([it.offered_changes for it in members]),
+        )
+        for members in found.values()
+    )
     return [it for it in asked if it.changes[0]]
 
 
-def _in_all(members: Sequence[Comparison]) -> tuple[tuple[Change, ...], ...]:
-    """By place, the measures that decide in all places; the first ones that do where their names differ."""
-    of_places = [it.decisive_changes for it in members]
+def _in_all(of_places: Sequence[Sequence[Change]]) -> tuple[tuple[Change, ...], ...]:
+    """By place, the measures that all places have; nothing where they share none."""
     # What a measure is whatever the manner in its place: success at the end, or success while training.
     kinds = [[(change.name, change.measure.is_while_training) for change in changes] for changes in of_places]
     shared = [kind for kind in kinds[0] if all(kind in others for others in kinds)]
-    if not shared:
-        return tuple(changes[:1] for changes in of_places)
-    return tuple(
-        tuple(changes[of.index(kind)] for kind in shared) for changes, of in zip(of_places, kinds, strict=True)
-    )
+    each = (tuple(changes[of.index(kind)] for kind in shared) for changes, of in zip(of_places, kinds, strict=True))
+    return tuple(each) if shared else ()
 
 
 ENDED = ("done", "failed", "damaged", "skipped")

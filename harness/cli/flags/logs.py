@@ -64,6 +64,16 @@ DecidedBy = Annotated[
         name="--measure",
     ),
 ]
+EndsOf = Annotated[
+    list[str] | None,
+    flag(
+        "NAME=LEAST,GREATEST",
+        "How bad and how good a training can be by a measure, such as score=0,200; can be repeated. HELPS and HURTS "
+        "need to know it.",
+        False,
+        name="--ends",
+    ),
+]
 BaselineName = Annotated[
     str | None,
     flag(

@@ -176,29 +176,24 @@ def _dealt(questions: Sequence[Question]) -> list[Ruling]:
     return [found[at] for at in range(len(questions))]
 
 
-def rule(questions: Sequence[Question], looks: int = 1, offered: int = 0) -> list[Ruling]:
+def rule(questions: Sequence[Question], looks: int = 1, offered: Sequence[int] = ()) -> list[Ruling]:
     """What the tests say of each question; nothing of those that have too few trainings.
 
     Args:
         questions: Asked together, each in one place, or in several that get one answer.
         looks: How often the experiment was looked at, this time included.
-        offered: How many measures, the last ones of each question, could have been named to decide instead of those
-            before them, and were not: what was chosen after it was seen is the best of all of them.
+        offered: Of each question, how many measures, its last ones, could have been named to decide instead of those
+            before them, and were not: what was chosen after it was seen is the best of all of them. By default none.
     """
+    more = [*offered, *[0] * (len(questions) - len(offered))]
     testable = [at for at, question in enumerate(questions) if question.is_testable]
-    asked = len(testable) * (1 + offered)
-    found = [Ruling(asked=max(1, asked), looks=looks)] * len(questions)
+    asked = sum(1 + more[at] for at in testable)
+    found = [Ruling(asked=asked, looks=looks)] * len(questions)
     for at, it in zip(testable, dealt([questions[at] for at in testable]) if testable else [], strict=True):
-        ruled = with_bounds(replace(it, asked=asked, looks=looks, offered=offered), questions[at])
-        end = len(ruled.signs) - offered
-        of_measures = ruled.of_measures[:end]
-        found[at] = replace(
-            ruled,
-            corrected=min(of_measures),
-            of_measures=of_measures,
-            signs=ruled.signs[:end],
-            beyond=ruled.beyond[:end],
-        )
+        ruled = with_bounds(replace(it, asked=asked, looks=looks, offered=more[at]), questions[at])
+        end = len(ruled.signs) - more[at]
+        p, signs, beyond = ruled.of_measures[:end], ruled.signs[:end], ruled.beyond[:end]
+        found[at] = replace(ruled, corrected=min(p), of_measures=p, signs=signs, beyond=beyond)
     return found
 
 

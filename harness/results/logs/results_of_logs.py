@@ -181,7 +181,8 @@ def _results(
     if told.labels is not None:
         found = labelled(found, place, told.labels)
     runs = runs_of(found, told.deciding, other, told.leave_out)
-    return Recordings(place, registry, plan_of(runs), kind, metrics=metrics, pairs=pairs, loose=runs)
+    told = replace(told, leave_out=())
+    return Recordings(place, registry, plan_of(runs), kind, metrics=metrics, pairs=pairs, told=told, loose=runs)
 
 
 def _in_steps(found: Sorted, registry: Registry, told: Told) -> Sorted:

@@ -1,11 +1,15 @@
 """What a user says of logs; everything else is found out."""
 
-from collections.abc import Collection
+import math
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import NamedTuple
 
 from harness.errors import UsageError
+from harness.eta.interval import Bounds
+from harness.log.log import SUCCESS
 from harness.registry.choice import parse
 
 RETURN, LENGTH = "return", "length"
@@ -39,6 +43,7 @@ class Told:
         labels: A file that says which trainings, or episodes, were successes.
         leave_out: Files and folders of trainings that are left out.
         per_step: How many environment steps an iteration of each reward is, ``base=98304,prop=49152``.
+        ends: By measure, the least and the greatest value that a training can have.
     """
 
     format: str = ""
@@ -48,6 +53,7 @@ class Told:
     labels: Path | None = None
     leave_out: tuple[Path, ...] = ()
     per_step: str = ""
+    ends: Mapping[str, Bounds] = MappingProxyType({})
 
     @property
     def flags(self) -> list[str]:
@@ -59,7 +65,13 @@ class Told:
             "--labels": str(self.labels or ""), "--per-step": self.per_step,
         }  # fmt: skip
         left_out = (("--leave-out", str(path)) for path in self.leave_out)
-        return [text for flag, value in (*given.items(), *left_out) if value for text in (flag, value)]
+        ends = (("--ends", f"{name}={low:g},{high:g}") for name, (low, high) in self.ends.items())
+        return [text for flag, value in (*given.items(), *left_out, *ends) if value for text in (flag, value)]
+
+    @property
+    def is_named_later(self) -> bool:
+        """Whether a measure was named that would not decide by itself: then it is one of all that could have been."""
+        return self.deciding.name not in ("", SUCCESS)
 
     def steps_of(self, rewards: Collection[str]) -> dict[str, int]:
         """How many environment steps an iteration of each reward is.
@@ -76,6 +88,25 @@ class Told:
 
 
 FOUND_OUT = Told()
+
+
+def parse_ends(texts: Iterable[str]) -> dict[str, Bounds]:
+    """What ``--ends`` says: ``score=0,200``.
+
+    Raises:
+        UsageError: It is malformed.
+    """
+    found = {}
+    for text in texts:
+        name, _, ends = text.rpartition("=")
+        try:
+            low, high = map(float, ends.split(","))
+        except ValueError:
+            low, high = 0.0, 0.0
+        if not (name and math.isfinite(low) and math.isfinite(high) and low < high):
+            raise UsageError(f"--ends {text}: write NAME=LEAST,GREATEST, two numbers such as score=0,200")
+        found[name] = (low, high)
+    return found
 
 
 def parse_deciding(text: str) -> Deciding:

@@ -132,7 +132,7 @@ def test_so_far_is_seldom_said_where_rewards_are_the_same(name, rewards, offered
             t = np.abs(Question.of(whole).statistics()[0])
             order = [int(t.argmax()), *(at for at in range(offered + 1) if at != t.argmax())]
             of = [Question.of(whole[..., order], np.tile(ENDS[:1], (1, offered + 1, 1)))]
-        wrong += any(it.is_decided or it.is_ahead for it in rule(of, offered=offered))
+        wrong += any(it.is_decided or it.is_ahead for it in rule(of, offered=[offered] * len(of)))
     assert is_kept(f"{name}, {rewards} rewards, {offered} offered", wrong / experiments, 0.055, experiments)
 
 

@@ -85,7 +85,7 @@ def test_four_seeds_can_tell(seeds, p, is_told):
 def test_a_measure_that_was_chosen_from_several_is_held_against_all(offered):
     """Its p is that of the largest of all, and its bound is wider."""
     values = values_of(8, measures=1 + offered, effect=[1.2, *[0.0] * offered])
-    (found,), (named,) = rule([Question.of(values)], offered=offered), rule([Question.of(values[..., :1])])
+    (found,), (named,) = rule([Question.of(values)], offered=[offered]), rule([Question.of(values[..., :1])])
     assert (found.p >= named.p, len(found.signs), found.asked) == (True, 1, 1 + offered)
     assert (found.p > named.p) == (found.confidence > 0.95) == (offered > 0)
 
