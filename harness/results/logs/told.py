@@ -2,9 +2,8 @@
 
 import math
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from types import MappingProxyType
 from typing import NamedTuple
 
 from harness.errors import UsageError
@@ -53,7 +52,7 @@ class Told:
     labels: Path | None = None
     leave_out: tuple[Path, ...] = ()
     per_step: str = ""
-    ends: Mapping[str, Bounds] = MappingProxyType({})
+    ends: Mapping[str, Bounds] = field(default_factory=dict)
 
     @property
     def flags(self) -> list[str]:
