@@ -171,7 +171,7 @@ def terms_paid(
 def _difference(less: Sequence[float | None], from_: Sequence[float | None]) -> SeedMean:
     """The mean of one side minus that of another, which are not paired; none where a training has no value."""
     one, other = ([value for value in side if value is not None] for side in (less, from_))
-    if not one or not other or (len(one), len(other)) != (len(less), len(from_)):
+    if not one or not other or len(one) + len(other) < len(less) + len(from_):
         return NOTHING
     mean, seeds = sum(other) / len(other) - sum(one) / len(one), min(len(one), len(other))
     if notes := why_no_interval(seeds):

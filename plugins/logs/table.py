@@ -229,8 +229,9 @@ class Table(Roles):
         labels = labels_of(table, [name for name in words if name not in runs])
         taught = [name for name in labels if plain(name) in ROLES["taught"]]
         for name in words:  # another file may name another reward, and the names of files may not
-            (first, *others), where = {*table.cells[name]}, str(table.path)
-            if plain(name) in ROLES["taught"][:-3] and first and not others and first.strip() not in where:
+            (first, *others), of_files = {*table.cells[name]}, ROLES["taught"][:-3]
+            is_in_path = re.search(rf"(?<![^\W_]){re.escape(first.strip())}(?![^\W_])", str(table.path))
+            if plain(name) in of_files and first and not others and not is_in_path:
                 taught.append(name)
         groups = split(table, [*taught, *runs])
         modes = [name for name in varying if plain(name) in ROLES["mode"] and name not in labels]

@@ -392,7 +392,7 @@ def _steps(training: Training, axis: Axis) -> int:
 
 
 def _span(training: Training, axis: Axis) -> Span:
-    """Of which steps the rows of its first log tell; the first row of no more than any other one."""
+    """The steps of which the rows of its first log tell; the first row tells of no more than any other one."""
     log = training.logs[0]
     ends = _ends(log, axis)
     apart = log[LENGTH][0] if log.facts.unit == "episode" and LENGTH in log else np.diff(ends).max(initial=0.0)
