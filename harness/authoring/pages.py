@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from harness.report.facts import Fact as Fact
     from harness.report.figures.accumulated import draw_both as draw_both
     from harness.report.figures.chart import Mark as Mark
+    from harness.report.figures.choosing import draw_choosing as draw_choosing
     from harness.report.figures.draw import (
         CHARACTER as CHARACTER,
         SAMPLE as SAMPLE,
@@ -38,7 +39,6 @@ if TYPE_CHECKING:
         reward_range as reward_range,
     )
     from harness.report.figures.points import FEWEST as FEWEST, POINTS as POINTS, select_points as select_points
-    from harness.report.figures.race import draw_race as draw_race
     from harness.report.figures.ratio_axis import is_drawable as is_drawable
     from harness.report.figures.split import (
         draw_ratio as draw_ratio,
@@ -61,6 +61,11 @@ if TYPE_CHECKING:
         percentage as percentage,
         text_of as text_of,
     )
+    from harness.report.rows.choosing import (
+        CHOOSING as CHOOSING,
+        CHOOSING_TITLE as CHOOSING_TITLE,
+        ChoosingTold as ChoosingTold,
+    )
     from harness.report.rows.comparison import (
         answer_text as answer_text,
         compared_text as compared_text,
@@ -77,7 +82,6 @@ if TYPE_CHECKING:
         POOLED_TITLE as POOLED_TITLE,
         pooled_answers as pooled_answers,
     )
-    from harness.report.rows.race import RACE as RACE, RACE_TITLE as RACE_TITLE, RaceTold as RaceTold
     from harness.report.rows.ratios import (
         BETTER as BETTER,
         ratio_text as ratio_text,

@@ -1,4 +1,4 @@
-"""``harness choose``: the best of several rewards, with few trainings."""
+"""``harness choose``: which of several rewards goes furthest within a budget, and whether it helps."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -7,19 +7,24 @@ from typing import TYPE_CHECKING, Annotated, Any
 from harness.cli.flags.shared import REWARDS, Names, flag
 from harness.cli.help import takes
 from harness.cli.output import say
-from harness.cli.run import RunFlags, foresee_run, given_plugins, read_flags, screen, show_run, train
+from harness.cli.run import RunFlags, foresee_run, given_plugins, parse_time, read_flags, screen, show_run, train
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
     from harness.registry.given import Given
     from harness.registry.registry import Registry
-    from harness.results import Results
 
 Candidates = Annotated[
     Names, flag("NAME,...", "The candidates, such as arp,dense,relative.", "the rewards of the files", offers=REWARDS)
 ]
-Looks = Annotated[
-    str | None, flag("N,...", "The seeds of each reward in each place at each look.", "4,6,8,12,16,24,32")
+Budget = Annotated[
+    str | None,
+    flag(
+        "N|TIME",
+        "How many trainings it may take, such as 60, or how long, such as 10min or 2h.",
+        "20, and 4 for each candidate, in each place",
+        name="--budget",
+    ),
 ]
 CHOSEN = frozenset(
     [
@@ -35,7 +40,6 @@ CHOSEN = frozenset(
         "out",
         "jobs",
         "executor",
-        "budget",
         "changed",
         "measure",
         "plugin",
@@ -50,11 +54,13 @@ CHOSEN = frozenset(
 """The flags of ``harness run`` that mean the same here."""
 
 
-@takes(RunFlags, CHOSEN, reward=Candidates, looks=Looks)
+@takes(RunFlags, CHOSEN, reward=Candidates, budget=Budget)
 def choose(**given: Any) -> int:
-    """Find the best of several rewards. It trains all of them, and drops clearly worse candidates.
+    """See which of several rewards goes furthest within a budget, then make sure that it helps.
 
-    The candidates are the rewards of the files, or those that are named; the baseline takes part too.
+    With half of the budget it trains all candidates, and the worse half of them leaves again and again. With the rest
+    it trains the one that is left and the baseline anew, and compares these new trainings alone. The candidates are the
+    rewards of the files, or those that are named.
     """
     from harness.experiment.experiment import check
     from harness.registry.given import PluginFile
@@ -66,7 +72,7 @@ def choose(**given: Any) -> int:
     registry = load_registry(given=plugins)
     if given["reward"] is None and given["experiment"] is None and given["sim"]:
         given["reward"] = _candidates(registry, plugins)
-    asked, options = read_flags({**given, "until": "best"})
+    asked, options = read_flags({**given, **_spend(given["budget"]), "until": "best", "looks": None})
     ready = check(asked, options, plugins)
     if given["screen"]:
         screen(ready)
@@ -75,7 +81,8 @@ def choose(**given: Any) -> int:
     results, status = train(ready, given["quiet"], given["watch"])
     show_run(results, given["as_json"])
     if not given["as_json"]:
-        _add(results, registry.broken_files())
+        for line in registry.broken_files():
+            say(line)
     return status
 
 
@@ -94,12 +101,17 @@ def _candidates(registry: "Registry", plugins: "Sequence[Given]") -> list[str]:
     return found
 
 
-def _add(results: "Results", left_out: Sequence[str]) -> None:
-    """Why candidates are missing, and whether there is a race to tell of yet."""
-    from harness.results.standing import standing_of
+def _spend(budget: str | None) -> dict[str, Any]:
+    """The keys of an experiment for ``--budget``.
 
-    for line in left_out:
-        say(line)
-    standing = standing_of(results)
-    if standing is None or standing.race is None or not standing.race.looks:
-        say("No look is complete yet: the same command goes on.")
+    Raises:
+        UsageError: It is neither a number of trainings nor a time.
+    """
+    if budget is None or budget.strip().isdigit():
+        return {"trainings": None if budget is None else int(budget), "budget": None}
+    try:
+        return {"minutes": parse_time(budget) / 60.0, "budget": None}
+    except UsageError:
+        raise UsageError(
+            f"--budget {budget}: give a number of trainings, such as 60, or a time, such as 10min"
+        ) from None

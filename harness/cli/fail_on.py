@@ -22,7 +22,7 @@ Question: TypeAlias = Literal["behaviour", "pay", "ranking"]
 """What is answered: how a robot behaves, what a reward pays for, how it ranks recorded episodes."""
 CANNOT_TELL = "cannot-tell"
 UNSAID = (Answer.CANNOT_TELL, Answer.INTERIM, Answer.AHEAD, Answer.BEHIND)
-"""Before the last training, and in a race, no comparison says anything of its own."""
+"""Before the last training no comparison says anything of its own."""
 NAMES: Mapping[Question, Mapping[str, str]] = {
     "behaviour": {it.value.replace(" ", "-"): word_of(it) for it in Answer if it not in UNSAID},
     "pay": {"failing": FAILING, "loitering": LOITERING},

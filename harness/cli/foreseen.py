@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from harness.eta.headline import count_trainings
 from harness.text import LONGEST_MESSAGE
 
 if TYPE_CHECKING:
@@ -21,15 +22,19 @@ def foreseen_lines(found: "Foreseen") -> Iterator[str]:
     total = len(found.done) + len(found.to_do) + found.left + len(found.skipped)
     of_run = {"done": len(found.done), "to do": len(found.to_do)}
     counts = {**of_run, "not in this run": found.left, "skipped": len(found.skipped)}
-    yield f"{'At most ' if found.looks else ''}{total} cells: " + ", ".join(
+    is_most = bool(found.looks) or found.is_choosing
+    yield f"{'At most ' if is_most else ''}{total} cells: " + ", ".join(
         f"{count} {noun}" for noun, count in counts.items() if count
     )
     for reason, count in Counter(reason for _, reason in found.skipped).items():
         yield f"skipped: {count}: {reason}"
     if found.looks:
         yield _looks(found)
-    yield from (f"done: {line}" for line in _by_combination(found.done, lists_seeds=not found.looks))
-    yield from (f"to do: {line}" for line in _by_combination(found.to_do, lists_seeds=not found.looks))
+    if found.is_choosing:
+        yield from _choosing(found)
+    else:
+        yield from (f"done: {line}" for line in _by_combination(found.done, lists_seeds=not found.looks))
+        yield from (f"to do: {line}" for line in _by_combination(found.to_do, lists_seeds=not found.looks))
     if found.to_do:
         yield from _evaluations(found.to_do[0], found.horizon)
         yield f"Time: {_time(found)}"
@@ -42,6 +47,19 @@ def _looks(found: "Foreseen") -> str:
     first = found.looks[0] * len({replace(it, seed=0) for it in (*found.done, *found.to_do)})
     seeds = ", ".join(map(str, found.looks))
     return f"Looks: at {seeds} seeds of each. The first takes {first} cells. The run ends with the answer"
+
+
+def _choosing(found: "Foreseen") -> Iterator[str]:
+    """Who is trained, and how often: which cells these are is known when the worse half leaves."""
+    yield f"Candidates: {', '.join(found.candidates)}"
+    if found.schedule is None:
+        yield "The first training of each tells how many there is time for"
+        return
+    rungs = ", ".join(
+        f"{'the better ' * bool(at)}{rung.candidates} with {count_trainings(rung.seeds)} each"
+        for at, rung in enumerate(found.schedule.rungs)
+    )
+    yield f"In each place: {rungs}. Then {found.schedule.fresh} new ones of the one that is left, and of the baseline"
 
 
 def _by_combination(cells: Sequence["Cell"], *, lists_seeds: bool) -> Iterator[str]:
@@ -72,7 +90,7 @@ def _evaluations(cell: "Cell", horizon: int) -> Iterator[str]:
 def _time(found: "Foreseen") -> str:
     if found.seconds is None:
         return f"not known: {found.unknown}"
-    most = "at most " if found.looks else ""
+    most = "at most " if found.looks or found.is_choosing else ""
     return f"{most}{about(found.seconds)}, {min(found.at_once, len(found.to_do))} at once, {found.basis}"
 
 

@@ -226,7 +226,7 @@ def read_flags(given: Mapping[str, Any]) -> "tuple[Experiment, RunOptions]":
         "measure": measures or None,
         "seeds": _parse_seeds(given.get("seeds")),
         "looks": _parse_looks(given["looks"]),
-        "budget": _parse_time(given["budget"]),
+        "budget": parse_time(given["budget"]),
     }
     options = RunOptions(**{field.name: read[field.name] for field in fields(RunOptions) if field.name in read})
     return _read_asked(given["experiment"], read), options
@@ -308,11 +308,11 @@ def train(ready: "ExperimentRun", quiet: bool, watch: bool = False) -> "tuple[Re
         ready.begin(lambda: complain(f"waiting for another run in '{folder}' to end")) as begun,
         _page_of(folder) if watch else nullcontext(),
         LiveProgress(
-            (*begun.spared, *begun.waiting),
+            (*begun.spared, *begun.foreseen),
             begun.spared,
             console,
             ready.store.log_of,
-            at_most=bool(ready.plan.terms.looks),
+            at_most=ready.plan.terms.has_plan,
         ) as progress,
     ):
         results = begun.run(progress, progress.warn)
@@ -380,11 +380,12 @@ def _parse_looks(text: str | None) -> list[int] | None:
 UNITS = {"s": 1.0, "m": 60.0, "h": 3600.0, "d": 86400.0}
 
 
-def _parse_time(text: str | None) -> float:
+def parse_time(text: str | None) -> float:
     """The seconds of ``--budget``; 0 for no limit."""
     if text is None:
         return 0.0
-    number, unit = text.strip()[:-1], UNITS.get(text.strip()[-1:], 0.0)
+    short = text.strip().removesuffix("in")  # 10min are 10m
+    number, unit = short[:-1], UNITS.get(short[-1:], 0.0)
     try:
         seconds = float(number) * unit
     except ValueError:

@@ -10,6 +10,7 @@ from harness.cli.output import say, say_json
 
 if TYPE_CHECKING:
     from harness.record.status import FolderStatus, Progress
+    from harness.results.choosing import Choosing
     from harness.results.standing import Standing
 
 KINDS = ("done", "failed", "skipped", "damaged", "running", "interrupted", "pending", "not needed")
@@ -29,7 +30,9 @@ def status(
     if standing is not None:
         found = found.without(standing.not_needed)
     if as_json:
-        say_json({**found.to_json(), "looks": standing and standing.to_json()})
+        from harness.results.standing import standing_to_json
+
+        say_json({**found.to_json(), **standing_to_json(standing)})
         return
     say(f"{folder}: {'a run is using it' if found.is_in_use else 'no run is using it'}")
     counts = ", ".join(f"{found.count(kind)} {kind}" for kind in KINDS if found.count(kind))
@@ -43,11 +46,11 @@ def status(
             say(f"{one.status}: {one.cell.title}: {_detail(one, found)}")
 
 
-def _standing(folder: Path) -> "Standing | None":
-    """How an experiment with looks stands; None if it has none."""
+def _standing(folder: Path) -> "Standing | Choosing | None":
+    """How an experiment stands whose seeds were planned to the end; None of another one."""
     from harness.record.store import Store
 
-    if not Store.open(folder).read_plan().terms.looks:
+    if not Store.open(folder).read_plan().terms.has_plan:
         return None  # without importing what reads results
     from harness.results.load import load_results
     from harness.results.standing import standing_of

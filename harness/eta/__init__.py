@@ -50,9 +50,15 @@ if TYPE_CHECKING:
         no_splits as no_splits,
     )
     from harness.eta.swaps import Swaps as Swaps, corrected_p as corrected_p, p_of as p_of, swaps_of as swaps_of
+    from harness.eta.verdict.halving import (
+        Rung as Rung,
+        fewest as fewest,
+        halve as halve,
+        schedule_of as schedule_of,
+        usual as usual,
+    )
     from harness.eta.verdict.looks import LookRuling as LookRuling, Looks as Looks, rule_in_looks as rule_in_looks
     from harness.eta.verdict.question import Question as Question
-    from harness.eta.verdict.race import RACE as RACE, race as race
     from harness.eta.verdict.ruling import Ruling as Ruling, rule as rule
 else:
     __all__, __getattr__ = face_of(__name__, __file__)

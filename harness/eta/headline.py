@@ -222,3 +222,8 @@ def _while(change: Compared) -> str:
 def count_seeds(seeds: int) -> str:
     """The number of seeds, in words."""
     return "1 seed" if seeds == 1 else f"{seeds} seeds"
+
+
+def count_trainings(count: int) -> str:
+    """The number of trainings, in words."""
+    return "1 training" if count == 1 else f"{count} trainings"

@@ -160,6 +160,12 @@ class BegunRun:
         return tuple(cell for cell in self._selected if cell not in done)[: self.asked.options.limit]
 
     @property
+    def foreseen(self) -> tuple[Cell, ...]:
+        """As many of them as may be run: where one of several rewards is chosen, not all that may be needed are."""
+        budget = self.asked.plan.terms.budget
+        return self.waiting[: max(budget - len(self.done), 0)] if budget else self.waiting
+
+    @property
     def spared(self) -> tuple[Cell, ...]:
         """The cells that are asked for by name, and were done before."""
         selected = set(self._selected)
@@ -204,9 +210,9 @@ class BegunRun:
         return load_results(store.folder, options.curve, options.metrics, registry=self.asked.registry)
 
     def _stages(self) -> Iterator[tuple[Cell, ...]]:
-        """The cells that wait: all at once, or those of one look after the other until the answers stand."""
+        """The cells that wait: all at once, or those that an answer waits for, one stage after the other."""
         terms, tried, options = self.asked.plan.terms, set[Cell](), self.asked.options
-        if not terms.looks:
+        if not terms.has_plan:
             yield self.waiting
             return
         may = set(self._selected)
@@ -283,7 +289,9 @@ def check(experiment: Experiment, options: RunOptions = DEFAULTS, given: Sequenc
         earlier = store.read_plan()
         refuse_mixed(f"--out '{store.folder}'", earlier.cells, asked)
         replace(earlier, cells=asked).with_cells_of(earlier.cells)  # refuses what would be too many
-        refuse_other_looks(store.folder, earlier, plan.terms, asked)
+        new = [cell for cell in earlier.cells if cell.reward.label == plan.baseline]
+        is_open = bool(plan.terms.seconds) and all(store.examine(cell).status == "pending" for cell in new)
+        refuse_other_looks(store.folder, earlier, plan.terms, asked, is_open=is_open)
         plan = replace(plan, warnings=(*plan.warnings, *_renamed_since(earlier.cells, plan.cells, registry)))
     if any(store.examine(cell).status != "done" for cell in plan.cells):
         plan, registry = try_plan(plan, registry)

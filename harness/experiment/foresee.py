@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from harness.eta.verdict.halving import Schedule, schedule_of
 from harness.experiment.experiment import ExperimentRun
 from harness.experiment.trials.measured_kind import Measured, horizon_in, measure_kinds
 from harness.record.cell import Cell
@@ -14,6 +15,7 @@ from harness.record.pace import Ended, Kind, kind_of, time_left, took
 from harness.record.store import Store
 from harness.registry.choice import choose
 from harness.registry.registry import Registry
+from harness.results.comparison import Group
 from harness.text import command_text
 
 HERE = "processes"
@@ -40,6 +42,8 @@ class Foreseen:
         horizon: Steps after which the environment itself ends an episode; 0 if it does not, or that is not known.
         looks: Of an experiment with looks, the seeds at each of them: it ends where the answer stands, so that `to_do`
             is the most that there can be. Empty for others.
+        is_choosing: Whether one of several rewards is chosen. Of `to_do` only the number is known then.
+        schedule: How its budget is spent; None as long as that is not known.
     """
 
     folder: Path
@@ -53,8 +57,16 @@ class Foreseen:
     bytes: float | None = None
     unknown: str = ""
     looks: tuple[int, ...] = ()
+    is_choosing: bool = False
+    schedule: Schedule | None = None
     measured: int = 0
     horizon: int = 0
+
+    @property
+    def candidates(self) -> tuple[str, ...]:
+        """The rewards that are trained first."""
+        cells = (*self.done, *self.to_do)
+        return tuple(dict.fromkeys(it.reward.label for it in cells if it.seed == cells[0].seed))
 
     @property
     def basis(self) -> str:
@@ -77,6 +89,7 @@ class Foreseen:
             "bytes": self.bytes,
             "unknown": self.unknown,
             "looks": list(self.looks),
+            "rungs": [rung._asdict() for rung in self.schedule.rungs] if self.schedule else [],
             "measured": self.measured,
         }
 
@@ -92,29 +105,39 @@ def foresee(ready: ExperimentRun, *, measures: bool = False) -> Foreseen:
         UsageError: It would be refused, because other plugins made done cells.
     """
     begun, store = ready.look(), ready.store
+    to_do, left = begun.foreseen, len(ready.plan.cells) - len(begun.done) - len(set(begun.waiting) - set(begun.done))
     done = [manifest for manifest in store.manifests() if manifest.status == "done"]
     ended, sizes = [took(it) for it in done], _bytes_per_step(store, [it.cell for it in done])
-    missing = {kind_of(cell): cell for cell in reversed(begun.waiting) if kind_of(cell) not in sizes}
+    missing = {kind_of(cell): cell for cell in reversed(to_do) if kind_of(cell) not in sizes}
     measured, reason = _measured(ready, [*missing.values()]) if measures and missing else ({}, "")
     ended += [Ended(cell, *it.of_cell(cell)) for cell, it in measured.items()]
     is_known, setup = measured.keys() == {*missing.values()}, max((it.setup for it in measured.values()), default=0.0)
-    seconds = time_left(ended, [], begun.waiting, ready.options.at_once) if is_known else None
+    seconds = time_left(ended, [], to_do, ready.options.at_once) if is_known else None
     unknown = _why_unknown(next(iter(missing.values())), reason) if missing else ""
     return Foreseen(
         store.folder,
         not Store.is_experiment(store.folder),
         begun.done,
-        begun.waiting,
-        len(ready.plan.cells) - len(begun.done) - len(set(begun.waiting) - set(begun.done)),
+        to_do,
+        left,
         ready.plan.skipped,
         ready.options.at_once,
         None if seconds is None else seconds + setup,
-        None if missing else sum(sizes[kind_of(cell)] * cell.steps for cell in begun.waiting),
+        None if missing else sum(sizes[kind_of(cell)] * cell.steps for cell in to_do),
         unknown,
         ready.plan.terms.looks,
+        bool(ready.plan.terms.budget),
+        _schedule_of(ready),
         sum(it.steps for it in measured.values()),
         max([_horizon_of(store, begun.done), *(it.horizon for it in measured.values())]),
     )
+
+
+def _schedule_of(ready: ExperimentRun) -> Schedule | None:
+    """How a budget of trainings is spent; None of one in minutes, before the first trainings have ended."""
+    terms, skipped = ready.plan.terms, [cell for cell, _ in ready.plan.skipped]
+    places = len({Group.of(it) for it in (*ready.plan.cells, *skipped)})
+    return schedule_of(terms.asked, terms.budget, places) if terms.budget and not terms.seconds else None
 
 
 def _measured(ready: ExperimentRun, cells: Sequence[Cell]) -> tuple[dict[Cell, Measured], str]:

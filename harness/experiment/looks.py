@@ -9,8 +9,8 @@ from typing import Protocol
 import numpy as np
 
 from harness.errors import UsageError
+from harness.eta.verdict.halving import MOST, fewest, usual
 from harness.eta.verdict.looks import check_looks, looks_for
-from harness.eta.verdict.race import RACE
 from harness.experiment.task_plan import TaskPlan
 from harness.record.cell import Cell
 from harness.record.plan_file import StoredPlan
@@ -33,6 +33,14 @@ class Asked(Protocol):
     def margin(self) -> float:
         """A difference below this ends the training."""
 
+    @property
+    def trainings(self) -> int | None:
+        """What `harness choose` may spend; None for the usual number, or for `minutes`."""
+
+    @property
+    def minutes(self) -> float | None:
+        """What it may spend, in minutes."""
+
 
 def terms_of(asked: Asked, tasks: Sequence[TaskPlan], algorithms: Sequence[Choice]) -> Terms:
     """What an experiment agrees on before its first training.
@@ -49,37 +57,66 @@ def terms_of(asked: Asked, tasks: Sequence[TaskPlan], algorithms: Sequence[Choic
     if not rewards:
         raise UsageError(f"until={asked.until}: there is no reward to compare with the baseline. Give --reward")
     places = sum(len(it.simulators) for it in tasks) * len(algorithms)
-    is_race = asked.until == "best"
-    looks = (RACE if is_race else looks_for(places)) if asked.looks is None else tuple(asked.looks)
+    if asked.until == "best":
+        return _terms_of_choosing(asked, rewards, places)
+    looks = looks_for(places) if asked.looks is None else tuple(asked.looks)
     problem = check_looks(looks)
     if problem:
         raise UsageError(f"looks={','.join(map(str, looks))}: {problem}")
-    return Terms(looks, rewards + is_race, asked.margin, is_race, averaged=NEW.averaged)
+    return Terms(looks, rewards, asked.margin, averaged=NEW.averaged)
 
 
-def refuse_other_looks(folder: Path, earlier: StoredPlan, terms: Terms, asked: Sequence[Cell]) -> None:
-    """See that an experiment with looks goes on as it was begun.
+def _terms_of_choosing(asked: Asked, candidates: int, places: int) -> Terms:
+    """See `terms_of`. Of a budget in minutes all cells are planned that the longest one may need."""
+    if asked.looks is not None:
+        raise UsageError("looks go with until=decided: harness choose has a budget instead, --budget 60")
+    if candidates < 2:
+        raise UsageError("one candidate leaves nothing to choose: name more rewards, or compare it: harness run")
+    least, most = fewest(candidates, places), usual(candidates, places)
+    if asked.minutes is not None:
+        return Terms(asked=candidates, averaged=NEW.averaged, budget=MOST * most, seconds=60.0 * asked.minutes)
+    budget = most if asked.trainings is None else asked.trainings
+    if budget < least:
+        raise UsageError(
+            f"--budget {budget}: {least} trainings are the fewest that can tell anything of {candidates} candidates"
+            f"{f' in {places} places' if places > 1 else ''}; {most} are usual. Give --budget {least} or more"
+        )
+    return Terms(asked=candidates, averaged=NEW.averaged, budget=budget)
+
+
+def refuse_other_looks(
+    folder: Path, earlier: StoredPlan, terms: Terms, asked: Sequence[Cell], *, is_open: bool = False
+) -> None:
+    """See that an experiment that was planned to its end goes on as it was begun.
 
     Args:
         folder: The experiment's.
         earlier: What was asked for in it before.
         terms: What is agreed on now.
         asked: The cells that are asked for now.
+        is_open: Whether nobody was asked about yet, so that the time may still be another one.
 
     Raises:
-        UsageError: Looks, margin, rewards or places are others than at the first look, or a folder without looks gets
-            some. Nothing is written.
+        UsageError: Looks, margin, budget, rewards or places are others than at first, or a folder without looks gets
+            some, or it is a race of an earlier version. Nothing is written.
     """
-    if not earlier.terms.looks and not terms.looks:
+    if earlier.terms.race:
+        raise UsageError(
+            f"'{folder}' holds a race that version 0.3 or an earlier one began; rewards are chosen in another way now: "
+            "name a new folder, --out NEW"
+        )
+    if not earlier.terms.has_plan and not terms.has_plan:
         return
-    if earlier.terms == terms and set(asked) == set(earlier.cells):
+    agreed = replace(earlier.terms, seconds=terms.seconds) if is_open and earlier.terms.seconds else earlier.terms
+    if agreed == terms and set(asked) == set(earlier.cells):
         return
-    what = "its looks, its margin, its rewards or its places are others" if terms.looks else "it is trained in looks"
-    if not earlier.terms.looks:
+    what = "its looks, its margin, its budget, its rewards or its places are others"
+    if not terms.has_plan:
+        what = "it is trained in looks" if earlier.terms.looks else "it chooses one of several rewards"
+    if not earlier.terms.has_plan:
         what = "it was begun without looks, so its seeds were not foreseen"
     raise UsageError(
-        f"'{folder}': {what}. What an experiment with looks asks is settled before its first training: "
-        "name a new folder, --out NEW"
+        f"'{folder}': {what}. What it asks is settled before its first training: name a new folder, --out NEW"
     )
 
 

@@ -12,6 +12,7 @@ from pydantic import BeforeValidator, Field
 from pydantic.dataclasses import dataclass as checked_dataclass
 
 from harness.errors import UsageError
+from harness.eta.verdict.halving import schedule_of
 from harness.eta.verdict.looks import MARGIN
 from harness.experiment.looks import own_seed, terms_of
 from harness.experiment.task_plan import Given, TaskPlan, plan_tasks, table_of, unnamed
@@ -92,7 +93,7 @@ class Experiment:
     ] = 6
     until: Annotated[
         Literal["", "decided", "best"],
-        Field(description="decided: train in looks until there is an answer; best: until the best reward is known"),
+        Field(description="decided: train in looks until there is an answer; best: see which reward goes furthest"),
     ] = ""
     looks: Annotated[
         list[SeedCount] | None,
@@ -101,6 +102,12 @@ class Experiment:
     margin: Annotated[
         float, Field(gt=0.0, lt=1.0, description="with until: a difference of success below this ends the training")
     ] = MARGIN
+    trainings: Annotated[
+        SeedCount | None, Field(description="with until best: how many trainings it may take; None: the usual number")
+    ] = None
+    minutes: Annotated[
+        float | None, Field(gt=0.0, lt=1e7, description="with until best, instead of trainings: how long it may take")
+    ] = None
     steps: Annotated[Steps, Field(description="environment steps of training per cell")] = 10_000
     evaluation_episodes: Annotated[EpisodeCount, Field(description="episodes per evaluation")] = 100
     evaluate_every: Annotated[
@@ -188,6 +195,9 @@ def check_experiment(data: Mapping[str, Any], noun: str = "experiment") -> Exper
         raise UsageError(f"until={data['until']} finds the number of seeds itself: leave out seeds, or give looks")
     if not data.get("until") and data.get("looks") is not None:
         raise UsageError("looks go with until: give --until decided")
+    given = [key for key in ("trainings", "minutes") if data.get(key) is not None]
+    if given and (data.get("until") != "best" or len(given) > 1):
+        raise UsageError(f"{' and '.join(given)}: give one of trainings and minutes, with until best")
     listed = {key: _split_names(value) if key in LISTS else value for key, value in data.items()}
     if "task" in data:
         tasks = _split_names(data["task"])
@@ -245,7 +255,10 @@ def _plan(experiment: Experiment, tasks: Sequence[TaskPlan], chosen: Iterable[Ch
     """The cells of tasks that were looked at, with each of the chosen algorithms once."""
     algorithms = tuple(dict.fromkeys(chosen))
     terms = terms_of(experiment, tasks, algorithms) if experiment.until else NEW
-    seeds = list(range(terms.looks[-1])) if terms.looks else experiment.seed_list
+    places = sum(len(it.simulators) for it in tasks) * len(algorithms)
+    schedule = schedule_of(terms.asked, terms.budget, places) if terms.budget else None
+    last = schedule.seeds + schedule.fresh if schedule else terms.looks[-1] if terms.looks else 0
+    seeds = list(range(last)) if terms.has_plan else experiment.seed_list
     _require_few(len(seeds), tasks, len(algorithms))
     fits = {(it.task, *pair): it.fit(*pair) for it in tasks for pair in itertools.product(algorithms, it.trained)}
     control = control_seeds(seeds) if any(it.has_control for it in tasks) else {}
@@ -265,7 +278,9 @@ def _plan(experiment: Experiment, tasks: Sequence[TaskPlan], chosen: Iterable[Ch
         for seed, it, simulator, algorithm, reward in matrix
         for fit in [fits[it.task, algorithm, reward]]
     ]
-    if terms.looks:
+    if schedule:  # the baseline is no candidate: it trains with the new seeds alone
+        planned = [it for it in planned if it[0].reward != tasks[0].baseline or it[0].seed >= schedule.seeds]
+    if terms.has_plan:
         planned = [(own_seed(cell), reason) for cell, reason in planned]
     return Plan(
         tasks[0].baseline.label,
@@ -375,7 +390,7 @@ def _given(experiment: Experiment, needs: Sequence[Mapping[str, Any]]) -> dict[s
     if experiment.until:
         del values["seeds"]
         return {**values, **plugins}
-    for key in ("until", "looks", "margin"):
+    for key in ("until", "looks", "margin", "trainings", "minutes"):
         del values[key]
     return {**values, **plugins, "seeds": experiment.seed_list}
 

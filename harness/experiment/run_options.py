@@ -147,6 +147,8 @@ class RunArguments(TypedDict, total=False):
     until: Literal["decided", "best"]
     looks: Sequence[int]
     margin: float
+    trainings: int
+    minutes: float
     steps: int
     evaluation_episodes: int
     evaluate_every: int

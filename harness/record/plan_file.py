@@ -133,7 +133,11 @@ def read_plan(folder: Path) -> StoredPlan:
 
 def _plan_of(data: dict[str, Any]) -> StoredPlan:
     told = {name: it for name, it in data.items() if name not in BESIDE}
-    return forms.read_form(StoredPlan, {"control": [], **told})  # a plan of version 0.1 has none
+    found = forms.read_form(StoredPlan, {"control": [], **told})  # a plan of version 0.1 has none
+    if not found.terms.race:
+        return found
+    # Whoever looked at a race once and trained on gave luck a second chance.
+    return replace(found, terms=replace(found.terms, looks=(), grown=found.terms.looks[:1]))
 
 
 def plan_from_cells(folder: Path, cells: Iterable[Cell], damage: str) -> StoredPlan:

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from harness.report.page.html import write_html as write_html
     from harness.report.replay.section import replay_of as replay_of
     from harness.report.rows.behaviour import along_grid as along_grid, behaviour_grids as behaviour_grids
+    from harness.report.rows.choosing import choosing_told as choosing_told
     from harness.report.rows.comparison import (
         basis_text as basis_text,
         beside_answer as beside_answer,
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
         what_decides as what_decides,
     )
     from harness.report.rows.payoff import Payoffs as Payoffs
-    from harness.report.rows.race import race_told as race_told
     from harness.report.rows.ratios import (
         SPLIT as SPLIT,
         Grid as Grid,

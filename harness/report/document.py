@@ -5,7 +5,7 @@ from typing import Any
 
 from harness.results import Results
 from harness.results.ranking import ranking_of
-from harness.results.standing import standing_of, told_manifests
+from harness.results.standing import standing_of, standing_to_json, told_manifests
 from harness.section import shown_sections
 
 
@@ -24,8 +24,7 @@ def report_to_json(results: Results) -> dict[str, Any]:
     data["notes"] = [*results.said, *results.notes]
     for told, manifest in zip(data["cells"], told_manifests(results), strict=True):
         told |= {"status": manifest.status, "reason": manifest.reason}
-    standing = standing_of(results)
-    data["looks"] = standing and standing.to_json()
+    data |= standing_to_json(standing_of(results))
     data |= {name: section.to_json() for name, section in shown_sections(results).items()}
     data |= {"reward_terms": [it.to_json() for it in results.terms]} if results.terms else {}
     data |= {"alone": [it.to_json() for it in results.alone]} if results.alone else {}

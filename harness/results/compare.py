@@ -60,7 +60,7 @@ def compare_all(
         UsageError: It does not fit them.
     """
     swaps = swaps_of(sorted({seed for _, match in asked for of in match.seeds_of for seed in of}))
-    seen = Seen.of(manifests, terms.looks)
+    seen = Seen.of(manifests, terms.looks or (terms.budget,) * bool(terms.budget))
     found = [
         compare(of, match, swaps, (seen.lost(of.group, match.baseline), seen.lost(of.group, match.proposed)), told)
         for of, match in asked

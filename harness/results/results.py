@@ -27,6 +27,7 @@ from harness.record.store import Store
 from harness.registry.given import plugin_flags
 from harness.registry.registry import Registry
 from harness.results.alone import Alone, alone_of
+from harness.results.choosing import Choosing
 from harness.results.compare import compare_all
 from harness.results.comparison import Comparison, Group, pools_of
 from harness.results.frames import Frames
@@ -97,6 +98,11 @@ class Results(ABC):
         self.is_temporary, self.pairs, self._chosen = is_temporary, pairs, metrics
         self.baseline, self.named = plan.baseline, named_measures(plan.experiment)
         self.manifests = list(map(self._examine, plan.cells))
+        if plan.terms.race:  # who left it was trained no further
+            why = "the race that was run here ended without it"
+            self.manifests = [
+                replace(it, status="not needed", reason=why) if it.status == "pending" else it for it in self.manifests
+            ]
         self.account, self._told = self._counted(told.leave_out), told
 
     # What trained
@@ -250,8 +256,18 @@ class Results(ABC):
         A baseline that is its own proposed reward is the null control; these come last.
         """
         unread = sum(len(it.missing) for it in self._read)
-        found = compare_all(self._asked, self.plan.terms, self.manifests, unread, self._told)
+        asked, manifests = self._asked, self.manifests
+        if self.choosing is not None:
+            asked, manifests = self.choosing.compared(asked), self.choosing.fresh
+        found = compare_all(asked, self.plan.terms, manifests, unread, self._told)
         return tuple(sorted(found, key=lambda it: it.is_control))
+
+    @cached_property
+    def choosing(self) -> Choosing | None:
+        """How `harness choose` stands; None of another experiment."""
+        return (
+            Choosing(self.plan.terms, self.baseline, self.manifests, self.trainings) if self.plan.terms.budget else None
+        )
 
     @property
     def _read(self) -> list[Runs]:

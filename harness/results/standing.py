@@ -4,17 +4,11 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
-import numpy as np
-
-from harness.arrays import Float
-from harness.eta.interval import UNBOUNDED
-from harness.eta.manner import LAST
 from harness.eta.verdict.looks import LookRuling
-from harness.eta.verdict.race import Race, race
 from harness.record.cell import Cell
 from harness.record.manifest import Manifest
 from harness.record.terms import Terms
-from harness.results.measured import last_values
+from harness.results.choosing import Choosing
 from harness.results.results import Results
 from harness.results.verdicts import Seen
 
@@ -28,7 +22,6 @@ class Standing:
         rewards: All rewards, the baseline first.
         open: Those that are trained further; the baseline is among them as long as any other is.
         seen: The trainings.
-        race: In a race for the best reward: how it stands.
         unanswered: Rewards that used all looks, and have no answer.
     """
 
@@ -36,7 +29,6 @@ class Standing:
     rewards: tuple[str, ...]
     open: tuple[str, ...]
     seen: Seen
-    race: Race | None = None
     unanswered: tuple[str, ...] = ()
 
     @property
@@ -73,8 +65,6 @@ class Standing:
     def text(self) -> str:
         """How it stands, in a line."""
         left = "" if self.is_over else f", at most {self.most_left} trainings left"
-        if self.race is not None:
-            return f"{len(self.race.living)} of {len(self.rewards)} rewards can still be the best{left}"
         others = len(self.rewards) - 1
         decided = others - len(self.open[1:]) - len(self.unanswered)
         unanswered = f", {len(self.unanswered)} without an answer (all looks are used)" if self.unanswered else ""
@@ -87,31 +77,29 @@ class Standing:
             "next_look": self.look + 1,
             "open": list(self.open),
             "most_trainings_left": self.most_left,
-            "race": self.race and self.race.to_json(),
         }
 
 
-def standing_of(results: Results) -> Standing | None:
-    """How the experiment in a folder stands; None if it has no looks."""
+def standing_of(results: Results) -> Standing | Choosing | None:
+    """How the experiment in a folder stands; None if its seeds were not planned to the end."""
     terms = results.plan.terms
+    if results.choosing is not None:
+        return results.choosing
     if not terms.looks:
         return None
     seen = Seen.of(results.manifests, terms.looks)
     rewards = tuple(sorted(dict.fromkeys(it for _, it in seen.status), key=lambda it: it != results.baseline))
-    if terms.race:
-        complete = {reward: seen.complete(reward) for reward in rewards}
-        values = {reward: values_of(results, seen, reward) for reward in rewards}
-        of_place = {it.group: it.decisive for it in results.combinations}
-        decided = [it.measure if (it := of_place.get(group)) else None for group in seen.groups]
-        bounds = [(it.ends, it.better) if it else (UNBOUNDED, "") for it in decided]
-        ends = [(-high, -low) if better == "lower" else (low, high) for (low, high), better in bounds]
-        found = race(values, seen.looks, complete, ends)
-        return Standing(terms, rewards, () if found.is_over else found.living, seen, found)
     ruled = {it.proposed: (it.answer.pool or it.answer).ruling for it in results.combinations}
     over = {name: it for name, it in ruled.items() if isinstance(it, LookRuling) and it.is_over}
     left = [reward for reward in rewards[1:] if reward not in over]
     unanswered = tuple(name for name, it in over.items() if not it.is_decided and it.small is None)
     return Standing(terms, rewards, (rewards[0], *left) if left else (), seen, unanswered=unanswered)
+
+
+def standing_to_json(standing: Standing | Choosing | None) -> dict[str, Any]:
+    """Plain data: what reports and `harness status` say."""
+    told = standing and standing.to_json()
+    return {"looks": None, "choosing": told} if isinstance(standing, Choosing) else {"looks": told, "choosing": None}
 
 
 def told_manifests(results: Results) -> list[Manifest]:
@@ -124,22 +112,3 @@ def told_manifests(results: Results) -> list[Manifest]:
         replace(it, status="not needed", reason="the answer stands without it") if it.cell in spared else it
         for it in results.manifests
     ]
-
-
-def values_of(results: Results, seen: Seen, reward: str) -> Float:
-    """What decides of one reward, higher is better, (places, seeds); NaN where a training left no value."""
-    of_place = {it.group: it for it in results.combinations}
-    values = np.full((len(seen.groups), seen.looks[-1]), np.nan)
-    for place, group in enumerate(seen.groups):
-        for at, (cell, status) in enumerate(seen.status.get((group, reward), {}).items()):
-            it = of_place.get(group) if status == "done" else None
-            if it is None:
-                continue
-            if it.answered_in == LAST:
-                told = last_values(results.moments(cell), cell.steps, results.plan.terms.averaged)
-            else:
-                told = results.measured(cell).manners.get(it.manner, {})
-            value = told.get(next(iter(it.measured.deciding), ""))
-            if value is not None:
-                values[place, at] = -value if it.decisive and it.decisive.measure.better == "lower" else value
-    return values

@@ -147,7 +147,7 @@ def _in_all(of_places: Sequence[Sequence[Change]]) -> tuple[tuple[Change, ...], 
 
 
 ENDED = ("done", "failed", "damaged", "skipped")
-COUNTED, LOST = ("done", "skipped"), ("failed", "damaged")
+COUNTED, LOST = ("done", "skipped", "not needed"), ("failed", "damaged")
 """How cells end that no answer waits for. How one ends that failed is an outcome too, which nobody measured."""
 
 
@@ -177,12 +177,13 @@ class Seen:
     def to_come(self) -> int:
         """How many trainings are missing: they have not ended, failed, or left files that cannot be read.
 
-        A plan of looks counts those that ended, however they did: whoever fails does not hold up a look for ever.
+        A plan to the end counts those that ended, however they did: whoever fails does not hold it up for ever.
         """
-        return sum(status not in COUNTED for cells in self.status.values() for status in cells.values())
+        counted = (*COUNTED, *LOST) if self.looks else COUNTED
+        return sum(status not in counted for cells in self.status.values() for status in cells.values())
 
     def lost(self, group: Group, reward: str) -> tuple[int, ...]:
-        """In a plan of looks, the seeds of a reward's trainings that failed or cannot be read."""
+        """In a plan to the end, the seeds of a reward's trainings that failed or cannot be read."""
         cells = self.status.get((group, reward), {}) if self.looks else {}
         return tuple(cell.seed for cell, status in cells.items() if status in LOST)
 

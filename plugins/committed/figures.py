@@ -1,4 +1,4 @@
-"""The page's figures as files: of each combination, of all combinations at a glance, and of the race.
+"""The page's figures as files: of each combination, of all combinations at a glance, and of how far candidates went.
 
 Each is an SVG file with all that tells what it shows. `missing` tells of cells that are not done.
 """
@@ -13,17 +13,17 @@ from harness.authoring.commands import Learning
 from harness.authoring.pages import (
     BETTER,
     CHARACTER,
+    CHOOSING_TITLE,
     FEWEST,
     PAY,
     POINTS,
-    RACE_TITLE,
+    ChoosingTold,
     CurvePanel,
     Mark,
-    RaceTold,
     SplitRow,
     compared_text,
     draw_both,
-    draw_race,
+    draw_choosing,
     draw_ratio,
     draw_split,
     flat_text,
@@ -118,9 +118,9 @@ def _undrawn(name: str, split: Split) -> str:
     return f"{name} is not drawn: {split.eta.note or 'no part has a number'}."
 
 
-def race_file(told: RaceTold) -> bytes:
-    """The figure of a race: what decides over the seeds, a line for each reward."""
-    return draw_svg(RACE_TITLE, [RACE_TITLE, told.sentence], [TitledChart("", draw_race(told))])
+def choosing_file(told: ChoosingTold) -> bytes:
+    """The figure of how far candidates went: what decides over the trainings, a line for each."""
+    return draw_svg(CHOOSING_TITLE, [CHOOSING_TITLE, told.sentence], [TitledChart("", draw_choosing(told))])
 
 
 def measures_of(combination: Comparison, learning: Learning | None) -> Texts:

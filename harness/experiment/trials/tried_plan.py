@@ -117,8 +117,9 @@ TRIED = "tried in an episode of random actions"
 def try_plan(plan: Plan, registry: Registry) -> tuple[Plan, Registry]:
     """Try each task of a plan for an episode: see `harness.experiment.trials`.
 
-    In a race, and where a pattern such as ``rewards/*.py`` found the file, a reward that fails is left out; its cells
-    are skipped with the reason. Anything else that fails is refused. So is a measure, because it decides.
+    Where one of several rewards is chosen, and where a pattern such as ``rewards/*.py`` found the file, a reward that
+    fails is left out; its cells are skipped with the reason. Anything else that fails is refused. So is a measure,
+    because it decides.
 
     Args:
         plan: The plan.
@@ -185,7 +186,7 @@ def _to_try(cells: Sequence[Cell], registry: Registry) -> list[tuple[Cell, tuple
 def _require_spared(task: Choice, fault: Fault, plan: Plan, registry: Registry) -> None:
     """Raise UsageError unless everything goes on without what failed."""
     file = _file_of(fault, registry)
-    may_lack = plan.terms.race or (file is not None and file.optional)
+    may_lack = bool(plan.terms.budget) or (file is not None and file.optional)
     baseline = {plan.baseline, *(_tried_as(cell) for cell in plan.cells if cell.reward.label == plan.baseline)}
     is_spared = may_lack and fault.noun == "reward" and fault.name not in baseline
     if not is_spared:

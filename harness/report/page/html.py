@@ -15,10 +15,10 @@ from harness.report.answers import LEGEND
 from harness.report.apart import BETWEEN
 from harness.report.document import report_text
 from harness.report.facts import Fact, repeat_of
+from harness.report.figures.choosing import draw_choosing
 from harness.report.figures.draw import draw_chart
 from harness.report.figures.forest import EXPLANATION as FOREST
 from harness.report.figures.points import points_of_a_run
-from harness.report.figures.race import draw_race
 from harness.report.page.answer import groups_of, pool_cards
 from harness.report.page.comparison import Section, alone_section, comparison_section, title_of
 from harness.report.page.matrix import Matrix, comparisons_csv, matrix_of
@@ -26,6 +26,7 @@ from harness.report.page.page import render_page, write_page
 from harness.report.replay.links import Link, links_of
 from harness.report.replay.section import Replay, replay_of
 from harness.report.rows.alone import ALONE, beside, setting_of
+from harness.report.rows.choosing import CHOOSING, CHOOSING_TITLE, choosing_told
 from harness.report.rows.comparison import (
     count_cells,
     interim_text,
@@ -37,7 +38,6 @@ from harness.report.rows.comparison import (
 from harness.report.rows.numbers import INDICES
 from harness.report.rows.payoff import EXPLANATION as PAYOFFS, TITLE as PAYOFF_TITLE, Audits
 from harness.report.rows.pools import POOLED, grown_text, joined_text
-from harness.report.rows.race import RACE, RACE_TITLE, race_told
 from harness.report.rows.ranking import AGREEMENT, CHOICE, EXPLANATION as RANKING, TITLE as RANKING_TITLE, task_rows
 from harness.report.rows.ratios import PATHS, SPLIT, TOTAL
 from harness.report.rows.returns import EXPLANATION as RETURNS, PAY, TITLE as RETURN_TITLE, matrix_title, return_grid
@@ -135,7 +135,7 @@ class Page:
     groups: Sequence[Mapping[str, Any]] = ()
     pictured: bool = False
     pools: Mapping[str, Any] | None = None
-    race: Mapping[str, Any] | None = None
+    choosing: Mapping[str, Any] | None = None
     ranking: Mapping[str, Any] | None = None
     unfinished: Sequence[str] = ()
     returns: Mapping[str, Any] | None = None
@@ -207,7 +207,7 @@ def _render(results: Results, audits: Audits) -> str:
         has=parts_of(sections, bool(ranking or returns or added)),
         told=_told(results),
         pools=_pools(results),
-        race=_race(results),
+        choosing=_choosing(results),
         ranking=ranking,
         cell_count=count_cells(results),
         unfinished=[*remarks_on_cells(results), *dict.fromkeys(side.told for side in sides if not side.source)],
@@ -279,14 +279,19 @@ def _told(results: Results) -> dict[str, str]:
     }
 
 
-def _race(results: Results) -> dict[str, Any] | None:
-    """The race for the best reward; None where there is none."""
-    told = race_told(results)
+def _choosing(results: Results) -> dict[str, Any] | None:
+    """How far candidates went; None where none of several is chosen."""
+    told = choosing_told(results)
     if told is None:
         return None
-    figure = draw_chart(draw_race(told), told.sentence)
-    texts = {"title": RACE_TITLE, "explanation": RACE, "told": told.sentence, "beside": told.beside}
-    return {**texts, "grid": told.grid, "figure": figure}
+    figure = draw_chart(draw_choosing(told), told.sentence)
+    return {
+        "title": CHOOSING_TITLE,
+        "explanation": CHOOSING,
+        "told": told.sentence,
+        "grid": told.grid,
+        "figure": figure,
+    }
 
 
 def _pools(results: Results) -> dict[str, Any] | None:

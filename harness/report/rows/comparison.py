@@ -196,9 +196,10 @@ def question(results: Results) -> str:
         return f"What did {' and '.join(dict.fromkeys(it.reward for it in results.alone))} pay for?"
     labels = dict.fromkeys(comparison.proposed for comparison in results.combinations)
     proposed = [label for label in labels if label != results.baseline]  # that would be A/A
-    if results.plan.terms.race:
-        names = [results.baseline, *proposed]
-        return f"Which reward makes the {results.subject} behave best: {', '.join(names[:-1])} or {names[-1]}?"
+    if results.choosing is not None:
+        names = results.choosing.candidates
+        among = f"{', '.join(names[:-1])} and {names[-1]}"
+        return f"Which of {among} makes the {results.subject} behave better than {results.baseline}?"
     verb, subject = ("Does", "a reward") if not proposed else ("Does", f"the reward {proposed[0]}")
     if len(proposed) > 1:
         verb, subject = "Do", f"the rewards {', '.join(proposed[:-1])} and {proposed[-1]}"

@@ -8,6 +8,7 @@ from harness.eta.headline import count_seeds
 from harness.eta.verdict.looks import luck_in
 from harness.report.answers import badge_of, word_of
 from harness.results import Results
+from harness.results.choosing import Choosing
 from harness.results.comparison import Comparison, pools_of
 from harness.results.standing import Standing, standing_of
 
@@ -65,8 +66,9 @@ def looks_text(results: Results) -> str:
     return "" if standing is None else f"{told_looks(standing)}: {standing.text}."
 
 
-def told_looks(standing: Standing) -> str:
-    """When the experiment looks at its results."""
+def told_looks(standing: Standing | Choosing) -> str:
+    """When the experiment looks at its results, or what it may spend."""
+    if isinstance(standing, Choosing):
+        return "One of several rewards is chosen, with a budget that was set before the first training"
     seeds = ", ".join(map(str, standing.terms.looks))
-    what = "a race for the best reward" if standing.terms.race else "trained until decided"
-    return f"Looks at {seeds} seeds ({what}; planned before the first training)"
+    return f"Looks at {seeds} seeds (trained until decided; planned before the first training)"

@@ -6,6 +6,7 @@ from rich.console import Console, ConsoleOptions, Group as Together, RenderableT
 from rich.text import Text
 
 from harness.report.answers import STYLES
+from harness.report.rows.choosing import CHOOSING, CHOOSING_TITLE, choosing_told
 from harness.report.rows.comparison import (
     advice,
     basis_text,
@@ -15,7 +16,6 @@ from harness.report.rows.comparison import (
     remarks_on_cells,
 )
 from harness.report.rows.pools import POOLED_TITLE, pooled_answers
-from harness.report.rows.race import RACE, RACE_TITLE, race_told
 from harness.report.rows.ratios import Grid, split_grid
 from harness.report.rows.returns import matrix_title, return_grid
 from harness.report.rows.terms import never_texts
@@ -36,26 +36,19 @@ from harness.results.overview import (
 from harness.results.return_matrix import ReturnMatrix
 
 
-def race_lines(results: Results) -> list[RenderableType]:
-    """The answer, and a line for each reward; none where there is no race, or no look is complete yet."""
-    told = race_told(results)
+def choosing_lines(results: Results) -> list[RenderableType]:
+    """Who went furthest, and a line for each candidate; none where none is chosen, or nobody has left yet."""
+    told = choosing_told(results)
     if told is None:
         return []
-    return [
-        Text(RACE_TITLE, style="bold"),
-        Text(told.sentence, style="bold"),
-        Text(),
-        *show_grid(told.grid),
-        *(part for line in told.beside for part in (Text(), Text(line))),
-        Text(),
-        Text(RACE, style="dim"),
-    ]
+    title, explanation = Text(CHOOSING_TITLE, style="bold"), Text(CHOOSING, style="dim")
+    return [Text(told.sentence, style="bold"), Text(), title, *show_grid(told.grid), Text(), explanation, Text()]
 
 
 def overview_table(results: Results, details: str) -> RenderableType:
     """What is the same in all comparisons, then a line for each. A single comparison is told in sentences.
 
-    Of a race for the best reward there is a line for each reward instead.
+    Where one of several rewards is chosen, a line for each of them stands before that.
 
     Args:
         results: The experiment.
@@ -63,7 +56,9 @@ def overview_table(results: Results, details: str) -> RenderableType:
     """
     combinations = results.combinations
     parts = said_lines(results)
-    parts += race_lines(results) or _comparisons(results) or alone_lines(results, with_all=False)
+    chosen = choosing_lines(results)
+    parts += chosen
+    parts += _comparisons(results) or (alone_lines(results, with_all=False) if not chosen else [])
     parts += map(Text, dict.fromkeys(mixture.text for it in combinations for mixture in it.measured.mixtures))
     parts += [part for line in _not_split(combinations) for part in (Text(), Text(line))]
     parts += [part for line in never_texts(results) for part in (Text(), Text(line))]

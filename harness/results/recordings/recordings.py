@@ -86,7 +86,8 @@ class Recordings(Results):
         """The recorded trainings of cells; why there is nothing to compare where that is so."""
         trained, control = {cell.reward.label for cell in cells}, self.plan.control
         planned = {it.cell.reward.label for it in self.manifests if Group.of(it.cell) == group}
-        if len(trained) < 2 and not control and planned > trained:
+        is_choosing = bool(self.plan.terms.budget)
+        if len(trained) < 2 and not control and planned > trained and not is_choosing:
             return f"nothing to compare: all done cells were trained with {cells[0].reward.label}"
         only = [
             path
@@ -97,8 +98,10 @@ class Recordings(Results):
         ]
         floor = floors_in(self.manifests, self.store).get(Floor.of(cells[0]))
         random = None if floor is None else self.store.cell_folder(floor) / recording_of(RANDOM)
+        # Where one of several rewards is chosen, the baseline trains last.
+        baseline = self.baseline if self.baseline in trained or not is_choosing else ""
         try:
-            return read_runs(self.folder, only, self.named, group, random, control, Told(baseline=self.baseline))
+            return read_runs(self.folder, only, self.named, group, random, control, Told(baseline=baseline))
         except UsageError as error:
             return str(error)
 
