@@ -1,4 +1,4 @@
-"""The page of two races says what their records hold, and the races follow from their cells."""
+"""The page of eight rewards says what its records hold, and what choosing one of them comes to."""
 
 import csv
 import hashlib
@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.eta import race
+from harness.eta import SHARE, Question, halve, rule, schedule_of
 from harness.report.rows.ratios import format_number
 from tests.test_reference import RACES, REFERENCE
 
@@ -17,6 +17,8 @@ ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "docs" / "studies" / "race.md").read_text()
 PROSE = " ".join(PAGE.split())
 DECIDING = {"pendulum": "behaviour_success", "arm": "success_rate"}
+CHOICES = {"pendulum": ("own", 48), "arm": ("baseline", 31)}
+"""The baseline of each, and the budget."""
 EACH = pytest.mark.parametrize("name", DECIDING)
 
 
@@ -45,60 +47,55 @@ def means(name, reward, column):
     return float(np.mean([float(cell[column]) for cell in rows]))
 
 
-def test_there_are_two_races():
+def chosen(name):
+    """How far the candidates of a record go, and with how many new trainings the last one is asked about."""
+    baseline, budget = CHOICES[name]
+    values = {reward: it for reward, it in successes(name).items() if reward != baseline}
+    schedule = schedule_of(len(values), budget, 1)
+    complete = {reward: int(np.isfinite(it).sum()) for reward, it in values.items()}
+    return halve(values, schedule.rungs, complete, [SHARE]), schedule
+
+
+def test_there_are_two_records():
     """Both are told here, and by no other page."""
     assert [folder.name for folder in RACES] == ["arm", "pendulum"]
 
 
 @EACH
-def test_the_race_follows_from_its_cells(name):
-    """Who left when, and who is left."""
-    told, looks = record_of(name)["looks"], record_of(name)["terms"]["looks"]
-    values = successes(name)
-    complete = {
-        reward: sum(int(np.isfinite(of_reward).sum()) >= seeds for seeds in looks)
-        for reward, of_reward in values.items()
-    }
-    assert json.loads(json.dumps(race(values, looks, complete).to_json())) == told["race"]
+def test_the_page_says_who_goes_furthest_and_what_new_trainings_say(name):
+    """On seeds that had no part in choosing."""
+    (found, schedule), all_of, (baseline, budget) = chosen(name), successes(name), CHOICES[name]
+    new = slice(schedule.seeds, schedule.seeds + schedule.fresh)
+    both = np.stack([all_of[baseline][0, new], all_of[found.furthest][0, new]])
+    ruling = rule([Question.of(both[..., None, None], np.array([[SHARE]]))])[0]
+    assert (ruling.is_ahead, ruling.sign) == (True, 1)
+    told = f"`{found.furthest}` goes furthest of 7 ({schedule.trainings(1) - 2 * schedule.fresh} trainings)."
+    assert f"{told} On {schedule.fresh} new trainings of each it is ahead so far:**" in PROSE
+    assert f"With {budget} trainings" in PROSE
+    of_baseline, of_chosen = both.mean(axis=1)
+    assert f"{of_chosen:.1%} succeed instead of {of_baseline:.1%}" in PROSE.replace(" of the episodes", "")
 
 
 @EACH
-def test_no_training_was_needed_beyond_the_race(name):
-    """Every cell is done, or not needed; the page says how many there are of each."""
-    ended = [cell["status"] for cell in cells_of(name)]
-    assert set(ended) == {"done", "not needed"}
-    assert f"{ended.count('done')} trainings" in PROSE
-    assert f"{len(ended)}." in PROSE
-
-
-def ends(name, reward):
-    """How it ended for a reward, as the page says."""
-    told = record_of(name)["looks"]["race"]
-    if reward in told["beaten"]:
-        return f"worse than {told['beaten'][reward]['by']}"
-    return "within 5 points of the best" if told["is_close"] else "can be the best"
-
-
-def test_the_page_has_each_candidate_of_the_pendulum(subtests):
-    """Seeds, success, what it paid itself, and how it ended."""
-    for reward in sorted(successes("pendulum")):
+def test_the_page_has_each_candidate(name, subtests):
+    """Its means at each stage, those of all of its trainings, and what is paid."""
+    found, _ = chosen(name)
+    for reward in found.means[0]:
         with subtests.test(reward=reward):
-            seeds = int(np.isfinite(successes("pendulum")[reward]).sum())
-            success, pay = means("pendulum", reward, "behaviour_success"), means("pendulum", reward, f"return_{reward}")
-            row = f"| {seeds} | {success:.1%} | {pay:.1f} | {ends('pendulum', reward)} |"
-            (line,) = (line for line in PAGE.splitlines() if line.startswith(f"| {reward} | ") and line.endswith(row))
-            assert line
+            went = " | ".join(f"{of[reward]:.1%}" if reward in of else "" for of in found.means)
+            count = int(np.isfinite(successes(name)[reward]).sum())
+            told = f"| {went} | {count} | {means(name, reward, DECIDING[name]):.1%} | {_paid(name, reward)} |"
+            assert any(
+                line.startswith(f"| {reward} |") and line.endswith(told.replace("|  |", "| |").replace("|  |", "| |"))
+                for line in PAGE.splitlines()
+            )
 
 
-def test_the_page_has_each_reward_of_the_arm(subtests):
-    """Seeds, success, its I_N and the ruler in it, and how it ended."""
-    for reward in sorted(successes("arm")):
-        with subtests.test(reward=reward):
-            seeds = int(np.isfinite(successes("arm")[reward]).sum())
-            split = next((it["eta_N"] for it in record_of("arm")["combinations"] if it["proposed"] == reward), None)
-            number = [""] * 2 if split is None else [_times(split[part]) for part in ("eta", "ruler")]
-            told = " | ".join([f"| {reward}", str(seeds), f"{means('arm', reward, 'success_rate'):.1%}", *number])
-            assert f"{told} | {ends('arm', reward)} |".replace("|  |", "| |").replace("|  |", "| |") in PAGE
+def _paid(name, reward):
+    if name == "pendulum":
+        return f"{means(name, reward, f'return_{reward}'):.1f}"
+    split = next(it["eta_N"] for it in record_of(name)["combinations"] if it["proposed"] == reward)
+    return " | ".join(_times(split[part]) for part in ("eta", "ruler"))
 
 
 def _times(ratio):
@@ -118,7 +115,7 @@ def test_the_page_says_what_choosing_by_pay_would_have_chosen():
     assert f"makes {format_number(ruler)} of its lead" in PROSE
 
 
-def test_the_files_of_the_candidates_are_those_that_raced():
+def test_the_files_of_the_candidates_are_those_that_were_trained():
     """Nobody has edited them since: their digests stand in the record."""
     needs = tomllib.loads((REFERENCE / "race" / "pendulum" / "experiment.toml").read_text())["plugins"]
     assert len(needs) == 8

@@ -95,7 +95,7 @@ def test_a_near_miss_is_answered_with_what_is_meant(harness, typed, meant):
 
 
 def test_nothing_is_guessed_where_there_is_no_such_flag(harness):
-    """A race has no number of seeds, and a status no jobs."""
+    """Choosing has no number of seeds, and a status no jobs."""
     assert harness("choose --seed 3").err == "harness: No such option: --seed. Examples: harness choose --help\n"
     assert "Did you mean" not in harness("status --workers 3").err
 

@@ -31,7 +31,7 @@ PATTERNS = [it for it in COMMANDS if it.is_pattern]
 TYPED = [it for it in COMMANDS if not it.is_pattern]
 TOML = [block for block in BLOCKS if block.language == "toml"]
 PYTHON = [block for block in BLOCKS if block.language == "python"]
-FOLDERS = re.compile(r"(?:DIR|before|after|one|two|all|my-results|my-first|first|race|results/[\w/-]+)")
+FOLDERS = re.compile(r"(?:DIR|before|after|one|two|all|my-results|my-first|first|chosen|results/[\w/-]+)")
 """What the pages call the folder of an experiment."""
 DRY = ("run", "choose")
 """Commands that train; they are called with `--dry-run`."""

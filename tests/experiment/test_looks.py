@@ -6,10 +6,10 @@ import pytest
 
 from harness.errors import UsageError
 from harness.eta.verdict.looks import ONE_PLACE, SEVERAL_PLACES
-from harness.eta.verdict.race import RACE
 from harness.experiment import RunOptions, check_experiment, expand
 from harness.experiment.experiment import prepare
 from harness.experiment.looks import own_seed
+from harness.files import read_sealed, seal
 from harness.record import Store, Terms
 from harness.registry import Choice
 from tests.left import files_of
@@ -32,13 +32,23 @@ TWO = {"reward": ["dense", "arp"]}
         ({}, Terms(ONE_PLACE, 1, 0.10, averaged=5)),
         ({"task": FOUR}, Terms(SEVERAL_PLACES, 1, 0.10, averaged=5)),
         (TWO, Terms(ONE_PLACE, 2, 0.10, averaged=5)),
-        ({**TWO, "until": "best"}, Terms(RACE, 3, 0.10, race=True, averaged=5)),
+        ({**TWO, "until": "best"}, Terms(asked=2, averaged=5, budget=28)),
+        ({**TWO, "until": "best", "trainings": 14}, Terms(asked=2, averaged=5, budget=14)),
+        ({**TWO, "until": "best", "minutes": 90.0}, Terms(asked=2, averaged=5, budget=112, seconds=5400.0)),
         ({"until": "", "seeds": 2}, Terms(averaged=5)),
     ],
-    ids=["one place", "seeds of several add up", "two questions share the level", "all of a race", "no looks"],
+    ids=[
+        "one place",
+        "seeds of several add up",
+        "two questions share the level",
+        "usual",
+        "trainings",
+        "time",
+        "no looks",
+    ],
 )
 def test_terms_of_an_experiment(toys, fields, terms):
-    """Its looks, how many rewards are asked about, of a race the baseline too, and a margin of ten points."""
+    """Its looks, how many rewards are asked about, a margin of ten points; what choosing may spend at most."""
     assert planned(toys, **fields).terms == terms
 
 
@@ -70,6 +80,11 @@ def test_a_seed_of_its_own_is_the_same_on_every_machine(make_cell):
         ({"margin": 1.0}, "margin"),
         ({"seeds": 5}, "finds the number of seeds itself"),
         ({"until": "", "looks": [4, 8]}, "looks go with until"),
+        ({**TWO, "until": "best", "looks": [4, 8]}, "harness choose has a budget instead"),
+        ({"trainings": 40}, "trainings: give one of trainings and minutes, with until best"),
+        ({"until": "best", "trainings": 40, "minutes": 9.0}, "trainings and minutes: give one of"),
+        ({"until": "best"}, "one candidate leaves nothing to choose"),
+        ({**TWO, "until": "best", "task": FOUR, "trainings": 23}, "24 trainings are the fewest"),
         ({"until": "tomorrow"}, "until"),
         ({"reward": []}, "there is no reward to compare with the baseline"),
         ({"reward": ["baseline", "dense"]}, "the null control"),
@@ -104,7 +119,7 @@ def begun(toys, tmp_path):
         {"until": "decided", "looks": [2, 4], "margin": 0.05},
         {"until": "decided", "looks": [2, 4], "reward": ["dense", "arp"]},
         {"until": "decided", "looks": [2, 4], "task": "fd100-reach:horizon=5"},
-        {"until": "best", "looks": [2, 4]},
+        {"until": "best", "reward": ["dense", "arp"]},
         {"seeds": 3},
     ],
 )
@@ -113,7 +128,7 @@ def test_what_was_agreed_on_stays(begun, tmp_path, changed):
     assert begun(until="decided", looks=[2, 4]) == ""
     before = files_of(tmp_path / "here")
     told = begun(**changed)
-    assert "What an experiment with looks asks is settled before its first training" in told
+    assert "What it asks is settled before its first training" in told
     assert "--out NEW" in told
     assert files_of(tmp_path / "here") == before
 
@@ -145,3 +160,16 @@ def test_rewards_that_come_later_are_written_down(begun, tmp_path):
     assert begun(seeds=1, reward=["dense", "arp"]) == ""
     terms = Store.open(tmp_path / "here").read_plan().terms
     assert (terms.grown, terms.joined) == ((), ("arp",))
+
+
+def test_a_race_of_an_earlier_version_does_not_go_on(begun, tmp_path):
+    """Rewards are chosen in another way now. It is compared as any other experiment, at its second look."""
+    assert begun(until="decided", looks=[2, 4]) == ""
+    content = read_sealed(tmp_path / "here" / "plan.json", "plan", 2, 2, 2**20)
+    content["terms"]["race"] = True
+    (tmp_path / "here" / "plan.json").write_bytes(seal(content))
+    terms = Store.open(tmp_path / "here").read_plan().terms
+    assert (terms.looks, terms.grown) == ((), (2,))
+    told = begun(until="best", reward=["dense", "arp"])
+    assert "holds a race that version 0.3 or an earlier one began" in told
+    assert "--out NEW" in told

@@ -183,12 +183,6 @@ SITUATIONS = (
         terms=Terms((6, 8, 12, 16, 24, 32), margin=0.1),
         look_of=in_looks(6, (6, 8, 12, 16, 24, 32)),
     ),
-    Situation(
-        "a race for the best reward",
-        alone(MIDDLE, GOOD, alike(10), (1.2, 1.0)),
-        terms=Terms((4, 6, 8), race=True),
-        look_of=in_looks(2, (4, 6, 8)),
-    ),
 )
 
 

@@ -15,7 +15,7 @@ from harness.experiment import check_experiment, expand
 from harness.experiment.run_cell import run_cell
 from harness.record import Store, read_recording
 from harness.registry import load_registry, read_given
-from harness.report import comparison_table, overview_table, race_told, report_text, write_html
+from harness.report import comparison_table, overview_table, report_text, write_html
 from harness.results import load_results
 from harness_plugins.committed import write_summary
 from tests.report.conftest import printed, squeezed
@@ -76,11 +76,3 @@ def test_nothing_is_claimed_while_trainings_are_to_come(results):
     """Who looks again and again would find something."""
     (comparison,) = results.combinations
     assert replace(comparison, answer=replace(comparison.answer, ruling=Ruling(missing=2))).not_maximised == ()
-
-
-def test_a_race_says_it_once(tmp_path):
-    """As `harness choose` prints it."""
-    results = _done(tmp_path, until="best", looks=[4, 5], algo="sac-fast:net_arch=4,learning_starts=16,batch_size=4")
-    told = race_told(results)
-    assert told is not None
-    assert [line.startswith("large was not maximised") for line in told.beside] == [True]

@@ -7,7 +7,7 @@ from harness.registry import Choice
 from harness.results import load_results, standing_of
 from tests.results.folders import BASELINE_RUNS, finish
 
-RACE = Terms((2, 4), asked=3, margin=0.1, race=True)
+CHOOSING = Terms(asked=2, budget=16)
 REWARDS = ("baseline", "dense", "arp")
 EPISODES = 10
 
@@ -38,11 +38,12 @@ class Folder:
 
 
 def folder_in_looks(terms, make_cell, make_plan, registry, path):
-    """An experiment that trains in looks, nothing done yet."""
+    """An experiment that trains in looks, or chooses one of two rewards with 16 trainings, nothing done yet."""
+    last = terms.looks[-1] if terms.looks else 8
     choices = {name: Choice(name, (), name) for name in REWARDS}
-    cells = {
-        name: [make_cell(seed=100 + seed, reward=it) for seed in range(terms.looks[-1])] for name, it in choices.items()
-    }
-    in_order = [cells[name][seed] for seed in range(terms.looks[-1]) for name in REWARDS]
+    cells = {name: [make_cell(seed=100 + seed, reward=it) for seed in range(last)] for name, it in choices.items()}
+    if terms.budget:
+        del cells["baseline"][: last // 2]  # it is no candidate
+    in_order = sorted((cell for of in cells.values() for cell in of), key=lambda cell: cell.seed)
     store = Store.create(path, replace(make_plan(*in_order), terms=terms))
     return Folder(store, cells, registry)

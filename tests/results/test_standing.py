@@ -8,7 +8,7 @@ from harness.record import Terms
 from harness.results import standing_of, told_manifests
 from harness.results.verdicts import Seen
 from tests.results.folders import fail
-from tests.results.in_looks import RACE, REWARDS
+from tests.results.in_looks import REWARDS
 
 TERMS = Terms((2, 4, 6), asked=2, margin=0.1)
 WIDE = replace(TERMS, margin=0.5)
@@ -84,19 +84,6 @@ def test_an_experiment_that_trains_all_at_once_needs_every_cell(experiment):
     """Its manifests are told as they are, and it has no looks to stand at."""
     assert told_manifests(experiment) == experiment.manifests
     assert standing_of(experiment) is None
-
-
-def test_in_a_race_the_baseline_takes_part(folder_of):
-    """It can be the best, and it can leave."""
-    folder = folder_of(RACE)
-    folder.train("baseline", [0.0] * 4)
-    folder.train("dense", [0.9] * 4)
-    folder.train("arp", [0.9] * 4)
-    standing = folder.standing
-    assert standing.race.beaten.keys() == {"baseline"}
-    assert standing.text == "2 of 3 rewards can still be the best"
-    assert standing.is_over  # all looks are used
-    assert not standing.to_json()["race"]["is_close"]  # of four trainings none failed yet
 
 
 def test_seeds_of_later_looks_are_told_by_the_order_of_the_plan(folder_of):

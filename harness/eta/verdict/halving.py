@@ -56,20 +56,26 @@ def usual(candidates: int, places: int) -> int:
 
 def fewest(candidates: int, places: int) -> int:
     """The smallest budget with which anything can be said: one training of each, and new ones that could tell."""
+    return places * (candidates + 2 * _fewest_fresh(places))
+
+
+def _fewest_fresh(places: int) -> int:
+    """So many new trainings in each place, dealt anew, can be rarer than the level."""
     fresh = 2
     while 2 / comb(2 * fresh, fresh) ** places > LEVEL:
         fresh += 1
-    return places * (candidates + 2 * fresh)
+    return fresh
 
 
 def schedule_of(candidates: int, budget: int, places: int) -> Schedule:
     """How a budget of trainings is spent, at least `fewest`."""
     of_place = budget // places
+    room = min(of_place // OF_BUDGET, of_place - 2 * _fewest_fresh(places))
     for stay, of in KEPT:
         counts = [candidates]
         while counts[-1] > 2:  # of an odd number the half that stays is the larger one
             counts.append(max(2, -(-counts[-1] * stay // of) if of == 2 else counts[-1] * stay // of))
-        times = of_place // OF_BUDGET // _cost(_rungs(counts, 1))
+        times = room // _cost(_rungs(counts, 1))
         if times:
             rungs = _rungs(counts, times)
             return Schedule(rungs, (of_place - _cost(rungs)) // 2)
@@ -129,10 +135,12 @@ def halve(
             return Halving(tuple(means), tuple(left), False)
         found = {name: _mean(values[name][:, : rung.seeds], worst) for name in left}
         order = sorted(left, key=found.__getitem__, reverse=True)
-        means.append({name: found[name] if isfinite(found[name]) else None for name in order})
+        means.append({name: found[name][0] if isfinite(found[name][0]) else None for name in order})
         left = order[: rungs[at + 1].candidates if at + 1 < len(rungs) else 1]
     return Halving(tuple(means), tuple(left), True)
 
 
-def _mean(values: Float, worst: Float) -> float:
-    return float(np.where(np.isnan(values), worst, values).mean(axis=0).mean())
+def _mean(values: Float, worst: Float) -> tuple[float, int]:
+    """The mean, and how many trainings have a value: of two that are as good, who has more of them."""
+    lost = np.isnan(values)
+    return float(np.where(lost, worst, values).mean(axis=0).mean()), -int(lost.sum())

@@ -146,7 +146,7 @@ def test_a_begun_folder_of_the_default_name_is_found(begun, tmp_path, monkeypatc
 
 def test_looks_that_were_begun_go_on(registry, given, tmp_path):
     """Their seeds depend on the algorithm's label, too."""
-    keys = {"task": "toy", "until": "best", "looks": [4, 6], "steps": 80, "evaluation_episodes": 3}
+    keys = {"task": "toy", "until": "decided", "looks": [4, 6], "steps": 80, "evaluation_episodes": 3}
     old = expand(check_experiment({**keys, "algo": "ppo:gamma=0.8"}), registry)
     Store.create(tmp_path / "old", old)
     asked = check_experiment({**keys, "algo": "ppo"})

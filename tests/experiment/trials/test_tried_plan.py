@@ -62,10 +62,10 @@ def test_other_functions_of_its_file_stay(lay, tmp_path):
     assert [*without.functions_of("reward")] == ["one"]
 
 
-def test_race_goes_on_without_a_named_candidate(lay):
+def test_choosing_goes_on_without_a_named_candidate(lay):
     """Whatever its file; it is told."""
     plan, registry = planned(lay(far=GOOD, bad=BAD))
-    tried, _ = try_plan(replace(plan, terms=Terms(race=True)), registry)
+    tried, _ = try_plan(replace(plan, terms=Terms(budget=9)), registry)
     assert {cell.reward.label for cell in tried.cells} == {"own", "far"}
 
 
@@ -77,11 +77,11 @@ def test_race_goes_on_without_a_named_candidate(lay):
         ({}, {"bad": BAD}, "Nothing is left to compare"),
     ],
 )
-def test_what_nothing_goes_on_without_is_refused_in_a_race_too(lay, keys, files, told):
+def test_what_nothing_goes_on_without_is_refused_in_choosing_too(lay, keys, files, told):
     """The baseline, and what measures."""
     plan, registry = planned(lay(optional=True, **files), **keys)
     with refused(re.escape(told)):
-        try_plan(replace(plan, terms=Terms(race=True)), registry)
+        try_plan(replace(plan, terms=Terms(budget=9)), registry)
 
 
 def test_a_run_is_checked_so_until_all_is_done(lay, tmp_path, monkeypatch):
