@@ -11,7 +11,7 @@ from tests.results.folders import fail
 from tests.results.in_looks import REWARDS
 
 TERMS = Terms((2, 4, 6), asked=2, margin=0.1)
-WIDE = replace(TERMS, margin=0.5)
+WIDE = replace(TERMS, margin=0.7)
 """Four trainings that end alike are enough to say that a difference is below this."""
 
 
