@@ -23,6 +23,8 @@ class Measure(Protocol):
     If the value cannot be below or above a number, say so by the class attribute ``bounds``, as
     ``bounds = (0.0, math.inf)`` for a length. No interval then leaves these bounds. Those of a share are known.
 
+    If it is a time in an episode, in steps or in seconds, set ``is_time = True``: it ends at the horizon of the task.
+
     If it reads joint speeds, say so by ``needs = frozenset({"qvel"})``: an experiment then records them.
     """
 
@@ -46,6 +48,11 @@ def is_share(measure: Measure) -> bool:
 def bounds_of(measure: Measure) -> Bounds:
     """The least and the greatest value that a measure says it can have."""
     return SHARE if is_share(measure) else getattr(measure, "bounds", UNBOUNDED)
+
+
+def is_time(measure: Measure) -> bool:
+    """Whether a measure says that it is a time in an episode, in steps, or in seconds if that is its unit."""
+    return bool(getattr(measure, "is_time", False))
 
 
 def is_error(measure: Measure) -> bool:

@@ -70,6 +70,7 @@ def eta(
     labels: logs.LabelsFile = None,
     leave_out: logs.LeftOut = None,
     per_step: logs.StepsOfEach = None,
+    ends: logs.EndsOf = None,
 ) -> int:
     """Compare recorded trainings, such as anybody's CSV files.
 
@@ -101,7 +102,8 @@ def eta(
     }  # fmt: skip
     registry = load_registry(given=read_given(plugin))
     named = _only(baseline) if folder else None
-    told_of = partial(told_of_logs, as_format, sort, named, [measure] if measure else None, labels, leave_out, per_step)
+    measures = [measure] if measure else None
+    told_of = partial(told_of_logs, as_format, sort, named, measures, labels, leave_out, per_step, ends)
     if folder is not None:
         opened = _open_folder(folder, registry, told_of(), curve, of_logs)
     else:
@@ -110,7 +112,7 @@ def eta(
         refuse_flags(of_steps)
         everything = command_text("harness", "report", opened.folder, "--details")
         return show_results(opened, everything, as_json=as_json, html=plot, details=True)
-    refuse_flags({**of_logs, "--sort": None}, "files of steps")
+    refuse_flags({**of_logs, "--ends": ends, "--sort": None}, "files of steps")
     from harness.eta.laws import counted
     from harness.score.compare import compare_logs
     from harness.score.open_steps import matched_paths, open_steps

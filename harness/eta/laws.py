@@ -25,7 +25,7 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.errors import UsageError
-from harness.eta.interval import UNBOUNDED, Bounds, are_within
+from harness.eta.interval import SHARE, UNBOUNDED, Bounds, are_within
 
 Better: TypeAlias = Literal["higher", "lower", ""]
 """Which values of a measure are better; empty where nobody said it."""
@@ -83,9 +83,13 @@ def ends_of(name: str, known: Bounds, told: Mapping[str, Bounds], values: Collec
     Ends that are known and that a value leaves are none. They are never taken from the values.
 
     Raises:
-        UsageError: A value leaves what the user says.
+        UsageError: A value leaves what the user says, or a share has its own.
     """
     ends = told.get(name, known)
+    if known == SHARE != ends:
+        raise UsageError(
+            f"--ends {name}={ends[0]:g},{ends[1]:g}: {name} is a share, from 0 to 1, which is known: leave it out"
+        )
     beyond = [it for it in values if not are_within([it], ends)]
     if beyond and name in told:
         raise UsageError(

@@ -1,6 +1,7 @@
 """What follows from the files of done cells of arms, each thing computed once; see `harness.results.kept`."""
 
 import hashlib
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
@@ -291,6 +292,18 @@ class CellResults:
         return self._ask(EVALUATION, "motion", make)
 
     # What was paid
+
+    @cached_property
+    def longest(self) -> tuple[float, float]:
+        """How long an episode can be, in steps and in seconds; infinite where its evaluation does not tell."""
+
+        def make(trace: Log) -> list[float]:
+            facts = episode_facts(trace)
+            steps = facts.horizon or math.inf
+            return [steps, steps * (facts.control_period or math.inf)]
+
+        steps, seconds = self._ask(EVALUATION, "longest", make)
+        return steps, seconds
 
     @property
     def cut(self) -> int:

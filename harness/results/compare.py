@@ -89,7 +89,7 @@ def compare(
         episodes=comparer.episodes,
         counted=trainings.read.counted if trainings.read else {},
         deciding=trainings.deciding,
-        offered=tuple(it for it in trainings.names if told.is_named_later and it not in trainings.deciding),
+        offered=trainings.read.offered if trainings.read else (),
         decided_in=trainings.decided_in(comparer.episodes),
         same_starts=trainings.same_starts(match),
     )

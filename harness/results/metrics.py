@@ -1,5 +1,6 @@
 """The metrics of results, and what takes the place of a metric that cannot be used."""
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -9,7 +10,7 @@ from harness.eta.behaviour_change import Quantity
 from harness.eta.headline import DECIDING
 from harness.eta.interval import are_bounds
 from harness.log import Log
-from harness.measure import Measure, bounds_of, is_error, is_share, needs_of
+from harness.measure import Measure, bounds_of, is_error, is_share, is_time, needs_of
 from harness.record.manifest import Manifest
 from harness.registry.choice import Choice, choose, split_list
 from harness.registry.names import unknown_name
@@ -89,8 +90,17 @@ def require_measures(names: Iterable[str], there: Iterable[str]) -> None:
             raise UsageError(unknown_name("measure", name, known))
 
 
-def measure_of(name: str, metric: Measure, manner: str, episodes: int, manifest: Manifest) -> Quantity:
+def measure_of(
+    name: str,
+    metric: Measure,
+    manner: str,
+    episodes: int,
+    manifest: Manifest,
+    longest: tuple[float, float] = (math.inf, math.inf),
+) -> Quantity:
     """What a metric measures. A metric of the task's error gets the name and the unit of that error.
+
+    A time in an episode is at most as long as an episode can be.
 
     Args:
         name: The name of the metric.
@@ -98,9 +108,13 @@ def measure_of(name: str, metric: Measure, manner: str, episodes: int, manifest:
         manner: See `Quantity`.
         episodes: How many episodes it is a share of, if it is a share.
         manifest: The manifest of one of the cells, which all do one task.
+        longest: How long an episode of theirs can be, in steps and in seconds.
     """
     share = episodes if is_share(metric) else None
-    found = Quantity(name, metric.unit, metric.better, manner, share, bounds=bounds_of(metric))
+    low, high = bounds_of(metric)
+    if is_time(metric):
+        high = min(high, longest[metric.unit == "s"])
+    found = Quantity(name, metric.unit, metric.better, manner, share, bounds=(low, high))
     if not (manifest.error and is_error(metric)):
         return found
     return found._replace(unit=manifest.unit, title=name.replace("_", " ").replace("distance", manifest.error))

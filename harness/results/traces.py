@@ -58,7 +58,8 @@ class Traces(Results):
         deciding = self.named[:1] or DECIDING
 
         def quantity(name: str, manner: str, episodes: int) -> Quantity:
-            return measure_of(name, metrics[name], manner, episodes, self.manifest(cells[0]))
+            first = self.run(cells[0])
+            return measure_of(name, metrics[name], manner, episodes, first.manifest, first.longest)
 
         return Trainings(
             group,

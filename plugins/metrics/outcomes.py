@@ -23,6 +23,7 @@ class TimeToTarget:
     unit: ClassVar[str] = "s"
     better: ClassVar[str] = "lower"
     bounds: ClassVar[tuple[float, float]] = (0.0, math.inf)
+    is_time: ClassVar[bool] = True
 
     def __call__(self, trace: Log) -> float | None:
         """None without a finished episode, or if the trace does not record the control period.
@@ -45,6 +46,7 @@ class StepsToTarget:
     unit: ClassVar[str] = "steps"
     better: ClassVar[str] = "lower"
     bounds: ClassVar[tuple[float, float]] = (1.0, math.inf)
+    is_time: ClassVar[bool] = True
 
     def __call__(self, trace: Log) -> float | None:
         """None if no episode reaches a target."""

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from harness.record import COLUMN, SCALARS, Manifest, TraceWriter
+from harness.record.trace import NOTHING_KNOWN, EpisodeFacts
 from harness.registry import Choice
 from harness.results import load_results
 from harness.results.logs.told import Told
@@ -53,6 +54,8 @@ def finish(
     rewards=None,
     otherwise=None,
     learned: Mapping = {},
+    took: int = 4,
+    facts: EpisodeFacts = NOTHING_KNOWN,
 ):
     """Leave what a done cell leaves, as far as results read it.
 
@@ -65,6 +68,8 @@ def finish(
         rewards: Of the training; what its reward pays if None.
         otherwise: Which episodes reach it in the other manner; None as by version 0.1, which had none.
         learned: Which reach it in evaluations during the training, by steps.
+        took: The steps of each episode of an evaluation.
+        facts: What is known of them.
     """
     if rewards is None:
         rewards = paid(distances, dict(cell.reward.params).get("k2", 1.0))
@@ -76,7 +81,7 @@ def finish(
         evaluations["stochastic" if cell.deterministic else "deterministic"] = otherwise
     (folder / "evaluations").mkdir()
     for name, reached in {**evaluations, **{f"evaluations/{steps}": it for steps, it in learned.items()}}.items():
-        _write_evaluation(folder / f"{name}.parquet", reached)
+        _write_evaluation(folder / f"{name}.parquet", reached, took, facts)
     Manifest(cell, status="done", started=f"2026-01-01T00:00:{cell.seed % 60:02}+00:00", seconds=1.5).write(folder)
 
 
@@ -96,17 +101,18 @@ def _write_training(path, distances, rewards):
     _write(path, rows)
 
 
-def _write_evaluation(path, reached):
+def _write_evaluation(path, reached, took, facts):
     """One ended episode per flag, at a distance of 0.01 or 0.5 m."""
     rows = np.zeros((len(reached), len(SCALARS) + 2))
     for number, (row, is_reached) in enumerate(zip(rows, reached, strict=True)):
-        row[COLUMN["env"]], row[COLUMN["step"]] = number, 4
+        row[COLUMN["env"]], row[COLUMN["step"]] = number, took
         row[COLUMN["reached"]] = row[COLUMN["terminated"]] = is_reached
         row[COLUMN["truncated"]] = not is_reached
         row[COLUMN["distance"]] = 0.01 if is_reached else 0.5
-    _write(path, rows)
+    _write(path, rows, facts)
 
 
-def _write(path, rows):
+def _write(path, rows, facts=NOTHING_KNOWN):
     with TraceWriter(path, dof=1, action_size=1) as writer:
+        writer.facts = facts
         writer.append(rows)

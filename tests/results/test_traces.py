@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from harness.eta import corrected_p, curve_of
+from harness.record.trace import EpisodeFacts
 from harness.registry import Choice, load_registry
 from harness.results import load_results
 from tests.results.folders import ARP, ARP_RUNS, BASELINE, BASELINE_RUNS, fail, load_without, only, paid
@@ -50,6 +51,21 @@ def test_behaviour_is_the_mean_over_seeds(both, made):
     success = by_name["success_rate"]
     assert (success.baseline, success.proposed, success.random) == (0.5, 1.0, 0.0625)
     assert by_name["final_distance"].proposed == pytest.approx(0.01)
+
+
+@pytest.mark.parametrize("period", [0.05, None])
+def test_an_arm_helps_by_time_where_its_limit_is_known(both, made, period):
+    """Both rewards always reach the target, one of them sooner. A failure would count as the whole horizon."""
+    facts = EpisodeFacts(horizon=100, control_period=period)
+
+    def left(cell):
+        return {"trained": [True] * 5, "took": 20 + cell.seed % 4 + 60 * (cell.reward == BASELINE), "facts": facts}
+
+    found = only(made(both(16), left))
+    ends = {it.name: it.measure.ends for it in found.measured.changes_of("deterministic")}
+    assert ends["steps_to_target"] == (1.0, 100.0)
+    assert (ends["time_to_target"][1] == 5.0, found.headline.answer == "helps") == (period is not None,) * 2
+    assert found.headline.decided_by == ("time_to_target" if period else None)
 
 
 def test_metric_that_is_not_defined_is_none(both, made):
@@ -291,7 +307,7 @@ def test_all_claims_of_all_combinations_are_one_family(both, make_cell, made):
     assert found == _corrected_apart(one, two)
     assert found != [*_corrected_apart(one), *_corrected_apart(two)]
     assert one.answer.claims == two.answer.claims == len(found)
-    assert two.decisive.p == pytest.approx(2 * 0.5**7)  # seven that never fail beside seven that do half of the time
+    assert two.decisive.p == pytest.approx(2 / math.comb(14, 7))  # the likeliest two of all ways to deal labels
 
 
 def test_one_seed_claims_nothing(both, made):

@@ -198,7 +198,7 @@ def runs_of(
     shares = {it.facts.path / it.facts.run: it[f"{BEHAVIOUR}{SUCCESS}"] for it in logs if SUCCESS in it.measures}
     require_share("Success", shares, lambda place: f"'{place}'")
     facts, told = [log.facts for log in logs], list(dict.fromkeys(name for log in logs for name in log.measures))
-    measures = _measures(told, facts, deciding)
+    measures = _measures(told, logs, deciding)
     account = account_of(found.trainings, other, leave_out, next(iter(measures), ""))
     found = found._replace(trainings=account.whole)
     trainings = found.trainings
@@ -226,6 +226,7 @@ def runs_of(
         ),
         counted=_counted(trainings, runs, shortest),
         missing=account.missing,
+        offered=measures[1:] if is_named_later(deciding) else (),
     )
 
 
@@ -332,9 +333,17 @@ def _deciding_text(measures: Sequence[str], told: Sequence[str], trainings: Sequ
     return f"; {first} decides{without}{more}"
 
 
-def _measures(told: Sequence[str], facts: Sequence[LogFacts], deciding: Deciding) -> tuple[str, ...]:
-    """The names of the measures of which it is known which values are better; the one that decides first."""
-    better = {name: better_of(name, facts, deciding) for name in (*told, RETURN, LENGTH)}
+def is_named_later(deciding: Deciding) -> bool:
+    """Whether a measure was named that would not decide by itself: then it is one of all that could have been."""
+    return deciding.name not in ("", SUCCESS)
+
+
+def _measures(told: Sequence[str], logs: Sequence[Log], deciding: Deciding) -> tuple[str, ...]:
+    """The names of the measures of which it is known which values are better; the one that decides first.
+
+    All that there are, where one of them was named after they were known.
+    """
+    better = {name: better_of(name, [log.facts for log in logs], deciding) for name in (*told, RETURN, LENGTH)}
     known = sorted((it for it in told if better[it]), key=lambda name: name != SUCCESS)
     named = deciding.name
     if not named:
@@ -342,7 +351,8 @@ def _measures(told: Sequence[str], facts: Sequence[LogFacts], deciding: Deciding
     if named not in better:
         raise UsageError(f"--measure {named}: the logs tell {', '.join([*told, RETURN, LENGTH])}")
     require_direction(named, better[named], DIRECTION.format(named))
-    return tuple(dict.fromkeys([named, *known]))
+    others = [*told, *[LENGTH] * any(LENGTH in log for log in logs)] if is_named_later(deciding) else []
+    return tuple(dict.fromkeys([named, *known, *others]))
 
 
 def _group(runs: Sequence[Run], steps: int) -> Group:

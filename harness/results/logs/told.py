@@ -8,7 +8,6 @@ from typing import NamedTuple
 
 from harness.errors import UsageError
 from harness.eta.interval import Bounds
-from harness.log.log import SUCCESS
 from harness.registry.choice import parse
 
 RETURN, LENGTH = "return", "length"
@@ -67,11 +66,6 @@ class Told:
         ends = (("--ends", f"{name}={low:g},{high:g}") for name, (low, high) in self.ends.items())
         return [text for flag, value in (*given.items(), *left_out, *ends) if value for text in (flag, value)]
 
-    @property
-    def is_named_later(self) -> bool:
-        """Whether a measure was named that would not decide by itself: then it is one of all that could have been."""
-        return self.deciding.name not in ("", SUCCESS)
-
     def steps_of(self, rewards: Collection[str]) -> dict[str, int]:
         """How many environment steps an iteration of each reward is.
 
@@ -103,7 +97,8 @@ def parse_ends(texts: Iterable[str]) -> dict[str, Bounds]:
         except ValueError:
             low, high = 0.0, 0.0
         if not (name and math.isfinite(low) and math.isfinite(high) and low < high):
-            raise UsageError(f"--ends {text}: write NAME=LEAST,GREATEST, two numbers such as score=0,200")
+            what = "two numbers, the lower one first and no percentages"
+            raise UsageError(f"--ends {text}: write NAME=LEAST,GREATEST, {what}, such as score=0,200")
         found[name] = (low, high)
     return found
 

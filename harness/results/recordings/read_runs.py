@@ -161,7 +161,8 @@ def read_runs(
     compared = list(members.values())
     named = dict.fromkeys(name for run in compared for name in run.facts.rewards)
     rewards = sorted(named, key=lambda name: name != told.baseline)  # all others stay in their order
-    measures = dict.fromkeys([*deciding, *(name for run in compared for name in run.facts.behaviour)])
+    recorded = list(dict.fromkeys(name for run in compared for name in run.facts.behaviour))
+    measures, chosen = dict.fromkeys([*deciding, *recorded]), told.deciding.name
     return Runs(
         group or brought(env, UNKNOWN_ALGORITHM, shortest),
         tuple(rewards),
@@ -179,6 +180,7 @@ def read_runs(
         tuple(it.why for it in damaged if it in account.missing),
         apart,
         missing=account.missing,
+        offered=tuple(it for it in recorded if it != chosen) if chosen not in ("", *recorded[:1]) else (),
     )
 
 

@@ -70,7 +70,7 @@ class Recordings(Results):
             runs.group,
             runs.trained[0],
             {key: runs.members[key] for key in keys},
-            tuple(it for it in runs.measures if self._shown is None or it in {*deciding, *self._shown}),
+            tuple(it for it in runs.measures if self._shown is None or it in {*deciding, *runs.offered, *self._shown}),
             runs.measure,
             self.kind,
             deciding,

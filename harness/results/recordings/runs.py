@@ -348,6 +348,8 @@ class Runs(NamedTuple):
     """By manner, what stands for episodes: a log of curves has a ``point``, which is a mean over some."""
     missing: tuple[Missing, ...] = ()
     """Trainings that were begun and have no value: no test is made without them."""
+    offered: tuple[str, ...] = ()
+    """The measures that could have been named to decide, where the one that does was named after they were known."""
 
     @property
     def trained(self) -> list[str]:

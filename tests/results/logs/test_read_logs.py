@@ -111,7 +111,7 @@ def test_trainings_that_do_not_tell_success_are_counted():
 def test_returns_decide_where_one_reward_paid_all():
     """Only the user can know that; then more is better."""
     found = runs(*pair(), deciding=Deciding("return"))
-    assert found.measures == ("return",)
+    assert (found.measures, found.offered) == (("return", "length"), ("length",))
     assert found.members["base", 0].whole.behaviour["return"] == pytest.approx(4.5)
 
 
