@@ -56,9 +56,9 @@ CHOSEN = frozenset(
 
 @takes(RunFlags, CHOSEN, reward=Candidates, budget=Budget)
 def choose(**given: Any) -> int:
-    """See which of several rewards goes furthest within a budget, then make sure that it helps.
+    """See which of several rewards goes furthest, and whether it helps.
 
-    With half of the budget it trains all candidates, and the worse half of them leaves again and again. With the rest
+    With half of a budget it trains all candidates, and the worse half of them leaves again and again. With the rest
     it trains the one that is left and the baseline anew, and compares these new trainings alone. The candidates are the
     rewards of the files, or those that are named.
     """

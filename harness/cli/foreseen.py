@@ -5,7 +5,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from harness.eta.headline import count_trainings
 from harness.text import LONGEST_MESSAGE
 
 if TYPE_CHECKING:
@@ -56,7 +55,7 @@ def _choosing(found: "Foreseen") -> Iterator[str]:
         yield "The first training of each tells how many there is time for"
         return
     rungs = ", ".join(
-        f"{'the better ' * bool(at)}{rung.candidates} with {count_trainings(rung.seeds)} each"
+        f"{'the better ' * bool(at)}{rung.candidates} with {rung.seeds} training{'s' * (rung.seeds != 1)} each"
         for at, rung in enumerate(found.schedule.rungs)
     )
     yield f"In each place: {rungs}. Then {found.schedule.fresh} new ones of the one that is left, and of the baseline"

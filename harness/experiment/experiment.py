@@ -161,7 +161,7 @@ class BegunRun:
 
     @property
     def foreseen(self) -> tuple[Cell, ...]:
-        """As many of them as may be run: where one of several rewards is chosen, not all that may be needed are."""
+        """The first of them, as many as may be run: choosing one of several rewards does not need all of them."""
         budget = self.asked.plan.terms.budget
         return self.waiting[: max(budget - len(self.done), 0)] if budget else self.waiting
 

@@ -205,7 +205,7 @@ class Choosing:
         return [it for it in self.manifests if it.cell in there]
 
     def compared(self, asked: Iterable[tuple[Trainings, Match]]) -> list[tuple[Trainings, Match]]:
-        """Of all comparisons that of the one that went furthest with the baseline, by their new trainings alone."""
+        """The comparison of the one that went furthest with the baseline, by their new trainings alone."""
         winner, found = self.halving.furthest, list[tuple[Trainings, Match]]()
         for of, match in asked:
             if (match.baseline, match.proposed) == (self.baseline, winner):

@@ -77,7 +77,7 @@ def with_verdicts(
 def _ruled(family: Sequence[Comparison], terms: Terms, look_of: LookOf | None, to_come: int) -> list[Comparison]:
     """Each comparison with its own ruling and, where there are several places, with the answer over all of them."""
     asked = _asked(family)
-    unasked = Ruling(asked=max(1, len(asked)), missing=to_come)
+    unasked = Ruling(asked=len(asked), missing=to_come)
     if terms.looks and look_of is not None:
         rulings = [_in_looks(it, terms, look_of) for it in asked]
     elif to_come:
