@@ -464,8 +464,7 @@ def unlabelled(folder):
 
 
 NO_DIFFERENCE = ("cannot tell",)
-BETTER = ("helps",)
-FASTER = ("helps", "learns faster")
+BETTER, HELPS = ("ahead so far",), ("helps",)
 NO_VERDICT = (INTERIM,)
 OF_50 = {"N": "50", "base=N": "2500", "prop=N": "2500"}
 """An episode has 50 steps, and a point is told after 2,500 more."""
@@ -499,30 +498,30 @@ CASES = [
         NO_DIFFERENCE, (), (), says="success is told by this very reward",
     ),
     Case(
-        "names-seed-first", seeds_first, "report names-seed-first", BETTER,
+        "names-seed-first", seeds_first, "report names-seed-first", ("ahead so far | helps",),
         (9, 42.9, 68.5, 83.5), (5,) * 4, is_asked=True, untrue=r"\{reward\}/\D*\{seed\}",
     ),
     Case(
-        "names-run-is-reward", run_is_reward, "report names-run-is-reward", ("learns faster | helps",),
+        "names-run-is-reward", run_is_reward, "report names-run-is-reward", BETTER,
         (6.6, 24.8, 32.9, 43.7, 54.3, 80.6), (5,) * 6, is_asked=True, untrue=r"\{seed\}_\{reward\}",
     ),
     Case(
         "names-weights-pooled", weights_pooled, "report names-weights-pooled", NO_DIFFERENCE, (), (5, 1, 1, 1, 1),
         is_asked=True, untrue=r"\{reward\}_\{seed\}",
     ),
-    Case("tb-one-folder", one_folder, "report tb-one-folder --sort '{reward}/*'", ("learns faster",), **BARE),
-    Case("tb-one-folder", one_folder, "report tb-one-folder", ("learns faster",), **BARE),
+    Case("tb-one-folder", one_folder, "report tb-one-folder --sort '{reward}/*'", BETTER, **BARE),
+    Case("tb-one-folder", one_folder, "report tb-one-folder", BETTER, **BARE),
     Case("tb-rerun", rerun, "report tb-rerun --sort '{reward}/{seed}'", BETTER, **OWN),
     Case("tb-rerun", rerun, "report tb-rerun", BETTER, **OWN),
     Case(
-        "tidy-reward-column", tidy("reward_fn", "seed"), "report tidy-reward-column", BETTER, (21.9, 75.7), (5, 5),
+        "tidy-reward-column", tidy("reward_fn", "seed"), "report tidy-reward-column", HELPS, (21.9, 75.7), (5, 5),
         is_asked=True,
     ),
     Case(
-        "tidy-method-column", tidy("method", "seed"), "report tidy-method-column", BETTER, (21.9, 75.7), (5, 5),
+        "tidy-method-column", tidy("method", "seed"), "report tidy-method-column", HELPS, (21.9, 75.7), (5, 5),
         is_asked=True,
     ),
-    Case("mode-column", modes, "report mode-column", BETTER, (20.8, 76.7), (5, 5), is_asked=True),
+    Case("mode-column", modes, "report mode-column", HELPS, (20.8, 76.7), (5, 5), is_asked=True),
     Case("wandb-long", long, "report wandb-long", BETTER, **OWN),
     Case(
         "own-curve",
@@ -542,16 +541,20 @@ CASES = [
         for line in ("report tb-csv-two-tags", "report tb-csv-two-tags --sort 'run-{reward}_{seed}-tag-*'")
     ),
     Case(
-        "cleanrl-exp-name", named_by_experiment, f"report cleanrl-exp-name {CLEANRL}", FASTER, (54.8, 86.7),
+        "cleanrl-exp-name", named_by_experiment, f"report cleanrl-exp-name {CLEANRL}", BETTER, (54.8, 86.7),
     ),
     Case("prefix-copies", prefixes, "report prefix-copies", BETTER, **OWN),
     Case("wandb-step-axis", charted, "report wandb-step-axis", **CALLS),
     Case("isaac-iterations", isaac, "report isaac-iterations", **ENVS),
 ]  # fmt: skip
 
-SHORTER = {"words": NO_DIFFERENCE, "trainings": (5, 5), "knows": {"FILE": "labels.csv"}, "then": BETTER}
+SHORTER = {"words": NO_DIFFERENCE, "trainings": (5, 5), "knows": {"FILE": "labels.csv"}, "then": BETTER + HELPS}
 ASKED = [
     Case("returns-alone", plain(), "report returns-alone", **SHORTER),
+    Case(
+        "ends", plain(labels=False), "report ends --measure length:better=lower", BETTER, (), (5, 5), then=HELPS,
+        knows={"LEAST": "20", "GREATEST": "50"},
+    ),
     Case(
         "some-measure", plain(("episode", "reward", "distance")),
         "report some-measure --as episode-csv:measure=distance --measure distance", BETTER, (), (5, 5),
@@ -570,7 +573,7 @@ ASKED = [
         NO_DIFFERENCE, (), (1, 1), is_asked=True, untrue=r"\*|\{seed\}",
     ),
     Case(
-        "seeds-twice", twice_seeded, "report seeds-twice --sort '{reward}/seed{seed}'", ("helps", INTERIM), (), (),
+        "seeds-twice", twice_seeded, "report seeds-twice --sort '{reward}/seed{seed}'", (*BETTER, INTERIM), (), (),
         is_asked=True, untrue=r"\{reward\}/\*/\*",
     ),
     Case("per-step", isaac, "report per-step --per-step base=98304", **ENVS),

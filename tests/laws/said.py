@@ -68,7 +68,9 @@ def say(line):
     return Said(line, " | ".join(words) or NO_REWARDS, tuple(shares), counts, text, p)
 
 
-FLAG = re.compile(r"(--(?:sort|as|leave-out|measure|labels|per-step|baseline|success(?:-above|-when)?)) ('[^']*'|\S+)")
+FLAG = re.compile(
+    r"(--(?:sort|as|leave-out|measure|labels|per-step|ends|baseline|success(?:-above|-when)?)) ('[^']*'|\S+)"
+)
 COMMAND = re.compile(r"(?<![\w-])harness (?:eta|report|audit) ")
 QUOTED = ("--sort", "--leave-out")
 """Their values are paths, or stand in quotes; else a sentence only speaks of the flag."""
