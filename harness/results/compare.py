@@ -67,7 +67,7 @@ def compare_all(
     ]
     names = dict.fromkeys(change.name for it in found for change in it.measured.changes)
     for name in told.ends:
-        if name not in names:
+        if names and name not in names:
             raise UsageError(f"--ends: {unknown_name('measure', name, names)}")
     return with_verdicts(found, terms, seen.look_of, seen.to_come + unread)
 

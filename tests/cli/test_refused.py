@@ -289,3 +289,20 @@ def test_what_cannot_be_done_with_a_folder_is_said_in_one_line(place, refused, s
         for rest, told in lines.items():
             with subtests.test(line=f"{begun} {rest}"):
                 assert told in refused(f"{begun} {rest}")
+
+
+ENDS = {"=9,1": "NAME=LEAST,GREATEST, two numbers, the lower one first", "=0%,100%": "no percentages"}
+SHARES = {"mine": "success_rate", "logs": "success"}
+
+
+@pytest.mark.parametrize("command", ["report", "eta"])
+def test_ends_are_refused_at_every_door_alike(place, refused, command):
+    """Reversed, in percent, of a share, which has its own, and of a measure that nobody has."""
+    for folder, share in SHARES.items():
+        for given, told in {**ENDS, "=0,100": f"{share} is a share, from 0 to 1", "s=0,1": "No measure"}.items():
+            assert told in refused(f"{command} {folder} --ends {share}{given}")
+    for given, told in ENDS.items():
+        assert told in refused(f"{command} runs --ends arm{given}")
+    assert "--ends does not go with files of steps" in refused(
+        "eta --baseline base/0.csv --proposed k2/0.csv --ends a=0,1"
+    )

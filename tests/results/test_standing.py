@@ -44,6 +44,19 @@ def test_a_look_is_over_when_all_of_its_cells_have_ended(folder_of, trained, fai
     assert {cell.seed for cell in folder.standing.next} == ({100, 101, 102, 103} if look else {100, 101})
 
 
+@pytest.mark.parametrize(("crashed", "answer"), [(0, "helps"), (4, "cannot tell")])
+def test_trainings_that_crash_are_counted_at_the_worst_end(folder_of, crashed, answer):
+    """Of a reward half of whose trainings are perfect, and half are lost."""
+    folder = folder_of(Terms((8,), asked=2))
+    folder.train("arp", [1.0] * (8 - crashed))
+    for cell in folder.cells["arp"][8 - crashed :]:
+        fail(folder.store, cell, "it broke")
+    folder.train("baseline", [0.2, 0.3] * 4)
+    folder.train("dense", [0.2, 0.3] * 4)
+    (found,) = (it for it in folder.results.combinations if it.proposed == "arp")
+    assert (found.headline.answer, found.decisive.without) == (answer, (0, crashed))
+
+
 def test_who_is_decided_is_trained_no_further(folder_of):
     """The baseline goes on with the others."""
     folder = folder_of(TERMS)

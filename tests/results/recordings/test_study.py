@@ -404,6 +404,15 @@ def test_a_measure_that_decides_has_a_direction(study_of, tmp_path):
         load_results(tmp_path, told=Told(deciding=Deciding("depth", "lower")))
 
 
+@pytest.mark.parametrize(("named", "offered"), [("", ()), ("success", ()), ("arm", ("success",))])
+def test_a_measure_named_later_is_one_of_all(study_of, tmp_path, named, offered):
+    """The one that decides by itself was named before, whoever names it again. What is not shown counts too."""
+    study_of(seeds=3)
+    found = load_results(tmp_path, metrics=named or None, told=Told(deciding=Deciding(named, "higher" * bool(named))))
+    (comparison,) = found.combinations
+    assert (comparison.measured.offered, comparison.answer.ruling.offered) == (offered, len(offered))
+
+
 def test_trainings_without_a_common_seed_are_compared(study_of):
     """By four trainings against three: the answer needs no common seed, nor do learning curves; one way in 35.
 
