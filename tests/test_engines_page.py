@@ -45,21 +45,41 @@ def answers(name):
     return Counter(pair[way]["answer"] for pair in ranking(name)["pairs"] for way in ways)
 
 
-def p_told(test):
-    """The p of a question, corrected for all that were asked with it, as the page writes it."""
-    p = test["p_corrected"]
-    return "p < 0.001" if p < 0.001 else f"p {p:.3f}"
+def between(measure, unit=" points", scale=100.0, digits=1):
+    """The interval that a plain word rests on, as the page writes it."""
+    return f"{scale * measure['low']:+.{digits}f} to {scale * measure['high']:+.{digits}f}{unit}"
+
+
+def decider_of(pool):
+    """The measure over all simulators that decided."""
+    by = pool["decided_by"]
+    success, _, learning = pool["measures"]
+    return learning if by.endswith("while training") else success
 
 
 def kinds(name, reward):
     """How often each answer about the robot stands in single simulators, the most frequent one first."""
-    told = [it["headline"]["answer"] for it in combinations(name, reward)]
-    decided = [it["test"] for it in combinations(name, reward) if it["test"]["is_decided"]]
-    largest = f" (corrected {p_told(max(decided, key=lambda it: it['p_corrected']))} and less)" if decided else ""
-    return ", ".join(
-        f"{count} {answer.upper()}{largest if answer != 'cannot tell' else ''}"
-        for answer, count in Counter(told).most_common()
-    )
+    told = Counter(it["headline"]["answer"] for it in combinations(name, reward))
+    plain = {
+        it["headline"]["answer"]: f" ({between_times(it)})" for it in decided() if it in combinations(name, reward)
+    }
+    return ", ".join(f"{count} {answer.upper()}{plain.get(answer, '')}" for answer, count in told.most_common())
+
+
+def decided():
+    """The rows of which a plain word is said by itself."""
+    told = [it for name in RECORDS for reward in REWARDS for it in combinations(name, reward)]
+    return [it for it in told if it["test"]["is_decided"]]
+
+
+def change_of(told, name):
+    """A measure of the trained policies."""
+    return next(it for it in told["behaviour"] if (it["name"], it["manner"]) == (name, "deterministic"))
+
+
+def between_times(told):
+    """The interval of the time to the target, in seconds."""
+    return between(change_of(told, "time_to_target"), " s", 1.0, 2)
 
 
 def over_places(name, reward):
@@ -146,11 +166,10 @@ def test_page_says_by_how_much_a_reward_is_ahead(name, reward):
 @EACH
 @EACH_REWARD
 def test_page_says_the_answer_over_all_simulators(name, reward):
-    """With the means of what decides, and the p of what did."""
+    """With the means of what decides, and the interval of what did."""
     pool = over_places(name, reward)
     success, time, learning = pool["measures"]
-    decider = next((it for it in pool["measures"] if it["name"] == pool["decided_by"]), learning)
-    by = f"{pool['decided_by'].replace('_', ' ')}, corrected {p_told(decider)} " if pool["decided_by"] else ""
+    by = f"{pool['decided_by'].replace('_', ' ')}, {between(decider_of(pool))} " if pool["decided_by"] else ""
     assert time["is_relative"]
     told = [
         pool["answer"].upper(),
@@ -189,29 +208,25 @@ def test_page_says_where_the_robot_contradicts_the_number():
     assert all(over_places(name, "arp")["answer"] == "cannot tell" for name in RECORDS)
     most, *others = sorted(helped, key=lambda name: -over_places(name, "dense")["better_in"])
     pool = over_places(most, "dense")
-    assert f"better in at least {pool['better_in']} of the 8 simulators (corrected {p_told(pool['test'])})" in PROSE
+    over = between(decider_of(pool))
+    assert f"better in at least {pool['better_in']} of the 8 simulators ({over} over all)" in PROSE
     pools = [over_places(name, "dense") for name in others]
-    told = " and ".join(f"{pool['better_in']} (corrected {p_told(pool['test'])})" for pool in pools)
+    told = " and ".join(f"{pool['better_in']} ({between(decider_of(pool), '')})" for pool in pools)
     assert f"better in at least {told} of the 8" in PROSE
     (sooner,) = [name for name in RECORDS if over_places(name, "dense")["answer"] == "learns faster"]
-    assert f"in `{sooner}` it learns faster (corrected {p_told(over_places(sooner, 'dense')['test'])})" in PROSE
+    assert f"in `{sooner}` it learns faster ({between(decider_of(over_places(sooner, 'dense')), '')})" in PROSE
 
 
 def test_page_names_a_simulator_where_the_robot_contradicts_the_number():
-    """Of those that are decided by themselves, that with the largest difference."""
-    told = [it for name in RECORDS for reward in REWARDS for it in combinations(name, reward)]
-    decided = [it for it in told if it["test"]["is_decided"]]
-    kinds = Counter((it["proposed"], it["headline"]["answer"]) for it in decided)
-    assert kinds == {("dense", "helps"): 4, ("dense", "learns faster"): 7}
-    assert "Eleven rows are decided by themselves" in PROSE
-    helped = [it for it in decided if it["headline"]["answer"] == "helps"]
-    (it,) = [it for it in helped if it["simulator"] == "drake:drive=servo"]
-    success = next(it for it in it["behaviour"] if (it["name"], it["manner"]) == ("success_rate", "deterministic"))
+    """The one that is decided by itself."""
+    (it,) = decided()
+    assert (it["proposed"], it["headline"]["answer"], it["simulator"]) == ("dense", "helps", "drake:drive=servo")
+    assert "One row is decided by itself" in PROSE
+    assert f"only one of the {sum(len(it['combinations']) for it in RECORDS.values())} is decided by itself" in PROSE
+    success = change_of(it, "success_rate")
     values = " instead of ".join(f"{100 * success[which]:.1f} %" for which in ("proposed", "baseline"))
-    assert (
-        f"success is {values} (corrected {p_told(it['test'])}), while eta_N is {three(it['eta_N']['eta']['value'])}"
-        in PROSE
-    )
+    told = f"success is {values}, and the time to the target is better ({between_times(it)})"
+    assert f"{told}, while eta_N is {three(it['eta_N']['eta']['value'])}" in PROSE
 
 
 @EACH

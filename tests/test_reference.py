@@ -23,9 +23,10 @@ STUDIES = [folder for folder in RECORDS if "studies" in json.loads((folder / "re
 FOLDERS = [folder for folder in RECORDS if folder not in STUDIES]
 INDICES = {"eta_N": "I_N", "eta_P": "I_P"}
 SHARES = ("success_rate", "ground_hits", "obstacle_hits", "timeouts", "spl")
-CLAIM = re.compile(r"\b(better|worse|helps|hurts)\b", re.IGNORECASE)
+CLAIM = re.compile(r"\b(better|worse|helps|hurts|(ahead|behind) so far)\b", re.IGNORECASE)
 NO_CLAIM = re.compile(r"(called|made|counts as) (better|worse)|better or worse|helps or hurts|say(s)? better|\?$")
 QUOTED_P = re.compile(r"corrected p (< )?(\d\.\d+)")
+QUOTED_BOUNDS = re.compile(r"([-+][\d.]+) to ([-+][\d.]+)")
 
 
 def page_of(folder):
@@ -141,25 +142,46 @@ def corrected(folder):
     return {p for p in values if p is not None and p <= 0.05}
 
 
-def unfounded(page, known):
-    """Passages that say better or worse without a corrected p of the record."""
+def bounds(folder):
+    """The intervals, as pages write them, that leave out 0, of what decides where a plain word is said."""
+    pooled = [measure for it in over_places(folder) if it["test"]["is_decided"] for measure in it["measures"]]
+    alone = [change for it in combinations(folder) if it["test"]["is_decided"] for change in it["behaviour"]]
+    return {
+        tuple(f"{it[end] * (1 if it.get('unit') else 100):+.{digits}f}" for end in ("low", "high"))
+        for it in (*pooled, *alone)
+        if it["low"] is not None and it["low"] * it["high"] > 0.0
+        for digits in (1, 2)
+    }
+
+
+def unfounded(page, known, plain=frozenset()):
+    """Passages that say better, worse or so far without a corrected p of the record, or an interval of a plain word."""
     passages = [" ".join(it.split()) for it in re.split(r"\n\s*\n|\n(?=[*|#])", page)]
-    return [passage for passage in passages if CLAIM.search(NO_CLAIM.sub("", passage)) and not _founded(passage, known)]
+    return [
+        passage
+        for passage in passages
+        if CLAIM.search(NO_CLAIM.sub("", passage)) and not _founded(passage, known, plain)
+    ]
 
 
-def _founded(passage, known):
-    quoted = QUOTED_P.findall(passage)
-    return bool(quoted) and all(
-        any(p < float(number) if less else f"{p:.{len(number) - 2}f}" == number for p in known)
-        for less, number in quoted
+def _founded(passage, known, plain):
+    quoted, ends = QUOTED_P.findall(passage), QUOTED_BOUNDS.findall(passage)
+    return (
+        bool(quoted or ends)
+        and set(ends) <= plain
+        and all(
+            any(p < float(number) if less else f"{p:.{len(number) - 2}f}" == number for p in known)
+            for less, number in quoted
+        )
     )
 
 
 def test_page_claims_what_a_test_found(subtests):
-    """Where a page says better or worse it quotes a corrected p, and the record holds it."""
+    """Where a page says better or worse it quotes a corrected p or the interval of a plain word, as the record does."""
     for folder in FOLDERS:
         with subtests.test(folder=folder):
-            assert unfounded(page_of(folder), set().union(*(corrected(record) for record in records_of(folder)))) == []
+            known, plain = (set().union(*map(told, records_of(folder))) for told in (corrected, bounds))
+            assert unfounded(page_of(folder), known, plain) == []
 
 
 @pytest.mark.parametrize(
@@ -169,12 +191,15 @@ def test_page_claims_what_a_test_found(subtests):
         ("The robot is worse (corrected p 0.031).", True),
         ("The robot is worse (corrected p 0.030).", False),
         ("The robot is better (corrected p < 0.001).", False),
+        ("The robot is ahead so far.", False),
+        ("The robot is better (+2.4 to +20.7).", True),
+        ("The robot is better (-2.4 to +20.7).", False),
         ("eta_N below 1 is called better.", True),
     ],
 )
 def test_a_claim_without_its_p_is_found(passage, is_founded):
     """The check fails on a claim that no record carries."""
-    assert (unfounded(passage, {0.03125}) == []) == is_founded
+    assert (unfounded(passage, {0.03125}, {("+2.4", "+20.7")}) == []) == is_founded
 
 
 def beyond(data, least, greatest):
