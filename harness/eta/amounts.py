@@ -54,7 +54,12 @@ def difference_text(change: Compared, digits: int, where: str = "") -> str:
     told = f"{write(difference_of(change))}{unit}{there}"
     if change.low is None or change.high is None or change.low == change.high:
         return told  # an interval without a width would be taken for certainty
-    return f"{told} ({write(change.low)} to {write(change.high)})"
+    ends = (change.low, change.high)
+    for more in range(MOST_OF_PERCENT + 1):  # an end beside 0 must not read as 0: a word rests on which side it is
+        write, _ = _signed(change, digits, more)
+        if all(round(float(write(end).strip("%").replace(",", "")), MOST_DECIMALS) for end in ends if end):
+            break
+    return f"{told} ({write(ends[0])} to {write(ends[1])})"
 
 
 def same_text(names: Names, deciding: Sequence[Compared]) -> str:
@@ -78,12 +83,14 @@ def relative_text(change: Compared) -> str:
     return f"{word} by {size} of its mean size" if change.is_of_size else f"{size} {word}"
 
 
-def trainings_text(names: Names, counts: tuple[int, int]) -> str:
-    """How many trainings there are of each reward."""
-    baseline, proposed = counts
-    if baseline == proposed:
-        return f"{baseline} training{'s' * (baseline != 1)} of each reward"
-    return f"{baseline} training{'s' * (baseline != 1)} with {names.baseline}, {proposed} with {names.proposed}"
+def trainings_text(names: Names, counts: tuple[int, int], lost: tuple[int, int] = (0, 0)) -> str:
+    """How many trainings there are of each reward, of how many that were begun."""
+    begun = [count + none for count, none in zip(counts, lost, strict=True)]
+    if counts[0] == begun[0] == counts[1] == begun[1]:
+        return f"{counts[0]} training{'s' * (counts[0] != 1)} of each reward"
+    baseline, proposed = (f"{count}{f' of {of}' * (of > count)}" for count, of in zip(counts, begun, strict=True))
+    others = " (the others left no value)" * any(lost)
+    return f"{baseline} training{'s' * (begun[0] != 1)} with {names.baseline}, {proposed} with {names.proposed}{others}"
 
 
 def failed_of(deciding: Sequence[Compared]) -> tuple[int, int] | None:
@@ -114,14 +121,16 @@ def counted_text(names: Names, deciding: Sequence[Compared]) -> str:
     failed, of = failed_of(deciding), deciding[0]
     ours, theirs = (count + lost for count, lost in zip(of.counts, of.without, strict=True))
     if failed is None:
-        return trainings_text(names, (ours, theirs))
+        return trainings_text(names, of.counts, of.without)
     is_of_learned = is_hardly_learned(deciding[0])
     first, second = (ours - failed[0], theirs - failed[1]) if is_of_learned else failed
     verb = "learned" if is_of_learned else "failed"
+    lost = f" ({listed([f'{count:,}' for count in of.without[::-1]])} left no value)" * any(of.without)
     if (first, ours) == (second, theirs):
-        return f"{first:,} of {ours:,} trainings {verb} with either reward"
+        return f"{first:,} of {ours:,} trainings {verb} with either reward{lost}"
     return (
         f"{second:,} of {theirs:,} trainings {verb} with {names.proposed}, {first:,} of {ours:,} with {names.baseline}"
+        f"{lost}"
     )
 
 
@@ -158,9 +167,9 @@ def _values(change: Compared, digits: int) -> tuple[str, str]:
     return baseline, proposed
 
 
-def _signed(change: Compared, digits: int) -> tuple[Callable[[float], str], str]:
-    """Writes a difference, and the unit behind it."""
-    decimals, scale = _decimals(change, digits), _scale_of(change)
+def _signed(change: Compared, digits: int, more: int = 0) -> tuple[Callable[[float], str], str]:
+    """Writes a difference, with so many decimals more, and the unit behind it."""
+    decimals, scale = _decimals(change, digits) + more, _scale_of(change)
     if change.is_relative:
         of = " of its mean size" if change.is_of_size else ""
         return (lambda value: f"{_with_sign(_number(scale * value, decimals))}%"), of

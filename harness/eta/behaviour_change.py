@@ -151,6 +151,11 @@ class Change:
         return False
 
     @property
+    def places(self) -> int:
+        """Over how many places values are means."""
+        return 1
+
+    @property
     def counts(self) -> tuple[int, int]:
         """How many trainings of each reward have a value."""
         return len(self.trainings[0]), len(self.trainings[1])

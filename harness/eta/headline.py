@@ -86,6 +86,10 @@ class Compared(Protocol):
         """How many more were begun and left no value."""
 
     @property
+    def places(self) -> int:
+        """Over how many places values are means."""
+
+    @property
     def seeds(self) -> int:
         """How many trainings each reward has in each place, at least."""
 
@@ -179,15 +183,20 @@ def is_hardly_learned(change: Compared) -> bool:
     return max(change.baseline or 0.0, change.proposed or 0.0) < LEARNED
 
 
+def reaches_of(change: Compared) -> tuple[float, float]:
+    """How far the mean of the reward that is ahead lies from the worst end, and the other one from the best end."""
+    low, high = change.ends
+    one, other = sorted((change.baseline or 0.0, change.proposed or 0.0))
+    return (other - low, high - one) if change.measure.better == "higher" else (high - one, other - low)
+
+
 def share_undone(change: Compared) -> float | None:
     """Which share of trainings of the reward that is ahead would have to end as badly as they can to make both equal.
 
     None where it is not known how badly that is, or where nothing is ahead.
     """
-    low, high = change.ends
-    one, other = sorted((change.baseline or 0.0, change.proposed or 0.0))
-    reach = other - low if change.measure.better == "higher" else high - one
-    return (other - one) / reach if math.isfinite(low) and math.isfinite(high) and reach > 0.0 and other > one else None
+    size, (reach, _) = abs(difference_of(change)), reaches_of(change)
+    return size / reach if size > 0.0 and math.isfinite(reach) else None
 
 
 def difference_of(change: Compared) -> float:

@@ -6,7 +6,7 @@ A word of better or worse stands here only where a test says so whose error rate
 import shlex
 from collections.abc import Sequence
 
-from harness.eta.amounts import listed, same_text, seen_text, trainings_text, unseen_text
+from harness.eta.amounts import LUCK, capitalised, listed, same_text, seen_text, trainings_text, unseen_text
 from harness.eta.headline import (
     LEARNED,
     UNMEASURED,
@@ -27,12 +27,17 @@ from harness.eta.headline import (
 )
 from harness.eta.manner import WHOLE
 from harness.eta.needed import needed_of, needed_text
-from harness.eta.power import FEWEST, Range
+from harness.eta.power import FEWEST
 from harness.eta.splits import Names
 from harness.eta.swaps import p_text
+from harness.eta.verdict.looks import luck_in
 from harness.eta.verdict.ruling import Ruling
 
 TRAIN_LONGER = "Train longer, or with another algorithm."
+LOST = (
+    "Those without a value count as what speaks most against a word, the worst or the best there is: find out first "
+    "why they have none."
+)
 NO_TEST = "No test is made without them."
 UNSEEN_SUCCESS = "also where trainings succeed that were not seen"
 DECIDED = (Answer.HELPS, Answer.HURTS, Answer.LEARNS_FASTER, Answer.LEARNS_SLOWER, Answer.MIXED)
@@ -70,15 +75,14 @@ def judge(
     if answer in DECIDED:
         is_mixed = answer is Answer.MIXED
         told = _sides(names, deciding, ruling, there) if is_mixed else _clear(names, deciding, ruling, there, answer)
-        lines = [seen, told, SURE, clear_text(deciding, ruling)]
+        lines = [seen, told, sure_text(ruling)]
         by = key_of(deciding[decider_of(deciding, ruling, answer)])
         return Headline(answer, " ".join(filter(None, lines)), number, by)
     if answer in (Answer.AHEAD, Answer.BEHIND, Answer.CANNOT_TELL):
-        needed = needed_of(deciding, ruling)
-        say = _cannot_tell if answer is Answer.CANNOT_TELL else _ahead
-        lines = [seen, *say(names, deciding, ruling, needed, there)]
-        rests = None if answer is Answer.CANNOT_TELL else key_of(deciding[decider_of(deciding, ruling, answer)])
-        return Headline(answer, " ".join(filter(None, lines)), number, rests, needed)
+        is_open = answer is Answer.CANNOT_TELL
+        lines = [seen, *(_cannot_tell if is_open else _ahead)(names, deciding, ruling, there)]
+        rests = None if is_open else key_of(deciding[decider_of(deciding, ruling, answer)])
+        return Headline(answer, " ".join(filter(None, lines)), number, rests, needed_of(deciding, ruling))
     if is_same(deciding, ruling, same_steps=same_steps):
         return Headline(answer, _same(names, deciding), number)
     return Headline(answer, _untold(names, deciding, ruling, answer, seen, there), number)
@@ -152,24 +156,7 @@ def progress_text(deciding: Sequence[Compared], ruling: Ruling) -> str:
 
 def end_text(ends: Sequence[Compared]) -> str:
     """What is said of the end where success while training alone decided."""
-    if not ends:
-        return "what it does at the end is not known"
-    if any(map(leaves_out_zero, ends)):
-        return "whether the end differs too cannot be told"
-    return "at the end no difference was found"
-
-
-def clear_text(deciding: Sequence[Compared], ruling: Ruling) -> str:
-    """Why an interval that leaves out 0 gives no plain word; empty where there is none."""
-    clear = [
-        it for at, it in enumerate(deciding) if not (ruling.is_decided and ruling.passes(at)) and leaves_out_zero(it)
-    ]
-    if not clear:
-        return ""
-    if ruling.is_held or all(it.measure.has_ends for it in clear):
-        return ""
-    names = listed([name_with_article(it) for it in clear if not it.measure.has_ends])
-    return f"The interval of {names} leaves out 0, and takes for granted that no training ends quite otherwise."
+    return "whether the end differs too cannot be told" if ends else "what it does at the end is not known"
 
 
 def reasons(names: Names, deciding: Sequence[Compared], ruling: Ruling, where: str) -> list[str]:
@@ -177,7 +164,8 @@ def reasons(names: Names, deciding: Sequence[Compared], ruling: Ruling, where: s
     if max(deciding[0].counts) < FEWEST and not where and not ruling.has_plan:
         return [f"Fewer than {FEWEST} of each reward cannot show anything."]
     looks_alike = all(abs(difference_of(it)) < margin_of(it) for it in deciding if is_share(it))
-    lines = [_why_open(deciding, ruling), unseen_text(names, deciding) if looks_alike else ""]
+    lost = LOST if any(deciding[0].without) else ""
+    lines = [_why_open(deciding, ruling), lost, unseen_text(names, deciding) if looks_alike else ""]
     return [line for line in lines if line]
 
 
@@ -187,18 +175,18 @@ def _why_open(deciding: Sequence[Compared], ruling: Ruling) -> str:
         return "A single place is told only where the answer over all is."
     if ruling.is_ahead:
         return "By one measure it is ahead so far, by another it is behind."
-    return f"{clear_text(deciding, ruling)} {ends_text(deciding)}".strip()
+    return ends_text(deciding)
 
 
-def ends_text(deciding: Sequence[Compared]) -> str:
-    """What to type where the ends of a measure are not known, so that nothing plain can be said of it; else empty."""
-    without = [it for it in deciding if not it.measure.has_ends]
-    if not without or len(without) < len(deciding):
+def ends_text(changes: Sequence[Compared]) -> str:
+    """What to type where the ends of a measure are not known, so that its interval gives no plain word; else empty."""
+    without = [it for it in changes if not it.measure.has_ends]
+    if not without:
         return ""
     flags = " ".join(f"--ends {shlex.quote(it.name)}=LEAST,GREATEST" for it in without)
     return (
-        f"How low and how high {listed([name_of(it) for it in without])} can go is not known, so one training more "
-        f"could undo any difference. {flags} says it."
+        f"How low and how high {listed([name_with_article(it) for it in without])} can go is not known, so one "
+        f"training more could undo any difference. {flags} says it."
     )
 
 
@@ -212,8 +200,9 @@ def allowance_text(deciding: Sequence[Compared]) -> str:
     return ", also where trainings fail that were not seen" if any(map(is_share, deciding)) else ""
 
 
-SURE = "One training more of either reward, that ends as badly or as well as it can, would not undo that (95%)."
-"""What a plain word rests on."""
+def sure_text(ruling: Ruling) -> str:
+    """What a plain word rests on."""
+    return f"One training more of either reward, however it ends, would not undo that ({100 * ruling.confidence:.3g}%)."
 
 
 def _clear(names: Names, deciding: Sequence[Compared], ruling: Ruling, there: str, answer: Answer) -> str:
@@ -296,44 +285,43 @@ def _no_difference(names: Names, deciding: Sequence[Compared], there: str) -> st
     )
 
 
-def _ahead(names: Names, deciding: Sequence[Compared], ruling: Ruling, needed: Range | None, there: str) -> list[str]:
+def _ahead(names: Names, deciding: Sequence[Compared], ruling: Ruling, there: str) -> list[str]:
     """The sentences that only these trainings differ, what would undo that, and what would tell."""
-    change = deciding[decider_of(deciding, ruling, Answer.AHEAD)]
-    place, who = ("ahead", names.proposed) if ruling.sign > 0 else ("behind", names.baseline)
-    by = f" by {name_with_article(change)}" if len(deciding) > 1 else ""
-    p = p_text(ruling.of_measures[decider_of(deciding, ruling, Answer.AHEAD)])
-    lines = [f"{names.proposed} is {place} in these trainings{there}{by}, corrected p {p}."]
+    at = decider_of(deciding, ruling, Answer.AHEAD)
+    place = "ahead" if ruling.sign > 0 else "behind"
+    by = f" by {name_with_article(deciding[at])}" if len(deciding) > 1 else ""
+    told = f"{names.proposed} is {place} in these trainings{there}{by} (corrected p {p_text(ruling.of_measures[at])})."
+    return [told, *undone_texts(names, deciding, ruling), needed_text(deciding, ruling, there)]
+
+
+def undone_texts(names: Names, deciding: Sequence[Compared], ruling: Ruling) -> list[str]:
+    """Why a word that is said so far is no more than that, a sentence each: luck, and trainings that were not seen."""
+    change, lines = deciding[decider_of(deciding, ruling, Answer.AHEAD)], []
     if ruling.offered:
-        lines.append(
-            f"It was named after they were done, so all {ruling.offered + 1} measures there are are allowed for."
-        )
-    return [*lines, undone_text(change, who), clear_text(deciding, ruling), needed_text(needed, there)]
-
-
-def undone_text(change: Compared, who: str) -> str:
-    """What would make both rewards equal that trainings so few do not rule out."""
+        named = f"{capitalised(name_with_article(change))} was named after the trainings"
+        lines.append(f"{named}, so p and the interval allow for all {ruling.offered + 1} measures there are.")
+    if ruling.grown:
+        luck = round(100 * luck_in(sorted({*ruling.grown, max(*ruling.grown, change.seeds)})))
+        lines.append(f"This is look {ruling.looks} at the folder: by luck alone {luck} in 100 get such a word by then.")
     share = share_undone(change)
     if share is None:
-        return ends_text([change])
-    few = f"if 1 in {1.0 / share:.0f} of {who}'s" if share <= 0.5 else f"if {share:.0%} of {who}'s"
-    return (
-        f"That is no reason yet to expect it of the next ones: {few} ended as badly as they can, both would be equal, "
-        "and these trainings do not rule that out."
-    )
+        return [*lines, ends_text([change])]
+    who, seen = names[ruling.sign > 0], change.counts[ruling.sign > 0]
+    if share > 1.0 - LUCK ** (1.0 / seen):
+        undone = "one training more that ends as badly as it can leaves room for no difference."
+    else:
+        undone = (
+            f"if 1 in {1.0 / share:.0f} with {who} ended as badly as can be, both would be equal, and {seen} trainings "
+            "do not rule that out."
+        )
+    return [*lines, f"Of new trainings that says little yet: {undone}"]
 
 
-def _cannot_tell(
-    names: Names, deciding: Sequence[Compared], ruling: Ruling, needed: Range | None, there: str
-) -> list[str]:
+def _cannot_tell(names: Names, deciding: Sequence[Compared], ruling: Ruling, there: str) -> list[str]:
     """The sentences that it is not known, why, and what would help."""
+    of = trainings_text(names, deciding[0].counts, deciding[0].without)
     return [
-        f"Whether {names.proposed} helps or hurts{there} cannot be told from "
-        f"{trainings_text(names, deciding[0].counts)}.",
+        f"Whether {names.proposed} helps or hurts{there} cannot be told from {of}.",
         *reasons(names, deciding, ruling, there),
-        TRAIN_LONGER if is_hardly_learned(deciding[0]) else needed_text(needed, there),
+        TRAIN_LONGER if is_hardly_learned(deciding[0]) else needed_text(deciding, ruling, there),
     ]
-
-
-def leaves_out_zero(change: Compared) -> bool:
-    """Whether the interval of a difference lies on one side of 0."""
-    return change.low is not None and change.high is not None and (change.low > 0.0 or change.high < 0.0)

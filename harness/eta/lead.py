@@ -77,9 +77,10 @@ def _untold(answer: Answer, deciding: Sequence[Compared], ruling: Ruling, where:
 def _decided(answer: Answer, deciding: Sequence[Compared], ruling: Ruling, subject: str, where: str) -> str:
     """What the robot does instead; then what else passed; then what did not, at the end of the trainings."""
     first = decider_of(deciding, ruling, answer)
-    lines = [f"{_does(deciding[first], subject, ruling.sign)}{_there(where)}."]
+    sign = ruling.sign * ruling.is_decided
+    lines = [f"{_does(deciding[first], subject, sign)}{_there(where)}."]
     others = [(at, it) for at, it in enumerate(deciding) if at != first]
-    lines += [f"{_does(it, subject, ruling.sign, 'also ')}." for at, it in others if ruling.passes(at)]
+    lines += [f"{_does(it, subject, sign, 'also ')}." for at, it in others if ruling.passes(at)]
     if not ruling.is_decided:
         return f"In these trainings: {lines[0][0].lower()}{' '.join(lines)[1:]} New ones may not differ."
     if is_little(deciding, ruling, answer):
@@ -88,7 +89,8 @@ def _decided(answer: Answer, deciding: Sequence[Compared], ruling: Ruling, subje
     if answer in (Answer.LEARNS_FASTER, Answer.LEARNS_SLOWER):
         lines.append(f"{end_text(ends).capitalize()}.")
     elif ends:
-        lines.append(f"No difference in {listed([name_with_article(it) for it in ends])} was found.")
+        verb = "differs" if len(ends) == 1 else "differ"
+        lines.append(f"Whether {listed([name_with_article(it) for it in ends])} {verb} too cannot be told.")
     return " ".join(lines)
 
 
@@ -111,10 +113,10 @@ def _sides(deciding: Sequence[Compared], ruling: Ruling, where: str) -> str:
 
 
 def _does(change: Compared, subject: str, sign: int, also: str = "") -> str:
-    """What the robot does under the proposed reward instead of what it does under the baseline."""
+    """What the robot does instead of what it does under the baseline; the sign is 0 where only these trainings do."""
     if change.measure.is_while_training and is_share(change) and "success" in change.name:
-        learns = f"The {subject} {also}learns {'faster' if sign > 0 else 'more slowly'}"
-        return f"{learns}: {_instead(change)} of its episodes succeed {change.measure.manner}"
+        told = f"{_instead(change)} of its episodes succeed {change.measure.manner}"
+        return f"The {subject} {also}learns {'faster' if sign > 0 else 'more slowly'}: {told}" if sign else told
     if change.is_relative:
         return f"The {name_of(change)} is {also}{_instead(change)}"
     if change.name == TIME:

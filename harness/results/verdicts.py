@@ -5,7 +5,7 @@ places where both trained. Whatever else the comparisons say are hints, correcte
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import takewhile, zip_longest
 
@@ -84,7 +84,8 @@ def _ruled(family: Sequence[Comparison], terms: Terms, look_of: LookOf | None, t
         rulings = [unasked] * len(asked)
     else:
         offered = [len(it.offered[0]) if it.offered else 0 for it in asked]
-        rulings = rule([it.question for it in asked], 1 + len(terms.grown), offered)
+        ruled = rule([it.question for it in asked], 1 + len(terms.grown), offered)
+        rulings = [replace(it, grown=terms.grown) for it in ruled]
     found = dict[int, tuple[Sequence[Change], Ruling, Pool | None]]()
     for it, whole in zip(asked, rulings, strict=True):
         pool, of_places = _pooled(it, whole) if len(it.members) > 1 else (None, [whole])

@@ -4,7 +4,6 @@
 changed there: none may be false, and none may have to be reconciled with the number beside it.
 """
 
-import math
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -21,17 +20,17 @@ from harness.results.overview import decider_text
 from harness.results.verdicts import with_verdicts
 
 SUCCESS = Quantity("success_rate", "", "higher", "deterministic", 100)
-TIME = Quantity("time_to_target", "s", "lower", "deterministic", bounds=(0.0, math.inf))
 SPEED = Quantity("success_rate", "", "higher", TRAINING, 100)
 COST = Quantity("energy_balance", "J", "lower", "deterministic")
 HORIZON = 5.0
 """The time that a failed episode counts, in seconds."""
+TIME = Quantity("time_to_target", "s", "lower", "deterministic", bounds=(0.0, HORIZON))
 WIDTH = 110
 FIRST = Terms()
 
-Trainings = Sequence[float]
+Trainings = Sequence[float | None]
 Sides = tuple[Trainings, Trainings]
-"""A value of each training of the baseline, and of the proposed reward."""
+"""A value of each training of the baseline, and of the proposed reward; None of one that crashed."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +61,7 @@ def around(mean, width, count, order=0):
 
 def timed(success, quick):
     """The time to the target where a success takes so long, and a failure counts the horizon."""
-    return [round(share * quick + (1.0 - share) * HORIZON, 4) for share in success]
+    return [it if it is None else round(it * quick + (1.0 - it) * HORIZON, 4) for it in success]
 
 
 def arm(baseline, proposed, speed, quick=(1.0, 1.0)):
@@ -87,7 +86,7 @@ def in_looks(complete, ends):
     """So many looks are complete, each with so many seeds."""
 
     def looks(comparison):
-        return {seed: sum(seed >= end for end in ends) for seed in comparison.seeds}, complete
+        return {seed: sum(seed >= end for end in ends) for seed in range(ends[-1])}, complete
 
     return looks
 
@@ -97,20 +96,28 @@ LEARNED_ONE = (0.93, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 GOOD = (0.96, 0.99, 0.97, 1.0, 0.98, 0.95, 1.0, 0.99, 0.97, 0.98)
 STEADY = (0.93, 0.88, 0.91, 0.86, 0.94, 0.90, 0.87, 0.92, 0.89, 0.93)
 THREE_FAILED = (0.98, 0.21, 0.97, 0.99, 0.05, 0.96, 0.98, 1.0, 0.33, 0.97)
+OTHERS = {
+    COST._replace(name=f"column_{at}"): (around(0.0, 1.0, 8, at), around(0.0, 1.0, 8, at + 50)) for at in range(10)
+}
+"""Measures that show nothing."""
+CRASHED = (None, None, None, None)
 MIDDLE = (0.71, 0.62, 0.80, 0.55, 0.74, 0.68, 0.59, 0.77, 0.65, 0.70)
 
 SITUATIONS = (
-    Situation("a clear help", alone(MIDDLE, STEADY, (around(0.45, 0.06, 10), around(0.55, 0.06, 10)), (1.2, 1.0))),
+    Situation(
+        "a clear help",
+        alone(MIDDLE * 2, STEADY * 2, (around(0.45, 0.06, 20), around(0.6, 0.06, 20)), (1.2, 1.0)),
+    ),
     Situation(
         "a help by little: the time falls from 2.01 to 1.90 s",
-        alone(GOOD, GOOD, alike(10), (around(2.01, 0.03, 10), around(1.90, 0.03, 10))),
+        alone(GOOD * 14, GOOD * 14, alike(140), (around(2.01, 0.03, 140), around(1.90, 0.03, 140))),
     ),
     Situation(
         "a hurt: more than half of the trainings fail",
         alone(GOOD, around(0.36, 0.3, 10), alike(10)),
     ),
     Situation(
-        "decided, with an interval that holds 0: every training a little worse",
+        "behind so far: every training a little worse",
         {"mujoco": {SUCCESS: (around(0.995, 0.004, 6), around(0.965, 0.004, 6))}},
     ),
     Situation(
@@ -119,13 +126,13 @@ SITUATIONS = (
     ),
     Situation(
         "learns faster, but ends worse",
-        alone(STEADY, MIDDLE, (around(0.42, 0.06, 10), around(0.61, 0.06, 10))),
+        alone(STEADY * 2, MIDDLE * 2, (around(0.42, 0.06, 20), around(0.61, 0.06, 20))),
     ),
     Situation(
         "two places, 30 points up and 30 points down",
         {
-            "mujoco": arm(around(0.6, 0.06, 10), around(0.9, 0.06, 10), alike(10), (1.0, 0.8)),
-            "pybullet": arm(around(0.9, 0.06, 10), around(0.6, 0.06, 10), alike(10), (2.0, 1.0)),
+            "mujoco": arm(around(0.6, 0.06, 20), around(0.9, 0.06, 20), alike(20), (1.0, 0.8)),
+            "pybullet": arm(around(0.9, 0.06, 20), around(0.6, 0.06, 20), alike(20), (2.0, 1.0)),
         },
     ),
     Situation(
@@ -137,13 +144,11 @@ SITUATIONS = (
     ),
     Situation(
         "no difference, with a spread",
-        alone(around(0.93, 0.05, 80), around(0.934, 0.05, 80, 3), (around(0.5, 0.05, 80), around(0.503, 0.05, 80, 5))),
+        alone(
+            around(0.93, 0.05, 140), around(0.934, 0.05, 140, 3), (around(0.5, 0.05, 140), around(0.503, 0.05, 140, 5))
+        ),
     ),
-    Situation("perfect trainings of both, 6 seeds", alone(PERFECT, PERFECT, alike(6))),
-    Situation(
-        "perfect trainings of both, 60 seeds",
-        alone(PERFECT * 10, PERFECT * 10, (around(0.5, 0.05, 60),) * 2),
-    ),
+    Situation("perfect trainings of both", alone(PERFECT, PERFECT, alike(6))),
     Situation(
         "neither learns, 60 seeds",
         alone((0.0, 0.02, 0.0) * 20, (0.01, 0.0, 0.02) * 20, ((0.0, 0.01, 0.0) * 20, (0.01, 0.0, 0.0) * 20)),
@@ -152,23 +157,19 @@ SITUATIONS = (
         "success from 1 to 5%",
         alone((0.0, 0.01, 0.02, 0.01), (0.05, 0.04, 0.06, 0.05), ((0.0, 0.01, 0.0, 0.0),) * 2),
     ),
-    Situation("0 of 10 trainings learned", alone((0.0,) * 10, (0.0,) * 10, ((0.0,) * 10,) * 2)),
-    Situation("1 of 10 trainings learned", alone((0.0,) * 10, LEARNED_ONE, ((0.0,) * 10,) * 2)),
-    Situation("10 trainings against 5", alone(MIDDLE, STEADY[:5], alike(10, 5), (1.2, 1.0))),
     Situation("an unfinished plan", alone(MIDDLE[:7], STEADY[:7], alike(7), (1.2, 1.0)), to_come=12),
     Situation("3 of 10 trainings failed against 0 of 10", alone(THREE_FAILED, GOOD, alike(10))),
     Situation(
-        "a p that was raised: one reward is steady, the other succeeds always or never",
+        "ahead so far: one reward is steady, and no training of the other failed yet",
         alone(around(0.84, 0.04, 6), PERFECT, alike(6)),
     ),
-    Situation("2 seeds", alone((0.4, 0.5), (0.9, 0.95), alike(2))),
     Situation("3 seeds", alone((0.4, 0.5, 0.45), (0.9, 0.95, 1.0), alike(3))),
     Situation(
         "nothing differs, and nobody knows",
         alone(MIDDLE, (0.66, 0.75, 0.58, 0.72, 0.61, 0.81, 0.69, 0.57, 0.79, 0.73), alike(10)),
     ),
     Situation(
-        "a measure of an environment that is no share: lower is better, and below 0",
+        "ahead so far: no share, lower is better, below 0, its ends not known",
         {"": {COST: (around(-3.2, 0.4, 8), around(-4.1, 0.5, 8))}},
         fields={"deciding": ("energy_balance",)},
     ),
@@ -179,9 +180,21 @@ SITUATIONS = (
     ),
     Situation(
         "until decided: the difference is small",
-        alone(around(0.9, 0.05, 32), around(0.907, 0.05, 32, 4), alike(32)),
+        alone(around(0.9, 0.05, 32), around(0.9, 0.05, 32, 4), alike(32)),
         terms=Terms((6, 8, 12, 16, 24, 32), margin=0.1),
         look_of=in_looks(6, (6, 8, 12, 16, 24, 32)),
+    ),
+    Situation(
+        "until decided: five trainings crashed",
+        alone((*MIDDLE, None, 0.72), (*GOOD[:8], *CRASHED), ([*alike(11)[0], None], [*alike(8)[1], *CRASHED])),
+        terms=Terms((6, 8, 12, 16)),
+        look_of=in_looks(3, (6, 8, 12, 16)),
+    ),
+    Situation("a folder that grew three times", alone(MIDDLE[:7], STEADY[:7], alike(7)), terms=Terms(grown=(4, 5, 6))),
+    Situation(
+        "one measure chosen from eleven, after the trainings",
+        {"": {COST: (around(-3.2, 0.4, 8), around(-4.1, 0.5, 8)), **OTHERS}},
+        fields={"deciding": ("energy_balance",), "offered": tuple(it.name for it in OTHERS)},
     ),
 )
 

@@ -39,6 +39,7 @@ class Ruling:
         beyond: Of which measures the bound leaves out 0.
         asked: How many questions were asked together, times the measures that were offered to decide each.
         looks: How often the experiment was looked at, this time included.
+        grown: The seeds of a reward at looks before this one that no plan foresaw.
         offered: How many measures more could have been named to decide, where one was named after they were known.
         small: The margin that the difference is smaller than, where a plan of several looks ended the training for
             that; None where it did not.
@@ -54,6 +55,7 @@ class Ruling:
     beyond: tuple[bool, ...] = ()
     asked: int = 1
     looks: int = 1
+    grown: tuple[int, ...] = ()
     offered: int = 0
     small: float | None = None
     has_plan: bool = False

@@ -86,6 +86,11 @@ class Together:
         return self.proposed - self.baseline
 
     @property
+    def places(self) -> int:
+        """How many places."""
+        return self.question.places
+
+    @property
     def seeds(self) -> int:
         """The fewest trainings of a reward in a place."""
         return self.question.seeds

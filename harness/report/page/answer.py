@@ -7,15 +7,8 @@ from typing import Any, NamedTuple
 from harness.eta.amounts import difference_text, listed, same_text, short_seen_text, short_values, trainings_text
 from harness.eta.behaviour_change import Change
 from harness.eta.headline import TIME, Answer, Compared, Headline, difference_of, key_of, name_of, name_with_article
-from harness.eta.judgement import (
-    SURE,
-    clear_text,
-    is_same,
-    reasons,
-    reserve_text,
-    undone_text,
-)
-from harness.eta.needed import needed_of, needed_text, range_text
+from harness.eta.judgement import is_same, reasons, reserve_text, sure_text, undone_texts
+from harness.eta.needed import needed_text, range_text
 from harness.eta.splits import Names
 from harness.eta.verdict.ruling import Ruling
 from harness.report.answers import badge_of, word_of
@@ -116,13 +109,14 @@ def _sure(
 ) -> str:
     """What decided, and how sure it is; where nothing did, why, and what would tell."""
     if answer in (Answer.AHEAD, Answer.BEHIND, Answer.CANNOT_TELL):
-        needed = needed_text(needed_of(changes, ruling), where, "of each reward")
-        if answer is Answer.CANNOT_TELL:
-            return " ".join(filter(None, [*reasons(names, changes, ruling, where), needed]))
-        undone = undone_text(changes[by[0]], names.proposed if ruling.sign > 0 else names.baseline)
-        return " ".join(filter(None, [undone, needed, _luck(ruling.of_measures[by[0]])]))
+        is_open = answer is Answer.CANNOT_TELL
+        luck = "" if is_open else _luck(ruling.of_measures[by[0]])
+        why = reasons(names, changes, ruling, where) if is_open else undone_texts(names, changes, ruling)
+        return " ".join(filter(None, [luck, *why, needed_text(changes, ruling, where, "of each reward")]))
     if by:
-        return _decided(names, changes, ruling, by)
+        first, measures = changes[0], listed([name_with_article(changes[at]) for at in by])
+        of = trainings_text(names, first.counts, first.without)
+        return f"Decided by {measures}, from {of}. {sure_text(ruling)}"
     return reserve_text(names, changes, ruling)
 
 
@@ -144,17 +138,6 @@ def _trainings(names: Names, change: Change) -> list[Row]:
         unit = change.measure.unit if values else ""
         rows.append(Row(name, "each training", figure, f"{' to '.join(ends)} {unit}".rstrip(), who))
     return rows
-
-
-def _decided(names: Names, changes: Sequence[Compared], ruling: Ruling, by: Sequence[int]) -> str:
-    """What decided, how sure that is, and why an interval seems to say something else."""
-    measures = listed([name_with_article(changes[at]) for at in by])
-    lines = [
-        f"Decided by {measures}, from {trainings_text(names, changes[0].counts)}.",
-        SURE if ruling.is_decided else "",
-        clear_text(changes, ruling),
-    ]
-    return " ".join(filter(None, lines))
 
 
 def _luck(p: float) -> str:

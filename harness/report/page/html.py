@@ -100,12 +100,12 @@ SHARED: Mapping[str, str] = MappingProxyType(
     }
 )
 """Texts of the template."""
-PROMISE = "where two rewards are equal on average, at most 5 % of reports say that one helps or hurts"
+PROMISE = "where two rewards are equal on average, at most 6 % of reports say that one helps or hurts"
 BARS = (
-    "Dot and thin bar: the difference and its 95 % interval; right of the line is better. Small dots: a training each, "
-    "by the measure above them, on a scale of their own; further right is better. Thick bars are pay: right of "
-    "the line is more pay, which is neither better nor worse. A training failed if its policy succeeds in less "
-    "than half of its episodes; else it learned."
+    "Dot and thin bar: the difference and its interval, which counts a training that was not seen; right of the line "
+    "is better, and what is coloured is plain. Small dots: a training each, by the measure above them, on a scale of "
+    "their own; further right is better. Thick bars are pay: right of the line is more pay, which is neither better "
+    "nor worse. A training failed if its policy succeeds in less than half of its episodes; else it learned."
 )
 OTHERS = Names("the baseline", "each other reward")
 OWN = "own"
@@ -274,7 +274,7 @@ def _told(results: Results) -> dict[str, str]:
         "cells": cells,
         "learning": learning,
         "tests": what_decides(results),
-        "promise": PROMISE if is_promised and not grown_text(results) else "",
+        "promise": PROMISE if is_promised else "",
         "bars": BARS if any(it.seeds for it in results.combinations) else "",
     }
 

@@ -21,10 +21,12 @@ UNLIKE_STARTS = "The policies did not meet the same starts, so that luck with th
 EPISODES = Counted("episode")
 NO_REWARD = "No reward enters the success rate and the other measures of behaviour."
 TESTS = (
-    "p comes from a permutation test: labels are shuffled among the runs. It says how often chance alone gives a "
-    "difference as large. The measures that decide are corrected for all questions about the {subject}. All other "
-    "comparisons are exploratory, and corrected among themselves. A result stands only where p is at most 0.05. Each "
-    "95% confidence interval is over seeds, and holds by itself."
+    "HELPS and HURTS stand where the interval of a measure that decides leaves out 0. It counts one training more than "
+    "were seen, at the end that speaks most against the word. It has 95%; 98% from the second look on, and more where "
+    "several questions are asked. AHEAD and BEHIND SO FAR are about these trainings alone, and need a p of at most "
+    "0.05: labels are shuffled among the runs, and p says how often chance alone gives a difference as large. It is "
+    "corrected for all questions about the {subject}. All other comparisons are exploratory: their intervals have 95%, "
+    "and their p is corrected among themselves."
 )
 INTERIM_TESTS = (
     "Trainings are missing, so nothing is tested about the {subject}: how they end is an outcome too, and to look at "

@@ -8,7 +8,20 @@ import pytest
 import harness.report
 from harness.report.figures.palette import light_colours
 
-WORDS = ("ruler", "behaviour", "baseline", "proposed", "random", "helps", "hurts", "same", "unknown", "soft", "ink")
+WORDS = (
+    "ruler",
+    "behaviour",
+    "baseline",
+    "proposed",
+    "random",
+    "helps",
+    "hurts",
+    "ahead",
+    "same",
+    "unknown",
+    "soft",
+    "ink",
+)
 """Colours in which words are written too."""
 READABLE = 4.5
 """The least contrast of a text with its page (WCAG 2.2, 1.4.3)."""
@@ -43,7 +56,7 @@ def test_words_can_be_read_on_either_screen(name, scheme):
 def test_what_a_badge_says_can_be_read_on_its_area(scheme):
     """Each answer on the area of its colour."""
     colours = _colours(scheme)
-    for name in ("helps", "hurts", "same", "unknown"):
+    for name in ("helps", "hurts", "ahead", "same", "unknown"):
         assert _contrast(colours[name], colours[f"{name}-area"]) >= READABLE, name
 
 
@@ -56,5 +69,5 @@ def test_a_film_has_the_colours_of_the_light_screen():
     """By the names of the style sheet; what stands beside another has a colour of its own."""
     found = light_colours()
     assert found == _colours(0)
-    names = ("ruler", "behaviour", "baseline", "proposed", "helps", "hurts")
+    names = ("ruler", "behaviour", "baseline", "proposed", "helps", "hurts", "ahead")
     assert len({found[name] for name in names}) == len(names)

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from harness.eta import Answer, Ruling
+from harness.eta import Answer, Quantity, Ruling
 from harness.report.page.answer import card_of, groups_of, pool_cards
 
 HELPED = {"arp": lambda seed: (5, 6, 7, 8), "baseline": lambda seed: (8, 9)}
@@ -47,15 +47,14 @@ def _ruled(comparison, ruling):
     return replace(comparison, answer=replace(comparison.answer, ruling=ruling))
 
 
-def test_a_bar_that_misses_the_line_without_an_answer_has_its_reason(helped):
-    """It stands by itself; the test holds for all bars of the page."""
-    open_ruling = replace(helped.answer.ruling, corrected=0.128, of_measures=(0.128, 0.9), is_floored=False)
-    whole = _ruled(helped, open_ruling)
-    card = card_of(whole, "arp")
-    assert card.answer == "CANNOT TELL"
-    assert "The interval of success leaves out 0 when it is looked at alone, " in card.sure
-    assert "but allowing for all measures that decide p is 0.128." in card.sure
-    assert "but 2 questions were asked together, " in card_of(_ruled(whole, replace(open_ruling, asked=2)), "arp").sure
+def test_a_measure_whose_ends_are_not_known_has_a_flag_to_type(helped):
+    """Whatever its interval leaves out."""
+    (success, *_), ruling = helped.decisive_changes, Ruling(0.01, 0.01, (0.01,), (1,), (False,))
+    score = replace(success, measure=Quantity("success_rate", "", "higher", success.measure.manner))
+    found = _ruled(replace(helped, measured=replace(helped.measured, changes=(score,))), ruling)
+    card = card_of(found, "arp")
+    assert (card.answer, card.badge) == ("AHEAD SO FAR", "ahead")
+    assert "--ends success_rate=LEAST,GREATEST says it." in card.sure
 
 
 def test_only_what_a_test_decided_is_coloured(helped, one):
@@ -72,10 +71,11 @@ def test_parts_of_the_pay_have_their_colours(build):
     assert all(f'class="bar {part.kind}"' in part.figure for part in parts)
 
 
-def test_of_several_measures_that_decide_the_least_sure_is_told(helped):
-    """Where the answer is mixed it rests on both."""
-    mixed = _ruled(helped, replace(helped.answer.ruling, signs=(1, -1), of_measures=(0.001, 0.02)))
-    assert "did not differ, 20 of 1,000 experiments would show such a difference." in card_of(mixed, "arp").sure
+def test_a_mixed_answer_rests_on_all_measures_that_are_plain(helped):
+    """And has no p."""
+    mixed = _ruled(helped, replace(helped.answer.ruling, signs=(1, -1), beyond=(True, True)))
+    told = "Decided by success and success while training, from 6 trainings of each reward. One training more"
+    assert card_of(mixed, "arp").sure.startswith(told)
 
 
 def test_a_plan_that_is_not_trained_to_its_end_has_no_colour(helped):
@@ -109,7 +109,7 @@ def test_what_cannot_be_told_is_told_once(build):
     told = {group["answer"]: group["told"] for group in groups}
     assert [bool(text) for answer, text in told.items()] == [answer == "CANNOT TELL" for answer in told]
     assert re.match(
-        r"(Their trainings are not enough\. [\d,]+ to [\d,]+ of each reward would tell, under|Nothing decides)",
+        r"(Their trainings are not enough\. [\d,]+( to [\d,]+)? of each reward would tell, under|Nothing decides)",
         told["CANNOT TELL"],
     )
 

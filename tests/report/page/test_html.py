@@ -10,6 +10,7 @@ from html.parser import HTMLParser
 import pytest
 
 from harness.report import SPLIT, describe_split, question, scales_text, typeset, write_html
+from harness.report.page.html import PROMISE
 from harness.report.typography import to_html
 from harness.results import load_results
 from tests.refusals import refused
@@ -161,10 +162,8 @@ def test_every_place_has_a_name_of_its_own(build, write, simulators):
 
 def test_decided_answers_come_first(build, write):
     """On the first screen, and in every part below."""
-    reached = {"arp": lambda seed: (8, 9), "relative": lambda seed: (5, 6, 7, 8)}
-    results = build(
-        seeds=6, proposed={"arp": (9, 30), "relative": (9, 30)}, reached={**reached, "baseline": lambda seed: (8, 9)}
-    )
+    reached = {"arp": lambda seed: (8,), "relative": lambda seed: (5, 6, 7, 8), "baseline": lambda seed: (8,)}
+    results = build(seeds=6, proposed={"arp": (9, 30), "relative": (9, 30)}, reached=reached)
     text = write(results).main
     assert text.index("HELPS") < text.index("CANNOT TELL")
     assert text.index("What the robot does relative") < text.index("The answer in full")
@@ -346,10 +345,10 @@ def test_a_plan_that_is_not_trained_to_its_end_promises_nothing(build, write):
     """The page says so before any answer, has no word of better or worse, and names the way to look on."""
     text = write(build(seeds=6, reached=HELPED, ended={("arp", 5): ("pending", "")})).text
     assert text.index("Interim: 1 training is missing.") < text.index("INTERIM")
-    assert "would raise a false alarm" not in text
+    assert PROMISE not in text
     assert "harness run --until decided plans for looks on the way." in text
     assert "HELPS" not in text
-    assert "would raise a false alarm" in write(build(seeds=6, reached=HELPED)).text
+    assert PROMISE in write(build(seeds=6, reached=HELPED)).text
 
 
 def test_rewards_that_came_later_are_told_before_the_answers(build, write):

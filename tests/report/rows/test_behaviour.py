@@ -27,18 +27,19 @@ def test_behaviour_of_random_actions_stands_beside(one):
     rows = rows_of(one)
     assert rows[0][:3] == ("success rate", "75.0%", "75.0%")
     assert rows[0][4:] == ("0.0%", "higher", "1.000", "")
-    assert ("final distance [m]", "0.0400", "0.0400", "[0.00, 0.00]", "0.900", "lower", "1.000", "") in rows
-    assert ("steps to target", "9.00", "9.00", "[0.00, 0.00]", "n/a", "lower", "1.000", "") in rows
+    told = [(*row[:3], *row[4:]) for row in rows]
+    assert ("final distance [m]", "0.0400", "0.0400", "0.900", "lower", "1.000", "") in told
+    assert ("steps to target", "9.00", "9.00", "n/a", "lower", "1.000", "") in told
 
 
 def test_result_needs_a_test_that_says_so(build):
-    """Six seeds that all differ are enough for better or worse, five are not."""
+    """And an interval without 0: twenty seeds that all differ say better; six have a small p alone."""
     reached = {"arp": lambda seed: [6, 6, 6]}
-    rows = {row[0]: row[6:] for row in rows_of(only(build(seeds=6, reached=reached)))}
-    assert rows["steps to target"] == ("0.031", "better")
+    rows = {row[0]: row[6:] for row in rows_of(only(build(seeds=20, reached=reached)))}
+    assert rows["steps to target"][1] == "better"
     assert rows["success rate"] == ("1.000", "")
-    rows = {row[0]: row[6:] for row in rows_of(only(build(seeds=5, reached=reached)))}
-    assert rows["steps to target"] == ("0.062", "")
+    rows = {row[0]: row[6:] for row in rows_of(only(build(seeds=6, reached=reached)))}
+    assert rows["steps to target"] == ("0.031", "")
 
 
 def test_interval_of_a_share_is_in_percentage_points(one):
@@ -98,7 +99,7 @@ def test_no_finished_pair_has_no_behaviour(build):
 
 def test_every_evaluation_has_its_hint(build):
     """The last one after the training; a lead that is gone by then does not count there."""
-    rows = along_grid(only(build(seeds=6, learned={10: 1, 20: 2}))).rows
+    rows = along_grid(only(build(seeds=16, learned={10: 1, 20: 2}))).rows
     assert [row[0] for row in rows] == ["after 10 steps", "after 20 steps", "after 40 steps"]
     assert [row[1:3] for row in rows] == [("25.0%", "50.0%"), ("50.0%", "75.0%"), ("75.0%", "75.0%")]
     assert [row[4] for row in rows] == ["better", "better", "cannot tell"]

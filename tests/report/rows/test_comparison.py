@@ -222,13 +222,10 @@ def test_numbers_have_three_significant_digits(subtests):
             assert format_number(value) == text
 
 
-def test_what_so_few_seeds_can_show_is_said(build):
-    """How many questions there are, the smallest p-value that they can give, and that all else decides nothing."""
-    text = told(build(seeds=4))
-    few = "From 4 trainings of each reward no p can be below 0.029."
-    assert re.search(
-        rf"1 question about the robot is tested\. {few} \d+ exploratory comparisons do not affect the verdict", text
-    )
+def test_what_is_asked_is_said(build):
+    """How many questions there are, and that all else decides nothing."""
+    asked = r"1 question about the robot is tested\. \d+ exploratory comparisons do not affect the verdict"
+    assert re.search(asked, told(build(seeds=4)))
 
 
 def test_a_plan_that_is_not_trained_to_its_end_says_so_first(build):
@@ -237,10 +234,9 @@ def test_a_plan_that_is_not_trained_to_its_end_says_so_first(build):
     line = "Interim: 1 training is missing. Nothing here says yet what is better or worse."
     assert told(interim).startswith(line)
     assert "Trainings are missing, so nothing is tested about the robot:" in told(interim)
-    assert " no p can be below " not in told(interim)
     ended = told(build())
     assert "Interim" not in ended
-    assert "p comes from a permutation test: labels are shuffled among the runs." in ended
+    assert "AHEAD and BEHIND SO FAR are about these trainings alone" in ended
 
 
 def test_what_is_compared_are_all_trainings(build):
