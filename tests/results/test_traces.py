@@ -61,10 +61,12 @@ def test_an_arm_helps_by_time_where_its_limit_is_known(both, made, period):
     def left(cell):
         return {"trained": [True] * 5, "took": 20 + cell.seed % 4 + 60 * (cell.reward == BASELINE), "facts": facts}
 
-    found = only(made(both(16), left))
+    found = only(made(both(8), left))
     ends = {it.name: it.measure.ends for it in found.measured.changes_of("deterministic")}
-    assert ends["steps_to_target"] == (1.0, 100.0)
-    assert (ends["time_to_target"][1] == 5.0, found.headline.answer == "helps") == (period is not None,) * 2
+    certain = {name: of for name, of in ends.items() if np.isfinite(of).all()}
+    shares = dict.fromkeys(["success_rate", "ground_hits", "obstacle_hits", "spl", "timeouts"], (0.0, 1.0))
+    assert certain == {**shares, "steps_to_target": (1.0, 100.0), **({"time_to_target": (0.0, 5.0)} if period else {})}
+    assert found.headline.answer == ("helps" if period else "cannot tell")
     assert found.headline.decided_by == ("time_to_target" if period else None)
 
 
