@@ -33,7 +33,7 @@ class Answer(StrEnum):
     HURTS = "hurts"
     LEARNS_FASTER = "learns faster"
     LEARNS_SLOWER = "learns slower"
-    """Success while training decides alone; at the end no difference was found."""
+    """Success while training decides alone; the end is not told apart."""
     MIXED = "mixed"
     """Better in one place or by one measure, and worse in another, both by more than chance."""
     NO_DIFFERENCE = "no difference"

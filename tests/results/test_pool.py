@@ -40,10 +40,10 @@ def test_a_reward_that_hurts_is_worse():
 
 
 def test_what_is_not_decided_says_no_place():
-    """But how many trainings would tell."""
+    """But how many trainings would show that nothing differs."""
     told = pool_of(0.5, spread=0.2).headline
     assert told.answer == "cannot tell"
-    assert told.robot.endswith(" trainings of each reward in each place would tell.")
+    assert told.robot.endswith(" trainings of each reward in each place would show it.")
     assert "at least" not in told.robot
 
 

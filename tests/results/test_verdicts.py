@@ -111,7 +111,7 @@ def test_a_place_is_not_told_while_the_answer_over_all_places_is_open():
     assert found.headline.seeds_to_decide is None
     assert found.headline.robot.endswith(" A single place is told only where the answer over all is.")
     assert found.answer.pool.headline.seeds_to_decide is not None
-    assert "in each place would tell" in found.answer.pool.headline.robot
+    assert "in each place would show it" in found.answer.pool.headline.robot
 
 
 def test_a_place_of_a_decided_answer_says_what_would_tell():

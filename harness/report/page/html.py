@@ -102,10 +102,11 @@ SHARED: Mapping[str, str] = MappingProxyType(
 """Texts of the template."""
 PROMISE = "where two rewards are equal on average, at most 6 % of reports say that one helps or hurts"
 BARS = (
-    "Dot and thin bar: the difference and its interval, which counts a training that was not seen; right of the line "
-    "is better, and what is coloured is plain. Small dots: a training each, by the measure above them, on a scale of "
-    "their own; further right is better. Thick bars are pay: right of the line is more pay, which is neither better "
-    "nor worse. A training failed if its policy succeeds in less than half of its episodes; else it learned."
+    "Dot and thin bar: the difference and its interval (at least 95 %), which counts a training that was not seen; "
+    "right of the line is better, and what is coloured is plain. Small dots: a training each, by the measure above "
+    "them, on a scale of their own; further right is better. Thick bars are pay: right of the line is more pay, which "
+    "is neither better nor worse. A training failed if its policy succeeds in less than half of its episodes; else it "
+    "learned."
 )
 OTHERS = Names("the baseline", "each other reward")
 OWN = "own"
