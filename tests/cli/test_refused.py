@@ -306,3 +306,14 @@ def test_ends_are_refused_at_every_door_alike(place, refused, command):
     assert "--ends does not go with files of steps" in refused(
         "eta --baseline base/0.csv --proposed k2/0.csv --ends a=0,1"
     )
+
+
+@pytest.mark.parametrize("command", ["run", "run --until decided", "choose --reward arp,dense"])
+@pytest.mark.parametrize("where", ["--sim stuck --measure own", "--task gymnasium:id=CartPole-v1"])
+def test_a_measure_without_a_direction_is_asked_about(refused, tmp_path, command, where):
+    """Before anything is trained, in an environment and of an arm."""
+    (tmp_path / "own.py").write_text("def own(step):\n    return 0.5 + step.action.sum(-1)\n")
+    told = (
+        "Measure 'own' decides, and nobody says whether less or more of it is better: write lower_is_better = ['own']"
+    )
+    assert told in refused(f"{command} --measure own.py --algo random --steps 100 --out new {where}")
