@@ -22,7 +22,7 @@ Question: TypeAlias = Literal["behaviour", "pay", "ranking"]
 """What is answered: how a robot behaves, what a reward pays for, how it ranks recorded episodes."""
 CANNOT_TELL = "cannot-tell"
 UNSAID = (Answer.CANNOT_TELL, Answer.INTERIM, Answer.AHEAD, Answer.BEHIND)
-"""Before the last training no comparison says anything of its own."""
+"""Answers of which none is plain: they count as ``cannot-tell``."""
 NAMES: Mapping[Question, Mapping[str, str]] = {
     "behaviour": {it.value.replace(" ", "-"): word_of(it) for it in Answer if it not in UNSAID},
     "pay": {"failing": FAILING, "loitering": LOITERING},
@@ -49,7 +49,7 @@ class Said(NamedTuple):
     @property
     def name(self) -> str:
         """How ``--fail-on`` names it; empty of an answer that nobody fails on, such as RANKS AS SUCCESS DOES."""
-        if self.word == word_of(Answer.CANNOT_TELL):
+        if self.word in map(word_of, UNSAID):
             return CANNOT_TELL
         return next((name for name, word in NAMES[self.question].items() if word == self.word), "")
 
@@ -127,10 +127,7 @@ def said_of(results: "Results") -> list[Said]:
     alone = [it for it in rewards if all(it not in (of.baseline, of.proposed) for of in compared)]
     missing = [f"{count} {status} cells" for status in ("pending", "failed", "damaged") if (count := counts[status])]
     unsaid = [(of, Answer.CANNOT_TELL) for of in (*(f"{it}, not compared" for it in alone), *missing)]
-    return [
-        Said("behaviour", of, word_of(Answer.CANNOT_TELL if answer in UNSAID else answer))
-        for of, answer in (*pooled, *placed, *unsaid)
-    ]
+    return [Said("behaviour", of, word_of(answer)) for of, answer in (*pooled, *placed, *unsaid)]
 
 
 def _told(said: Sequence[Said]) -> str:

@@ -123,7 +123,10 @@ def report(
     from harness.registry.given import read_given
     from harness.results import load_results
 
-    beside = {"--html": html, "--summary": summary, "--details": details, "--fail-on": named, "--leave-out": leave_out}
+    beside = {
+        "--html": html, "--summary": summary, "--details": details, "--fail-on": named, "--leave-out": leave_out,
+        "--ends": ends,
+    }  # fmt: skip
     records = records_in(folders)
     if records is not None:
         return _show_records(records, folders, as_json, [name for name, value in beside.items() if value])

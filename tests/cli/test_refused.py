@@ -214,6 +214,7 @@ AMONG = {
         "--per-step ,": "--per-step base=N,prop=N does",
         "--measure success --measure length": "one measure of the logs decides",
         "--measure length": "nobody says whether less or more",
+        "--measure length:better=lower --ends length=0,8": "length is 9 in a training. Say the least",
         "--as evaluations": "holds no recorded training and no log that is read. Seen: 4 .csv",
     },
     "report": {
@@ -222,6 +223,7 @@ AMONG = {
         "minari:m lerobot:l": "One data set is reported at a time",
         "minari:m --pairs": "--pairs does not go with a data set",
         "minari:m --sort {reward}": "--sort does not go with a data set",
+        "minari:m --ends length=0,9": "--ends does not go with a data set",
         "damaged": "0.monitor.csv",
         "odd": "Seen: 1 .xyz",
         "mine --summary mine": "is the folder of an experiment: name another",

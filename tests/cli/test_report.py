@@ -24,6 +24,7 @@ def test_json_is_all_that_goes_to_standard_output(harness, experiment):
         "over_places",
         "terms",
         "looks",
+        "choosing",
         "cells",
         "not_measured",
         "equal_trainings",
@@ -154,7 +155,7 @@ def test_committed_records_open(harness, experiment, tmp_path):
     assert files_of(tmp_path / "records") == before
     assert "Committed records of 4 cells, 4 done." in answer.out
     assert harness("report records --json").out == harness("report mine --json").out
-    for command in (("report", "records", "--html", "page.html"), ("report", "records", experiment)):
-        answer = harness(*command)
+    for rest in (("--html", "page.html"), ("--ends", "time_to_target=0,9"), (experiment,)):
+        answer = harness("report", "records", *rest)
         assert answer.status == 2
         assert "harness run records/experiment.toml --out NEW" in answer.err
