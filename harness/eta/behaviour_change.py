@@ -8,10 +8,21 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from harness.arrays import Float
-from harness.eta.interval import CONFIDENCE, SHARE, UNBOUNDED, Bounds, Interval, cut_to, of_difference, why_no_interval
+from harness.eta.interval import (
+    CONFIDENCE,
+    ONE_SIDED,
+    SHARE,
+    UNBOUNDED,
+    Bounds,
+    Interval,
+    cut_to,
+    difference_bounds,
+    mean_bounds,
+    of_difference,
+    why_no_interval,
+)
 from harness.eta.manner import TRAINING, WHOLE
 from harness.eta.swaps import ALPHA, Swaps, p_of
-from harness.eta.unseen import ONE_SIDED, difference_bounds, mean_bounds
 
 NO_WORD = 0.0
 """The level of an experiment that is not trained to its end: no p is so small."""
@@ -99,7 +110,7 @@ class Change:
         low: Lower end of the 95 % interval of proposed - baseline, cut to what that can be; None where there is none.
         high: Upper end.
         likely: Ends of proposed - baseline, each passed in 5 % of the cases at most, also where trainings fail that
-            were not seen; see `harness.eta.unseen`. None where there are none.
+            were not seen; see `harness.eta.interval`. None where there are none.
         most: What the mean under each reward lies below in 95 %, reckoned likewise; None where it is not known.
         p: The p-value for no difference: of a measure that decides that of the verdict, else by an exact test over
             swapped seeds; None if it cannot be computed.
@@ -279,7 +290,7 @@ def with_intervals(change: Change, confidence: float = CONFIDENCE) -> Change:
 
     Args:
         change: The change.
-        confidence: That of the interval that is printed; the bound of `harness.eta.unseen`.
+        confidence: That of the interval that is printed; the bound of `harness.eta.interval`.
     """
     if change.seeds < 2:
         return change

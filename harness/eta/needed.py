@@ -4,8 +4,8 @@ import math
 from collections.abc import Sequence
 
 from harness.eta.headline import Compared, difference_of, is_hardly_learned, margin_of, reaches_of
+from harness.eta.interval import ONE_SIDED
 from harness.eta.power import Range, seeds_to_tell
-from harness.eta.unseen import ONE_SIDED
 from harness.eta.verdict.ruling import Ruling
 
 PLANNABLE = 10

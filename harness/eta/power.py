@@ -22,7 +22,7 @@ def seeds_to_tell(difference: float, spread: float, seeds: int, confidence: floa
         difference: The size, above 0.
         spread: Standard deviation of one training.
         seeds: How many seeds of each reward `spread` comes from, at least 2; the fewer where one reward has more.
-        confidence: That of the bound that has to leave out 0, see `harness.eta.unseen`.
+        confidence: That of the bound that has to leave out 0, see `harness.eta.interval`.
         reach: How far the training that was not seen lies from the mean of the reward that is ahead.
 
     Returns:

@@ -1,7 +1,7 @@
 """Rewards in several places: do they keep their order, and would one have chosen another?
 
 All of it rests on one set of intervals, those of the difference of any two rewards in any place. They are so wide that
-all of them together hold the true differences in 95 % of the experiments (`harness.eta.unseen`, Bonferroni). Where
+all of them together hold the true differences in 95 % of the experiments (`harness.eta.interval`, Bonferroni). Where
 such an interval lies on one side of 0, the order of the two rewards is told. What is not told may be either way: an
 interval of Kendall's tau spans all orders that are left, and a choice is called wrong only where every order that is
 left says so. ``docs/statistics.md`` shows by simulation why rank correlations are not resampled.
@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float
 from harness.eta.headline import SUCCESS_MARGIN
-from harness.eta.interval import CONFIDENCE, SHARE, UNBOUNDED, cut_to, of_difference, why_no_interval
-from harness.eta.unseen import difference_bounds
+from harness.eta.interval import CONFIDENCE, SHARE, UNBOUNDED, cut_to, difference_bounds, of_difference, why_no_interval
 from harness.files.plain import Plain
 
 REWARDS, PLACES = 2, 2

@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from harness.eta.interval import CONFIDENCE, UNBOUNDED, Bounds, cut_to, why_no_interval
-from harness.eta.unseen import mean_bounds
+from harness.eta.interval import CONFIDENCE, UNBOUNDED, Bounds, cut_to, mean_bounds, why_no_interval
 
 
 @dataclass(frozen=True)
@@ -45,7 +44,7 @@ def mean_over_seeds(values: Sequence[float], missing: str | None = None, bounds:
     Args:
         values: Finite.
         missing: Why there is not a value of every seed; becomes the last note. None if there is.
-        bounds: What a value can be; the interval allows for one more at either end, see `harness.eta.unseen`.
+        bounds: What a value can be; the interval allows for one more at either end, see `harness.eta.interval`.
     """
     reasons = () if missing is None else (missing,)
     if not values:

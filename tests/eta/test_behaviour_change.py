@@ -11,7 +11,7 @@ from numpy.random import default_rng
 
 from harness.eta import SHARE, Quantity, change_of, p_of, swaps_of
 from harness.eta.headline import is_within
-from harness.eta.unseen import difference_bounds
+from harness.eta.interval import difference_bounds
 
 NUMBER = st.floats(-10.0, 10.0).map(lambda value: round(value, 6))
 VALUES = st.lists(st.none() | NUMBER, min_size=1, max_size=8)

@@ -10,8 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from harness.arrays import Float, Ints, Mask
-from harness.eta.interval import UNBOUNDED, Interval, quantile
-from harness.eta.unseen import difference_bounds
+from harness.eta.interval import UNBOUNDED, Interval, difference_bounds, quantile
 from harness.eta.verdict.deals import Strata, as_trained, deals_of
 
 LEAST_SPREAD = 0.001
@@ -145,7 +144,7 @@ class Question:
     def bounds(self, measure: int, confidence: float) -> Interval:
         """What proposed - baseline of one measure can be, mean over places: the bound that any word rests on.
 
-        It is that of `harness.eta.unseen`. A seed may end alike in several places, so Student's interval over seeds
+        It is that of `harness.eta.interval`. A seed may end alike in several places, so Student's interval over seeds
         counts too.
         """
         known, values = self.known[..., measure], self.values[..., measure]

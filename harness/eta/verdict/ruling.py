@@ -64,7 +64,7 @@ class Ruling:
 
     @property
     def confidence(self) -> float:
-        """That of the bound of each measure, so that all of them hold together in 95 % of the experiments."""
+        """How sure the bound of each measure is, so that all of them hold together in 95 % of the experiments."""
         return 1.0 - (LEVEL if self.looks == 1 else LATER) / max(1, self.asked)
 
     @property

@@ -9,8 +9,16 @@ import numpy as np
 
 from harness.arrays import Float, Ints
 from harness.eta.behaviour_change import Change, Quantity
-from harness.eta.interval import CONFIDENCE, Bounds, Interval, cut_to, of_difference, why_no_interval
-from harness.eta.unseen import ONE_SIDED, mean_bounds
+from harness.eta.interval import (
+    CONFIDENCE,
+    ONE_SIDED,
+    Bounds,
+    Interval,
+    cut_to,
+    mean_bounds,
+    of_difference,
+    why_no_interval,
+)
 from harness.eta.verdict.question import LEAST_SEEDS, Question
 
 
