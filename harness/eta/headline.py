@@ -127,7 +127,7 @@ class Headline:
         robot: This answer in a sentence.
         number: How much the indices changed, and how much of that is ruler, in a sentence.
         decided_by: The measure that decided, see `key_of`; None if no measure did.
-        seeds_to_decide: How many trainings of each reward would tell, as a range; `robot` says under which condition.
+        seeds_to_decide: How many trainings of each reward would tell, or show that nothing differs, as a range.
             None where the robot's answer needs no more, or no number can be told.
     """
 
