@@ -185,7 +185,7 @@ class CellResults:
         ]
         with self:
             self.require_plausible()
-            _ = self.policy
+            _ = self.policy, self.longest
             if self.has_floor:
                 _ = self.floor
             if self.cell.evaluate_every:
