@@ -27,6 +27,7 @@ def test_document_has_the_returns_of_each_group(build):
         "format",
         "baseline",
         "curve",
+        "choosing",
         "combinations",
         "cells",
         "not_measured",
