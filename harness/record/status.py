@@ -8,8 +8,8 @@ from typing import Any, Self
 
 from harness.errors import NewerFormat, SchemaError
 from harness.record.cell import Cell
-from harness.record.manifest import read_manifest
-from harness.record.pace import Begun, Ended, time_left, took
+from harness.record.manifest import Manifest, read_manifest
+from harness.record.pace import Begun, time_left
 from harness.record.running import Running, read_running
 from harness.record.store import Store
 
@@ -24,14 +24,14 @@ class Progress:
             did it), ``pending`` or, of an experiment that ends with its answer, ``not needed``.
         reason: Why it is not done, of one that failed, was skipped or is damaged.
         running: How far it is, of one that is running, or was when its run was killed.
-        took: What it took, of one that is done.
+        took: Its manifest, which tells what it took, of one that is done.
     """
 
     cell: Cell
     status: str
     reason: str = ""
     running: Running | None = None
-    took: Ended | None = None
+    took: Manifest | None = None
 
 
 @dataclass(frozen=True)
@@ -119,7 +119,7 @@ def _progress(cell: Cell, store: Store, is_in_use: bool, running: Running | None
         raise
     except SchemaError as error:
         return Progress(cell, "damaged", str(error))
-    return Progress(cell, manifest.status, manifest.reason, took=took(manifest) if manifest.status == "done" else None)
+    return Progress(cell, manifest.status, manifest.reason, took=manifest if manifest.status == "done" else None)
 
 
 def _begun(cell: Cell, running: Running | None, now: float) -> Begun:

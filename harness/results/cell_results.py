@@ -1,7 +1,7 @@
 """What follows from the files of done cells of arms, each thing computed once; see `harness.results.kept`."""
 
 import hashlib
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property, partial
@@ -20,7 +20,7 @@ from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, EVALUATIONS, RANDOM, SUFFIX, TRACE, evaluation_files
 from harness.record.manifest import Manifest
 from harness.record.returns import EVENTS, PAID, mean_over_episodes, mean_return, paid_in
-from harness.record.store import Floor, Store
+from harness.record.store import Store
 from harness.record.trace import (
     FLAGS,
     INTEGERS,
@@ -84,7 +84,7 @@ class Cells:
         self.metrics = load_metrics(registry, metrics, named)
         self.done: dict[str, CellResults] = {}
         self._rewards: dict[Choice, InstalledReward] = {}
-        self._floors: dict[Floor, CellResults] | None = None
+        self._floors: dict[Hashable, CellResults] | None = None
 
     @cached_property
     def fingerprinted(self) -> dict[str, tuple[Measure, str]]:
@@ -107,8 +107,8 @@ class Cells:
     def at_random(self, cell: Cell) -> "CellResults | None":
         """What evaluated random actions in the simulator, task and robot of a cell; None if no cell did."""
         if self._floors is None:  # of several, the first that was taken in
-            self._floors = {Floor.of(it.cell): it for it in reversed(self.done.values()) if it.has_floor}
-        return self._floors.get(Floor.of(cell))
+            self._floors = {it.cell.floor: it for it in reversed(self.done.values()) if it.has_floor}
+        return self._floors.get(cell.floor)
 
     def installed(self, choice: Choice) -> InstalledReward:
         """What pays recorded runs again by a reward."""

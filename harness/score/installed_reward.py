@@ -47,7 +47,11 @@ class InstalledReward:
         with self._told():
             if self._is_recorded_by(taught_by):
                 return f"{self.choice.to_json()} as recorded by {taught_by.to_json()}"
-            return f"{self.choice.to_json()} {fingerprint(self._reward)}"
+            return f"{self.choice.to_json()} {self._sources}"
+
+    @cached_property
+    def _sources(self) -> str:
+        return fingerprint(self._reward)
 
     @cached_property
     def has_terms(self) -> bool:

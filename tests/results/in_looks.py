@@ -6,6 +6,7 @@ from harness.record import Store, Terms
 from harness.registry import Choice
 from harness.results import load_results, standing_of
 from tests.results.folders import BASELINE_RUNS, finish
+from tests.stores import create_store
 
 RACE = Terms((2, 4), asked=3, margin=0.1, race=True)
 REWARDS = ("baseline", "dense", "arp")
@@ -44,5 +45,5 @@ def folder_in_looks(terms, make_cell, make_plan, registry, path):
         name: [make_cell(seed=100 + seed, reward=it) for seed in range(terms.looks[-1])] for name, it in choices.items()
     }
     in_order = [cells[name][seed] for seed in range(terms.looks[-1]) for name in REWARDS]
-    store = Store.create(path, replace(make_plan(*in_order), terms=terms))
+    store = create_store(path, replace(make_plan(*in_order), terms=terms))
     return Folder(store, cells, registry)

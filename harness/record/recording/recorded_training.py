@@ -5,7 +5,7 @@ rows of one batch share. Where actions are recorded and can be taken again it al
 """
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -13,16 +13,13 @@ from pathlib import Path
 import numpy as np
 import pyarrow as pa
 
-from harness.errors import SchemaError, UsageError
+from harness.errors import SchemaError
 from harness.files.bounded import reading
 from harness.files.parquet import MOST_NUMBERS, open_parquet, require_room
 from harness.log import Log
 from harness.log.log import REWARD, TIME, Columns, Rows, joined
-from harness.record.recording.facts import TrainingFacts, facts_of, file_column, log_column, term_column
-from harness.record.recording.scores import read_scores, scores_name, weighted_scores, with_scores
-from harness.registry.choice import parse
-from harness.reward.forms import weighted
-from harness.reward.terms import sum_of
+from harness.record.recording.facts import TrainingFacts, facts_of, file_column, log_column
+from harness.record.recording.scores import read_scores, scores_name, with_scores
 
 PART_ROWS = 65_536
 """The rows of every part but a recorder's last."""
@@ -42,28 +39,6 @@ STEPS = "steps-"
 FILES = ("recording-*.json", f"{STEPS}*.parquet", "scores-*.parquet")
 """Patterns of the files that a recording is read from."""
 _FACTS = re.compile(r"recording-(0|[1-9]\d{0,5})\.json")
-
-
-def weighed(log: Log, labels: Iterable[str]) -> Log:
-    """The same, and what rewards with other weights pay its steps, ``gentle:effort=5``, as far as terms tell it."""
-    facts = facts_of(log)
-    for label in labels:
-        name, weights = weights_of(label)
-        names = facts.terms.get(name, ())
-        if label not in facts.rewards and weights and weights.keys() <= {*names}:
-            told = log.rows(term_column(name, term) for term in names)
-            paid = weighted({term: told[term_column(name, term)] for term in names}, weights)
-            log = with_scores(log, weighted_scores(log, name, label, sum_of(paid), paid))
-    return log
-
-
-def weights_of(label: str) -> tuple[str, dict[str, float]]:
-    """The reward and the weights of its terms that a label names; no weights of any other text."""
-    try:
-        name, params = parse(label)
-        return name, {term: float(weight) for term, weight in params.items()}
-    except (UsageError, ValueError):
-        return label, {}
 
 
 def is_recording(folder: Path) -> bool:

@@ -15,7 +15,7 @@ from harness.eta.manner import ACTED_AT_RANDOM, DETERMINISTIC, OWN_AND_OTHER
 from harness.record.cell import UNKNOWN_ALGORITHM
 from harness.record.plan_file import PLAN
 from harness.record.recording.facts import OWN_SOURCE, TrainingFacts
-from harness.record.recording.recorded_training import facts_name, recordings_in, weights_of
+from harness.record.recording.recorded_training import facts_name, recordings_in
 from harness.record.store import MOST_NAMED
 from harness.results.comparison import Group
 from harness.results.logs.told import FOUND_OUT, Told
@@ -32,6 +32,7 @@ from harness.results.recordings.runs import (
     require_one,
     rescaling_between,
 )
+from harness.score.weights import name_of
 from harness.text import command_text
 
 UNLIKE_STARTS = (
@@ -284,7 +285,7 @@ def _weighed(paths: Sequence[Path]) -> list[str]:
     for path in paths:
         with suppress(SchemaError):  # the next reader says so
             found[TrainingFacts.read(path / facts_name(0)).trained_with] = None
-    return [label for label in found if weights_of(label)[1]]
+    return [label for label in found if name_of(label) != label]
 
 
 def _read(folder: Path, path: Path, weighed: Sequence[str] = ()) -> Run:

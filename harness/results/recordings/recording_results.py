@@ -26,12 +26,12 @@ from harness.record.recording.recorded_training import (
     TICK_IN_FILE,
     read_recording,
     recording_files,
-    weighed,
 )
 from harness.record.store import CELLS
 from harness.results.by_term import ByTerm, by_term
 from harness.results.kept import Kept
 from harness.results.recordings.episodes import Episodes, episodes_of
+from harness.score.weighted_recordings import weighed
 
 
 @dataclass(frozen=True)
