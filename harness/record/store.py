@@ -145,8 +145,12 @@ class Store:
         """Where what the cell printed is, once it has ended."""
         return self.cell_folder(cell) / LOG
 
-    def examine(self, cell: Cell) -> Manifest:
+    def examine(self, cell: Cell, read: Callable[[Path], Manifest] = whole_cell) -> Manifest:
         """What there is to say of a cell: its manifest, if every file is what the cell left; else damaged, or pending.
+
+        Args:
+            cell: The cell.
+            read: Gives the manifest of a folder; `read_manifest` where its other files are not looked at.
 
         Raises:
             NewerFormat: A newer version made the cell.
@@ -155,7 +159,7 @@ class Store:
         if not folder.is_symlink() and not folder.exists():
             return Manifest(cell, status="pending", reason="not run yet")
         try:
-            return whole_cell(folder)
+            return read(folder)
         except NewerFormat:
             raise
         except SchemaError as error:

@@ -88,7 +88,7 @@ NUMBERS = (
     "end_effector_z",
 )
 FLAGS = ("ground", "reached", "held", "terminated", "truncated")
-SINCE_2, ENDS_OF_1 = ("held", "terminated"), ("ground", "reached")
+SINCE_2 = ("held", "terminated")
 SCALARS = INTEGERS + NUMBERS + FLAGS
 COLUMN = {name: index for index, name in enumerate(SCALARS)}
 QVEL = "qvel"
@@ -312,17 +312,8 @@ def require_plausible(path: Path, most: int) -> None:
                 _require_moderate(told.min, told.max, f"{path}: {column.path_in_schema}")
 
 
-def term_names(path: Path) -> tuple[str, ...]:
-    """The terms of the reward that a trace has columns of, in their order; its rows are not read.
-
-    Raises:
-        SchemaError: The file is damaged or is no Parquet file.
-    """
-    return tuple(name.removeprefix(TERM) for name in read_trace(path).columns if name.startswith(TERM))
-
-
-def read_trace(path: Path, columns: Sequence[str] | None = None) -> Log:
-    """A trace with all of its columns or some. Each is read when it is asked for.
+def read_trace(path: Path) -> Log:
+    """A trace. Each column is read when it is asked for.
 
     Raises:
         SchemaError: The file is damaged, is no trace or was written by a newer version. A column that is damaged raises
@@ -335,17 +326,15 @@ def read_trace(path: Path, columns: Sequence[str] | None = None) -> Log:
         if version not in map(str, range(1, FORMAT + 1)):
             raise SchemaError(f"{path} is a trace of format {shortened(version, 20)}, this version reads 1 to {FORMAT}")
         lacking = SINCE_2 if version == "1" else ()
-        known = [*filter(_is_known, there), *lacking]
-        chosen = known if columns is None else [name for name in columns if name != OBSTACLE or name in known]
-        stored = [*dict.fromkeys([*(name for name in chosen if name not in lacking), *(ENDS_OF_1 if lacking else ())])]
-        _require_columns(file.schema_arrow, stored, path)
-        require_room(file, stored)
+        known = tuple(filter(_is_known, there))
+        _require_columns(file.schema_arrow, lacking, path)
+        require_room(file, known)
         facts = EpisodeFacts.from_bytes(told[FACTS_KEY]) if FACTS_KEY in told else NOTHING_KNOWN
         read = partial(_tables, path, opened, metadata)
-        trace = Log(TraceFacts(path=path, format=f"trace, format {version}", episodes=facts), tuple(stored), read)
+        trace = Log(TraceFacts(path=path, format=f"trace, format {version}", episodes=facts), known, read)
         if lacking:
             ended = trace["ground"] | trace["reached"]
-            trace = replace(trace, columns=tuple(chosen)).add({"terminated": ended, "held": np.zeros_like(ended)})
+            trace = trace.add({"terminated": ended, "held": np.zeros_like(ended)})
         return trace if OBSTACLE in known else _with_nothing_touched(trace, metadata.num_rows)
 
 
@@ -377,9 +366,8 @@ def _is_known(column: str) -> bool:
     return column in (*SCALARS, *LISTS, *EXTRAS) or column.startswith(TERM)
 
 
-def _require_columns(schema: pa.Schema, columns: list[str], path: Path) -> None:
-    missing = [name for name in columns if name not in schema.names]
-    if missing:
+def _require_columns(schema: pa.Schema, lacking: Sequence[str], path: Path) -> None:
+    if missing := [name for name in (*SCALARS, "qpos", "action") if name not in (*schema.names, *lacking)]:
         raise SchemaError(f"{path} has no column {', '.join(missing)}")
     for name in filter(_is_known, schema.names):
         found, number = schema.field(name).type, pa.float64()
