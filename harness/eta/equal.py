@@ -1,19 +1,20 @@
 """Trainings that are equal bit for bit: two rewards that taught the same steps, or two seeds that gave one run."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TypeAlias
+from typing import TypeAlias, TypeVar
 
+T = TypeVar("T")
 Key: TypeAlias = tuple[str, int]
 """The reward and the seed of a training."""
 
 
-def equal_trainings(digests: Mapping[Key, str]) -> tuple[tuple[Key, ...], ...]:
+def equal_trainings(digests: Mapping[T, str]) -> tuple[tuple[T, ...], ...]:
     """Trainings that are equal bit for bit, together.
 
     Args:
         digests: Of all that each training recorded; empty where equal ones would say nothing.
     """
-    found: dict[str, list[Key]] = {}
+    found: dict[str, list[T]] = {}
     for key, digest in digests.items():
         if digest:
             found.setdefault(digest, []).append(key)

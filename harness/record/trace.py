@@ -217,10 +217,13 @@ class TraceWriter:
         """
         self.facts = facts
         self._episodes = episodes
-        self._widths = {"qpos": dof, "action": action_size, **extras}
-        self._block = np.empty((self.BLOCK, len(SCALARS) + sum(self._widths.values())))
+        widths = {**dict.fromkeys(SCALARS, 1), "qpos": dof, "action": action_size, **extras}
+        self._names = [name for name, width in widths.items() for _ in range(width)]
+        self._block = np.empty((self.BLOCK, len(self._names)))
         self._filled = 0
-        self.schema = trace_schema(dof, action_size, extras)
+        number = pa.float64()
+        kinds = {name: pa.list_(number, n) if name in LISTS else KINDS.get(name, number) for name, n in widths.items()}
+        self.schema = pa.schema(kinds, metadata={FORMAT_KEY: str(FORMAT).encode()})
         self._file = pq.ParquetWriter(path, self.schema, compression="zstd")
 
     def append(self, rows: Rows) -> None:
@@ -258,21 +261,12 @@ class TraceWriter:
         bad = np.argwhere(~(np.abs(rows) <= LARGEST_PAID))  # a comparison with what is no number is false
         if len(bad):
             row, column = bad[0]
-            name = SCALARS[column] if column < len(SCALARS) else ", ".join(self._widths)
             where = ", ".join(f"{key} {rows[row, COLUMN[key]]:.0f}" for key in INTEGERS)
             told = f"beyond {LARGEST_PAID:g}" if np.isfinite(rows[row, column]) else "not finite"
-            raise SimulationDiverged(f"{name} is {told} at {where}")
+            raise SimulationDiverged(f"{self._names[column]} is {told} at {where}")
         if len(rows):
             self._file.write_table(table_of(rows, self.schema))
         self._filled = 0
-
-
-def trace_schema(dof: int, action_size: int, extras: Mapping[str, int] = NO_EXTRAS) -> pa.Schema:
-    """Columns and types of a trace file."""
-    widths = {**dict.fromkeys(SCALARS, 1), "qpos": dof, "action": action_size, **extras}
-    number = pa.float64()
-    kinds = {name: pa.list_(number, n) if name in LISTS else KINDS.get(name, number) for name, n in widths.items()}
-    return pa.schema(kinds, metadata={FORMAT_KEY: str(FORMAT).encode()})
 
 
 def terms_of(trace: Log) -> dict[str, NDArray[Any]]:

@@ -3,7 +3,6 @@
 from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 from harness.errors import UsageError
@@ -12,12 +11,12 @@ from harness.log import Log, in_memory
 from harness.log.log import REWARD
 from harness.record.recording.facts import Source, TrainingFacts, facts_of, term_column
 from harness.record.recording.recorded_training import (
-    read_recorder,
     read_recording,
+    read_scored,
     recorder_numbers,
     recordings_in,
 )
-from harness.record.recording.scores import read_scores, scores_name, with_scores, write_scores
+from harness.record.recording.scores import scores_name, with_scores, write_scores
 from harness.record.store import Store
 from harness.score.weights import name_of, no_terms, recorded_choice, reweighted, weighted_label
 
@@ -84,9 +83,8 @@ def pay_by_weights(path: Path, label: str) -> int:
 
 
 def _read(path: Path, number: int) -> tuple[Log, Log | None]:
-    """What one recorder of a recording left, and what of it was scored later; its steps are read when asked for."""
-    log = read_recorder(path, number)
-    earlier = read_scores(path / scores_name(number), partial(len, log))
+    """What one recorder of a recording left, its scores included, and these alone."""
+    log, earlier = read_scored(path, number)
     return (with_scores(log, earlier) if earlier is not None else log), earlier
 
 

@@ -71,11 +71,9 @@ def read_recording(folder: Path) -> Log:
             raise SchemaError(
                 f"{folder} is no recording of a training: it has no {facts_name(0)}. harness.RecordRewards makes one"
             )
-        logs = [read_recorder(folder, number) for number in numbers]
-        scores = [read_scores(folder / scores_name(number), partial(step_count, folder, number)) for number in numbers]
-        later = [one for one in scores if one is not None]
-        if len(later) == len(logs):
-            logs = [*map(with_scores, logs, later)]
+        read = [read_scored(folder, number) for number in numbers]
+        are_scored = all(later is not None for _, later in read)
+        logs = [with_scores(log, later) if later is not None and are_scored else log for log, later in read]
         told = [(facts.numbers, facts.trained_with) for facts in map(facts_of, logs)]
         for number, of in zip(numbers, told, strict=True):
             if of != told[0]:
@@ -84,6 +82,17 @@ def read_recording(folder: Path) -> Log:
                     "measures; they are not one training"
                 )
         return logs[0] if len(logs) == 1 else united(logs)
+
+
+def read_scored(folder: Path, number: int) -> tuple[Log, Log | None]:
+    """The log of one recorder's steps, and what of it was scored later; None of one that went on since.
+
+    Raises:
+        SchemaError: Its facts or scores are damaged.
+        NewerFormat: A newer version wrote them.
+    """
+    scores = read_scores(folder / scores_name(number), partial(step_count, folder, number))
+    return read_recorder(folder, number), scores
 
 
 def read_recorder(folder: Path, number: int) -> Log:
