@@ -306,6 +306,15 @@ def require_plausible(path: Path, most: int) -> None:
                 _require_moderate(told.min, told.max, f"{path}: {column.path_in_schema}")
 
 
+def term_names(path: Path) -> tuple[str, ...]:
+    """The terms of the reward that a trace has columns of, in their order; its rows are not read.
+
+    Raises:
+        SchemaError: The file is damaged or is no Parquet file.
+    """
+    return tuple(name.removeprefix(TERM) for name in read_trace(path).columns if name.startswith(TERM))
+
+
 def read_trace(path: Path) -> Log:
     """A trace. Each column is read when it is asked for.
 

@@ -24,10 +24,10 @@ from harness.record.store import Store
 from harness.record.trace import (
     FLAGS,
     INTEGERS,
-    TERM,
     episode_facts,
     read_trace,
     require_plausible,
+    term_names,
     terms_of,
     with_episode_facts,
 )
@@ -383,7 +383,7 @@ class CellResults:
     @property
     def has_terms(self) -> bool:
         """See `Run`: whether its training recorded some."""
-        return any(it.startswith(TERM) for it in read_trace(self._files / TRACE).columns)
+        return bool(term_names(self._files / TRACE))
 
     def terms(self, by: Any, part: str) -> ByTerm | None:
         """See `Run`: what others pay its training is not asked for."""
