@@ -38,7 +38,7 @@ from harness.results.kept import Kept
 from harness.results.measured import Measured, Moment, Values, value_of
 from harness.results.metrics import Unmeasurable, load_metrics, with_fingerprints
 from harness.results.recordings.episodes import Episodes, Part
-from harness.results.table import Numbers, numbers_of
+from harness.results.table import RANDOM as AT_RANDOM, Numbers
 from harness.reward import Paid
 from harness.score.installed_reward import InstalledReward
 from harness.score.scorer import SCORED
@@ -136,7 +136,6 @@ class CellResults:
         self._read: dict[str, Log] = {}
         self._asking = 0
         self._reasons: dict[str, str] = {}
-        self._unchanged: set[str] = set()
 
     def __enter__(self) -> Self:
         self._asking += 1
@@ -212,17 +211,18 @@ class CellResults:
                 self._keep_own()  # columns are there now
         return Measured(did, counts, {}, self._reasons)
 
-    @cached_property
+    @property
     def measured(self) -> Measured:
+        """The same with the metrics of random actions; the cell that acts at random may end later."""
         owner = self.floor_cell
-        floor = dict.fromkeys(self._cells.metrics)
-        return self.policy._replace(random={**floor, **(owner.floor if owner else {})})
+        return self.policy._replace(random=owner.floor if owner else dict.fromkeys(self._cells.metrics))
 
     @property
     def numbers(self) -> Numbers:
-        """What a table of cells says of it. The cell that acts at random may end later."""
-        owner = self.floor_cell
-        return numbers_of(self.policy._replace(random=owner.floor if owner else {}), self._cells.metrics)
+        """What a table of cells says of it, in the columns of `harness.results.table.metric_columns`."""
+        told = self.measured
+        at_random = {f"{AT_RANDOM}{name}": value for name, value in told.random.items()}
+        return Numbers({**told.own, **at_random}, told.reasons)
 
     @property
     def has_floor(self) -> bool:
@@ -253,16 +253,14 @@ class CellResults:
     @cached_property
     def _episodes(self) -> Episodes:
         """The finished episodes of the training: what its own reward paid, and whether they reached the target."""
-        last, reached, paid = self._learned().reshape(3, -1)
-        return Episodes(last.astype(np.int64), {self.reward: paid}, {SUCCESS: reached}, {})
 
-    def _learned(self) -> Float:
         def make(trace: Log) -> Float:
             reached, paid = (episode_sums(trace[name], trace.episodes) for name in ("reached", "reward"))
             last = np.array([rows[-1] for rows in trace.episodes], np.int64)
             return np.array([last, reached > 0, paid])[:, np.argsort(last)].ravel()
 
-        return self._ask(TRACE, "learned", make)
+        last, reached, paid = self._ask(TRACE, "learned", make).reshape(3, -1)
+        return Episodes(last.astype(np.int64), {self.reward: paid}, {SUCCESS: reached}, {})
 
     def stretch(self, begin: int, end: int) -> Part:
         """See `Run`: success and pay."""
@@ -320,10 +318,8 @@ class CellResults:
             Unscored: It cannot pay, or pays something else.
         """
         own = self._cells.installed(self.cell.reward)
-        if file not in self._unchanged:
-            pays = self._ask(file, "is paid", lambda trace: own.pays_recorded(trace.load(SCORED)), own)
-            own.require_unchanged(pays)
-            self._unchanged.add(file)
+        if not self._ask(file, "is paid", lambda trace: own.pays_recorded(trace.load(SCORED)), own):
+            raise Unscored(f"reward {self.reward} now pays its recorded steps differently: it has changed")
         return own
 
     def returned(self, by: Any, manner: str) -> float:
@@ -407,11 +403,11 @@ class CellResults:
         """
         is_own = reward.choice == self.cell.reward  # which needs no code of it
 
-        def make(trace: Log) -> dict[str, Any]:
+        def make(trace: Log) -> ByTerm:
             terms = terms_of(trace) if is_own else self._paid(trace, reward).terms
-            return by_term(terms, trace.episodes, int((trace["step"] > 0).sum())).to_json()
+            return by_term(terms, trace.episodes, int((trace["step"] > 0).sum()))
 
-        return ByTerm.from_json(self._ask(file, "terms", make, None if is_own else reward))
+        return ByTerm.again(*self._ask(file, "terms", make, None if is_own else reward))
 
     # How it is read
 
@@ -419,7 +415,7 @@ class CellResults:
         """Compute what a report asks of the cell beside metrics and what rewards pay again, if that is not kept."""
         _ = self.cut, self.recorded
         if not self.cell.evaluate_every:
-            self._learned()
+            _ = self._episodes
         self.recorded_return("events")
         self.recorded_return("paid")
         self.motion()

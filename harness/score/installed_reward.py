@@ -88,15 +88,6 @@ class InstalledReward:
         with self._told():
             return np.allclose(self._pay(own, self.choice).total, own["reward"], rtol=1e-9, atol=1e-12)
 
-    def require_unchanged(self, pays_recorded: bool) -> None:
-        """Check `pays_recorded`. A reward that now pays its own steps differently is another reward.
-
-        Raises:
-            Unscored: It has changed.
-        """
-        if not pays_recorded:
-            raise Unscored(f"reward {self.choice.label} now pays its recorded steps differently: it has changed")
-
     def _pay(self, run: Log, taught_by: Choice) -> Paid:
         if self._is_recorded_by(taught_by) and (terms := terms_of(run)):
             return reweighted(self.choice.label, taught_by, terms)

@@ -1,6 +1,5 @@
 """Reads the recorded trainings below a folder, finds out what makes them one study, and what to keep in mind of it."""
 
-import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
@@ -27,6 +26,7 @@ from harness.results.recordings.runs import (
     Run,
     Runs,
     brought,
+    called_alike,
     meet_same_starts,
     quantities_of,
     require_one,
@@ -206,12 +206,10 @@ def read_all(folder: Path, only: Sequence[Path] | None = None) -> tuple[list[Run
             runs.append(_read(folder, path, weighed))
         except SchemaError as error:
             damaged.append(Missing(path, str(error)))
-    rewards = sorted({run.reward for run in runs}, key=len, reverse=True)
-    words = re.compile("|".join([*map(re.escape, rewards), "[0-9]+"]))
-    shapes = {(run.path.parent, words.sub("", run.path.name)) for run in runs}
-    for home in sorted({home for home, _ in shapes}) if only is None else ():
-        alike = (it for it in home.iterdir() if it.is_dir() and (home, words.sub("", it.name)) in shapes)
-        damaged += [Missing(it, f"{it} holds no recording") for it in sorted(alike) if not any(it.iterdir())]
+    if only is None:
+        homes, rewards = [run.path for run in runs], {run.reward for run in runs}
+        lost = called_alike(folder, homes, rewards, [it.path for it in damaged])
+        damaged += [Missing(it, f"{it} holds no recording") for it in lost if it.is_dir() and not any(it.iterdir())]
     # Where the env paid the reward that taught, a reward recorded as what the env pays has the name of another one.
     # Where the recorder paid the learner, the env itself pays the same whatever taught.
     paid = {run.key for run in runs if run.facts.pay}

@@ -147,9 +147,9 @@ class RecordingResults:
         """What each term of a reward paid; without terms of one that has none, or was given up on the way."""
         if not self.facts.terms.get(reward):
             return ByTerm({}, self.steps)
-        told = self._kept.told(f"terms {reward}", self._made_of, lambda: terms_in(self._paid(reward), reward).to_json())
+        told = self._kept.told(f"terms {reward}", self._made_of, lambda: terms_in(self._paid(reward), reward))
         self._kept.save()
-        return ByTerm.from_json(told)
+        return ByTerm.again(*told)
 
     def keep(self) -> None:
         """Compute all of it, and keep it."""
