@@ -4,7 +4,7 @@ import hashlib
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from functools import cached_property, partial
+from functools import cache, cached_property, partial
 from typing import Any, Self, TypeVar
 
 import numpy as np
@@ -63,6 +63,7 @@ class Cells:
         store: Their folder.
         metrics: Every registered metric, or those that were chosen, by name.
         done: What was taken in, by id.
+        installed: What pays recorded runs again, by a reward.
     """
 
     def __init__(
@@ -80,10 +81,10 @@ class Cells:
             UsageError: A named metric is not registered.
             PluginError: A named metric is broken.
         """
-        self.store, self._registry = store, registry
+        self.store = store
         self.metrics = load_metrics(registry, metrics, named)
         self.done: dict[str, CellResults] = {}
-        self._rewards: dict[Choice, InstalledReward] = {}
+        self.installed = cache(partial(InstalledReward, registry=registry))
         self._floors: dict[Hashable, CellResults] | None = None
 
     @cached_property
@@ -109,12 +110,6 @@ class Cells:
         if self._floors is None:  # of several, the first that was taken in
             self._floors = {it.cell.floor: it for it in reversed(self.done.values()) if it.has_floor}
         return self._floors.get(cell.floor)
-
-    def installed(self, choice: Choice) -> InstalledReward:
-        """What pays recorded runs again by a reward."""
-        if choice not in self._rewards:
-            self._rewards[choice] = InstalledReward(choice, self._registry)
-        return self._rewards[choice]
 
 
 class CellResults:
@@ -178,8 +173,8 @@ class CellResults:
             *(partial(self.paid_by, self._cells.installed(choice)) for choice in compared),
             *(partial(self.evaluation_return, it) for it in payers),
             *(partial(self.floor_returns, it) for it in payers if self.has_floor),
-            *(partial(self.terms_paid, own, file) for file in ((TRACE, *files) if self.has_terms else ())),
-            *(partial(self.terms_paid, it, file) for it in payers if it is not own and it.has_terms for file in files),
+            partial(self.terms_paid, own, TRACE),
+            *(partial(self.terms_paid, it, file) for it in (own, *payers) if it.has_terms for file in files),
         ]
         with self:
             self.require_plausible()

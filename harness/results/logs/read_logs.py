@@ -151,9 +151,8 @@ def _shortfall(training: Training) -> str:
 
 def facts_notes(logs: Sequence[Log]) -> list[str]:
     """What logs tell of themselves, each line once: how they were thinned, and what to keep in mind."""
-    kinds = dict.fromkeys((log.facts.format, log.facts.unit) for log in logs)
-    counts = Counter(log.facts.format for log in logs)
-    read = [f"Read: {counts[name]} of {name}, a row is {ROW_IS[unit]}" for name, unit in kinds]
+    counts = Counter((log.facts.format, log.facts.unit) for log in logs)
+    read = [f"Read: {count} of {name}, a row is {ROW_IS[unit]}" for (name, unit), count in counts.items()]
     thinned = dict.fromkeys(log.facts.thinned for log in logs if log.facts.thinned)
     lines = [*read, *thinned, *dict.fromkeys(note for log in logs for note in log.facts.notes)]
     more = len(lines) - MOST_TOLD

@@ -124,8 +124,7 @@ class RecordingResults:
     @property
     def steps(self) -> int:
         """How many are recorded."""
-        steps: int = self._told["steps"]
-        return steps
+        return int(self._told["steps"])
 
     @property
     def likeness(self) -> Likeness:
