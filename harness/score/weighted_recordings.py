@@ -9,6 +9,7 @@ from harness.errors import UsageError
 from harness.files.sums import making
 from harness.log import Log, in_memory
 from harness.log.log import REWARD
+from harness.record.cell import Cell
 from harness.record.recording.facts import Source, TrainingFacts, facts_of, term_column
 from harness.record.recording.recorded_training import (
     read_recording,
@@ -21,13 +22,13 @@ from harness.record.store import Store
 from harness.score.weights import name_of, no_terms, recorded_choice, reweighted, weighted_label
 
 
-def recordings_of(folder: Path) -> list[Path]:
-    """The recordings of an experiment's done cells, or those that lie in a folder at any depth."""
+def recordings_of(folder: Path) -> dict[Path, Cell | None]:
+    """The recordings of an experiment's done cells, each with its cell, or those that lie in a folder at any depth."""
     if not Store.is_experiment(folder):
-        return sorted(recordings_in(folder))
+        return dict.fromkeys(sorted(recordings_in(folder)))
     store = Store.open(folder)
     done = [cell for cell in store.read_plan().cells if store.examine(cell).status == "done"]
-    return [path for cell in done for path in sorted(recordings_in(store.cell_folder(cell)))]
+    return {path: cell for cell in done for path in sorted(recordings_in(store.cell_folder(cell)))}
 
 
 def recorded_weights(text: str, paths: Iterable[Path]) -> str:
