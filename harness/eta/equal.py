@@ -1,20 +1,19 @@
 """Trainings that are equal bit for bit: two rewards that taught the same steps, or two seeds that gave one run."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TypeAlias, TypeVar
+from typing import TypeAlias
 
-T = TypeVar("T")
 Key: TypeAlias = tuple[str, int]
 """The reward and the seed of a training."""
 
 
-def equal_trainings(digests: Mapping[T, str]) -> tuple[tuple[T, ...], ...]:
+def equal_trainings(digests: Mapping[Key, str]) -> tuple[tuple[Key, ...], ...]:
     """Trainings that are equal bit for bit, together.
 
     Args:
         digests: Of all that each training recorded; empty where equal ones would say nothing.
     """
-    found: dict[str, list[T]] = {}
+    found: dict[str, list[Key]] = {}
     for key, digest in digests.items():
         if digest:
             found.setdefault(digest, []).append(key)

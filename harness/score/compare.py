@@ -24,7 +24,6 @@ from harness.eta import (
     decompose,
     number_sentence,
 )
-from harness.eta.equal import equal_trainings
 from harness.eta.laws import counted, shortfall_beside
 from harness.log import Log, Rows
 from harness.log.log import ROWS
@@ -361,14 +360,18 @@ class ComparedRows:
                 self.other = None
 
     @property
-    def digests(self) -> dict[Log, str]:
-        """Of what each run was paid in all compared steps; empty of one that one reward alone paid throughout."""
-        return {run: it.hexdigest() if len(self._paid[run]) > 1 else "" for run, it in self._digests.items()}
+    def alike(self) -> dict[str, list[Log]]:
+        """Runs that were paid the same in all compared steps, together; none that one reward alone paid throughout."""
+        found: dict[str, list[Log]] = {}
+        for run, digest in self._digests.items():
+            if len(self._paid[run]) > 1:
+                found.setdefault(digest.hexdigest(), []).append(run)
+        return found
 
     @property
-    def copied(self) -> list[tuple[Log, ...]]:
-        """Runs that were paid the same, together, where that is more than a few different rewards, as by chance."""
-        return [runs for runs in equal_trainings(self.digests) if len(self._paid[runs[0]]) > FEW]
+    def copied(self) -> list[list[Log]]:
+        """Those of them that are more than one, and paid more different rewards than by chance alike."""
+        return [runs for runs in self.alike.values() if len(runs) > 1 and len(self._paid[runs[0]]) > FEW]
 
 
 def _paid_rows(run: Log, other: Reward | None, with_events: bool, rows: int) -> Iterator[_Paid]:
@@ -415,12 +418,14 @@ def _notes_of(sides: Sequence[ComparedRows], copied: Sequence[Sequence[Log]], is
     if max(rows.values()) > rows[shortest]:
         told = f"All runs are cut to the {rows[shortest]:,} steps of the shortest, '{shortest}'"
         yield f"{told}; the longest has {max(rows.values()):,}"
-    baseline, proposed = (side.digests for side in sides)
-    for runs in (*equal_trainings(baseline), *equal_trainings(proposed)):
-        yield f"{_listed(runs)} record the same rewards; each counts"
-    for runs in () if is_same else equal_trainings({**baseline, **proposed}):
-        if both := [(one, other) for one in runs for other in runs if one in baseline and other in proposed]:
-            yield f"{_listed(both[0])} record the same rewards: between them there is nothing to compare"
+    baseline, proposed = (side.alike for side in sides)
+    for runs in (*baseline.values(), *proposed.values()):
+        if len(runs) > 1:
+            yield f"{_listed(runs)} record the same rewards; each counts"
+    for digest, runs in baseline.items():
+        if digest in proposed and not is_same:
+            both = [runs[0], proposed[digest][0]]
+            yield f"{_listed(both)} record the same rewards: between them there is nothing to compare"
     begins = [_begin_distance(group) for group in groups]
     if begins[0] and begins[1] and not 1.0 / UNLIKE_METRES < begins[1] / begins[0] < UNLIKE_METRES:
         yield (
