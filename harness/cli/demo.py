@@ -124,7 +124,7 @@ def _same_steps(results: "Results") -> tuple[int, int]:
     same = recorded = 0
     for pair in pairs:
         for file in (TRACE, EVALUATION):
-            one, other = (read_trace(folder / file, ["qpos"])["qpos"] for folder in pair)
+            one, other = (read_trace(folder / file)["qpos"] for folder in pair)
             recorded += len(one)
             same += len(one) if np.array_equal(one, other) else 0
     return same, recorded

@@ -118,7 +118,7 @@ def _score_recordings(
     from harness.score.weighted_recordings import recorded_weights, recordings_of
 
     refuse_links(folder)
-    paths = recordings_of(folder)
+    paths = [*recordings_of(folder)]
     functions = {it.name for it in registry.functions}
     weighted = {it: label for it in names if it not in functions and (label := recorded_weights(it, paths))}
     called = [name for name in names if name not in weighted]

@@ -3,7 +3,7 @@
 import math
 import time
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, fields, replace
 from functools import partial
@@ -28,7 +28,7 @@ from harness.record.manifest import Manifest, read_manifest
 from harness.record.out_folder import storage_errors
 from harness.record.plan_file import refuse_mixed
 from harness.record.running import read_left
-from harness.record.store import Floor, Store, floors_in
+from harness.record.store import Store, floors_in
 from harness.registry.allowed import allow_typed
 from harness.registry.choice import Choice, split_list
 from harness.registry.given import Given as Plugins, read_given, require_given, split_measures
@@ -335,11 +335,10 @@ def floor_carriers(waiting: Sequence[Cell], store: Store) -> frozenset[Cell]:
         store: The experiment's folder.
     """
     stay = [manifest for manifest in store.manifests() if manifest.cell not in set(waiting)]  # others are replaced
-    there, carriers = floors_in(stay, store), dict[Floor, Cell]()
+    there, carriers = floors_in(stay, store), dict[Hashable, Cell]()
     for cell in waiting:
-        floor = Floor.of(cell)
-        if floor not in there:
-            carriers.setdefault(floor, cell)
+        if cell.floor not in there:
+            carriers.setdefault(cell.floor, cell)
     return frozenset(carriers.values())
 
 

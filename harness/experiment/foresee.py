@@ -11,7 +11,7 @@ from harness.experiment.experiment import ExperimentRun
 from harness.experiment.trials.measured_kind import Measured, horizon_in, measure_kinds
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, recording_of
-from harness.record.pace import Ended, Kind, kind_of, time_left, took
+from harness.record.pace import Kind, kind_of, time_left, took
 from harness.record.store import Store
 from harness.registry.choice import choose
 from harness.registry.registry import Registry
@@ -107,10 +107,10 @@ def foresee(ready: ExperimentRun, *, measures: bool = False) -> Foreseen:
     begun, store = ready.look(), ready.store
     to_do, left = begun.foreseen, len(ready.plan.cells) - len(begun.done) - len(set(begun.waiting) - set(begun.done))
     done = [manifest for manifest in store.manifests() if manifest.status == "done"]
-    ended, sizes = [took(it) for it in done], _bytes_per_step(store, [it.cell for it in done])
+    sizes = _bytes_per_step(store, [it.cell for it in done])
     missing = {kind_of(cell): cell for cell in reversed(to_do) if kind_of(cell) not in sizes}
     measured, reason = _measured(ready, [*missing.values()]) if measures and missing else ({}, "")
-    ended += [Ended(cell, *it.of_cell(cell)) for cell, it in measured.items()]
+    ended = [*done, *(took(cell, *it.of_cell(cell)) for cell, it in measured.items())]
     is_known, setup = measured.keys() == {*missing.values()}, max((it.setup for it in measured.values()), default=0.0)
     seconds = time_left(ended, [], to_do, ready.options.at_once) if is_known else None
     unknown = _why_unknown(next(iter(missing.values())), reason) if missing else ""

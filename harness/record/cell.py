@@ -89,6 +89,11 @@ class Cell(Plain):
         return self.task if self.is_in_environment else self.simulator
 
     @property
+    def floor(self) -> tuple[Any, ...]:
+        """All that decides what random actions do in an evaluation, but for what they are paid."""
+        return self.simulator, self.robot, self.task, self.evaluation_episodes, self.evaluation_horizon
+
+    @property
     def acted(self) -> Manner:
         """How evaluated policies act."""
         return OWN_AND_OTHER[self.deterministic][0]

@@ -22,5 +22,5 @@ def whole_manifest(data: dict[str, Any], folder: Path) -> dict[str, Any]:
 
     if "id" in data and data.get("status") == "done":
         for name in (TRACE, EVALUATION, RANDOM):
-            read_trace(folder / name, ["reward"]).rows()
+            read_trace(folder / name).rows(["reward"])
     return {**data, "files": {name: it for name, it in digests_in(folder).items() if name not in (SCORES, SUMS)}}

@@ -113,7 +113,7 @@ def make_folder(folder: Path, inner: str = "") -> None:
         raise UsageError(f"--out '{folder}' cannot be made: {error.strerror}. Name another folder") from None
 
 
-def refuse_links(folder: Path, rule: str = "nothing is written into a folder with links", grows: str = "") -> None:
+def refuse_links(folder: Path, rule: str = "nothing is written into a folder with links") -> None:
     """See that nothing in a folder leads out of it: what is written there could land elsewhere.
 
     A file with a second name is a link too, where a run would write on in it. All others are replaced.
@@ -121,7 +121,6 @@ def refuse_links(folder: Path, rule: str = "nothing is written into a folder wit
     Args:
         folder: To look through.
         rule: What the message says is not done.
-        grows: The name of a file that is written on too.
 
     Raises:
         UsageError: There is such a link in it; the message names it.
@@ -130,6 +129,6 @@ def refuse_links(folder: Path, rule: str = "nothing is written into a folder wit
         goes_on = CHECKPOINT in files or Path(parent).name.startswith(".")
         for name in (*folders, *files):
             path = Path(parent) / name
-            has_names = (goes_on or name == grows) and name in files and path.lstat().st_nlink > 1
+            has_names = goes_on and name in files and path.lstat().st_nlink > 1
             if path.is_symlink() or has_names:
                 raise UsageError(f"'{path}' is a link; {rule}: remove it")

@@ -25,20 +25,6 @@ SETTLING, SHORTEST, WINDOW = 1.0, 1.0, 20.0
 its speed is measured at least, and at most."""
 
 
-class Ended(NamedTuple):
-    """What a cell took that has ended, [s]."""
-
-    cell: Cell
-    training: float
-    besides: float
-    """Before and after the training: evaluations, and what is written."""
-
-
-def took(manifest: Manifest) -> Ended:
-    """What a done cell took, by its manifest."""
-    return Ended(manifest.cell, manifest.training_seconds, max(manifest.seconds - manifest.training_seconds, 0.0))
-
-
 class Begun(NamedTuple):
     """How far a cell is that is running."""
 
@@ -50,19 +36,24 @@ class Begun(NamedTuple):
     """Seconds since its training ended."""
 
 
+def took(cell: Cell, training: float, besides: float) -> Manifest:
+    """What is known of a done cell that took so long, [s]: training, and before and after it."""
+    return Manifest(cell, status="done", training_seconds=training, seconds=training + besides)
+
+
 def time_left(
-    ended: Sequence[Ended], begun: Sequence[Begun], waiting: Sequence[Cell], at_once: int = 1
+    ended: Sequence[Manifest], begun: Sequence[Begun], waiting: Sequence[Cell], at_once: int = 1
 ) -> float | None:
     """Seconds until all cells have ended, with `at_once` of them at a time, in order; None before a step was measured.
 
     A kind of which no step was measured counts as the mean of the others. What a cell takes besides its training is
     known once a cell has ended; before that it counts as nothing.
     """
-    measured = [(kind_of(it.cell), it.training, it.cell.steps) for it in ended]
+    measured = [(kind_of(it.cell), it.training_seconds, it.cell.steps) for it in ended]
     now = [(kind_of(it.cell), it.per_step, 1) for it in begun if it.per_step is not None]
     if not (measured or now):
         return None
-    besides = [(kind_of(it.cell), it.besides, 1) for it in ended]
+    besides = [(kind_of(it.cell), max(it.seconds - it.training_seconds, 0.0), 1) for it in ended]
 
     def rest(it: Begun) -> float:
         kind = kind_of(it.cell)
@@ -144,7 +135,7 @@ class Pace:
         self._waiting = {cell.id: cell for cell in cells}
         self.at_once, self._now = 1, now
         self._running: dict[str, _Running] = {}
-        self._ended: list[Ended] = []
+        self._ended: list[Manifest] = []
 
     def start(self, cell: Cell) -> None:
         """A cell begins."""
@@ -162,7 +153,7 @@ class Pace:
         if not failed:
             now = self._now()
             trained = min(one.trained, now)
-            self._ended.append(Ended(one.cell, trained - one.started, now - trained))
+            self._ended.append(took(one.cell, trained - one.started, now - trained))
 
     @property
     def left(self) -> float | None:

@@ -6,10 +6,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Self
 
-from harness.errors import NewerFormat, SchemaError
 from harness.record.cell import Cell
-from harness.record.manifest import read_manifest
-from harness.record.pace import Begun, Ended, time_left, took
+from harness.record.manifest import Manifest, read_manifest
+from harness.record.pace import Begun, time_left
 from harness.record.running import Running, read_running
 from harness.record.store import Store
 
@@ -22,16 +21,16 @@ class Progress:
         cell: Which.
         status: ``done``, ``failed``, ``skipped``, ``damaged``, ``running``, ``interrupted`` (a run was killed while it
             did it), ``pending`` or, of an experiment that ends with its answer, ``not needed``.
-        reason: Why it is not done, of one that failed, was skipped or is damaged.
+        reason: Why it is not done; empty of one that is running or interrupted.
         running: How far it is, of one that is running, or was when its run was killed.
-        took: What it took, of one that is done.
+        took: Its manifest, which tells what it took, of one that is done.
     """
 
     cell: Cell
     status: str
     reason: str = ""
     running: Running | None = None
-    took: Ended | None = None
+    took: Manifest | None = None
 
 
 @dataclass(frozen=True)
@@ -110,16 +109,8 @@ def read_status(folder: Path, now: Callable[[], float] = time.time) -> FolderSta
 def _progress(cell: Cell, store: Store, is_in_use: bool, running: Running | None) -> Progress:
     if running is not None:
         return Progress(cell, "running" if is_in_use else "interrupted", running=running)
-    folder = store.cell_folder(cell)
-    if not folder.exists():
-        return Progress(cell, "pending")
-    try:
-        manifest = read_manifest(folder)
-    except NewerFormat:
-        raise
-    except SchemaError as error:
-        return Progress(cell, "damaged", str(error))
-    return Progress(cell, manifest.status, manifest.reason, took=took(manifest) if manifest.status == "done" else None)
+    found = store.examine(cell, read_manifest)
+    return Progress(cell, found.status, found.reason, took=found if found.status == "done" else None)
 
 
 def _begun(cell: Cell, running: Running | None, now: float) -> Begun:

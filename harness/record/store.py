@@ -14,11 +14,11 @@
 """
 
 import shutil
-from collections.abc import Callable, Container, Iterable, Iterator, Sequence
+from collections.abc import Callable, Container, Hashable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, Self
+from typing import TYPE_CHECKING, Any
 
 from harness.errors import NewerFormat, SchemaError, UsageError
 from harness.files.whole_file import is_partial
@@ -29,7 +29,6 @@ from harness.record.manifest import REMEDY, Manifest, is_named, now, read_manife
 from harness.record.out_folder import folder_lock, is_held, make_folder, refuse_links, require_text
 from harness.record.plan_file import EXPERIMENT, PLAN, StoredPlan, plan_from_cells, read_plan
 from harness.record.terms import Terms
-from harness.registry.choice import Choice
 
 if TYPE_CHECKING:
     from harness.experiment.plan import Plan
@@ -94,18 +93,6 @@ class Store:
         make_folder(folder, CELLS)
         return store
 
-    @classmethod
-    def create(cls, folder: Path, plan: "Plan") -> "Store":
-        """`claim` a folder and `add` a plan to it.
-
-        Raises:
-            UsageError: As `claim` and `locked`.
-        """
-        store = cls.claim(folder)
-        with store.locked():
-            store.add(plan)
-        return store
-
     def add(self, plan: "Plan") -> None:
         """Write down what is asked for, beside all that was before; skipped cells leave their reason."""
         known = self._known_cells()
@@ -158,8 +145,12 @@ class Store:
         """Where what the cell printed is, once it has ended."""
         return self.cell_folder(cell) / LOG
 
-    def examine(self, cell: Cell) -> Manifest:
+    def examine(self, cell: Cell, read: Callable[[Path], Manifest] = whole_cell) -> Manifest:
         """What there is to say of a cell: its manifest, if every file is what the cell left; else damaged, or pending.
+
+        Args:
+            cell: The cell.
+            read: Gives the manifest of a folder; `read_manifest` where its other files are not looked at.
 
         Raises:
             NewerFormat: A newer version made the cell.
@@ -168,7 +159,7 @@ class Store:
         if not folder.is_symlink() and not folder.exists():
             return Manifest(cell, status="pending", reason="not run yet")
         try:
-            return whole_cell(folder)
+            return read(folder)
         except NewerFormat:
             raise
         except SchemaError as error:
@@ -270,31 +261,16 @@ def _without_none(value: Any) -> Any:
     return [_without_none(item) for item in value] if isinstance(value, list) else value
 
 
-class Floor(NamedTuple):
-    """All that decides what random actions do in an evaluation, but for what they are paid."""
-
-    simulator: Choice
-    robot: str
-    task: Choice
-    episodes: int
-    horizon: int
-
-    @classmethod
-    def of(cls, cell: Cell) -> Self:
-        """The floor of a cell."""
-        return cls(cell.simulator, cell.robot, cell.task, cell.evaluation_episodes, cell.evaluation_horizon)
-
-
-def floors_in(manifests: Iterable[Manifest], store: Store) -> dict[Floor, Cell]:
+def floors_in(manifests: Iterable[Manifest], store: Store) -> dict[Hashable, Cell]:
     """The floors that are there, each with the first done cell that evaluated it; cells of version 0.1 all did.
 
     Args:
         manifests: Of cells of the experiment; those that are not done are left out.
         store: Its folder.
     """
-    found: dict[Floor, Cell] = {}
+    found: dict[Hashable, Cell] = {}
     for manifest in (it for it in manifests if it.status == "done"):
         folder = store.cell_folder(manifest.cell)
         if any((folder / name).exists() and is_named(manifest, name) for name in FLOORS):
-            found.setdefault(Floor.of(manifest.cell), manifest.cell)
+            found.setdefault(manifest.cell.floor, manifest.cell)
     return found

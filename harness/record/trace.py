@@ -88,7 +88,7 @@ NUMBERS = (
     "end_effector_z",
 )
 FLAGS = ("ground", "reached", "held", "terminated", "truncated")
-SINCE_2, ENDS_OF_1 = ("held", "terminated"), ("ground", "reached")
+SINCE_2 = ("held", "terminated")
 SCALARS = INTEGERS + NUMBERS + FLAGS
 COLUMN = {name: index for index, name in enumerate(SCALARS)}
 QVEL = "qvel"
@@ -217,10 +217,13 @@ class TraceWriter:
         """
         self.facts = facts
         self._episodes = episodes
-        self._widths = {"qpos": dof, "action": action_size, **extras}
-        self._block = np.empty((self.BLOCK, len(SCALARS) + sum(self._widths.values())))
+        widths = {**dict.fromkeys(SCALARS, 1), "qpos": dof, "action": action_size, **extras}
+        self._names = [name for name, width in widths.items() for _ in range(width)]
+        self._block = np.empty((self.BLOCK, len(self._names)))
         self._filled = 0
-        self.schema = trace_schema(dof, action_size, extras)
+        number = pa.float64()
+        kinds = {name: pa.list_(number, n) if name in LISTS else KINDS.get(name, number) for name, n in widths.items()}
+        self.schema = pa.schema(kinds, metadata={FORMAT_KEY: str(FORMAT).encode()})
         self._file = pq.ParquetWriter(path, self.schema, compression="zstd")
 
     def append(self, rows: Rows) -> None:
@@ -258,21 +261,12 @@ class TraceWriter:
         bad = np.argwhere(~(np.abs(rows) <= LARGEST_PAID))  # a comparison with what is no number is false
         if len(bad):
             row, column = bad[0]
-            name = SCALARS[column] if column < len(SCALARS) else ", ".join(self._widths)
             where = ", ".join(f"{key} {rows[row, COLUMN[key]]:.0f}" for key in INTEGERS)
             told = f"beyond {LARGEST_PAID:g}" if np.isfinite(rows[row, column]) else "not finite"
-            raise SimulationDiverged(f"{name} is {told} at {where}")
+            raise SimulationDiverged(f"{self._names[column]} is {told} at {where}")
         if len(rows):
             self._file.write_table(table_of(rows, self.schema))
         self._filled = 0
-
-
-def trace_schema(dof: int, action_size: int, extras: Mapping[str, int] = NO_EXTRAS) -> pa.Schema:
-    """Columns and types of a trace file."""
-    widths = {**dict.fromkeys(SCALARS, 1), "qpos": dof, "action": action_size, **extras}
-    number = pa.float64()
-    kinds = {name: pa.list_(number, n) if name in LISTS else KINDS.get(name, number) for name, n in widths.items()}
-    return pa.schema(kinds, metadata={FORMAT_KEY: str(FORMAT).encode()})
 
 
 def terms_of(trace: Log) -> dict[str, NDArray[Any]]:
@@ -321,8 +315,8 @@ def term_names(path: Path) -> tuple[str, ...]:
     return tuple(name.removeprefix(TERM) for name in read_trace(path).columns if name.startswith(TERM))
 
 
-def read_trace(path: Path, columns: Sequence[str] | None = None) -> Log:
-    """A trace with all of its columns or some. Each is read when it is asked for.
+def read_trace(path: Path) -> Log:
+    """A trace. Each column is read when it is asked for.
 
     Raises:
         SchemaError: The file is damaged, is no trace or was written by a newer version. A column that is damaged raises
@@ -335,17 +329,15 @@ def read_trace(path: Path, columns: Sequence[str] | None = None) -> Log:
         if version not in map(str, range(1, FORMAT + 1)):
             raise SchemaError(f"{path} is a trace of format {shortened(version, 20)}, this version reads 1 to {FORMAT}")
         lacking = SINCE_2 if version == "1" else ()
-        known = [*filter(_is_known, there), *lacking]
-        chosen = known if columns is None else [name for name in columns if name != OBSTACLE or name in known]
-        stored = [*dict.fromkeys([*(name for name in chosen if name not in lacking), *(ENDS_OF_1 if lacking else ())])]
-        _require_columns(file.schema_arrow, stored, path)
-        require_room(file, stored)
+        known = tuple(filter(_is_known, there))
+        _require_columns(file.schema_arrow, lacking, path)
+        require_room(file, known)
         facts = EpisodeFacts.from_bytes(told[FACTS_KEY]) if FACTS_KEY in told else NOTHING_KNOWN
         read = partial(_tables, path, opened, metadata)
-        trace = Log(TraceFacts(path=path, format=f"trace, format {version}", episodes=facts), tuple(stored), read)
+        trace = Log(TraceFacts(path=path, format=f"trace, format {version}", episodes=facts), known, read)
         if lacking:
             ended = trace["ground"] | trace["reached"]
-            trace = replace(trace, columns=tuple(chosen)).add({"terminated": ended, "held": np.zeros_like(ended)})
+            trace = trace.add({"terminated": ended, "held": np.zeros_like(ended)})
         return trace if OBSTACLE in known else _with_nothing_touched(trace, metadata.num_rows)
 
 
@@ -377,9 +369,8 @@ def _is_known(column: str) -> bool:
     return column in (*SCALARS, *LISTS, *EXTRAS) or column.startswith(TERM)
 
 
-def _require_columns(schema: pa.Schema, columns: list[str], path: Path) -> None:
-    missing = [name for name in columns if name not in schema.names]
-    if missing:
+def _require_columns(schema: pa.Schema, lacking: Sequence[str], path: Path) -> None:
+    if missing := [name for name in (*SCALARS, "qpos", "action") if name not in (*schema.names, *lacking)]:
         raise SchemaError(f"{path} has no column {', '.join(missing)}")
     for name in filter(_is_known, schema.names):
         found, number = schema.field(name).type, pa.float64()

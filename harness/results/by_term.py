@@ -1,6 +1,6 @@
 """What each term of a reward paid an episode of one training, or of its evaluations: sums over recorded columns."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -34,14 +34,10 @@ class ByTerm(NamedTuple):
     steps: int
     """How many steps there are."""
 
-    def to_json(self) -> dict[str, Any]:
-        """Plain data; `from_json` gives the same back."""
-        return {"terms": {name: list(means) for name, means in self.terms.items()}, "steps": self.steps}
-
     @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> "ByTerm":
-        """What `to_json` told, also after a way through JSON."""
-        return cls({name: TermMeans(*means) for name, means in data["terms"].items()}, data["steps"])
+    def again(cls, terms: Mapping[str, Iterable[Any]], steps: int) -> "ByTerm":
+        """The same after a way through JSON, which makes lists of both tuples."""
+        return cls({name: TermMeans(*means) for name, means in terms.items()}, steps)
 
 
 def part_of(episodes: int) -> int:

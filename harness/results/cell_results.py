@@ -2,10 +2,10 @@
 
 import hashlib
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from functools import cached_property, partial
+from functools import cache, cached_property, partial
 from typing import Any, Self, TypeVar
 
 import numpy as np
@@ -21,7 +21,7 @@ from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, EVALUATIONS, RANDOM, SUFFIX, TRACE, evaluation_files
 from harness.record.manifest import Manifest
 from harness.record.returns import EVENTS, PAID, mean_over_episodes, mean_return, paid_in
-from harness.record.store import Floor, Store
+from harness.record.store import Store
 from harness.record.trace import (
     FLAGS,
     INTEGERS,
@@ -39,7 +39,7 @@ from harness.results.kept import Kept
 from harness.results.measured import Measured, Moment, Values, value_of
 from harness.results.metrics import Unmeasurable, load_metrics, with_fingerprints
 from harness.results.recordings.episodes import Episodes, Part
-from harness.results.table import Numbers, numbers_of
+from harness.results.table import RANDOM as AT_RANDOM, Numbers
 from harness.reward import Paid
 from harness.score.installed_reward import InstalledReward
 from harness.score.scorer import SCORED
@@ -64,6 +64,7 @@ class Cells:
         store: Their folder.
         metrics: Every registered metric, or those that were chosen, by name.
         done: What was taken in, by id.
+        installed: What pays recorded runs again, by a reward.
     """
 
     def __init__(
@@ -81,11 +82,11 @@ class Cells:
             UsageError: A named metric is not registered.
             PluginError: A named metric is broken.
         """
-        self.store, self._registry = store, registry
+        self.store = store
         self.metrics = load_metrics(registry, metrics, named)
         self.done: dict[str, CellResults] = {}
-        self._rewards: dict[Choice, InstalledReward] = {}
-        self._floors: dict[Floor, CellResults] | None = None
+        self.installed = cache(partial(InstalledReward, registry=registry))
+        self._floors: dict[Hashable, CellResults] | None = None
 
     @cached_property
     def fingerprinted(self) -> dict[str, tuple[Measure, str]]:
@@ -108,14 +109,8 @@ class Cells:
     def at_random(self, cell: Cell) -> "CellResults | None":
         """What evaluated random actions in the simulator, task and robot of a cell; None if no cell did."""
         if self._floors is None:  # of several, the first that was taken in
-            self._floors = {Floor.of(it.cell): it for it in reversed(self.done.values()) if it.has_floor}
-        return self._floors.get(Floor.of(cell))
-
-    def installed(self, choice: Choice) -> InstalledReward:
-        """What pays recorded runs again by a reward."""
-        if choice not in self._rewards:
-            self._rewards[choice] = InstalledReward(choice, self._registry)
-        return self._rewards[choice]
+            self._floors = {it.cell.floor: it for it in reversed(self.done.values()) if it.has_floor}
+        return self._floors.get(cell.floor)
 
 
 class CellResults:
@@ -137,7 +132,6 @@ class CellResults:
         self._read: dict[str, Log] = {}
         self._asking = 0
         self._reasons: dict[str, str] = {}
-        self._unchanged: set[str] = set()
 
     def __enter__(self) -> Self:
         self._asking += 1
@@ -180,8 +174,8 @@ class CellResults:
             *(partial(self.paid_by, self._cells.installed(choice)) for choice in compared),
             *(partial(self.evaluation_return, it) for it in payers),
             *(partial(self.floor_returns, it) for it in payers if self.has_floor),
-            *(partial(self.terms_paid, own, file) for file in ((TRACE, *files) if self.has_terms else ())),
-            *(partial(self.terms_paid, it, file) for it in payers if it is not own and it.has_terms for file in files),
+            partial(self.terms_paid, own, TRACE),
+            *(partial(self.terms_paid, it, file) for it in (own, *payers) if it.has_terms for file in files),
         ]
         with self:
             self.require_plausible()
@@ -213,17 +207,18 @@ class CellResults:
                 self._keep_own()  # columns are there now
         return Measured(did, counts, {}, self._reasons)
 
-    @cached_property
+    @property
     def measured(self) -> Measured:
+        """The same with the metrics of random actions; the cell that acts at random may end later."""
         owner = self.floor_cell
-        floor = dict.fromkeys(self._cells.metrics)
-        return self.policy._replace(random={**floor, **(owner.floor if owner else {})})
+        return self.policy._replace(random=owner.floor if owner else dict.fromkeys(self._cells.metrics))
 
     @property
     def numbers(self) -> Numbers:
-        """What a table of cells says of it. The cell that acts at random may end later."""
-        owner = self.floor_cell
-        return numbers_of(self.policy._replace(random=owner.floor if owner else {}), self._cells.metrics)
+        """What a table of cells says of it, in the columns of `harness.results.table.metric_columns`."""
+        told = self.measured
+        at_random = {f"{AT_RANDOM}{name}": value for name, value in told.random.items()}
+        return Numbers({**told.own, **at_random}, told.reasons)
 
     @property
     def has_floor(self) -> bool:
@@ -254,16 +249,14 @@ class CellResults:
     @cached_property
     def _episodes(self) -> Episodes:
         """The finished episodes of the training: what its own reward paid, and whether they reached the target."""
-        last, reached, paid = self._learned().reshape(3, -1)
-        return Episodes(last.astype(np.int64), {self.reward: paid}, {SUCCESS: reached}, {})
 
-    def _learned(self) -> Float:
         def make(trace: Log) -> Float:
             reached, paid = (episode_sums(trace[name], trace.episodes) for name in ("reached", "reward"))
             last = np.array([rows[-1] for rows in trace.episodes], np.int64)
             return np.array([last, reached > 0, paid])[:, np.argsort(last)].ravel()
 
-        return self._ask(TRACE, "learned", make)
+        last, reached, paid = self._ask(TRACE, "learned", make).reshape(3, -1)
+        return Episodes(last.astype(np.int64), {self.reward: paid}, {SUCCESS: reached}, {})
 
     def stretch(self, begin: int, end: int) -> Part:
         """See `Run`: success and pay."""
@@ -333,10 +326,8 @@ class CellResults:
             Unscored: It cannot pay, or pays something else.
         """
         own = self._cells.installed(self.cell.reward)
-        if file not in self._unchanged:
-            pays = self._ask(file, "is paid", lambda trace: own.pays_recorded(trace.load(SCORED)), own)
-            own.require_unchanged(pays)
-            self._unchanged.add(file)
+        if not self._ask(file, "is paid", lambda trace: own.pays_recorded(trace.load(SCORED)), own):
+            raise Unscored(f"reward {self.reward} now pays its recorded steps differently: it has changed")
         return own
 
     def returned(self, by: Any, manner: str) -> float:
@@ -420,11 +411,11 @@ class CellResults:
         """
         is_own = reward.choice == self.cell.reward  # which needs no code of it
 
-        def make(trace: Log) -> dict[str, Any]:
+        def make(trace: Log) -> ByTerm:
             terms = terms_of(trace) if is_own else self._paid(trace, reward).terms
-            return by_term(terms, trace.episodes, int((trace["step"] > 0).sum())).to_json()
+            return by_term(terms, trace.episodes, int((trace["step"] > 0).sum()))
 
-        return ByTerm.from_json(self._ask(file, "terms", make, None if is_own else reward))
+        return ByTerm.again(*self._ask(file, "terms", make, None if is_own else reward))
 
     # How it is read
 
@@ -432,7 +423,7 @@ class CellResults:
         """Compute what a report asks of the cell beside metrics and what rewards pay again, if that is not kept."""
         _ = self.cut, self.recorded
         if not self.cell.evaluate_every:
-            self._learned()
+            _ = self._episodes
         self.recorded_return("events")
         self.recorded_return("paid")
         self.motion()

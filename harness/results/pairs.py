@@ -7,12 +7,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from harness.log import Log
-from harness.log.log import BEHAVIOUR, SUCCESS
+from harness.log.log import SUCCESS
 from harness.record.cell import Cell
-from harness.record.folder import EVALUATION_RECORDING
-from harness.record.recording.recorded_training import read_recording
 from harness.results.comparison import Comparison, Group
+from harness.results.recordings.episodes import Episodes
+from harness.results.recordings.runs import Run
 from harness.results.results import Results
 
 READ = 200
@@ -109,18 +108,18 @@ def environment_pairs(results: Results, comparison: Comparison) -> Pairs | None:
     if not results.is_experiment:
         return None
     sides = [
-        [read_recording(results.store.cell_folder(cell) / EVALUATION_RECORDING) for cell in cells]
+        [run.evaluation.episodes for it in cells if isinstance(run := results.run(it), Run) and run.evaluation]
         for cells in cells_by_seed(results, comparison)
     ]
     wanted = (SUCCESS, *comparison.measured.deciding)
-    name = next((it for it in wanted if all(it in log.measures for logs in sides for log in logs)), None)
-    if name is None or not comparison.seeds:
+    name = next((it for it in wanted if all(it in of.behaviour for side in sides for of in side)), None)
+    if name is None or {*map(len, sides)} != {len(comparison.seeds)}:
         return None
     better = next((it.measure.better for it in comparison.measured.changes if it.name == name), "higher")
     met = [
         _met(seed, number, name, better, *both)
-        for seed, *logs in zip(comparison.seeds, *sides, strict=True)
-        for number, both in enumerate(zip(*(_outcomes(log, name) for log in logs), strict=False))
+        for seed, *both_of in zip(comparison.seeds, *sides, strict=True)
+        for number, both in enumerate(zip(*(_outcomes(of, name) for of in both_of), strict=False))
     ]
     proposed, told = comparison.proposed, name.replace("_", " ")
     words = (f"the same {told} under both", f"the baseline has the better {told}", f"{proposed} has the better {told}")
@@ -160,12 +159,10 @@ def shown_pair(results: Results, comparison: Comparison) -> ShownPair | None:
     return ShownPair((baseline[at], proposed[at]), it.number, pairs)
 
 
-def _outcomes(log: Log, name: str) -> list[tuple[int, float]]:
-    """How long each episode took that ended, in steps, and its value of a measure."""
-    rows = log.rows(("terminated", "truncated", f"{BEHAVIOUR}{name}"))
-    ends = np.flatnonzero(rows["terminated"] | rows["truncated"])[:READ]
-    lengths = np.diff(ends, prepend=-1)
-    return list(zip(lengths.tolist(), rows[f"{BEHAVIOUR}{name}"][ends].tolist(), strict=True))
+def _outcomes(of: Episodes, name: str) -> list[tuple[int, float]]:
+    """How long each of the first episodes took, in steps, and its value of a measure."""
+    lengths = np.diff(of.last[:READ], prepend=-1)
+    return list(zip(lengths.tolist(), of.behaviour[name][:READ].tolist(), strict=True))
 
 
 def _met(seed: int, number: int, name: str, better: str, first: tuple[int, float], second: tuple[int, float]) -> Met:

@@ -23,8 +23,8 @@ from harness.results.pairs import READ, Met, Pairs, cells_by_seed, kind_of, kind
 from harness.results.results import Results
 
 Outcome = Literal["reached", "ground", "obstacle", "time-out"]
-FIRST, DIFFERENT, MOST = 1, 3, 6
-"""The most episodes of a show: first ones, episodes that end differently, and all together."""
+MOST = 6
+"""The most episodes of a show."""
 FRAMES = 150
 """The most frames of an episode. Of a longer episode, every n-th row is shown."""
 ROOM = 16_000
@@ -158,44 +158,26 @@ def show_cells(results: Results, ids: Sequence[str], episodes: int = MOST) -> Sh
     return show
 
 
-def choose_episodes(outcomes: Sequence[Sequence[Outcome]], most: int = MOST) -> list[int]:
-    """The episodes that show most: the first, one that ends differently, and one for each outcome of each side.
+def choose(outcomes: Sequence[Sequence[Outcome]], pairs: Pairs | None = None) -> list[int]:
+    """All episodes by what a reader wants to see of them first.
 
-    Then others that end differently, one that fails on every side, and others.
-
-    Args:
-        outcomes: The outcomes of each side, for the same episodes.
-        most: The most episodes.
-
-    Returns:
-        Their numbers, from 0, in order.
-    """
-    together = list(zip(*outcomes, strict=True))
-    everything = list(range(len(together)))
-    different = [number for number in everything if len(set(together[number])) > 1]
-    failed = [number for number in everything if "reached" not in together[number]]
-    ends = [side.index(outcome) for side in outcomes for outcome in dict.fromkeys(side)]
-    wanted = [*everything[:FIRST], *different[:1], *ends, *different[:DIFFERENT], *failed[:1], *everything]
-    return sorted(list(dict.fromkeys(wanted))[:most])
-
-
-def choose_pairs(outcomes: Sequence[Sequence[Outcome]], pairs: Pairs) -> list[int]:
-    """All pairs of a comparison, by what a reader wants to see of them first.
-
-    The typical one of each kind, the most frequent kind first; one for each outcome of each side; then those of other
-    kinds than the most frequent one, and those of that, by number.
+    The first, or of pairs the typical one of each kind, the most frequent kind first; one for each outcome of each
+    side; then the others by number, pairs of other kinds than the most frequent one before those of it.
 
     Args:
-        outcomes: The outcomes of each side, of all pairs.
-        pairs: The pairs.
+        outcomes: The outcomes of each side, of the same episodes.
+        pairs: What the same episodes are in a comparison.
 
     Returns:
         Their places.
     """
-    met = pairs.met
+    first, others = [0], [*range(len(outcomes[0]))]
+    if pairs is not None:
+        met, usual = pairs.met, pairs.usual
+        first = [*map(pairs.typical, pairs.counts)]
+        others.sort(key=lambda it: (met[it].kind == usual, met[it].number))
     ends = [side.index(outcome) for side in outcomes for outcome in dict.fromkeys(side)]
-    others = sorted(range(len(met)), key=lambda it: (met[it].kind == pairs.usual, met[it].number, it))
-    return list(dict.fromkeys([*map(pairs.typical, pairs.counts), *ends, *others]))
+    return list(dict.fromkeys([*first, *ends, *others]))
 
 
 class ShownCells(NamedTuple):
@@ -295,15 +277,15 @@ def _show(results: Results, shown: ShownCells, most: int, room: int = 0) -> Show
     if not met:
         return None
     outcomes = [[way.outcome for way in ways] for ways in zip(*met, strict=True)]
-    pairs, chosen, kinds = None, choose_episodes(outcomes, most), dict[int, int]()
+    pairs, kinds = None, dict[int, int]()
     if shown.comparison is not None:
         ends = [kind_of(*(way.outcome == "reached" for way in ways)) for ways in met]
         found = (
             Met(one.cell.seed, one.number, kind, it.took - one.took) for (one, it), kind in zip(met, ends, strict=True)
         )
         pairs = Pairs(kinds_of("reach", shown.comparison.proposed, "es"), tuple(found))
-        chosen = choose_pairs(outcomes, pairs)
-    measured, chosen = set(chosen[:MOST]), sorted(_within(met, chosen, most, room))
+    chosen = choose(outcomes, pairs)
+    measured, chosen = set(chosen[:MOST]), sorted(_within(met, chosen, most, room if pairs else 0))
     if pairs is not None:
         kinds = {kind: chosen.index(it) for kind in pairs.counts if (it := pairs.typical(kind)) in chosen}
     sides = []

@@ -208,13 +208,11 @@ class Results(ABC):
     @cached_property
     def equal(self) -> dict[Group, tuple[tuple[Key, ...], ...]]:
         """Trainings of an arm that left the same trace, bit for bit, by their group."""
-        found = {
-            group: equal_trainings(
-                {(cell.reward.label, cell.seed): self.manifest(cell).files.get(TRACE, "") for cell in cells}
-            )
+        traces = {
+            group: {(cell.reward.label, cell.seed): self.manifest(cell).files.get(TRACE, "") for cell in cells}
             for group, cells in self.groups.items()
         }
-        return {group: equal for group, equal in found.items() if equal}
+        return {group: equal for group, of in traces.items() if (equal := equal_trainings(of))}
 
     @property
     def done_cells(self) -> list[Cell]:

@@ -12,7 +12,6 @@ from harness.files.whole_file import whole_file
 from harness.record.manifest import Manifest
 from harness.record.store import RESULTS
 from harness.results.comparison import Comparison
-from harness.results.measured import Measured
 
 RANDOM = "random_"
 """What the columns of random actions begin with."""
@@ -35,13 +34,6 @@ def metric_columns(metrics: Iterable[str]) -> list[str]:
     """The columns of metrics: those of the policy, then those of random actions."""
     names = list(metrics)
     return [*names, *(f"{RANDOM}{name}" for name in names)]
-
-
-def numbers_of(measured: Measured, metrics: Iterable[str]) -> Numbers:
-    """What metrics say of a cell, in the columns of `metric_columns`."""
-    names = list(metrics)
-    at_random = {f"{RANDOM}{name}": measured.random.get(name) for name in names}
-    return Numbers({**{name: measured.own[name] for name in names}, **at_random}, measured.reasons)
 
 
 def table_of(rows: Rows, columns: Iterable[str] = ()) -> pa.Table:

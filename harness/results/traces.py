@@ -1,7 +1,8 @@
 """The done cells of arms as trainings that are compared: what their traces say, each thing computed once."""
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
-from functools import cached_property
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack
+from functools import cached_property, partial
 from itertools import combinations
 from pathlib import Path
 
@@ -140,24 +141,26 @@ class Traces(Results):
         return self.run(cell).recorded
 
 
-def _column(runs: Iterable[CellResults], payers: Mapping[str, InstalledReward | str]) -> dict[str, SeedMean]:
+def _column(runs: Sequence[CellResults], payers: Mapping[str, InstalledReward | str]) -> dict[str, SeedMean]:
     """What each reward pays trainings by one, and what events paid. Each evaluation is read once."""
-    why = {payer: it for payer, it in payers.items() if isinstance(it, str)}
-    paid: dict[str, list[float | None]] = {payer: [] for payer in (EVENTS, *payers)}
-    for run in runs:
-        with run:
-            paid[EVENTS].append(run.recorded_return("events"))
-            for payer, it in payers.items():
-                try:
-                    if payer not in why and not isinstance(it, str):
-                        paid[payer].append(run.evaluation_return(it))
-                except Unscored as unscored:
-                    why[payer] = str(unscored)
 
-    def mean(values: list[float | None]) -> SeedMean:
+    def mean(paid: Callable[[CellResults], float | None]) -> SeedMean:
+        try:
+            values = list(map(paid, runs))
+        except Unscored as unscored:
+            return SeedMean(None, notes=(str(unscored),))
         known = [value for value in values if value is not None]
         return mean_over_seeds(known, None if len(known) == len(values) else UNFINISHED)
 
-    return {
-        payer: SeedMean(None, notes=(why[payer],)) if payer in why else mean(values) for payer, values in paid.items()
-    }
+    with ExitStack() as asked:
+        for run in runs:
+            asked.enter_context(run)
+        return {
+            EVENTS: mean(lambda run: run.recorded_return("events")),
+            **{
+                payer: SeedMean(None, notes=(it,))
+                if isinstance(it, str)
+                else mean(partial(CellResults.evaluation_return, reward=it))
+                for payer, it in payers.items()
+            },
+        }

@@ -16,8 +16,6 @@ from harness.results.results import Results
 EPISODES = 30
 """The most episodes that are read of an evaluation. More paths could not be told apart."""
 POINTS, AXES = ("end_effector", "target"), "xyz"
-COLUMNS = ["env", "episode", "reward", "reached", "terminated", "truncated"]
-COLUMNS += [f"{point}_{axis}" for point in POINTS for axis in AXES]
 
 
 class Trajectory(NamedTuple):
@@ -63,7 +61,7 @@ def trajectories_of(results: Results, comparison: Comparison) -> Trajectories | 
 
 
 def _read(path: Path) -> tuple[Trajectory, ...]:
-    trace = read_trace(path, COLUMNS)
+    trace = read_trace(path)
     found = []
     for rows in trace.episodes[:EPISODES]:
         reached = trace["reached"][rows]

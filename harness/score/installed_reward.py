@@ -47,7 +47,11 @@ class InstalledReward:
         with self._told():
             if self._is_recorded_by(taught_by):
                 return f"{self.choice.to_json()} as recorded by {taught_by.to_json()}"
-            return f"{self.choice.to_json()} {fingerprint(self._reward)}"
+            return f"{self.choice.to_json()} {self._sources}"
+
+    @cached_property
+    def _sources(self) -> str:
+        return fingerprint(self._reward)
 
     @cached_property
     def has_terms(self) -> bool:
@@ -83,15 +87,6 @@ class InstalledReward:
         """
         with self._told():
             return np.allclose(self._pay(own, self.choice).total, own["reward"], rtol=1e-9, atol=1e-12)
-
-    def require_unchanged(self, pays_recorded: bool) -> None:
-        """Check `pays_recorded`. A reward that now pays its own steps differently is another reward.
-
-        Raises:
-            Unscored: It has changed.
-        """
-        if not pays_recorded:
-            raise Unscored(f"reward {self.choice.label} now pays its recorded steps differently: it has changed")
 
     def _pay(self, run: Log, taught_by: Choice) -> Paid:
         if self._is_recorded_by(taught_by) and (terms := terms_of(run)):

@@ -8,8 +8,8 @@ import pyarrow.parquet as pq
 
 from harness.arrays import Float
 from harness.errors import UsageError, reason_of
-from harness.files.bounded import reading, require_regular
-from harness.files.parquet import require_room
+from harness.files.bounded import reading
+from harness.files.parquet import open_parquet, require_room
 from harness.files.sums import changed_since_made, note_made
 from harness.files.whole_file import whole_file
 from harness.log import Log
@@ -101,8 +101,7 @@ def _write(into: Path, columns: Mapping[str, Float]) -> None:
     rows = len(next(iter(columns.values())))
     if into.exists() and into.name not in changed_since_made(into.parent):
         with reading(into, "file of scores", UsageError):
-            require_regular(into, MOST_BYTES)
-            file = pq.ParquetFile(into)
+            file = open_parquet(into, MOST_BYTES)
             if file.metadata.num_rows != rows:
                 told = f"{into} has {file.metadata.num_rows} rows, the recording {rows}: it belongs to another one"
                 raise UsageError(told)

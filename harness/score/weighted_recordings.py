@@ -1,31 +1,34 @@
 """Pays recorded trainings in environments by other weights of their recorded terms, without the code of a reward."""
 
 from collections.abc import Iterable
-from functools import partial
+from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 
 from harness.errors import UsageError
 from harness.files.sums import making
-from harness.log import Log
-from harness.record.recording.facts import facts_of, term_column
+from harness.log import Log, in_memory
+from harness.log.log import REWARD
+from harness.record.cell import Cell
+from harness.record.recording.facts import Source, TrainingFacts, facts_of, term_column
 from harness.record.recording.recorded_training import (
-    read_recorder,
     read_recording,
+    read_scored,
     recorder_numbers,
     recordings_in,
 )
-from harness.record.recording.scores import read_scores, scores_name, weighted_scores, with_scores, write_scores
+from harness.record.recording.scores import scores_name, with_scores, write_scores
 from harness.record.store import Store
 from harness.score.weights import name_of, no_terms, recorded_choice, reweighted, weighted_label
 
 
-def recordings_of(folder: Path) -> list[Path]:
-    """The recordings of an experiment's done cells, or those that lie in a folder at any depth."""
+def recordings_of(folder: Path) -> dict[Path, Cell | None]:
+    """The recordings of an experiment's done cells, each with its cell, or those that lie in a folder at any depth."""
     if not Store.is_experiment(folder):
-        return sorted(recordings_in(folder))
+        return dict.fromkeys(sorted(recordings_in(folder)))
     store = Store.open(folder)
     done = [cell for cell in store.read_plan().cells if store.examine(cell).status == "done"]
-    return [path for cell in done for path in sorted(recordings_in(store.cell_folder(cell)))]
+    return {path: cell for cell in done for path in sorted(recordings_in(store.cell_folder(cell)))}
 
 
 def recorded_weights(text: str, paths: Iterable[Path]) -> str:
@@ -41,6 +44,15 @@ def recorded_weights(text: str, paths: Iterable[Path]) -> str:
                 if name_of(label) == name_of(text):
                     return weighted_label(text, terms)
     return ""
+
+
+def weighed(log: Log, labels: Iterable[str]) -> Log:
+    """The same, and what rewards with other weights pay its steps, ``gentle:effort=5``, as far as terms tell it."""
+    for label in labels:
+        if label not in facts_of(log).rewards and name_of(label) in facts_of(log).terms:
+            with suppress(UsageError):
+                log = with_scores(log, _by_terms(log, name_of(label), label))
+    return log
 
 
 def pay_by_weights(path: Path, label: str) -> int:
@@ -72,25 +84,38 @@ def pay_by_weights(path: Path, label: str) -> int:
 
 
 def _read(path: Path, number: int) -> tuple[Log, Log | None]:
-    """What one recorder of a recording left, and what of it was scored later; its steps are read when asked for."""
-    log = read_recorder(path, number)
-    earlier = read_scores(path / scores_name(number), partial(len, log))
+    """What one recorder of a recording left, its scores included, and these alone."""
+    log, earlier = read_scored(path, number)
     return (with_scores(log, earlier) if earlier is not None else log), earlier
 
 
 def _scored(log: Log, label: str) -> Log:
     """The columns of a reward with other weights."""
     refused = UsageError(no_terms("these trainings have", name_of(label)))
-    for then, names in facts_of(log).terms.items():
-        if name_of(then) != name_of(label):
-            continue
-        columns = {name: term_column(then, name) for name in names}
-        told = log.rows(columns.values())
-        try:
-            paid = reweighted(label, recorded_choice(then), {name: told[it] for name, it in columns.items()})
-        except UsageError as error:  # a term was recorded with the weight 0, and elsewhere perhaps with another
-            refused = error
-            continue
-        origin = f"the recorded terms of {then}, weighted as {label}"
-        return weighted_scores(log, then, label, paid.total, paid.terms, origin)
+    for then in facts_of(log).terms:
+        if name_of(then) == name_of(label):
+            try:
+                return _by_terms(log, then, label, f"the recorded terms of {then}, weighted as {label}")
+            except UsageError as error:  # a term was recorded with the weight 0, and elsewhere perhaps with another
+                refused = error
     raise refused
+
+
+def _by_terms(log: Log, then: str, label: str, origin: str = "") -> Log:
+    """The columns of a reward that pays what the terms of another one in the log pay, with other weights.
+
+    Raises:
+        UsageError: They do not tell what it pays.
+    """
+    facts, now = facts_of(log), f"{REWARD}{label}"
+    columns = {name: term_column(then, name) for name in facts.terms[then]}
+    told = log.rows(columns.values())
+    paid = reweighted(label, recorded_choice(then), {name: told[it] for name, it in columns.items()})
+    scored = TrainingFacts(
+        rewards=(label,),
+        trained_with=label,
+        sources={now: Source("", origin)} if origin else {},
+        failed=tuple(replace(it, column=now) for it in facts.failed if it.column == f"{REWARD}{then}"),
+        terms={label: tuple(paid.terms)},
+    )
+    return in_memory(scored, {now: paid.total, **{term_column(label, it): of for it, of in paid.terms.items()}})

@@ -6,6 +6,7 @@ from pathlib import Path
 from harness.experiment import Plan, check_experiment, expand
 from harness.record import Store
 from harness.registry import load_registry, read_given
+from tests.stores import create_store
 
 
 def test_a_finished_run_is_all_done(harness, experiment):
@@ -55,7 +56,7 @@ def test_a_running_training_without_the_end_of_an_episode_is_told(harness, tmp_p
     cell = expand(
         check_experiment({"task": "toy", "algo": "random", "steps": 10**6}), load_registry(given=read_given([toy]))
     ).cells[0]
-    store = Store.create(tmp_path / "here", Plan("near", (cell,), (), {}))
+    store = create_store(tmp_path / "here", Plan("near", (cell,), (), {}))
     shown = []
     for told in (1001.0, 1002.0):
         note(store, started=1000.0, steps=20_000, told=told)

@@ -27,7 +27,6 @@ from harness.record import (
 from harness.record.folder import evaluation_files
 from harness.record.trace import episode_facts
 from harness.registry import Choice
-from harness.score.scorer import SCORED
 
 pytestmark = pytest.mark.usefixtures("toys")
 NARRATE = {"algorithm": Choice("narrate", (), "narrate")}
@@ -99,7 +98,7 @@ def test_an_evaluation_is_a_trace_like_the_final_one(often):
     assert sorted(path.name for path in (often / "evaluations").iterdir()) == ["10.parquet", "5.parquet"]
     early, final = often / "evaluations" / "5.parquet", often / EVALUATION
     assert pq.read_schema(early).equals(pq.read_schema(final), check_metadata=True)
-    assert len(read_trace(early, [*SCORED, "episode", "reward"]).episodes) == 2
+    assert len(read_trace(early).episodes) == 2
 
 
 @pytest.mark.parametrize(

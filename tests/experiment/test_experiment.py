@@ -14,6 +14,7 @@ from harness.registry import Choice
 from harness.results import Results, load_results
 from tests.left import files_of
 from tests.refusals import refused
+from tests.stores import create_store
 
 QUICK = {
     "sim": "ideal",
@@ -103,7 +104,7 @@ def test_reason_of_a_cell_without_a_folder_is_recorded(toys, make_cell, tmp_path
                 on_event(Event("ended", job.cell, reason="lost on the way"))
 
     plan = _plan(toys, seeds=1)
-    store = Store.create(tmp_path, plan)
+    store = create_store(tmp_path, plan)
     ExperimentRun(plan, store, toys, Losing()).run()
     assert [(item.status, item.reason) for item in store.manifests()] == [("failed", "lost on the way")] * 2
 
@@ -114,7 +115,7 @@ def test_interrupt_keeps_what_is_finished(toys, tmp_path):
     first, *_ = (cell for cell in plan.cells if cell.algorithm.label == "wander")
     bad = next(cell for cell in plan.cells if cell.algorithm.label != "wander")
     plan = replace(plan, cells=(first, bad))
-    store = Store.create(tmp_path, plan)
+    store = create_store(tmp_path, plan)
     with pytest.raises(KeyboardInterrupt):
         _ended(toys, tmp_path, plan)
     assert [manifest.cell for manifest in store.manifests()] == [first]
@@ -126,7 +127,7 @@ def test_interrupt_keeps_what_is_finished(toys, tmp_path):
 def test_folder_in_use_is_refused(toys, tmp_path):
     """Two runs do not meet in one folder."""
     plan = _plan(toys)
-    store = Store.create(tmp_path, plan)
+    store = create_store(tmp_path, plan)
     before = files_of(tmp_path)
     second = ExperimentRun(plan, store, toys, toys.get("executors", "here").load()(), RunOptions(wait=False))
     with store.locked(), refused("Another run is using"):

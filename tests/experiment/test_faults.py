@@ -12,6 +12,7 @@ from harness.record.verify import verify
 from harness.registry import Choice
 from tests.experiment.faults import faults
 from tests.left import left_by_cells
+from tests.stores import create_store
 
 __all__ = ["faults"]
 
@@ -74,12 +75,12 @@ def test_kill_at_any_write_of_the_plan_leaves_one_that_can_be_read(faults, make_
     """The earlier one or the new one; the process ends without another word, as when it is killed."""
     folder = tmp_path / "out"
     first, second = make_plan(make_cell()), make_plan(make_cell(), make_cell(seed=1))
-    Store.create(folder, first)
+    create_store(folder, first)
     for at in range(1000):
         child = os.fork()
         if child == 0:
             with faults.armed(folder, at, lambda: os._exit(9)):
-                Store.create(folder, second)
+                create_store(folder, second)
             os._exit(0)
         status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
         assert status in (0, 9)
@@ -87,6 +88,6 @@ def test_kill_at_any_write_of_the_plan_leaves_one_that_can_be_read(faults, make_
         assert Store.open(folder).read_plan().note == ""
         if status == 0:
             break
-        Store.create(folder, first)
+        create_store(folder, first)
     assert 5 < at < 1000
     assert Store.open(folder).read_plan().cells == second.cells

@@ -3,7 +3,7 @@
 import pytest
 
 from harness.record import RANDOM
-from harness.record.store import Floor, floors_in
+from harness.record.store import floors_in
 from harness.registry import Choice
 
 ARP = Choice("arp", (("k1", 1.0), ("k2", 1.5)), "arp")
@@ -27,7 +27,7 @@ def test_the_first_cell_does_it_for_all(make_cell, run):
     other = make_cell(task=SLOWER)
     results = run(*cells, other)
     assert _with_floor(results) == [cells[0], other]
-    assert floors_in(results.manifests, results.store) == {Floor.of(cells[0]): cells[0], Floor.of(other): other}
+    assert floors_in(results.manifests, results.store) == {cells[0].floor: cells[0], other.floor: other}
 
 
 def test_every_cell_is_held_against_it(make_cell, run):

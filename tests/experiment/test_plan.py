@@ -9,11 +9,11 @@ import tomli_w
 
 import harness_robots
 from harness.experiment import check_experiment, expand, read_experiment
-from harness.record import Store
 from harness.record.store import EXPERIMENT
 from harness.registry import choose, load_registry
 from harness.robot.robot import load_robot
 from tests.refusals import refused
+from tests.stores import create_store
 
 BASE = {"sim": ["ideal"], "algo": ["wander"], "reward": ["arp"]}
 
@@ -276,7 +276,7 @@ def test_resolved_experiment_reads_back_to_the_same_cells(toys, tmp_path):
         seeds=[3, 1],
         steps=30,
     )
-    again = expand(read_experiment(Store.create(tmp_path / "out", plan).folder / EXPERIMENT, {}), toys)
+    again = expand(read_experiment(create_store(tmp_path / "out", plan).folder / EXPERIMENT, {}), toys)
     assert again == plan
     assert [cell.id for cell in again.cells] == [cell.id for cell in plan.cells]
 

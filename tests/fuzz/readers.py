@@ -60,6 +60,7 @@ from tests.plugins.audit.search.certified import whole_certificate
 from tests.record.dataset.frames import write_frames
 from tests.record.dataset.written import episode, opened, write_lerobot, write_minari
 from tests.robot.test_meshes import CORNERS, collada
+from tests.stores import create_store
 
 Mutate = Callable[[bytes, Random], bytes]
 
@@ -393,5 +394,5 @@ def _manifest(cell, folder):
 
 def _plan(registry, folder):
     experiment = check_experiment({"sim": "ideal", "algo": "wander", "steps": 12, "seeds": 2})
-    Store.create(folder / "plan", expand(experiment, registry))
+    create_store(folder / "plan", expand(experiment, registry))
     return (folder / "plan" / "plan.json").read_bytes()

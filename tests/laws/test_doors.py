@@ -10,12 +10,13 @@ import numpy as np
 import pytest
 
 from harness.experiment import Plan
-from harness.record import TRACE, Cell, Store
+from harness.record import TRACE, Cell
 from harness.registry import Choice
 from tests.laws.said import INTERIM, REFUSED, answered, remedies, say, typed
 from tests.laws.writers import chart, evaluations, events, files, lines, monitor, paid, progress, table
 from tests.results.folders import ARP, BASELINE, fail, finish
 from tests.results.recordings.conftest import record
+from tests.stores import create_store
 
 NEAR = 0.6
 """Points of success that two ways of keeping the same trainings may lie apart."""
@@ -118,7 +119,7 @@ def _own(folder, kept):
         name: Cell(sim, "fd100", task, learner, ARP if reward == "prop" else BASELINE, int(seed), 6, EPISODES)
         for name, (reward, seed) in ((it.name, it.name.split("_")) for it in kept)
     }
-    store = Store.create(folder, Plan(BASELINE.label, (*cells.values(),), (), {"sim": ["kinematic"]}))
+    store = create_store(folder, Plan(BASELINE.label, (*cells.values(),), (), {"sim": ["kinematic"]}))
     for it in kept:
         if len(it.steps) < DOORS["own"].rows:
             fail(store, cells[it.name], "out of memory")

@@ -12,12 +12,13 @@ import pyarrow.parquet as pq
 
 from harness.experiment import Plan
 from harness.files import digest_of
-from harness.record import EVALUATION, MANIFEST, TRACE, Cell, Store
+from harness.record import EVALUATION, MANIFEST, TRACE, Cell
 from harness.registry import Choice
 from tests.cli.forging import change as sealed_again
 from tests.oracles.answers import Row, accelerated, etas, indices
 from tests.oracles.trial import Shown, Trial, call, call_json
 from tests.results.folders import finish
+from tests.stores import create_store
 
 BASELINE, ARP = Choice("baseline", (), "baseline"), Choice("arp", (("k1", 1.0), ("k2", 1.5)), "arp")
 K2 = {"baseline": 1.0, "arp": 1.5}
@@ -54,7 +55,7 @@ def _draw_cell(rng, reward, seed, steps):
 def write(cells, folder, plan=None):
     """The folder of an experiment; of a plan that may have more cells."""
     planned = tuple(done.cell for done in plan or cells)
-    store = Store.create(folder, Plan(BASELINE.label, planned, (), {"sim": ["kinematic"], "algo": ["random"]}, {}))
+    store = create_store(folder, Plan(BASELINE.label, planned, (), {"sim": ["kinematic"], "algo": ["random"]}, {}))
     for done in cells:
         finish(store, done.cell, done.distances, done.reached, [False] * EPISODES, done.rewards)
     return folder

@@ -15,7 +15,7 @@ def test_facts_come_back_with_the_trace(tmp_path):
     with TraceWriter(tmp_path / "trace.parquet", 3, 2, facts=FACTS):
         pass
     assert episode_facts(read_trace(tmp_path / "trace.parquet")) == FACTS
-    assert episode_facts(read_trace(tmp_path / "trace.parquet", ["reward"])) == FACTS
+    assert episode_facts(read_trace(tmp_path / "trace.parquet")) == FACTS
 
 
 def test_facts_may_become_known_while_rows_are_written(tmp_path):

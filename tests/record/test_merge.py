@@ -14,6 +14,7 @@ from harness.record.merge import merge
 from harness.record.verify import verify
 from harness.report.document import report_text
 from harness.results import load_results
+from tests.stores import create_store
 
 ASKED = {"sim": "ideal", "algo": "wander", "reward": "arp", "task": "fd100-reach:horizon=5", "steps": 6}
 
@@ -222,7 +223,7 @@ def test_number_of_seeds_that_no_cell_has_is_no_list(make_cell, make_plan, merge
     folders = [tmp_path / "one", tmp_path / "two"]
     for folder in folders:
         plan = make_plan(make_cell())
-        Store.create(folder, replace(plan, resolved={**plan.resolved, "seeds": 10**12}))
+        create_store(folder, replace(plan, resolved={**plan.resolved, "seeds": 10**12}))
     _, store = merged(*folders)
     assert json.loads((store.folder / PLAN).read_text())["experiment"]["seeds"] == 10**12
 

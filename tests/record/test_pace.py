@@ -5,7 +5,7 @@ import itertools
 import pytest
 from hypothesis import given, strategies as st
 
-from harness.record.pace import Begun, Ended, Pace, makespan, time_left
+from harness.record.pace import Begun, Pace, makespan, time_left, took
 
 SECONDS = st.lists(st.floats(0.1, 100.0), max_size=6)
 
@@ -39,7 +39,7 @@ def test_a_kind_counts_by_its_own_cells(make_cell):
     """Each algorithm by what its cells took; one that was not seen yet as the mean of the others."""
     slow, fast = make_cell(steps=100), make_cell(steps=100, algorithm=_renamed(make_cell().algorithm, "fast"))
     unseen = make_cell(steps=100, algorithm=_renamed(make_cell().algorithm, "unseen"))
-    ended = [Ended(slow, 10.0, 2.0), Ended(fast, 1.0, 4.0)]
+    ended = [took(slow, 10.0, 2.0), took(fast, 1.0, 4.0)]
     assert time_left(ended, [], [slow]) == pytest.approx(12.0)
     assert time_left(ended, [], [fast]) == pytest.approx(5.0)
     assert time_left(ended, [], [unseen]) == pytest.approx(5.5 + 3.0)
@@ -48,7 +48,7 @@ def test_a_kind_counts_by_its_own_cells(make_cell):
 def test_a_cell_that_was_trained_is_still_evaluated(make_cell):
     """As long as the others were, less what has passed."""
     cell = make_cell(steps=100)
-    ended = [Ended(cell, 10.0, 4.0)]
+    ended = [took(cell, 10.0, 4.0)]
     assert time_left(ended, [Begun(cell, 100, 0.1, since=1.0)], []) == pytest.approx(3.0)
     assert time_left(ended, [Begun(cell, 100, 0.1, since=9.0)], []) == 0.0
 

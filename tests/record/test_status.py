@@ -53,6 +53,6 @@ def test_the_rest_takes_what_the_cells_take(ran, store, gone):
     with store.locked():
         found = read_status(ran, lambda: 104.0)
     done = [it.took for it in found.cells if it.took]
-    besides = sum(it.besides for it in done) / 2
-    whole = sum(it.training for it in done) / 2 + besides
+    besides = sum(it.seconds - it.training_seconds for it in done) / 2
+    whole = sum(it.training_seconds for it in done) / 2 + besides
     assert found.seconds_left == pytest.approx(6 * 0.5 + besides + whole)

@@ -10,6 +10,7 @@ import pytest
 
 from harness.errors import NewerFormat, SchemaError, UsageError
 from harness.record import EXPERIMENT, LOG, MANIFEST, PLAN, TRACE, Manifest, Store, partial_folder, read_manifest
+from tests.stores import create_store
 
 
 def _finish(store, cell, **fields):
@@ -30,7 +31,7 @@ def create(make_cell, make_plan, tmp_path):
     """Make a plan of these seeds in a folder of `tmp_path`, or in it."""
 
     def create(*seeds, out=".", **more):
-        return Store.create(tmp_path / out, make_plan(*(make_cell(seed=seed) for seed in seeds), **more))
+        return create_store(tmp_path / out, make_plan(*(make_cell(seed=seed) for seed in seeds), **more))
 
     return create
 
@@ -52,7 +53,7 @@ def test_new_folder_holds_the_plan(create):
 def test_new_folder_holds_the_experiment(cell, make_plan, tmp_path):
     """`experiment.toml` is the resolved experiment; TOML has no null, so what is None is left out at every depth."""
     resolved = {"sim": [{"name": "ideal", "dt": None, "k": 1}], "task": {"name": "x", "limit": None}, "robot": None}
-    store = Store.create(tmp_path, replace(make_plan(cell), resolved=resolved))
+    store = create_store(tmp_path, replace(make_plan(cell), resolved=resolved))
     written = tomllib.loads((store.folder / EXPERIMENT).read_text())
     assert written == {"sim": [{"name": "ideal", "k": 1}], "task": {"name": "x"}}
 

@@ -132,13 +132,6 @@ def test_a_trace_that_no_cell_can_have_left_is_told_by_its_end(path, rows, most,
     require_plausible(path, most)
 
 
-def test_some_columns_can_be_read_alone(path):
-    """Reading some columns gives those, and the length."""
-    write(path, make_rows(4))
-    trace = read_trace(path, ["reward", "qpos"])
-    assert (set(trace.columns), len(trace)) == ({"reward", "qpos"}, 4)
-
-
 def test_last_rows_are_the_ends_of_episodes(path):
     """An end is a row that is terminated or truncated: a target may be reached, or the arm held, on the way."""
     rows = make_rows(6)
@@ -165,28 +158,10 @@ def old(path):
 def test_format_1_is_read(old):
     """Then both events ended an episode, and no arm was held; all columns of today are there."""
     trace = read_trace(old)
-    assert set(trace.columns) == {*SCALARS, "qpos", "action"}
+    assert set(trace.names) == {*SCALARS, "qpos", "action", "obstacle"}
     np.testing.assert_array_equal(trace["terminated"], [False, True, True, False, False])
     assert not trace["held"].any()
     np.testing.assert_array_equal(trace.last_rows, [1, 2, 4])
-
-
-@pytest.mark.parametrize(
-    "columns",
-    [["terminated"], ["held", "reward"], ["reached", "terminated", "step"], ["reward"], ["ground", "qpos"], [*SCALARS]],
-)
-def test_some_columns_of_format_1_are_read_alone(old, columns):
-    """Those that are asked for and no others, also where they follow from others."""
-    some, whole = read_trace(old, columns), read_trace(old)
-    assert list(some.columns) == columns
-    for name in columns:
-        np.testing.assert_array_equal(some[name], whole[name])
-
-
-def test_missing_column_of_format_1_is_refused(old):
-    """A column that neither format has is a SchemaError that names it."""
-    with pytest.raises(SchemaError, match="no column colour"):
-        read_trace(old, ["reward", "colour"])
 
 
 def _told(path, metadata):
@@ -219,7 +194,7 @@ REFUSED = {
     "its end cut off": lambda path: _cut(path, 0.99),
     "other data": _zeroed,
     "missing": lambda path: None,
-    "no column ground, reached": lambda path: _short(path, b"1"),
+    "no column env, ": lambda path: _short(path, b"1"),
 }
 
 
@@ -232,10 +207,10 @@ def test_what_is_no_trace_is_refused(path, what):
 
 
 def test_missing_column_is_refused(path):
-    """One that is asked for; the line names the file."""
+    """The line names the file."""
     _short(path, b"2")
     with pytest.raises(SchemaError, match=r"trace\.parquet"):
-        read_trace(path, ["reward", "distance"])
+        read_trace(path)
 
 
 def test_a_file_that_was_replaced_is_refused(path):
@@ -260,7 +235,6 @@ def test_extra_columns_stand_behind_the_others(path):
     np.testing.assert_array_equal(trace["action"], rows[:, WIDTH - ACTION_SIZE : WIDTH])
     write(path, make_rows(3))
     assert not read_trace(path)["obstacle"].any()
-    assert not read_trace(path, ["reward", "obstacle"])["obstacle"].any()
 
 
 def test_rows_times_columns_are_bounded_before_they_are_read(path, monkeypatch):
@@ -269,4 +243,3 @@ def test_rows_times_columns_are_bounded_before_they_are_read(path, monkeypatch):
     monkeypatch.setattr(harness.record.trace, "require_room", partial(require_room, most=10))
     with pytest.raises(SchemaError, match=r"it has 3 rows of \d+ numbers, 10 are allowed"):
         read_trace(path)
-    read_trace(path, ["reward", "distance"])

@@ -11,9 +11,9 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv
 import harness
 from harness.errors import SchemaError, UsageError
 from harness.record import read_recording
-from harness.record.recording.recorded_training import weighed
 from harness.recorder import GivenUp, Later, Retake
 from harness.reward.terms import sum_of
+from harness.score.weighted_recordings import weighed
 from tests.record.recording.told import terms_of
 
 

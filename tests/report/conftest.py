@@ -14,11 +14,12 @@ from rich.console import Console
 
 from harness.errors import UsageError
 from harness.experiment import Plan
-from harness.record import COLUMN, EVALUATION, RANDOM, SCALARS, TRACE, Cell, Manifest, Store, TraceWriter, trace_of
+from harness.record import COLUMN, EVALUATION, RANDOM, SCALARS, TRACE, Cell, Manifest, TraceWriter, trace_of
 from harness.record.trace import FLAGS, INTEGERS
 from harness.registry import Choice, choose, load_registry
 from harness.results import load_results
 from harness.score import compare_logs, match_steps, pay_log
+from tests.stores import create_store
 
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 WEBGL = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
@@ -145,7 +146,7 @@ def build_results(
     cells = [_cell(sim, reward, seed, **manner) for seed in range(seeds) for sim in simulators for reward in runs]
     control = {seed: seed + seeds for seed in range(seeds)} if a_a else {}
     cells += [_cell(sim, BASELINE, seed, **manner) for seed in control.values() for sim in simulators]
-    store = Store.create(folder, Plan(BASELINE, tuple(cells), (), {"seeds": seeds}, control))
+    store = create_store(folder, Plan(BASELINE, tuple(cells), (), {"seeds": seeds}, control))
     for cell in cells:
         label = cell.reward.label
         status, reason = ended.get((label, cell.seed), ("done", ""))

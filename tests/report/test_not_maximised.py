@@ -13,12 +13,13 @@ from harness.eta import Ruling
 from harness.executor import CellOptions
 from harness.experiment import check_experiment, expand
 from harness.experiment.run_cell import run_cell
-from harness.record import Store, read_recording
+from harness.record import read_recording
 from harness.registry import load_registry, read_given
 from harness.report import comparison_table, overview_table, report_text, write_html
 from harness.results import load_results
 from harness_plugins.committed import write_summary
 from tests.report.conftest import printed, squeezed
+from tests.stores import create_store
 
 SWING = Path(__file__).parents[1] / "experiment" / "environments" / "swing.py"
 TOLD = "large was not maximised: it pays random actions more than the policies of all 5 trainings"
@@ -35,7 +36,7 @@ def _done(folder, **keys):
     algo = "sac-fast:net_arch=4,learning_starts=16,batch_size=4"
     asked = {"task": "swing", "algo": algo, "steps": 16, "evaluation_episodes": 40, **keys}
     plan = expand(check_experiment(asked), load_registry(given=given))
-    store = Store.create(folder / "out", plan)
+    store = create_store(folder / "out", plan)
     for cell in plan.cells:
         assert run_cell(cell, store.cell_folder(cell), lambda word: None, CellOptions(plugins=given)).status == "done"
     return load_results(store.folder, plugins=[SWING])

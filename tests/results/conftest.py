@@ -5,12 +5,13 @@ from weakref import WeakSet
 import pytest
 
 from harness.experiment import check_experiment, expand
-from harness.record import Store, read_trace
+from harness.record import read_trace
 from harness.registry import load_registry
 from harness.results import load_results
 from tests.results.folders import ARP, ARP_RUNS, BASELINE, BASELINE_RUNS, finish
 from tests.results.gentle import run_gentle
 from tests.results.in_looks import folder_in_looks
+from tests.stores import create_store
 
 TOY = {
     "sim": "ideal", "algo": "narrate", "task": "fd100-reach:horizon=5", "seeds": 2, "steps": 12,
@@ -37,7 +38,7 @@ def made(make_plan, registry, tmp_path):
     """Opens an experiment of cells, each left as `how` says, see `finish`; one of which it says None has not run."""
 
     def make(cells, how=lambda cell: {}, *, plugins=registry, **plan):
-        store = Store.create(tmp_path / "made", make_plan(*cells, **plan))
+        store = create_store(tmp_path / "made", make_plan(*cells, **plan))
         for cell in cells:
             if (given := how(cell)) is not None:
                 finish(store, cell, **given)

@@ -6,6 +6,7 @@ from harness.record import Store, Terms
 from harness.registry import Choice
 from harness.results import load_results, standing_of
 from tests.results.folders import BASELINE_RUNS, finish
+from tests.stores import create_store
 
 CHOOSING = Terms(asked=2, budget=16)
 REWARDS = ("baseline", "dense", "arp")
@@ -45,5 +46,5 @@ def folder_in_looks(terms, make_cell, make_plan, registry, path):
     if terms.budget:
         del cells["baseline"][: last // 2]  # it is no candidate
     in_order = sorted((cell for of in cells.values() for cell in of), key=lambda cell: cell.seed)
-    store = Store.create(path, replace(make_plan(*in_order), terms=terms))
+    store = create_store(path, replace(make_plan(*in_order), terms=terms))
     return Folder(store, cells, registry)

@@ -37,4 +37,4 @@ def test_without_an_episode_there_is_no_mean():
 def test_what_is_kept_is_what_was_told():
     """After a way through JSON."""
     found = by_term({"a": np.arange(6.0)}, EPISODES, 6)
-    assert ByTerm.from_json(json.loads(json.dumps(found.to_json()))) == found
+    assert ByTerm.again(*json.loads(json.dumps(found))) == found

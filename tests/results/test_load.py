@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from harness.errors import UsageError
-from harness.record import Store
 from harness.registry import load_registry
 from harness.results import Results, load_results
 from harness_plugins.transfer.jobs import plan_transfers
 from tests.results.recordings.conftest import PAYS, record
+from tests.stores import create_store
 
 
 @pytest.fixture
@@ -59,7 +59,7 @@ def test_a_folder_of_nothing_is_refused(tmp_path):
 
 def test_recordings_beside_a_whole_experiment_are_refused(loose, make_cell, make_plan):
     """Its cells would be left out, or lose their baseline: it is named, and nothing is written."""
-    Store.create(loose / "arm", make_plan(make_cell()))
+    create_store(loose / "arm", make_plan(make_cell()))
     before = sorted(loose.rglob("*"))
     with pytest.raises(UsageError, match=r"holds whole experiments, not only recorded trainings: .*arm"):
         load_results(loose)

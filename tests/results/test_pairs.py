@@ -6,7 +6,7 @@ import pytest
 
 from harness.results import Pairs, shows_of
 from harness.results.pairs import BOTH, FIRST, NEITHER, SECOND, Met, kind_of, kinds_of
-from harness.results.replay import choose_pairs
+from harness.results.replay import choose
 
 KINDS = kinds_of("reach", "arp", "es")
 
@@ -59,7 +59,7 @@ def test_typical_pairs_are_chosen_before_others():
     """Of each kind, the most frequent one first; then an episode of each outcome; every pair once."""
     kinds = [BOTH] * 5 + [FIRST, BOTH, NEITHER]
     ends = [["reached"] * 7 + ["ground"], ["reached"] * 5 + ["time-out", "reached", "time-out"]]
-    chosen = choose_pairs(ends, pairs_of(*kinds))
+    chosen = choose(ends, pairs_of(*kinds))
     assert chosen[:4] == [2, 5, 7, 0]
     assert sorted(chosen) == list(range(8))
 

@@ -4,12 +4,12 @@ import pyarrow.parquet as pq
 import pytest
 
 from harness.experiment import Plan
-from harness.record import Store
 from harness.record.cell import BROUGHT
 from harness.registry import Choice
 from harness.report.rows.comparison import remarks_on_cells
 from harness.results import load_results
 from tests.results.folders import ARP, fail
+from tests.stores import create_store
 
 
 def test_cells_are_listed_in_the_order_of_the_plan(make_cell, made):
@@ -61,7 +61,7 @@ def test_cell_is_measured_once(controlled, make_cell):
 def test_no_metric_is_of_an_environment(make_cell, make_plan, tmp_path):
     """They look at an arm; nothing is compared by traces, and the table has the cell, which failed."""
     cell = make_cell(simulator=BROUGHT.simulator, robot=BROUGHT.robot, task=Choice("pendulum", (), "pendulum"))
-    Store.create(tmp_path, make_plan(cell)).record(cell, "failed", "it fell")
+    create_store(tmp_path, make_plan(cell)).record(cell, "failed", "it fell")
     results = load_results(tmp_path)
     assert results.metrics == results.not_measured == {}
     assert results.combinations == ()
@@ -71,7 +71,7 @@ def test_no_metric_is_of_an_environment(make_cell, make_plan, tmp_path):
 
 def test_the_experiment_of_version_0_1_is_its_file(make_cell, tmp_path):
     """Plans of then do not hold it."""
-    Store.create(tmp_path, Plan("baseline", (make_cell(),), (), {}, {}))
+    create_store(tmp_path, Plan("baseline", (make_cell(),), (), {}, {}))
     (tmp_path / "experiment.toml").write_text('sim = "mujoco"\n')
     assert load_results(tmp_path).experiment_text == 'sim = "mujoco"\n'
 

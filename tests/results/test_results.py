@@ -10,10 +10,10 @@ import pytest
 
 import harness
 from harness.errors import UsageError
-from harness.record import Store
 from harness.results import load_results
 from harness.results.table import comparison_rows
 from tests.results.folders import ARP, fail
+from tests.stores import create_store
 
 
 def test_json_has_the_promised_keys(experiment):
@@ -62,7 +62,7 @@ def test_combination_is_named(experiment):
 
 def test_json_of_a_combination_always_has_the_same_keys(experiment, both, make_plan, tmp_path):
     """Also where there is nothing to compare, and where a cell failed."""
-    store = Store.create(tmp_path / "other", make_plan(*both(1)))
+    store = create_store(tmp_path / "other", make_plan(*both(1)))
     fail(store, both(1)[0], 'a "quoted" reason')
     told = load_results(store.folder).to_json()
     ((full,), (empty,)) = (data["combinations"] for data in (experiment.to_json(), told))

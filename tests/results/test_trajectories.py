@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from harness.record import COLUMN, SCALARS, Manifest, Store, TraceWriter
+from harness.record import COLUMN, SCALARS, Manifest, TraceWriter
 from harness.registry import Choice
 from harness.results import Comparison, Group, load_results, trajectories_of
+from tests.stores import create_store
 
 REACHED = [(0, 0, 0, 1, 0), (1, 0, 0, 1, 1)]
 
@@ -20,7 +21,7 @@ def recorded(tmp_path, make_cell, make_plan):
             for label, runs in evaluations.items()
             for seed, episodes in runs.items()
         }
-        store = Store.create(tmp_path / "experiment", make_plan(*cells))
+        store = create_store(tmp_path / "experiment", make_plan(*cells))
         for cell, episodes in cells.items():
             folder = store.cell_folder(cell)
             folder.mkdir(parents=True)

@@ -46,4 +46,4 @@ def test_what_is_not_recorded_is_told(runs):
 
 def test_recordings_lie_at_any_depth(runs, tmp_path):
     """In a folder that is no experiment's."""
-    assert recordings_of(tmp_path) == runs
+    assert [*recordings_of(tmp_path)] == runs

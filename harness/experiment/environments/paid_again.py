@@ -17,7 +17,6 @@ from harness.record.recording.recorded_training import (
     facts_name,
     read_recording,
     recorder_numbers,
-    recordings_in,
 )
 from harness.record.store import Store
 from harness.recorder.column import source_of
@@ -29,6 +28,7 @@ from harness.registry.names import unknown_name
 from harness.registry.registry import Registry
 from harness.registry.spec import blamed_on
 from harness.reward.given import Given
+from harness.score.weighted_recordings import recordings_of
 
 ID, CLASS, KWARGS, WRAPPERS, HORIZON = "id", "class", "kwargs", "wrappers", "max_episode_steps"
 """Keys of what a recording tells of its env."""
@@ -86,7 +86,7 @@ class PayAgain:
         if not (self.names or functions):
             told = " ".join(self.registry.broken_files())
             raise UsageError(f"No reward is given: name a file of functions with --plugin.{f' {told}' if told else ''}")
-        found = dict(self._places(folder))
+        found = self._places(folder)
         if not found:
             raise UsageError(f"'{folder}' has no recording of a finished training")
         self._refuse_unknown(*next(iter(found.items())))
@@ -112,18 +112,12 @@ class PayAgain:
         make, _ = self._made_by(facts_of(read_recording(path)), task, path)
         yield from Retake(make, lambda env: Later({}, {})).walks(path)
 
-    def _places(self, folder: Path) -> Iterator[tuple[Path, Choice | None]]:
+    def _places(self, folder: Path) -> dict[Path, Choice | None]:
         """The recordings, each with the environment in which it was made, if that is known."""
-        if not Store.is_experiment(folder):
-            task = None if self.task is None else choose(self.registry, "environments", self.task)
-            yield from ((path, task) for path in sorted(recordings_in(folder)))
-            return
-        if self.task is not None:
+        if self.task is not None and Store.is_experiment(folder):
             raise UsageError("--task does not go with an experiment, whose cells say where they trained: leave it out")
-        store = Store.open(folder)
-        for cell in store.read_plan().cells:
-            if cell.is_in_environment and store.examine(cell).status == "done":
-                yield from ((path, cell.task) for path in sorted(recordings_in(store.cell_folder(cell))))
+        task = None if self.task is None else choose(self.registry, "environments", self.task)
+        return {path: cell.task if cell else task for path, cell in recordings_of(folder).items()}
 
     def _pay(self, path: Path, task: Choice | None) -> Paid:
         log = read_recording(path)

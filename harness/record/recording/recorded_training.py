@@ -5,7 +5,7 @@ rows of one batch share. Where actions are recorded and can be taken again it al
 """
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -13,16 +13,13 @@ from pathlib import Path
 import numpy as np
 import pyarrow as pa
 
-from harness.errors import SchemaError, UsageError
+from harness.errors import SchemaError
 from harness.files.bounded import reading
 from harness.files.parquet import MOST_NUMBERS, open_parquet, require_room
 from harness.log import Log
 from harness.log.log import REWARD, TIME, Columns, Rows, joined
-from harness.record.recording.facts import TrainingFacts, facts_of, file_column, log_column, term_column
-from harness.record.recording.scores import read_scores, scores_name, weighted_scores, with_scores
-from harness.registry.choice import parse
-from harness.reward.forms import weighted
-from harness.reward.terms import sum_of
+from harness.record.recording.facts import TrainingFacts, facts_of, file_column, log_column
+from harness.record.recording.scores import read_scores, scores_name, with_scores
 
 PART_ROWS = 65_536
 """The rows of every part but a recorder's last."""
@@ -42,28 +39,6 @@ STEPS = "steps-"
 FILES = ("recording-*.json", f"{STEPS}*.parquet", "scores-*.parquet")
 """Patterns of the files that a recording is read from."""
 _FACTS = re.compile(r"recording-(0|[1-9]\d{0,5})\.json")
-
-
-def weighed(log: Log, labels: Iterable[str]) -> Log:
-    """The same, and what rewards with other weights pay its steps, ``gentle:effort=5``, as far as terms tell it."""
-    facts = facts_of(log)
-    for label in labels:
-        name, weights = weights_of(label)
-        names = facts.terms.get(name, ())
-        if label not in facts.rewards and weights and weights.keys() <= {*names}:
-            told = log.rows(term_column(name, term) for term in names)
-            paid = weighted({term: told[term_column(name, term)] for term in names}, weights)
-            log = with_scores(log, weighted_scores(log, name, label, sum_of(paid), paid))
-    return log
-
-
-def weights_of(label: str) -> tuple[str, dict[str, float]]:
-    """The reward and the weights of its terms that a label names; no weights of any other text."""
-    try:
-        name, params = parse(label)
-        return name, {term: float(weight) for term, weight in params.items()}
-    except (UsageError, ValueError):
-        return label, {}
 
 
 def is_recording(folder: Path) -> bool:
@@ -96,11 +71,9 @@ def read_recording(folder: Path) -> Log:
             raise SchemaError(
                 f"{folder} is no recording of a training: it has no {facts_name(0)}. harness.RecordRewards makes one"
             )
-        logs = [read_recorder(folder, number) for number in numbers]
-        scores = [read_scores(folder / scores_name(number), partial(step_count, folder, number)) for number in numbers]
-        later = [one for one in scores if one is not None]
-        if len(later) == len(logs):
-            logs = [*map(with_scores, logs, later)]
+        read = [read_scored(folder, number) for number in numbers]
+        are_scored = all(later is not None for _, later in read)
+        logs = [with_scores(log, later) if later is not None and are_scored else log for log, later in read]
         told = [(facts.numbers, facts.trained_with) for facts in map(facts_of, logs)]
         for number, of in zip(numbers, told, strict=True):
             if of != told[0]:
@@ -109,6 +82,17 @@ def read_recording(folder: Path) -> Log:
                     "measures; they are not one training"
                 )
         return logs[0] if len(logs) == 1 else united(logs)
+
+
+def read_scored(folder: Path, number: int) -> tuple[Log, Log | None]:
+    """The log of one recorder's steps, and what of it was scored later; None of one that went on since.
+
+    Raises:
+        SchemaError: Its facts or scores are damaged.
+        NewerFormat: A newer version wrote them.
+    """
+    scores = read_scores(folder / scores_name(number), partial(step_count, folder, number))
+    return read_recorder(folder, number), scores
 
 
 def read_recorder(folder: Path, number: int) -> Log:

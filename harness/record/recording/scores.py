@@ -18,7 +18,6 @@ import pyarrow as pa
 from pydantic import Field, with_config
 from typing_extensions import TypedDict
 
-from harness.arrays import Float
 from harness.errors import NewerFormat, SchemaError
 from harness.files.bounded import parse_json, reading
 from harness.files.parquet import open_parquet, require_room, write_packed
@@ -36,7 +35,6 @@ from harness.record.recording.facts import (
     facts_of,
     file_column,
     log_column,
-    term_column,
 )
 
 FORMAT = 1
@@ -58,28 +56,6 @@ def with_scores(log: Log, later: Log) -> Log:
         terms={**kept, **new.terms},
     )
     return replace(log, facts=told).add(later.rows().columns)
-
-
-def weighted_scores(log: Log, taught: str, label: str, total: Float, terms: Columns, told: str = "") -> Log:
-    """Scores of a reward that pays what the terms of another one in the log pay, with other weights.
-
-    Args:
-        log: The steps.
-        taught: The other one.
-        label: What to call the reward.
-        total: What it pays, (steps,).
-        terms: What each of its terms pays, (steps,).
-        told: What to tell of its code; empty to tell nothing.
-    """
-    was, now = f"{REWARD}{taught}", f"{REWARD}{label}"
-    facts = TrainingFacts(
-        rewards=(label,),
-        trained_with=label,
-        sources={now: Source("", told)} if told else {},
-        failed=tuple(replace(it, column=now) for it in facts_of(log).failed if it.column == was),
-        terms={label: tuple(terms)},
-    )
-    return in_memory(facts, {now: total, **{term_column(label, it): of for it, of in terms.items()}})
 
 
 def scores_name(number: int) -> str:

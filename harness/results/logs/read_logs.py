@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
@@ -108,9 +108,10 @@ def account_of(
     short = {it: why for it in trainings if (why := _shortfall(it) or _diverged(it, measure))}
     ran = [it for it in trainings if it not in short]
     if ran:
-        axis = _axis_of(ran)
-        done = {it: (it.reward, _steps(it, axis), sum(map(len, it.logs))) for it in ran}
-        short |= shortfall_beside(done, axis.noun) | shortfall_at_begin({it: _span(it, axis) for it in ran}, axis.noun)
+        told, noun = timed(ran)
+        of = dict(zip(ran, told, strict=True))
+        done = {it: (it.reward, _steps(of[it]), sum(map(len, it.logs))) for it in ran}
+        short |= shortfall_beside(done, noun) | shortfall_at_begin({it: _span(of[it]) for it in ran}, noun)
     begun = [*((it, it.place, short.get(it, "")) for it in trainings), *((None, *it) for it in other)]
     account = counted(begun, leave_out)
     if not account.whole:
@@ -150,9 +151,8 @@ def _shortfall(training: Training) -> str:
 
 def facts_notes(logs: Sequence[Log]) -> list[str]:
     """What logs tell of themselves, each line once: how they were thinned, and what to keep in mind."""
-    kinds = dict.fromkeys((log.facts.format, log.facts.unit) for log in logs)
-    counts = Counter(log.facts.format for log in logs)
-    read = [f"Read: {counts[name]} of {name}, a row is {ROW_IS[unit]}" for name, unit in kinds]
+    counts = Counter((log.facts.format, log.facts.unit) for log in logs)
+    read = [f"Read: {count} of {name}, a row is {ROW_IS[unit]}" for (name, unit), count in counts.items()]
     thinned = dict.fromkeys(log.facts.thinned for log in logs if log.facts.thinned)
     lines = [*read, *thinned, *dict.fromkeys(note for log in logs for note in log.facts.notes)]
     more = len(lines) - MOST_TOLD
@@ -202,9 +202,9 @@ def runs_of(
     account = account_of(found.trainings, other, leave_out, next(iter(measures), ""))
     found = found._replace(trainings=account.whole)
     trainings = found.trainings
-    runs, steps, axis = read_trainings(trainings, measures)
+    runs, steps, noun = read_trainings(trainings, measures)
     if measures and len(found.rewards) > 1:
-        _require_steps(trainings, axis, is_evaluated=all(it.evaluation for it in runs))
+        _require_steps(trainings, noun, is_evaluated=all(it.evaluation for it in runs))
     # a reward that some training by another one does not know
     is_apart = any(np.isnan(it.episodes.returns.get(name, np.nan)).any() for it in runs for name in found.rewards)
     shortest = min(steps)
@@ -221,7 +221,7 @@ def runs_of(
             *account.lines,
             *found.notes,
             *facts_notes([log for log in logs if log.facts.format != LABELS]),
-            *cut_notes({it.shown: of for it, of in zip(trainings, steps, strict=True)}, axis.noun),
+            *cut_notes({it.shown: of for it, of in zip(trainings, steps, strict=True)}, noun),
             *equal_sentences(equal_trainings({it.key: it.likeness.digest for it in runs})),
         ),
         counted=_counted(trainings, runs, shortest),
@@ -230,24 +230,24 @@ def runs_of(
     )
 
 
-def read_trainings(trainings: Sequence[Training], measures: Sequence[str]) -> tuple[list[Run], list[int], "Axis"]:
+def read_trainings(trainings: Sequence[Training], measures: Sequence[str]) -> tuple[list[Run], list[int], str]:
     """Each training with its evaluations up to the end of the shortest, and how long each was, counted in what.
 
     Raises:
+        UsageError: Nothing tells when policies were evaluated.
         SchemaError: A log is damaged.
     """
-    axis = _axis_of(trainings)
-    steps = {it: _steps(it, axis) for it in trainings}
+    told, noun = timed(trainings)
+    steps = {it: _steps(it) for it in told}
     until = min(steps.values())
-    runs = [_run(it, of, measures, axis) for it, of in steps.items()]
-    evaluated = [_evaluations(it, measures, axis, until) for it in steps]
-    runs = _at_one_moment(runs, evaluated, until)
+    runs = [_run(it, of, measures) for it, of in steps.items()]
+    runs = _at_one_moment(runs, [_evaluations(it, measures, until) for it in steps], until)
     beside = Curves(tuple(it.episodes.curve for it in runs if isinstance(it.episodes, Points)))
     found = [
         replace(it, episodes=replace(it.episodes, beside=beside)) if isinstance(it.episodes, Points) else it
         for it in runs
     ]
-    return found, list(steps.values()), axis
+    return found, list(steps.values()), noun
 
 
 def _at_one_moment(runs: Sequence[Run], evaluated: Sequence[Sequence[Run]], steps: int) -> list[Run]:
@@ -280,13 +280,13 @@ def _curve_of(evaluated: Sequence[Run]) -> Points:
     return Points(**vars(found), since=numbers[0] + 1.0, beside=Curves(()))
 
 
-def _require_steps(trainings: Sequence[Training], axis: "Axis", *, is_evaluated: bool) -> None:
+def _require_steps(trainings: Sequence[Training], noun: str, *, is_evaluated: bool) -> None:
     """Check that every value of a curve knows which environment steps it averages.
 
     Raises:
         UsageError: Nobody knows it of one; says what to type.
     """
-    if axis.noun == "iterations":
+    if noun == "iterations":
         facts = trainings[0].facts
         each = ",".join(f"{name}=N" for name in dict.fromkeys(it.reward for it in trainings))
         raise UsageError(
@@ -370,81 +370,83 @@ def _group(runs: Sequence[Run], steps: int) -> Group:
 # One training
 
 
-class Axis(NamedTuple):
-    """What a training's length is counted in."""
-
-    column: str
-    """The column that tells it, of episodes their lengths; empty where rows are counted."""
-    noun: str
+TIMES = {TIME: "steps", LENGTH: "steps", "iteration": "iterations"}
+"""Columns that tell how much of a training was done, of episodes by their lengths, and what it is counted in."""
 
 
-AXES = (Axis(TIME, "steps"), Axis(LENGTH, "steps"), Axis("iteration", "iterations"))
+def timed(trainings: Sequence[Training]) -> tuple[list[Training], str]:
+    """The same trainings, in whose logs ``time`` tells how much was done when each row ended; and what that counts.
 
+    It is what the first of `TIMES` tells that all logs have; else rows are counted.
 
-def _axis_of(trainings: Sequence[Training]) -> Axis:
-    """The first of these that all logs tell; else their rows."""
+    Raises:
+        UsageError: Nothing tells when policies were evaluated.
+        SchemaError: A log is damaged.
+    """
     logs = [log for it in trainings for log in it.logs]
     unit = logs[0].facts.unit
-    usable = (axis for axis in AXES if unit == "episode" or axis.column != LENGTH)
-    return next((axis for axis in usable if all(axis.column in log for log in logs)), Axis("", f"{unit}s"))
+    usable = (it for it in TIMES if unit == "episode" or it != LENGTH)
+    column = next((it for it in usable if all(it in log for log in logs)), "")
+    noun = TIMES.get(column, f"{unit}s")
+
+    def told(log: Log, by: str) -> Log:
+        ends = np.asarray(log[by], np.float64) if by else np.arange(1.0, len(log) + 1)
+        ends = np.cumsum(ends) if by == LENGTH else ends
+        if not np.isfinite(ends).all() or (np.diff(ends) < 0).any():
+            raise SchemaError(f"{log.facts.path}: its rows are not in the order of their {noun}")
+        return log.add({TIME: ends})
+
+    def evaluated(log: Log | None) -> Log | None:
+        if log is None or log.facts.format == LABELS or unit == "step":
+            return log
+        moment = TIME if column == LENGTH else column  # the lengths of evaluations are no steps of the training
+        if moment not in log:
+            raise UsageError(f"'{log.facts.path}' does not tell the {noun} at which it evaluated: move it elsewhere")
+        return told(log, moment)
+
+    return [
+        replace(it, logs=tuple(told(log, column) for log in it.logs), evaluation=evaluated(it.evaluation))
+        for it in trainings
+    ], noun
 
 
-def _steps(training: Training, axis: Axis) -> int:
+def _steps(training: Training) -> int:
     """How long it was, over all of its environments.
 
     An episode that had not ended has no row: a policy that was evaluated later than that was trained for longer.
     """
-    rows = int(max(_ends(log, axis)[-1] for log in training.logs)) * len(training.logs)
+    rows = int(max(log[TIME][-1] for log in training.logs)) * len(training.logs)
     evaluated = training.evaluation
-    if evaluated is None or axis.column == LENGTH or axis.column not in evaluated:
-        return rows
-    return max(rows, int(_ends(evaluated, axis)[-1]))
+    return rows if evaluated is None or TIME not in evaluated else max(rows, int(evaluated[TIME][-1]))
 
 
-def _span(training: Training, axis: Axis) -> Span:
+def _span(training: Training) -> Span:
     """The steps of which the rows of its first log tell; the first row tells of no more than any other one."""
     log = training.logs[0]
-    ends = _ends(log, axis)
+    ends = log[TIME]
     apart = log[LENGTH][0] if log.facts.unit == "episode" and LENGTH in log else np.diff(ends).max(initial=0.0)
     return Span(max(0.0, float(ends[0] - apart)) if len(ends) >= LEAST_POINTS else 0.0, float(ends[-1]))
 
 
-def _ends(log: Log, axis: Axis) -> Float:
-    """How much of the training was done when each row ended, (rows,)."""
-    if not axis.column:
-        return np.arange(1.0, len(log) + 1)
-    told: Float = np.asarray(log[axis.column], np.float64)
-    ends: Float = np.cumsum(told) if axis.column == LENGTH else told
-    if not np.isfinite(ends).all() or (np.diff(ends) < 0).any():
-        raise SchemaError(f"{log.facts.path}: its rows are not in the order of their {axis.noun}")
-    return ends
-
-
-def _run(training: Training, steps: int, measures: Sequence[str], axis: Axis) -> Run:
+def _run(training: Training, steps: int, measures: Sequence[str]) -> Run:
     """A training of so many steps, without its evaluations."""
     facts = training.facts
     if facts.unit == "step":
         (log,) = training.logs
         return run_of(replace(log, facts=facts), training.seed)
-    # environments of a batch step together
-    ends = {log: _ends(log, axis) * len(training.logs) for log in training.logs}
-    rows = Rows(joined([_columns(log, of, measures) for log, of in ends.items()]))
+    count = len(training.logs)  # environments of a batch step together
+    rows = Rows(joined([_columns(log, count * log[TIME], measures) for log in training.logs]))
     order = np.argsort(rows[TIME], kind="stable")[: 0 if facts.evaluation else None]
     whole = in_memory(replace(facts, path=training.path, evaluation=False), rows.part(order).columns)
     return run_of(whole, training.seed, steps, digest_of(training.logs))
 
 
-def _evaluations(training: Training, measures: Sequence[str], axis: Axis, until: int) -> list[Run]:
+def _evaluations(training: Training, measures: Sequence[str], until: int) -> list[Run]:
     """What policies did in each evaluation up to a step of the training, in order; none beside a log of steps."""
     log = training.evaluated
     if log is None or training.facts.unit == "step":
         return []
-    if log.facts.format == LABELS:
-        ends = np.full(len(log), float(until))
-    elif axis.column in log:
-        ends = _ends(log, axis)
-    else:
-        raise UsageError(f"'{log.facts.path}' does not tell the {axis.noun} at which it evaluated: move it elsewhere")
+    ends = np.full(len(log), float(until)) if log.facts.format == LABELS else log[TIME]
     facts = replace(training.facts, path=log.facts.path, evaluation=True, unit="episode")
     rows = Rows(_columns(log, ends, measures))
     moments, runs = rows[TIME], []

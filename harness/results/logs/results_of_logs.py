@@ -2,7 +2,6 @@
 
 import glob
 import os
-import re
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
@@ -20,6 +19,7 @@ from harness.results.logs.told import FOUND_OUT, Told
 from harness.results.logs.trainings import Sorted, require_several, sort_files, sort_logs
 from harness.results.recordings.episodes import ENDS
 from harness.results.recordings.recordings import Recordings, plan_of
+from harness.results.recordings.runs import called_alike
 from harness.results.results import Results
 from harness.text import command_text
 
@@ -84,26 +84,16 @@ def _kept(logs: Iterable[Log], told: Told) -> tuple[list[Log], list[Other]]:
 def _unread(folder: Path, found: Found, of: Sorted) -> tuple[list[Other], list[str]]:
     """Trainings that left no log, or one that cannot be read; and a line for what cannot be read beside a log of one.
 
-    A file or folder without a log is of a training if logs, or folders of logs, are called as it is, but for numbers
-    and for names of rewards.
+    A file or folder without a log is of a training if it is called as logs, or folders of logs, are.
     """
-    words = re.compile(f"({'|'.join(map(re.escape, sorted(of.rewards, key=len, reverse=True)))})|[0-9]+")
-
-    def shape(path: Path) -> str:
-        return words.sub(lambda word: "reward" if word[1] else "0", path.relative_to(folder).as_posix())
-
     kept = [log.facts.path for it in of.trainings for log in it.logs]
-    homes = {it.parent for it in kept}
-    named = {shape(it) for path in kept for it in (path, *path.parents) if it.is_relative_to(folder)}
-    seen = [*(log.facts.path for log in found.logs), *dict(found.left_out)]
-    full = {it for path in seen for it in (path, *path.parents)}
-    silent = dict[Path, str]()
-    for path in sorted(folder.rglob("*")):
-        if path not in full and shape(path) in named and silent.keys().isdisjoint(path.parents):
-            silent[path] = "nothing in it is a log" if path.is_dir() else "it is no log"
-    lost = [it for it in found.left_out if it[0].parent not in homes or shape(it[0]) in named]
-    lines = [f"'{path}' is left out: {why}" for path, why in found.left_out if (path, why) not in lost]
-    return [*lost, *silent.items()], lines
+    why, homes = dict(found.left_out), {it.parent for it in kept}
+    alike = called_alike(folder, kept, of.rewards, [log.facts.path for log in found.logs])
+    beside = [it for it in why if it.parent in homes and it not in alike]
+    silent = [it for it in alike if not any(it in (path, *path.parents) for path in why)]
+    lost = [it for it in found.left_out if it[0] not in beside]
+    told = [(it, "nothing in it is a log" if it.is_dir() else "it is no log") for it in silent]
+    return [*lost, *told], [f"'{it}' is left out: {why[it]}" for it in beside]
 
 
 def results_of_groups(

@@ -1,6 +1,5 @@
 """Reads the recorded trainings below a folder, finds out what makes them one study, and what to keep in mind of it."""
 
-import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
@@ -15,7 +14,7 @@ from harness.eta.manner import ACTED_AT_RANDOM, DETERMINISTIC, OWN_AND_OTHER
 from harness.record.cell import UNKNOWN_ALGORITHM
 from harness.record.plan_file import PLAN
 from harness.record.recording.facts import OWN_SOURCE, TrainingFacts
-from harness.record.recording.recorded_training import facts_name, recordings_in, weights_of
+from harness.record.recording.recorded_training import facts_name, recordings_in
 from harness.record.store import MOST_NAMED
 from harness.results.comparison import Group
 from harness.results.logs.told import FOUND_OUT, Told
@@ -27,11 +26,13 @@ from harness.results.recordings.runs import (
     Run,
     Runs,
     brought,
+    called_alike,
     meet_same_starts,
     quantities_of,
     require_one,
     rescaling_between,
 )
+from harness.score.weights import name_of
 from harness.text import command_text
 
 UNLIKE_STARTS = (
@@ -207,12 +208,10 @@ def read_all(folder: Path, only: Sequence[Path] | None = None) -> tuple[list[Run
             runs.append(_read(folder, path, weighed))
         except SchemaError as error:
             damaged.append(Missing(path, str(error)))
-    rewards = sorted({run.reward for run in runs}, key=len, reverse=True)
-    words = re.compile("|".join([*map(re.escape, rewards), "[0-9]+"]))
-    shapes = {(run.path.parent, words.sub("", run.path.name)) for run in runs}
-    for home in sorted({home for home, _ in shapes}) if only is None else ():
-        alike = (it for it in home.iterdir() if it.is_dir() and (home, words.sub("", it.name)) in shapes)
-        damaged += [Missing(it, f"{it} holds no recording") for it in sorted(alike) if not any(it.iterdir())]
+    if only is None:
+        homes, rewards = [run.path for run in runs], {run.reward for run in runs}
+        lost = called_alike(folder, homes, rewards, [it.path for it in damaged])
+        damaged += [Missing(it, f"{it} holds no recording") for it in lost if it.is_dir() and not any(it.iterdir())]
     # Where the env paid the reward that taught, a reward recorded as what the env pays has the name of another one.
     # Where the recorder paid the learner, the env itself pays the same whatever taught.
     paid = {run.key for run in runs if run.facts.pay}
@@ -286,7 +285,7 @@ def _weighed(paths: Sequence[Path]) -> list[str]:
     for path in paths:
         with suppress(SchemaError):  # the next reader says so
             found[TrainingFacts.read(path / facts_name(0)).trained_with] = None
-    return [label for label in found if weights_of(label)[1]]
+    return [label for label in found if name_of(label) != label]
 
 
 def _read(folder: Path, path: Path, weighed: Sequence[str] = ()) -> Run:

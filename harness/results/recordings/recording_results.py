@@ -26,12 +26,12 @@ from harness.record.recording.recorded_training import (
     TICK_IN_FILE,
     read_recording,
     recording_files,
-    weighed,
 )
 from harness.record.store import CELLS
 from harness.results.by_term import ByTerm, by_term
 from harness.results.kept import Kept
 from harness.results.recordings.episodes import Episodes, episodes_of
+from harness.score.weighted_recordings import weighed
 
 
 @dataclass(frozen=True)
@@ -124,8 +124,7 @@ class RecordingResults:
     @property
     def steps(self) -> int:
         """How many are recorded."""
-        steps: int = self._told["steps"]
-        return steps
+        return int(self._told["steps"])
 
     @property
     def likeness(self) -> Likeness:
@@ -147,9 +146,9 @@ class RecordingResults:
         """What each term of a reward paid; without terms of one that has none, or was given up on the way."""
         if not self.facts.terms.get(reward):
             return ByTerm({}, self.steps)
-        told = self._kept.told(f"terms {reward}", self._made_of, lambda: terms_in(self._paid(reward), reward).to_json())
+        told = self._kept.told(f"terms {reward}", self._made_of, lambda: terms_in(self._paid(reward), reward))
         self._kept.save()
-        return ByTerm.from_json(told)
+        return ByTerm.again(*told)
 
     def keep(self) -> None:
         """Compute all of it, and keep it."""

@@ -16,7 +16,7 @@ from harness.record.manifest import Manifest, is_named
 from harness.record.plan_file import StoredPlan
 from harness.record.recording.facts import FILE_BEHAVIOUR
 from harness.record.recording.recorded_training import recordings_in
-from harness.record.store import Floor, floors_in
+from harness.record.store import floors_in
 from harness.registry.choice import Choice, split_list
 from harness.results.comparison import Group
 from harness.results.frames import Frames, read_frames
@@ -96,7 +96,7 @@ class Recordings(Results):
             for path in sorted(recordings_in(folder))
             if is_named(self.manifest(cell), path.relative_to(folder).as_posix())
         ]
-        floor = floors_in(self.manifests, self.store).get(Floor.of(cells[0]))
+        floor = floors_in(self.manifests, self.store).get(cells[0].floor)
         random = None if floor is None else self.store.cell_folder(floor) / recording_of(RANDOM)
         # Where one of several rewards is chosen, the baseline trains last.
         baseline = self.baseline if self.baseline in trained or not is_choosing else ""

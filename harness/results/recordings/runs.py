@@ -1,5 +1,6 @@
 """Recorded trainings, their steps left in their files, and those that can be compared."""
 
+import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -298,6 +299,29 @@ def quantities_of(
         better = better_of(name, told, deciding, is_flag=is_flag)
         found[name] = Quantity(name, "", better, "", 1 if is_flag else None, bounds=bounds)
     return found
+
+
+def called_alike(folder: Path, read: Collection[Path], rewards: Iterable[str], seen: Iterable[Path]) -> list[Path]:
+    """Files and folders that are called as trainings are, but for numbers and names of rewards, and are none.
+
+    Args:
+        folder: Where they lie.
+        read: Files or folders of trainings, whose own folders count too.
+        rewards: The names of the rewards that taught them.
+        seen: What else is known of, and not looked for.
+    """
+    words = re.compile(f"({'|'.join(map(re.escape, sorted(rewards, key=len, reverse=True)))})|[0-9]+")
+
+    def shape(path: Path) -> str:
+        return words.sub(lambda word: "reward" if word[1] else "0", path.relative_to(folder).as_posix())
+
+    named = {shape(it) for path in read for it in (path, *path.parents) if it.is_relative_to(folder)}
+    full = {it for path in (*read, *seen) for it in (path, *path.parents)}
+    found = dict[Path, None]()
+    for path in sorted(folder.rglob("*")):
+        if path not in full and shape(path) in named and found.keys().isdisjoint(path.parents):
+            found[path] = None
+    return [*found]
 
 
 DIRECTION = "say --measure {0}:better=lower or --measure {0}:better=higher"

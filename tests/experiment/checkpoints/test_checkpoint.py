@@ -27,7 +27,6 @@ from harness.record import (
     SCALARS,
     TRACE,
     EpisodeFacts,
-    Store,
     TraceWriter,
     partial_folder,
     read_manifest,
@@ -37,6 +36,7 @@ from harness.record.trace import episode_facts
 from harness.registry import Choice
 from harness_plugins.executors.processes import Processes
 from harness_plugins.kit.trainings import WatchedEnv
+from tests.stores import create_store
 
 ORIGIN = {"cell": "a", "versions": {"numpy": "2"}, "commit": "", "sources": {}}
 FACTS = EpisodeFacts(horizon=5, control_period=0.1)
@@ -312,7 +312,7 @@ def test_checkpoints_are_made_unless_somebody_says_otherwise():
 @pytest.fixture
 def store(make_cell, make_plan, tmp_path):
     """Of one cell."""
-    return Store.create(tmp_path, make_plan(make_cell()))
+    return create_store(tmp_path, make_plan(make_cell()))
 
 
 def _begun(store, cell, name="checkpoint.safetensors"):
@@ -355,7 +355,7 @@ def test_run_tells_where_a_cell_went_on(
     """Who follows the run hears what the manifest says of it."""
     cell = make_cell(**RANDOM)
     plan = make_plan(cell)
-    store, notes = Store.create(tmp_path, plan), []
+    store, notes = create_store(tmp_path, plan), []
     train_in_a_process(cell, store.cell_folder(cell), 1000, until=2500)
     ExperimentRun(plan, store, toys, Processes()).run(lambda event: notes.append(event.note))
     manifest = read_manifest(store.cell_folder(cell))

@@ -12,6 +12,7 @@ from harness.experiment.experiment import check
 from harness.experiment.foresee import foresee
 from harness.record import Store
 from harness.registry import Choice, load_registry, read_given
+from tests.stores import create_store
 
 FITTED = """
 from dataclasses import dataclass
@@ -49,7 +50,7 @@ def _begun(registry, given, tmp_path):
         return check(_asked(**keys), RunOptions(out=out), given).plan
 
     old = expand(_asked(), registry)
-    Store.create(tmp_path / "old", replace(old, cells=tuple(map(_as_in_0_2, old.cells))))
+    create_store(tmp_path / "old", replace(old, cells=tuple(map(_as_in_0_2, old.cells))))
     return plan
 
 
@@ -148,7 +149,7 @@ def test_looks_that_were_begun_go_on(registry, given, tmp_path):
     """Their seeds depend on the algorithm's label, too."""
     keys = {"task": "toy", "until": "decided", "looks": [4, 6], "steps": 80, "evaluation_episodes": 3}
     old = expand(check_experiment({**keys, "algo": "ppo:gamma=0.8"}), registry)
-    Store.create(tmp_path / "old", old)
+    create_store(tmp_path / "old", old)
     asked = check_experiment({**keys, "algo": "ppo"})
     assert check(asked, RunOptions(out=tmp_path / "old"), given).plan.cells == old.cells
 

@@ -39,6 +39,7 @@ from harness.results import load_results
 from harness_plugins.exporters.csv_runs import write_runs
 from tests.plugins.committed.kept import RECORDS
 from tests.refusals import refused
+from tests.stores import create_store
 
 TOY = Path(__file__).with_name("toy.py")
 STEPS = 32
@@ -58,7 +59,7 @@ def folder(registry, given, tmp_path_factory):
     """An experiment of two rewards and two seeds."""
     path = tmp_path_factory.mktemp("toy") / "experiment"
     plan = _plan(registry)
-    store = Store.create(path, plan)
+    store = create_store(path, plan)
     for cell in plan.cells:
         assert _done(cell, store.cell_folder(cell), given).status == "done"
     return path
@@ -363,7 +364,7 @@ def test_folders_merge(registry, given, tmp_path):
     """Two seeds of two machines are one experiment."""
     for seed in (0, 1):
         plan = _plan(registry, seeds=[seed])
-        store = Store.create(tmp_path / str(seed), plan)
+        store = create_store(tmp_path / str(seed), plan)
         for cell in plan.cells:
             _done(cell, store.cell_folder(cell), given)
     merge([tmp_path / "0", tmp_path / "1"], tmp_path / "both")

@@ -8,10 +8,10 @@ import pytest
 import harness
 from harness.experiment.trials.tried_plan import try_plan
 from harness.record import read_recording
-from harness.record.recording.recorded_training import weighed
 from harness.registry import load_registry, read_given
 from harness.results import load_results
 from harness.reward.terms import sum_of
+from harness.score.weighted_recordings import weighed
 from tests.experiment.environments.test_reward_files import PENDULUM, plan_of
 from tests.record.recording.told import terms_of
 from tests.refusals import refused

@@ -9,6 +9,7 @@ from harness.experiment.progress.trackers import Trackers, Tracking
 from harness.progress import RETURN, SUCCESS
 from harness.record import Store
 from harness.record.running import read_running
+from tests.stores import create_store
 
 
 class Times:
@@ -26,7 +27,7 @@ def followed(make_cell, make_plan, toys, tmp_path):
     """Of an experiment with one cell, the cell, the clock, and what is passed on."""
     cell, events, times = make_cell(), [], Times()
     plan = make_plan(cell)
-    store = Store.create(tmp_path / "out", plan)
+    store = create_store(tmp_path / "out", plan)
     tracking = Tracking(Trackers({}, events.append), store.folder)
     return Followed(store, EndedCells(store, toys, plan), tracking, events.append, now=times), cell, times, events
 

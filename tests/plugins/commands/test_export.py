@@ -14,9 +14,9 @@ from numpy.testing import assert_allclose
 from harness.cli import main
 from harness.policy import InverseKinematics, SquashedGaussian, Uniform, UniformChoice, load_policy
 from harness.policy.inverse_kinematics import SHAPES
-from harness.record.store import Store
 from harness.registry.choice import Choice
 from harness.results import load_results
+from tests.stores import create_store
 
 
 @pytest.fixture
@@ -193,7 +193,7 @@ def test_flags_that_do_not_go_together_are_refused(call, cell, flags):
 
 def test_experiment_without_a_finished_cell_has_no_trainings(call, make_cell, make_plan, tmp_path):
     """Nothing is made."""
-    Store.create(tmp_path / "mine", make_plan(make_cell()))
+    create_store(tmp_path / "mine", make_plan(make_cell()))
     status, told = call("mine", "--csv", "--out", "runs")
     assert (status, "has no finished cell to export" in told) == (2, True)
     assert not (tmp_path / "runs").exists()

@@ -49,7 +49,7 @@ def test_numbers_are_read_back_exactly(build, rows):
     """The accumulated reward, the metrics and the times, to the last bit."""
     results = build()
     for row, manifest in zip(rows(results), results.manifests, strict=True):
-        reward = read_trace(results.store.cell_folder(manifest.cell) / TRACE, ["reward"])["reward"]
+        reward = read_trace(results.store.cell_folder(manifest.cell) / TRACE)["reward"]
         assert float(row["final_accumulated_reward"]) == np.cumsum(reward)[-1]
         assert float(row["seconds"]) == manifest.seconds
         for name, value in results.measured(manifest.cell).own.items():

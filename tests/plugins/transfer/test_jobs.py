@@ -15,7 +15,7 @@ from harness import load_robot
 from harness.errors import NewerFormat
 from harness.experiment import check_experiment, expand
 from harness.policy import WEIGHTS
-from harness.record import EVALUATION, MANIFEST, POLICY, Cell, Store, partial_folder, read_manifest, read_trace
+from harness.record import EVALUATION, MANIFEST, POLICY, Cell, partial_folder, read_manifest, read_trace
 from harness.record.cell import BROUGHT
 from harness.registry import Choice, choose, load_registry
 from harness.results import load_results
@@ -30,6 +30,7 @@ from harness_plugins.transfer import (
 )
 from harness_plugins.transfer.jobs import evaluate_elsewhere
 from tests.refusals import refused
+from tests.stores import create_store
 
 EASY = "fd100-reach:epsilon=0.25,horizon=40"
 """Acting at random reaches some targets; an arm that does not move reaches none."""
@@ -230,7 +231,7 @@ def test_missing_plugins_are_refused(train, monkeypatch):
 
 def test_nothing_trained_is_refused(toys, make_plan, make_cell, tmp_path):
     """An experiment without a done cell has no policy."""
-    Store.create(tmp_path / "empty", make_plan(make_cell()))
+    create_store(tmp_path / "empty", make_plan(make_cell()))
     with refused("has no finished cell"):
         transfer(tmp_path / "empty")
 
@@ -238,7 +239,7 @@ def test_nothing_trained_is_refused(toys, make_plan, make_cell, tmp_path):
 def test_cells_in_an_environment_are_refused(toys, make_plan, make_cell, tmp_path):
     """Done or not: there is no arm that could move elsewhere. It says what to do instead."""
     cell = make_cell(simulator=BROUGHT.simulator, robot=BROUGHT.robot, task=Choice("pendulum", (), "pendulum"))
-    Store.create(tmp_path, make_plan(cell)).record(cell, "failed", "it fell")
+    create_store(tmp_path, make_plan(cell)).record(cell, "failed", "it fell")
     with refused(r"harness transfer needs traces of an arm.*: harness report .* compares them"):
         plan_transfers(load_results(tmp_path), None, toys)
 

@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 
 from harness.policy import WEIGHTS
-from harness.record import COLUMN, EVALUATION, POLICY, SCALARS, Manifest, Store, TraceWriter
+from harness.record import COLUMN, EVALUATION, POLICY, SCALARS, Manifest, TraceWriter
 from harness.registry import Choice
 from harness.results import Results, load_results
 from harness_plugins.transfer import TRANSFER, TransferRecord, load_transfers, simulator_id
 from harness_plugins.transfer.record import policy_digest
+from tests.stores import create_store
 
 HOME, AWAY = Choice("ideal", (), "ideal"), Choice("stuck", (), "stuck")
 REASON = "RuntimeError: it fell"
@@ -25,7 +26,7 @@ def train(make_cell, make_plan, tmp_path):
 
     def write(at_home, **fields):
         cells = [make_cell(seed=seed, **fields) for seed in range(len(at_home))]
-        store = Store.create(tmp_path / "mine", make_plan(*cells))
+        store = create_store(tmp_path / "mine", make_plan(*cells))
         for cell, reached in zip(cells, at_home, strict=True):
             folder = store.cell_folder(cell)
             (folder / POLICY).mkdir(parents=True)
@@ -142,7 +143,7 @@ def test_other_policy_of_a_cell_is_another_result(train):
 def test_policies_that_share_less_have_a_matrix_of_their_own(make_cell, make_plan, tmp_path, fields):
     """Steps, episodes, the manner of evaluation and the reward are never mixed; the simulators are compared."""
     cells = [make_cell(), make_cell(simulator=AWAY), make_cell(**fields)]
-    store = Store.create(tmp_path / "mine", make_plan(*cells))
+    store = create_store(tmp_path / "mine", make_plan(*cells))
     for cell in cells:
         folder = store.cell_folder(cell)
         folder.mkdir(parents=True)

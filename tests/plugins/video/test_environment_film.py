@@ -10,12 +10,12 @@ from harness.cli import main
 from harness.executor import CellOptions
 from harness.experiment import check_experiment, expand
 from harness.experiment.run_cell import run_cell
-from harness.record import Store
 from harness.registry import load_registry, read_given
 from harness.results import load_results
 from harness_plugins.video.environment_film import box_of, environment_film
 from harness_plugins.video.film import HEIGHT, HELD, WIDTH
 from tests.refusals import refused
+from tests.stores import create_store
 
 TOY = str(Path(__file__).parents[2] / "experiment" / "environments" / "toy.py")
 
@@ -25,7 +25,7 @@ def run_some(folder, cells, **keys):
     given = read_given([TOY])
     asked = {"task": "toy", "algo": "random", "seeds": 1, "steps": 16, "evaluation_episodes": 2, **keys}
     plan = expand(check_experiment(asked), load_registry(given=given))
-    store = Store.create(folder, plan)
+    store = create_store(folder, plan)
     for cell in plan.cells[:cells]:
         assert run_cell(cell, store.cell_folder(cell), lambda word: None, CellOptions(plugins=given)).status == "done"
     return load_results(folder, plugins=[TOY])

@@ -7,9 +7,9 @@ import pytest
 
 from harness.record import read_recording
 from harness.record.recording.facts import Failure
-from harness.record.recording.recorded_training import weighed
 from harness.record.recording.recording_writer import write_recording
 from harness.results import load_results
+from harness.score.weighted_recordings import weighed
 from tests.results.recordings.conftest import PULLS, record
 
 CALM = {"near": lambda arm: arm, "calm": lambda arm: -0.5 * arm, "dock": lambda arm: 0.0 * arm}
