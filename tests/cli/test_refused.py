@@ -60,7 +60,7 @@ REFUSED = {
         "": "which rewards?",
         "--plugin 'nothing/*.py'": "No Python file matches 'nothing/*.py'",
         "--reward nothing": "No reward 'nothing'",
-        "--reward dense --looks 4,2": "have to increase",
+        "--reward dense": "one candidate leaves nothing to choose",
     },
     "audit": {
         "": "Missing option '--reward'; or name an environment, or a folder",
