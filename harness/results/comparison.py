@@ -392,13 +392,15 @@ class Comparison:
 
         A measure without a value in some training does not decide, unless it is known how bad a value can be. It would
         compare the trainings that have one: who succeeds more often where success is hard would be told to be slow.
+        Success while training decides beside another one only where it is known of all trainings that have that.
         """
         acted, names, asked = self.measured.changes_of(self.answered_in), self.measured.deciding, self.answer.asked
         known = [change for change in acted if change.can_decide]
         found = [change for name in names for change in known if change.name == name]
         speed = self.measured.speed
         if found and speed is not None and speed.can_decide and all(it is not speed for it in found):
-            found.append(speed)
+            known_in = zip(speed.lost, found[0].lost, strict=True)
+            found += [speed] if all({*ours} <= {*others} for ours, others in known_in) else []
         return tuple(it for it in found if asked is None or _name_and_manner(it) in asked)
 
     @property

@@ -81,12 +81,13 @@ def rule_in_looks(question: Question, trained_at: Ints, looks: Looks, complete: 
     """
     found = LookRuling(asked=looks.asked)
     for look in range(complete):
-        there = question.among(trained_at <= look)
+        there, is_last = question.among(trained_at <= look), look + 1 == len(looks.seeds)
         if not there.is_testable:
+            found = replace(found, is_last=is_last)
             continue
         ruled = with_bounds(LookRuling(asked=looks.asked, looks=look + 1, look=look), there)
         small = looks.margin if looks.is_futile_at(look) and is_small(there, looks.margin) else None
-        found = replace(ruled, small=small, is_last=look + 1 == len(looks.seeds))
+        found = replace(ruled, small=small, is_last=is_last)
         if found.is_last and not found.is_decided:
             (by_deals,) = dealt([there])
             corrected = tuple(min(1.0, p * looks.asked) for p in by_deals.of_measures)

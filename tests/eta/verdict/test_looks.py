@@ -53,6 +53,16 @@ def test_the_last_look_ends_it():
     assert ruled(seed=1, looks=looks, complete=3).p is None
 
 
+def test_the_last_look_ends_it_though_hardly_any_training_left_a_value():
+    """Else a run would wait for trainings that nobody planned."""
+    values = np.full((2, 6, 1, 1), np.nan)
+    values[:, 0] = 1.0
+    question = Question.of(values, np.array([[(0.0, 1.0)]]), np.ones((2, 6, 1), bool))
+    at = np.array([0, 0, 0, 0, 1, 1])[:, None]
+    ends = [rule_in_looks(question, at, Looks((4, 6)), complete).is_over for complete in (1, 2)]
+    assert ends == [False, True]
+
+
 def test_at_the_last_look_these_trainings_may_differ_all_the_same():
     """Without known ends there is no plain word; the p is that of all trainings at once."""
     found = ruled(3.0, ends=(-np.inf, np.inf))
