@@ -26,7 +26,7 @@ install: $(VENV)/.installed
 dev: $(VENV)/.installed-dev
 
 run: install
-	$(BIN)/harness run --sim mujoco --algo sac
+	$(BIN)/harness run --sim mujoco --algo sac --task fd100-small-target --reward dense --seeds 8
 
 # A whole experiment and its committed records: make reference EXPERIMENT=arp_2021. Another file content, another folder
 # of cells. Cells that failed, exit status 1, are part of the record; cells that are pending, told last, are an error.

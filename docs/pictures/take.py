@@ -1,11 +1,11 @@
 """Takes the pictures of the README and of the tutorial, from the pages of the two experiments that these make.
 
     harness demo --out my-first
-    harness run --sim mujoco --algo sac --out first
+    harness run --sim mujoco --algo sac --task fd100-small-target --reward dense --seeds 8 --out first
     python docs/pictures/take.py my-first first --chromium /usr/bin/chromium
 
 It needs Playwright and Pillow, of the group dev and the extra video, and a Chromium. The films, `reach.gif` and
-those of the studies, are made by `harness video`. `reach.png` is how the typical pair of the second comparison ends.
+those of the studies, are made by `harness video`.
 """
 
 import argparse
@@ -36,21 +36,16 @@ def main() -> None:
         _take(page, "demo", "h1", ".card")
         page.goto((given.first / "report.html").resolve().as_uri() + "#replay-1")
         page.wait_for_timeout(3000)
-        _take(page, "first-answer", "h1", ".comparison >> nth=1")
-        _take(page, "first-number", "#number ~ .panels >> nth=1")
+        _take(page, "first-answer", "h1", ".comparison >> nth=0")
         _take(page, "first-replay", "#see", "#replay-player")
-        page.goto((given.first / "report.html").resolve().as_uri() + "#replay-2")
-        page.locator("[data-part=scrub]").press("End")
-        page.wait_for_timeout(1000)
-        _take(page, "reach", ".replay-views", air=0)
         browser.close()
 
 
-def _take(page: Page, name: str, first: str, last: str = "", air: int = AIR) -> None:
-    """The page from the top of one element to the bottom of another one, with so many pixels around."""
-    top, end = _box(page, first), _box(page, last or first)
+def _take(page: Page, name: str, first: str, last: str) -> None:
+    """The page from the top of one element to the bottom of another one, with some air around."""
+    top, end = _box(page, first), _box(page, last)
     bottom = end["y"] + end["height"]
-    clip: Any = {"x": 0, "y": top["y"] - air, "width": WIDTH, "height": bottom - top["y"] + 2 * air}
+    clip: Any = {"x": 0, "y": top["y"] - AIR, "width": WIDTH, "height": bottom - top["y"] + 2 * AIR}
     shot = Image.open(io.BytesIO(page.screenshot(full_page=True, clip=clip)))
     shot.convert("RGB").save(HERE / f"{name}.png", optimize=True)
 

@@ -7,7 +7,7 @@ from tests.docs.pages import ROOT, blocks_of, commands_of
 
 TUTORIAL = (ROOT / "docs" / "tutorial.md").read_text()
 COMMANDS = [it for block in blocks_of("docs/tutorial.md", TUTORIAL) for it in commands_of(block)]
-BUDGET = ("--steps 10000", "--steps 64 --seeds 1 --evaluation-episodes 2")
+BUDGET = ("--seeds 8", "--steps 64 --seeds 1 --evaluation-episodes 2")
 
 
 def test_tutorial_names_the_run_whose_pictures_it_shows():
