@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from itertools import combinations
 from typing import Any
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.authoring.commands import PayLine
-from harness.eta import SHARE, Rescaling, SeedMean, line_of, mean_over_seeds, rescaling_of
+from harness.eta import Rescaling, SeedMean, line_of, mean_over_seeds, rescaling_of
 from harness.log import BEHAVIOUR, EPISODES, REWARD, Log
 
 from ..distance import Distance, Form, centred_unit, compare_forms, distance_between
@@ -296,8 +296,14 @@ def pairs_in(
 
 
 def mean_within(values: Sequence[float | None]) -> SeedMean:
-    """The mean of numbers in [0, 1], its interval cut to that range; numbers that are None are left out."""
-    return mean_over_seeds([value for value in values if value is not None], bounds=SHARE)
+    """The mean of numbers in [0, 1], its interval cut to that range; numbers that are None are left out.
+
+    They say how far apart two functions are: no training of them can fail, so none that was not seen is allowed for.
+    """
+    mean = mean_over_seeds([value for value in values if value is not None])
+    if mean.low is None or mean.high is None:
+        return mean
+    return replace(mean, low=max(mean.low, 0.0), high=min(mean.high, 1.0))
 
 
 def mean_json(mean: SeedMean) -> dict[str, Any]:
