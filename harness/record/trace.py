@@ -88,7 +88,7 @@ NUMBERS = (
     "end_effector_z",
 )
 FLAGS = ("ground", "reached", "held", "terminated", "truncated")
-SINCE_2 = ("held", "terminated")
+SINCE_2, ENDS_OF_1 = ("held", "terminated"), ("ground", "reached")
 SCALARS = INTEGERS + NUMBERS + FLAGS
 COLUMN = {name: index for index, name in enumerate(SCALARS)}
 QVEL = "qvel"
@@ -370,7 +370,7 @@ def _is_known(column: str) -> bool:
 
 
 def _require_columns(schema: pa.Schema, lacking: Sequence[str], path: Path) -> None:
-    if missing := [name for name in (*SCALARS, "qpos", "action") if name not in (*schema.names, *lacking)]:
+    if missing := [name for name in ("reward", *(ENDS_OF_1 if lacking else ())) if name not in schema.names]:
         raise SchemaError(f"{path} has no column {', '.join(missing)}")
     for name in filter(_is_known, schema.names):
         found, number = schema.field(name).type, pa.float64()
