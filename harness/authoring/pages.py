@@ -11,7 +11,6 @@ if TYPE_CHECKING:
     from harness.report.facts import Fact as Fact
     from harness.report.figures.accumulated import draw_both as draw_both
     from harness.report.figures.chart import Mark as Mark
-    from harness.report.figures.choosing import draw_choosing as draw_choosing
     from harness.report.figures.draw import (
         CHARACTER as CHARACTER,
         SAMPLE as SAMPLE,
@@ -64,7 +63,6 @@ if TYPE_CHECKING:
     from harness.report.rows.choosing import (
         CHOOSING as CHOOSING,
         CHOOSING_TITLE as CHOOSING_TITLE,
-        ChoosingTold as ChoosingTold,
     )
     from harness.report.rows.comparison import (
         answer_text as answer_text,

@@ -1,4 +1,4 @@
-"""The page's figures as files: of each combination, of all combinations at a glance, and of how far candidates went.
+"""The page's figures as files: of each combination, and of all combinations at a glance.
 
 Each is an SVG file with all that tells what it shows. `missing` tells of cells that are not done.
 """
@@ -13,17 +13,14 @@ from harness.authoring.commands import Learning
 from harness.authoring.pages import (
     BETTER,
     CHARACTER,
-    CHOOSING_TITLE,
     FEWEST,
     PAY,
     POINTS,
-    ChoosingTold,
     CurvePanel,
     Mark,
     SplitRow,
     compared_text,
     draw_both,
-    draw_choosing,
     draw_ratio,
     draw_split,
     flat_text,
@@ -116,11 +113,6 @@ def split_file(combination: Comparison, missing: str = "") -> bytes | None:
 
 def _undrawn(name: str, split: Split) -> str:
     return f"{name} is not drawn: {split.eta.note or 'no part has a number'}."
-
-
-def choosing_file(told: ChoosingTold) -> bytes:
-    """The figure of how far candidates went: what decides over the trainings, a line for each."""
-    return draw_svg(CHOOSING_TITLE, [CHOOSING_TITLE, told.sentence], [TitledChart("", draw_choosing(told))])
 
 
 def measures_of(combination: Comparison, learning: Learning | None) -> Texts:

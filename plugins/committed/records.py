@@ -19,14 +19,13 @@ from pathlib import Path
 from typing import NamedTuple
 
 from harness.authoring.commands import Records
-from harness.authoring.pages import CHOOSING_TITLE
 from harness.errors import UsageError
 from harness.record import EXPERIMENT, PLAN
-from harness.report import choosing_told, report_text
+from harness.report import report_text
 from harness.results import Comparison, Results
 from harness.text import file_stems
 
-from .figures import choosing_file, draw_overview, flat_words, learning_file, measures_of, runs_file, split_file
+from .figures import draw_overview, flat_words, learning_file, measures_of, runs_file, split_file
 from .markdown import SHOWN, Pictures, escape, missing_text, write_markdown
 from .read import RECORD, SUMMARY, committed_table, committed_text, is_committed, refuse_committed
 from .svg import CREATOR
@@ -54,7 +53,7 @@ def write_summary(results: Results, folder: Path) -> None:
         RECORD: f"{report_text(results)}\n".encode(),
         CELLS: write_cells(results).encode(),
         CURVES: write_curves(results.combinations),
-        SUMMARY: write_markdown(results, drawn.overview, drawn.pictures, drawn.choosing).encode(),
+        SUMMARY: write_markdown(results, drawn.overview, drawn.pictures).encode(),
     }
     put_files(folder, {**files, **drawn.files}, FIGURES)
 
@@ -66,7 +65,7 @@ def _portable(results: Results) -> str:
 
 
 FIGURES = "figures"
-OVERVIEW, CHOOSING = f"{FIGURES}/overview.svg", f"{FIGURES}/choosing.svg"
+OVERVIEW = f"{FIGURES}/overview.svg"
 
 
 class Drawn(NamedTuple):
@@ -76,15 +75,13 @@ class Drawn(NamedTuple):
     """By path within the folder."""
     overview: str
     """The line with all combinations; empty without that figure."""
-    choosing: str
-    """The line with how far candidates went; empty without that figure."""
     pictures: list[Pictures]
     """The lines of each combination, by what they show."""
 
 
 def draw_figures(results: Results) -> Drawn:
     """Every figure."""
-    combinations, told = results.combinations, choosing_told(results)
+    combinations = results.combinations
     missing = [missing_text(results, it) for it in combinations]
     files = dict[str, bytes]()
 
@@ -97,7 +94,6 @@ def draw_figures(results: Results) -> Drawn:
     overview = keep(
         OVERVIEW, draw_overview(combinations, missing), "eta of every combination, with ruler and behaviour"
     )
-    chosen = keep(CHOOSING, choosing_file(told), CHOOSING_TITLE) if told else ""
     pictures: list[Pictures] = []
     for combination, stem, lacking in zip(combinations, figure_stems(combinations), missing, strict=True):
         learning = results.learning(combination)
@@ -111,7 +107,7 @@ def draw_figures(results: Results) -> Drawn:
         if learning and not lines["learning"]:
             lines["learning"] = escape(flat_words(learning, measures))
         pictures.append({what: line for what, line in lines.items() if line})
-    return Drawn(files, overview, chosen, pictures)
+    return Drawn(files, overview, pictures)
 
 
 def figure_stems(combinations: Iterable[Comparison]) -> list[str]:

@@ -15,8 +15,6 @@ from harness.report.answers import LEGEND
 from harness.report.apart import BETWEEN
 from harness.report.document import report_text
 from harness.report.facts import Fact, repeat_of
-from harness.report.figures.choosing import draw_choosing
-from harness.report.figures.draw import draw_chart
 from harness.report.figures.forest import EXPLANATION as FOREST
 from harness.report.figures.points import points_of_a_run
 from harness.report.page.answer import groups_of, pool_cards
@@ -285,14 +283,7 @@ def _choosing(results: Results) -> dict[str, Any] | None:
     told = choosing_told(results)
     if told is None:
         return None
-    figure = draw_chart(draw_choosing(told), told.sentence)
-    return {
-        "title": CHOOSING_TITLE,
-        "explanation": CHOOSING,
-        "told": told.sentence,
-        "grid": told.grid,
-        "figure": figure,
-    }
+    return {"title": CHOOSING_TITLE, "explanation": CHOOSING, "told": told}
 
 
 def _pools(results: Results) -> dict[str, Any] | None:

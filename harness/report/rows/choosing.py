@@ -30,12 +30,7 @@ class ChoosingTold(NamedTuple):
 
     sentence: str
     grid: Grid
-    points: dict[str, list[tuple[int, float]]]
-    """By candidate, the mean of what decides at each stage at which it was there: trainings in a place, and value."""
-    left: tuple[str, ...]
-    """Who has not left."""
-    measure: str
-    is_share: bool
+    """By candidate, the mean of what decides at each stage at which it was there."""
 
 
 def choosing_told(results: Results) -> ChoosingTold | None:
@@ -44,23 +39,16 @@ def choosing_told(results: Results) -> ChoosingTold | None:
     if found is None or found.schedule is None or not found.halving.means:
         return None
     measure, is_share, sign = _measure(results)
-    means = [
-        {name: value if value is None else sign * value for name, value in of.items()} for of in found.halving.means
-    ]
-    seeds = [rung.seeds for rung in found.schedule.rungs[: len(means)]]
-    went = {name: None for of in reversed(means) for name in of}
-    headings = ("", *(f"{measure} of {count_trainings(count)}" for count in seeds))
+    means = found.halving.means
+    went = dict.fromkeys(name for of in reversed(means) for name in of)
+    rungs = found.schedule.rungs[: len(means)]
+    headings = ("", *(f"{measure} of {count_trainings(rung.seeds)}" for rung in rungs))
 
     def shown(value: float | None) -> str:
-        return NOTHING if value is None else f"{value:.1%}" if is_share else format_number(value)
+        return NOTHING if value is None else f"{sign * value:.1%}" if is_share else format_number(sign * value)
 
     rows = [(name, *(shown(of[name]) if name in of else "" for of in means)) for name in went]
-    points = {
-        name: [(count, value) for count, of in zip(seeds, means, strict=True) if (value := of.get(name)) is not None]
-        for name in went
-    }
-    left = found.halving.left
-    return ChoosingTold(choosing_sentence(results, found), Grid(headings, rows, []), points, left, measure, is_share)
+    return ChoosingTold(choosing_sentence(results, found), Grid(headings, rows, []))
 
 
 def choosing_sentence(results: Results, found: Choosing) -> str:
