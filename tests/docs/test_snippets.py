@@ -93,6 +93,8 @@ def folder(recorded, tmp_path, monkeypatch):
             first = re.findall(r"def (\w+)", block.text)[0]
             name = "behaviour" if first in MEASURES else first
             (tmp_path / of_page / f"{name}.py").write_text(block.text)
+    still = "def still(step):\n    return -abs(float(step.observation[2]))\n"  # the page asks a model for ten
+    (tmp_path / "candidates" / "still.py").write_text(still)
     (tmp_path / "my_package").mkdir()
     shutil.copy(ROOT / "examples/reward-plugin/cautious_reward/reward.py", tmp_path / "my_package" / "cautious.py")
     monkeypatch.chdir(tmp_path)
