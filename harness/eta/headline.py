@@ -3,11 +3,11 @@
 import math
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any, Protocol
+from typing import Any, TypeAlias
 
-from harness.eta.behaviour_change import Quantity
-from harness.eta.interval import Bounds, Interval
+from harness.eta.behaviour_change import Change
 from harness.eta.power import Range
+from harness.eta.verdict.together import Together
 
 SUCCESS, TIME = "success_rate", "time_to_target"
 DECIDING = (SUCCESS, TIME)
@@ -46,76 +46,8 @@ class Answer(StrEnum):
     """Trainings are missing, and no plan of looks says what may be concluded without them."""
 
 
-class Compared(Protocol):
-    """Values of a measure under two rewards: in one place, or means over several."""
-
-    @property
-    def measure(self) -> Quantity:
-        """What is measured."""
-
-    @property
-    def is_relative(self) -> bool:
-        """Whether values are shares of the baseline's mean, or of a size, and not in the measure's unit."""
-
-    @property
-    def is_of_size(self) -> bool:
-        """Whether they are shares of the mean size in their place, since values have either sign."""
-
-    @property
-    def ends(self) -> Bounds:
-        """What its values can be, as they are counted here."""
-
-    @property
-    def name(self) -> str:
-        """Its name."""
-
-    @property
-    def baseline(self) -> float | None:
-        """The mean under the baseline."""
-
-    @property
-    def proposed(self) -> float | None:
-        """The mean under the proposed reward."""
-
-    @property
-    def counts(self) -> tuple[int, int]:
-        """How many trainings of the baseline and of the proposed reward are compared, over all places."""
-
-    @property
-    def without(self) -> tuple[int, int]:
-        """How many more were begun and left no value."""
-
-    @property
-    def places(self) -> int:
-        """Over how many places values are means."""
-
-    @property
-    def seeds(self) -> int:
-        """How many trainings each reward has in each place, at least."""
-
-    @property
-    def failed(self) -> tuple[int, int] | None:
-        """How many of `counts` failed, of a share of which more is better; None of other measures."""
-
-    @property
-    def low(self) -> float | None:
-        """The lower end of the 95 % interval of the difference."""
-
-    @property
-    def high(self) -> float | None:
-        """The upper end."""
-
-    @property
-    def likely(self) -> Interval | None:
-        """Ends of the difference that each hold in 95 %, also where trainings fail that were not seen."""
-
-    @property
-    def most(self) -> tuple[float, float] | None:
-        """What the mean under each reward lies below in 95 %, reckoned likewise."""
-
-    @property
-    def spread(self) -> float | None:
-        """The standard deviation of one training, as far as it counts for the mean; None if it is not known."""
+Compared: TypeAlias = Change | Together
+"""Values of a measure under two rewards: in one place, or means over several."""
 
 
 @dataclass(frozen=True)
