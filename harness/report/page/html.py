@@ -98,7 +98,7 @@ SHARED: Mapping[str, str] = MappingProxyType(
     }
 )
 """Texts of the template."""
-PROMISE = "where two rewards are equal on average, at most 6 % of reports say that one helps or hurts"
+PROMISE = "at most 6 % of such reports say falsely that one helps or hurts"
 BARS = (
     "Dot and thin bar: the difference and its interval (at least 95 %), which counts a training that was not seen; "
     "right of the line is better, and what is coloured is plain. Small dots: a training each, by the measure above "
