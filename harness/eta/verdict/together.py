@@ -140,6 +140,7 @@ class Together:
 
     @property
     def most(self) -> tuple[float, float] | None:
+        """See `Change.most`."""
         if why_no_interval(self.seeds) or not self.question.has_ends(0):
             return None
         ends = [(float(low), float(high)) for low, high in self.question.ends[:, 0]]
