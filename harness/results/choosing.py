@@ -102,17 +102,9 @@ class Choosing:
         of_place = {it.group: it for it in self.trainings}
         found = [self._values(group, of_place.get(group)) for group in self.places]
         values = {name: np.array([of[name] for of, _ in found]) for name in self.candidates}
-        complete = {name: self._complete(name) for name in self.candidates}
+        one_by_one = replace(self._seen, looks=range(1, self.schedule.seeds + 1))
+        complete = {name: one_by_one.complete(name, self.places) for name in self.candidates}
         return halve(values, self.schedule.rungs, complete, [ends for _, ends in found])
-
-    def _complete(self, name: str) -> int:
-        """How many trainings of a candidate have ended in all places, without a gap."""
-        count = 0
-        for statuses in zip(*(self._seen.status.get((it, name), {}).values() for it in self.places), strict=True):
-            if any(it not in ENDED for it in statuses):
-                break
-            count += 1
-        return count
 
     def _values(self, group: Group, of: Trainings | None) -> tuple[Mapping[str, Float], Bounds]:
         """What decides of each candidate in a place, higher is better, and what it can be."""

@@ -20,7 +20,7 @@ from harness.eta.verdict.question import Question
 LEVEL = 0.05
 """The chance of a false claim about the robot, in an experiment in which no reward does anything."""
 LATER = 0.02
-"""The level of a bound from the second look at an experiment on: it holds the chance over all looks below `LEVEL`."""
+"""The level of a bound from the second look at an experiment on: the chance over all looks is then at most 6 %."""
 MOST_SUBSETS_OF = 8
 """Up to so many places every set of them is tried; of more, single places count."""
 ROUNDING = 1e-9
@@ -157,9 +157,7 @@ def _dealt(questions: Sequence[Question]) -> list[Ruling]:
             return min(1.0, len(rest) * p)
         reached = np.zeros(len(sizes[rest[0]]), np.bool_)
         for at in rest:
-            larger = len(ordered[at]) - round(
-                p * len(ordered[at])
-            )  # of the sorted sizes, those from here on have this p
+            larger = len(ordered[at]) - round(p * len(ordered[at]))  # sizes from here on, sorted, have this p
             if larger == 0:
                 return 1.0
             # Equal sizes have the larger p of all of them: what lies as low as the one before is not so rare.
@@ -208,13 +206,23 @@ def with_bounds(ruling: RulingT, question: Question) -> RulingT:
 
 
 def rule_places(question: Question, whole: Ruling) -> list[Ruling]:
-    """What the tests say of single places. None of them is told where the answer over all of them is not."""
+    """What the bounds say of single places, where labels are not dealt anew.
+
+    None of them is told where the answer over all of them is not.
+    """
     places = [question.in_places(np.array([place])) for place in range(question.places)]
-    shared = replace(whole, p=None, corrected=None, asked=whole.asked * len(places), is_held=not whole.is_decided)
-    none = (False,) * len(whole.beyond)
+    shared = Ruling(
+        asked=whole.asked * len(places),
+        looks=whole.looks,
+        offered=whole.offered,
+        has_plan=whole.has_plan,
+        is_held=not whole.is_decided,
+    )
+    deciding = len(whole.beyond)  # behind them stand those that were offered
+    found = (with_bounds(shared, place) for place in places)
     return [
-        replace(it, beyond=none if shared.is_held else it.beyond)
-        for it in (with_bounds(shared, place) for place in places)
+        replace(it, signs=it.signs[:deciding], beyond=tuple(of and not it.is_held for of in it.beyond[:deciding]))
+        for it in found
     ]
 
 

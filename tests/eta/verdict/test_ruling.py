@@ -181,6 +181,17 @@ def test_single_places_are_told_where_the_answer_stands():
     assert better_in(question, undecided) == 0
 
 
+def test_a_single_place_takes_nothing_but_its_level_from_the_answer_over_all():
+    """Neither its p nor that it is small; of measures that were offered it says nothing."""
+    question = ended(question_of(20, places=2, measures=2, effect=9.0))
+    (whole,) = rule([question], offered=[1])
+    small = replace(whole, small=0.1, beyond=(False,))
+    for found in (*rule_places(question, whole), *rule_places(question, small)):
+        assert (found.p, found.corrected, found.of_measures, found.small) == (None, None, (), None)
+        assert len(found.beyond) == len(found.signs) == 1
+        assert found.asked == 2 * whole.asked
+
+
 def test_a_place_that_goes_the_other_way_is_opposed():
     """Better in three places, worse in the fourth, and the mean says better."""
     question = ended(question_of(20, places=4, effect=[*[[9.0]] * 3, [-9.0]], seed=1))
