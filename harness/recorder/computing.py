@@ -19,6 +19,8 @@ BUILTINS = {
 }
 MODULES = (math, cmath, operator, np, np.linalg, np.fft)
 NUMBERS = (int, float, complex, str, bytes, type(None), np.generic, np.ufunc)
+IN_NUMPY = frozenset(dir(np))
+"""Without names that NumPy only warns of, as ``str``."""
 REACHES_FURTHER = frozenset({"IMPORT_NAME", "STORE_GLOBAL", "DELETE_GLOBAL", "LOAD_BUILD_CLASS"})
 
 
@@ -77,7 +79,7 @@ def _is_plain(code: CodeType, known: dict[str, Any]) -> bool:
     if not REACHES_FURTHER.isdisjoint(names) or any("JUMP_BACKWARD" in name for name in names):
         return False
     for name in code.co_names:
-        inner = getattr(np, name, None)
+        inner = getattr(np, name) if name in IN_NUMPY else None
         is_builtin = hasattr(builtins, name) and name not in BUILTINS and inner is None
         if (name.startswith("_") or is_builtin) and name not in known:
             return False

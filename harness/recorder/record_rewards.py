@@ -9,7 +9,7 @@ from typing import Any, SupportsFloat, TypeVar
 
 import gymnasium
 from gymnasium.envs.registration import EnvSpec
-from numpy import float64
+from numpy import float64, ndarray
 
 from harness.errors import reason_of
 from harness.eta.interval import Bounds
@@ -230,6 +230,10 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         """Record a step; returns its row: `KEYS` numbers that say which step it is, a number for each column, flags."""
         seal, told = self._seal, [NAN] * len(self._columns)
         given: Asking = ()
+        if type(paid) is ndarray and paid.ndim:
+            self._recorder.give_up_pay(paid, (0, self._episode, self._step))
+            self._find_asked()
+            paid = NAN
         if seal is not None:  # functions cannot spoil what they are given
             action, observation, info = seal(action), seal(observation), seal(info)
             given = self._before[0], action, observation, info

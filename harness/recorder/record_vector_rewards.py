@@ -1,19 +1,18 @@
 """`harness.RecordVectorRewards`: for a batch of Gymnasium environments."""
 
-import copy
 import os
 import weakref
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import isfinite
-from typing import Any, NamedTuple
+from types import MappingProxyType
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from gymnasium import Space
 from gymnasium.envs.registration import EnvSpec
 from gymnasium.vector import AsyncVectorEnv, AutoresetMode, SyncVectorEnv, VectorEnv, VectorWrapper
-from gymnasium.vector.utils import iterate
 from numpy.typing import NDArray
 
 from harness.arrays import Float
@@ -24,38 +23,40 @@ from harness.recorder.calls import CHECKED, action_facts
 from harness.recorder.column import Column, as_number
 from harness.recorder.env_facts import Asked, OnError
 from harness.recorder.guard import Asking, NoAnswer, Raised
+from harness.recorder.parts import (
+    FINAL_OBSERVATION,
+    Mask,
+    info_of,
+    infos_last,
+    infos_of_step,
+    item_of,
+    items_of,
+    joined,
+    with_items,
+)
 from harness.recorder.recorder import Recorder, differs
-from harness.recorder.sealed import ReadOnlyDict
 from harness.recorder.trial import FIRST_STEPS
 from harness.reward import Steps
 from harness.reward.given import Before, Given, Now, Untold, told_under, zeros_of
 
-Mask = NDArray[np.bool_]
-FINAL_OBSERVATION, FINAL_INFO = "final_obs", "final_info"
-
 
 class BatchBefore(NamedTuple):
-    """What there was before a step of a batch.
+    """What there was before a step of a batch, sealed.
 
     Attributes:
-        observations: That the envs returned last, sealed.
-        infos: As they returned them, sealed or not.
-        info: What one env told last, sealed or not; of an env that starts an episode what its reset told.
-        actions: Those of the step before, sealed; None before the first.
+        observations: That the envs returned last.
+        infos: What they told last; envs that start an episode, of their reset.
+        actions: Those of the step before; None before the first.
     """
 
-    observations: Any
-    infos: Mapping[str, Any]
-    info: Callable[[int], Mapping[str, Any]]
+    observations: Any = None
+    infos: Mapping[str, Any] = MappingProxyType({})
     actions: Any = None
-
-
-NOTHING_BEFORE = BatchBefore(None, {}, lambda env: {})
 
 
 @dataclass(eq=False)
 class BatchStep:
-    """One step of a batch.
+    """One step of a batch. What it was is made here once, of what the envs returned, and all that reads it reads this.
 
     Attributes:
         env: Whose step it was.
@@ -65,7 +66,7 @@ class BatchStep:
         paid: (num_envs,).
         ended: (num_envs,), whether the step ended an episode.
         live: (num_envs,), whether the env took a step; otherwise it was only reset.
-        infos: As the env returned them.
+        told: Infos as the env returned them.
         reset_at_once: Whether envs whose episode ended are at their new start already (``SAME_STEP``).
         seal: Makes of what functions are given copies that they cannot write into; None where no function is asked.
             What `before` has, and `actions`, are such copies.
@@ -79,7 +80,7 @@ class BatchStep:
     paid: Float
     ended: Mask
     live: Mask
-    infos: Mapping[str, Any]
+    told: Mapping[str, Any]
     reset_at_once: bool
     seal: Callable[[Any], Any] | None = None
     begins: Mask = field(default_factory=lambda: np.zeros(0, bool))
@@ -87,79 +88,67 @@ class BatchStep:
     @cached_property
     def after(self) -> Any:
         """Observations after the step, before any reset; a copy."""
-        batch = copy.deepcopy(self.returned)
-        if self.reset_at_once:
-            for env in np.flatnonzero(self.ended):
-                _put(batch, int(env), _item(self.infos[FINAL_OBSERVATION], int(env)))
+        batch = self.returned
+        if self.reset_at_once and self.ended.any():
+            finals = {env: item_of(self.told[FINAL_OBSERVATION], env) for env in np.flatnonzero(self.ended).tolist()}
+            batch = with_items(self.env.single_observation_space, batch, finals)
         return self._sealed(batch)
+
+    @cached_property
+    def infos(self) -> Mapping[str, Any]:
+        """What the envs told of the step, of its last one those too that are at their new start already."""
+        if self.reset_at_once:
+            return cast(Mapping[str, Any], self._sealed(infos_of_step(self.told, self.ended)))
+        return self.last
+
+    @cached_property
+    def last(self) -> Mapping[str, Any]:
+        """What they told last: of the step, or of the reset of those that are at their new start already."""
+        return cast(Mapping[str, Any], self._sealed(infos_last(self.told)))
 
     @cached_property
     def each_after(self) -> list[Any]:
         """`after`, by env."""
-        return self._items(self.env.observation_space, self.after)
+        return self._items(self.env.single_observation_space, self.after)
 
     @cached_property
     def each_action(self) -> list[Any]:
         """`actions`, by env."""
-        return self._items(self.env.action_space, self.actions)
+        return self._items(self.env.single_action_space, self.actions)
 
     @cached_property
     def whole(self) -> Steps:
         """The step of all envs, as functions are given it."""
-        before = self.before
-        actions = zeros_of(self.actions) if before.actions is None else before.actions
-        if before.actions is not None and self.begins.any():
-            actions = copy.deepcopy(actions)
-            for env in np.flatnonzero(self.begins):
-                _put(actions, int(env), zeros_of(_item(actions, int(env))))
-            actions = self._sealed(actions)
-        then = Before._make((before.observations, actions, self._sealed(before.infos)))
-        return Now._make((self.after, self.actions, self._sealed(self.infos), then))
+        before, actions = self.before, zeros_of(self.actions)
+        if before.actions is not None:
+            zeros = self._items(self.env.single_action_space, actions)
+            begun = {env: zeros[env] for env in np.flatnonzero(self.begins).tolist()}
+            actions = self._sealed(with_items(self.env.single_action_space, before.actions, begun))
+        then = Before._make((before.observations, actions, before.infos))
+        return Now._make((self.after, self.actions, self.infos, then))
 
     def of_each(self, is_of_step: bool) -> Sequence[tuple[Any, ...]]:
         """What functions are called with about the step of each env, (num_envs,)."""
         return self._nows if is_of_step else self._arguments
 
-    def told_last(self, env: int) -> Mapping[str, Any]:
-        """What one env told last: of its step, or of its reset if it is at its new start already."""
-        if self.reset_at_once and self.ended[env]:
-            return _info_of(self.infos, env)
-        return self._arguments[env][-1] if "_arguments" in vars(self) else self.info(env)
-
-    @property
-    def infos_told(self) -> Mapping[str, Any]:
-        """`infos`, sealed if functions were given them: whoever trains may write into them later."""
-        infos: Mapping[str, Any] = self.whole.info if "whole" in vars(self) else self.infos
-        return infos
-
-    def info(self, env: int) -> dict[str, Any]:
-        """What one env told of its step."""
-        return _info_of(self._infos_behind(env), env)
-
-    def told(self, key: str, env: int) -> Any:
+    def told_under(self, key: str, env: int) -> Any:
         """What one env told under a key.
 
         Raises:
             Untold: Nothing.
         """
-        return told_under(self.info(env), key)
+        return told_under(info_of(self.infos, env), key)
 
     def told_numbers(self, key: str) -> tuple[Float, Mask]:
         """What the envs told under a key, and which of them told something, as far as an array of numbers says it."""
         values, mask, count = self.infos.get(key), self.infos.get(f"_{key}"), len(self.paid)
         if not (isinstance(values, np.ndarray) and values.shape == (count,) and values.dtype.kind in "biuf"):
             return np.zeros(count), np.zeros(count, bool)
-        told = np.ones(count, bool) if mask is None else np.asarray(mask, bool)
-        return values.astype(float), told & ~self.ended if self._tells_apart else told
-
-    @property
-    def _tells_apart(self) -> bool:
-        """Whether ended envs told of their last step apart; a batch without infos of resets does not need to."""
-        return self.reset_at_once and FINAL_INFO in self.infos
+        return values.astype(float), np.ones(count, bool) if mask is None else np.asarray(mask, bool)
 
     @cached_property
     def _arguments(self) -> list[tuple[Any, ...]]:
-        infos = [self._sealed(self.info(env)) for env in range(len(self.live))]
+        infos = [self._sealed(info_of(self.infos, env)) for env in range(len(self.live))]
         return list(zip(self._each_before, self.each_action, self.each_after, infos, strict=True))
 
     @cached_property
@@ -168,68 +157,25 @@ class BatchStep:
         found = []
         for env, (seen, action, observation, info) in enumerate(self._arguments):
             acted = zeros_of(action) if last is None or begins[env] else last[env]
-            before = Before._make((seen, acted, self._sealed(self.before.info(env))))
+            before = Before._make((seen, acted, self._sealed(info_of(self.before.infos, env))))
             found.append((Now._make((observation, action, info, before)),))
         return found
 
     @cached_property
     def _each_before(self) -> list[Any]:
-        return self._items(self.env.observation_space, self.before.observations)
+        return self._items(self.env.single_observation_space, self.before.observations)
 
     @cached_property
     def _each_last_action(self) -> list[Any] | None:
-        return None if self.before.actions is None else self._items(self.env.action_space, self.before.actions)
+        return None if self.before.actions is None else self._items(self.env.single_action_space, self.before.actions)
 
     def _sealed(self, value: Any) -> Any:
-        return value if self.seal is None or isinstance(value, ReadOnlyDict) else self.seal(value)
+        return value if self.seal is None else self.seal(value)
 
     def _items(self, space: Space[Any], batch: Any) -> list[Any]:
         if isinstance(batch, np.ndarray):
             return list(batch)
-        items = iterate(space, batch)
-        return list(map(self._sealed, items))
-
-    def _infos_behind(self, env: int) -> Mapping[str, Any]:
-        if self._tells_apart and self.ended[env]:
-            final: Mapping[str, Any] = self.infos[FINAL_INFO]
-            return final
-        return self.infos
-
-
-def _item(batch: Any, env: int) -> Any:
-    """One env's part of an array, or of such arrays in dicts and tuples."""
-    if isinstance(batch, Mapping):
-        return {key: _item(inner, env) for key, inner in batch.items()}
-    if isinstance(batch, tuple):
-        return tuple(_item(inner, env) for inner in batch)
-    return batch[env]
-
-
-def infos_of(infos: Mapping[str, Any]) -> Callable[[int], dict[str, Any]]:
-    """From the number of an env to what it told in a reset."""
-    return lambda env: _info_of(infos, env)
-
-
-def _put(batch: Any, env: int, item: Any) -> None:
-    if isinstance(batch, Mapping):
-        for key, inner in batch.items():
-            _put(inner, env, item[key])
-    elif isinstance(batch, tuple):
-        for inner, one in zip(batch, item, strict=True):
-            _put(inner, env, one)
-    else:
-        batch[env] = item
-
-
-def _info_of(infos: Mapping[str, Any], env: int) -> dict[str, Any]:
-    """The info of one env, as it told it itself; `infos` is that of the batch, with a mask ``_key`` for each key."""
-    told: dict[str, Any] = {}
-    for key, values in infos.items():
-        mask = infos.get(f"_{key}")
-        is_mask = key.startswith("_") and key[1:] in infos
-        if not is_mask and (mask is None or mask[env]) and key not in {FINAL_OBSERVATION, FINAL_INFO}:
-            told[key] = _info_of(values, env) if isinstance(values, Mapping) else values[env]
-    return told
+        return list(map(self._sealed, items_of(space, batch)))
 
 
 Array = NDArray[Any]
@@ -312,7 +258,7 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
         self._recorder = Recorder(env, asked, env.num_envs, _action_facts(env))
         self._guard = self._recorder.guard
         self._seal = self._guard.seal if self._recorder.looks else None
-        self._before = NOTHING_BEFORE
+        self._before = BatchBefore()
         self._time = self._recorder.next_time
         self._episodes = self._recorder.next_episodes.copy()
         self._steps = np.zeros(env.num_envs, np.int64)
@@ -338,10 +284,10 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
         self._begin(mask)
         if self._recorder.trial is not None:
             self._recorder.trial.begin(self._recorder.columns)
-        told, before = infos_of(infos), self._before.info
-        info = told if mask.all() else lambda env: told(env) if mask[env] else before(env)
-        actions = None if mask.all() else self._before.actions
-        self._before = BatchBefore(self._seal(observations) if self._seal else None, infos, info, actions)
+        if self._seal:
+            told = infos_last(infos) if mask.all() else joined(self._before.infos, infos, mask)
+            actions = None if mask.all() else self._before.actions
+            self._before = BatchBefore(*map(self._seal, (observations, told, actions)))
         self._is_reset_next &= ~mask
         return observations, infos
 
@@ -370,10 +316,13 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
         """Record a step; returns its numbers, (num_envs, columns), NaN for an env that was only reset."""
         terminated, truncated = np.asarray(terminated, bool), np.asarray(truncated, bool)
         ended, live = terminated | truncated, ~self._is_reset_next
-        at_once = self._mode == AutoresetMode.SAME_STEP
+        at_once, paid = self._mode == AutoresetMode.SAME_STEP, np.array(paid, float)
+        if paid.shape != live.shape:
+            self._recorder.give_up_pay(paid, self._place(0))
+            paid = np.full(live.shape, np.nan)
         step = BatchStep(
             self.env, self._before, actions if self._seal is None else self._seal(actions), observations,
-            np.array(paid, float), ended, live, infos, at_once, self._seal, self._steps == 0,
+            paid, ended, live, infos, at_once, self._seal, self._steps == 0,
         )  # fmt: skip
         numbers = self._write(step, terminated, truncated)
         self._steps[live] += 1
@@ -383,8 +332,7 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
         self._begin(started)
         self._is_reset_next = ended & (self._mode == AutoresetMode.NEXT_STEP)
         if self._seal:
-            self._before = BatchBefore(self._seal(observations), step.infos_told, step.told_last, step.actions)
-            step.before = NOTHING_BEFORE  # else every step would hold the one before it
+            self._before = BatchBefore(self._seal(observations), step.last, step.actions)
         if self._time - self._recorder.next_time == FIRST_STEPS:
             self._recorder.end_trial(self._place(0))
         elif ended.any():
@@ -509,7 +457,7 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
         if column.key is not None:
             key = column.key
             numbers, told = step.told_numbers(key)
-            return numbers, told & (not column.terms), lambda env: step.told(key, env)
+            return numbers, told & (not column.terms), lambda env: step.told_under(key, env)
         if column.batched:
             (answer,) = self._ask(column, column.measures, [self._given(column, step, 0)], [0])
             values = column.batch(_raised(answer), count)

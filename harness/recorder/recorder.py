@@ -243,6 +243,25 @@ class Recorder:
             f'What it is paid can be recorded too: rewards={{..., "{OWN}": "{OWN}"}}, trained_with="{OWN}"',
         )
 
+    def give_up_pay(self, paid: Any, at: Place) -> None:
+        """Give up what the env pays, and tell it, where that is no number a step but a vector, as of MO-Gymnasium.
+
+        Raises:
+            UsageError: The user wants errors raised.
+        """
+        reason = (
+            f"the env pays {np.shape(paid)[-1]} numbers a step, and a reward is one. Wrap it in one that adds them up, "
+            "as mo_gymnasium.wrappers.LinearReward"
+        )
+        for column in self.columns:
+            if column.is_own and not column.given_up:
+                self.give_up(column, at, reason)
+        if self.trained is not None:
+            self.trained = None
+            self._tell(
+                f"trained_with={self._writer.facts.trained_with!r} is not what the learner is paid: {reason}", ""
+            )
+
     def learn_direction(self, rows: Iterable[Sequence[float]], time: int) -> None:
         """Ask what is better of the measure that decides, as soon as it can be no flag.
 

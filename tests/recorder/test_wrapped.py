@@ -6,6 +6,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
+from gymnasium.vector import SyncVectorEnv, VectorWrapper
 from gymnasium.wrappers import NormalizeObservation, NormalizeReward, TransformReward
 
 import harness
@@ -116,3 +117,44 @@ def test_policy_of_a_model_that_learned_normalised_observations_is_told(counting
     vec = model.get_vec_normalize_env()
     right = _evaluate(counting(), tmp_path / "right", lambda seen: model.predict(vec.normalize_obs(seen))[0])
     assert right == ()
+
+
+class Vectors(gymnasium.Wrapper[Any, Any, Any, Any]):
+    """Pays two numbers a step."""
+
+    def step(self, action):
+        """The second one is a cost."""
+        seen, paid, *rest = self.env.step(action)
+        return seen, np.array([paid, -1.0]), *rest
+
+
+class VectorsOfBatch(VectorWrapper[Any, Any, Any, Any, Any]):
+    """The same of a batch."""
+
+    def step(self, actions):
+        """The second one is a cost."""
+        seen, paid, *rest = self.env.step(actions)
+        return seen, np.column_stack([paid, -paid]), *rest
+
+
+@pytest.mark.parametrize("trained_with", ["own", "seen"])
+@pytest.mark.parametrize("is_batch", [False, True])
+def test_env_that_pays_vectors_is_told_in_one_line(counting, tmp_path, is_batch, trained_with):
+    """What functions say goes on being recorded."""
+    rewards = {"seen": lambda o, a, n, i: float(n[0])}
+    if is_batch:
+        inner = VectorsOfBatch(SyncVectorEnv([lambda: counting(9, fresh=True)] * 2))
+        env: Any = harness.RecordVectorRewards(inner, tmp_path, trained_with=trained_with, rewards=rewards)
+    else:
+        env = harness.RecordRewards(Vectors(counting(9)), tmp_path, trained_with=trained_with, rewards=rewards)
+    env.reset(seed=0)
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        for _ in range(3):
+            env.step(np.zeros_like(env.action_space.sample()))
+        env.close()
+    assert "the env pays 2 numbers a step, and a reward is one" in str(told[0].message)
+    assert len(told) == 1
+    found = read_recording(tmp_path)
+    assert sorted(set(found["reward/seen"].tolist())) == [1.0, 2.0, 3.0]
+    assert trained_with == "seen" or np.isnan(found["reward/own"]).all()
