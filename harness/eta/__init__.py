@@ -10,6 +10,7 @@ if TYPE_CHECKING:
         Change as Change,
         Quantity as Quantity,
         change_of as change_of,
+        together as together,
     )
     from harness.eta.curve import GroupCurve as GroupCurve, Kind as Kind, curve_of as curve_of
     from harness.eta.decomposition import decompose as decompose

@@ -7,7 +7,8 @@ the short ones, for the first screen, two.
 import math
 from collections.abc import Callable, Sequence
 
-from harness.eta.headline import SHORT, Compared, difference_of, is_hardly_learned, is_share, name_of
+from harness.eta.behaviour_change import Change
+from harness.eta.headline import SHORT, difference_of, is_hardly_learned, is_share, name_of
 from harness.eta.splits import Names
 
 MOST_DECIMALS = 6
@@ -20,7 +21,7 @@ LUCK = 0.05
 """A share of failing trainings that would show no failure more rarely than this is ruled out."""
 
 
-def seen_text(names: Names, deciding: Sequence[Compared], where: str) -> str:
+def seen_text(names: Names, deciding: Sequence[Change], where: str) -> str:
     """What was seen of every measure, a sentence each; how many trainings failed, or learned, stands with the first.
 
     Args:
@@ -35,13 +36,13 @@ def seen_text(names: Names, deciding: Sequence[Compared], where: str) -> str:
     return " ".join([f"{lines[0]}; {counted}.", *(f"{line}." for line in lines[1:])])
 
 
-def short_seen_text(names: Names, deciding: Sequence[Compared]) -> str:
+def short_seen_text(names: Names, deciding: Sequence[Change]) -> str:
     """The differences alone, with their intervals, and how many trainings failed or learned."""
     differences = capitalised(", ".join(f"{name_of(it)} {difference_text(it, 2)}{_side(it)}" for it in deciding))
     return f"{differences}. {counted_text(names, deciding)}."
 
 
-def difference_text(change: Compared, digits: int, where: str = "") -> str:
+def difference_text(change: Change, digits: int, where: str = "") -> str:
     """The difference with its interval, such as ``+19.0 points (+4.0 to +34.0)``.
 
     Args:
@@ -62,21 +63,21 @@ def difference_text(change: Compared, digits: int, where: str = "") -> str:
     return f"{told} ({write(ends[0])} to {write(ends[1])})"
 
 
-def same_text(names: Names, deciding: Sequence[Compared]) -> str:
+def same_text(names: Names, deciding: Sequence[Change]) -> str:
     """What both rewards taught, where it is the same bit for bit: intervals would say nothing."""
     ends = [it for it in deciding if not it.measure.is_while_training] or deciding
     told = ", ".join(f"{name_of(it)} {_values(it, 3)[0]}{_unit(it)}" for it in ends)
     return f"{capitalised(told)} with both; {counted_text(names, deciding)}."
 
 
-def short_values(change: Compared) -> tuple[str, str]:
+def short_values(change: Change) -> tuple[str, str]:
     """Both values with two digits, or more where two do not tell them apart; the unit stands in the second."""
     baseline, proposed = _values(change, 2)
     unit = "%" if is_share(change) else change.measure.unit
     return baseline, f"{proposed} {unit}".rstrip()
 
 
-def relative_text(change: Compared) -> str:
+def relative_text(change: Change) -> str:
     """How much higher or lower a measure is that counts relative to the baseline, or to its size."""
     size = f"{_number(100.0 * abs(difference_of(change)), _decimals(change, 2))}%"
     word = "higher" if difference_of(change) > 0.0 else "lower"
@@ -93,12 +94,12 @@ def trainings_text(names: Names, counts: tuple[int, int], lost: tuple[int, int] 
     return f"{baseline} training{'s' * (begun[0] != 1)} with {names.baseline}, {proposed} with {names.proposed}{others}"
 
 
-def failed_of(deciding: Sequence[Compared]) -> tuple[int, int] | None:
+def failed_of(deciding: Sequence[Change]) -> tuple[int, int] | None:
     """How many trainings of each reward failed, by success at the end; None where that was not measured."""
     return next((it.failed for it in deciding if it.failed is not None and not it.measure.is_while_training), None)
 
 
-def unseen_text(names: Names, deciding: Sequence[Compared]) -> str:
+def unseen_text(names: Names, deciding: Sequence[Change]) -> str:
     """How many trainings may fail though none of those that were seen did; empty where one failed."""
     failed = failed_of(deciding)
     if failed is None or any(failed):
@@ -116,7 +117,7 @@ def unseen_text(names: Names, deciding: Sequence[Compared]) -> str:
     )
 
 
-def counted_text(names: Names, deciding: Sequence[Compared]) -> str:
+def counted_text(names: Names, deciding: Sequence[Change]) -> str:
     """How many trainings failed; how many learned, where hardly any did; else how many there are."""
     failed, of = failed_of(deciding), deciding[0]
     ours, theirs = (count + lost for count, lost in zip(of.counts, of.without, strict=True))
@@ -140,7 +141,7 @@ def listed(texts: Sequence[str], word: str = "and") -> str:
     return f"{', '.join(most)} {word} {last}" if most else last
 
 
-def _whole(names: Names, change: Compared, where: str, *, is_first: bool) -> str:
+def _whole(names: Names, change: Change, where: str, *, is_first: bool) -> str:
     """The difference, its interval, and both values; only the first measure has to say whose value is whose."""
     told = f"{capitalised(name_of(change))} {difference_text(change, 3, where)}{_side(change)}"
     if change.is_relative:
@@ -151,23 +152,23 @@ def _whole(names: Names, change: Compared, where: str, *, is_first: bool) -> str
     return f"{told}: {proposed} instead of {baseline}"
 
 
-def _side(change: Compared) -> str:
+def _side(change: Change) -> str:
     """Which side is better, where nobody could know."""
     return ", lower is better" if change.measure.better == "lower" and change.name not in SHORT else ""
 
 
-def _unit(change: Compared) -> str:
+def _unit(change: Change) -> str:
     return "%" if is_share(change) else f" {change.measure.unit}".rstrip()
 
 
-def _values(change: Compared, digits: int) -> tuple[str, str]:
+def _values(change: Change, digits: int) -> tuple[str, str]:
     """Both values without their unit."""
     decimals = _decimals(change, digits)
     baseline, proposed = (_number(value, decimals) for value in _scaled(change))
     return baseline, proposed
 
 
-def _signed(change: Compared, digits: int, more: int = 0) -> tuple[Callable[[float], str], str]:
+def _signed(change: Change, digits: int, more: int = 0) -> tuple[Callable[[float], str], str]:
     """Writes a difference, with so many decimals more, and the unit behind it."""
     decimals, scale = _decimals(change, digits) + more, _scale_of(change)
     if change.is_relative:
@@ -177,22 +178,22 @@ def _signed(change: Compared, digits: int, more: int = 0) -> tuple[Callable[[flo
     return (lambda value: _with_sign(_number(scale * value, decimals))), f" {unit}".rstrip()
 
 
-def _is_percent(change: Compared) -> bool:
+def _is_percent(change: Change) -> bool:
     return is_share(change) or change.is_relative
 
 
-def _scale_of(change: Compared) -> float:
+def _scale_of(change: Change) -> float:
     """What a value is multiplied by where it is written."""
     return 100.0 if _is_percent(change) else 1.0
 
 
-def _scaled(change: Compared) -> tuple[float, float]:
+def _scaled(change: Change) -> tuple[float, float]:
     """Both values as they are written."""
     scale = _scale_of(change)
     return scale * (change.baseline or 0.0), scale * (change.proposed or 0.0)
 
 
-def _decimals(change: Compared, digits: int) -> int:
+def _decimals(change: Change, digits: int) -> int:
     """So many that the difference has two digits, and that it is the difference of the values as they are written."""
     percent = _is_percent(change)
     largest = max(map(abs, _scaled(change)))
@@ -206,7 +207,7 @@ def _decimals(change: Compared, digits: int) -> int:
     return next((it for it in range(decimals, most) if _adds_up(change, it)), most)
 
 
-def _adds_up(change: Compared, decimals: int) -> bool:
+def _adds_up(change: Change, decimals: int) -> bool:
     """Whether the difference is what a reader computes from both values."""
     one, other = (round(value, decimals) for value in _scaled(change))
     told = round(_scale_of(change) * difference_of(change), decimals)

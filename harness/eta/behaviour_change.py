@@ -16,13 +16,12 @@ from harness.eta.interval import (
     Bounds,
     Interval,
     cut_to,
-    difference_bounds,
-    mean_bounds,
     of_difference,
     why_no_interval,
 )
 from harness.eta.manner import TRAINING, WHOLE
 from harness.eta.swaps import ALPHA, Swaps, p_of
+from harness.eta.verdict.question import BOTH, LEAST_SEEDS, Question
 
 NO_WORD = 0.0
 """The level of an experiment that is not trained to its end: no p is so small."""
@@ -68,11 +67,6 @@ class Quantity(NamedTuple):
         """Whether it is known how good and how bad a value can be. Without, no plain word is said of it."""
         return math.isfinite(self.ends[0]) and math.isfinite(self.ends[1])
 
-    @property
-    def of_difference(self) -> Bounds:
-        """What the difference of two values can be."""
-        return of_difference(self.ends)
-
     def count_failed(
         self, baseline: Sequence[float] | Float, proposed: Sequence[float] | Float
     ) -> tuple[int, int] | None:
@@ -98,7 +92,7 @@ Sides = tuple[Values, Values]
 
 @dataclass(frozen=True)
 class Change:
-    """Means over trainings of one measure, which does not depend on any reward.
+    """Means over trainings of one measure, which does not depend on any reward; see `together` for those over places.
 
     Attributes:
         measure: What is measured.
@@ -121,6 +115,9 @@ class Change:
         reason: Why the metric failed for a seed; empty if it did not fail, also if it is not defined.
         level: A corrected p-value up to this says that there is a difference; `NO_WORD` where nothing may be said.
         is_plain: Of a measure that decides: whether its bound leaves out 0. None of any other.
+        of_places: The changes whose means over places it holds, in their own units; empty in a single place.
+        of_mean: What a mean over places can be; None in a single place.
+        is_of_size: Whether values are shares of the mean size in their place, since they have either sign.
     """
 
     measure: Quantity
@@ -140,6 +137,9 @@ class Change:
     reason: str = ""
     level: float = field(default=ALPHA, repr=False)
     is_plain: bool | None = field(default=None, repr=False)
+    of_places: tuple["Change", ...] = field(default=(), repr=False)
+    of_mean: Bounds | None = field(default=None, repr=False)
+    is_of_size: bool = False
 
     @property
     def name(self) -> str:
@@ -149,37 +149,34 @@ class Change:
     @property
     def ends(self) -> Bounds:
         """What a value can be."""
-        return self.measure.ends
+        return self.of_mean or self.measure.ends
 
     @property
     def is_relative(self) -> bool:
-        """Whether values are shares of a mean: never in one place."""
-        return False
+        """Whether values are shares of the baseline's mean, or of a size, and not in the measure's unit."""
+        return bool(self.of_places) and not self.measure.is_share
 
     @property
-    def is_of_size(self) -> bool:
-        """Whether values are shares of a size: never in one place."""
-        return False
-
-    @property
-    def places(self) -> int:
-        """Over how many places values are means."""
-        return 1
+    def parts(self) -> tuple["Change", ...]:
+        """What it holds of each place."""
+        return self.of_places or (self,)
 
     @property
     def counts(self) -> tuple[int, int]:
-        """How many trainings of each reward have a value."""
-        return len(self.trainings[0]), len(self.trainings[1])
+        """How many trainings of each reward have a value, in all places."""
+        ours, theirs = (sum(len(it.trainings[side]) for it in self.parts) for side in BOTH)
+        return ours, theirs
 
     @property
     def without(self) -> tuple[int, int]:
-        """How many trainings of each reward were begun and have no value."""
-        return len(self.lost[0]), len(self.lost[1])
+        """How many trainings of each reward were begun and have no value, in all places."""
+        ours, theirs = (sum(len(it.lost[side]) for it in self.parts) for side in BOTH)
+        return ours, theirs
 
     @property
     def seeds(self) -> int:
-        """How many trainings the reward has that has fewer."""
-        return min(self.counts)
+        """How many trainings the reward has that has fewer, where it has the fewest."""
+        return min(len(side) for it in self.parts for side in it.trainings)
 
     @property
     def can_decide(self) -> bool:
@@ -188,8 +185,9 @@ class Change:
 
     @property
     def values(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        """The values of the baseline's trainings, and of the proposed reward's."""
-        return tuple(self.trainings[0].values()), tuple(self.trainings[1].values())
+        """The values of the baseline's trainings, and of the proposed reward's, in all places."""
+        ours, theirs = (tuple(value for it in self.parts for value in it.trainings[side].values()) for side in BOTH)
+        return ours, theirs
 
     @property
     def size(self) -> float:
@@ -286,32 +284,89 @@ def change_of(
 
 
 def with_intervals(change: Change, confidence: float = CONFIDENCE) -> Change:
-    """The change with what follows from its trainings' values: its spread, and its intervals.
+    """The change in one place with what follows from its trainings' values: its spread, and its intervals.
 
     Args:
         change: The change.
-        confidence: That of the interval that is printed; the bound of `harness.eta.interval`.
+        confidence: That of the interval that is printed; see `Question.bounds`.
     """
-    if change.seeds < 2:
+    if change.seeds < LEAST_SEEDS:
         return change
-    one, other = (np.array(values, np.float64) for values in change.values)
-    found = replace(change, spread=math.sqrt((float(one.var(ddof=1)) + float(other.var(ddof=1))) / 2.0))
-    if why_no_interval(change.seeds):
+    one, other = (float(np.var(values, ddof=1)) for values in change.values)
+    return _with_bounds(replace(change, spread=math.sqrt((one + other) / 2.0)), question_of([[change]]), confidence)
+
+
+def together(changes: Sequence[Change], confidence: float = CONFIDENCE) -> Change:
+    """Means over places of one measure.
+
+    A measure that is no share counts relative to its mean size in each place, under both rewards together. Seconds of
+    a slow place would outweigh those of a quick one, and the test does not weigh them either. Then the baseline's mean
+    over places is taken for 1, so that readers meet the change that they would compute. It has the sign of what was
+    tested, and lies between the changes of the single places. Values of either sign have no such mean, and stay shares
+    of their size.
+
+    Args:
+        changes: Of one measure, one for each place.
+        confidence: That of the interval.
+    """
+    measure, alone = changes[0].measure, [[change] for change in changes]
+    scales = np.array([[1.0 / size_of(change)] for change in changes])
+    question, is_of_size = question_of(alone, scales), False
+    if not measure.is_share:
+        base, known = abs(question.means[0]), question.values[question.known]
+        is_of_size = not (base > 0.0 and (known.min() >= 0.0 or known.max() <= 0.0))
+        question = question if is_of_size else question_of(alone, scales / base)
+    low, high = map(float, question.ends[:, 0].mean(axis=0))
+    found = Change(measure, *question.means, None, of_places=tuple(changes), of_mean=(low, high), is_of_size=is_of_size)
+    if found.seeds < LEAST_SEEDS:
         return found
-    ends, (ours, theirs) = change.measure.ends, change.without
-    if (ours or theirs) and not change.measure.has_ends:
-        return found  # how bad those may be that left no value is not known
-    (low, high), (likely_low, likely_high) = (
-        difference_bounds([one], [other], [ends], of, ((ours,), (theirs,))) for of in (confidence, ONE_SIDED)
+    spread = question.error(0) * math.sqrt(found.seeds / 2.0)
+    return _with_bounds(replace(found, spread=spread), question, confidence)
+
+
+def _with_bounds(change: Change, question: Question, confidence: float) -> Change:
+    """The change with the intervals of its values."""
+    low, high = question.bounds(0, confidence)
+    if why_no_interval(change.seeds) or not math.isfinite(low):
+        return change  # of too few, or how bad those may be that left no value is not known
+    low, high = cut_to((low, high), of_difference(change.ends))
+    found = replace(change, low=low, high=high)
+    return (
+        replace(found, likely=question.bounds(0, ONE_SIDED), most=question.most(0)) if question.has_ends(0) else found
     )
-    low, high = cut_to((low, high), change.measure.of_difference)
-    found = replace(found, low=low, high=high)
-    if not change.measure.has_ends:
-        return found
-    (_, most_of_one), (_, most_of_other) = (
-        mean_bounds([of], [ends], lost=(count,)) for of, count in ((one, ours), (other, theirs))
-    )
-    return replace(found, likely=(likely_low, likely_high), most=(most_of_one, most_of_other))
+
+
+def size_of(change: Change) -> float:
+    """What values are divided by, so that places can be put together: 1 of a share, else the mean size."""
+    return 1.0 if change.measure.is_share else change.size or 1.0
+
+
+def seeds_of(changes: Sequence[Sequence[Change]]) -> list[int]:
+    """All seeds of the trainings of changes, by place and measure, in order."""
+    all_sides = (side for of_place in changes for change in of_place for side in (*change.trainings, *change.lost))
+    return sorted({seed for side in all_sides for seed in side})
+
+
+def question_of(changes: Sequence[Sequence[Change]], scales: Sequence[Sequence[float]] | Float = ((1.0,),)) -> Question:
+    """A question about the values of changes.
+
+    Args:
+        changes: By place and measure.
+        scales: What the values of each are multiplied by.
+    """
+    seeds = seeds_of(changes)
+    row = {seed: at for at, seed in enumerate(seeds)}
+    values = np.full((2, len(seeds), len(changes), len(changes[0])), np.nan)
+    begun = np.zeros((2, len(seeds), len(changes)), np.bool_)
+    for place, of_place in enumerate(changes):
+        for measure, change in enumerate(of_place):
+            for side, of_side in enumerate(change.trainings):
+                at = [row[seed] for seed in of_side]
+                values[side, at, place, measure] = np.array(change.values[side]) * scales[place][measure]
+                begun[side, [*at, *(row[seed] for seed in change.lost[side])], place] = True
+    ends = np.array([[change.measure.ends for change in of_place] for of_place in changes])
+    # A negative scale swaps ends.
+    return Question.of(values, np.sort(ends * np.array(scales)[..., None], axis=2), begun)
 
 
 def _mean(values: Iterable[float | None]) -> float | None:

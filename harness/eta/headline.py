@@ -3,11 +3,10 @@
 import math
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any, TypeAlias
+from typing import Any
 
 from harness.eta.behaviour_change import Change
 from harness.eta.power import Range
-from harness.eta.verdict.together import Together
 
 SUCCESS, TIME = "success_rate", "time_to_target"
 DECIDING = (SUCCESS, TIME)
@@ -46,10 +45,6 @@ class Answer(StrEnum):
     """Trainings are missing, and no plan of looks says what may be concluded without them."""
 
 
-Compared: TypeAlias = Change | Together
-"""Values of a measure under two rewards: in one place, or means over several."""
-
-
 @dataclass(frozen=True)
 class Headline:
     """Two answers: about the robot, and about the number.
@@ -80,49 +75,49 @@ class Headline:
         }
 
 
-def is_within(change: Compared, margin: float) -> bool:
+def is_within(change: Change, margin: float) -> bool:
     """Whether the difference is smaller than a margin, by two one-sided tests at 5 % (Schuirmann 1987)."""
     return change.likely is not None and -margin < change.likely[0] and change.likely[1] < margin
 
 
-def margin_of(change: Compared) -> float:
+def margin_of(change: Change) -> float:
     """The margin of a measure, in its unit. A smaller difference counts as none."""
     if is_share(change):
         return SUCCESS_MARGIN
     return TIME_MARGIN * (abs(change.baseline or 0.0) + abs(change.proposed or 0.0)) / 2.0
 
 
-def margin_text(change: Compared) -> str:
+def margin_text(change: Change) -> str:
     """The margin of a measure in words."""
     size = size_text(change, SUCCESS_MARGIN if is_share(change) else TIME_MARGIN)
     return f"{size} of {_short_name(change)}{_while(change)}"
 
 
-def size_text(change: Compared, size: float) -> str:
+def size_text(change: Change, size: float) -> str:
     """A size of a difference in words: points of a share, else a part of the mean size."""
     return f"{100 * size:g} points" if is_share(change) else f"{size:.0%}"
 
 
-def is_share(change: Compared) -> bool:
+def is_share(change: Change) -> bool:
     """Whether a measure is written as a percentage."""
     return change.measure.is_share and not change.measure.unit
 
 
-def is_hardly_learned(change: Compared) -> bool:
+def is_hardly_learned(change: Change) -> bool:
     """Whether success at the end is below `LEARNED` under both rewards, as far as it was seen."""
     if change.failed is None or change.measure.is_while_training:
         return False
     return max(change.baseline or 0.0, change.proposed or 0.0) < LEARNED
 
 
-def reaches_of(change: Compared) -> tuple[float, float]:
+def reaches_of(change: Change) -> tuple[float, float]:
     """How far the mean of the reward that is ahead lies from the worst end, and the other one from the best end."""
     low, high = change.ends
     one, other = sorted((change.baseline or 0.0, change.proposed or 0.0))
     return (other - low, high - one) if change.measure.better == "higher" else (high - one, other - low)
 
 
-def share_undone(change: Compared) -> float | None:
+def share_undone(change: Change) -> float | None:
     """Which share of trainings of the reward that is ahead would have to end as badly as they can to make both equal.
 
     None where it is not known how badly that is, or where nothing is ahead.
@@ -131,32 +126,32 @@ def share_undone(change: Compared) -> float | None:
     return size / reach if size > 0.0 and math.isfinite(reach) else None
 
 
-def difference_of(change: Compared) -> float:
+def difference_of(change: Change) -> float:
     """Proposed - baseline, of the means."""
     return (change.proposed or 0.0) - (change.baseline or 0.0)
 
 
-def name_of(change: Compared) -> str:
+def name_of(change: Change) -> str:
     """The name of a measure in a sentence, such as ``success`` or ``success while training``."""
     told = "time to the target" if change.name == TIME else _short_name(change)
     return f"{told}{_while(change)}"
 
 
-def name_with_article(change: Compared) -> str:
+def name_with_article(change: Change) -> str:
     """The same within a sentence, with an article where it needs one, such as ``the time to the target``."""
     return f"the {name_of(change)}" if change.name == TIME else name_of(change)
 
 
-def key_of(change: Compared) -> str:
+def key_of(change: Change) -> str:
     """The name of a measure for a program, such as ``success_rate`` or ``success_rate while training``."""
     return f"{change.name}{_while(change)}"
 
 
-def _short_name(change: Compared) -> str:
+def _short_name(change: Change) -> str:
     return SHORT.get(change.name) or change.measure.title or change.name.replace("_", " ")
 
 
-def _while(change: Compared) -> str:
+def _while(change: Change) -> str:
     return f" {change.measure.manner}" if change.measure.is_while_training else ""
 
 

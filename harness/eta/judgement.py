@@ -7,11 +7,11 @@ import shlex
 from collections.abc import Sequence
 
 from harness.eta.amounts import LUCK, capitalised, listed, same_text, seen_text, trainings_text, unseen_text
+from harness.eta.behaviour_change import Change
 from harness.eta.headline import (
     LEARNED,
     UNMEASURED,
     Answer,
-    Compared,
     Headline,
     difference_of,
     is_hardly_learned,
@@ -46,7 +46,7 @@ DECIDED = (Answer.HELPS, Answer.HURTS, Answer.LEARNS_FASTER, Answer.LEARNS_SLOWE
 
 def judge(
     names: Names,
-    deciding: Sequence[Compared],
+    deciding: Sequence[Change],
     number: str,
     ruling: Ruling | None = None,
     unmeasured: str = UNMEASURED,
@@ -89,7 +89,7 @@ def judge(
 
 
 def answer_of(
-    deciding: Sequence[Compared], ruling: Ruling, *, same_steps: bool = False, is_opposed: bool = False
+    deciding: Sequence[Change], ruling: Ruling, *, same_steps: bool = False, is_opposed: bool = False
 ) -> Answer:
     """The word for what the test says of at least one measure; see `judge`."""
     if ruling.missing:
@@ -110,12 +110,12 @@ def answer_of(
     return Answer.AHEAD if ruling.sign > 0 else Answer.BEHIND
 
 
-def is_same(deciding: Sequence[Compared], ruling: Ruling, *, same_steps: bool) -> bool:
+def is_same(deciding: Sequence[Change], ruling: Ruling, *, same_steps: bool) -> bool:
     """Whether there is no difference because the steps are the same, and not because a test says so."""
     return same_steps and answer_of(deciding, ruling) is Answer.CANNOT_TELL
 
 
-def _answer_of_decided(deciding: Sequence[Compared], ruling: Ruling, is_opposed: bool) -> Answer:
+def _answer_of_decided(deciding: Sequence[Change], ruling: Ruling, is_opposed: bool) -> Answer:
     if is_opposed or ruling.is_contrary:
         return Answer.MIXED
     is_better = ruling.sign > 0
@@ -125,7 +125,7 @@ def _answer_of_decided(deciding: Sequence[Compared], ruling: Ruling, is_opposed:
     return Answer.HELPS if is_better else Answer.HURTS
 
 
-def asks_end(deciding: Sequence[Compared]) -> bool:
+def asks_end(deciding: Sequence[Change]) -> bool:
     """Whether the end was asked about: it was measured, or a training is judged over all its steps as nobody knows it.
 
     An experiment may measure success while training alone: then that is its answer.
@@ -133,7 +133,7 @@ def asks_end(deciding: Sequence[Compared]) -> bool:
     return any(not it.measure.is_while_training or it.measure.manner == WHOLE for it in deciding)
 
 
-def decider_of(deciding: Sequence[Compared], ruling: Ruling, answer: Answer) -> int:
+def decider_of(deciding: Sequence[Change], ruling: Ruling, answer: Answer) -> int:
     """Which measure an answer rests on: the first that it is about, or the one with the smallest p."""
     passing = [at for at in range(len(deciding)) if ruling.passes(at)]
     if answer in (Answer.HELPS, Answer.HURTS):
@@ -141,25 +141,25 @@ def decider_of(deciding: Sequence[Compared], ruling: Ruling, answer: Answer) -> 
     return passing[0] if ruling.is_decided else min(passing, key=ruling.of_measures.__getitem__)
 
 
-def is_little(deciding: Sequence[Compared], ruling: Ruling, answer: Answer) -> bool:
+def is_little(deciding: Sequence[Change], ruling: Ruling, answer: Answer) -> bool:
     """Whether the difference of the measure that decided, and of all others that pass, is smaller than its margin."""
     return answer is not Answer.MIXED and all(
         abs(difference_of(change)) < margin_of(change) for at, change in enumerate(deciding) if ruling.passes(at)
     )
 
 
-def progress_text(deciding: Sequence[Compared], ruling: Ruling) -> str:
+def progress_text(deciding: Sequence[Change], ruling: Ruling) -> str:
     """How many trainings there are, and how many are missing."""
     verb = "is" if ruling.missing == 1 else "are"
     return f"{sum(deciding[0].counts):,} trainings are compared, {ruling.missing:,} {verb} missing."
 
 
-def end_text(ends: Sequence[Compared]) -> str:
+def end_text(ends: Sequence[Change]) -> str:
     """What is said of the end where success while training alone decided."""
     return "whether the end differs too cannot be told" if ends else "what it does at the end is not known"
 
 
-def reasons(names: Names, deciding: Sequence[Compared], ruling: Ruling, where: str) -> list[str]:
+def reasons(names: Names, deciding: Sequence[Change], ruling: Ruling, where: str) -> list[str]:
     """Why nothing can be told, a sentence each, where that needs saying; over several places few trainings are many."""
     if max(deciding[0].counts) < FEWEST and not where and not ruling.has_plan:
         return [f"Fewer than {FEWEST} of each reward cannot show anything."]
@@ -169,7 +169,7 @@ def reasons(names: Names, deciding: Sequence[Compared], ruling: Ruling, where: s
     return [line for line in lines if line]
 
 
-def _why_open(deciding: Sequence[Compared], ruling: Ruling) -> str:
+def _why_open(deciding: Sequence[Change], ruling: Ruling) -> str:
     """Why nothing is told, though a number beside it may seem to; else empty."""
     if ruling.is_held:
         return "A single place is told only where the answer over all is."
@@ -178,7 +178,7 @@ def _why_open(deciding: Sequence[Compared], ruling: Ruling) -> str:
     return ends_text(deciding)
 
 
-def ends_text(changes: Sequence[Compared]) -> str:
+def ends_text(changes: Sequence[Change]) -> str:
     """What to type where the ends of a measure are not known, so that its interval gives no plain word; else empty."""
     without = [it for it in changes if not it.measure.has_ends]
     if not without:
@@ -190,12 +190,12 @@ def ends_text(changes: Sequence[Compared]) -> str:
     )
 
 
-def reserve_text(names: Names, deciding: Sequence[Compared], ruling: Ruling) -> str:
+def reserve_text(names: Names, deciding: Sequence[Change], ruling: Ruling) -> str:
     """What an answer of no difference cannot rule out; empty where no test gave it."""
     return unseen_text(names, deciding) if answer_of(deciding, ruling) is Answer.NO_DIFFERENCE else ""
 
 
-def allowance_text(deciding: Sequence[Compared]) -> str:
+def allowance_text(deciding: Sequence[Change]) -> str:
     """What an answer of no difference allows for."""
     return ", also where trainings fail that were not seen" if any(map(is_share, deciding)) else ""
 
@@ -205,7 +205,7 @@ def sure_text(ruling: Ruling) -> str:
     return f"One training more of either reward, however it ends, would not undo that ({100 * ruling.confidence:.3g}%)."
 
 
-def _clear(names: Names, deciding: Sequence[Compared], ruling: Ruling, there: str, answer: Answer) -> str:
+def _clear(names: Names, deciding: Sequence[Change], ruling: Ruling, there: str, answer: Answer) -> str:
     """The plain word where all measures that pass go one way."""
     at = decider_of(deciding, ruling, answer)
     by = f", decided by {name_with_article(deciding[at])}" if len(deciding) > 1 else ""
@@ -223,7 +223,7 @@ def _clear(names: Names, deciding: Sequence[Compared], ruling: Ruling, there: st
     return f"{told}{f'; it also learns {word}' if speed else ''}."
 
 
-def _sides(names: Names, deciding: Sequence[Compared], ruling: Ruling, there: str) -> str:
+def _sides(names: Names, deciding: Sequence[Change], ruling: Ruling, there: str) -> str:
     """What is better and what is worse."""
     sides = []
     for sign, word in ((1, "better"), (-1, "worse")):
@@ -234,11 +234,11 @@ def _sides(names: Names, deciding: Sequence[Compared], ruling: Ruling, there: st
     return f"{names.proposed} is {' and '.join(sides)}{average}."
 
 
-def _certainly_fail(change: Compared) -> bool:
+def _certainly_fail(change: Change) -> bool:
     return is_hardly_learned(change) and change.most is not None and max(change.most) < LEARNED
 
 
-def _untold(names: Names, deciding: Sequence[Compared], ruling: Ruling, answer: Answer, seen: str, there: str) -> str:
+def _untold(names: Names, deciding: Sequence[Change], ruling: Ruling, answer: Answer, seen: str, there: str) -> str:
     """The answers that no difference was tested for, or none was found."""
     if answer is Answer.INTERIM:
         return f"Interim: {progress_text(deciding, ruling)} {seen} {NO_TEST}"
@@ -248,7 +248,7 @@ def _untold(names: Names, deciding: Sequence[Compared], ruling: Ruling, answer: 
     return f"{seen} {told} {unseen_text(names, deciding)}".rstrip()
 
 
-def _neither_learns(names: Names, deciding: Sequence[Compared], ruling: Ruling, there: str) -> str:
+def _neither_learns(names: Names, deciding: Sequence[Change], ruling: Ruling, there: str) -> str:
     """The sentence that both fail at the task, and whether a test tells them apart all the same."""
     sure = " (95%)" * _certainly_fail(deciding[0])
     told = f"Neither reward teaches the task{there}: success is {below_text(deciding[0])}{sure}."
@@ -257,20 +257,20 @@ def _neither_learns(names: Names, deciding: Sequence[Compared], ruling: Ruling, 
     return f"{told} The two differ all the same: {_sides(names, deciding, ruling, there)}"
 
 
-def below_text(success: Compared) -> str:
+def below_text(success: Change) -> str:
     """How low success is under both rewards, and of which trainings this is known."""
     below = f"below {LEARNED:.0%} with either reward"
     return f"{below}, {UNSEEN_SUCCESS}" if _certainly_fail(success) else f"{below} in these trainings"
 
 
-def _same(names: Names, deciding: Sequence[Compared]) -> str:
+def _same(names: Names, deciding: Sequence[Change]) -> str:
     """The answer where the steps alone say that there is no difference."""
     told = f"{names.proposed} changes nothing: every step of every evaluation is the same as with {names.baseline}"
     longer = f" {TRAIN_LONGER}" * is_hardly_learned(deciding[0])
     return f"{same_text(names, deciding)} {told}, bit for bit.{longer}"
 
 
-def _small(names: Names, deciding: Sequence[Compared], margin: float, there: str) -> str:
+def _small(names: Names, deciding: Sequence[Change], margin: float, there: str) -> str:
     alone = f" This is said of {name_of(deciding[0])} alone." if len(deciding) > 1 else ""
     return (
         f"The {name_of(deciding[0])} of {names.proposed} differs by less than {size_text(deciding[0], margin)}{there}"
@@ -278,14 +278,14 @@ def _small(names: Names, deciding: Sequence[Compared], margin: float, there: str
     )
 
 
-def _no_difference(names: Names, deciding: Sequence[Compared], there: str) -> str:
+def _no_difference(names: Names, deciding: Sequence[Change], there: str) -> str:
     return (
         f"{names.proposed} makes no difference that counts{there}: less than "
         f"{listed([margin_text(change) for change in deciding])}{allowance_text(deciding)} (each side 95%)."
     )
 
 
-def _ahead(names: Names, deciding: Sequence[Compared], ruling: Ruling, there: str) -> list[str]:
+def _ahead(names: Names, deciding: Sequence[Change], ruling: Ruling, there: str) -> list[str]:
     """The sentences that only these trainings differ, what would undo that, and what would tell."""
     at = decider_of(deciding, ruling, Answer.AHEAD)
     place = "ahead" if ruling.sign > 0 else "behind"
@@ -294,7 +294,7 @@ def _ahead(names: Names, deciding: Sequence[Compared], ruling: Ruling, there: st
     return [told, *undone_texts(names, deciding, ruling), needed_text(deciding, ruling, there)]
 
 
-def undone_texts(names: Names, deciding: Sequence[Compared], ruling: Ruling) -> list[str]:
+def undone_texts(names: Names, deciding: Sequence[Change], ruling: Ruling) -> list[str]:
     """Why a word that is said so far is no more than that, a sentence each: luck, and trainings that were not seen."""
     change, lines = deciding[decider_of(deciding, ruling, Answer.AHEAD)], []
     if ruling.offered:
@@ -317,7 +317,7 @@ def undone_texts(names: Names, deciding: Sequence[Compared], ruling: Ruling) -> 
     return [*lines, f"Of new trainings that says little yet: {undone}"]
 
 
-def _cannot_tell(names: Names, deciding: Sequence[Compared], ruling: Ruling, there: str) -> list[str]:
+def _cannot_tell(names: Names, deciding: Sequence[Change], ruling: Ruling, there: str) -> list[str]:
     """The sentences that it is not known, why, and what would help."""
     of = trainings_text(names, deciding[0].counts, deciding[0].without)
     return [

@@ -7,10 +7,10 @@ the headline says so.
 from collections.abc import Sequence
 
 from harness.eta.amounts import capitalised, listed, relative_text, short_values
+from harness.eta.behaviour_change import Change
 from harness.eta.headline import (
     TIME,
     Answer,
-    Compared,
     Headline,
     is_hardly_learned,
     is_share,
@@ -37,7 +37,7 @@ INSTEAD = " instead of "
 
 def lead_of(
     found: Headline,
-    deciding: Sequence[Compared],
+    deciding: Sequence[Change],
     ruling: Ruling,
     subject: str,
     where: str = "",
@@ -67,14 +67,14 @@ def lead_of(
     return _untold(found.answer, deciding, ruling, where)
 
 
-def _untold(answer: Answer, deciding: Sequence[Compared], ruling: Ruling, where: str) -> str:
+def _untold(answer: Answer, deciding: Sequence[Change], ruling: Ruling, where: str) -> str:
     """Why the rewards are not compared, or not told apart."""
     if answer is Answer.INTERIM:
         return f"{progress_text(deciding, ruling)} {NO_TEST}"
     return TRAIN_LONGER if is_hardly_learned(deciding[0]) else _not_enough(deciding, where)
 
 
-def _decided(answer: Answer, deciding: Sequence[Compared], ruling: Ruling, subject: str, where: str) -> str:
+def _decided(answer: Answer, deciding: Sequence[Change], ruling: Ruling, subject: str, where: str) -> str:
     """What the robot does instead; then what else passed; then what did not, at the end of the trainings."""
     first = decider_of(deciding, ruling, answer)
     sign = ruling.sign * ruling.is_decided
@@ -94,7 +94,7 @@ def _decided(answer: Answer, deciding: Sequence[Compared], ruling: Ruling, subje
     return " ".join(lines)
 
 
-def _neither_learns(deciding: Sequence[Compared], ruling: Ruling, where: str) -> str:
+def _neither_learns(deciding: Sequence[Change], ruling: Ruling, where: str) -> str:
     """The lead that says: both fail at the task; then what differs all the same."""
     lines = [f"Success is {below_text(deciding[0])}{_there(where)}."]
     if ruling.is_decided:
@@ -102,7 +102,7 @@ def _neither_learns(deciding: Sequence[Compared], ruling: Ruling, where: str) ->
     return " ".join([*lines, TRAIN_LONGER])
 
 
-def _sides(deciding: Sequence[Compared], ruling: Ruling, where: str) -> str:
+def _sides(deciding: Sequence[Change], ruling: Ruling, where: str) -> str:
     """What is better and what is worse, that of the measure that says most first."""
     lines = []
     for sign in (ruling.sign, -ruling.sign):
@@ -112,7 +112,7 @@ def _sides(deciding: Sequence[Compared], ruling: Ruling, where: str) -> str:
     return " ".join(lines)
 
 
-def _does(change: Compared, subject: str, sign: int, also: str = "") -> str:
+def _does(change: Change, subject: str, sign: int, also: str = "") -> str:
     """What the robot does instead of what it does under the baseline; the sign is 0 where only these trainings do."""
     if change.measure.is_while_training and is_share(change) and "success" in change.name:
         told = f"{_instead(change)} of its episodes succeed {change.measure.manner}"
@@ -126,7 +126,7 @@ def _does(change: Compared, subject: str, sign: int, also: str = "") -> str:
     return f"{capitalised(name_of(change))} is {also}{_instead(change)}"
 
 
-def _instead(change: Compared) -> str:
+def _instead(change: Change) -> str:
     if change.is_relative:
         return relative_text(change)
     baseline, proposed = short_values(change)
@@ -134,7 +134,7 @@ def _instead(change: Compared) -> str:
     return f"{proposed}{INSTEAD}{baseline} {unit}".rstrip()
 
 
-def _no_difference(deciding: Sequence[Compared], ruling: Ruling, subject: str, where: str, same_steps: bool) -> str:
+def _no_difference(deciding: Sequence[Change], ruling: Ruling, subject: str, where: str, same_steps: bool) -> str:
     if is_same(deciding, ruling, same_steps=same_steps):
         return f"The {subject} takes the same steps with either reward, bit for bit{_there(where)}."
     if ruling.small is not None:
@@ -145,7 +145,7 @@ def _no_difference(deciding: Sequence[Compared], ruling: Ruling, subject: str, w
     return f"The rewards differ by less than {margins}{_there(where)}{allowance_text(deciding)}."
 
 
-def _not_enough(deciding: Sequence[Compared], where: str) -> str:
+def _not_enough(deciding: Sequence[Change], where: str) -> str:
     fewest, most = sorted(deciding[0].counts)
     if fewest != most:
         return f"These trainings are not enough to tell{_there(where)}."

@@ -3,7 +3,8 @@
 import math
 from collections.abc import Sequence
 
-from harness.eta.headline import Compared, difference_of, is_hardly_learned, margin_of, reaches_of
+from harness.eta.behaviour_change import Change
+from harness.eta.headline import difference_of, is_hardly_learned, margin_of, reaches_of
 from harness.eta.interval import ONE_SIDED
 from harness.eta.power import Range, seeds_to_tell
 from harness.eta.verdict.ruling import Ruling
@@ -12,7 +13,7 @@ PLANNABLE = 10
 """A number of trainings that is known only to a larger factor is no plan."""
 
 
-def needed_of(deciding: Sequence[Compared], ruling: Ruling) -> Range | None:
+def needed_of(deciding: Sequence[Change], ruling: Ruling) -> Range | None:
     """How many trainings of each reward would give a plain word, or show that nothing differs; see `_looks_alike`.
 
     None where no number is known, and where more of the same trainings are no help: where no end of a measure is known,
@@ -31,9 +32,7 @@ def needed_of(deciding: Sequence[Compared], ruling: Ruling) -> Range | None:
     return (max(min(known)[0], more), max(min(known)[1], more)) if known else None
 
 
-def needed_text(
-    deciding: Sequence[Compared], ruling: Ruling, where: str, noun: str = "trainings of each reward"
-) -> str:
+def needed_text(deciding: Sequence[Change], ruling: Ruling, where: str, noun: str = "trainings of each reward") -> str:
     """The same in a sentence; empty where it is not known, or where more trainings of this kind are no help."""
     needed = needed_of(deciding, ruling)
     if needed is None:
@@ -48,15 +47,15 @@ def needed_text(
     return f"If {condition}, {range_text(needed)} {noun}{there} would {end}."
 
 
-def _looks_alike(deciding: Sequence[Compared], ruling: Ruling) -> bool:
+def _looks_alike(deciding: Sequence[Change], ruling: Ruling) -> bool:
     """Whether what was seen of every measure counts as no difference; then all of them have to be told, else one."""
     return not ruling.is_ahead and all(abs(difference_of(it)) < margin_of(it) for it in deciding)
 
 
-def _seeds_for(change: Compared, size: float, confidence: float, reach: float) -> Range | None:
+def _seeds_for(change: Change, size: float, confidence: float, reach: float) -> Range | None:
     if change.spread is None or not size or not math.isfinite(reach):
         return None
-    return seeds_to_tell(size, change.spread, change.seeds, confidence, reach / change.places)
+    return seeds_to_tell(size, change.spread, change.seeds, confidence, reach / len(change.parts))
 
 
 def range_text(seeds: Range) -> str:

@@ -6,12 +6,12 @@ from functools import cached_property
 from itertools import zip_longest
 from typing import Any
 
+from harness.eta.behaviour_change import Change
 from harness.eta.headline import Answer, Headline
 from harness.eta.judgement import judge
 from harness.eta.lead import lead_of
 from harness.eta.splits import Names
 from harness.eta.verdict.ruling import Ruling
-from harness.eta.verdict.together import Together
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +33,7 @@ class Pool:
     steps: int
     places: tuple[str, ...]
     ruling: Ruling
-    measures: Sequence[Together]
+    measures: Sequence[Change]
     better_in: int = 0
     opposed_in: int = 0
     subject: str = "robot"

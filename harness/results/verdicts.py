@@ -12,11 +12,10 @@ from itertools import takewhile, zip_longest
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from harness.eta.behaviour_change import Change
+from harness.eta.behaviour_change import Change, question_of, seeds_of, size_of, together
 from harness.eta.verdict.looks import Looks, rule_in_looks
 from harness.eta.verdict.question import Question
 from harness.eta.verdict.ruling import Ruling, better_in, opposed_in, rule, rule_places
-from harness.eta.verdict.together import Together, question_of, seeds_of, size_of
 from harness.record.cell import Cell
 from harness.record.manifest import Manifest
 from harness.record.terms import FIRST, Terms
@@ -45,12 +44,12 @@ class Asked:
         scales = [[(-1.0 if it.measure.better == "lower" else 1.0) / size_of(it) for it in of] for of in each]
         return question_of(each, scales)
 
-    def together(self, confidence: float) -> tuple[Together, ...]:
+    def together(self, confidence: float) -> tuple[Change, ...]:
         """The measures, means over places, with intervals of this confidence; none where places have other ones."""
         of_measures = list(zip(*self.changes, strict=True))
         if any(len({it.name for it in of_places}) > 1 for of_places in of_measures):
             return ()
-        return tuple(Together.of(of_places, confidence) for of_places in of_measures)
+        return tuple(together(of_places, confidence) for of_places in of_measures)
 
 
 def with_verdicts(

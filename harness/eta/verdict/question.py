@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from harness.arrays import Float, Ints, Mask
-from harness.eta.interval import UNBOUNDED, Interval, difference_bounds, quantile
+from harness.eta.interval import UNBOUNDED, Bounds, Interval, difference_bounds, mean_bounds, quantile
 from harness.eta.verdict.deals import Strata, as_trained, deals_of
 
 LEAST_SPREAD = 0.001
@@ -147,20 +147,29 @@ class Question:
         It is that of `harness.eta.interval`. A seed may end alike in several places, so Student's interval over seeds
         counts too.
         """
-        known, values = self.known[..., measure], self.values[..., measure]
-        lost = (self.begun & ~known).sum(axis=1)
-        if known.sum(axis=1).min() < LEAST_SEEDS or (lost.any() and not self.has_ends(measure)):
+        (one, other), ends, (ours, theirs) = self._by_place(measure)
+        if min(map(len, one + other)) < LEAST_SEEDS or (any(ours + theirs) and not self.has_ends(measure)):
             return UNBOUNDED
-        one, other = (
-            [side[there[:, at], at] for at in range(self.places)] for side, there in zip(values, known, strict=True)
-        )
-        ends = [(float(low), float(high)) for low, high in self.ends[:, measure]]
-        low, high = difference_bounds(one, other, ends, confidence, (lost[0].tolist(), lost[1].tolist()))
+        low, high = difference_bounds(one, other, ends, confidence, (ours, theirs))
         if self.places == 1:
             return low, high
         difference, error = (float(it[0]) for it in self._mean(measure, as_trained(self.layout.strata)[None, :]))
         reach = quantile(confidence, self._freedom(measure)) * error
         return min(low, difference - reach), max(high, difference + reach)
+
+    def most(self, measure: int) -> tuple[float, float]:
+        """What the mean over places of one measure lies below in 95 %, under either reward."""
+        sides, ends, lost = self._by_place(measure)
+        (_, one), (_, other) = (mean_bounds(side, ends, lost=of) for side, of in zip(sides, lost, strict=True))
+        return one, other
+
+    def _by_place(self, measure: int) -> tuple[list[list[Float]], list[Bounds], list[list[int]]]:
+        """The values of each side, what they can be, and how many trainings of each side left none."""
+        known, values = self.known[..., measure], self.values[..., measure]
+        places = range(self.places)
+        sides = [[side[there[:, at], at] for at in places] for side, there in zip(values, known, strict=True)]
+        ends = [(float(low), float(high)) for low, high in self.ends[:, measure]]
+        return sides, ends, (self.begun & ~known).sum(axis=1).tolist()
 
     def leaning(self, measure: int, confidence: float) -> int:
         """1 where the bound of a measure lies above 0, -1 where below; 0 where it holds 0 or an end is not known."""

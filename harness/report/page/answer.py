@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 from harness.eta.amounts import difference_text, listed, same_text, short_seen_text, short_values, trainings_text
 from harness.eta.behaviour_change import Change
-from harness.eta.headline import TIME, Answer, Compared, Headline, difference_of, key_of, name_of, name_with_article
+from harness.eta.headline import TIME, Answer, Headline, difference_of, key_of, name_of, name_with_article
 from harness.eta.judgement import is_same, reasons, reserve_text, sure_text, undone_texts
 from harness.eta.needed import needed_text, range_text
 from harness.eta.splits import Names
@@ -89,9 +89,7 @@ def pool_cards(comparisons: Sequence[Comparison]) -> list[Card]:
     return [pool_card(pool) for pool in pools_of(comparisons)]
 
 
-def _card(
-    names: Names, found: Headline, lead: str, changes: Sequence[Compared], ruling: Ruling, where: str = ""
-) -> Card:
+def _card(names: Names, found: Headline, lead: str, changes: Sequence[Change], ruling: Ruling, where: str = "") -> Card:
     by = [
         at
         for at, change in enumerate(changes)
@@ -105,7 +103,7 @@ def _card(
 
 
 def _sure(
-    names: Names, answer: Answer, changes: Sequence[Compared], ruling: Ruling, by: Sequence[int], where: str
+    names: Names, answer: Answer, changes: Sequence[Change], ruling: Ruling, by: Sequence[int], where: str
 ) -> str:
     """What decided, and how sure it is; where nothing did, why, and what would tell."""
     if answer in (Answer.AHEAD, Answer.BEHIND, Answer.CANNOT_TELL):
@@ -120,7 +118,7 @@ def _sure(
     return reserve_text(names, changes, ruling)
 
 
-def _row(change: Compared, at: int, ruling: Ruling, decides: bool) -> Row:
+def _row(change: Change, at: int, ruling: Ruling, decides: bool) -> Row:
     direction = "" if not (ruling.is_decided and ruling.passes(at)) else "better" if ruling.signs[at] > 0 else "worse"
     figure = draw_interval(difference_of(change), change.low, change.high, change.measure.better, direction)
     value = difference_text(change, 2).partition(" ")[0] if change.is_relative else " -> ".join(short_values(change))
