@@ -1,7 +1,7 @@
 """``harness eta``: two groups of recorded runs compared, or all trainings of a folder."""
 
 import glob
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from harness.cli.datasets import names_dataset
-from harness.cli.flags import logs
+from harness.cli.flags import inputs, logs
+from harness.cli.flags.inputs import require_fit
 from harness.cli.flags.shared import REWARDS, AsJson, CurveKind, PluginFiles, flag
 from harness.cli.output import complain, say, say_json
-from harness.cli.recordings import holds_recordings, is_experiment, refuse_flags, told_of_logs
+from harness.cli.recordings import holds_recordings, is_experiment, told_of_logs
+from harness.cli.records import records_in
 from harness.cli.results_shown import show_results
 from harness.errors import UsageError
 from harness.text import command_text
@@ -93,26 +95,19 @@ def eta(
     from harness.registry.given import read_given
     from harness.registry.registry import load_registry
 
-    of_steps = {
-        "--with-events": with_events, "--baseline-reward": baseline_reward,
-        "--proposed-reward": proposed_reward, "--plugin": plugin,
-    }  # fmt: skip
-    of_logs = {
-        "--sort": sort, "--as": as_format, "--measure": measure, "--labels": labels, "--per-step": per_step,
-    }  # fmt: skip
     registry = load_registry(given=read_given(plugin))
     named = _only(baseline) if folder else None
     measures = [measure] if measure else None
     told_of = partial(told_of_logs, as_format, sort, named, measures, labels, leave_out, per_step, ends)
     if folder is not None:
-        opened = _open_folder(folder, registry, told_of(), curve, of_logs)
+        if records := records_in([folder]):
+            records.refuse(folder, "harness eta")
+        opened = _open_folder(context, folder, registry, told_of(), curve)
     else:
-        opened = _open_groups([baseline or [], proposed or []], registry, as_format or "", told_of, curve)
+        opened = _open_groups(context, [baseline or [], proposed or []], registry, as_format or "", told_of, curve)
     if not isinstance(opened, tuple):
-        refuse_flags(of_steps)
         everything = command_text("harness", "report", opened.folder, "--details")
         return show_results(opened, everything, as_json=as_json, html=plot, details=True)
-    refuse_flags({**of_logs, "--ends": ends, "--sort": None}, "files of steps")
     from harness.eta.laws import counted
     from harness.score.compare import compare_logs
     from harness.score.open_steps import matched_paths, open_steps
@@ -150,6 +145,7 @@ def _only(baseline: Sequence[str] | None) -> str | None:
 
 
 def _open_groups(
+    context: typer.Context,
     patterns: Sequence[Sequence[str]],
     registry: "Registry",
     as_format: str,
@@ -163,7 +159,9 @@ def _open_groups(
     if as_format or (not is_table_of_steps(groups[0][0]) and _is_no_log_of_steps(groups[0][0], registry)):
         from harness.results.logs.results_of_logs import results_of_groups
 
+        require_fit(context, inputs.LOGS)
         return results_of_groups(groups, registry, told_of(), curve)
+    require_fit(context, inputs.GROUPS)
     baseline, proposed = patterns
     return baseline, proposed
 
@@ -177,19 +175,22 @@ def _is_no_log_of_steps(path: Path, registry: "Registry") -> bool:
 
 
 def _open_folder(
-    folder: Path, registry: "Registry", told: "Told", curve: "Kind", of_logs: Mapping[str, object]
+    context: typer.Context, folder: Path, registry: "Registry", told: "Told", curve: "Kind"
 ) -> "Results | OfSteps":
     """The results of a folder; or the files of steps of the two rewards in it."""
     from harness.results.load import load_results
 
     if is_experiment(folder):
-        refuse_flags({**of_logs, "--baseline": told.baseline}, "an experiment, whose plan says it")
+        require_fit(context, inputs.EXPERIMENT)
     elif not told.format and holds_recordings([folder]):
-        refuse_flags({**of_logs, "--measure": None})
+        require_fit(context, inputs.RECORDINGS)
     elif not told.format and (groups := _files_of_steps(folder, registry, told)):
+        require_fit(context, inputs.STEPS)
         (baseline, ours), (proposed, theirs) = groups.items()
         say(f"CSV files: {len(ours)} of `{baseline}`, the baseline, and {len(theirs)} of `{proposed}`", err=True)
         return list(map(glob.escape, map(str, ours))), list(map(glob.escape, map(str, theirs)))
+    else:
+        require_fit(context, inputs.LOGS)
     return load_results(folder, curve, told=told, registry=registry)
 
 

@@ -1,6 +1,6 @@
 """Folders of recorded trainings, and of logs, that no experiment made, given to a command."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -40,17 +40,6 @@ def require_one_folder(folders: Sequence[Path], noun: str) -> None:
     """
     if len(folders) > 1:
         raise UsageError(f"'{folders[0]}' holds {noun}: name one folder that all of them lie in")
-
-
-def refuse_flags(flags: Mapping[str, object], noun: str = "a folder of recorded trainings") -> None:
-    """Say which flag cannot be used.
-
-    Raises:
-        UsageError: One was given.
-    """
-    for flag, given in flags.items():
-        if given:
-            raise UsageError(f"{flag} does not go with {noun}: leave it out")
 
 
 def told_of_logs(

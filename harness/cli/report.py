@@ -11,16 +11,11 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from harness.cli.datasets import names_dataset
-from harness.cli.flags import logs
+from harness.cli.flags import inputs, logs
+from harness.cli.flags.inputs import require_fit
 from harness.cli.flags.shared import AsJson, CurveKind, FailOn, MetricNames, Names, PluginFiles, flag
 from harness.cli.output import complain, say
-from harness.cli.recordings import (
-    holds_recordings,
-    is_experiment,
-    refuse_flags,
-    require_one_folder,
-    told_of_logs,
-)
+from harness.cli.recordings import holds_recordings, is_experiment, require_one_folder, told_of_logs
 from harness.cli.records import Records, records_in
 from harness.cli.results_shown import show_results
 from harness.errors import UsageError
@@ -70,6 +65,7 @@ MeasureFiles = Annotated[
 
 
 def report(
+    context: typer.Context,
     folders: ExperimentFolders,
     curve: CurveKind = "accumulated",
     as_json: AsJson = False,
@@ -102,49 +98,30 @@ def report(
     if any(map(names_dataset, folders)):
         if len(folders) > 1:
             raise UsageError("One data set is reported at a time: name it alone")
-        refuse_flags(
-            {
-                "--details": details,
-                "--summary": summary,
-                "--metric": metric,
-                "--pairs": pairs,
-                "--plugin": plugin,
-                "--measure": measure,
-                "--baseline": baseline,
-                "--sort": sort,
-                "--as": as_format,
-                "--leave-out": leave_out,
-                "--per-step": per_step,
-                "--ends": ends,
-            },
-            "a data set",
-        )
+        require_fit(context, inputs.DATASET)
         return _audit(folders[0], as_json, html, labels, fail_on)
     from harness.registry.given import read_given
     from harness.results import load_results
 
-    beside = {
-        "--html": html, "--summary": summary, "--details": details, "--fail-on": named, "--leave-out": leave_out,
-        "--ends": ends,
-    }  # fmt: skip
     records = records_in(folders)
     if records is not None:
-        return _show_records(records, folders, as_json, [name for name, value in beside.items() if value])
-    of_logs = {"--sort": sort, "--as": as_format, "--labels": labels, "--per-step": per_step}
-    told = None
-    if not any(map(is_experiment, folders)) and (as_format or not holds_recordings(folders)):
-        require_one_folder(folders, "logs of trainings")
-        refuse_flags({"--plugin": plugin, "--summary": summary}, "a folder of logs")
-        told, measure = told_of_logs(as_format, sort, baseline, measure, labels, leave_out, per_step, ends), None
+        return _show_records(records, folders, as_json, inputs.unfit(context, inputs.RECORDS))
+    of_experiment = any(map(is_experiment, folders))
+    given = inputs.EXPERIMENT
+    if not of_experiment and (as_format or not holds_recordings(folders)):
+        require_one_folder(folders, inputs.LOGS)
+        given = inputs.LOGS
     elif holds_recordings(folders):
-        refuse_flags({"--plugin": plugin, **of_logs})
-        told, measure = told_of_logs(None, None, baseline, measure, None, leave_out, ends=ends), None
-    else:
-        refuse_flags({"--baseline": baseline, **of_logs}, "an experiment, whose plan says it")
-        told = told_of_logs(None, None, None, None, None, leave_out, ends=ends)
+        given = inputs.RECORDINGS
+    require_fit(context, given)
+    deciding = None if of_experiment else measure
+    files = measure if of_experiment else None
+    told = told_of_logs(as_format, sort, baseline, deciding, labels, leave_out, per_step, ends)
     show = partial(show_results, as_json=as_json, html=html, details=details, summary=summary)
     if len(folders) == 1:
-        results = load_results(folders[0], curve, metric, plugin or (), pairs=pairs, measures=measure or (), told=told)
+        results = load_results(folders[0], curve, metric, plugin or (), pairs=pairs, measures=files or (), told=told)
+        if results.is_experiment and results.in_environment:
+            require_fit(context, inputs.ENVIRONMENTS)
         status = show(results, _details(results, folders, told))
         if results.damaged:
             verify = command_text("harness", "verify", folders[0])
@@ -152,7 +129,7 @@ def report(
         return status_of(named, said_of(results) if named else (), 1 if results.damaged else status)
     with ExitStack() as stack:
         together = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="harness-report-")))
-        results, left_out = _read_together(folders, together, curve, metric, read_given(plugin, measure), pairs, told)
+        results, left_out = _read_together(folders, together, curve, metric, read_given(plugin, files), pairs, told)
         show(results, _details(results, folders, told))
         said = said_of(results) if named else []
     for path, reason in left_out:

@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from harness.cli.datasets import names_dataset, score_dataset
+from harness.cli.flags import inputs
 from harness.cli.flags.dataset import Partial, Places
+from harness.cli.flags.inputs import require_fit
 from harness.cli.flags.shared import REWARDS, TASKS, AsJson, PluginFiles, RobotName, flag
 from harness.cli.output import complain, say, say_json
-from harness.cli.recordings import holds_recordings, refuse_flags
+from harness.cli.recordings import holds_recordings
 from harness.errors import UsageError
 from harness.text import command_text
 
@@ -50,6 +52,7 @@ ScoresFolder = Annotated[
 
 
 def score(
+    context: typer.Context,
     targets: Targets,
     reward: PayingRewards = None,
     every: Every = False,
@@ -69,27 +72,19 @@ def score(
     if any(map(names_dataset, targets)):
         if len(targets) > 1:
             raise UsageError("One data set is scored at a time: name it alone")
-        refuse_flags({"--all": every, "--task": task}, "a data set")
+        require_fit(context, inputs.DATASET)
         return score_dataset(targets[0], split_list(reward or []), plugin, places, robot, out, partial, as_json)
-    for name, given in (("--places", places), ("--robot", robot), ("--partial", partial or None)):
-        if given is not None:
-            raise UsageError(
-                f"{name} needs a data set: harness score minari:NAME, lerobot:FOLDER, d4rl:FILE or robomimic:FILE"
-            )
     folder = Path(targets[0]) if len(targets) == 1 and Path(targets[0]).is_dir() else None
     if folder is not None and _is_of_environments(folder):
-        refuse_flags({"--out": out})
+        require_fit(context, inputs.RECORDINGS)
         registry = load_registry(given=read_given(plugin))
         return _score_recordings(folder, split_list(reward or []), every, task, registry, as_json)
-    if task is not None:
-        raise UsageError("--task goes with a folder of recorded trainings in an environment: leave it out")
+    require_fit(context, inputs.FILES if folder is None else inputs.EXPERIMENT)
     if not reward and not every:
         raise UsageError("No reward is named: give --reward NAME, or --all for those of the experiment")
     registry, names = load_registry(given=read_given(plugin)), split_list(reward or [])
     if folder is not None:
         failed = _score_experiment(folder, names, every, registry, as_json)
-    elif every:
-        raise UsageError("--all takes an experiment's folder: files do not say which rewards there are")
     else:
         failed = _score_files(targets, names, out, registry, as_json)
     for label, reason in failed.items():

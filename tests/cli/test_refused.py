@@ -138,7 +138,7 @@ REFUSED = {
     },
     "score": {
         "'nowhere*.csv' --reward arp": "No file matches 'nowhere*.csv'",
-        "m.csv --places end_effector=0:3,target=3:6": "--places needs a data set",
+        "m.csv --places end_effector=0:3,target=3:6": "--places does not go with files, only with a data set",
     },
     "demo": {"--out there": "--out 'there' is not empty: name a new or empty folder"},
     "merge": {"missing --out all": "No folder 'missing'"},
@@ -209,7 +209,7 @@ AMONG = {
     "report logs": {
         "--baseline nobody": "There are: base, prop",
         "--sort '{seed}'": "needs {reward} once",
-        "--summary s": "--summary does not go with a folder of logs",
+        "--summary s": "--summary does not go with logs of trainings",
         "--measure speed": "the logs tell success, return, length",
         "--per-step ,": "--per-step base=N,prop=N does",
         "--measure success --measure length": "one measure of the logs decides",
@@ -232,7 +232,7 @@ AMONG = {
     "score": {
         "mine": "No reward is named",
         "mine --reward arpp": "Did you mean 'arp'?",
-        "'mine/cells/*/trace.parquet' --all": "--all takes an experiment's folder",
+        "'mine/cells/*/trace.parquet' --all": "--all does not go with files, only with an experiment",
         "'mine/cells/*/trace.parquet' --reward arp --out one": "Several files of one name",
         "linked --reward dense": "linked/cells/other' is a link; nothing is written",
         "minari:m --all": "--all does not go with a data set",
