@@ -330,6 +330,9 @@ def _with_bounds(change: Change, question: Question, confidence: float) -> Chang
     if why_no_interval(change.seeds) or not math.isfinite(low):
         return change  # of too few, or how bad those may be that left no value is not known
     low, high = cut_to((low, high), of_difference(change.ends))
+    if change.is_relative and not change.is_of_size:  # what never has the other sign loses all of it at most
+        low = max(low, -1.0) if change.ends[0] >= 0.0 else low
+        high = min(high, 1.0) if change.ends[1] <= 0.0 else high
     found = replace(change, low=low, high=high)
     return (
         replace(found, likely=question.bounds(0, ONE_SIDED), most=question.most(0)) if question.has_ends(0) else found

@@ -266,7 +266,7 @@ def _show(results: Results, shown: ShownCells, most: int, room: int = 0) -> Show
         room: Frames for which there is room: of a comparison more than `most` episodes are shown up to these.
     """
     folder_of = results.store.cell_folder
-    scenes = [scene for cells in shown.cells if (scene := read_scene(folder_of(cells[0])))]
+    scenes = [scene for cells in shown.cells if cells and (scene := read_scene(folder_of(cells[0])))]
     if len(scenes) < len(shown.cells):
         return None
     met = [

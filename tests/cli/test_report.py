@@ -1,7 +1,9 @@
 import html
 
+import numpy as np
 import pytest
 
+from tests.laws.writers import evaluations
 from tests.left import files_of
 from tests.plugins.committed.kept import RECORDS
 
@@ -110,6 +112,14 @@ def test_html_goes_where_it_is_told(harness, experiment, tmp_path):
     """`--html FILE` writes the page."""
     assert harness("report mine --html page.html").status == 0
     assert "<html" in (tmp_path / "page.html").read_text()
+
+
+def test_evaluations_of_other_programs_have_a_page(harness, tmp_path):
+    """They name no cell, so no episode is shown."""
+    for it in ("base", "prop"):
+        for seed in range(3):
+            evaluations(tmp_path / f"logs/{it}/{seed}/evaluations.npz", np.arange(1, 11) * 1000, np.ones((10, 5)))
+    assert harness("report logs --html page.html").status == 0
 
 
 def test_a_damaged_cell_is_told_in_one_line(harness, experiment, tmp_path):

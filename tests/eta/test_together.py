@@ -66,6 +66,13 @@ def test_what_is_no_share_counts_relative_to_the_baseline():
     assert not both.is_of_size
 
 
+def test_a_time_cannot_fall_by_more_than_all_of_it():
+    """Its interval relative to the baseline ends where nothing is left of it."""
+    found = over(default_rng(1).uniform(0.1, 1.5, size=(2, 3, 2)), TIME)
+    assert found.low == -1.0
+    assert found.high > 1.0
+
+
 def test_a_change_over_places_lies_between_those_of_the_places():
     """It has the sign of what is tested, where each counts relative to the mean size under both."""
     swaps = swaps_of(range(2))
