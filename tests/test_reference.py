@@ -15,8 +15,8 @@ import scipy.stats
 ROOT = Path(__file__).parents[1]
 REFERENCE = ROOT / "results" / "reference"
 ALL = sorted(path.parent for path in REFERENCE.glob("**/results.json"))
-RACES = [folder for folder in ALL if json.loads((folder / "results.json").read_text()).get("terms", {}).get("race")]
-"""Those in which rewards race for the best; `tests/test_race_page.py` is about them."""
+RACES = [folder for folder in ALL if json.loads((folder / "results.json").read_text()).get("choosing")]
+"""Those in which one of several rewards is chosen; `tests/test_race_page.py` is about them."""
 RECORDS = [folder for folder in ALL if folder not in RACES]
 STUDIES = [folder for folder in RECORDS if "studies" in json.loads((folder / "results.json").read_text())]
 """Those in environments; `tests/test_study_records.py` is about them."""
