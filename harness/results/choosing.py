@@ -16,7 +16,6 @@ from harness.record.cell import Cell
 from harness.record.manifest import Manifest
 from harness.record.terms import Terms
 from harness.results.comparison import Group, deciding_manner
-from harness.results.measured import last_values
 from harness.results.trainings import Match, Trained, Trainings
 from harness.results.verdicts import ENDED, Seen
 
@@ -242,8 +241,7 @@ def _decides(of: Trainings, run: Trained) -> tuple[float, Bounds] | None:
     name = next(iter(of.deciding), "")
     if name not in of.names:
         return None
-    last = last_values(run.moments, of.group.steps, of.averaged) if of.group.evaluate_every and of.averaged > 1 else {}
-    episodes = run.measured.episodes
+    last, episodes = of.last_of(run), run.measured.episodes
     manner = LAST if name in last else of.decided_in(episodes) or deciding_manner(of.group.deterministic, episodes)
     value = (last if name in last else run.measured.manners.get(manner, {})).get(name)
     if value is None:

@@ -27,7 +27,6 @@ from harness.results.measured import (
     AREA,
     STEPS_TO_GOAL,
     Moment,
-    last_values,
     learning_values,
     moments_by_due,
 )
@@ -219,10 +218,7 @@ class _Comparer:
 
     def _last(self) -> list[Change]:
         """The measures that decide, means over the last evaluations; none where only the final policy was evaluated."""
-        most, budget = self._trainings.averaged, self._trainings.group.steps
-        if most < 2 or not self._is_evaluated:
-            return []
-        sides = [[last_values(its, budget, most) for its in side] for side in self._moments]
+        sides = [[self._trainings.last_of(it) for it in side] for side in self._match.sides]
         episodes = next(iter(self.episodes.values()), 0)
         return [
             self._change(self._trainings.quantity(name, LAST, episodes), *sides)

@@ -22,7 +22,7 @@ from harness.results.learning import (
     mean_point,
     stretches,
 )
-from harness.results.measured import Mixture, mixtures_of
+from harness.results.measured import Mixture, Values, last_values, mixtures_of
 from harness.results.recordings.runs import Run, Runs, meet_same_starts, rescaling_between
 
 LEARNED = Quantity(SUCCESS, "", "higher", TRAINING, 1, bounds=SHARE)
@@ -172,6 +172,11 @@ class Trainings:
     def decided_in(self, episodes: Mapping[str, int]) -> str:
         """The manner that decides; empty for that of the cells."""
         return "" if not self.read else next((manner for manner in episodes if episodes[manner]), WHOLE)
+
+    def last_of(self, run: Trained) -> Values:
+        """Means over the last evaluations of a training; empty where only the final policy was evaluated."""
+        is_evaluated = self.group.evaluate_every and self.averaged > 1
+        return last_values(run.moments, self.group.steps, self.averaged) if is_evaluated else {}
 
     def has_floor(self, manner: str) -> bool:
         """Whether random actions are shown beside the episodes of a manner; nobody measured how they learn."""
