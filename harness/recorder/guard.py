@@ -8,18 +8,16 @@ import ctypes
 import math
 import pickle
 import random
-import signal
 import struct
 import sys
-import threading
 from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass
-from time import monotonic
 from typing import Any, TypeAlias
 
 import numpy as np
 
 from harness.errors import HarnessError, one_line, reason_of
+from harness.recorder.limit import LONGEST_TRIAL, call, look_on
 from harness.recorder.sealed import Sealer, writable
 from harness.reward.given import STEP_PARTS, Untold
 
@@ -150,15 +148,9 @@ def _torch_states() -> list[bytes]:
     return [generator.get_state().numpy().tobytes() for generator in _torch_generators()]
 
 
-LONGEST_CALL = 10.0
-"""The longest that a function may take for one step, [s]."""
 Function: TypeAlias = Callable[..., Any]
 Asking: TypeAlias = tuple[Any, ...]
 """The arguments of a call, sealed: see `harness.reward.given.arguments`; or what a ``reset`` takes."""
-
-
-class NoAnswer(BaseException):
-    """A function has not returned; no ``except Exception`` of its own keeps it going."""
 
 
 @dataclass(frozen=True)
@@ -177,10 +169,12 @@ class Guard:
 
     Attributes:
         drew: Of the functions that were asked last, by their place: which generator they drew from.
+        longest: What each may compute for one step, [s].
     """
 
     def __init__(self) -> None:
-        self._sealer, self._chance, self._alarm = Sealer(), Chance(), _Alarm()
+        look_on()
+        self._sealer, self._chance, self.longest = Sealer(), Chance(), LONGEST_TRIAL
         self.seal = self._sealer.seal
         """Makes what functions are given: a copy that nobody can write into."""
         self.drew: dict[int, str] = {}
@@ -204,31 +198,23 @@ class Guard:
         if not is_watched and not self._sealer.is_open:
             self.drew = {}
             return _answers(functions, steps)
-        answers, alarm, drew = list[Any](), self._alarm, dict[int, str]()
+        answers, drew = list[Any](), dict[int, str]()
         # A tensor that shares its memory with an array writes into it, read-only or not.
         own = self._sealer.own if self._sealer.is_open or "torch" in sys.modules else None
         self.drew = drew
         mark = self._chance.mark()
-        alarm.begin()
-        try:
-            for place, (function, step) in enumerate(zip(functions, steps, strict=False)):
-                given = step if own is None else own(step)
-                alarm.since = None if place in pays else monotonic()
-                try:
-                    answer = function(*given)
-                    alarm.since = None
-                except (Exception, SystemExit, NoAnswer) as error:  # whatever functions of users raise
-                    alarm.since = None
-                    answer = Raised(error)
-                answers.append(answer)
-                if moved := self._chance.moved(mark):
-                    drew[place] = moved
-                    if place in pays:
-                        mark = self._chance.mark()
-                    else:
-                        self._chance.put_back(mark)
-        finally:
-            alarm.end()
+        for place, (function, step) in enumerate(zip(functions, steps, strict=False)):
+            given = step if own is None else own(step)
+            try:
+                answers.append(function(*given) if place in pays else call(function, given, self.longest))
+            except (Exception, SystemExit) as error:  # whatever functions of users raise
+                answers.append(Raised(error))
+            if moved := self._chance.moved(mark):
+                drew[place] = moved
+                if place in pays:
+                    mark = self._chance.mark()
+                else:
+                    self._chance.put_back(mark)
         return answers
 
     def answer(self, function: Function, step: Asking, is_watched: bool = True) -> Any:
@@ -239,7 +225,7 @@ class Guard:
         """
         (found,) = self.ask([function], [step], is_watched=is_watched)
         if isinstance(found, Raised):
-            raise found.error if isinstance(found.error, Exception) else _plain_error(found.error)
+            raise found.error if isinstance(found.error, Exception) else RuntimeError(one_line(found.error))
         return found
 
     def reason(self, function: Function, step: Asking, error: BaseException) -> str:
@@ -250,8 +236,6 @@ class Guard:
             step: As it was given.
             error: What it raised.
         """
-        if isinstance(error, NoAnswer):
-            return one_line(_plain_error(error))
         if isinstance(error, Untold):
             return str(error)
         if isinstance(error, HarnessError) or not isinstance(error, TypeError | ValueError | AttributeError):
@@ -291,12 +275,6 @@ def _answers(functions: Sequence[Function], steps: Iterable[Asking]) -> list[Any
     return answers
 
 
-def _plain_error(error: BaseException) -> BaseException:
-    if isinstance(error, NoAnswer):
-        return TimeoutError(f"it has not returned for {LONGEST_CALL:g} s")
-    return RuntimeError(one_line(error))
-
-
 def same(one: Any, other: Any) -> bool:
     """Whether two values are equal at any depth; NaN is equal to NaN. What cannot be compared counts as equal."""
     try:
@@ -313,59 +291,3 @@ def same(one: Any, other: Any) -> bool:
         return equal or (isinstance(one, float) and math.isnan(one) and math.isnan(other))
     except Exception:  # whatever objects of users raise
         return True
-
-
-class _Alarm:
-    """Raises `NoAnswer` in a call that takes too long.
-
-    By the signal of the system's alarm, where there is one, in the main thread, and if nobody else uses it.
-
-    Attributes:
-        since: When the call began, [s]; None while nothing is called that may be ended.
-    """
-
-    def __init__(self) -> None:
-        self.since: float | None = None
-        self._thread = -1
-        self._is_set = False
-        if not hasattr(signal, "setitimer") or threading.current_thread() is not threading.main_thread():
-            return
-        if signal.getsignal(signal.SIGALRM) in (signal.SIG_DFL, None):
-            signal.signal(signal.SIGALRM, _ring)
-        if signal.getsignal(signal.SIGALRM) is _ring:
-            self._thread = threading.get_ident()
-
-    def begin(self) -> None:
-        """From now on calls may be made."""
-        if self._thread != threading.get_ident():
-            return
-        _calling.append(self)
-        left, _ = signal.setitimer(signal.ITIMER_REAL, LONGEST_CALL)
-        self._is_set = not left
-        if left:  # somebody else has set it
-            signal.setitimer(signal.ITIMER_REAL, left)
-
-    def end(self) -> None:
-        """Nothing is called any more."""
-        if self._thread != threading.get_ident():
-            return
-        if self._is_set:
-            signal.setitimer(signal.ITIMER_REAL, 0.0)
-        _calling.pop()
-
-
-_calling: list[_Alarm] = []
-"""Those between `begin` and `end`, the innermost last: a signal belongs to the whole process."""
-
-
-def _ring(number: int, frame: Any) -> None:
-    """End the call that is being made if it takes too long; otherwise look again when it would."""
-    if not _calling:  # the alarm was somebody else's, and does what it does without us
-        signal.signal(number, signal.SIG_DFL)
-        signal.raise_signal(number)
-        return
-    since = _calling[-1].since
-    left = LONGEST_CALL if since is None else since + LONGEST_CALL - monotonic()
-    signal.setitimer(signal.ITIMER_REAL, LONGEST_CALL if left <= 0.001 else left)
-    if left <= 0.001:
-        raise NoAnswer

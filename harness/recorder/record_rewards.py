@@ -17,7 +17,7 @@ from harness.eta.manner import Acted
 from harness.recorder.calls import CHECKED, action_facts
 from harness.recorder.column import as_number
 from harness.recorder.env_facts import LEARNERS, Asked, OnError
-from harness.recorder.guard import Asking, NoAnswer, Raised
+from harness.recorder.guard import Asking, Raised
 from harness.recorder.recorder import Recorder, differs
 from harness.recorder.trial import FIRST_STEPS
 from harness.reward.given import Before, Given, Now, Untold, told_under, zeros_of
@@ -318,7 +318,7 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
                 return as_number(value)
             number, *self._terms[index] = self._columns[index].numbers(value)
             return number
-        except (Exception, SystemExit, NoAnswer) as error:  # whatever rewards of users raise
+        except (Exception, SystemExit) as error:  # whatever rewards of users raise
             column = self._columns[index]
             if not isinstance(error, Untold) or is_needed or not column.may_be_untold:
                 form = self._forms(given)[column.takes_step] if column.measures else ()

@@ -22,7 +22,7 @@ from harness.record.recording.facts import ActionFacts
 from harness.recorder.calls import CHECKED, action_facts
 from harness.recorder.column import Column, as_number
 from harness.recorder.env_facts import Asked, OnError
-from harness.recorder.guard import Asking, NoAnswer, Raised
+from harness.recorder.guard import Asking, Raised
 from harness.recorder.parts import (
     FINAL_OBSERVATION,
     Mask,
@@ -418,7 +418,7 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
                 except Untold:
                     if step.ended[env] or not column.may_be_untold:
                         raise
-        except (Exception, SystemExit, NoAnswer) as error:  # whatever rewards of users raise
+        except (Exception, SystemExit) as error:  # whatever rewards of users raise
             numbers[env:] = np.nan
             self._terms_of(column)[env:] = np.nan
             given = self._given(column, step, env)

@@ -19,6 +19,7 @@ from harness.record.recording.facts import FILE_REWARD
 from harness.recorder.column import Column, as_number
 from harness.recorder.computing import only_computes
 from harness.recorder.guard import Asking, Guard, Raised
+from harness.recorder.limit import LONGEST
 from harness.recorder.own_copies import as_defined, uses_parts_of
 from harness.reward import Steps
 from harness.reward.given import Given, Untold, opened
@@ -107,7 +108,7 @@ class Trial:
             return Raised(error)
 
     def look(self, columns: Sequence[Column]) -> Iterator[Finding]:
-        """Ask all that were not given up about the noted steps again, from the first one on."""
+        """Ask all that were not given up about the noted steps again, from the first one on. That ends the trial."""
         self.has_looked = True
         for column in columns:
             if column.given_up or not self._noted.get(column.name):
@@ -115,6 +116,7 @@ class Trial:
             found = self._of_memory(column) if column.remembers else self._of_function(column)
             if found is not None:
                 yield found
+        self.guard.longest = LONGEST
 
     def look_at_last(self, columns: Sequence[Column]) -> Iterator[Finding]:
         """Ask those without ``reset()`` again when all is over: what they remember may show late."""

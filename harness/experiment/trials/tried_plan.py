@@ -24,7 +24,7 @@ from harness.registry.choice import Choice
 from harness.registry.given import Given, PluginFile
 from harness.registry.registry import Registry, load_registry
 
-CALL_SECONDS, ENV_SECONDS, ALL_SECONDS = 10.0, 120.0, 300.0
+CALL_SECONDS, ENV_SECONDS, ALL_SECONDS = 60.0, 120.0, 300.0
 """How long one call of a reward, what an env does by itself, and a whole trial may take."""
 LIMITS = Limits(cell_time=ALL_SECONDS)
 MOST_LOST = 5

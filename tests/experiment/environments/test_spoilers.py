@@ -59,7 +59,7 @@ def _recorded(folder, bodies, say):
 @pytest.mark.filterwarnings("ignore::UserWarning")
 def test_five_files_that_spoil_change_no_number_of_the_others(toys, tmp_path, say, monkeypatch):
     """Bit for bit, in the training and in every evaluation; all five are named, by one command."""
-    monkeypatch.setattr(guard, "LONGEST_CALL", 0.1)
+    monkeypatch.setattr(guard, "LONGEST_TRIAL", 0.1)
     alone, _ = _recorded(tmp_path / "alone", GOOD, say)
     beside, said = _recorded(tmp_path / "beside", {**GOOD, **SPOILS}, say)
     compared = [name for name in alone if not name.endswith("told")]
