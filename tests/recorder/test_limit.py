@@ -154,6 +154,21 @@ def test_what_must_not_be_ended_is_told(function, tmp_path, monkeypatch, capsys)
     assert "only a loop of Python is ended" in told
 
 
+def test_where_ending_was_not_tried_a_call_is_told(monkeypatch, capsys):
+    """On another version of Python; no time of its thread is given."""
+    monkeypatch.setattr(limit, "ENDS", False)
+    limit.look_on()
+
+    def slow():
+        _burn(0.4)
+        return "done"
+
+    assert limit.call(slow, (), 0.1) == "done"
+    told = capsys.readouterr().err
+    assert "slow (test_limit.py, line " in told
+    assert "computing" not in told
+
+
 def test_a_child_looks_on_too():
     """A process that was forked in a call, whose threads are gone."""
 

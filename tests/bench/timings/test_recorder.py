@@ -1,5 +1,6 @@
 """What recording two rewards costs: of a step that is free, and of a training by stable-baselines3."""
 
+import signal
 import time
 from typing import Any
 
@@ -12,6 +13,7 @@ from harness.experiment.telling import TELL_EVERY
 from harness.record import TrainingFacts, read_recording
 from harness.record.blocks import Blocks
 from harness.record.recording.recording_writer import WRITE_EVERY, RecordingWriter
+from harness.recorder.limit import call, look_on
 
 
 class Free(gymnasium.Env[Any, Any]):
@@ -63,6 +65,27 @@ def test_recording_two_rewards_beside_gymnasium_s_own_statistics(tmp_path, requi
     require_speed(lambda: act(statistics), lambda: act(recorded), at_least=0.1)
     recorded.close()
     assert len(read_recording(tmp_path)) == count * calls.count(recorded)
+
+
+@pytest.mark.bench
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="there is no alarm here")
+def test_a_limit_beside_an_alarm(require_speed, amount):
+    """One that is set for each call and taken back, as a limit by signals does at least."""
+    count, reward = amount(20_000, 100), nothing
+    given = 0.0, 0.0, 0.0, {}
+    look_on()
+
+    def with_alarm():
+        for _ in range(count):
+            signal.setitimer(signal.ITIMER_VIRTUAL, 60.0)
+            reward(*given)
+            signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)
+
+    def with_limit():
+        for _ in range(count):
+            call(reward, given, 60.0)
+
+    require_speed(with_alarm, with_limit, at_least=1.0)
 
 
 @pytest.mark.bench
