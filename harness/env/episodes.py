@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float, Mask, read_only
-from harness.errors import SimulationDiverged
 from harness.goal import Goal, Situation
 from harness.record.trace import COLUMN, NO_EXTRAS, SCALARS
 from harness.reward import Sample
@@ -143,7 +142,6 @@ class Episodes:
         for column in (self.begin_distance, self.previous_best, self.distance, self.previous_distance):
             column[envs] = distance
         self.delta_distance[envs] = 0.0
-        self.require_finite(self.distance)
 
     def measure(self, state: State) -> Float:
         """Update the matrix to the state after a step. `previous_best` is still the value before the step.
@@ -184,11 +182,10 @@ class Episodes:
         np.subtract(self.target, self.end_effector, out=self.offset)
         self.distance[...] = self._errors()
 
-    def require_finite(self, distance: Float) -> None:
-        """Raise SimulationDiverged if the place of an end effector is not finite."""
-        if not np.isfinite(distance).all():
-            envs = np.flatnonzero(~np.isfinite(distance)).tolist()
-            raise SimulationDiverged(f"the end effector of env {envs} is nowhere at step {self.step[envs[0]]:.0f}")
+    @property
+    def parts(self) -> dict[str, Float]:
+        """The matrix in parts by name; first what all others are made of."""
+        return {name: self._part(name) for name in ("end_effector", "qpos", "qvel", "target", *self._places)}
 
     def _errors(self) -> Float:
         return _length(self.offset) if self.goal is None else self.goal.errors(self.situation)

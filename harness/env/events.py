@@ -48,9 +48,6 @@ class Events:
             ground: Where arms touched the ground.
             struck: Where they touched an obstacle; None where there is none.
             held: Where they were held; None where none was.
-
-        Raises:
-            SimulationDiverged: An end effector is nowhere.
         """
         far = self._episodes.count_within(distance > self._epsilon)  # False also where the distance is no number
         reached = ~far
@@ -65,7 +62,6 @@ class Events:
         if self._until_horizon > 0 and not np.count_nonzero(terminated) and held is None:
             return reached, terminated, terminated.copy()  # none in either
         terminated, truncated = self._mark(ground, reached, struck, held)
-        self._episodes.require_finite(distance)
         return reached, terminated, truncated
 
     def forget(self) -> None:

@@ -21,7 +21,7 @@ from harness.experiment.draft import Draft, draft_of
 from harness.experiment.workers.order import Report
 from harness.experiment.world import CellWorld, world_of
 from harness.files.plain import Plain
-from harness.policy import Policy
+from harness.policy import Policy, load_policy
 from harness.progress import Progress, TrainingState
 from harness.record.blocks import BLOCKS
 from harness.record.cell import Cell
@@ -228,7 +228,7 @@ class _Run:
         policy = self._train(algorithm, world, attempt, evaluations)
         draft.note(training_seconds=round(attempt.seconds - evaluations.seconds, 3))
         policy.save(draft.partial / POLICY, cell.to_json())
-        evaluations.finish(policy, self.options.floor)
+        evaluations.finish(load_policy(draft.partial / POLICY), self.options.floor)
         draft.note(note="; ".join(filter(None, (attempt.note, *world.finish(draft.partial)))))
 
     def _train(self, algorithm: Algorithm, world: CellWorld, attempt: Attempt, evaluations: CellEvaluations) -> Policy:

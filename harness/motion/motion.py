@@ -61,9 +61,6 @@ class Motion(Protocol):
             qpos: Joint targets of the last period, (num_envs, dof), [rad].
             qvel: Joint speeds of the last period, (num_envs, dof), [rad/s].
             action: (num_envs, action_size); clipped to [-1, 1].
-
-        Raises:
-            UsageError: The action holds a NaN.
         """
 
     def stay(self, qpos: Float) -> Float:

@@ -11,7 +11,7 @@ from pydantic.dataclasses import dataclass as checked_dataclass
 
 from harness.arrays import Float, Mask
 from harness.errors import UsageError
-from harness.motion.limits import JointLimits, require_numbers, stopping_speed
+from harness.motion.limits import JointLimits, stopping_speed
 from harness.motion.motion import Move, Setting
 from harness.robot import Robot
 from harness.robot.kinematics import child_frames, forward, position_jacobian_of, tip_position
@@ -370,7 +370,6 @@ class MoveL:
     jumps: ClassVar[bool] = False
 
     def advance(self, qpos: Float, qvel: Float, action: Float) -> Move:
-        require_numbers(action)
         clipped = np.minimum(np.maximum(action, -1.0), 1.0)
         fraction = clipped / np.maximum(1.0, np.linalg.norm(clipped, axis=-1, keepdims=True))
         way = self.axes.to_world(qpos, self.length * fraction[:, None])[:, 0]
@@ -472,7 +471,6 @@ class MoveA:
     jumps: ClassVar[bool] = False
 
     def advance(self, qpos: Float, qvel: Float, action: Float) -> Move:
-        require_numbers(action)
         follower = self.follower
         clipped = np.minimum(np.maximum(action, -1.0), 1.0).reshape(-1, 2, 3)
         points = self.axes.to_world(qpos, follower.tip_speed * self.period * clipped)

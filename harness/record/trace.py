@@ -262,7 +262,7 @@ class TraceWriter:
         if len(bad):
             row, column = bad[0]
             where = ", ".join(f"{key} {rows[row, COLUMN[key]]:.0f}" for key in INTEGERS)
-            told = f"beyond {LARGEST_PAID:g}" if np.isfinite(rows[row, column]) else "not finite"
+            told = f"{rows[row, column]:g}, no number within {LARGEST_PAID:g},"
             raise SimulationDiverged(f"{self._names[column]} is {told} at {where}")
         if len(rows):
             self._file.write_table(table_of(rows, self.schema))

@@ -20,6 +20,7 @@ from harness.eta.interval import Bounds, are_bounds
 from harness.eta.laws import direction_of
 from harness.eta.manner import ACTED, Acted
 from harness.log.log import SUCCESS
+from harness.recorder.gate import Gate
 from harness.reward.given import OWN, Given
 
 LEARNERS = ("stable_baselines3", "sb3_contrib", "sbx", "torch", "jax", "ray")
@@ -41,10 +42,10 @@ def _first_spec(env: Any) -> EnvSpec | None:
 
 
 def _wrappers(env: Any) -> list[str]:
-    """Names of their classes, the outermost first."""
+    """Names of their classes, the outermost first, but for the gate, which changes nothing."""
     names = []
     while isinstance(env, (gymnasium.Wrapper, gymnasium.vector.VectorWrapper)):
-        names.append(type(env).__name__)
+        names += [] if isinstance(env, Gate) else [type(env).__name__]
         env = env.env
     return names
 

@@ -74,7 +74,7 @@ def product(first: Float32, second: Float32, out: Float32 | None = None) -> Floa
     """The matrix product, without numpy's warning of an invalid operation.
 
     OpenBLAS has left the flag of one behind for finite numbers (numpy's issue 24067, OpenBLAS's 1924), and numpy cannot
-    know which operation raised it. A true NaN stays in the result: `Learner.update` finds it in its losses.
+    know which operation raised it. A true NaN stays in the result, and in the next action, which is refused.
     """
     with np.errstate(invalid="ignore"):
         return np.matmul(first, second, out=out)

@@ -1,6 +1,5 @@
 """A training: the learner, its replay buffer, and the env that fills it."""
 
-import math
 from collections.abc import Sequence
 from functools import partial
 from typing import Any, NamedTuple
@@ -11,7 +10,6 @@ from numpy.typing import NDArray
 from harness.algorithm import TrainingEnv
 from harness.arrays import Float32, Mask
 from harness.authoring.generator_state import pack_generator, restore_generator
-from harness.errors import SimulationDiverged
 from harness.policy import SquashedGaussian
 from harness.progress import SCALARS_EVERY, TOLD_EVERY, Progress, Ring, TrainingState, as_state, prefixed, under
 
@@ -298,11 +296,7 @@ class Learner:
         self._target_parameters[...] = state["targets"]
 
     def update(self, batch: Batch) -> Losses:
-        """Learn once from transitions. Their actions are overwritten.
-
-        Raises:
-            SimulationDiverged: A loss is no number, so the networks are not either.
-        """
+        """Learn once from transitions. Their actions are overwritten."""
         settings, coefficient, size = self._settings, self.coefficient, self._action_size
         now, following = batch.inputs
         output = forward(self.actor, settings.activation, batch.inputs[..., size:], self._actor_room)
@@ -315,10 +309,7 @@ class Learner:
         entropy = -float(drawn.log_prob[0].mean())
         self._coefficient.learn(entropy)
         self._follow()
-        losses = Losses(-coefficient * entropy - expected, value_loss, entropy)
-        if any(map(math.isnan, losses)):
-            raise SimulationDiverged(f"the learner diverged: its losses are {', '.join(f'{it:g}' for it in losses)}")
-        return losses
+        return Losses(-coefficient * entropy - expected, value_loss, entropy)
 
     def _noise(self, batch: Batch) -> Float32:
         return self._rng.standard_normal((*batch.inputs.shape[:2], self._action_size), dtype=np.float32)

@@ -1,52 +1,65 @@
-"""A simulation that leaves the finite numbers."""
+"""Numbers of an arm that are not finite: none gets to a learner or into a trace, whatever they are of."""
 
 import numpy as np
 import pytest
 
 from harness.env import IdealSimulation
 from harness.errors import SimulationDiverged
-from harness.record import TraceWriter
+from harness.record import TraceWriter, read_trace
 from harness_plugins.kit import IdealSimulator
 
 
-class LosesTheEndEffector(IdealSimulation):
-    """After a drive the end effector of env 1 is nowhere."""
+def _simulator_of(field, number, late):
+    """One whose env 1 says such a number in one field after so many drives."""
 
-    number = np.nan
+    class Loses(IdealSimulation):
+        drives = 0
 
-    def drive(self, qpos, duration):
-        """As any drive, but for env 1."""
-        state = super().drive(qpos, duration)
-        state.end_effector[1] = self.number
-        return state
-
-
-class LosesItAtInfinity(LosesTheEndEffector):
-    """The same, with a number that can be compared."""
-
-    number = np.inf
-
-
-def simulator_of(simulation):
-    """The simulator that opens a simulation."""
+        def drive(self, qpos, duration):
+            state = super().drive(qpos, duration)
+            self.drives += 1
+            if self.drives == late:
+                getattr(state, field)[1, 1] = number
+            return state
 
     class Simulator(IdealSimulator):
         def open(self, robot, num_envs, control_period):
-            return simulation(robot, num_envs)
+            return Loses(robot, num_envs)
 
     return Simulator()
 
 
-def test_diverging_simulation_is_told_at_once(make, stand):
-    """A number that is none raises SimulationDiverged in the step where it comes, with the env and the step."""
-    env = make(3, simulator=simulator_of(LosesTheEndEffector), seed=0)
-    with pytest.raises(SimulationDiverged, match=r"env \[1\] is nowhere at step 1"):
+@pytest.mark.parametrize("number", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("late", [1, 3])
+@pytest.mark.parametrize("field", ["end_effector", "qpos", "qvel"])
+def test_a_simulation_that_diverges_is_told_at_once(make, stand, tmp_path, field, number, late):
+    """With field, step and env; the trace has the starts and all steps before, and not that one."""
+    path = tmp_path / "trace.parquet"
+    recorder = TraceWriter(path, dof=6, action_size=6)
+    env = make(3, simulator=_simulator_of(field, number, late), recorder=recorder, seed=0)
+    for _ in range(late - 1):
         stand(env)
+    told = "NaN" if np.isnan(number) else "infinite"
+    with pytest.raises(SimulationDiverged, match=f"{field} 1 was {told} at step {late} of episode 0, env 1"):
+        stand(env)
+    recorder.close()
+    assert len(read_trace(path)) == 3 * late
 
 
-def test_diverging_simulation_never_gets_into_a_trace(tmp_path, make, stand):
-    """An infinite number raises SimulationDiverged when the trace is written, at the latest."""
-    recorder = TraceWriter(tmp_path / "trace.parquet", dof=6, action_size=6)
-    stand(make(3, simulator=simulator_of(LosesItAtInfinity), recorder=recorder, seed=0))
-    with pytest.raises(SimulationDiverged, match="distance is not finite at env 1, episode 0, step 1"):
-        recorder.close()
+@pytest.mark.parametrize("number", [np.nan, np.inf, -np.inf])
+def test_an_action_that_is_not_finite_moves_no_arm(make, number):
+    """It is refused before the simulator is told anything."""
+    env, actions = make(3, seed=0), np.zeros((3, 6))
+    before = env.simulation.read().qpos.copy()
+    actions[2, 4] = number
+    with pytest.raises(SimulationDiverged, match=r"action 4 was .* at step 1 of episode 0, env 2"):
+        env.step(actions)
+    np.testing.assert_array_equal(env.simulation.read().qpos, before)
+
+
+def test_an_arm_at_rest_may_say_anything(make, stand):
+    """Its episode is over: nothing of it is used."""
+    env = make(3, simulator=_simulator_of("qpos", np.nan, 2), seed=0)
+    stand(env)
+    env.rest(np.array([False, True, False]))
+    stand(env)

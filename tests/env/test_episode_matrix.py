@@ -5,7 +5,6 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from harness.env import Episodes
-from harness.errors import SimulationDiverged
 from harness.record import COLUMN, SCALARS
 from harness.simulator import State
 
@@ -96,9 +95,3 @@ def test_columns_of_several_arrays(episodes):
         episodes.matrix[:, columns],
         np.concatenate([episodes.qpos, episodes.distance[:, None], episodes.offset], axis=1),
     )
-
-
-def test_end_effector_nowhere_is_told(episodes):
-    """With the env and the step."""
-    with pytest.raises(SimulationDiverged, match=r"env \[1\] is nowhere at step 0"):
-        episodes.require_finite(np.array([1.0, np.nan]))

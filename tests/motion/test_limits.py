@@ -6,8 +6,7 @@ from hypothesis import given, strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
 from harness.motion import JointLimits
-from harness.motion.limits import require_numbers, stopping_speed
-from tests.refusals import refused
+from harness.motion.limits import stopping_speed
 
 WANTED = st.lists(st.sampled_from([-1.0, -0.4, 0.0, 0.3, 1.0]), min_size=1, max_size=40)
 
@@ -103,15 +102,3 @@ def test_position_beyond_the_ends_is_the_end():
     """However large a number, the place is in the range."""
     limits = JointLimits(np.array([-1.0]), np.array([3.0]), np.ones(1), np.ones(1), 0.1)
     assert_array_equal(limits.position(np.array([[1e300], [-np.inf]])), [[3.0], [-1.0]])
-
-
-def test_a_nan_is_refused_where_it_is_asked_for():
-    """No joint is driven to what is not a number, and none beside it is either."""
-    limits = JointLimits(np.full(2, -1.0), np.full(2, 1.0), np.ones(2), np.ones(2), 0.1)
-    with refused("NaN"):
-        limits.advance(np.zeros((3, 2)), np.zeros((3, 2)), np.array([[0.0, 0.0], [0.0, np.nan], [0.0, 0.0]]))
-
-
-def test_huge_numbers_are_numbers():
-    """Neither infinity nor what overflows when squared is refused."""
-    require_numbers(np.array([[np.inf, -np.inf, 1e300, -1e300]]))

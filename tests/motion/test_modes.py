@@ -21,15 +21,6 @@ def test_every_mode_moves_the_fd100(fd100, setting_of, subtests):
             assert build_motion(mode, setting_of(fd100)).action_size == SIZES[mode]
 
 
-@pytest.mark.parametrize("mode", [mode for mode in MODES if mode != "discrete"])
-def test_a_nan_is_refused(fd100, setting_of, mode):
-    """What is not a number is no action."""
-    motion = build_motion(mode, setting_of(fd100))
-    action = motion.stay(fd100.home[None]) + np.where(np.arange(motion.action_size) == 2, np.nan, 0.0)
-    with refused("NaN"):
-        motion.advance(fd100.home[None], np.zeros((1, 6)), action)
-
-
 @pytest.mark.parametrize("mode", [*MODES, *(f"discrete:action={mode}" for mode in MODES if mode != "discrete")])
 def test_stay_moves_no_arm(arm, setting_of, course_of, poses, mode):
     """Of arms at rest, by more than rounding; none of them is held."""

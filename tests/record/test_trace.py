@@ -1,5 +1,6 @@
 """The trace: what is written is read again, in blocks of any size; what is no trace is refused."""
 
+import re
 from functools import partial
 
 import numpy as np
@@ -104,21 +105,14 @@ def test_trace_is_finished_when_its_writer_raises(path):
     assert len(read_trace(path)) == 4
 
 
-@pytest.mark.parametrize(
-    ("number", "told"),
-    [
-        (np.nan, "is not finite"),
-        (np.inf, "is not finite"),
-        (-np.inf, "is not finite"),
-        (-1e200, r"is beyond 1e\+150"),
-    ],
-)
-def test_number_that_no_reader_takes_costs_the_cell(path, number, told):
+@pytest.mark.parametrize("number", [np.nan, np.inf, -np.inf, -1e200])
+def test_number_that_no_reader_takes_costs_the_cell(path, number):
     """The training ends there, and says in which column, and where it happened."""
     for column, name in [(COLUMN["reward"], "reward"), (WIDTH - 1, "action")]:
         rows = make_rows(9)
         rows[7, column] = number
-        with pytest.raises(SimulationDiverged, match=f"{name} {told} at env 7, episode 7, step 7"):
+        told = re.escape(f"{name} is {number:g}, no number within 1e+150, at env 7, episode 7, step 7")
+        with pytest.raises(SimulationDiverged, match=told):
             write(path, rows)
 
 

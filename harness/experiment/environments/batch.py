@@ -55,6 +55,7 @@ class EnvironmentBatch(VectorEnv[Float32, Actions, Any]):
             UsageError: An algorithm cannot train on such envs.
         """
         self._envs, self.num_envs = envs, len(envs)
+        self._unwrapped = [env.unwrapped for env in envs]
         self._space, actions = envs[0].observation_space, envs[0].action_space
         self.single_observation_space = flat = flat_observations(self._space)
         self.single_action_space = flat_actions(actions)
@@ -95,7 +96,7 @@ class EnvironmentBatch(VectorEnv[Float32, Actions, Any]):
         terminated, truncated = np.zeros(self.num_envs, bool), np.zeros(self.num_envs, bool)
         final = np.zeros_like(observations)
         chosen = [int(action) for action in given] if self._is_discrete else list(given)
-        announce_all(self._envs, chosen)
+        announce_all(self._unwrapped, chosen)
         for k, (env, action) in enumerate(zip(self._envs, chosen, strict=True)):
             told, reward, terminated[k], truncated[k], _ = env.step(action)
             observations[k], paid[k] = flat_observation(self._space, told), float(reward)

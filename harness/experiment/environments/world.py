@@ -37,6 +37,7 @@ from harness.record.recording.recorded_training import (
     recordings_in,
 )
 from harness.recorder.evaluate_policy import FIRST_SEED, evaluate_policy
+from harness.recorder.gate import Gate
 from harness.recorder.record_rewards import RecordRewards
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry
@@ -122,7 +123,7 @@ class EnvironmentWorld:
         with closing(made) as env:
             evaluate_policy(
                 _beating(Acting(env, policy, rng), Beat(self._report), after or self._cell.steps),
-                env,
+                Gate(env, " of an evaluation"),
                 path,
                 seed=self._cell.seed,
                 episodes=episodes,
@@ -163,13 +164,18 @@ class EnvironmentWorld:
         if not needs_goals(self._algorithm):
             return EnvironmentBatch(envs)
         with self._blamed("its rewards were named"):
-            return EnvironmentBatch(envs, goal_rewards(self._environment, envs[0].env)[self._cell.reward.name])
+            return EnvironmentBatch(envs, goal_rewards(self._environment, made[0])[self._cell.reward.name])
 
     def _recorded(self, env: AnyEnv, number: int) -> RecordRewards[Any, Any]:
-        path = self._folder / TRAINING_RECORDING
-        steps = self._cell.steps
+        path, where = self._folder / TRAINING_RECORDING, f" of env {number}" * (self._algorithm.num_envs > 1)
         return RecordRewards(
-            env, path, seed=self._cell.seed, pay=True, number=number, steps_asked=steps, **self._columns(env)
+            Gate(env, where),
+            path,
+            seed=self._cell.seed,
+            pay=True,
+            number=number,
+            steps_asked=self._cell.steps,
+            **self._columns(env),
         )
 
     def _columns(self, env: AnyEnv) -> Mapping[str, Any]:

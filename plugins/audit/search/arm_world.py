@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from harness.arrays import Float, Mask
 from harness.authoring.commands import TERM, ReachVectorEnv
 from harness.env import World as Arm
-from harness.errors import UsageError
 from harness.log import SUCCESS
 
 from .world import Act, Actions, Outcomes, Shown, Whole
@@ -198,11 +197,6 @@ class ArmWorld:
             actions = choose(step, observations[:count], running[:count])
             observations, pay, terminated, truncated, infos = env.step(_padded(actions, env.num_envs))
             pay = np.where(running, pay, 0.0)
-            if not np.isfinite(pay).all():
-                raise UsageError(
-                    f"Reward '{self.reward}' pays {pay[~np.isfinite(pay)][0]} for a step of an arm: a reward pays "
-                    "finite numbers, see harness try"
-                )
             paid += pay
             discounted += weight * pay
             steps += running

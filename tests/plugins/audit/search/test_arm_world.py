@@ -12,13 +12,13 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import harness
 from harness.env import ReachVectorEnv, World as Arm
+from harness.errors import SimulationDiverged
 from harness.reach import ReachTask
 from harness.registry import choose, load_registry
 from harness_plugins.audit.search.arm_world import ArmWorld
 from harness_plugins.audit.search.beginnings import scripts_of
 from harness_plugins.audit.search.place import places_on_task, world_at
 from harness_plugins.kit import IdealSimulator
-from tests.refusals import refused
 
 ROBOT = harness.load_robot("fd100")
 STARTS = np.array([0, 1, 0, 2])
@@ -174,7 +174,7 @@ def test_a_policy_is_given_what_its_arm_observes():
 def test_a_reward_that_pays_no_number_is_refused():
     """In a sentence."""
     world = world_of(reward=Broken())
-    with refused("Reward 'mine' pays nan"):
+    with pytest.raises(SimulationDiverged, match="pay was NaN at step"):
         world.play(STARTS, drawn(world, 4))
 
 

@@ -1,0 +1,59 @@
+"""What the gate for numbers takes of a cell in an environment, and of the steps of arms."""
+
+import shutil
+from unittest import mock
+
+import numpy as np
+import pytest
+from numpy.random import default_rng
+
+import harness
+from harness.experiment import check_experiment, expand
+from harness.experiment.run_cell import run_cell
+from harness.registry import load_registry
+
+pytestmark = pytest.mark.bench
+STEPS = 20_000
+
+
+def _without(*places):
+    """What is passed through unseen there, as `name=function` of a module each."""
+    patches = [mock.patch(place, function) for place, function in places]
+
+    def run(function):
+        for patch in patches:
+            patch.start()
+        try:
+            function()
+        finally:
+            mock.patch.stopall()
+
+    return run
+
+
+def test_a_cell_in_pendulum(require_speed, amount, tmp_path):
+    """A training by chance, which is the quickest, and a short evaluation: 5 % at most."""
+    asked = {"task": "gymnasium:id=Pendulum-v1", "algo": "random", "reward": [], "evaluation_episodes": 1}
+    (cell,) = expand(check_experiment({**asked, "seeds": 1, "steps": amount(STEPS, 20)}), load_registry()).cells
+
+    def do():
+        assert run_cell(cell, tmp_path / "cell", lambda word: None).status == "done"
+        shutil.rmtree(tmp_path / "cell")
+
+    bare = _without(("harness.experiment.environments.world.Gate", lambda env, where: env))
+    require_speed(lambda: bare(do), do, 1 / 1.05)
+
+
+@pytest.mark.parametrize(("envs", "steps", "most"), [(1, 10_000, 0.04), (64, 300, 0.01), (1024, 20, 0.01)])
+def test_steps_of_arms(require_speed, step_through, amount, envs, steps, most):
+    """In MuJoCo, under random actions."""
+    env = harness.make_env("mujoco", num_envs=envs)
+    actions = default_rng(0).uniform(-1.0, 1.0, (amount(steps, 2), envs, 6)).astype(np.float32)
+
+    def go():
+        env.reset(seed=0)
+        step_through(env, actions)
+
+    doors = [f"harness.env.{module}.is_finite" for module in ("decisions", "vector_env")]
+    bare = _without(*((door, lambda numbers: True) for door in doors))
+    require_speed(lambda: bare(go), go, 1 / (1 + most))
