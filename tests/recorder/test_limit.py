@@ -302,14 +302,15 @@ def test_nothing_is_raised_elsewhere_or_later(case, monkeypatch):
     copy.look_on()
     often, end = sys.getswitchinterval(), time.monotonic() + 20.0
     sys.setswitchinterval(1e-6)
-    while time.monotonic() < end and not (ended > 30 and inside >= is_inside and late >= is_late):
+    is_shown = False
+    while not is_shown:
         try:
-            try:
-                copy.call(steps, (time.perf_counter() + luck.uniform(0.0, 0.01),), 0.002)
-            except TimeoutError:
-                ended += 1
-            for _ in range(200):
-                pass
+            while not is_shown:
+                try:
+                    copy.call(steps, (time.perf_counter() + luck.uniform(0.0, 0.01),), 0.002)
+                except TimeoutError:
+                    ended += 1
+                is_shown = time.monotonic() >= end or (ended > 9 and inside >= is_inside and late >= is_late)
         except copy.NoAnswer:
             late += 1
     is_over = True
