@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from harness.eta.headline import UNMEASURED as UNMEASURED, Answer as Answer
     from harness.eta.index import Index as Index, Ratio as Ratio
     from harness.eta.interval import SHARE as SHARE, UNBOUNDED as UNBOUNDED
-    from harness.eta.judgement import judge as judge
+    from harness.eta.judgement import Verdict as Verdict
     from harness.eta.laws import (
         Better as Better,
         Curve as Curve,

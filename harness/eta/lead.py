@@ -4,89 +4,61 @@ It says no more than the headline, from which it is made: a word of better or wo
 the headline says so.
 """
 
-from collections.abc import Sequence
-
 from harness.eta.amounts import capitalised, listed, relative_text, short_values
 from harness.eta.behaviour_change import Change
-from harness.eta.headline import (
-    TIME,
-    Answer,
-    Headline,
-    is_hardly_learned,
-    is_share,
-    margin_text,
-    name_of,
-    name_with_article,
-    size_text,
-)
-from harness.eta.judgement import (
-    NO_TEST,
-    TRAIN_LONGER,
-    allowance_text,
-    below_text,
-    decider_of,
-    end_text,
-    is_little,
-    is_same,
-    progress_text,
-)
-from harness.eta.verdict.ruling import Ruling
+from harness.eta.headline import TIME, Answer, is_share, margin_text, name_of, name_with_article, size_text
+from harness.eta.judgement import NO_TEST, TOLD, TRAIN_LONGER, Verdict, allowance_text, end_text
 
 INSTEAD = " instead of "
 
 
-def lead_of(
-    found: Headline,
-    deciding: Sequence[Change],
-    ruling: Ruling,
-    subject: str,
-    where: str = "",
-    *,
-    same_steps: bool = False,
-) -> str:
+def lead_of(verdict: Verdict, subject: str) -> str:
     """The answer about the robot in a sentence or two.
 
     Args:
-        found: The answer.
-        deciding: Measures of behaviour that decide, as `harness.eta.judgement.judge` was given them.
-        ruling: What the test says of them.
+        verdict: What at least one measure says.
         subject: Who behaves: ``robot`` or ``agent``.
-        where: Where this is so, in words, such as ``over 4 places``; empty for a single place.
-        same_steps: Whether the policies of both rewards take the same steps, bit for bit.
     """
-    if not deciding:
-        return found.robot
-    if found.answer is Answer.NEITHER_LEARNS:
-        return _neither_learns(deciding, ruling, where)
-    if found.answer is Answer.MIXED:
-        return _sides(deciding, ruling, where)
-    if ruling.is_decided or found.answer in (Answer.AHEAD, Answer.BEHIND):
-        return _decided(found.answer, deciding, ruling, subject, where)
-    if found.answer is Answer.NO_DIFFERENCE:
-        return _no_difference(deciding, ruling, subject, where, same_steps)
-    return _untold(found.answer, deciding, ruling, where)
-
-
-def _untold(answer: Answer, deciding: Sequence[Change], ruling: Ruling, where: str) -> str:
-    """Why the rewards are not compared, or not told apart."""
+    answer, deciding, ruling, there = verdict.answer, verdict.deciding, verdict.ruling, _there(verdict)
     if answer is Answer.INTERIM:
-        return f"{progress_text(deciding, ruling)} {NO_TEST}"
-    return TRAIN_LONGER if is_hardly_learned(deciding[0]) else _not_enough(deciding, where)
+        return f"{verdict.progress} {NO_TEST}"
+    if answer is Answer.NEITHER_LEARNS:
+        differ = f" The two differ all the same. {_sides(verdict)}" if ruling.is_decided else ""
+        return f"Success is {verdict.below}{there}.{differ} {TRAIN_LONGER}"
+    if answer is Answer.MIXED:
+        return _sides(verdict)
+    if answer in TOLD:
+        return _told(verdict, subject)
+    if answer is Answer.CANNOT_TELL:
+        return TRAIN_LONGER if verdict.hardly_learned else f"{_trainings(deciding[0])} not enough to tell{there}."
+    return _no_difference(verdict, subject, there)
 
 
-def _decided(answer: Answer, deciding: Sequence[Change], ruling: Ruling, subject: str, where: str) -> str:
+def _no_difference(verdict: Verdict, subject: str, there: str) -> str:
+    deciding, small = verdict.deciding, verdict.ruling.small
+    if verdict.is_same:
+        return f"The {subject} takes the same steps with either reward, bit for bit{there}."
+    if small is not None:
+        first = deciding[0]
+        size = size_text(first, small)
+        return f"{capitalised(name_of(first))} differs by less than {size}{there}{allowance_text([first])}."
+    margins = listed([margin_text(it) for it in deciding])
+    return f"The rewards differ by less than {margins}{there}{allowance_text(deciding)}."
+
+
+def _told(verdict: Verdict, subject: str) -> str:
     """What the robot does instead; then what else passed; then what did not, at the end of the trainings."""
-    first = decider_of(deciding, ruling, answer)
-    sign = ruling.sign * ruling.is_decided
-    lines = [f"{_does(deciding[first], subject, sign)}{_there(where)}."]
-    others = [(at, it) for at, it in enumerate(deciding) if at != first]
-    lines += [f"{_does(it, subject, sign, 'also ')}." for at, it in others if ruling.passes(at)]
-    if not ruling.is_decided:
+    deciding, first, is_decided = verdict.deciding, verdict.decider, verdict.ruling.is_decided
+    sign = verdict.ruling.sign * is_decided
+    lines = [f"{_does(deciding[first], subject, sign)}{_there(verdict)}."]
+    lines += [f"{_does(deciding[at], subject, sign, 'also ')}." for at in verdict.passing if at != first]
+    if not is_decided:
         return f"In these trainings: {lines[0][0].lower()}{' '.join(lines)[1:]} New ones may not differ."
-    if is_little(deciding, ruling, answer):
+    if verdict.is_little:
         lines.append(f"That is little: less than {margin_text(deciding[first])}.")
-    ends = [it for at, it in others if not ruling.passes(at) and not it.measure.is_while_training]
-    if answer in (Answer.LEARNS_FASTER, Answer.LEARNS_SLOWER):
+    others = (it for at, it in enumerate(deciding) if at not in verdict.passing)
+    ends = [it for it in others if not it.measure.is_while_training]
+    if verdict.answer in (Answer.LEARNS_FASTER, Answer.LEARNS_SLOWER):
         lines.append(f"{end_text(ends).capitalize()}.")
     elif ends:
         verb = "differs" if len(ends) == 1 else "differ"
@@ -94,22 +66,14 @@ def _decided(answer: Answer, deciding: Sequence[Change], ruling: Ruling, subject
     return " ".join(lines)
 
 
-def _neither_learns(deciding: Sequence[Change], ruling: Ruling, where: str) -> str:
-    """The lead that says: both fail at the task; then what differs all the same."""
-    lines = [f"Success is {below_text(deciding[0])}{_there(where)}."]
-    if ruling.is_decided:
-        lines.append(f"The two differ all the same. {_sides(deciding, ruling, where)}")
-    return " ".join([*lines, TRAIN_LONGER])
-
-
-def _sides(deciding: Sequence[Change], ruling: Ruling, where: str) -> str:
+def _sides(verdict: Verdict) -> str:
     """What is better and what is worse, that of the measure that says most first."""
-    lines = []
-    for sign in (ruling.sign, -ruling.sign):
-        of_side = [it for at, it in enumerate(deciding) if ruling.passes(at) and ruling.signs[at] == sign]
-        told = [f"{name_of(it)}, {_instead(it)}" for it in of_side]
-        lines += [f"{'Better' if sign > 0 else 'Worse'}{_there(where)}: {'; '.join(told)}."] if told else []
-    return " ".join(lines)
+    sign = verdict.ruling.sign
+    return " ".join(
+        f"{'Better' if side > 0 else 'Worse'}{_there(verdict)}: {'; '.join(told)}."
+        for side in (sign, -sign)
+        if (told := [f"{name_of(it)}, {_instead(it)}" for it in verdict.of_side(side)])
+    )
 
 
 def _does(change: Change, subject: str, sign: int, also: str = "") -> str:
@@ -134,24 +98,12 @@ def _instead(change: Change) -> str:
     return f"{proposed}{INSTEAD}{baseline} {unit}".rstrip()
 
 
-def _no_difference(deciding: Sequence[Change], ruling: Ruling, subject: str, where: str, same_steps: bool) -> str:
-    if is_same(deciding, ruling, same_steps=same_steps):
-        return f"The {subject} takes the same steps with either reward, bit for bit{_there(where)}."
-    if ruling.small is not None:
-        first = deciding[0]
-        size = size_text(first, ruling.small)
-        return f"{capitalised(name_of(first))} differs by less than {size}{_there(where)}{allowance_text([first])}."
-    margins = listed([margin_text(it) for it in deciding])
-    return f"The rewards differ by less than {margins}{_there(where)}{allowance_text(deciding)}."
-
-
-def _not_enough(deciding: Sequence[Change], where: str) -> str:
-    fewest, most = sorted(deciding[0].counts)
+def _trainings(change: Change) -> str:
+    fewest, most = sorted(change.counts)
     if fewest != most:
-        return f"These trainings are not enough to tell{_there(where)}."
-    told = f"{most:,} training{'s' * (most != 1)} of each reward {'is' if most == 1 else 'are'} not enough to tell"
-    return f"{told}{_there(where)}."
+        return "These trainings are"
+    return f"{most:,} training{'s' * (most != 1)} of each reward {'is' if most == 1 else 'are'}"
 
 
-def _there(where: str) -> str:
-    return f", on average {where}" if where else ""
+def _there(verdict: Verdict) -> str:
+    return f", on average {verdict.where}" if verdict.where else ""

@@ -12,7 +12,7 @@ from harness.eta.behaviour_change import NO_WORD, Change, with_intervals
 from harness.eta.curve import GroupCurve
 from harness.eta.headline import DECIDING, SUCCESS, UNMEASURED, Answer, Headline
 from harness.eta.index import Ratio
-from harness.eta.judgement import judge
+from harness.eta.judgement import Verdict
 from harness.eta.lead import lead_of
 from harness.eta.manner import DETERMINISTIC, LAST, OWN_AND_OTHER, STOCHASTIC, TRAINING, WHOLE
 from harness.eta.number import number_sentence, return_sentence
@@ -431,16 +431,21 @@ class Comparison:
         return next((change for change in acted if change.name in first), None)
 
     @cached_property
+    def verdict(self) -> Verdict:
+        """What the measures that decide say."""
+        ruling, same_steps = self.answer.ruling or Ruling(), self.measured.same_steps
+        return Verdict(self.names, self.decisive_changes, ruling, same_steps=same_steps)
+
+    @cached_property
     def headline(self) -> Headline:
         """The answers of the comparison: about the robot, and about the number."""
         if not self.has_trainings:
             return Headline(Answer.CANNOT_TELL, f"Nothing to compare: {self.why_none}.", "")
         told = UNMEASURED if self.decisive is None else _unmeasured(self.names, self.decisive)
-        number, said, same_steps = self.number.sentence(self.names), self.answer, self.measured.same_steps
-        found = judge(self.names, self.decisive_changes, number, said.ruling, told, same_steps=same_steps)
-        if said.pool is None or found.decided_by or not said.pool.ruling.is_decided:
+        found, pool = self.verdict.headline(self.number.sentence(self.names), told), self.answer.pool
+        if pool is None or found.decided_by or not pool.ruling.is_decided:
             return found
-        over_all = f"{said.pool.where.capitalize()} together: {said.pool.headline.answer.value.upper()}."
+        over_all = f"{pool.where.capitalize()} together: {pool.headline.answer.value.upper()}."
         return replace(found, robot=f"{over_all} Of this place alone: {found.robot}")
 
     @property
@@ -457,8 +462,7 @@ class Comparison:
     @cached_property
     def lead(self) -> str:
         """The answer about the robot in a sentence or two without a bracket."""
-        found, ruling = self.headline, self.answer.ruling or Ruling()
-        return lead_of(found, self.decisive_changes, ruling, self.group.subject, same_steps=self.measured.same_steps)
+        return lead_of(self.verdict, self.group.subject) if self.verdict.deciding else self.headline.robot
 
     @property
     def not_maximised(self) -> tuple[str, ...]:

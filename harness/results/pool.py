@@ -8,7 +8,7 @@ from typing import Any
 
 from harness.eta.behaviour_change import Change
 from harness.eta.headline import Answer, Headline
-from harness.eta.judgement import judge
+from harness.eta.judgement import Verdict
 from harness.eta.lead import lead_of
 from harness.eta.splits import Names
 from harness.eta.verdict.ruling import Ruling
@@ -39,11 +39,16 @@ class Pool:
     subject: str = "robot"
 
     @cached_property
+    def verdict(self) -> Verdict:
+        """What the measures say."""
+        return Verdict(self.names, self.measures, self.ruling, self.where, is_opposed=self.opposed_in > 0)
+
+    @cached_property
     def headline(self) -> Headline:
         """The answer."""
         if not self.measures:
             return self._without_values()
-        found = judge(self.names, self.measures, "", self.ruling, where=self.where, is_opposed=self.opposed_in > 0)
+        found = self.verdict.headline("")
         return replace(found, robot=" ".join(filter(None, (found.robot, self.where_at_least))))
 
     @cached_property
@@ -51,7 +56,7 @@ class Pool:
         """The answer in a sentence or two without a bracket."""
         if not self.measures:
             return self.headline.robot
-        told = lead_of(self.headline, self.measures, self.ruling, self.subject, self.where)
+        told = lead_of(self.verdict, self.subject)
         return " ".join(filter(None, (told, self.where_at_least)))
 
     @property

@@ -12,8 +12,8 @@ from harness.eta import (
     Names,
     Quantity,
     Ruling,
+    Verdict,
     change_of,
-    judge,
     number_sentence,
     swaps_of,
 )
@@ -38,7 +38,7 @@ def change(baseline, proposed, measure=SUCCESS, p=1.0):
 def headline_of(decomposition, changes=(), asked=1):
     """As `harness.results.comparison.Comparison` gives them, with the measures of one manner."""
     deciding = [it for name in (SUCCESS.name, TIME.name) for it in changes if it.name == name and it.seeds]
-    return judge(NAMES, deciding, number_sentence(NAMES, decomposition.splits), ruling_of(deciding, asked))
+    return Verdict(NAMES, deciding, ruling_of(deciding, asked)).headline(number_sentence(NAMES, decomposition.splits))
 
 
 def ruling_of(deciding, asked=1):

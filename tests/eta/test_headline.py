@@ -17,10 +17,11 @@ from harness.eta import (
     Answer,
     LookRuling,
     Quantity,
+    Ruling,
+    Verdict,
     change_of,
     curve_of,
     decompose,
-    judge,
     swaps_of,
 )
 from harness.eta.power import seeds_to_tell
@@ -60,7 +61,7 @@ def told(*changes, asked=1):
 
 def ruled(*changes, where="", is_opposed=False, **fields):
     """Of changes of any measures, with the p-values that they have; more of the ruling as it is given."""
-    return judge(NAMES, changes, "", replace(ruling_of(changes), **fields), where=where, is_opposed=is_opposed)
+    return Verdict(NAMES, changes, replace(ruling_of(changes), **fields), where, is_opposed=is_opposed).headline("")
 
 
 def so_far(*changes, **fields):
@@ -195,7 +196,7 @@ def test_a_few_perfect_trainings_are_not_certain():
 
 def test_the_same_steps_of_policies_that_fail():
     """They are counted by those that learned."""
-    lost = judge(NAMES, [change([0.0] * 3, [0.0] * 3)], "number", same_steps=True)
+    lost = Verdict(NAMES, [change([0.0] * 3, [0.0] * 3)], Ruling(), same_steps=True).headline("number")
     assert "0 of 3 trainings learned with either reward" in lost.robot
     assert lost.robot.endswith("Train longer, or with another algorithm.")
 
@@ -243,7 +244,7 @@ def test_a_number_of_trainings_that_nobody_knows_is_no_plan():
 def test_in_looks_few_trainings_are_no_warning():
     """The plan says when to ask again; where places have seeds of their own, two of each can decide."""
     planned = LookRuling(0.5, 0.5, of_measures=(0.5,), signs=(1,))
-    assert "Fewer than" not in judge(NAMES, [change([0.5, 0.6], [0.6, 0.7])], "", planned).robot
+    assert "Fewer than" not in Verdict(NAMES, [change([0.5, 0.6], [0.6, 0.7])], planned).headline("").robot
 
 
 def test_one_training_that_is_missing_is_no_plural():
@@ -268,7 +269,7 @@ def test_behaviour_that_was_not_measured(changes):
     """Without a success rate or a time under both rewards there is nothing to rest on; a given reason is told."""
     found = headline_of(compared(), changes)
     assert (found.answer, found.robot) == (Answer.CANNOT_TELL, UNMEASURED)
-    assert judge(NAMES, [], "number", unmeasured="Nobody looked.").robot == "Nobody looked."
+    assert Verdict(NAMES, [], Ruling()).headline("number", "Nobody looked.").robot == "Nobody looked."
 
 
 @given(

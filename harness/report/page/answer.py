@@ -6,9 +6,9 @@ from typing import Any, NamedTuple
 
 from harness.eta.amounts import difference_text, listed, same_text, short_seen_text, short_values, trainings_text
 from harness.eta.behaviour_change import Change
-from harness.eta.headline import TIME, Answer, Headline, difference_of, key_of, name_of, name_with_article
-from harness.eta.judgement import is_same, reasons, reserve_text, sure_text, undone_texts
-from harness.eta.needed import needed_text, range_text
+from harness.eta.headline import TIME, Answer, difference_of, name_of, name_with_article
+from harness.eta.judgement import OPEN, Verdict
+from harness.eta.needed import range_text
 from harness.eta.splits import Names
 from harness.eta.verdict.ruling import Ruling
 from harness.report.answers import badge_of, word_of
@@ -66,22 +66,29 @@ def card_of(comparison: Comparison, name: str) -> Card:
         comparison: The comparison.
         name: What it is called on the page.
     """
-    names, found, changes = comparison.names, comparison.headline, comparison.decisive_changes
-    ruling, pay = comparison.answer.ruling or Ruling(), pay_of(comparison)
-    card = _card(names, found, comparison.lead, changes, ruling)
-    card = card._replace(name=name, beside=tuple(beside_answer(comparison)))
-    if changes and is_same(changes, ruling, same_steps=comparison.measured.same_steps):
+    names, changes, pay = comparison.names, comparison.decisive_changes, pay_of(comparison)
+    card = pool_card(comparison)._replace(name=name, beside=tuple(beside_answer(comparison)))
+    if changes and comparison.verdict.is_same:
         rows = (it._replace(figure="", value=short_values(of)[1]) for it, of in zip(card.rows, changes, strict=True))
         card = card._replace(seen=same_text(names, changes), rows=tuple(rows))
-    first = next((it for it in comparison.decisive_changes if card.rows and name_of(it) == card.rows[0].name), None)
+    first = next((it for it in changes if name_of(it) == card.rows[0].name), None)
     if first is not None:
         card = card._replace(rows=(card.rows[0], *_trainings(names, first), *card.rows[1:]))
-    return card if pay is None else _with_pay(card, pay, found.answer)
+    return card if pay is None else _with_pay(card, pay, comparison.headline.answer)
 
 
-def pool_card(pool: Pool) -> Card:
-    """The card of a reward over all places."""
-    return _card(pool.names, pool.headline, pool.lead, pool.measures, pool.ruling, pool.where)
+def pool_card(found: Pool | Comparison) -> Card:
+    """The card of a reward over all places; of one place without what stands there alone."""
+    verdict, answer, by = found.verdict, found.headline.answer, list[int]()
+    if answer is Answer.MIXED:
+        by = verdict.passing
+    elif found.headline.decided_by:
+        by = [verdict.decider]
+    changes, names = verdict.deciding, verdict.names
+    order = [*by, *(at for at in range(len(changes)) if at not in by)]
+    rows = tuple(_row(changes[at], at, verdict.ruling, at in by) for at in order)
+    seen, sure = (short_seen_text(names, changes), _sure(verdict, by)) if changes else ("", "")
+    return Card(names.proposed, word_of(answer), badge_of(answer), found.lead, rows, sure, seen)
 
 
 def pool_cards(comparisons: Sequence[Comparison]) -> list[Card]:
@@ -89,33 +96,16 @@ def pool_cards(comparisons: Sequence[Comparison]) -> list[Card]:
     return [pool_card(pool) for pool in pools_of(comparisons)]
 
 
-def _card(names: Names, found: Headline, lead: str, changes: Sequence[Change], ruling: Ruling, where: str = "") -> Card:
-    by = [
-        at
-        for at, change in enumerate(changes)
-        if (ruling.passes(at) if found.answer is Answer.MIXED else found.decided_by == key_of(change))
-    ]
-    order = [*by, *(at for at in range(len(changes)) if at not in by)]
-    rows = tuple(_row(changes[at], at, ruling, at in by) for at in order)
-    seen = short_seen_text(names, changes) if changes else ""
-    sure = _sure(names, found.answer, changes, ruling, by, where) if changes else ""
-    return Card(names.proposed, word_of(found.answer), badge_of(found.answer), lead, rows, sure, seen)
-
-
-def _sure(
-    names: Names, answer: Answer, changes: Sequence[Change], ruling: Ruling, by: Sequence[int], where: str
-) -> str:
+def _sure(verdict: Verdict, by: Sequence[int]) -> str:
     """What decided, and how sure it is; where nothing did, why, and what would tell."""
-    if answer in (Answer.AHEAD, Answer.BEHIND, Answer.CANNOT_TELL):
-        is_open = answer is Answer.CANNOT_TELL
-        luck = "" if is_open else _luck(ruling.of_measures[by[0]])
-        why = reasons(names, changes, ruling, where) if is_open else undone_texts(names, changes, ruling)
-        return " ".join(filter(None, [luck, *why, needed_text(changes, ruling, where, "of each reward")]))
+    if verdict.answer in OPEN:
+        luck = [_luck(verdict.ruling.of_measures[at]) for at in by]
+        return " ".join(filter(None, [*luck, *verdict.why, verdict.needed("of each reward")]))
     if by:
-        first, measures = changes[0], listed([name_with_article(changes[at]) for at in by])
-        of = trainings_text(names, first.counts, first.without)
-        return f"Decided by {measures}, from {of}. {sure_text(ruling)}"
-    return reserve_text(names, changes, ruling)
+        first, measures = verdict.deciding[0], listed([name_with_article(verdict.deciding[at]) for at in by])
+        of = trainings_text(verdict.names, first.counts, first.without)
+        return f"Decided by {measures}, from {of}. {verdict.sure}"
+    return verdict.reserve
 
 
 def _row(change: Change, at: int, ruling: Ruling, decides: bool) -> Row:
