@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.arrays import Float, Mask
+from harness.arrays import Float, Ints, Mask
 from harness.authoring.commands import (
     Auc,
     Labels,
@@ -47,47 +47,40 @@ LOST = "it pays no finite number in some episodes, which could change the order"
 OWN = "success is told by this very reward"
 
 
-def answer_that_holds(
-    auc: Auc, paid: PaidDataset, name: str, clusters: NDArray[np.int64], tasks: NDArray[np.int64]
+def _ranked(
+    name: str,
+    sides: Sequence[PaidDataset],
+    above: Mask,
+    known: Mask,
+    clusters: Ints,
+    tasks: NDArray[Any],
 ) -> Auc:
-    """The same, or without its word where what could not be paid might change it.
+    """How a reward ranks episodes, without a word where what could not be paid might change it.
 
     A step that could not be paid pays no less and no more than the function pays any other step. But where success
     shows in that step alone, as where a function paid no finite number, it may pay anything.
 
     Args:
-        auc: Of the episodes whose success is known and that were paid.
-        paid: All of them.
         name: The reward.
+        sides: A data set whose successes are compared with its failures; or one, and that of a beginner.
+        above: Which episodes of these should be paid more.
+        known: Of which that is known.
         clusters: Of each episode.
         tasks: Of each episode.
     """
-    unpaid, lost = paid.unpaid[name], paid.lost[name]
+    returns, lost, unpaid = (
+        np.concatenate([getattr(it, what)[name] for it in sides]) for what in ("returns", "lost", "unpaid")
+    )
+    told, paid = known & ~lost, sides[0]
+    auc = auc_of(returns[told], above[told], clusters[told], tasks[told])
     if auc.answer == CANNOT_TELL or not (unpaid.any() or lost.any()):
         return auc
-    if unpaid.any() and _last_step_decides(paid, clusters, tasks):
+    if len(sides) == 1 and unpaid.any() and _last_step_decides(paid, clusters, tasks):
         return replace(auc, answer=CANNOT_TELL, reason=DECIDES)
-    known, success = paid.known, paid.succeeded
-    for best in (success, known & ~success):
-        moved = _moved(paid, name, best)
-        end = auc_of(moved[known], success[known], clusters[known], tasks[known])
-        if end.answer != auc.answer:
-            return replace(auc, answer=CANNOT_TELL, reason=UNPAID if unpaid.any() else LOST)
-    return auc
-
-
-def level_that_holds(
-    auc: Auc, paid: PaidDataset, below: PaidDataset, name: str, clusters: NDArray[np.int64], tasks: NDArray[np.str_]
-) -> Auc:
-    """The same of a data set above that of a beginner; see `answer_that_holds`."""
-    torn = any((it.unpaid[name] | it.lost[name]).any() for it in (paid, below))
-    if auc.answer == CANNOT_TELL or not torn:
-        return auc
-    above = np.arange(len(paid) + len(below)) < len(paid)
-    for best in (True, False):
-        sides = ((paid, best), (below, not best))
-        moved = np.concatenate([_moved(it, name, np.full(len(it), most)) for it, most in sides])
-        if auc_of(moved, above, clusters, tasks).answer != auc.answer:
+    for best in (above, ~above):
+        parts = zip(sides, np.split(best, [len(paid)]), strict=False)
+        moved = np.concatenate([_moved(it, name, part) for it, part in parts])
+        if auc_of(moved[known], above[known], clusters[known], tasks[known]).answer != auc.answer:
             return replace(auc, answer=CANNOT_TELL, reason=UNPAID if paid.unpaid[name].any() else LOST)
     return auc
 
@@ -103,7 +96,7 @@ def _moved(paid: PaidDataset, name: str, best: Mask) -> Float:
     return np.where(anything, np.where(best, moved.max() + far, moved.min() - far), moved)
 
 
-def _last_step_decides(paid: PaidDataset, clusters: NDArray[np.int64], tasks: NDArray[np.int64]) -> bool:
+def _last_step_decides(paid: PaidDataset, clusters: Ints, tasks: Ints) -> bool:
     """Whether the recorded reward would get another answer without its last steps."""
     whole, last = paid.recorded.T
     known, success = paid.known & ~np.isnan(whole), paid.succeeded
@@ -150,8 +143,8 @@ class _Grouped:
     """
 
     noun: str
-    clusters: NDArray[np.int64]
-    tasks: NDArray[np.int64]
+    clusters: Ints
+    tasks: Ints
     names: tuple[str, ...]
     untold: int
 
@@ -245,9 +238,7 @@ def _unmatched(outside: Labels, paid: PaidDataset) -> list[str]:
     return [f"Labels of episodes that are not there: {len(beside):,} (the first is {beside[0]})"] if beside else []
 
 
-def judge(
-    paid: PaidDataset, below: PaidDataset | None = None, places: "ArmPlaces | None" = None, by_file: bool = False
-) -> DatasetAudit:
+def judge(paid: PaidDataset, below: PaidDataset | None, places: "ArmPlaces | None", by_file: bool) -> DatasetAudit:
     """What the paid steps say.
 
     Args:
@@ -320,13 +311,11 @@ def _grouped(paid: PaidDataset, by_file: bool) -> _Grouped:
 
 
 def _answer(paid: PaidDataset, below: PaidDataset | None, name: str, grouped: _Grouped, by_file: bool) -> RewardAnswer:
-    lost = paid.lost[name]
-    known, returns, steps = paid.known & ~lost, paid.returns[name], np.nan_to_num(paid.paid[name])
+    known, returns, steps = paid.known & ~paid.lost[name], paid.returns[name], np.nan_to_num(paid.paid[name])
     success = paid.succeeded
     earned = np.where(~np.isfinite(paid.moved), 0.0, np.maximum(steps, 0.0))
     groups, tasks = grouped.clusters, grouped.tasks
-    auc = auc_of(returns[known], success[known], groups[known], tasks[known])
-    held = answer_that_holds(auc, paid, name, groups, tasks)
+    held = _ranked(name, [paid], success, paid.known, groups, tasks)
     if name == paid.told_by and held.answer != CANNOT_TELL:  # both what says what succeeds and what is asked about
         held = replace(held, answer=CANNOT_TELL, reason=OWN)
     return RewardAnswer(
@@ -345,17 +334,14 @@ def _by_level(paid: PaidDataset, below: PaidDataset | None, name: str, grouped: 
     if below is None or name not in below.paid:
         return None
     under = _grouped(below, by_file)
-    kept = np.concatenate([~paid.lost[name], ~below.lost[name]])
-    returns = np.concatenate([paid.returns[name], below.returns[name]])
-    above = np.arange(len(returns)) < len(paid)
+    count = len(paid) + len(below)
     clusters = np.concatenate([grouped.clusters, grouped.clusters.max() + 1 + under.clusters])
     several = len(grouped.names) > 1 or len(under.names) > 1
-    tasks = np.array([*paid.tasks, *below.tasks] if several else [""] * len(returns))
-    auc = auc_of(returns[kept], above[kept], clusters[kept], tasks[kept])
-    return level_that_holds(auc, paid, below, name, clusters, tasks)
+    tasks = np.array([*paid.tasks, *below.tasks] if several else [""] * count)
+    return _ranked(name, [paid, below], np.arange(count) < len(paid), np.ones(count, bool), clusters, tasks)
 
 
-def _wrong(returns: Float, success: Mask, known: Mask, tasks: NDArray[np.int64]) -> int:
+def _wrong(returns: Float, success: Mask, known: Mask, tasks: Ints) -> int:
     """Pairs of one task in which the failure is paid more."""
     count = 0
     for task in np.unique(tasks):
@@ -365,7 +351,7 @@ def _wrong(returns: Float, success: Mask, known: Mask, tasks: NDArray[np.int64])
     return count
 
 
-def _most_wrong(paid: PaidDataset, name: str, known: Mask, tasks: NDArray[np.int64]) -> tuple[WrongPair, ...]:
+def _most_wrong(paid: PaidDataset, name: str, known: Mask, tasks: Ints) -> tuple[WrongPair, ...]:
     """The worst paid success of a task beside its best paid failure, the next worst beside the next best, and so on."""
     returns = paid.returns[name]
     success = paid.succeeded
@@ -397,7 +383,7 @@ def _most_paid(paid: PaidDataset, steps: Float) -> tuple[PaidStep, ...]:
     return tuple(found)
 
 
-def _pairs(paid: PaidDataset, groups: NDArray[np.int64]) -> tuple[Pair, ...]:
+def _pairs(paid: PaidDataset, groups: Ints) -> tuple[Pair, ...]:
     """Every two rewards: means over parts of the data set, no cluster in two of them. What one lacks is left out."""
     names = tuple(paid.paid)
     whole = ~np.any([paid.lost[name] for name in names], axis=0) if names else np.ones(len(paid), bool)

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from rich.console import Group, RenderableType
 from rich.text import Text
@@ -13,11 +13,22 @@ from harness.eta import AGAINST, CANNOT_TELL, RANKS, SeedMean
 from harness.text import number
 
 from ..recorded.pair import Pair, mean_json
-from ..recorded.pair_grid import MISSING, add_answer, answer_grid, as_text, pair_grid, pair_lines, share_text
+from ..recorded.pair_grid import (
+    MISSING,
+    add_answer,
+    answer_grid,
+    as_text,
+    distance_text,
+    pair_grid,
+    pair_lines,
+    share_text,
+)
 
 if TYPE_CHECKING:
     from harness.authoring.commands import Said
 
+Lines: TypeAlias = tuple[str, ...]
+"""Sentences, or names, a line each."""
 SCALE = "1: every success is paid more than every failure; 0.5: no better than a coin; 0: every failure is paid more"
 PROMISE = (
     "Brackets hold 95% intervals. A word asks for more than that: for each reward by itself it is wrong in "
@@ -46,10 +57,6 @@ class WrongPair:
     failure: int
     paid: tuple[float, float]
     curves: tuple[Float, Float] = field(repr=False, compare=False)
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        return {"success": self.success, "failure": self.failure, "paid": list(self.paid)}
 
 
 @dataclass(frozen=True)
@@ -89,7 +96,7 @@ class RewardAnswer:
     pairs: tuple[WrongPair, ...]
     still: SeedMean
     most: tuple[PaidStep, ...]
-    unpaid: tuple[str, ...] = ()
+    unpaid: Lines
 
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
@@ -98,7 +105,9 @@ class RewardAnswer:
             "success": self.by_success.to_json(),
             "level": self.by_level and self.by_level.to_json(),
             "wrong_pairs": self.wrong,
-            "most_wrong": [pair.to_json() for pair in self.pairs],
+            "most_wrong": [
+                {"success": pair.success, "failure": pair.failure, "paid": list(pair.paid)} for pair in self.pairs
+            ],
             "paid_standing_still": mean_json(self.still),
             "paid_most": [asdict(step) for step in self.most],
             "unpaid": list(self.unpaid),
@@ -137,9 +146,9 @@ class DatasetAudit:
     rewards: tuple[RewardAnswer, ...]
     pairs: tuple[Pair, ...]
     failed: Mapping[str, str]
-    notes: tuple[str, ...]
-    tasks: tuple[str, ...] = ()
-    success: str = ""
+    notes: Lines
+    tasks: Lines
+    success: str
 
     def __str__(self) -> str:
         return as_text(answer_table(self))
@@ -196,11 +205,6 @@ def setting_of(audit: DatasetAudit) -> str:
     return f"{audit.facts.format}; {audit.episodes:,} episodes, {audit.steps:,} steps; {told}; {over}"
 
 
-def env_of(audit: DatasetAudit) -> str:
-    """What the metadata tells of the env or robot; empty if nothing."""
-    return f"The metadata tells of: {audit.facts.env[:500]} (shown, never run)" if audit.facts.env else ""
-
-
 def verdict_of(auc: Auc, what: str = "a success", than: str = "a failure") -> str:
     """One sentence with the answer."""
     if auc.value is None:
@@ -213,9 +217,7 @@ def verdict_of(auc: Auc, what: str = "a success", than: str = "a failure") -> st
 
 def auc_text(auc: Auc) -> str:
     """The chance with its interval."""
-    if auc.value is None:
-        return MISSING
-    return f"{auc.value:.3f}" if auc.low is None else f"{auc.value:.3f} [{auc.low:.3f}, {auc.high:.3f}]"
+    return distance_text(SeedMean(auc.value, auc.low, auc.high))
 
 
 def still_text(reward: RewardAnswer, audit: DatasetAudit) -> str:
@@ -245,8 +247,10 @@ def most_text(reward: RewardAnswer) -> str:
 
 
 def notes_of(audit: DatasetAudit) -> list[str]:
-    """What to keep in mind, and what failed."""
+    """What the metadata tells of the env or robot, what to keep in mind, and what failed."""
+    env = audit.facts.env
     return [
+        *([f"The metadata tells of: {env[:500]} (shown, never run)"] if env else []),
         *(f"{line}." for line in audit.notes),
         *(f"Reward {name}: n/a ({why})." for name, why in audit.failed.items()),
     ]
@@ -255,7 +259,7 @@ def notes_of(audit: DatasetAudit) -> list[str]:
 def answer_table(audit: DatasetAudit) -> RenderableType:
     """What ``harness audit DATASET`` prints."""
     parts: list[RenderableType] = [Text(title_of(audit), style="bold"), Text(setting_of(audit))]
-    parts += [Text(line) for line in (env_of(audit), *notes_of(audit)) if line]
+    parts += map(Text, notes_of(audit))
     for reward in audit.rewards:
         parts += [Text(), Text(reward.name, style="bold"), *_of_reward(reward, audit)]
     if audit.rewards:

@@ -2,14 +2,14 @@
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, replace
 from itertools import combinations
 from typing import Any
 
 import numpy as np
 
 from harness.arrays import Float
-from harness.authoring.commands import PayLine
+from harness.authoring.commands import PayLine, rounded
 from harness.eta import Rescaling, SeedMean, line_of, mean_over_seeds, rescaling_of
 from harness.log import BEHAVIOUR, EPISODES, REWARD, Log
 
@@ -93,7 +93,7 @@ def _order(returns: Mapping[str, Float], one: str, other: str) -> tuple[float | 
     if not pairs:
         return None, None
     # Sums in another order differ in the last digits: such returns are equal.
-    first, second = (_rounded(returns[name]) for name in (one, other))
+    first, second = (rounded(returns[name]) for name in (one, other))
     ties_one, ties_other = _ties(first), _ties(second)
     apart = pairs - ties_one - ties_other + _ties(np.stack([first, second], axis=1))
     if not apart:
@@ -101,12 +101,6 @@ def _order(returns: Mapping[str, Float], one: str, other: str) -> tuple[float | 
     tau = float(kendalltau(first, second).statistic)
     surplus = round(tau * float(np.sqrt(pairs - ties_one) * np.sqrt(pairs - ties_other)))
     return (apart - surplus) / 2 / apart, apart / pairs
-
-
-def _rounded(values: Float) -> Float:
-    unit = 1e-9 * float(np.abs(values).max())
-    rounded: Float = np.round(values / unit) if unit else values
-    return rounded
 
 
 def _ties(values: Float) -> int:
@@ -194,10 +188,10 @@ class Pair:
     discordant: SeedMean
     told_apart: SeedMean
     each: tuple[Apart, ...]
-    rescaling: Rescaling | None = None
-    largest: tuple[StepApart, ...] = ()
-    forms: Mapping[str, SeedMean] = field(default_factory=dict)
-    reasons: Mapping[str, str] = field(default_factory=dict)
+    rescaling: Rescaling | None
+    largest: tuple[StepApart, ...]
+    forms: Mapping[str, SeedMean]
+    reasons: Mapping[str, str]
 
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
@@ -233,19 +227,15 @@ def pair_of(
     known = {form: [it[form] for it in forms] for form in (forms[0] if forms else ())}
     means = {form: mean_within([it if isinstance(it, float) else None for it in of]) for form, of in known.items()}
     told = [(form, why) for it in reversed(forms) for form, why in it.items() if isinstance(why, str)]
-    steps, returns, discordant, told_apart = (mean_within([getattr(it, name) for it in each]) for name in MEANS)
     return Pair(
         one,
         other,
-        steps,
-        returns,
-        discordant,
-        told_apart,
-        tuple(each),
-        rescaling_of(lines),
-        tuple(largest),
-        means,
-        {form: why for form, why in told if means[form].mean is None},
+        **{name: mean_within([getattr(it, name) for it in each]) for name in MEANS},
+        each=tuple(each),
+        rescaling=rescaling_of(lines),
+        largest=tuple(largest),
+        forms=means,
+        reasons={form: why for form, why in told if means[form].mean is None},
     )
 
 
