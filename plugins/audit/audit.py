@@ -12,7 +12,7 @@ from harness.authoring.commands import Auc, Finishing, Said
 from harness.screen import FAILING, NOTHING
 from harness.text import number
 
-from .dataset.dataset_audit import auc_text
+from .dataset.dataset_audit import Lines, auc_text
 from .distance import DARD, EPIC, STARC
 from .probe import why_not_asked
 from .properties import FACTOR, Property
@@ -60,10 +60,10 @@ class OfScripts:
     finishing: Finishing
     properties: tuple[Property, ...]
     workspace: Mapping[str, float | None]
-    needed: tuple[str, ...]
-    recorded_because: tuple[str, ...]
+    needed: Lines
+    recorded_because: Lines
     compared: int
-    disturbed: Finishing | None = None
+    disturbed: Finishing | None
 
     def to_json(self, pair: Pair) -> dict[str, Any]:
         """Plain data. What a reward of distances without terms has not is left out."""
@@ -123,18 +123,18 @@ class Audit:
 
     title: str
     facts: Mapping[str, Any]
-    rewards: tuple[str, ...]
-    pairs: tuple[Pair, ...]
-    earned: tuple[Earned, ...]
-    setting: tuple[str, ...] = ()
+    rewards: Lines
+    pairs: tuple[Pair, ...] = ()
+    earned: tuple[Earned, ...] = ()
+    setting: Lines = ()
     success: str = ""
     rankings: Mapping[str, Auc] = field(default_factory=dict)
-    verdict: tuple[str, ...] = ()
+    verdict: Lines = ()
     scripts: OfScripts | None = None
-    measured: tuple[str, ...] = ()
-    not_asked: tuple[str, ...] = ()
-    notes: tuple[str, ...] = ()
-    damaged: tuple[str, ...] = ()
+    measured: Lines = ()
+    not_asked: Lines = ()
+    notes: Lines = ()
+    damaged: Lines = ()
     cheats: tuple[Finding, ...] = ()
 
     def __str__(self) -> str:
@@ -169,13 +169,14 @@ class Audit:
 
 def audit_table(audit: Audit) -> RenderableType:
     """What ``harness audit`` prints of any subject."""
+    earned = (earned_grid(audit.earned, audit.rewards), Text(), Text(COLUMN), Text()) if audit.earned else ()
     return Group(
         Text(audit.title, style="bold"),
         *map(Text, audit.setting),
         *(Text(f"{line}.") for line in audit.notes),
         Text(),
         *(part for finding in audit.cheats for part in finding_parts(finding)),
-        *(_of_behaviours(audit) if audit.scripts is None else _of_payoffs(audit.scripts)),
+        *(earned if audit.scripts is None else _of_payoffs(audit.scripts)),
         *(Text(line, style="" if number else "bold") for number, line in enumerate(audit.verdict)),
         *([Text()] if audit.verdict else []),
         *_answers(audit),
@@ -193,12 +194,6 @@ def _of_pair(audit: Audit, pair: Pair) -> Iterator[RenderableType]:
     for line in pair_lines(pair):
         yield Text(f"{line} {EVENTS}" if scripts is not None else line)
     yield Text()
-
-
-def _of_behaviours(audit: Audit) -> Iterator[RenderableType]:
-    """What behaviour was like, and what it earned."""
-    if audit.earned:
-        yield from (earned_grid(audit.earned, audit.rewards), Text(), Text(COLUMN), Text())
 
 
 def _of_payoffs(scripts: OfScripts) -> Iterator[RenderableType]:

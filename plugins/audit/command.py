@@ -1,11 +1,11 @@
 """``harness audit``: what rewards pay for, whatever there is to pay."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import replace
 from functools import partial as partial_of
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from harness.authoring.commands import (
     AsFormat,
@@ -65,12 +65,12 @@ TASK, ENVIRONMENT, EXPERIMENT, RECORDINGS, LOGS, DATASET = (
 GOES_WITH: Mapping[str, tuple[str, ...]] = {
     "--robot": (TASK, DATASET),
     "--sim": (TASK,),
-    "--against": (TASK, ENVIRONMENT),
-    "--episodes": (TASK, ENVIRONMENT),
-    "--gamma": (TASK, ENVIRONMENT),
     "--success": (ENVIRONMENT, DATASET),
     "--measure": (ENVIRONMENT,),
-    **dict.fromkeys(("--budget", "--starts", "--seed", "--from", "--policy", "--out"), (TASK, ENVIRONMENT)),
+    **dict.fromkeys(
+        ("--against", "--episodes", "--gamma", "--budget", "--starts", "--seed", "--from", "--policy", "--out"),
+        (TASK, ENVIRONMENT),
+    ),
     "--html": (TASK, ENVIRONMENT, DATASET),
     "--random": (RECORDINGS, EXPERIMENT),
     "--as": (LOGS,),
@@ -175,6 +175,7 @@ def audit(
         return _ended(failing, [found], _show_answer(found, as_json, html))
     from harness.registry import choose, load_registry, read_given, split_measures
 
+    from .audit import audit_table
     from .search.place import GAMMA_OF_ARM, places_in_environment
     from .transitions.audit_rewards import GAMMA
 
@@ -185,8 +186,7 @@ def audit(
     told = [it for it in (success, *measures) if it is not None]
     if len(told) > 1:
         raise UsageError(f"'{told[0]}' and '{told[1]}' cannot both tell success: leave out one of --success, --measure")
-    asked = _asked(kind, budget, starts, seed, from_folders, policy)
-    _refuse_unsearched(asked, out, html)
+    asked = _asked(kind, budget, starts, seed, from_folders, policy, out, html)
     found_at: Sequence[Place] = ()
     findings: Sequence[Finding] = ()
     discount = gamma if gamma is not None else GAMMA_OF_ARM if kind == TASK else GAMMA
@@ -207,7 +207,8 @@ def audit(
         # of a task there is an audit of each reward, of an environment one of all
         each = [findings] if len(audits) == 1 else [(it,) for it in findings]
         audits = [replace(of, cheats=cheats) for of, cheats in zip(audits, each, strict=True)]
-    status = _show(audits, as_json)
+    damaged = [f"left out, damaged: {line}" for it in audits for line in it.damaged]
+    status = _show(audits, audit_table, as_json, damaged)
     if asked is not None and (out is not None or html is not None):
         _leave(findings, found_at, registry, asked, out, html)
     return _ended(failing, audits, status)
@@ -286,13 +287,18 @@ def _asked(
     seed: int,
     folders: Sequence[Path] | None,
     policies: Sequence[str] | None,
+    out: Path | None,
+    html: Path | None,
 ) -> "Search | None":
     """How much is searched; None for nothing.
 
     Raises:
-        UsageError: A number is too small.
+        UsageError: A number is too small, nothing is searched whose finding could be written, or it cannot be written.
     """
     if budget == 0 or kind not in (TASK, ENVIRONMENT):
+        for flag, place in (("--out", out), ("--html", html)):
+            if place is not None:
+                raise UsageError(f"{flag} needs a search: leave out --budget 0")
         return None
     from .search.find import ARM, ENVIRONMENT as ANY, Search
 
@@ -300,6 +306,12 @@ def _asked(
     for flag, given, least in (("--budget", budget, 0), ("--starts", starts, 1), ("--seed", seed, 0)):
         if given is not None and given < least:
             raise UsageError(f"{flag} {given}: must be at least {least}")
+    if html is not None and (html.is_dir() or not html.parent.is_dir()):
+        raise UsageError(f"--html '{html}': name a file in a folder that exists, such as page.html")
+    if out is not None:
+        from .search.out import require_free
+
+        require_free(out)
     return Search(
         usual.budget if budget is None else budget,
         usual.starts if starts is None else starts,
@@ -307,23 +319,6 @@ def _asked(
         tuple(folders or ()),
         tuple(policies or ()),
     )
-
-
-def _refuse_unsearched(asked: "Search | None", out: Path | None, html: Path | None) -> None:
-    """Refuse a place for what a search finds where nothing is searched, or nothing can be written.
-
-    Raises:
-        UsageError: It is so.
-    """
-    for flag, given in (("--out", out), ("--html", html)):
-        if given is not None and asked is None:
-            raise UsageError(f"{flag} needs a search: leave out --budget 0")
-    if html is not None and (html.is_dir() or not html.parent.is_dir()):
-        raise UsageError(f"--html '{html}': name a file in a folder that exists, such as page.html")
-    if out is not None:
-        from .search.out import require_free
-
-        require_free(out)
 
 
 def _leave(
@@ -394,23 +389,20 @@ def _watched(asked: "Search", world: "World") -> Iterator[None]:
         yield
 
 
-def _show(audits: "Sequence[Audit]", as_json: bool) -> int:
-    """Print what was found; status 1 where something is damaged."""
+def _show(found: Sequence[Any], table: Callable[[Any], Any], as_json: bool, wrong: Sequence[str]) -> int:
+    """Print what was found, and what is wrong, a line each; status 1 where something is."""
     if as_json:
-        say_json(audits[0].to_json() if len(audits) == 1 else [it.to_json() for it in audits])
+        say_json(found[0].to_json() if len(found) == 1 else [it.to_json() for it in found])
     else:
         from harness.authoring.commands import show
 
-        from .audit import audit_table
-
-        for number, it in enumerate(audits):
+        for number, it in enumerate(found):
             if number:
                 say("")
-            show(audit_table(it))
-    damaged = [line for it in audits for line in it.damaged]
-    for line in damaged:
-        complain(f"left out, damaged: {line}")
-    return 1 if damaged else 0
+            show(table(it))
+    for line in wrong:
+        complain(line)
+    return 1 if wrong else 0
 
 
 def _of_folder(
@@ -502,14 +494,7 @@ def _of_task(
             raise
         facts, unasked = {"task": str(task)}, (f"Not asked of scripts: {error}.",)
         return [
-            Audit(
-                title=it.label,
-                facts={"reward": it.label, **facts},
-                rewards=(it.label,),
-                pairs=(),
-                earned=(),
-                not_asked=unasked,
-            )
+            Audit(title=it.label, facts={"reward": it.label, **facts}, rewards=(it.label,), not_asked=unasked)
             for it in choices
         ], places
     *judged, other = (choice.build(registry, "rewards") for choice in (*choices, compared))
@@ -540,19 +525,11 @@ def _named(choice: "Choice", registry: "Registry") -> Iterator[None]:
 
 def _show_answer(found: "DatasetAudit", as_json: bool, html: Path | None) -> int:
     """Print what was found, and write its page; status 1 where a reward could not pay."""
+    from .dataset.dataset_audit import answer_table
+
     if html is not None:
         from .dataset.page import write_dataset_page
 
         write_dataset_page(found, html)
         say(f"Page: {html}", err=True)
-    if as_json:
-        say_json(found.to_json())
-    else:
-        from harness.authoring.commands import show
-
-        from .dataset.dataset_audit import answer_table
-
-        show(answer_table(found))
-    for name, reason in found.failed.items():
-        complain(f"reward {name}: n/a ({reason})")
-    return 1 if found.failed else 0
+    return _show([found], answer_table, as_json, [f"reward {name}: n/a ({why})" for name, why in found.failed.items()])

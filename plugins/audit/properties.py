@@ -221,15 +221,14 @@ def workspace_ratios(reward: Reward, rollouts: Sequence[Rollout]) -> Mapping[str
 
     The event terms are the task's and stay: a ratio of 2 halves their weight. None where nothing is paid.
     """
-    return {rollout.script: _ratio(reward, rollout) for rollout in rollouts}
-
-
-def _ratio(reward: Reward, rollout: Rollout) -> float | None:
-    usual, larger = (
-        float(np.where(rollout.running, pay_distances(reward, factor * rollout.distances), 0.0).sum())
-        for factor in (1.0, FACTOR)
-    )
-    return larger / usual if usual and np.isfinite(larger / usual) else None
+    ratios = dict[str, float | None]()
+    for rollout in rollouts:
+        usual, larger = (
+            float(np.where(rollout.running, pay_distances(reward, factor * rollout.distances), 0.0).sum())
+            for factor in (1.0, FACTOR)
+        )
+        ratios[rollout.script] = larger / usual if usual and np.isfinite(larger / usual) else None
+    return ratios
 
 
 def _explained(fit: PotentialFit) -> str:

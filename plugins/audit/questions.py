@@ -1,9 +1,9 @@
 """The questions of an audit: pure functions of what rewards paid, and of what behaviour was like.
 
-Some can be asked of scripted movements alone, some of any episodes. `NOT_ASKED` says which a subject leaves open.
+Some can be asked of scripted movements alone, some of any episodes. A line says which a subject leaves open.
 """
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Hashable, Sequence
 
 import numpy as np
 
@@ -13,8 +13,6 @@ from harness.log import SUCCESS
 
 from .recorded.earned import Earned, best_paid
 
-ENVIRONMENT, RECORDED, LOGS = "environment", "recorded trainings", "logs"
-"""What an audit is about, beside the scripted movements of an arm, of which everything is asked."""
 NO_SCRIPTS = (
     "Not asked: whether finishing pays, and whether a reward is bounded, scale-free or shaping by a potential. Scripts "
     "and made-up distances ask that; they move an arm, and {} has none."
@@ -30,11 +28,6 @@ NO_SUCCESS = (
 NOT_RANKED = (
     "Not asked: whether rewards rank single episodes as success does. The measures of an arm are of a whole evaluation."
 )
-NOT_ASKED: Mapping[str, tuple[str, ...]] = {
-    ENVIRONMENT: (NO_SCRIPTS.format("an environment"),),
-    RECORDED: (NO_SCRIPTS.format("a recording"), NO_FORMS.format("a recording")),
-    LOGS: (NO_SCRIPTS.format("a log"), NO_FORMS.format("a log")),
-}
 
 
 def deciding_measure(each: Sequence[Episodes]) -> str:

@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.arrays import Float
+from harness.arrays import Float, Ints
 from harness.authoring.commands import (
     CREEP,
     DISTANCE,
@@ -184,7 +184,7 @@ def _mean(value: Any, count: int) -> Float:
     return mean
 
 
-def _each(size: int, count: int) -> NDArray[np.int64]:
+def _each(size: int, count: int) -> Ints:
     """The numbers of `size` envs, each `count` times."""
     return np.repeat(np.arange(size), count)
 

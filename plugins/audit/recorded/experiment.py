@@ -23,7 +23,7 @@ from .recordings import RANDOM, chosen_rewards, title_of
 KEYS = ["env", "episode", "step", "terminated", "truncated"]
 
 
-def audit_experiment(results: Traces, only: Sequence[str] = ()) -> Audit:
+def audit_experiment(results: Traces, only: Sequence[str]) -> Audit:
     """How far apart rewards are in the steps of trainings, what policies did, and what each reward pays them for it.
 
     What policies earned includes the events of the task, which pay the same under every reward.

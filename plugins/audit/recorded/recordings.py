@@ -32,10 +32,9 @@ from harness.results import Told
 
 from ..audit import Audit
 from ..questions import (
-    LOGS,
+    NO_FORMS,
+    NO_SCRIPTS,
     NO_SUCCESS,
-    NOT_ASKED,
-    RECORDED,
     deciding_measure,
     on_best,
     rank_success,
@@ -81,9 +80,9 @@ def audit_recordings(
         found = [run for run in found if not is_left_out(run.path, out)]
     # Evaluations before the training ended are of other policies than the one that it left.
     final = [run for run in (*apart, *found) if run.steps and (not run.facts.after or _is_random(run))]
-    audit = _audit(folder, f"'{folder}'", env, "recorded", final, only, notes)
+    audit = _audit(folder, f"'{folder}'", env, ("recorded", "a recording"), final, only, notes)
     unread = tuple(it.why for it in (*damaged, *damaged_too) if it not in account.left_out)
-    return held_back(replace(audit, damaged=unread, not_asked=(*NOT_ASKED[RECORDED], *audit.not_asked)), account)
+    return held_back(replace(audit, damaged=unread), account)
 
 
 def held_back(audit: Audit, account: Account[Any]) -> Audit:
@@ -125,8 +124,8 @@ def audit_logs(
     everything = [it for run in runs for it in (run, run.evaluation) if it is not None and len(it.recorded.log)]
     env = next((log.facts.env for log in logs if log.facts.env), NO_NAME)
     notes = [sorted_.sentence, *sorted_.notes, *facts_notes(logs)]
-    audit = _audit(folder, f"'{path}'", env, "logged", everything, only, notes)
-    return held_back(replace(audit, not_asked=(*NOT_ASKED[LOGS], *audit.not_asked)), account)
+    audit = _audit(folder, f"'{path}'", env, ("logged", "a log"), everything, only, notes)
+    return held_back(audit, account)
 
 
 def _read(folder: Path) -> tuple[list[Run], list[Missing]]:
@@ -148,9 +147,15 @@ def _name_of(folder: Path, run: Run) -> str:
 
 
 def _audit(
-    folder: Path, where: str, env: str, noun: str, found: Sequence[Run], only: Sequence[str], notes: Sequence[str]
+    folder: Path,
+    where: str,
+    env: str,
+    nouns: tuple[str, str],
+    found: Sequence[Run],
+    only: Sequence[str],
+    notes: Sequence[str],
 ) -> Audit:
-    """What is told of any recorded steps or episodes."""
+    """What is told of any recorded steps or episodes; `nouns` say how these were kept, and what holds them."""
     at_random, acted = ([run for run in found if _is_random(run) is kind] for kind in (True, False))
     trainings, evaluations = ([run for run in acted if run.facts.evaluation is kind] for kind in (False, True))
     compared = trainings or evaluations or at_random
@@ -177,9 +182,10 @@ def _audit(
         )
     known = [name for name in rewards if all(name in it.returns for it in judged)] if success else []
     count, kind = len(compared), "training" if trainings else "evaluation"
+    kept, holder = nouns
     few = "" if count >= 3 else " No intervals below three of them."
     return Audit(
-        title=title_of(env, count_text(count, f"{noun} {kind}"), rewards),
+        title=title_of(env, count_text(count, f"{kept} {kind}"), rewards),
         facts={"env": env, "recordings": names, "evaluations": not trainings},
         rewards=rewards,
         pairs=pairs,
@@ -188,7 +194,7 @@ def _audit(
         rankings={name: rank_success(judged, name, success, owners) for name in known},
         verdict=tuple(on_best([*chance, *final], rewards, success)),
         measured=(f"{SCALE} Means over {kind}s, 95% intervals over them in brackets.{few}",) if pairs else (),
-        not_asked=() if success else (NO_SUCCESS,),
+        not_asked=(NO_SCRIPTS.format(holder), NO_FORMS.format(holder), *(() if success else (NO_SUCCESS,))),
         notes=(*notes, *told),
     )
 

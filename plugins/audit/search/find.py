@@ -12,13 +12,12 @@ from harness.authoring.commands import Columns
 from harness.environment import AnyEnv
 from harness.errors import UsageError
 from harness.registry import Registry
-from harness.reward import Given
 from harness.text import number
 
-from ..transitions.audit_rewards import GAMMA
-from .behaviour import Behaviour, Rates
+from ..transitions.audit_rewards import GAMMA, ByName
+from .behaviour import Behaviour, Rates, Role
 from .disturb import NOISES, Acting, noise_curve, rested, strength_of
-from .finding import FRAGILE, NAMES, Finding, Role
+from .finding import FRAGILE, NAMES, Finding
 from .held_out import act_of
 from .judge import Walk, judge
 from .place import Place, blamed_at, elsewhere_of, world_at
@@ -161,10 +160,10 @@ def cheats_at(
 
 def find_cheats(
     env: AnyEnv | str | Callable[[], AnyEnv],
-    rewards: Mapping[str, Given],
+    rewards: ByName,
     *,
     success: str = "",
-    behaviour: Mapping[str, Given] | None = None,
+    behaviour: ByName | None = None,
     policies: Mapping[str, Act] | None = None,
     gamma: float = GAMMA,
     budget: int = ENVIRONMENT.budget,
@@ -210,8 +209,6 @@ def find_cheats(
         title=f"{where}: rewards {', '.join(rewards)}; discount {gamma:g}",
         facts={"env": where, "gamma": gamma},
         rewards=tuple(rewards),
-        pairs=(),
-        earned=(),
         cheats=tuple(found),
     )
 

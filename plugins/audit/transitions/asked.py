@@ -85,20 +85,15 @@ def of_transitions(
     for name, given in rewards.items():
         try:
             pay = of_transition(name, given)
-            _require_same(pay, walks, paid[name])
+            with np.errstate(all="ignore"):  # what is not finite is refused
+                again = np.array(
+                    [pay(*step) for it in walks for step in zip(it.states, it.actions, it.states[1:], strict=False)]
+                )
+            if differs(again, paid[name]).any():
+                raise NoTransitionReward(
+                    "asked again about a step, it pays something else: it looks at more than the transition"
+                )
             pays[name] = pay
         except NoTransitionReward as error:
             reasons[name] = str(error)
     return pays, reasons
-
-
-def _require_same(pay: OfTransition, walks: list[Walk], paid: Float) -> None:
-    """Asked again, it pays the same: it looks at nothing but the transition."""
-    with np.errstate(all="ignore"):  # what is not finite is refused
-        again = np.array(
-            [pay(*step) for walk in walks for step in zip(walk.states, walk.actions, walk.states[1:], strict=False)]
-        )
-    if differs(again, paid).any():
-        raise NoTransitionReward(
-            "asked again about a step, it pays something else: it looks at more than the transition"
-        )

@@ -18,7 +18,7 @@ from harness.reward import Given
 
 from ..audit import Audit
 from ..distance import FORMS, Form
-from ..questions import ENVIRONMENT, NO_SUCCESS, NOT_ASKED, deciding_measure, on_best, rank_success
+from ..questions import NO_SCRIPTS, NO_SUCCESS, deciding_measure, on_best, rank_success
 from ..recorded.earned import earned_in_episodes
 from ..recorded.pair import pairs_in
 from ..recorded.pair_grid import SCALE
@@ -32,18 +32,20 @@ MEASUREMENTS = 5
 
 Policy = Callable[[Any], Any]
 Env = gymnasium.Env[Any, Any]
+ByName = Mapping[str, Given]
+"""Rewards, or measures."""
 
 
 def audit_rewards(
     env: Env | str | Callable[[], Env],
-    rewards: Mapping[str, Given],
+    rewards: ByName,
     *,
     policies: Mapping[str, Policy] | None = None,
     gamma: float = GAMMA,
     episodes: int = EPISODES,
     steps: int = 1_000,
     seed: int = 0,
-    behaviour: Mapping[str, Given] | None = None,
+    behaviour: ByName | None = None,
     compared: Collection[str] | None = None,
 ) -> Audit:
     """How far apart rewards are: in the steps of random actions and of policies, and as EPIC, DARD and STARC see them.
@@ -72,6 +74,7 @@ def audit_rewards(
     own = [name for name, given in rewards.items() if isinstance(given, str) and given == OWN]
     if len(own) > 1:
         raise UsageError(f"rewards: {own[0]!r} and {own[1]!r} are both what the env pays: leave one out")
+    trained = own[0] if own else OWN
     if not 0.0 < gamma < 1.0:
         raise UsageError(f"gamma={gamma:g}: must be above 0 and below 1")
     for name, number, least in (("episodes", episodes, 1), ("steps", steps, 1), ("seed", seed, 0)):
@@ -85,11 +88,11 @@ def audit_rewards(
             )
     made, drawn = opened_env(env), [np.random.default_rng([seed, number]) for number in range(MEASUREMENTS)]
     try:
-        taken = [_take(made, rewards, behaviour or {}, policies, episodes, steps, rng) for rng in drawn]
+        taken = [_take(made, trained, rewards, behaviour or {}, policies, episodes, steps, rng) for rng in drawn]
     finally:
         if made is not env:
             made.close()
-    given = {**rewards, _own(rewards): OWN}
+    given = {**rewards, trained: OWN}
     names = tuple(name for name in given if compared is None or name in compared)
     forms = [_forms(it, {name: given[name] for name in names}, gamma) for it in taken]
     pairs, _ = pairs_in([("", it.log) for it in taken], names, forms)
@@ -123,13 +126,8 @@ def audit_rewards(
             "are over these measurements. They say how much another measurement with the same policies would differ. "
             "Other policies meet other transitions, where the distances are others.",
         ),
-        not_asked=(*NOT_ASKED[ENVIRONMENT], *([] if success else [NO_SUCCESS])),
+        not_asked=(NO_SCRIPTS.format("an environment"), *([] if success else [NO_SUCCESS])),
     )
-
-
-def _own(rewards: Mapping[str, Given]) -> str:
-    """Under which name what the env pays is recorded."""
-    return next((name for name, given in rewards.items() if isinstance(given, str) and given == OWN), OWN)
 
 
 def opened_env(env: Env | str | Callable[[], Env]) -> Env:
@@ -165,8 +163,9 @@ class _Taken(NamedTuple):
 
 def _take(
     env: Env,
-    rewards: Mapping[str, Given],
-    behaviour: Mapping[str, Given],
+    own: str,
+    rewards: ByName,
+    behaviour: ByName,
     policies: Mapping[str, Policy],
     episodes: int,
     steps: int,
@@ -175,7 +174,7 @@ def _take(
     """Every policy meets the same episodes."""
     seeds = [int(number) for number in rng.integers(2**31, size=episodes)]
     env.action_space.seed(seeds[0])
-    keeper, own = KeepWalks(TimeLimit(env, steps)), _own(rewards)
+    keeper = KeepWalks(TimeLimit(env, steps))
     with tempfile.TemporaryDirectory(prefix="harness-audit-") as folder:
         path = Path(folder) / "steps"
         recorder = RecordRewards(
@@ -196,7 +195,7 @@ def _take(
         return _Taken(log, episodes_of(log), keeper.walks, rng)
 
 
-def _forms(taken: _Taken, rewards: Mapping[str, Given], gamma: float) -> dict[str, Mapping[str, Form]]:
+def _forms(taken: _Taken, rewards: ByName, gamma: float) -> dict[str, Mapping[str, Form]]:
     """Each reward in every canonical form, or why it has none."""
     log = taken.log
     pays, reasons = of_transitions(rewards, taken.walks, {name: log[f"{REWARD}{name}"] for name in rewards})
