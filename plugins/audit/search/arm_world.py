@@ -10,12 +10,12 @@ import numpy as np
 from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
-from harness.arrays import Float, Mask
+from harness.arrays import Float, Ints, Mask
 from harness.authoring.commands import TERM, ReachVectorEnv
 from harness.env import World as Arm
 from harness.log import SUCCESS
 
-from .world import Act, Actions, Outcomes, Shown, Whole
+from .world import Act, Actions, Outcomes, Shown, Space
 
 TOGETHER = 256
 """The most arms that move side by side."""
@@ -61,14 +61,13 @@ class ArmWorld:
         self.arm, self.name, self.reward, self.gamma = arm, name, reward, gamma
         self.horizon = -(-arm.task.horizon // arm.task.decision_period)
         self.taken = 0
-        self._goes_on = not arm.task.ends_at_target
         self._envs: dict[int, ReachVectorEnv] = {}
 
     @property
-    def space(self) -> gymnasium.spaces.Box | gymnasium.spaces.Discrete:
+    def space(self) -> Space:
         """The space of one action."""
         space: Any = self._env(1).single_action_space
-        found: gymnasium.spaces.Box | gymnasium.spaces.Discrete = space
+        found: Space = space
         return found
 
     @property
@@ -86,14 +85,14 @@ class ArmWorld:
         shown.append(self.show(0, actions))
         return all(np.array_equal(shown[0].paid, other.paid) for other in shown[1:])
 
-    def play(self, starts: Whole, actions: Actions) -> Outcomes:
+    def play(self, starts: Ints, actions: Actions) -> Outcomes:
         """Play n episodes of given actions; see `World`."""
         return _joined([
             self._play(starts[some], lambda step, *_, some=some: actions[some, step])
             for some in _parts(len(starts))
         ])  # fmt: skip
 
-    def act(self, starts: Whole, policy: Act) -> tuple[Outcomes, list[Actions]]:
+    def act(self, starts: Ints, policy: Act) -> tuple[Outcomes, list[Actions]]:
         """Play n episodes of a policy; see `World`."""
         parts, taken = [], list[Actions]()
         for some in _parts(len(starts)):
@@ -149,7 +148,7 @@ class ArmWorld:
             drawn=rows.drawn(env),
         )
 
-    def places(self, starts: Whole) -> tuple[Float, Float]:
+    def places(self, starts: Ints) -> tuple[Float, Float]:
         """Where arms stand at starts: joint positions, (n, dof), and targets, (n, 3) [m] in the world frame."""
         env = self._env(len(starts))
         env.reset(seed=_padded(starts, env.num_envs).tolist())
@@ -174,7 +173,7 @@ class ArmWorld:
 
     @property
     def _measures(self) -> tuple[str, ...]:
-        return DISTANCE, CLOSEST, GROUND, *((TARGETS,) if self._goes_on else ())
+        return DISTANCE, CLOSEST, GROUND, *(() if self.arm.task.ends_at_target else (TARGETS,))
 
     def _env(self, count: int) -> ReachVectorEnv:
         """An env of at least so many arms; the next power of two, so that few are opened."""
@@ -183,7 +182,7 @@ class ArmWorld:
             self._envs[size] = self.arm.open(size, autoreset_mode=AutoresetMode.DISABLED)
         return self._envs[size]
 
-    def _play(self, starts: Whole, choose: Choose) -> Outcomes:
+    def _play(self, starts: Ints, choose: Choose) -> Outcomes:
         """Play at most `TOGETHER` episodes."""
         env, count = self._env(len(starts)), len(starts)
         observations, infos = env.reset(seed=_padded(starts, env.num_envs).tolist())

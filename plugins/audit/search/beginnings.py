@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from gymnasium.spaces import Discrete
 
+from harness.arrays import Ints
 from harness.authoring.commands import TRAINING_RECORDING, facts_of, flat_observation, import_file, recordings_in
 from harness.env import kinematics_policy, why_not_kinematics
 from harness.errors import UsageError, reason_of
@@ -20,7 +21,7 @@ from harness.registry import read_given
 from harness.task import goal_of
 
 from .arm_world import ArmWorld
-from .world import Act, Actions, Whole, World
+from .world import Act, Actions, World
 
 MOST_POLICIES, MOST_SEQUENCES = 12, 8
 """The most policies of a folder, and the most episodes of a recording: the best paid, the last ones, successes."""
@@ -43,7 +44,7 @@ class Beginning:
     start: int | None = None
 
 
-def scripts_of(world: ArmWorld, starts: Whole) -> list[Beginning]:
+def scripts_of(world: ArmWorld, starts: Ints) -> list[Beginning]:
     """The scripted movements of an arm from each start, but the random one; and what its own kinematics do.
 
     None where a task asks for more than points, or its actions are of another kind: scripts move joints.
@@ -67,13 +68,13 @@ def policies_of(world: World, policies: Mapping[str, Act]) -> list[Beginning]:
     Raises:
         UsageError: One cannot be called.
     """
+    found = list[Beginning]()
     for name, policy in policies.items():
+        noun = f"policies: {name!r}"
         if not callable(policy):
-            raise UsageError(f"policies: {name!r} is {policy!r}: give a function from an observation to an action")
-    return [
-        Beginning(f"policy {name}", act=_checked(world, policy, f"policies: {name!r}"))
-        for name, policy in policies.items()
-    ]
+            raise UsageError(f"{noun} is {policy!r}: give a function from an observation to an action")
+        found.append(Beginning(f"policy {name}", act=_checked(world, policy, noun)))
+    return found
 
 
 def policy_named(world: World, text: str) -> Beginning:

@@ -2,12 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Literal, TypeAlias, get_args
 
-from .world import Actions, Outcomes
+from .world import Actions, Data, Outcomes
 
-if TYPE_CHECKING:
-    from .finding import Role
+Role: TypeAlias = Literal["failure", "success", "fastest"]
+ROLES: tuple[Role, ...] = get_args(Role)
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +39,7 @@ class Behaviour:
     share: float
     measures: Mapping[str, float] = field(default_factory=dict)
     made_by: str = "search"
-    policy: Mapping[str, Any] | None = None
+    policy: Data | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,12 +57,9 @@ class Three:
     success: Behaviour | None
     fastest: Behaviour | None
 
-    def by_role(self) -> "dict[Role, Behaviour]":
+    def by_role(self) -> dict[Role, Behaviour]:
         """Those that were found, by what they are."""
-        found: dict[Role, Behaviour | None] = {
-            "failure": self.failure, "success": self.success, "fastest": self.fastest
-        }  # fmt: skip
-        return {role: behaviour for role, behaviour in found.items() if behaviour is not None}
+        return {role: behaviour for role in ROLES if (behaviour := getattr(self, role)) is not None}
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +75,7 @@ class Rated:
         actions: Those of its first episode.
     """
 
-    policy: Mapping[str, Any]
+    policy: Data
     made_by: str
     starts: Sequence[int]
     outcomes: Outcomes

@@ -5,7 +5,7 @@ A file holds names and numbers, never code. It may come from a stranger, so that
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal, NotRequired
 
@@ -14,16 +14,16 @@ from numpy.typing import NDArray
 from pydantic import ConfigDict, Field, StringConstraints, with_config
 from typing_extensions import TypedDict
 
-from harness.arrays import Float, Mask
 from harness.authoring.commands import ChoiceForm, read_form
 from harness.files import read_sealed, reading, seal, write_whole
 from harness.text import file_stems, number
 
+from .behaviour import Role
 from .film import MOST_BYTES as MOST_PICTURES, Film
-from .finding import Disturbed, Role
+from .finding import Disturbed
 from .held_out import mean_interval
 from .place import Place
-from .world import Shown, since
+from .world import Data, Shown, since
 
 FORMAT = 1
 NOUN = "certificate"
@@ -35,7 +35,6 @@ MOST_STEPS, MOST_NUMBERS, MOST_NAMED = 20_000, 500_000, 100
 """The most steps, numbers of all actions, and terms or measures."""
 DRAWN = {"time", "qpos", "target", "distance"}
 """What an arm is drawn from; see `Shown`."""
-ROLES: tuple[Role, ...] = ("failure", "success", "fastest")
 
 Text = Annotated[str, StringConstraints(max_length=10_000)]
 Name = Annotated[str, StringConstraints(min_length=1, max_length=1_000)]
@@ -64,7 +63,7 @@ class PlaceForm(TypedDict):
 
 
 class AnswerForm(TypedDict):
-    """See `Answer`."""
+    """What the search said of the reward, see `Finding`; on how many starts the alarm holds, of how many."""
 
     word: Literal["PAYS FOR FAILING", "PAYS FOR LOITERING", "NOTHING FOUND", "CANNOT TELL"]
     strength: Literal["", "ROBUST", "FRAGILE"]
@@ -109,7 +108,7 @@ class DisturbedForm(TypedDict):
 
 
 class FoundForm(TypedDict):
-    """See `Found`."""
+    """How a behaviour was found: what it comes from, and the search, with the steps that it might take and took."""
 
     made_by: Text
     seed: Whole
@@ -151,7 +150,7 @@ class RandomForm(TypedDict):
 
 
 class RatingForm(TypedDict):
-    """See `Rating`."""
+    """A policy in episodes on starts that no search has played: what an answer rests on where chance decides."""
 
     starts: Annotated[list[Whole], Field(min_length=2, max_length=10_000)]
     paid: Annotated[list[Number], Field(max_length=10_000)]
@@ -173,7 +172,7 @@ class CertificateForm(TypedDict):
 
     format: Literal[1]
     what: Literal["certificate"]
-    role: Literal["failure", "success", "fastest"]
+    role: Role
     answer: AnswerForm
     place: PlaceForm
     runs_on: RunsOnForm
@@ -190,110 +189,35 @@ class CertificateForm(TypedDict):
     rating: NotRequired[RatingForm]
 
 
-@dataclass(frozen=True)
-class Answer:
-    """What the search said of the reward; see `Finding`.
-
-    Attributes:
-        word: One of the four answers.
-        strength: ``ROBUST`` or ``FRAGILE`` beside an alarm.
-        lines: Sentences.
-        alarmed: On how many starts the alarm holds.
-        starts: How many were searched.
-    """
-
-    word: str
-    strength: str
-    lines: tuple[str, ...]
-    alarmed: int
-    starts: int
-
-
-@dataclass(frozen=True)
-class Found:
-    """How a behaviour was found.
-
-    Attributes:
-        made_by: What it comes from, in words.
-        seed: Of the search.
-        budget: Steps that it might take.
-        steps: Steps that it took.
-        how: What searched.
-    """
-
-    made_by: str
-    seed: int
-    budget: int
-    steps: int
-    how: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True, eq=False)
-class Rating:
-    """A policy in episodes on starts that no search has played: what an answer rests on where chance decides.
-
-    Attributes:
-        starts: The seeds of the resets.
-        paid: What each episode was paid, (starts,).
-        success: Whether it succeeded, (starts,).
-    """
-
-    starts: tuple[int, ...]
-    paid: Float
-    success: Mask
-
-    def __str__(self) -> str:
-        mean, low, high = map(number, mean_interval(self.paid))
-        count = len(self.starts)
-        return f"{mean} [{low}, {high}] an episode on {count} held-out starts, success {self.success.mean():.0%}"
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data; `from_json` gives the same back."""
-        return {
-            "starts": list(self.starts), "paid": self.paid.tolist(), "success": self.success.astype(int).tolist()
-        }  # fmt: skip
-
-    @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> "Rating":
-        """What `to_json` told.
-
-        Raises:
-            ValueError: It has not a number for each start.
-        """
-        if not len(data["starts"]) == len(data["paid"]) == len(data["success"]):
-            raise ValueError("rating: it has not a number for each start")
-        return cls(tuple(data["starts"]), np.array(data["paid"], float), np.array(data["success"], bool))
-
-
 @dataclass(frozen=True, eq=False)
 class Certificate:
     """One behaviour, what it is paid, and all that is needed to play it again.
 
     Attributes:
         role: Which of the three it is.
-        answer: What the search said of the reward.
+        answer: What the search said of the reward, as `AnswerForm`.
         place: What makes its world again.
         runs_on: ``versions``, ``machine`` and ``sources`` when it was written.
-        found: How it was found.
+        found: How it was found, as `FoundForm`.
         shown: The episode.
         noise: What it was paid while its actions were disturbed.
         elsewhere: What it is paid in other simulators, by name.
         film: Pictures of it, of one in an environment.
         policy: Who acted, as plain data, where chance decides.
-        rating: What that policy comes to on held-out starts; the episode is then only the first one of these.
+        rating: What that policy comes to on held-out starts, as `RatingForm`; the episode is the first one of these.
     """
 
     role: Role
-    answer: Answer
+    answer: Data
     place: Place
-    runs_on: Mapping[str, Mapping[str, Any]]
-    found: Found
+    runs_on: Mapping[str, Data]
+    found: Data
     shown: Shown
-    noise: tuple[Disturbed, ...] = ()
-    elsewhere: Mapping[str, float] = field(default_factory=dict)
+    noise: tuple[Disturbed, ...]
+    elsewhere: Mapping[str, float]
     film: Film | None = None
-    policy: Mapping[str, Any] | None = None
-    rating: Rating | None = None
+    policy: Data | None = None
+    rating: Data | None = None
 
     @property
     def paid(self) -> float:
@@ -308,24 +232,19 @@ class Certificate:
     @property
     def outcome(self) -> str:
         """Whether it succeeded, and when."""
-        return f"success from step {self.time} on" if self.shown.success[-1] else "no success"
+        return f"success from step {since(self.shown.success)} on" if self.shown.success[-1] else "no success"
 
-    @property
-    def time(self) -> int:
-        """The step from which on it was a success, from 1; one more than there are if it was none at its end."""
-        return since(self.shown.success)
-
-    def to_json(self) -> dict[str, Any]:
+    def to_json(self) -> Data:
         """Plain data; `from_json` gives the same back."""
         shown = self.shown
         return {
             "format": FORMAT,
             "what": NOUN,
             "role": self.role,
-            "answer": asdict(self.answer),
+            "answer": dict(self.answer),
             "place": self.place.to_json(),
             "runs_on": self.runs_on,
-            "found": asdict(self.found),
+            "found": dict(self.found),
             "start": shown.start,
             "actions": numbers_of(shown.actions),
             "paid": {
@@ -347,11 +266,11 @@ class Certificate:
             "elsewhere": dict(self.elsewhere),
             **({"drawn": {name: numbers_of(it) for name, it in shown.drawn.items()}} if shown.drawn else {}),
             **({"film": self.film.to_json()} if self.film else {}),
-            **({"policy": dict(self.policy), "rating": self.rating.to_json()} if self.policy and self.rating else {}),
+            **({"policy": dict(self.policy), "rating": dict(self.rating)} if self.policy and self.rating else {}),
         }
 
     @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> "Certificate":
+    def from_json(cls, data: Data) -> "Certificate":
         """What `to_json` told, also after a way through JSON.
 
         Raises:
@@ -360,7 +279,9 @@ class Certificate:
         read_form(CertificateForm, data)
         if ("policy" in data) != ("rating" in data):
             raise ValueError("policy and rating: one of them is missing")
-        paid, behaviour, role = data["paid"], data["behaviour"], data["role"]
+        rating, paid, behaviour, role = data.get("rating"), data["paid"], data["behaviour"], data["role"]
+        if rating and len({*map(len, rating.values())}) > 1:
+            raise ValueError("rating: it has not a number for each start")
         shown = Shown(
             data["start"],
             array_of(data["actions"]),
@@ -374,17 +295,24 @@ class Certificate:
         _require_lengths(shown)
         return cls(
             role,
-            Answer(**{**data["answer"], "lines": tuple(data["answer"]["lines"])}),
+            data["answer"],
             Place.from_json(data["place"]),
             data["runs_on"],
-            Found(**{**data["found"], "how": tuple(data["found"]["how"])}),
+            data["found"],
             shown,
             tuple(Disturbed(role, **row) for row in data["noise"]),
             data["elsewhere"],
             Film.from_json(data["film"]) if "film" in data else None,
             data.get("policy"),
-            Rating.from_json(data["rating"]) if "rating" in data else None,
+            rating,
         )
+
+
+def rating_text(rating: Data) -> str:
+    """What a policy came to on held-out starts, in words."""
+    mean, low, high = map(number, mean_interval(rating["paid"]))
+    count, share = len(rating["starts"]), np.mean(rating["success"])
+    return f"{mean} [{low}, {high}] an episode on {count} held-out starts, success {share:.0%}"
 
 
 def write_certificate(certificate: Certificate, path: Path) -> None:
@@ -414,7 +342,7 @@ def file_names(certificates: Sequence[Certificate]) -> list[str]:
     return [f"{stems[it.place.reward.label]}-{it.role}.json" for it in certificates]
 
 
-def numbers_of(array: NDArray[Any]) -> dict[str, Any]:
+def numbers_of(array: NDArray[Any]) -> Data:
     """An array as JSON has it, exactly: its numbers as short as they may be and still be the same in its type."""
     flat = array.ravel()
     short = np.array([float(str(number)) for number in flat]) if array.dtype == np.float32 else flat
@@ -422,7 +350,7 @@ def numbers_of(array: NDArray[Any]) -> dict[str, Any]:
     return {"type": array.dtype.name, "shape": list(array.shape), "numbers": (short if same else flat).tolist()}
 
 
-def array_of(data: Mapping[str, Any]) -> NDArray[Any]:
+def array_of(data: Data) -> NDArray[Any]:
     """The array that `numbers_of` told.
 
     Raises:

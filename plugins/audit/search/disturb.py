@@ -7,10 +7,10 @@ from typing import NamedTuple
 import gymnasium
 import numpy as np
 
-from .behaviour import Behaviour
-from .finding import FRAGILE, ROBUST, Disturbed, Role
+from .behaviour import Behaviour, Role
+from .finding import FRAGILE, ROBUST, Disturbed
 from .judge import Case
-from .world import Act, Actions, Outcomes, World
+from .world import Act, Actions, Outcomes, Rng, Space, World
 
 NOISES = (0.01, 0.05)
 """Standard deviations as shares of half the range of actions; of choices, chances that another one is taken."""
@@ -25,9 +25,7 @@ class Acting(NamedTuple):
     starts: Sequence[int]
 
 
-def disturb(
-    world: World, behaviour: Behaviour, noise: float, rng: np.random.Generator, acting: Acting | None = None
-) -> Outcomes:
+def disturb(world: World, behaviour: Behaviour, noise: float, rng: Rng, acting: Acting | None = None) -> Outcomes:
     """What `EPISODES` disturbed episodes of a behaviour come to.
 
     Where an episode ended before the horizon and a disturbed one does not, it rests, see `rested`.
@@ -47,9 +45,7 @@ def disturb(
     return world.play(starts, disturbed_actions(world.space, whole, noise, rng))
 
 
-def disturbed_actions(
-    space: gymnasium.spaces.Box | gymnasium.spaces.Discrete, actions: Actions, noise: float, rng: np.random.Generator
-) -> Actions:
+def disturbed_actions(space: Space, actions: Actions, noise: float, rng: Rng) -> Actions:
     """The actions, normal noise of `noise` times half the range added and clipped; of choices, some are others.
 
     An action without bounds has the range 2.
@@ -77,7 +73,7 @@ def rested(world: World, actions: Actions) -> Actions:
 
 
 def noise_curve(
-    world: World, shown: Mapping[Role, Behaviour], acts: Mapping[Role, Acting], rng: np.random.Generator
+    world: World, shown: Mapping[Role, Behaviour], acts: Mapping[Role, Acting], rng: Rng
 ) -> tuple[Disturbed, ...]:
     """What behaviours are paid at every noise, from none on.
 
@@ -115,9 +111,7 @@ class Strength:
     task: float
 
 
-def strength_of(
-    world: World, alarmed: Sequence[tuple[Case, Mapping[Role, Acting]]], rng: np.random.Generator
-) -> Strength:
+def strength_of(world: World, alarmed: Sequence[tuple[Case, Mapping[Role, Acting]]], rng: Rng) -> Strength:
     """Whether an alarm is a knife's edge.
 
     Args:

@@ -14,7 +14,7 @@ import numpy as np
 from gymnasium.spaces import Box, Discrete, flatten
 from gymnasium.wrappers import TimeLimit
 
-from harness.arrays import Float, Mask
+from harness.arrays import Float, Ints, Mask
 from harness.authoring.commands import (
     Before,
     Column,
@@ -23,8 +23,6 @@ from harness.authoring.commands import (
     Now,
     Raised,
     Untold,
-    blamed_on,
-    columns_of,
     flat_observation,
     flat_observations,
     goal_columns,
@@ -32,16 +30,15 @@ from harness.authoring.commands import (
     made_columns,
     parse_success,
     told_under,
-    weighing,
     zeros_of,
 )
-from harness.environment import AnyEnv, Environment
+from harness.environment import AnyEnv
 from harness.errors import UsageError, reason_of
 from harness.log import SUCCESS
-from harness.registry import Choice, Registry, unknown_name
+from harness.registry import unknown_name
 
 from ..transitions.audit_rewards import opened_env
-from .world import Act, Actions, Outcomes, Shown, Whole, since
+from .world import Act, Actions, Outcomes, Shown, Space, since
 
 CUT_AT = 500
 """Steps of an episode that nothing else ends."""
@@ -83,8 +80,8 @@ class EnvironmentWorld:
         name: str,
         reward: str,
         gamma: float,
-        success: str = "",
-        horizon: int | None = None,
+        success: str,
+        horizon: int | None,
         is_new: bool = True,
     ) -> None:
         """Make an env, and play a few episodes of random actions to see what it tells.
@@ -109,7 +106,8 @@ class EnvironmentWorld:
         self._goals: tuple[slice, slice] | None = None  # where achieved and desired goals stand in flat observations
         with suppress(UsageError):
             self._goals = goal_columns(self.observes)
-        self.horizon = horizon or _limit_of(self._env) or CUT_AT
+        limit = horizon or _limit_of(self._env)
+        self.horizon = limit or CUT_AT
         self._rule, self._more = parse_success(success), dict[str, str]()
         given = columns(self._env)
         higher, lower = dict.fromkeys(given.higher_is_better, 1), dict.fromkeys(given.lower_is_better, -1)
@@ -117,9 +115,9 @@ class EnvironmentWorld:
         if self._rule.key and self._rule.key not in given.behaviour:
             self._more = {self._rule.key: self._rule.key}
         self._asked = self._asking(self._env)
-        self._tried = self._try(self._env, self._asked)
+        self._tried = self._try(self._asked)
         self.notes: Sequence[str] = self._find_success()
-        if not (horizon or _limit_of(self._env)):
+        if not limit:
             self.horizon = self._own_limit() or CUT_AT
             if self.horizon == CUT_AT:
                 self.notes = (*self.notes, f"Nothing limits its episodes: they are cut after {CUT_AT} steps.")
@@ -137,7 +135,7 @@ class EnvironmentWorld:
             else [np.clip(np.zeros(space.shape), space.low, space.high)]
         )
         for start, action in itertools.product(range(2), same):
-            played.append(self._episode(self._env, self._asked, start, lambda *_, action=action: action))
+            played.append(self._episode(self._asked, start, lambda *_, action=action: action))
         longest = [it for it in played if len(it.actions) == max(len(it.actions) for it in played)]
         is_truncated = len(longest) > 1 and all(it.ended == "truncated" for it in longest)
         is_limit = is_truncated or len(longest) > max(2, len(played) / 2)
@@ -157,25 +155,25 @@ class EnvironmentWorld:
     @cached_property
     def is_repeated(self) -> bool:
         """Whether the same comes again in this env, in another order, and in a new one if one can be made."""
-        again = self._try(self._env, self._asked, reversed(range(TRIED)))[::-1]
+        again = self._try(self._asked, reversed(range(TRIED)))[::-1]
         if not self._is_new:
             return not self._asked.drew and all(map(self._is_same, self._tried, again))
         env = self._make()
         try:
-            anew = self._try(env, self._asking(env))
+            anew = self._try(self._asking(env))
         finally:
             env.close()
         pairs = [*zip(self._tried, again, strict=True), *zip(self._tried, anew, strict=True)]
         return not self._asked.drew and all(self._is_same(one, other) for one, other in pairs)
 
-    def play(self, starts: Whole, actions: Actions) -> Outcomes:
+    def play(self, starts: Ints, actions: Actions) -> Outcomes:
         """Play n episodes of given actions; see `World`."""
         return self._outcomes([
             self._counted(start, lambda step, _, given=given: given[step])  # type: ignore[misc]
             for start, given in zip(starts.tolist(), actions, strict=True)
         ])  # fmt: skip
 
-    def act(self, starts: Whole, policy: Act) -> tuple[Outcomes, list[Actions]]:
+    def act(self, starts: Ints, policy: Act) -> tuple[Outcomes, list[Actions]]:
         """Play n episodes of a policy; see `World`."""
         played = [self._counted(start, lambda _, seen: policy(seen)) for start in starts.tolist()]
         return self._outcomes(played), [np.array(it.actions, self.space.dtype) for it in played]
@@ -213,12 +211,12 @@ class EnvironmentWorld:
             raise UsageError(unknown_name("reward", self.reward, columns.rewards))
         return _Asked(env, replace(columns, behaviour={**columns.behaviour, **self._more}), self.reward)
 
-    def _try(self, env: AnyEnv, asked: "_Asked", starts: Iterable[int] = range(TRIED)) -> list[_Played]:
+    def _try(self, asked: "_Asked", starts: Iterable[int] = range(TRIED)) -> list[_Played]:
         """Episodes of random actions."""
         played = []
         for start in starts:
             self.space.seed(start)
-            played.append(self._episode(env, asked, start, lambda *_: self.space.sample()))
+            played.append(self._episode(asked, start, lambda *_: self.space.sample()))
         return played
 
     def _find_success(self) -> tuple[str, ...]:
@@ -240,24 +238,24 @@ class EnvironmentWorld:
             return ()
         self._rule, self._more = parse_success(key), {key: key}
         self._asked = self._asking(self._env)
-        self._tried = self._try(self._env, self._asked)
+        self._tried = self._try(self._asked)
         return (f"No measure says what success is: {key} is taken, which the environment tells in info.",)
 
     def _counted(self, start: int, choose: Choose, most: int | None = None) -> _Played:
-        played = self._episode(self._env, self._asked, start, choose, most)
+        played = self._episode(self._asked, start, choose, most)
         self.taken += len(played.actions)
         return played
 
-    def _episode(self, env: AnyEnv, asked: "_Asked", start: int, choose: Choose, most: int | None = None) -> _Played:
+    def _episode(self, asked: "_Asked", start: int, choose: Choose, most: int | None = None) -> _Played:
         """Play an episode of at most so many steps."""
-        space, shape = self.space, env.action_space.shape
+        env, space = asked.env, self.space
         is_discrete, kind = isinstance(space, Discrete), space.dtype
         observation, info = env.reset(seed=start)
         seen, actions, paid, told = [asked.begin(start, observation, info)], list[Any](), list[Any](), list[Any]()
         ended = ""
         for step in range(min(self.horizon, most or self.horizon)):
             chosen = choose(step, observation)
-            action = int(chosen) if is_discrete else np.array(chosen, kind).reshape(shape)
+            action = int(chosen) if is_discrete else np.array(chosen, kind).reshape(env.action_space.shape)
             actions.append(action if is_discrete else action.ravel().copy())  # type: ignore[union-attr]
             observation, pays, terminated, truncated, info = env.step(action)
             ended = "terminated" if terminated else "truncated" if truncated else ""
@@ -321,12 +319,14 @@ class _Asked:
     """Asks a reward and measures about the steps of one env, as `harness.RecordRewards` does.
 
     Attributes:
+        env: That env.
         columns: The reward's, then those of the measures.
         measures: Their names.
         drew: Whether one of them drew from a generator that the whole process shares.
     """
 
     def __init__(self, env: AnyEnv, columns: Columns, reward: str) -> None:
+        self.env = env
         self.columns = made_columns(env, {reward: columns.rewards[reward]}, columns.behaviour, 1, frozenset())
         self.measures, self.drew = tuple(columns.behaviour), False
         self._functions = [it.measures[0] for it in self.columns if it.measures]
@@ -388,7 +388,7 @@ class _Asked:
         raise UsageError(f"{column.noun} failed in the episode of start {start}, step {step}: {told}") from error
 
 
-def _flat_space(env: AnyEnv, name: str) -> Box | Discrete:
+def _flat_space(env: AnyEnv, name: str) -> Space:
     """The space of actions as a search has it.
 
     Raises:
@@ -401,7 +401,7 @@ def _flat_space(env: AnyEnv, name: str) -> Box | Discrete:
         kind_of_actions(space)
     except UsageError as error:
         raise UsageError(f"{name} cannot be searched: {error}") from error
-    found: Box | Discrete = space
+    found: Space = space
     return found if found is not env.action_space else deepcopy(found)
 
 
@@ -427,39 +427,12 @@ def _flat(space: gymnasium.Space[Any], seen: Sequence[Any]) -> Any:
     return np.stack([flat_observation(space, it) for it in seen])
 
 
-def of_environment(
-    task: Choice, registry: Registry, reward: Choice, gamma: float, success: str = "", horizon: int | None = None
-) -> EnvironmentWorld:
-    """A reward in an environment that a plugin names; functions in files that the user gave are known too.
-
-    Args:
-        task: The environment.
-        registry: The plugins.
-        reward: One of its rewards, perhaps with weights.
-        gamma: The learner's discount per step.
-        success: What tells success, as a user types it; empty to find a measure that does.
-        horizon: Steps after which an episode is cut; None for the env's own limit.
-
-    Raises:
-        UsageError: See `EnvironmentWorld`.
-        PluginError: The environment raises; says whose it is.
-    """
-    environment: Environment = task.build(registry, "environments")
-
-    def columns(env: AnyEnv) -> Columns:
-        return weighing(columns_of(environment, env, registry), reward.name, reward.label, dict(reward.params))
-
-    with blamed_on(registry.get("environments", task.name), "it was searched"):
-        return EnvironmentWorld(environment.make, columns, task.label, reward.label, gamma, success, horizon)
-
-
 def of_env(
     env: AnyEnv | str | Callable[[], AnyEnv],
     reward: str,
     columns: Columns,
     gamma: float,
     success: str = "",
-    horizon: int | None = None,
 ) -> EnvironmentWorld:
     """A reward in an env that somebody made, which is left open; in the env of an id; or in those of a function.
 
@@ -469,7 +442,6 @@ def of_env(
         columns: Rewards and measures.
         gamma: The learner's discount per step.
         success: What tells success, as a user types it; empty to find a measure that does.
-        horizon: Steps after which an episode is cut; None for the env's own limit.
 
     Raises:
         UsageError: See `EnvironmentWorld`.
@@ -481,4 +453,4 @@ def of_env(
         return first.pop() if first else opened_env(env)
 
     name = made.spec.id if made.spec is not None else type(made.unwrapped).__name__
-    return EnvironmentWorld(make, lambda _: columns, name, reward, gamma, success, horizon, made is not env)
+    return EnvironmentWorld(make, lambda _: columns, name, reward, gamma, success, None, made is not env)

@@ -22,7 +22,7 @@ from harness.registry import Registry, given_from_json, given_to_json, load_regi
 from harness.text import one_line_of
 
 from .place import Place
-from .world import Actions, Shown
+from .world import Actions, Data, Shown
 
 if TYPE_CHECKING:
     from PIL import Image
@@ -54,12 +54,12 @@ class Film(NamedTuple):
     strip: bytes = b""
     """All pictures side by side, as WebP."""
 
-    def to_json(self) -> dict[str, Any]:
+    def to_json(self) -> Data:
         """Plain data; `from_json` gives the same back."""
         return {**self._asdict(), "strip": base64.b64encode(self.strip).decode()}
 
     @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> "Film":
+    def from_json(cls, data: Data) -> "Film":
         """What `to_json` told.
 
         Raises:
@@ -104,9 +104,7 @@ def _awaited(film: Future[Film], until: float) -> Film:
         return Film(f"There is no film: the process that draws it ended. {SCREEN}.")
 
 
-def draw_film(
-    place: Mapping[str, Any], given: Sequence[Mapping[str, Any]], start: int, actions: Actions, clock: Sequence[int]
-) -> Film:
+def draw_film(place: Data, given: Sequence[Data], start: int, actions: Actions, clock: Sequence[int]) -> Film:
     """Play an episode in a new env, which draws it."""
     at, registry = Place.from_json(place), load_registry(given=given_from_json(given))
     try:

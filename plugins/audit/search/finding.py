@@ -4,17 +4,15 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
-from typing import Any, Literal, TypeAlias
+from dataclasses import asdict, dataclass
 
 from harness.screen import CANNOT_TELL as CANNOT_TELL, FAILING as FAILING, LOITERING as LOITERING, NOTHING as NOTHING
 
-from .behaviour import Behaviour, Searched
-from .world import Shown
+from .behaviour import Behaviour, Role, Searched
+from .world import Data, Shown
 
 ROBUST, FRAGILE = "ROBUST", "FRAGILE"
 """Beside an alarm: whether what was found still pays more than doing the task while actions are disturbed."""
-Role: TypeAlias = Literal["failure", "success", "fastest"]
 NAMES: Mapping[Role, str] = {
     "fastest": "fastest success", "failure": "best-paid failure", "success": "best-paid success"
 }  # fmt: skip
@@ -72,12 +70,12 @@ class Finding:
     alarmed: tuple[int, ...]
     starts: tuple[int, ...]
     searched: Searched
-    noise: tuple[Disturbed, ...] = ()
-    elsewhere: Mapping[str, Mapping[Role, float]] = field(default_factory=dict)
-    shown: Mapping[Role, Shown] = field(default_factory=dict)
-    three: Mapping[Role, Behaviour] = field(default_factory=dict)
+    noise: tuple[Disturbed, ...]
+    elsewhere: Mapping[str, Mapping[Role, float]]
+    shown: Mapping[Role, Shown]
+    three: Mapping[Role, Behaviour]
 
-    def to_json(self) -> dict[str, Any]:
+    def to_json(self) -> Data:
         """Plain data, finite numbers only; actions are in certificates."""
         searched = self.searched
         by_sum = {"plain": searched.plain, "discounted": searched.discounted}
@@ -105,7 +103,7 @@ class Finding:
         }
 
 
-def _plain(of: Behaviour) -> dict[str, Any]:
+def _plain(of: Behaviour) -> Data:
     names = ("start", "paid", "discounted", "success", "steps", "time", "share", "made_by")
     measures = {name: value if math.isfinite(value) else None for name, value in of.measures.items()}
     return {**{name: getattr(of, name) for name in names}, "measures": measures}

@@ -1,17 +1,19 @@
 """Where chance decides: policies, and what they come to from starts that no search has played."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtri, stdtrit
 
+from harness.arrays import Ints
+
 from .behaviour import Behaviour, Rated, Rates, Searched, Three
 from .linear import LINEAR, Linear, search_linear
 from .sampled_table import sample_tables
 from .table import TABLE, TRAINING, act_by_table, decides_by_chance
-from .world import Act, Whole, World
+from .world import Act, Data, Rng, World
 
 HELD_OUT = 1_000_000, 2_000_000
 """Seeds of resets that policies are rated on."""
@@ -27,7 +29,7 @@ UPPER = 0.975
 """Intervals leave 2.5 % out on each side."""
 
 
-def act_of(policy: Mapping[str, Any], world: World) -> Act:
+def act_of(policy: Data, world: World) -> Act:
     """What a policy does that is given as plain data: one of a table, a linear one, or random actions.
 
     Args:
@@ -61,7 +63,7 @@ def share_interval(flags: NDArray[np.bool_]) -> tuple[float, float, float]:
     return share, middle - half, middle + half
 
 
-def search_by_chance(world: World, starts: Whole, budget: int, rng: np.random.Generator) -> Searched | None:
+def search_by_chance(world: World, starts: Ints, budget: int, rng: Rng) -> Searched | None:
     """What a search for policies found where chance decides; None where it does not.
 
     The means of policies over held-out starts take the place of three behaviours for each start, see `three_of`.
@@ -104,7 +106,7 @@ def _episodes(budget: int, policies: int, world: World) -> int:
     return int(np.clip(budget // (policies * world.horizon), FEWEST, MOST))
 
 
-def _rated(world: World, policy: Mapping[str, Any], starts: Whole) -> Rated:
+def _rated(world: World, policy: Data, starts: Ints) -> Rated:
     outcomes, actions = world.act(starts, act_of(policy, world))
     return Rated(policy, policy["kind"], starts.tolist(), outcomes, actions[0])
 
@@ -115,11 +117,15 @@ def _roles(tried: Sequence[Rated]) -> dict[str, Rated | None]:
     good = [it for it in tried if it.outcomes.success.mean() >= max(rate - CLEARLY, rate / 2)] if rate else []
     times = [it.outcomes.time[it.outcomes.success].mean() for it in good]
     fast = [it for it, time in zip(good, times, strict=True) if time <= AS_FAST * min(times)]
+
+    def best(of: Sequence[Rated], pays: str = "paid") -> Rated | None:
+        return max(of, key=lambda it: float(getattr(it.outcomes, pays).mean()), default=None)
+
     return {
-        "paid": max(tried, key=lambda it: it.outcomes.paid.mean()),
-        "discounted": max(tried, key=lambda it: it.outcomes.discounted.mean()),
-        "success": max(good, key=lambda it: it.outcomes.paid.mean(), default=None),
-        "fastest": max(fast, key=lambda it: it.outcomes.paid.mean(), default=None),
+        "paid": best(tried),
+        "discounted": best(tried, "discounted"),
+        "success": best(good),
+        "fastest": best(fast),
         "random": tried[-1],
     }
 

@@ -14,8 +14,8 @@ import numpy as np
 from harness.arrays import Float
 from harness.text import number
 
-from .behaviour import Behaviour, Rates, Searched, Three
-from .finding import CANNOT_TELL, FAILING, LOITERING, NAMES, NOTHING, Role
+from .behaviour import Behaviour, Rates, Role, Searched, Three
+from .finding import CANNOT_TELL, FAILING, LOITERING, NAMES, NOTHING
 from .held_out import share_interval
 from .world import World
 

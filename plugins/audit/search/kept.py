@@ -3,7 +3,7 @@
 `Cells` keeps where episodes went: rare places are begun from again, so that a success that is told late is met.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -11,11 +11,10 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.arrays import Float
+from harness.arrays import Float, Ints
 
 from .behaviour import Behaviour, Three
-from .moves import Rng
-from .world import Actions, Outcomes, Whole
+from .world import Actions, Data, Outcomes, Rng
 
 PLACES = 600
 """Observations are cut into about so many cells, if they are few numbers."""
@@ -66,7 +65,7 @@ class Cells:
                 self._steps.append(step)
                 self._visits.append(1)
 
-    def draw(self, rng: Rng, count: int) -> tuple[list[Actions], Whole]:
+    def draw(self, rng: Rng, count: int) -> tuple[list[Actions], Ints]:
         """Ways to cells, rare ones more often, and after how many steps each is there, (count,)."""
         weights = 1.0 / np.sqrt(np.asarray(self._visits, np.float64))
         places = rng.choice(len(self), count, p=weights / weights.sum())
@@ -156,7 +155,7 @@ class Kept:
     """
 
     def __init__(self, starts: Sequence[int], horizon: int) -> None:
-        self.starts: Whole = np.asarray(starts, np.int64)
+        self.starts: Ints = np.asarray(starts, np.int64)
         self.plain = [Bests(horizon) for _ in starts]
         self.discounted = [Bests(horizon) for _ in starts]
         self._met: list[set[int]] = [set() for _ in starts]
@@ -175,11 +174,11 @@ class Kept:
 
     def add(
         self,
-        rows: Whole,
+        rows: Ints,
         actions: Sequence[Actions] | Actions,
         outcomes: Outcomes,
         made_by: str,
-        policies: Sequence[Mapping[str, Any] | None] = (),
+        policies: Sequence[Data | None] = (),
     ) -> None:
         """Keep what is better than what was kept.
 
@@ -196,31 +195,24 @@ class Kept:
             for k in _promising(rows, outcomes, pays).tolist():
                 best, pay = of[rows[k]], float(pays[k])
                 if best.is_better(bool(outcomes.success[k]), int(outcomes.time[k]), pay):
-                    policy = policies[k] if len(policies) else None
-                    best.keep(behaviour_of(int(self.starts[rows[k]]), actions[k], outcomes, k, made_by, policy), pay)
+                    steps = int(outcomes.steps[k])
+                    behaviour = Behaviour(
+                        int(self.starts[rows[k]]),
+                        np.array(actions[k][:steps]),
+                        float(outcomes.paid[k]),
+                        float(outcomes.discounted[k]),
+                        bool(outcomes.success[k]),
+                        steps,
+                        int(outcomes.time[k]),
+                        float(outcomes.share[k]),
+                        {name: float(values[k]) for name, values in outcomes.measures.items()},
+                        made_by,
+                        policies[k] if len(policies) else None,
+                    )
+                    best.keep(behaviour, pay)
 
 
-def behaviour_of(
-    start: int, actions: Actions, outcomes: Outcomes, k: int, made_by: str, policy: Mapping[str, Any] | None = None
-) -> Behaviour:
-    """Episode k of some outcomes, as a behaviour."""
-    steps = int(outcomes.steps[k])
-    return Behaviour(
-        start,
-        np.array(actions[:steps]),
-        float(outcomes.paid[k]),
-        float(outcomes.discounted[k]),
-        bool(outcomes.success[k]),
-        steps,
-        int(outcomes.time[k]),
-        float(outcomes.share[k]),
-        {name: float(values[k]) for name, values in outcomes.measures.items()},
-        made_by,
-        policy,
-    )
-
-
-def _promising(rows: Whole, outcomes: Outcomes, pays: NDArray[Any]) -> NDArray[Any]:
+def _promising(rows: Ints, outcomes: Outcomes, pays: NDArray[Any]) -> NDArray[Any]:
     """The best-paid episodes first; of each start's failures only the best one."""
     order = np.argsort(-pays, kind="stable")
     failures = order[~outcomes.success[order] & np.isfinite(pays[order])]

@@ -5,7 +5,7 @@ the box. The same policy is played from all starts at once.
 """
 
 import itertools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
@@ -14,10 +14,10 @@ import numpy as np
 from gymnasium.spaces import Box, Discrete
 from numpy.typing import NDArray
 
-from harness.arrays import Float
+from harness.arrays import Float, Ints
 
 from .table import Keep
-from .world import Outcomes, Whole, World
+from .world import Data, Outcomes, Rng, World
 
 LINEAR = "linear policy"
 """The kind of such a policy, and what its episodes are said to be made by."""
@@ -52,14 +52,14 @@ class Candidate:
         outcomes: What it came to there.
     """
 
-    policy: Mapping[str, Any]
+    policy: Data
     outcomes: Outcomes
 
 
 class Linear:
     """A linear policy that acts in a world; `seen` keeps what it observed, flat."""
 
-    def __init__(self, policy: Mapping[str, Any], world: World) -> None:
+    def __init__(self, policy: Data, world: World) -> None:
         self.weights = np.asarray(policy["weights"])
         self.mean, self.inverse = np.asarray(policy["mean"]), 1.0 / np.asarray(policy["scale"])
         self.squares = np.triu_indices(len(self.mean)) if self.weights.shape[1] > 1 + len(self.mean) else None
@@ -149,7 +149,7 @@ class Evolutions:
         differs: By the name of a goal, whether anything but pay ever told two policies apart.
     """
 
-    def __init__(self, world: World, starts: Whole, keep: Keep, rng: np.random.Generator) -> None:
+    def __init__(self, world: World, starts: Ints, keep: Keep, rng: Rng) -> None:
         """Play random actions, for the scale of what is observed and the names of measures.
 
         Args:
@@ -200,7 +200,7 @@ class Evolutions:
         idle = 0
         for _ in range(GENERATIONS):
             some = np.sort(self.rng.permutation(len(self.starts))[:TRIED_FROM])
-            tried = list[tuple[tuple[float, ...], Mapping[str, Any]]]()
+            tried = list[tuple[tuple[float, ...], Data]]()
             for _ in range(POPULATION):
                 if self.world.taken >= until:
                     return
@@ -220,7 +220,7 @@ class Evolutions:
             if idle >= PATIENCE:
                 return
 
-    def _play(self, policy: Mapping[str, Any], some: Whole) -> Outcomes:
+    def _play(self, policy: Data, some: Ints) -> Outcomes:
         acting = Linear(policy, self.world)
         outcomes, actions = self.world.act(self.starts[some], acting)
         self.scales.add(acting.seen)
@@ -235,7 +235,7 @@ def _reached(goal: Goal, outcomes: Outcomes) -> tuple[float, ...]:
     return tuple(float(np.mean(it)) for it in goal(outcomes))
 
 
-def search_linear(world: World, starts: Whole, keep: Keep, budget: int, rng: np.random.Generator) -> list[Candidate]:
+def search_linear(world: World, starts: Ints, keep: Keep, budget: int, rng: Rng) -> list[Candidate]:
     """Look for linear policies that are paid most, fail, succeed, last: every episode is given to `keep`.
 
     Args:

@@ -14,9 +14,8 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float
 
-from .world import Act, Actions
+from .world import Act, Actions, Rng, Space
 
-Rng: TypeAlias = np.random.Generator
 WIDEST = 3.0
 """Stands for a bound that is infinite: few environments ask for more than that."""
 
@@ -115,7 +114,7 @@ class Choices:
 Moves: TypeAlias = Reals | Choices
 
 
-def moves_in(space: gymnasium.spaces.Box | gymnasium.spaces.Discrete) -> Moves:
+def moves_in(space: Space) -> Moves:
     """How a search writes the actions of a space."""
     if isinstance(space, gymnasium.spaces.Discrete):
         return Choices(int(space.n), int(space.start))

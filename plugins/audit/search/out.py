@@ -18,7 +18,8 @@ from harness.registry import Registry, choose, require_given
 from harness.robot import load_robot
 from harness.scene import scene_of
 
-from .certificate import BEGINS, NOUN, ROLES, Certificate, file_names, read_certificate, write_certificate
+from .behaviour import ROLES
+from .certificate import BEGINS, NOUN, Certificate, file_names, read_certificate, write_certificate
 from .film import films_of
 from .finding import Finding
 from .page import cheats_page
@@ -95,7 +96,7 @@ def require_free(folder: Path) -> None:
 
 
 def write_found_page(
-    path: Path, certificates: Sequence[Certificate], registry: Registry, remarks: Sequence[str] = ()
+    path: Path, certificates: Sequence[Certificate], registry: Registry, remarks: Sequence[str]
 ) -> None:
     """Leave the page alone, without files beside it.
 

@@ -2,9 +2,8 @@
 
 import base64
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import groupby
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -14,8 +13,10 @@ from harness.authoring.pages import render_page, select_points
 from harness.report import Axis, Chart, Dots, Grid, Line, draw_chart, linear_axis, replay_of
 from harness.text import number, visible
 
-from .certificate import Certificate, file_names
-from .finding import CANNOT_TELL, FAILING, LOITERING, NAMES, Role
+from .behaviour import Role
+from .certificate import Certificate, file_names, rating_text
+from .finding import CANNOT_TELL, FAILING, LOITERING, NAMES
+from .world import Data
 
 TEMPLATE = Path(__file__).parent / "cheats.html.j2"
 BADGES: Mapping[str, str] = {FAILING: "hurts", LOITERING: "hurts", CANNOT_TELL: "cannot-tell"}
@@ -33,6 +34,8 @@ EXPLANATION = (
     "All began in the same pose with the same target (green). Line: the way of the end effector. Drag to turn the view."
 )
 NONE: Float = np.zeros(0)
+Shown: TypeAlias = Mapping[str, Certificate]
+"""The behaviours of one reward, by what they are called."""
 
 
 class Figure(NamedTuple):
@@ -59,53 +62,44 @@ def cheats_page(
     Raises:
         UsageError: A library of the extra ``report`` is missing.
     """
-    names = file_names(certificates)
-    order = list(NAMES)
-    pairs = sorted(
-        zip(certificates, names, strict=True), key=lambda it: (it[0].place.reward.label, order.index(it[0].role))
-    )
+    keys = [(it.place.reward.label, it.role) for it in certificates]
+    found = dict(zip(keys, certificates, strict=True))
+    names = dict(zip(keys, file_names(certificates), strict=True)) if files else {}
     groups = [
-        (reward, {it.role: it for it, _ in found}, {it.role: name for it, name in found})
-        for reward, of in groupby(pairs, key=lambda it: it[0].place.reward.label)
-        for found in [list(of)]
+        {role: found[label, role] for role in NAMES if (label, role) in found}
+        for label in sorted({label for label, _ in keys})
     ]
-    shows = [] if scene is None else [show for _, group, _ in groups if (show := _show(group, scene)) is not None]
+    shows = [] if scene is None else [show for group in groups if (show := _show(group, scene)) is not None]
     titles = dict.fromkeys(visible(it.place.name) for it in certificates)
     return render_page(
         TEMPLATE,
         "The page",
         title=f"What a cheat would do: {', '.join(titles)}",
         remarks=list(remarks),
-        groups=[
-            _group(place, reward, group, names if files else {}) for place, (reward, group, names) in enumerate(groups)
-        ],
+        groups=[_group(place, group, names) for place, group in enumerate(groups)],
         replay=replay_of(shows, EXPLANATION),
     )
 
 
-def _group(
-    place: int,
-    reward: str,
-    group: Mapping[Role, Certificate],
-    names: Mapping[Role, str],
-) -> dict[str, Any]:
-    """What is said of one reward."""
+def _group(place: int, group: Mapping[Role, Certificate], names: Mapping[tuple[str, Role], str]) -> Data:
+    """What is said of one reward; `names` are those of files, if there are some."""
     first = next(iter(group.values()))
+    reward = first.place.reward.label
     answer, shown = first.answer, _distinct(group)
     return {
         "name": reward,
         "anchor": f"reward-{place}",
-        "badge": BADGES.get(answer.word, "no-difference"),
-        "word": answer.word if not answer.strength else f"{answer.word}, {answer.strength}",
-        "lead": answer.lines[0] if answer.lines else "",
-        "lines": answer.lines[1:],
+        "badge": BADGES.get(answer["word"], "no-difference"),
+        "word": ", ".join(filter(None, (answer["word"], answer["strength"]))),
+        "lead": answer["lines"][0] if answer["lines"] else "",
+        "lines": answer["lines"][1:],
         "setting": _setting(first),
         "table": _table(shown),
         "terms": _terms(shown),
         "figures": [*_figures(shown)],
         "films": _films(shown),
         "plugins": plugin_flags(list(first.place.plugins)),
-        "files": [(name, NAMES[role]) for role, name in names.items()],
+        "files": [(names[reward, role], NAMES[role]) for role in group if names],
     }
 
 
@@ -113,8 +107,8 @@ def _setting(it: Certificate) -> str:
     place, found = it.place, it.found
     told = f"success: {place.success}" if place.success else "nothing measures success"
     return (
-        f"{told}; of {it.answer.starts} starts, start {it.shown.start} is shown; gamma {place.gamma:g}; a search of "
-        f"{found.steps:,} steps with seed {found.seed}: {', '.join(found.how)}"
+        f"{told}; of {it.answer['starts']} starts, start {it.shown.start} is shown; gamma {place.gamma:g}; a search of "
+        f"{found['steps']:,} steps with seed {found['seed']}: {', '.join(found['how'])}"
     )
 
 
@@ -128,7 +122,7 @@ def _distinct(group: Mapping[Role, Certificate]) -> dict[str, Certificate]:
     return {NAMES[role] if is_told or role != "failure" else "paid most": it for role, it in group.items()}
 
 
-def _table(shown: Mapping[str, Certificate]) -> Grid:
+def _table(shown: Shown) -> Grid:
     """The behaviours in numbers, a column each."""
     measures = dict.fromkeys(name for it in shown.values() for name in it.shown.measures)
     elsewhere = dict.fromkeys(name for it in shown.values() for name in it.elsewhere)
@@ -142,11 +136,11 @@ def _table(shown: Mapping[str, Certificate]) -> Grid:
         *((f"{name}, last", *(_last(it, name) for it in of)) for name in measures),
         *((f"paid in {name}", *(number(it.elsewhere.get(name, np.nan)) for it in of)) for name in elsewhere),
         *(
-            [("its policy, where chance decides", *(str(it.rating or "") for it in of))]
+            [("its policy, where chance decides", *(rating_text(it.rating) if it.rating else "" for it in of))]
             if any(it.rating for it in of)
             else []
         ),
-        ("found by", *(it.found.made_by for it in of)),
+        ("found by", *(it.found["made_by"] for it in of)),
     ]
     return Grid(("", *shown), rows, [])
 
@@ -156,7 +150,7 @@ def _last(it: Certificate, name: str) -> str:
     return "n/a" if values is None or np.isnan(values[-1]) else number(float(values[-1]))
 
 
-def _terms(shown: Mapping[str, Certificate]) -> Grid:
+def _terms(shown: Shown) -> Grid:
     """What each term paid each behaviour in all."""
     names = dict.fromkeys(name for it in shown.values() for name in it.shown.terms)
     rows: list[tuple[str, ...]] = [
@@ -165,7 +159,7 @@ def _terms(shown: Mapping[str, Certificate]) -> Grid:
     return Grid(("term", *shown), rows if len(names) > 1 else [], [], "What each term paid")
 
 
-def _figures(shown: Mapping[str, Certificate]) -> Iterator[Figure]:
+def _figures(shown: Shown) -> Iterator[Figure]:
     """Pay over time, some measures over time, and pay under noise."""
     sums = {title: np.concatenate([[0.0], np.cumsum(it.shown.paid)]) for title, it in shown.items()}
     yield _over_time("Paid so far", sums, shown, first=0)
@@ -185,7 +179,7 @@ def _count(*values: Float) -> int:
     return len(np.unique(told[np.isfinite(told)]))
 
 
-def _over_time(title: str, curves: Mapping[str, Float], shown: Mapping[str, Certificate], *, first: int) -> Figure:
+def _over_time(title: str, curves: Mapping[str, Float], shown: Shown, *, first: int) -> Figure:
     """A line of each behaviour over its steps, which count from `first`, and a dot at its end."""
     marks: list[Line | Dots] = []
     for name, values in curves.items():
@@ -200,7 +194,7 @@ def _over_time(title: str, curves: Mapping[str, Float], shown: Mapping[str, Cert
     return Figure(title, draw_chart(chart, f"{title} at each step"))
 
 
-def _noise(shown: Mapping[str, Certificate]) -> Figure:
+def _noise(shown: Shown) -> Figure:
     """What each behaviour is paid while its actions are disturbed."""
     marks = tuple(
         mark
@@ -228,7 +222,7 @@ def _axis(curves: Sequence[Float], title: str) -> Axis:
     return linear_axis(low - air, high + air, title)
 
 
-def _films(shown: Mapping[str, Certificate]) -> dict[str, Any] | None:
+def _films(shown: Shown) -> dict[str, Any] | None:
     """The films of one reward, on one clock; None if there are none."""
     found = [(title, it.role, it.film) for title, it in shown.items() if it.film is not None]
     if not found:

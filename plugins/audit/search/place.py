@@ -1,7 +1,7 @@
 """What makes a world again, in another process or on another machine: names and numbers, never code."""
 
 import platform
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, closing
 from dataclasses import dataclass, replace
 from functools import partial
@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from harness.authoring.commands import (
+    Columns,
     blamed_on,
     columns_of,
     describe_machine,
@@ -20,15 +21,15 @@ from harness.authoring.commands import (
     weighing,
 )
 from harness.env import IdealSimulator, World as Arm
-from harness.environment import Environment
+from harness.environment import AnyEnv, Environment
 from harness.registry import Choice, Registry, choose, source_hash, split_list
 from harness.robot import load_robot
 from harness.task import choose_task
 
 from ..transitions.audit_rewards import GAMMA
 from .arm_world import ArmWorld
-from .environment_world import of_environment
-from .world import World
+from .environment_world import EnvironmentWorld
+from .world import Data, World
 
 GAMMA_OF_ARM = 0.95
 """The discount of a learner on a task of an arm, where nobody says it; elsewhere it is `GAMMA`."""
@@ -60,7 +61,7 @@ class Place:
     success: str = ""
     gamma: float = GAMMA
     horizon: int = 0
-    plugins: tuple[Mapping[str, Any], ...] = ()
+    plugins: tuple[Data, ...] = ()
 
     @property
     def is_environment(self) -> bool:
@@ -73,7 +74,7 @@ class Place:
         engine = f" in {self.simulator.label}" if self.simulator else ""
         return self.task.label if self.is_environment else f"{self.task.label}, {self.robot}{engine}"
 
-    def to_json(self) -> dict[str, Any]:
+    def to_json(self) -> Data:
         """Plain data; `from_json` gives the same back."""
         return {
             **vars(self),
@@ -84,7 +85,7 @@ class Place:
         }
 
     @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> "Place":
+    def from_json(cls, data: Data) -> "Place":
         """What `to_json` told.
 
         Raises:
@@ -152,9 +153,11 @@ def blamed_at(place: Place, registry: Registry) -> AbstractContextManager[None]:
 def elsewhere_of(place: Place, registry: Registry) -> dict[str, Callable[[], World]]:
     """By its name, what makes the same in another simulator of an arm; none of an environment."""
     there = [] if place.is_environment else usable(registry, "simulators")
-    names = [name for name in OTHERS if name in there and not (place.simulator and place.simulator.name == name)]
-    others = {name: replace(place, simulator=choose(registry, "simulators", name)) for name in names[:1]}
-    return {name: partial(world_at, other, registry) for name, other in others.items()}
+    for name in OTHERS:
+        if name in there and not (place.simulator and place.simulator.name == name):
+            other = replace(place, simulator=choose(registry, "simulators", name))
+            return {name: partial(world_at, other, registry)}
+    return {}
 
 
 def world_at(place: Place, registry: Registry) -> World:
@@ -164,12 +167,21 @@ def world_at(place: Place, registry: Registry) -> World:
         UsageError: A name in it is not known, or its reward fails.
         PluginError: A plugin behind a name is broken.
     """
+    chosen = place.reward
     if place.is_environment:
-        return of_environment(place.task, registry, place.reward, place.gamma, place.success, place.horizon or None)
+        environment: Environment = place.task.build(registry, "environments")
+
+        def columns(env: AnyEnv) -> Columns:
+            return weighing(columns_of(environment, env, registry), chosen.name, chosen.label, dict(chosen.params))
+
+        with blamed_at(place, registry):
+            return EnvironmentWorld(
+                environment.make, columns, place.name, chosen.label, place.gamma, place.success, place.horizon or None
+            )
     engine = place.simulator.build(registry, "simulators") if place.simulator else IdealSimulator()
-    reward, task = place.reward.build(registry, "rewards"), place.task.build(registry, "tasks")
+    reward, task = chosen.build(registry, "rewards"), place.task.build(registry, "tasks")
     arm = Arm(engine, load_robot(place.robot, registry), task, reward)
-    return ArmWorld(arm, place.name, place.reward.label, place.gamma)
+    return ArmWorld(arm, place.name, chosen.label, place.gamma)
 
 
 def runs_on(place: Place, registry: Registry) -> dict[str, dict[str, Any]]:

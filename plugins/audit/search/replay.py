@@ -4,7 +4,6 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from scipy import stats
@@ -12,11 +11,12 @@ from scipy import stats
 from harness.arrays import Float
 from harness.text import number
 
-from .certificate import ROLES, Answer, Certificate, Found, Rating
+from .behaviour import ROLES
+from .certificate import Certificate, rating_text
 from .finding import Finding
 from .held_out import act_of
 from .place import Place
-from .world import Outcomes, Shown, World
+from .world import Data, Outcomes, Shown, World
 
 LEAST_P = 0.05
 """Pay that differs between two plays of a policy by more than chance would in one of twenty is another pay."""
@@ -56,9 +56,9 @@ class Replayed:
     certificate: Certificate
     shown: Shown
     difference: Difference | None
-    reasons: tuple[str, ...] = ()
-    elsewhere: str = ""
-    rating: Rating | None = None
+    reasons: tuple[str, ...]
+    elsewhere: str
+    rating: Data | None = None
 
     @property
     def is_refused(self) -> bool:
@@ -73,9 +73,10 @@ class Replayed:
         """The answer, and what it rests on."""
         then, now = self.certificate.rating, self.rating
         if then is not None and now is not None:
-            same = np.array_equal(then.paid, now.paid)
+            same = np.array_equal(then["paid"], now["paid"])
             word = "the same" if same else "about the same" if agree(then, now) else "NOT THE SAME, refused"
-            return (f"{word}: {now}{'' if same else f'; the file says {then}'}", *(() if same else self.reasons))
+            told = f"{word}: {rating_text(now)}"
+            return (told,) if same else (f"{told}; the file says {rating_text(then)}", *self.reasons)
         if self.elsewhere:
             told = came_to(self.certificate.shown)
             return (f"in {self.elsewhere}: {came_to(self.shown)}; the file says {told}",)
@@ -83,10 +84,10 @@ class Replayed:
             return (f"the same: {came_to(self.shown)}", *self.reasons)
         return (f"NOT THE SAME, refused. {self.difference}", *self.reasons)
 
-    def to_json(self) -> dict[str, Any]:
+    def to_json(self) -> Data:
         """Plain data."""
         found = self.difference
-        rating = {"rating": self.rating.to_json()} if self.rating is not None else {}
+        rating = {"rating": self.rating} if self.rating is not None else {}
         return {
             "same": found is None if self.rating is None else not self.is_refused,
             **rating,
@@ -104,18 +105,19 @@ class Replayed:
         }
 
 
-def agree(then: Rating, now: Rating) -> bool:
+def agree(then: Data, now: Data) -> bool:
     """Whether two plays of one policy are paid the same but for chance; by Welch's test."""
-    if np.array_equal(then.paid, now.paid) or np.ptp(then.paid) == np.ptp(now.paid) == 0.0:
-        return bool(then.paid[0] == now.paid[0])
-    return bool(stats.ttest_ind(then.paid, now.paid, equal_var=False).pvalue >= LEAST_P)
+    one, other = then["paid"], now["paid"]
+    if one == other or np.ptp(one) == np.ptp(other) == 0.0:
+        return bool(one[0] == other[0])
+    return bool(stats.ttest_ind(one, other, equal_var=False).pvalue >= LEAST_P)
 
 
 def certify(
     finding: Finding,
     place: Place,
     make: Callable[[], World],
-    runs_on: Mapping[str, Mapping[str, Any]],
+    runs_on: Mapping[str, Data],
     *,
     seed: int,
     budget: int,
@@ -139,13 +141,13 @@ def certify(
                 continue
             searched, policy = finding.searched, finding.three[role].policy
             rates = searched.rates
-            known = [] if rates is None else [rates.paid, rates.discounted, rates.success, rates.fastest]
+            known = [] if rates is None else vars(rates).values()
             rated = next((it for it in known if it is not None and it.policy is policy), None)
             now, why = None, ""
             if rated is not None:
                 then, now = rating_of(rated.outcomes, rated.starts), rate(rated.policy, rated.starts, world)
                 if not agree(then, now):
-                    why = f"not certified. Played again, {now}, not {then}"
+                    why = f"not certified. Played again, {rating_text(now)}, not {rating_text(then)}"
             else:
                 again = _played_twice(shown, world)
                 if found := difference(shown, again[0]) or difference(shown, again[1]):
@@ -157,10 +159,22 @@ def certify(
             certificates.append(
                 Certificate(
                     role,
-                    Answer(finding.word, finding.strength, finding.lines, len(finding.alarmed), len(finding.starts)),
+                    {
+                        "word": finding.word,
+                        "strength": finding.strength,
+                        "lines": list(finding.lines),
+                        "alarmed": len(finding.alarmed),
+                        "starts": len(finding.starts),
+                    },
                     place,
                     runs_on,
-                    Found(finding.three[role].made_by, seed, budget, searched.steps, tuple(searched.how)),
+                    {
+                        "made_by": finding.three[role].made_by,
+                        "seed": seed,
+                        "budget": budget,
+                        "steps": searched.steps,
+                        "how": list(searched.how),
+                    },
                     shown,
                     tuple(row for row in finding.noise if row.role == role),
                     {name: paid[role] for name, paid in finding.elsewhere.items() if role in paid},
@@ -182,7 +196,7 @@ def replay(certificate: Certificate, world: World, reasons: Sequence[str] = (), 
     """
     then = certificate.shown
     if certificate.policy is not None and certificate.rating is not None:
-        rating = rate(certificate.policy, certificate.rating.starts, world)
+        rating = rate(certificate.policy, certificate.rating["starts"], world)
         return Replayed(certificate, then, None, tuple(reasons), elsewhere, rating)
     again = _played_twice(then, world)
     if unsteady := difference(*again):
@@ -193,15 +207,16 @@ def replay(certificate: Certificate, world: World, reasons: Sequence[str] = (), 
     return Replayed(certificate, again[0], found, tuple(reasons), elsewhere)
 
 
-def rate(policy: Mapping[str, Any], starts: Sequence[int], world: World) -> Rating:
+def rate(policy: Data, starts: Sequence[int], world: World) -> Data:
     """What a policy comes to from some starts."""
     outcomes, _ = world.act(np.array(starts, np.int64), act_of(policy, world))
     return rating_of(outcomes, starts)
 
 
-def rating_of(outcomes: Outcomes, starts: Sequence[int]) -> Rating:
-    """Some episodes as a certificate has them."""
-    return Rating(tuple(map(int, starts)), outcomes.paid, outcomes.success)
+def rating_of(outcomes: Outcomes, starts: Sequence[int]) -> Data:
+    """Some episodes as a certificate has them, see `RatingForm`."""
+    paid, success = outcomes.paid.tolist(), outcomes.success.astype(int).tolist()
+    return {"starts": list(map(int, starts)), "paid": paid, "success": success}
 
 
 def difference(then: Shown, now: Shown) -> Difference | None:
@@ -230,7 +245,7 @@ def difference(then: Shown, now: Shown) -> Difference | None:
     return None
 
 
-def changes(then: Mapping[str, Mapping[str, Any]], now: Mapping[str, Mapping[str, Any]]) -> tuple[str, ...]:
+def changes(then: Mapping[str, Data], now: Mapping[str, Data]) -> tuple[str, ...]:
     """What is other now than it was, of versions, sources and the machine, a line each; see `RunsOnForm`."""
     versions = dict.fromkeys([*then["versions"], *now["versions"]])
     return (

@@ -8,10 +8,10 @@ import numpy as np
 from gymnasium.spaces import Discrete
 from scipy.sparse import csr_array
 
-from harness.arrays import Float, Mask
+from harness.arrays import Float, Ints, Mask
 
 from .table import ENOUGH, MOST_ACTIONS, MOST_NEW, ends, key_of, table_policy
-from .world import Act, Shown, Whole, World
+from .world import Act, Data, Rng, Shown, World
 
 MOST_STATES = 20_000
 KNOWN, FEWEST = 16, 3
@@ -58,7 +58,7 @@ class Sampled:
     """
 
     keys: Sequence[str]
-    tried: Whole
+    tried: Ints
     paid: Float
     ended_well: Float
     success: Float
@@ -68,7 +68,7 @@ class Sampled:
         """What each action is worth for success alone: 1 for an end in it, and for all steps in it together."""
         return self.ended_well + (1.0 - discount) * self.success
 
-    def choices(self, paid: Float, discount: float, allowed: Mask) -> Whole:
+    def choices(self, paid: Float, discount: float, allowed: Mask) -> Ints:
         """The action of each state that is worth most, by value iteration.
 
         Args:
@@ -83,14 +83,14 @@ class Sampled:
             change, value = np.abs(better - value).max(), better
             if change <= EXACT * np.abs(value).max():
                 break
-        best: Whole = worth.argmax(axis=1)
+        best: Ints = worth.argmax(axis=1)
         return best
 
 
 class Counts:
     """What was counted so far, in the episodes of any starts."""
 
-    def __init__(self, world: World, space: Discrete, rng: np.random.Generator) -> None:
+    def __init__(self, world: World, space: Discrete, rng: Rng) -> None:
         self.world, self.space, self.rng = world, space, rng
         self.states: dict[str, int] = {}
         self.pairs: dict[tuple[int, int], _Pair] = {}
@@ -136,7 +136,7 @@ class Counts:
         moves = csr_array((shares, (rows, columns)), shape=(shape[0] * shape[1], shape[0]))
         return Sampled(list(self.states), tried, paid, ended_well, success, moves)
 
-    def acting(self, choices: Whole) -> Act:
+    def acting(self, choices: Ints) -> Act:
         """A policy of choices, of the states that were met when it is made; elsewhere it acts at random."""
         known, first, count = len(choices), int(self.space.start), int(self.space.n)
 
@@ -162,7 +162,7 @@ class Counts:
             for _ in range(LOOKS):
                 self.play(draw(), self._seeking(plan))
 
-    def _seeking(self, plan: Whole) -> Act:
+    def _seeking(self, plan: Ints) -> Act:
         """A policy that tries what was tried too seldom wherever it is, and follows a plan to such places."""
         count, now = int(self.space.n), dict[tuple[int, int], int]()
 
@@ -182,7 +182,7 @@ class Counts:
 
         return act
 
-    def policies(self) -> list[Whole]:
+    def policies(self) -> list[Ints]:
         """Choices that are paid most, by several discounts, that succeed most, and that succeed soon; no two alike."""
         means, horizon = self.means(), self._longest
         allowed = means.tried >= np.minimum(FEWEST, means.tried.max(axis=1, keepdims=True))
@@ -196,7 +196,7 @@ class Counts:
         return list({it.tobytes(): it for it in found}.values())
 
 
-def sample_tables(world: World, draw: Draw, budget: int, rng: np.random.Generator) -> list[dict[str, Any]]:
+def sample_tables(world: World, draw: Draw, budget: int, rng: Rng) -> list[Data]:
     """Policies, as plain data, for a world where chance decides; none if it is no table.
 
     Args:

@@ -13,13 +13,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.arrays import Float
+from harness.arrays import Float, Ints
 from harness.authoring.commands import flat_observation
 
 from .kept import Cells, Kept
-from .moves import Feedback, Rng, draw_feedback, moves_in
+from .moves import Feedback, draw_feedback, moves_in
 from .mutations import Pairs, mutations_of
-from .world import Actions, Outcomes, Whole, World
+from .world import Actions, Data, Outcomes, Rng, World
 
 FAILURES, FAILURES_LATER, SUCCESSES, SUCCESSES_LATER, FASTEST, NEAREST = (
     "failures", "failures discounted", "successes", "successes discounted", "fastest", "nearest"
@@ -34,6 +34,8 @@ many, where it plays many side by side."""
 FINISHING = 0.3
 """The share of a budget, the last, that breeds for successes alone."""
 Weights = Mapping[str, float]
+Holds = NDArray[np.object_]
+"""By what each of some sequences held: a `Feedback`, or None."""
 SEEKING: Weights = {FAILURES: 3, FAILURES_LATER: 1, NEAREST: 4, CELLS: 4, FRESH: 1.5}
 """How often each archive breeds while no success of the start is known."""
 WEIGHING: Weights = {
@@ -67,14 +69,14 @@ class Archive:
 
     room: int
     genes: Actions
-    length: Whole = field(default_factory=lambda: np.zeros(0, np.int64))
+    length: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
     score: Float = field(default_factory=lambda: np.zeros(0))
-    holds: NDArray[np.object_] = field(default_factory=lambda: np.zeros(0, object))
+    holds: Holds = field(default_factory=lambda: np.zeros(0, object))
 
     def __len__(self) -> int:
         return len(self.length)
 
-    def offer(self, genes: Actions, length: Whole, score: Float, holds: NDArray[np.object_]) -> NDArray[Any]:
+    def offer(self, genes: Actions, length: Ints, score: Float, holds: Holds) -> NDArray[Any]:
         """Keep the best of these and those; says which of these were kept, (n,)."""
         if not len(length):
             return np.zeros(0, bool)
@@ -118,7 +120,7 @@ class Evolution:
         self._proved: list[Feedback] = []
         self._held = np.ones((2, 2))  # the same of children that hold, and of those that do not
 
-    def play(self, rows: Whole, genes: Actions, holds: NDArray[np.object_]) -> tuple[Outcomes, NDArray[Any]]:
+    def play(self, rows: Ints, genes: Actions, holds: Holds) -> tuple[Outcomes, NDArray[Any]]:
         """Play sequences, (n, horizon, ...), each at the start of a row; also says which an archive kept, (n,)."""
         actions = self._moves.played(genes)
         outcomes = self.world.play(self.kept.starts[rows], actions)
@@ -127,11 +129,11 @@ class Evolution:
 
     def take(
         self,
-        rows: Whole,
+        rows: Ints,
         actions: Sequence[Actions],
         outcomes: Outcomes,
         made_by: str,
-        policies: Sequence[Mapping[str, Any] | None] = (),
+        policies: Sequence[Data | None] = (),
     ) -> None:
         """Keep episodes that others have played, and breed from them; see `Kept.add`."""
         self.kept.add(rows, actions, outcomes, made_by, policies)
@@ -162,7 +164,9 @@ class Evolution:
         """Breed and play so many children of each start."""
         rows = np.repeat(np.arange(len(self.kept.starts)), children)
         families = [self._parents(row, children, ending) for row in range(len(self.kept.starts))]
-        pairs = Pairs(self._moves, *(np.concatenate(part) for part in zip(*(it[0] for it in families), strict=True)))
+        pairs = Pairs(
+            self._moves, self._rng, *(np.concatenate(part) for part in zip(*(it[0] for it in families), strict=True))
+        )
         free, holds = (np.concatenate([it[which] for it in families]) for which in (1, 2))
         rates = self._useful[0] / self._useful[1]
         chances = 0.4 / len(rates) + 0.6 * rates / rates.sum()
@@ -187,7 +191,7 @@ class Evolution:
         self._useful *= 0.99
         self._held *= 0.99
 
-    def _hold(self, row: Whole, genes: Actions, known: Feedback | None, step: int) -> bool:
+    def _hold(self, row: Ints, genes: Actions, known: Feedback | None, step: int) -> bool:
         """Play a sequence that holds: as its parent did, changed a little; or from a step on as another, or anyhow."""
         rng, chance = self._rng, self._rng.random()
         if known is not None and chance < 0.6:
@@ -242,7 +246,7 @@ class Evolution:
         is_free = np.isin(names, [place for place, name in enumerate(able) if name in (CELLS, FRESH)])
         return (first, length, second, second_length), is_free, holds
 
-    def _drawn(self, archive: Archive, count: int) -> tuple[Actions, Whole, NDArray[np.object_]]:
+    def _drawn(self, archive: Archive, count: int) -> tuple[Actions, Ints, Holds]:
         """Members of an archive, the better the more often."""
         places = (len(archive) * self._rng.random(count) ** 1.5).astype(np.int64)
         return archive.genes[places], archive.length[places], archive.holds[places]
@@ -257,10 +261,10 @@ class Evolution:
                 these = np.flatnonzero(wanted == which)
                 if len(these):
                     of = pairs.of(these)
-                    genes[these] = mutation(replace(of, first=genes[these]), self._rng)
+                    genes[these] = mutation(replace(of, first=genes[these]))
         return genes
 
-    def _file(self, rows: Whole, genes: Actions, outcomes: Outcomes, holds: NDArray[np.object_]) -> NDArray[Any]:
+    def _file(self, rows: Ints, genes: Actions, outcomes: Outcomes, holds: Holds) -> NDArray[Any]:
         """Offer episodes to the archives and the cells; says which an archive kept, (n,)."""
         entered = np.zeros(len(rows), bool)
         scores = {

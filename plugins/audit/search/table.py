@@ -13,9 +13,9 @@ import numpy as np
 from gymnasium.spaces import Discrete
 from numpy.typing import NDArray
 
-from harness.arrays import Float, Mask
+from harness.arrays import Float, Ints, Mask
 
-from .world import Act, Actions, Outcomes, Shown, Whole, World
+from .world import Act, Actions, Data, Outcomes, Rng, Shown, World
 
 MOST_ACTIONS = 32
 MOST_CELLS = 10_000_000
@@ -39,7 +39,7 @@ SLOWER = 1.1
 """A success is about as fast as the fastest one up to so many times its time."""
 
 
-Keep: TypeAlias = Callable[[Whole, Sequence[Actions], Outcomes, str, Sequence[Mapping[str, Any] | None]], None]
+Keep: TypeAlias = Callable[[Ints, Sequence[Actions], Outcomes, str, Sequence[Data | None]], None]
 """Takes in episodes: their starts as places in the starts of a search, actions, outcomes, what made them, policies."""
 
 
@@ -66,7 +66,7 @@ class Table:
 
     keys: Sequence[str]
     begins: Mapping[int, int]
-    next: Whole
+    next: Ints
     paid: Float
     success: Mask
     tried: Mask
@@ -99,7 +99,7 @@ class Learner:
 
     horizon: int
     space: Discrete
-    rng: np.random.Generator
+    rng: Rng
     is_timed: bool = False
     states: dict[str, int] = field(default_factory=dict)
     leads: list[dict[int, int]] = field(default_factory=list)
@@ -191,7 +191,7 @@ def ends(shown: Shown, step: int, horizon: int) -> bool:
     return step == len(shown.actions) - 1 and (shown.ended == "terminated" or step + 1 < horizon)
 
 
-def learn_tables(world: World, starts: Sequence[int], budget: int, rng: np.random.Generator) -> dict[int, Table]:
+def learn_tables(world: World, starts: Sequence[int], budget: int, rng: Rng) -> dict[int, Table]:
     """By start, its table: one for all of them, or else one for each; empty if there is none in `budget` steps.
 
     What a seed draws and nobody observes, such as where a goal is, gives each start a table of its own. Where time
@@ -216,7 +216,7 @@ def learn_tables(world: World, starts: Sequence[int], budget: int, rng: np.rando
     return {}
 
 
-def decides_by_chance(world: World, budget: int, rng: np.random.Generator) -> bool:
+def decides_by_chance(world: World, budget: int, rng: Rng) -> bool:
     """Whether another seed that begins alike goes on otherwise under the same choices; what seeds hide counts too.
 
     Args:
@@ -326,7 +326,7 @@ def fastest_way(table: Table, begin: int, lasting: Ways, gamma: float) -> tuple[
     """
     state_of, action_of = np.nonzero(table.next >= 0)
     after, paid = table.next[state_of, action_of], table.paid[state_of, action_of]
-    reached, came = np.full(len(table.next), -np.inf), list[Whole]()
+    reached, came = np.full(len(table.next), -np.inf), list[Ints]()
     reached[begin] = 0.0
     best, found, limit = -np.inf, None, math.inf
     for step in range(len(lasting.choices)):
@@ -366,65 +366,62 @@ class Best:
 
     actions: list[int]
     paid: float
-    policy: Mapping[str, Any] | None
+    policy: Data | None
 
 
-class Solved:
-    """A table and its best ways under one discount."""
+def solved(table: Table, horizon: int, gamma: float, first: int) -> Callable[[int], list[Best]]:
+    """The best-paid failure, the best-paid success and the fastest one from a start, as far as there are any.
 
-    def __init__(self, table: Table, horizon: int, gamma: float, first: int = 0) -> None:
-        """Solve it.
+    Args:
+        table: What actions do.
+        horizon: The steps of an episode that nothing ends.
+        gamma: The discount per step.
+        first: The number of the first action, for policies.
+    """
+    anyhow = np.ones_like(table.success)
+    failing = best_ways(table, horizon, gamma, ~table.success, anyhow)
+    succeeding = best_ways(table, horizon, gamma, table.success, anyhow)
+    lasting = best_ways(table, horizon, gamma, table.success, table.success)
 
-        Args:
-            table: What actions do.
-            horizon: The steps of an episode that nothing ends.
-            gamma: The discount per step.
-            first: The number of the first action, for policies.
-        """
-        anyhow = np.ones_like(table.success)
-        self._table, self._gamma, self._first = table, gamma, first
-        self._failing = best_ways(table, horizon, gamma, ~table.success, anyhow)
-        self._succeeding = best_ways(table, horizon, gamma, table.success, anyhow)
-        self._lasting = best_ways(table, horizon, gamma, table.success, table.success)
-
-    def bests(self, start: int) -> list[Best]:
-        """The best-paid failure, the best-paid success and the fastest one from a start, as far as there are any."""
-        begin = self._table.begins[start]
-        found = [
-            self._best(ways, begin, ways.actions(self._table, begin), float(ways.value[0, begin]))
-            for ways in (self._failing, self._succeeding)
-            if ways.value[0, begin] > -np.inf
-        ]
-        fastest = fastest_way(self._table, begin, self._lasting, self._gamma)
-        return found if fastest is None else [*found, self._best(self._succeeding, begin, *fastest)]
-
-    def _best(self, ways: Ways, state: int, actions: list[int], paid: float) -> Best:
+    def best(ways: Ways, state: int, actions: list[int], paid: float) -> Best:
         """Where states are few, with a policy if the way is one: off it, it does what is best in the first step."""
-        if not 0 < len(self._table.keys) <= MOST_CHOICES:
+        if not 0 < len(table.keys) <= MOST_CHOICES:
             return Best(actions, paid, None)
         chosen: dict[int, int] = {}
         for action in actions:
             if chosen.setdefault(state, action) != action:
                 return Best(actions, paid, None)
-            state = int(self._table.next[state, action])
-        choices = ways.choices[0] + self._first
-        choices[[*chosen]] = [self._first + action for action in chosen.values()]
-        return Best(actions, paid, table_policy(self._table.keys, choices))
+            state = int(table.next[state, action])
+        choices = ways.choices[0] + first
+        choices[[*chosen]] = [first + action for action in chosen.values()]
+        return Best(actions, paid, table_policy(table.keys, choices))
+
+    def bests(start: int) -> list[Best]:
+        begin = table.begins[start]
+        found = [
+            best(ways, begin, ways.actions(table, begin), float(ways.value[0, begin]))
+            for ways in (failing, succeeding)
+            if ways.value[0, begin] > -np.inf
+        ]
+        fastest = fastest_way(table, begin, lasting, gamma)
+        return found if fastest is None else [*found, best(succeeding, begin, *fastest)]
+
+    return bests
 
 
-def table_policy(keys: Sequence[str], choices: NDArray[Any]) -> dict[str, Any]:
+def table_policy(keys: Sequence[str], choices: NDArray[Any]) -> Data:
     """A policy as plain data: by what is observed, an action."""
     return {"kind": TABLE, "choices": dict(zip(keys, choices.tolist(), strict=True))}
 
 
-def act_by_table(policy: Mapping[str, Any]) -> Act:
+def act_by_table(policy: Data) -> Act:
     """What such a policy does; where it never was, what it does most often."""
     choices = policy["choices"]
     usual = max(sorted(set(choices.values())), key=list(choices.values()).count)
     return lambda observed: choices.get(key_of(observed), usual)
 
 
-def search_tables(world: World, starts: Sequence[int], keep: Keep, budget: int, rng: np.random.Generator) -> bool:
+def search_tables(world: World, starts: Sequence[int], keep: Keep, budget: int, rng: Rng) -> bool:
     """Look for the three numbers of each start in a table; every best episode is played and given to `keep`.
 
     Args:
@@ -440,9 +437,9 @@ def search_tables(world: World, starts: Sequence[int], keep: Keep, budget: int, 
     tables = learn_tables(world, starts, budget, rng)
     first, are_true = int(world.space.start) if isinstance(world.space, Discrete) else 0, bool(tables)
     for gamma in dict.fromkeys((1.0, world.gamma)) if tables else ():
-        solved = {table: Solved(table, world.horizon, gamma, first) for table in dict.fromkeys(tables.values())}
+        bests_in = {table: solved(table, world.horizon, gamma, first) for table in dict.fromkeys(tables.values())}
         for row, start in enumerate(starts):
-            bests = solved[tables[start]].bests(start)
+            bests = bests_in[tables[start]](start)
             actions = np.full((len(bests), world.horizon), first)
             for taken, best in zip(actions, bests, strict=True):
                 taken[: len(best.actions)] += best.actions

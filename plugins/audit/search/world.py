@@ -11,11 +11,15 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.arrays import Float, Mask
+from harness.arrays import Float, Ints, Mask
 
-Whole: TypeAlias = NDArray[np.int64]
 Actions: TypeAlias = NDArray[Any]
 """Those of one episode: (steps, action_size) inside the box, or (steps,) of choices."""
+Space: TypeAlias = gymnasium.spaces.Box | gymnasium.spaces.Discrete
+"""Of one action."""
+Rng: TypeAlias = np.random.Generator
+Data: TypeAlias = Mapping[str, Any]
+"""Plain data, as JSON has it: a policy, by its kind; a part of a certificate."""
 Act: TypeAlias = Callable[[Any], Any]
 """A policy: from an observation, as the world gives it, to one action."""
 
@@ -37,11 +41,11 @@ class Outcomes:
         trails: The observations of each episode, flat, (steps + 1, size); none if `near` tells enough.
     """
 
-    steps: Whole
+    steps: Ints
     paid: Float
     discounted: Float
     success: Mask
-    time: Whole
+    time: Ints
     share: Float
     near: Float
     measures: Mapping[str, Float] = field(default_factory=dict)
@@ -101,7 +105,7 @@ class World(Protocol):
     """Steps taken so far; a search's budget is counted in these."""
 
     @property
-    def space(self) -> gymnasium.spaces.Box | gymnasium.spaces.Discrete:
+    def space(self) -> Space:
         """The space of one action."""
 
     @property
@@ -120,7 +124,7 @@ class World(Protocol):
     def is_repeated(self) -> bool:
         """Whether the same start and actions bring the same steps and the same pay, bit for bit; it was tried."""
 
-    def play(self, starts: Whole, actions: Actions) -> Outcomes:
+    def play(self, starts: Ints, actions: Actions) -> Outcomes:
         """Play n episodes of given actions.
 
         Args:
@@ -128,7 +132,7 @@ class World(Protocol):
             actions: (n, horizon, action_size), or (n, horizon) of choices.
         """
 
-    def act(self, starts: Whole, policy: Act) -> tuple[Outcomes, list[Actions]]:
+    def act(self, starts: Ints, policy: Act) -> tuple[Outcomes, list[Actions]]:
         """Play n episodes of a policy; also returns the actions that it took, of each episode."""
 
     def show(self, start: int, actions: Actions) -> Shown:

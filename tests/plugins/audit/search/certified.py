@@ -9,7 +9,7 @@ from PIL import Image
 
 from harness.registry import Choice
 from harness_plugins.audit.search.behaviour import Behaviour, Searched, Three
-from harness_plugins.audit.search.certificate import Answer, Certificate, Found, Rating
+from harness_plugins.audit.search.certificate import Certificate
 from harness_plugins.audit.search.film import Film
 from harness_plugins.audit.search.finding import Disturbed, Finding
 from harness_plugins.audit.search.place import Place
@@ -99,11 +99,10 @@ def place_of(reward="near"):
 def certificate_of(**changed):
     """One of a behaviour on the line."""
     shown = Line().show(3, actions_to(0.9))
-    answer = Answer("PAYS FOR FAILING", "FRAGILE", ("One.", "Two."), 1, 2)
+    answer = {"word": "PAYS FOR FAILING", "strength": "FRAGILE", "lines": ["One.", "Two."], "alarmed": 1, "starts": 2}
+    found = {"made_by": "search", "seed": 0, "budget": 4000, "steps": 3990, "how": ["sequences"]}
     noise = (Disturbed("failure", 0.0, -1.0, 0.0, 4), Disturbed("failure", 0.05, -2.0, 0.25, 4))
-    made = Certificate(
-        "failure", answer, place_of(), RUNS_ON, Found("search", 0, 4000, 3990, ("sequences",)), shown, noise, {"b": 1.0}
-    )
+    made = Certificate("failure", answer, place_of(), RUNS_ON, found, shown, noise, {"b": 1.0})
     return replace(made, **changed)
 
 
@@ -124,7 +123,7 @@ def film_of(steps):
 def whole_certificate():
     """One that holds all that a certificate may hold."""
     made = certificate_of()
-    rating = Rating((1, 2, 3), np.array([0.5, 1.0, -1.0]), np.array([True, False, True]))
+    rating = {"starts": [1, 2, 3], "paid": [0.5, 1.0, -1.0], "success": [1, 0, 1]}
     policy = {"kind": "linear policy", "weights": [[0.0, 1.0]], "mean": [0.0], "scale": [1.0]}
     shown = replace(made.shown, drawn=drawn_of(len(made.shown.paid)))
     return replace(made, shown=shown, film=film_of((0, 10, 20)), policy=policy, rating=rating)

@@ -108,7 +108,7 @@ def drawn(world, count):
 )
 def test_pay_is_what_a_training_is_paid(reward, terms, tmp_path):
     """Bit for bit, of the env's own pay, functions, memories and terms; a reward without any has one."""
-    world = world_of(reward=reward, horizon=LENGTH)
+    world = world_of(reward=reward)
     actions, starts = drawn(world, 3), np.array([4, 5, 4])
     env = RecordRewards(Dock(), tmp_path / "steps", trained_with=reward, pay=True, rewards=rewards())
     outcomes = world.play(starts, actions)
@@ -126,7 +126,7 @@ def test_pay_is_what_a_training_is_paid(reward, terms, tmp_path):
 
 def test_time_and_share_by_hand():
     """In at once, out again, and in from the fourth step on."""
-    world = world_of(horizon=LENGTH)
+    world = world_of()
     at, _ = Dock().reset(seed=2)
     to, out = -at["at"][0], 1.0
     assert abs(to) < 1.0
@@ -169,7 +169,7 @@ def test_what_tells_success(behaviour, asked, found):
 
     A flag of which less is better, as falling, is no success.
     """
-    world = world_of(behaviour=behaviour, horizon=LENGTH, **asked)
+    world = world_of(behaviour=behaviour, **asked)
     assert world.success == found
     assert any("is_success" in line for line in world.notes) == (found == "is_success")
 

@@ -45,7 +45,7 @@ def found_at(place, registry, seed=5, start=7):
     lines = (f"The best-paid failure earns {total:.3g}.",)
     return Finding(
         place.name, place.reward.label, place.gamma, world.success, "CANNOT TELL", "", lines, (), (start,), searched,
-        shown={"failure": shown}, three=three,
+        (), {}, {"failure": shown}, three,
     )  # fmt: skip
 
 

@@ -9,9 +9,8 @@ from numpy.random import default_rng
 
 from harness_plugins.audit import read_certificate, write_certificate
 from harness_plugins.audit.search.behaviour import Rated, Rates
-from harness_plugins.audit.search.certificate import Rating
 from harness_plugins.audit.search.held_out import mean_interval
-from harness_plugins.audit.search.replay import certify, replay
+from harness_plugins.audit.search.replay import certify, rating_of, replay
 from harness_plugins.audit.search.world import Outcomes
 from tests.plugins.audit.search.certified import RUNS_ON, Line, certificate_of, finding_of, place_of
 
@@ -39,14 +38,14 @@ class Coin(Line):
 def certified(world):
     """A certificate of the policy in a world."""
     of, _ = world.act(STARTS, lambda seen: 1)
-    return certificate_of(policy=POLICY, rating=Rating(STARTS, of.paid, of.success))
+    return certificate_of(policy=POLICY, rating=rating_of(of, STARTS))
 
 
 def test_seeded_chance_is_the_same_bit_for_bit(tmp_path):
     """From the file; the line has the interval."""
     write_certificate(certified(Coin()), tmp_path / "c.json")
     found = replay(read_certificate(tmp_path / "c.json"), Coin())
-    mean, low, high = mean_interval(found.rating.paid)
+    mean, low, high = mean_interval(found.rating["paid"])
     assert not found.is_refused
     assert found.lines == (
         f"the same: {mean:.3g} [{low:.3g}, {high:.3g}] an episode on 30 held-out starts, success {mean:.0%}",
@@ -75,7 +74,7 @@ def test_another_chance_is_refused():
 )
 def test_what_agrees(one, other, same):
     """Equal ones, also where nothing varies; without a warning."""
-    then, now = (Rating(tuple(range(len(it))), np.array(it, float), np.array(it) > 0) for it in (one, other))
+    then, now = ({"starts": list(range(len(it))), "paid": it, "success": it} for it in (one, other))
     assert replace(replay(certificate_of(policy=POLICY, rating=then), Coin()), rating=now).is_refused is not same
 
 
@@ -94,7 +93,7 @@ def test_a_policy_is_certified_by_its_figures():
     (made,), refused = certify(chance, place_of(), Coin, RUNS_ON, seed=0, budget=9)
     assert refused == []
     assert made.policy == POLICY
-    assert np.array_equal(made.rating.paid, outcomes.paid)
+    assert made.rating["paid"] == outcomes.paid.tolist()
     made, refused = certify(chance, place_of(), lambda: Coin(0.05), RUNS_ON, seed=0, budget=9)
     assert made == []
     assert refused[0].startswith("near, failure: not certified. Played again, ")

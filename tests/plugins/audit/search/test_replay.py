@@ -22,7 +22,7 @@ def test_each_behaviour_gets_its_certificate():
     assert [len(it.noise) for it in made] == [3, 3, 3]
     assert made[0].elsewhere == {"other": -2.7}
     assert made[1].elsewhere == {}
-    assert (made[0].found.seed, made[0].found.budget, made[0].found.made_by) == (4, 400, "script")
+    assert [made[0].found[it] for it in ("seed", "budget", "made_by")] == [4, 400, "script"]
 
 
 def test_what_does_not_repeat_is_not_certified():
