@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from harness.face import face_of
 
 if TYPE_CHECKING:
+    from harness.report.answers import word_of as word_of
     from harness.report.apart import tell_apart as tell_apart
     from harness.report.facts import Fact as Fact
     from harness.report.figures.accumulated import draw_both as draw_both
@@ -38,7 +39,6 @@ if TYPE_CHECKING:
         reward_range as reward_range,
     )
     from harness.report.figures.points import FEWEST as FEWEST, POINTS as POINTS, select_points as select_points
-    from harness.report.figures.ratio_axis import is_drawable as is_drawable
     from harness.report.figures.split import (
         draw_ratio as draw_ratio,
         draw_split as draw_split,
@@ -65,7 +65,6 @@ if TYPE_CHECKING:
         CHOOSING_TITLE as CHOOSING_TITLE,
     )
     from harness.report.rows.comparison import (
-        answer_text as answer_text,
         compared_text as compared_text,
         count_cells as count_cells,
         interim_line as interim_line,
@@ -82,6 +81,7 @@ if TYPE_CHECKING:
     )
     from harness.report.rows.ratios import (
         BETTER as BETTER,
+        is_drawable as is_drawable,
         ratio_text as ratio_text,
         ratio_with_interval as ratio_with_interval,
     )

@@ -36,7 +36,7 @@ def repeat_of(results: Results) -> dict[str, Any]:
     Nothing where no experiment made what the page shows.
     """
     if not results.is_experiment:
-        return {"again": "", "facts": [], "experiment": ""}
+        return {}
     facts = shared_facts(results.manifests)
     return {"again": again_text(results), "facts": facts, "experiment": results.experiment_text}
 

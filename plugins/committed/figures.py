@@ -118,7 +118,9 @@ def _undrawn(name: str, split: Split) -> str:
 def measures_of(combination: Comparison, learning: Learning | None) -> Texts:
     """The measures that the figure of learning shows, and how each is written."""
     names = learning_names(learning, combination)[:PANELS] if learning else []
-    shares = [it.name for it in combination.measured.changes_of(combination.manner) if text_of(it) is percentage]
+    shares = [
+        it.name for it in combination.measured.changes_of(combination.manner) if text_of(it.measure) is percentage
+    ]
     return {name: percentage if name in shares else format_number for name in names}
 
 

@@ -14,7 +14,6 @@ from harness.authoring.pages import (
     POOLED,
     POOLED_TITLE,
     alone_grid,
-    answer_text,
     behaviour_row,
     count_cells,
     interim_text,
@@ -27,6 +26,7 @@ from harness.authoring.pages import (
     setting_of,
     story,
     terms_of,
+    word_of,
 )
 from harness.eta import Split
 from harness.record import EXPERIMENT, Manifest
@@ -96,7 +96,7 @@ def write_markdown(results: Results, overview: str, pictures: Sequence[Pictures]
 def pooled_part(combinations: Sequence[Comparison]) -> list[str]:
     """The answers over all places, where there are several."""
     answers = pooled_answers(combinations)
-    lines = [f"* **{it.answer}.** {escape(it.told)}" for it in answers]
+    lines = [f"* **{answer}.** {escape(told)}" for answer, told in answers]
     return [f"## {POOLED_TITLE}", "\n".join(lines), POOLED] if answers else []
 
 
@@ -143,7 +143,7 @@ def _row(number: int, combination: Comparison, has_returns: bool, missing: str) 
     title, change = combination.group.title, combination.decisive
     numbers = _returned(combination) if has_returns else _etas(combination)
     values = [NOTHING if change is None else behaviour_row(change)._asdict()[who] for who in SIDES]
-    named = (str(number), title, rewards_text(combination), answer_text(combination.headline))
+    named = (str(number), title, rewards_text(combination), word_of(combination.headline.answer))
     counts = " / ".join(dict.fromkeys(map(str, combination.counts)))
     return (*named, *numbers, *values, counts, missing)
 
@@ -174,11 +174,11 @@ def _section(results: Results, number: int, combination: Comparison, pictures: P
     headline = combination.headline
     numbers = number_grids(combination, results.kind, with_paths=True)
     grids = [*behaviour_grids(combination), along_grid(combination), *numbers] if combination.has_trainings else []
-    grids += map(terms_grid, terms_of(results, combination, is_first=number == 1))
+    grids += map(terms_grid, terms_of(results, combination))
     parts = [
         escape(title),
         *(f"**{escape(mixture.text)}.**" for mixture in combination.measured.mixtures),
-        f"**The {combination.group.subject}: {answer_text(headline)}.** {escape(headline.robot)}",
+        f"**The {combination.group.subject}: {word_of(headline.answer)}.** {escape(headline.robot)}",
         *map(escape, beside_answer(combination)),
         escape(basis_text(combination)),
         escape(headline.number and f"The number: {headline.number}"),

@@ -6,9 +6,8 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.report.figures.chart import Area, Axis, Chart, Dots, Flag, Line, Word, linear_axis
-from harness.report.figures.panel import CurvePanel, panels_of, reward_range, step_range
-from harness.report.figures.points import POINTS, select_points
-from harness.results.comparison import Comparison
+from harness.report.figures.panel import CurvePanel, reward_range, step_range
+from harness.report.figures.points import select_points
 
 OMEGA_1, OMEGA_2 = "Ω₁", "Ω₂"
 ROOM = (0.02, 0.08)
@@ -69,26 +68,10 @@ def _trim(x: Float, y: Float) -> tuple[Float, Float]:
     return x[kept], y[kept]
 
 
-def draw_panels(
-    comparison: Comparison, points: int = POINTS, amount: str = "accumulated reward"
-) -> tuple[Chart, Chart] | None:
-    """A panel for the baseline and one for the proposed reward, on equal axes; None without a finished pair.
-
-    Two charts, not one: a narrow screen stacks them.
-
-    Args:
-        comparison: What to draw.
-        points: Of a single run, at most.
-        amount: What the curves are.
-    """
-    panels = panels_of(comparison, points)
-    return None if panels is None else draw_both(panels, amount)
-
-
-def draw_both(panels: tuple[CurvePanel, CurvePanel], amount: str = "accumulated reward") -> tuple[Chart, Chart]:
-    """The same of two panels that are there."""
+def draw_both(panels: tuple[CurvePanel, CurvePanel]) -> tuple[Chart, Chart]:
+    """A chart for the baseline and one for the proposed reward, on equal axes: a narrow screen stacks them."""
     steps = linear_axis(*step_range(panels), "environment step", 5)
-    rewards = linear_axis(*reward_range(panels), amount)
+    rewards = linear_axis(*reward_range(panels), "accumulated reward")
     return _draw_panel(panels[0], steps, rewards), _draw_panel(panels[1], steps, rewards)
 
 
@@ -106,9 +89,9 @@ def _draw_panel(panel: CurvePanel, steps: Axis, rewards: Axis) -> Chart:
     return Chart(steps, rewards, (*shades, *flags, *thin, thick, *names, _markers(panel, colour)))
 
 
-def draw_curve(values: Float, stride: int, name: str, colour: str, most: int = POINTS) -> Line:
-    """A line through every `stride`-th step's value, of which `most` are drawn."""
-    points = select_points(values, most)
+def draw_curve(values: Float, stride: int, name: str, colour: str) -> Line:
+    """A line through every `stride`-th step's value, of which some are drawn."""
+    points = select_points(values)
     return Line((points * stride).tolist(), values[points].tolist(), colour, name)
 
 

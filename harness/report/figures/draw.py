@@ -89,14 +89,9 @@ def panel_left(chart: Chart) -> float:
 
 def legend_of(chart: Chart) -> list[tuple[str, Line | Dots]]:
     """Each name of the legend, and the mark that it names."""
-    named = [(_legend_name(mark), mark) for mark in chart.marks if isinstance(mark, Line | Dots)]
+    marks = [mark for mark in chart.marks if isinstance(mark, Line | Dots)]
+    named = ((mark.legend if isinstance(mark, Dots) else mark.name * mark.in_legend, mark) for mark in marks)
     return [(name, mark) for name, mark in named if name]
-
-
-def _legend_name(mark: Line | Dots) -> str:
-    if isinstance(mark, Dots):
-        return mark.legend
-    return mark.name if mark.in_legend else ""
 
 
 def draw_sample(mark: Line | Dots) -> Element:

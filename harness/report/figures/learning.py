@@ -3,13 +3,13 @@
 from collections.abc import Sequence
 
 from harness.report.figures.chart import Area, Axis, Chart, Dots, Line, Shape, linear_axis, share_axis
-from harness.report.rows.behaviour import Text, percentage
+from harness.report.rows.behaviour import percentage
+from harness.report.rows.ratios import Text
 from harness.results.comparison import Comparison
 from harness.results.learning import Learning, LearningCurve, Point
 
-BASELINE: tuple[str, Shape] = ("baseline", "circle")
-PROPOSED: tuple[str, Shape] = ("proposed", "diamond")
-"""Colour and shape of the curves of either reward."""
+STYLES: tuple[tuple[str, Shape], ...] = (("baseline", "circle"), ("proposed", "diamond"))
+"""Colour and shape of the curves of either reward; one that stands alone looks as the proposed one."""
 MOST = 8
 """Up to this many measures all are drawn; of more only the one that decides."""
 
@@ -53,29 +53,18 @@ def draw_learning(learning: Learning, metric: str, text: Text = percentage) -> C
         metric: Which measure; a share, such as the success rate, unless `text` says otherwise.
         text: How its values are written: `percentage`, or as any other number.
     """
-    return _draw(
-        [(learning.baseline, *BASELINE), (learning.proposed, *PROPOSED)], learning.random[metric], metric, text
-    )
+    return draw_curves((learning.baseline, learning.proposed), learning.random[metric], metric, text)
 
 
-def draw_curve(curve: LearningCurve, random: float | None, metric: str, text: Text = percentage) -> Chart:
-    """The same of one reward alone."""
-    return _draw([(curve, *PROPOSED)], random, metric, text)
-
-
-def describe_curve(curve: LearningCurve, random: float | None, metric: str, text: Text = percentage) -> str:
-    """The same in words: where the curve begins and ends."""
-    return "; ".join([_told(curve, metric, text), *_floor(random, text)]) + "."
-
-
-def _draw(curves: Sequence[tuple[LearningCurve, str, Shape]], floor: float | None, metric: str, text: Text) -> Chart:
-    last = max((point.steps for curve, _, _ in curves for point in curve.known(metric)), default=1)
-    bands = [_band(curve.band(metric), colour) for curve, colour, _ in curves]
-    lines = [
-        Line(*_means(curve.known(metric)), colour, curve.reward, width=2.5, in_legend=True)
-        for curve, colour, _ in curves
-    ]
-    dots = [_dots(curve.known(metric), colour, shape, text) for curve, colour, shape in curves]
+def draw_curves(curves: Sequence[LearningCurve], floor: float | None, metric: str, text: Text) -> Chart:
+    """The same of one reward or two, and of what random actions come to."""
+    last = max((point.steps for curve in curves for point in curve.known(metric)), default=1)
+    bands, lines, dots = list[Area](), list[Line](), list[Dots]()
+    for curve, (colour, shape) in zip(curves, STYLES[-len(curves) :], strict=True):
+        known = curve.known(metric)
+        bands.append(_band(curve.band(metric), colour))
+        lines.append(Line(*_means(known), colour, curve.reward, width=2.5, in_legend=True))
+        dots.append(_dots(known, colour, shape, text))
     if floor is not None:
         lines.append(Line([0, last], [floor, floor], "random", "random actions", dash="2 4", in_legend=True))
     steps = linear_axis(0.0, last, "environment step", 5)
@@ -86,12 +75,13 @@ def _draw(curves: Sequence[tuple[LearningCurve, str, Shape]], floor: float | Non
 
 def describe_learning(learning: Learning, metric: str, text: Text = percentage) -> str:
     """The same in words: where each curve begins and ends."""
-    told = [_told(curve, metric, text) for curve in (learning.baseline, learning.proposed)]
-    return "; ".join([*told, *_floor(learning.random[metric], text)]) + "."
+    return describe_curves((learning.baseline, learning.proposed), learning.random[metric], metric, text)
 
 
-def _floor(value: float | None, text: Text) -> list[str]:
-    return [] if value is None else [f"random actions {text(value)}"]
+def describe_curves(curves: Sequence[LearningCurve], floor: float | None, metric: str, text: Text) -> str:
+    """The same of one reward or two."""
+    told = [_told(curve, metric, text) for curve in curves]
+    return "; ".join([*told, *([] if floor is None else [f"random actions {text(floor)}"])]) + "."
 
 
 def _number_axis(marks: list[Area | Line], title: str) -> Axis:

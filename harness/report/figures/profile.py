@@ -11,10 +11,8 @@ from harness.report.figures.chart import Chart, Line, share_axis
 POINTS = 101
 
 
-def draw_profile(change: Change) -> Chart | None:
-    """Both profiles of a share such as the success rate, as steps; None without a seed."""
-    if not change.seeds:
-        return None
+def draw_profile(change: Change) -> Chart:
+    """Both profiles of a share such as the success rate, as steps; of at least a seed of each reward."""
     lines = (("baseline", 0, ""), ("proposed", 1, "7 4"))
     name = change.name.replace("_", " ")
     return Chart(

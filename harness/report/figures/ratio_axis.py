@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from harness.eta.index import Ratio
+from harness.report.rows.ratios import is_drawable
 
 FARTHEST = 30.0
 """An interval is drawn at most this factor beyond the outermost ratio. Numbers beside it say where it ends."""
@@ -13,11 +14,6 @@ TICKS = ((0.45, (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9)), (1.0, (1, 1.5, 2, 3
 
 ROOM = 26
 """The fewest characters that have room along the axis, since numbers with their intervals may stand beside it."""
-
-
-def is_drawable(ratio: Ratio) -> bool:
-    """Whether a ratio can be drawn: 0 has no logarithm, and a ratio that says little would stretch the axis."""
-    return ratio.value is not None and ratio.value > 0.0 and ratio.near_zero is None
 
 
 def ratio_range(ratios: Sequence[Ratio]) -> tuple[float, float]:

@@ -4,9 +4,9 @@ from collections.abc import Iterable, Iterator
 
 from harness.eta.splits import Split
 from harness.report.figures.chart import Axis, Chart, Dots, Line, Mark, Note
-from harness.report.figures.ratio_axis import interval_ends, is_drawable, named_ticks, ratio_range
-from harness.report.figures.split_rows import PATHS, SplitRow, has_parts, split_rows
-from harness.report.rows.ratios import NEITHER, better_of, ratio_with_interval
+from harness.report.figures.ratio_axis import interval_ends, named_ticks, ratio_range
+from harness.report.figures.split_rows import PATHS, SplitRow, split_rows
+from harness.report.rows.ratios import NEITHER, better_of, is_drawable, ratio_with_interval
 
 ROW, AIR = 24.0, 0.9
 """Height of a row, [px]; space above the first and below the last one, in rows."""
@@ -15,7 +15,7 @@ ROW, AIR = 24.0, 0.9
 def draw_split(name: str, split: Split) -> Chart | None:
     """The figure of an eta and both of its paths; None if no part has a value."""
     rows = split_rows(name, split)
-    if not has_parts(rows):
+    if not any(is_drawable(row.ratio) for row in rows[1:]):
         return None
     lowest = rows[-1].place + AIR
     names = [(-row.place, row.label.partition(",")[0]) for row in rows]

@@ -5,7 +5,6 @@ from typing import NamedTuple
 from harness.eta.index import Ratio
 from harness.eta.splits import Split
 from harness.report.figures.chart import Shape
-from harness.report.figures.ratio_axis import is_drawable
 from harness.report.rows.ratios import ratio_text
 
 PATHS = (("proposed runs", 3.5), ("baseline's runs", 6.7))
@@ -39,11 +38,6 @@ def split_rows(name: str, split: Split) -> list[SplitRow]:
             SplitRow(f"behaviour, {where}", path.behaviour, top + 1.9, "behaviour", "diamond", True),
         ]
     return rows
-
-
-def has_parts(rows: list[SplitRow]) -> bool:
-    """Whether there is more to draw than the eta itself."""
-    return any(is_drawable(row.ratio) for row in rows[1:])
 
 
 def describe_split(name: str, split: Split) -> str:

@@ -3,7 +3,7 @@
 from harness.eta.seed_mean import SeedMean
 from harness.eta.splits import SumSplit
 from harness.report.figures.chart import Axis, Chart, Dots, Line, Mark, Note, Shape, linear_axis
-from harness.report.rows.ratios import format_number, mean_interval_text
+from harness.report.rows.ratios import format_number, interval_text
 
 ROWS: tuple[tuple[str, str, Shape], ...] = (
     ("change", "ink", "circle"),
@@ -36,7 +36,7 @@ def describe_sum(split: SumSplit) -> str:
 
 def _marks(row: tuple[str, str, Shape], part: SeedMean, place: float) -> list[Mark]:
     name, colour, shape = row
-    told = f"{format_number(part.mean)} {mean_interval_text(part) if part.low is not None else ''}".rstrip()
+    told = f"{format_number(part.mean)} {interval_text(part, '')}".rstrip()
     dots = Dots([part.mean or 0.0], [place], colour, (f"{name}: {told}",), shape, size=4.5)
     bar = [] if part.low is None or part.high is None else [Line([part.low, part.high], [place] * 2, colour)]
     return [*bar, dots, Note(place, told)]

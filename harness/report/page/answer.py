@@ -6,14 +6,14 @@ from typing import Any, NamedTuple
 
 from harness.eta.amounts import difference_text, listed, same_text, short_seen_text, short_values, trainings_text
 from harness.eta.behaviour_change import Change
-from harness.eta.headline import TIME, Answer, difference_of, name_of, name_with_article
+from harness.eta.headline import TIME, Answer, name_of, name_with_article
 from harness.eta.judgement import OPEN, Verdict
 from harness.eta.needed import range_text
 from harness.eta.splits import Names
 from harness.eta.verdict.ruling import Ruling
 from harness.report.answers import badge_of, word_of
 from harness.report.figures.forest import draw_interval, draw_part, draw_trainings
-from harness.report.rows.behaviour import value_text
+from harness.report.rows.behaviour import text_of
 from harness.report.rows.comparison import beside_answer
 from harness.report.rows.pay_sentence import PaySentence, pay_of
 from harness.results.comparison import Comparison, pools_of
@@ -110,7 +110,7 @@ def _sure(verdict: Verdict, by: Sequence[int]) -> str:
 
 def _row(change: Change, at: int, ruling: Ruling, decides: bool) -> Row:
     direction = "" if not (ruling.is_decided and ruling.passes(at)) else "better" if ruling.signs[at] > 0 else "worse"
-    figure = draw_interval(difference_of(change), change.low, change.high, change.measure.better, direction)
+    figure = draw_interval(change, direction)
     value = difference_text(change, 2).partition(" ")[0] if change.is_relative else " -> ".join(short_values(change))
     notes = ["decides"] * decides + [FAILURE] * (change.name == TIME)
     return Row(name_of(change), "; ".join(notes), figure, value)
@@ -122,7 +122,7 @@ def _trainings(names: Names, change: Change) -> list[Row]:
     rows = []
     for name, who, values in zip(names, ("baseline", "proposed"), change.values, strict=True):
         figure = draw_trainings(values, (min(known), max(known)), change.measure.better, who)
-        ends = list(dict.fromkeys(value_text(change, end) for end in (min(values), max(values)))) if values else []
+        ends = list(dict.fromkeys(map(text_of(change.measure), (min(values), max(values))))) if values else []
         unit = change.measure.unit if values else ""
         rows.append(Row(name, "each training", figure, f"{' to '.join(ends)} {unit}".rstrip(), who))
     return rows

@@ -7,22 +7,21 @@ from typing import Any, NamedTuple
 
 from harness.eta.amounts import capitalised
 from harness.eta.headline import SUCCESS
-from harness.eta.return_split import ReturnSplit
 from harness.record.cell import Cell
-from harness.report.answers import symbol_of
 from harness.report.apart import BETWEEN
-from harness.report.figures.accumulated import draw_panels
+from harness.report.figures.accumulated import draw_both
 from harness.report.figures.chart import Chart
 from harness.report.figures.draw import draw_chart
 from harness.report.figures.forest import draw_strip
 from harness.report.figures.learning import (
-    describe_curve,
+    describe_curves,
     describe_learning,
-    draw_curve,
+    draw_curves,
     draw_learning,
     learning_heading,
     learning_names,
 )
+from harness.report.figures.panel import panels_of
 from harness.report.figures.profile import describe_profile, draw_profile
 from harness.report.figures.split import draw_split
 from harness.report.figures.split_rows import describe_split
@@ -34,17 +33,15 @@ from harness.report.rows.alone import alone_grid, setting_of, story
 from harness.report.rows.behaviour import (
     along_grid,
     behaviour_grids,
-    defined_changes,
-    failed_changes,
     percentage,
     seeds_grid,
+    shown_changes,
     text_of,
-    text_of_measure,
 )
 from harness.report.rows.comparison import basis_text, claims_text, compared_text, rewards_text
 from harness.report.rows.numbers import number_grids
 from harness.report.rows.payoff import Audits, Story, payoff_story
-from harness.report.rows.ratios import Grid, format_number, index_grid, scales_text
+from harness.report.rows.ratios import Grid, format_number, scales_text, step_text
 from harness.report.rows.returns import READING, returns_grid
 from harness.report.rows.terms import changed_text, terms_grid, terms_of
 from harness.results import Results
@@ -85,23 +82,19 @@ def outcome_bars(comparison: Comparison) -> list[Bar]:
     success, timeouts = changes.get(SUCCESS), changes.get(TIMEOUTS)
     if success is None or timeouts is None:
         return []
-    names, hits = comparison.names, changes.get(OBSTACLES)
-    struck = (None, None, None) if hits is None else (hits.baseline, hits.proposed, hits.random)
+    measures = (success, timeouts, changes.get(OBSTACLES))
     sides = (
-        ("Baseline", names.baseline, success.baseline, timeouts.baseline, struck[0]),
-        ("Proposed", names.proposed, success.proposed, timeouts.proposed, struck[1]),
-        ("Random", "random actions", success.random, timeouts.random, struck[2]),
+        ("Baseline", comparison.names.baseline),
+        ("Proposed", comparison.names.proposed),
+        ("Random", "random actions"),
     )
-    return [
-        _bar(who, reward, reached, over, hit or 0.0)
-        for who, reward, reached, over, hit in sides
-        if reached is not None and over is not None
-    ]
+    shares: dict[str, list[Any]] = {who: [getattr(it, who.lower(), None) for it in measures] for who, _ in sides}
+    return [_bar(who, reward, *shares[who]) for who, reward in sides if None not in shares[who][:2]]
 
 
-def _bar(who: str, reward: str, reached: float, over: float, hit: float) -> Bar:
+def _bar(who: str, reward: str, reached: float, over: float, hit: float | None) -> Bar:
     """A bar. Episodes with no target reached, no obstacle touched and time left ended on the ground."""
-    shares = {"reached": reached, "ground": max(0.0, 1.0 - reached - over - hit), "time-out": over}
+    shares = {"reached": reached, "ground": max(0.0, 1.0 - reached - over - (hit or 0.0)), "time-out": over}
     if hit:
         shares["obstacle"] = hit
     told = ", ".join(f"{kind} {share:.1%}" for kind, share in shares.items())
@@ -180,8 +173,8 @@ class Panel(NamedTuple):
 class Section:
     """What the template shows of one comparison; what is not known is empty, and left out."""
 
-    title: str
     card: Card
+    """It has the title."""
     place: int = 1
     """Its number on the page."""
     still: Still | None = None
@@ -208,28 +201,37 @@ class Section:
     profiles: Sequence[Panel] = ()
     other_behaviour: Sequence[Grid] = ()
     numbers: Sequence[Grid] = ()
-    has_number: bool = False
-    symbol: str = ""
+    number: bool = False
+    """Whether there is something to say of it."""
     trajectories: Sequence[Panel] = ()
 
 
 def comparison_section(
-    results: Results, comparison: Comparison, title: str, points: int, audits: Audits, links: EpisodeLinks | None
+    results: Results, place: int, where: str, points: int, audits: Audits, links: EpisodeLinks | None
 ) -> Section:
-    """What the template shows of a comparison, with `points` points of each run."""
-    headline, first = comparison.headline, results.combinations[0]
-    grids = behaviour_grids(comparison)
-    changes = [it for rows in (defined_changes, failed_changes) for it in rows(comparison, comparison.manner)]
-    bars = outcome_bars(comparison)
+    """What the template shows of a comparison.
+
+    Args:
+        results: All of them.
+        place: The number of the comparison, counted from 1.
+        where: Where it was trained, as far as the page does not say that for all.
+        points: How many points of each run are drawn.
+        audits: What the rewards pay for.
+        links: To its episodes.
+    """
+    comparison = results.combinations[place - 1]
+    grids, bars = behaviour_grids(comparison), outcome_bars(comparison)
+    changes = shown_changes(comparison, comparison.manner)
+    told = rewards_text(comparison) if comparison.is_control else comparison.proposed
     returned = returns_grid(comparison)
     splits, indices, curves = _split_panels(comparison), _index_panels(comparison), _curve_panels(comparison, points)
     payoffs = payoff_story(comparison, audits)
     numbers = number_grids(comparison, results.kind, with_paths=True)[bool(returned.rows or returned.notes) :]
-    robot = f"{headline.robot} {basis_text(comparison)}".strip()
+    robot = f"{comparison.headline.robot} {basis_text(comparison)}".strip()
     full = (robot, comparison.pay_sentence, comparison.index_sentence)
     return Section(
-        title=title,
-        card=card_of(comparison, title),
+        card=card_of(comparison, BETWEEN.join(filter(None, (where, told)))),
+        place=place,
         still=links.still if links else None,
         full=[text for text in full if text],
         returns=returned._replace(title="") if returned.rows or returned.notes else None,
@@ -248,10 +250,7 @@ def comparison_section(
             for it in changes
         ],
         learning=_learning_panels(results, comparison),
-        terms=[
-            terms_grid(it)._replace(title=it.reward)
-            for it in terms_of(results, comparison, is_first=comparison is first)
-        ],
+        terms=[terms_grid(it)._replace(title=it.reward) for it in terms_of(results, comparison)],
         splits=splits,
         indices=indices,
         curves=curves,
@@ -261,8 +260,7 @@ def comparison_section(
             grid for grid in [along_grid(comparison), *grids[1:], seeds_grid(comparison)] if grid.rows or grid.notes
         ],
         numbers=numbers,
-        has_number=bool(comparison.seeds and (splits or indices or curves or payoffs or numbers or returned.rows)),
-        symbol=symbol_of(headline.answer),
+        number=bool(comparison.seeds and (splits or indices or curves or payoffs or numbers or returned.rows)),
         trajectories=_trajectory_panels(results, comparison),
     )
 
@@ -288,16 +286,9 @@ def alone_section(results: Results, alone: Alone) -> dict[str, Any]:
 
 
 def _curve_panel(alone: Alone, name: str, stages: Stages | None) -> Panel:
-    text = text_of_measure(stages.measure) if stages else format_number
-    random = stages.random if stages else None
-    chart, caption = draw_curve(alone.curve, random, name, text), describe_curve(alone.curve, random, name, text)
-    return _panel(learning_heading(name), chart, caption, "Over environment steps.")
-
-
-def title_of(comparison: Comparison, place: str) -> str:
-    """The title of a comparison: its place, as far as the page does not say it for all, and the proposed reward."""
-    told = rewards_text(comparison) if comparison.is_control else comparison.proposed
-    return BETWEEN.join(part for part in (place, told) if part)
+    text, random = (text_of(stages.measure), stages.random) if stages else (format_number, None)
+    drawn = ([alone.curve], random, name, text)
+    return _panel(learning_heading(name), draw_curves(*drawn), describe_curves(*drawn), "Over environment steps.")
 
 
 def describe_comparison(comparison: Comparison) -> str:
@@ -333,7 +324,7 @@ def _learning_panels(results: Results, comparison: Comparison) -> list[Panel]:
     learning = results.learning(comparison)
     if learning is None:
         return []
-    texts = {change.name: text_of(change) for change in comparison.measured.changes_of(comparison.manner)}
+    texts = {change.name: text_of(change.measure) for change in comparison.measured.changes_of(comparison.manner)}
     panels = []
     for name in learning_names(learning, comparison):
         text = texts.get(name, format_number)
@@ -363,17 +354,27 @@ def _trajectory_panels(results: Results, comparison: Comparison) -> list[Panel]:
 def _profile_panels(comparison: Comparison) -> list[Panel]:
     """Which share of the seeds reaches how much success."""
     success = comparison.decisive
-    is_share = success is not None and text_of(success) is percentage
-    chart = draw_profile(success) if success and is_share else None
-    if success is None or chart is None:
+    if success is None or not success.seeds or text_of(success.measure) is not percentage:
         return []
-    return [_panel("Success over seeds", chart, describe_profile(success), "Share of the seeds over success.")]
+    return [
+        _panel(
+            "Success over seeds", draw_profile(success), describe_profile(success), "Share of the seeds over success."
+        )
+    ]
 
 
 def _split_panels(comparison: Comparison) -> list[Panel]:
     """The pay of an episode with its parts, as a ratio or else as a difference."""
-    pay = comparison.number.pay
-    return [] if pay is None else _return_panel(pay, comparison.manner)
+    pay, what = comparison.number.pay, f"Pay of an episode, {comparison.manner}"
+    if pay is None:
+        return []
+    chart = draw_split("pay", pay.ratio)
+    if chart is not None:
+        return [_panel(f"{what}: ruler x behaviour", chart, describe_split("pay", pay.ratio), LOGARITHMIC)]
+    chart = draw_sum(pay.total)
+    if chart is None:
+        return []
+    return [_panel(f"{what}: ruler + behaviour", chart, describe_sum(pay.total), "Differences.")]
 
 
 def _index_panels(comparison: Comparison) -> list[Panel]:
@@ -391,33 +392,19 @@ def _index_panels(comparison: Comparison) -> list[Panel]:
 LOGARITHMIC = "Ratios on a logarithmic axis."
 
 
-def _return_panel(returned: ReturnSplit, manner: str) -> list[Panel]:
-    """The change of the mean return: a ratio where both returns are above 0, else a difference."""
-    what = f"Pay of an episode, {manner}"
-    chart = draw_split("pay", returned.ratio)
-    if chart is not None:
-        return [_panel(f"{what}: ruler x behaviour", chart, describe_split("pay", returned.ratio), LOGARITHMIC)]
-    chart = draw_sum(returned.total)
-    if chart is None:
-        return []
-    return [_panel(f"{what}: ruler + behaviour", chart, describe_sum(returned.total), "Differences.")]
-
-
 def _curve_panels(comparison: Comparison, points: int) -> list[Panel]:
     """The accumulated reward of both trainings, each under its own reward."""
-    charts = draw_panels(comparison, points)
-    if charts is None:
+    panels = panels_of(comparison, points)
+    if panels is None:
         return []
-    first, crossover = index_grid(comparison.number.decomposition).rows[:2]
+    what = "Accumulated reward over environment steps."
+    told = "First negative step: {}. Cross-over step: {}."
     return [
         _panel(
-            f"{role}: {reward}",
+            f"{it.role}: {it.reward}",
             chart,
-            f"First negative step: {first[column]}. Cross-over step: {crossover[column]}.",
-            "Accumulated reward over environment steps.",
+            told.format(step_text(it.index.first_negative), step_text(it.index.crossover)),
+            what,
         )
-        for column, role, reward, chart in (
-            (1, "Baseline", comparison.baseline, charts[0]),
-            (2, "Proposed", comparison.proposed, charts[1]),
-        )
+        for it, chart in zip(panels, draw_both(panels), strict=True)
     ]

@@ -15,8 +15,8 @@ from harness.report.page.answer import Card
 from harness.report.page.comparison import Panel, Section
 from harness.report.page.html import SHARED, Page, parts_of, render
 from harness.report.page.page import write_page
-from harness.report.rows.ratios import index_grid, path_grid, ratio_grid, scales_text, split_grid, sum_grid
-from harness.report.tables.eta import comparison_title, runs_text
+from harness.report.rows.ratios import scales_text
+from harness.report.tables.eta import comparison_title, grids_of, runs_text
 from harness.score.compare import ComparedRuns
 
 FIGURE = "The {kind} reward of every run over environment steps, and the mean of each group."
@@ -48,31 +48,22 @@ def write_eta_page(comparison: ComparedRuns, path: Path) -> None:
 
 def _section(comparison: ComparedRuns) -> Section:
     """What the template shows of both groups."""
-    decomposition, splits = comparison.decomposition, comparison.decomposition.splits
-    drawn = [(name, draw_split(name, split), describe_split(name, split)) for name, split in splits.items()]
+    splits = comparison.decomposition.splits.items()
+    drawn = [(name, draw_split(name, split), describe_split(name, split)) for name, split in splits]
     figure = draw_chart(draw_groups(comparison), FIGURE.format(kind=comparison.kind))
     cannot = Answer.CANNOT_TELL
     card = Card(runs_text(comparison), word_of(cannot), badge_of(cannot), NO_VERDICT, (), "", pay=comparison.number)
     return Section(
-        title=runs_text(comparison),
         card=card,
         summary=" ".join([scales_text("robot"), *(f"{note}." for note in comparison.notes)]),
-        has_number=True,
+        number=True,
         indices=[
             Panel(f"{name} = ruler x behaviour", draw_chart(chart, told), told)
             for name, chart, told in drawn
             if chart is not None
         ],
         curves=[Panel("Both groups", figure, THIN)],
-        numbers=[
-            grid
-            for grid in (
-                *(of(splits) for of in (ratio_grid, split_grid, path_grid)),
-                sum_grid(decomposition.total),
-                index_grid(decomposition, comparison.kind),
-            )
-            if grid.rows or grid.notes
-        ],
+        numbers=[grid for grid in grids_of(comparison, with_paths=True) if grid.rows or grid.notes],
     )
 
 

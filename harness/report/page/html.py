@@ -3,7 +3,7 @@
 import base64
 import gzip
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple
@@ -17,14 +17,14 @@ from harness.report.document import report_text
 from harness.report.facts import Fact, repeat_of
 from harness.report.figures.forest import EXPLANATION as FOREST
 from harness.report.figures.points import points_of_a_run
-from harness.report.page.answer import groups_of, pool_cards
-from harness.report.page.comparison import Section, alone_section, comparison_section, title_of
+from harness.report.page.answer import Card, groups_of, pool_cards
+from harness.report.page.comparison import Section, alone_section, comparison_section
 from harness.report.page.matrix import Matrix, comparisons_csv, matrix_of
 from harness.report.page.page import render_page, write_page
 from harness.report.replay.links import Link, links_of
 from harness.report.replay.section import Replay, replay_of
 from harness.report.rows.alone import ALONE, beside, setting_of
-from harness.report.rows.choosing import CHOOSING, CHOOSING_TITLE, choosing_told
+from harness.report.rows.choosing import CHOOSING, CHOOSING_TITLE, ChoosingTold, choosing_told
 from harness.report.rows.comparison import (
     count_cells,
     interim_text,
@@ -36,16 +36,22 @@ from harness.report.rows.comparison import (
 from harness.report.rows.numbers import INDICES
 from harness.report.rows.payoff import EXPLANATION as PAYOFFS, TITLE as PAYOFF_TITLE, Audits
 from harness.report.rows.pools import POOLED, grown_text, joined_text
-from harness.report.rows.ranking import AGREEMENT, CHOICE, EXPLANATION as RANKING, TITLE as RANKING_TITLE, task_rows
-from harness.report.rows.ratios import PATHS, SPLIT, TOTAL
+from harness.report.rows.ranking import (
+    AGREEMENT,
+    CHOICE,
+    EXPLANATION as RANKING,
+    TITLE as RANKING_TITLE,
+    TaskRows,
+    task_rows,
+)
+from harness.report.rows.ratios import PATHS, SPLIT, TOTAL, Grid
 from harness.report.rows.returns import EXPLANATION as RETURNS, PAY, TITLE as RETURN_TITLE, matrix_title, return_grid
 from harness.report.rows.terms import EXPLANATION as TERMS, TITLE as TERMS_TITLE, never_texts
 from harness.results import Results
-from harness.results.comparison import Comparison, still_to_come
+from harness.results.comparison import still_to_come
 from harness.results.overview import varying_kinds
 from harness.results.ranking import ranking_of
 from harness.results.replay import shows_of
-from harness.results.return_matrix import ReturnMatrix
 from harness.results.standing import told_manifests
 from harness.section import Shown, shown_sections
 
@@ -77,26 +83,33 @@ OPEN = 2
 """Up to this many comparisons are shown in full. If there are more, each is a line that opens."""
 
 
-SHARED: Mapping[str, str] = MappingProxyType(
-    {
-        "learning": TRAINED,
-        "crossover": CROSSOVER,
-        "split": SPLIT,
-        "paths": f"{PATHS} {TOTAL}",
-        "forest": FOREST,
-        "payoffs": PAYOFFS,
-        "payoff_title": PAYOFF_TITLE,
-        "returns": PAY,
-        "indices": INDICES,
-        "legend": LEGEND,
-        "terms": TERMS,
-        "alone": ALONE,
-        "terms_title": TERMS_TITLE,
-        "promise": "",
-        "bars": "",
-        "is_curve_open": "",
-    }
-)
+SHARED = {
+    "learning": TRAINED,
+    "crossover": CROSSOVER,
+    "split": SPLIT,
+    "paths": f"{PATHS} {TOTAL}",
+    "forest": FOREST,
+    "payoffs": PAYOFFS,
+    "payoff_title": PAYOFF_TITLE,
+    "pay": PAY,
+    "indices": INDICES,
+    "legend": LEGEND,
+    "terms": TERMS,
+    "alone": ALONE,
+    "terms_title": TERMS_TITLE,
+    "choosing": CHOOSING,
+    "choosing_title": CHOOSING_TITLE,
+    "pools": POOLED,
+    "ranking": RANKING,
+    "ranking_title": RANKING_TITLE,
+    "choice": CHOICE,
+    "agreement": AGREEMENT,
+    "returns": RETURNS,
+    "returns_title": RETURN_TITLE,
+    "promise": "",
+    "bars": "",
+    "is_curve_open": "",
+}
 """Texts of the template."""
 PROMISE = "at most 6 % of such reports say falsely that one helps or hurts"
 BARS = (
@@ -133,11 +146,11 @@ class Page:
     advice: str = ""
     groups: Sequence[Mapping[str, Any]] = ()
     pictured: bool = False
-    pools: Mapping[str, Any] | None = None
-    choosing: Mapping[str, Any] | None = None
-    ranking: Mapping[str, Any] | None = None
+    pools: Sequence[Card] = ()
+    choosing: ChoosingTold | None = None
+    ranking: Sequence[TaskRows] = ()
     unfinished: Sequence[str] = ()
-    returns: Mapping[str, Any] | None = None
+    returns: Sequence[tuple[str, Grid]] = ()
     replay: Replay | None = None
     added: Sequence[Shown] = ()
     manifests: Sequence[Manifest] = ()
@@ -178,15 +191,13 @@ def _render(results: Results, audits: Audits) -> str:
     links = links_of(shows, combinations)
     is_open = len(combinations) <= OPEN
     sections = [
-        replace(comparison_section(results, it, title, points, audits, found), place=place)
-        for place, (it, title, found) in enumerate(
-            zip(combinations, _titles(combinations, matrix), links, strict=True), 1
-        )
+        comparison_section(results, place, entry.place, points, audits, found)
+        for place, (entry, found) in enumerate(zip(matrix.entries, links, strict=True), 1)
     ]
     groups = groups_of([section.card for section in sections], combinations)
     sides = [side for section in sections if section.frames for side in section.frames.sides]
-    ranking, added = _ranking(results), tuple(shown_sections(results).values())
-    returns = _returns(results.returns, is_open)
+    ranking, added = list(map(task_rows, ranking_of(results).tasks)), tuple(shown_sections(results).values())
+    returns = [(matrix_title(it), return_grid(it)) for it in results.returns]
     page = Page(
         question=question(results),
         setting=_setting(results),
@@ -205,8 +216,8 @@ def _render(results: Results, audits: Audits) -> str:
         pictured=any(side.source for side in sides),
         has=parts_of(sections, bool(ranking or returns or added)),
         told=_told(results),
-        pools=_pools(results),
-        choosing=_choosing(results),
+        pools=pool_cards(combinations),
+        choosing=choosing_told(results),
         ranking=ranking,
         cell_count=count_cells(results),
         unfinished=[*remarks_on_cells(results), *dict.fromkeys(side.told for side in sides if not side.source)],
@@ -215,7 +226,10 @@ def _render(results: Results, audits: Audits) -> str:
         added=added,
         manifests=told_manifests(results),
         **repeat_of(results),
-        downloads=_downloads(results),
+        downloads=[
+            pack("comparisons.csv", "text/csv", comparisons_csv(combinations)),
+            pack("report.json", "application/json", report_text(results)),
+        ],
     )
     return render(page, "The HTML report")
 
@@ -227,13 +241,9 @@ def parts_of(sections: Sequence[Section], has_more: bool) -> dict[str, bool]:
         sections: The comparisons.
         has_more: Whether there is something that is told of all of them together.
     """
-    return {
-        "behaviour": any(section.behaviour for section in sections),
-        "learning": any(section.learning for section in sections),
-        "terms": any(section.terms for section in sections),
-        "number": any(section.has_number for section in sections),
-        "matrix": has_more or len(sections) > 1,
-    }
+    parts = ("behaviour", "learning", "terms", "number")
+    has = {part: any(getattr(section, part) for section in sections) for part in parts}
+    return {**has, "matrix": has_more or len(sections) > 1}
 
 
 def _setting(results: Results) -> str:
@@ -276,51 +286,3 @@ def _told(results: Results) -> dict[str, str]:
         "promise": PROMISE if is_promised else "",
         "bars": BARS if any(it.seeds for it in results.combinations) else "",
     }
-
-
-def _choosing(results: Results) -> dict[str, Any] | None:
-    """How far candidates went; None where none of several is chosen."""
-    told = choosing_told(results)
-    if told is None:
-        return None
-    return {"title": CHOOSING_TITLE, "explanation": CHOOSING, "told": told}
-
-
-def _pools(results: Results) -> dict[str, Any] | None:
-    """The answers over all places; None where there is one place."""
-    cards = pool_cards(results.combinations)
-    return {"explanation": POOLED, "cards": cards} if cards else None
-
-
-def _titles(combinations: Sequence[Comparison], matrix: Matrix) -> list[str]:
-    """A title for each comparison: what is not the same in all."""
-    return [title_of(comparison, entry.place) for comparison, entry in zip(combinations, matrix.entries, strict=True)]
-
-
-def _downloads(results: Results) -> list[Download]:
-    return [
-        pack("comparisons.csv", "text/csv", comparisons_csv(results.combinations)),
-        pack("report.json", "application/json", report_text(results)),
-    ]
-
-
-def _ranking(results: Results) -> dict[str, Any] | None:
-    """The order of the rewards in all places; None where there are not several of both."""
-    ranking = ranking_of(results)
-    if not ranking.tasks:
-        return None
-    return {
-        "title": RANKING_TITLE,
-        "explanation": RANKING,
-        "choice": CHOICE,
-        "agreement": AGREEMENT,
-        "tasks": [task_rows(task) for task in ranking.tasks],
-    }
-
-
-def _returns(matrices: Sequence[ReturnMatrix], is_open: bool) -> dict[str, Any] | None:
-    """What the template shows of returns under every reward; None before a cell is done."""
-    if not matrices:
-        return None
-    blocks = [(matrix_title(matrix), return_grid(matrix)) for matrix in matrices]
-    return {"title": RETURN_TITLE, "explanation": RETURNS, "blocks": blocks, "is_open": is_open}

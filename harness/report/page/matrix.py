@@ -10,12 +10,10 @@ import numpy as np
 from harness.eta.behaviour_change import Change
 from harness.eta.headline import SHORT, Answer
 from harness.eta.index import NOTHING, Ratio
-from harness.eta.return_split import ReturnSplit
 from harness.eta.scored_sums import BB, KK
 from harness.report.answers import badge_of, symbol_of, word_of
 from harness.report.apart import tell_apart
 from harness.report.rows.behaviour import behaviour_row, percentage, text_of
-from harness.report.rows.comparison import answer_text
 from harness.report.rows.ratios import format_number, interval_text, ratio_text
 from harness.results.comparison import Comparison, Group
 from harness.text import visible
@@ -77,11 +75,6 @@ COLUMNS = (
 """The columns of the table as a file."""
 
 
-def anchor_of(place: int) -> str:
-    """The anchor of a comparison on the page, by its place, counted from 0."""
-    return f"combination-{place + 1}"
-
-
 def matrix_of(combinations: Sequence[Comparison]) -> Matrix:
     """The map and the table."""
     baselines = dict.fromkeys(it.baseline for it in combinations)
@@ -91,7 +84,7 @@ def matrix_of(combinations: Sequence[Comparison]) -> Matrix:
     apart, kinds = tell_apart(described), _kinds(combinations)
     entries = [
         _entry(number, place, comparison, kinds)
-        for number, (place, comparison) in enumerate(zip(apart.names, combinations, strict=True))
+        for number, (place, comparison) in enumerate(zip(apart.names, combinations, strict=True), 1)
     ]
     places = list(dict.fromkeys(apart.names))
     rewards = list(dict.fromkeys(entry.proposed for entry in entries))
@@ -113,28 +106,17 @@ class _Kinds(NamedTuple):
 
     measure: str
     is_share: bool
-    has_returns: bool
-    has_ratios: bool
-    has_indices: bool
-
-    @property
-    def numbers(self) -> tuple[str, ...]:
-        """The headings of the numbers."""
-        returns = ("pay, baseline", "pay, proposed") if self.has_returns else ()
-        return (
-            *returns,
-            *(("pay, ratio",) if self.has_ratios else ()),
-            *(("eta_N", "eta_P") if self.has_indices else ()),
-        )
+    numbers: tuple[str, ...]
+    """Their headings: of the pay of an episode, or else of both indices."""
 
 
 def _kinds(combinations: Sequence[Comparison]) -> _Kinds:
     decisive = [it.decisive for it in combinations if it.decisive is not None]
     names = dict.fromkeys(SHORT.get(it.name, it.name.replace("_", " ")) for it in decisive)
-    pays, is_share = [it.number.pay for it in combinations], all(text_of(it) is percentage for it in decisive)
-    has_returns = any(pays)
+    pays, is_share = [it.number.pay for it in combinations], all(text_of(it.measure) is percentage for it in decisive)
     has_ratios = any(pay.has_ratio for pay in pays if pay is not None)
-    return _Kinds(" / ".join(names) or "behaviour", is_share, has_returns, has_ratios, not has_returns)
+    numbers = ("pay, baseline", "pay, proposed", "pay, ratio")[: 2 + has_ratios] if any(pays) else ("eta_N", "eta_P")
+    return _Kinds(" / ".join(names) or "behaviour", is_share, numbers)
 
 
 def comparisons_csv(combinations: Sequence[Comparison]) -> str:
@@ -145,11 +127,7 @@ def comparisons_csv(combinations: Sequence[Comparison]) -> str:
     for comparison in combinations:
         success, number = comparison.decisive, comparison.number
         ratios = [end for eta in (number.eta_n, number.eta_p) for end in (eta.value, eta.low, eta.high)]
-        shares = (
-            (success.baseline, success.proposed, success.difference, success.low, success.high)
-            if success
-            else (None,) * 5
-        )
+        shares = (success and getattr(success, it) for it in ("baseline", "proposed", "difference", "low", "high"))
         labels = comparison.group.labels
         described = (*(labels.get(kind, "") for kind in KINDS), comparison.group.steps, *comparison.names)
         seeds = (len(comparison.seeds), *comparison.counts)
@@ -179,33 +157,36 @@ def _describe(group: Group) -> tuple[str, ...]:
 
 
 def _entry(number: int, place: str, comparison: Comparison, kinds: _Kinds) -> Entry:
-    headline, change = comparison.headline, comparison.decisive
+    answer, change = comparison.headline.answer, comparison.decisive
     difference = "" if change is None or change.difference is None else _points(change)
-    returned = _returned(comparison.number.pay)[: 2 + kinds.has_ratios] if kinds.has_returns else ()
-    etas = [_ratio(eta) for eta in (comparison.number.eta_n, comparison.number.eta_p)] if kinds.has_indices else []
+    numbers = _numbers(comparison)
     return Entry(
-        anchor_of(number),
+        f"combination-{number}",
         place,
         f"{comparison.proposed} (A/A)" if comparison.is_control else comparison.proposed,
-        answer_text(headline),
-        badge_of(headline.answer),
-        symbol_of(headline.answer),
+        word_of(answer),
+        badge_of(answer),
+        symbol_of(answer),
         difference,
-        (*returned, *etas, *_measured(change)),
+        (*(numbers.get(it, NONE) for it in kinds.numbers), *_measured(change)),
     )
 
 
 def _points(change: Change) -> str:
     """The difference of a measure; of a share in percentage points."""
     difference = change.difference or 0.0
-    return f"{100 * difference:+.1f}" if text_of(change) is percentage else f"{difference:+.3g}"
+    return f"{100 * difference:+.1f}" if text_of(change.measure) is percentage else f"{difference:+.3g}"
 
 
-def _returned(pay: ReturnSplit | None) -> tuple[Sortable, ...]:
+def _numbers(comparison: Comparison) -> dict[str, Sortable]:
+    """By heading, the numbers that are known."""
+    number, pay = comparison.number, comparison.number.pay
+    found = {"eta_N": _ratio(number.eta_n), "eta_P": _ratio(number.eta_p)}
     if pay is None:
-        return (NONE,) * 3
-    sides = [Sortable(format_number(pay.returns[it].mean), "", _key(pay.returns[it].mean)) for it in (BB, KK)]
-    return (*sides, _ratio(pay.ratio.eta))
+        return found
+    means = {"pay, baseline": pay.returns[BB].mean, "pay, proposed": pay.returns[KK].mean}
+    sides = {name: Sortable(format_number(mean), "", _key(mean)) for name, mean in means.items()}
+    return {**found, **sides, "pay, ratio": _ratio(pay.ratio.eta)}
 
 
 def _ratio(eta: Ratio) -> Sortable:

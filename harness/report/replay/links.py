@@ -7,7 +7,7 @@ from typing import NamedTuple
 from harness.eta.behaviour_change import Change
 from harness.eta.headline import SUCCESS
 from harness.report.replay.stick import draw_sticks
-from harness.report.rows.behaviour import value_text
+from harness.report.rows.behaviour import text_of
 from harness.results.comparison import Comparison
 from harness.results.replay import Episode, Outcome, Show
 
@@ -88,11 +88,11 @@ class EpisodeLinks:
     @property
     def kinds(self) -> list[tuple[str, Link]]:
         """How often pairs end so, and a link to the typical one, of each way to end; the most frequent one first."""
-        pairs, episodes = self.show.pairs, [side.episodes for side in self.show.sides]
+        pairs = self.show.pairs
         if pairs is None:
             return []
         return [
-            (pairs.share(kind), self._link(BASELINE, index, both_outcomes([side[index] for side in episodes])))
+            (pairs.share(kind), self._pair(index))
             for kind in pairs.counts
             if (index := self.show.kinds.get(kind)) is not None
         ]
@@ -100,33 +100,34 @@ class EpisodeLinks:
     @property
     def still(self) -> "Still":
         """What stands beside the answer: the pair that is shown first, and what it is typical of."""
-        index, told, pairs = self.show.first, self.kinds, self.show.pairs
-        ends = [(side.title.partition(": ")[2] or side.title, side.episodes[index].outcome) for side in self.show.sides]
+        index, told, pairs, sides = self.show.first, self.kinds, self.show.pairs, self.show.sides
+        names = [side.title.partition(": ")[2] or side.title for side in sides]
         others = [link for _, link in told[1:2]]
         return Still(
             self.place - 1,
-            tuple(f"{reward}: {outcome}" for reward, outcome in ends),
+            tuple(f"{name}: {side.episodes[index].outcome}" for name, side in zip(names, sides, strict=True)),
             told[0][0] if told else "",
-            self._link(BASELINE, index, " | ".join(dict.fromkeys(outcome for _, outcome in ends))),
+            self._pair(index),
             pairs.otherwise if pairs is not None and others else "",
             others[0] if others else None,
-            draw_sticks(self.show.sides, index),
+            draw_sticks(sides, index),
         )
 
     def _told(self, change: Change, value: float, episode: Episode) -> str:
         name = change.name.replace("_", " ")
         if change.name == SUCCESS:
             return episode.outcome
-        return f"{name} {value_text(change, value)}, {episode.outcome}"
+        return f"{name} {text_of(change.measure)(value)}, {episode.outcome}"
+
+    def _pair(self, index: int) -> Link:
+        """A link to a pair, and how it ended under both rewards. It is said once if it is the same."""
+        return self._link(
+            BASELINE, index, " | ".join(dict.fromkeys(it.episodes[index].outcome for it in self.show.sides))
+        )
 
     def _link(self, side: int, index: int, told: str) -> Link:
         number, seed = self.show.numbers[index], self.show.sides[side].seeds[index]
         return Link(f"#replay-{self.place}-{number}-{seed}", f"Watch episode {number} of seed {seed}: {told}")
-
-
-def both_outcomes(episodes: Sequence[Episode]) -> str:
-    """How an episode ended under both rewards. It is said once if it is the same."""
-    return " | ".join(dict.fromkeys(episode.outcome for episode in episodes))
 
 
 def links_of(shows: Sequence[Show], combinations: Sequence[Comparison]) -> list[EpisodeLinks | None]:

@@ -2,12 +2,10 @@
 
 from collections.abc import Sequence
 
-from harness.eta.index import NOTHING
-from harness.eta.seed_mean import SeedMean
 from harness.record.plan_file import EXPERIMENT
 from harness.report.apart import BETWEEN
-from harness.report.rows.behaviour import Text, measure_name, text_of_measure
-from harness.report.rows.ratios import Grid
+from harness.report.rows.behaviour import measure_name, text_of
+from harness.report.rows.ratios import Grid, value_rows
 from harness.results import Results
 from harness.results.alone import Alone, Stages
 from harness.text import command_text
@@ -33,21 +31,13 @@ def setting_of(alone: Alone) -> str:
     return BETWEEN.join((size_text(alone), alone.group.title))
 
 
-def alone_grid(alone: Alone, most: int | None = None, *, with_intervals: bool = True) -> Grid:
-    """The pay, then a row for each measure, its interval below it.
-
-    Args:
-        alone: The reward.
-        most: So many measures at most; None for all.
-        with_intervals: Whether to show intervals.
-    """
+def alone_grid(alone: Alone, most: int | None = None) -> Grid:
+    """The pay, then a row for each measure; of `most` measures at most, or of all, each with its interval below it."""
     rows: list[tuple[str, ...]] = []
     for stages in (alone.paid, *alone.behaviour[:most]):
-        text = text_of_measure(stages.measure)
-        means = (stages.start, stages.end, stages.evaluation)
-        rows.append((measure_name(stages.measure), *(text(it.mean) for it in means), text(stages.random)))
-        intervals = [_interval(it, text) for it in means]
-        rows += [("  95% interval", *intervals, "")] if with_intervals and any(intervals) else []
+        values = (stages.start, stages.end, stages.evaluation, stages.random)
+        told = value_rows(measure_name(stages.measure), values, text_of(stages.measure))
+        rows += told[:1] if most else told
     return Grid(HEADINGS, rows, [])
 
 
@@ -68,12 +58,5 @@ def beside(results: Results, alone: Sequence[Alone]) -> str:
 
 
 def _way(stages: Stages) -> str:
-    text = text_of_measure(stages.measure)
+    text = text_of(stages.measure)
     return f"from {text(stages.start.mean)} to {text(stages.end.mean)}"
-
-
-def _interval(mean: SeedMean, text: Text) -> str:
-    if mean.low is None or mean.high is None or mean.low == mean.high or mean.mean is None:
-        return ""
-    ends = text(mean.low), text(mean.high)
-    return "" if NOTHING in ends else f"[{ends[0]}, {ends[1]}]"

@@ -1,17 +1,15 @@
 """Measures of behaviour as text: what the terminal, the page and the summary share."""
 
-from collections.abc import Callable
 from dataclasses import replace
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 from harness.eta.behaviour_change import Change, Quantity
 from harness.eta.headline import count_seeds
 from harness.eta.index import NOTHING
-from harness.eta.interval import SHARE
 from harness.eta.manner import DETERMINISTIC, STOCHASTIC
 from harness.eta.swaps import p_text
 from harness.report.rows.comparison import EPISODES, count_of
-from harness.report.rows.ratios import Grid, format_number
+from harness.report.rows.ratios import Grid, Text, format_number
 from harness.results.comparison import Comparison, StepChange
 from harness.text import shortened
 
@@ -20,10 +18,6 @@ SAME_STEPS = "0, same steps"
 SHOWN = 60
 """The most characters that are shown of the reason why a metric failed."""
 HEADINGS = ("", "baseline", "proposed", "difference", "random", "better", "p", "result")
-
-
-Text: TypeAlias = Callable[[float | None], str]
-"""A function that writes a value as text."""
 
 
 class BehaviourRow(NamedTuple):
@@ -46,24 +40,24 @@ def behaviour_grids(comparison: Comparison) -> list[Grid]:
     return [grid for grid in grids if grid.rows]
 
 
-def defined_changes(comparison: Comparison, manner: str) -> list[Change]:
-    """The measures, those that decide first. A measure that is not defined under either reward is left out."""
-    measured, nothing = comparison.measured, (None, None)
-    known = [it for it in measured.changes_of(manner) if (it.baseline, it.proposed) != nothing]
-    changes = [replace(it, low=None, high=None) if is_same(comparison, it) else it for it in known]
-    first = measured.deciding
-    return sorted(changes, key=lambda change: first.index(change.name) if change.name in first else len(first))
+def shown_changes(comparison: Comparison, manner: str) -> list[Change]:
+    """The measures that have a value, those that decide first; below them those whose metric failed for every seed."""
+    first, found = comparison.measured.deciding, comparison.measured.changes_of(manner)
+    known = [
+        replace(it, low=None, high=None) if is_same(comparison, it) else it for it in found if not is_undefined(it)
+    ]
+    known.sort(key=lambda change: first.index(change.name) if change.name in first else len(first))
+    return [*known, *(it for it in found if it.reason and is_undefined(it))]
+
+
+def is_undefined(change: Change) -> bool:
+    """Whether the measure has a value under neither reward."""
+    return (change.baseline, change.proposed) == (None, None)
 
 
 def is_same(comparison: Comparison, change: Change) -> bool:
     """Whether there is no difference because both robots take the same steps, bit for bit."""
     return comparison.measured.same_steps and change.difference == 0.0
-
-
-def failed_changes(comparison: Comparison, manner: str) -> list[Change]:
-    """The measures whose metric failed for every seed. They stand below the others, with the reason."""
-    defined = {change.name for change in defined_changes(comparison, manner)}
-    return [change for change in comparison.measured.changes_of(manner) if change.reason and change.name not in defined]
 
 
 def behaviour_row(change: Change) -> BehaviourRow:
@@ -72,12 +66,12 @@ def behaviour_row(change: Change) -> BehaviourRow:
     Args:
         change: The values of the measure.
     """
-    text = text_of(change)
-    if change.reason and (change.baseline, change.proposed) == (None, None):
+    name, text = measure_name(change.measure), text_of(change.measure)
+    if change.reason and is_undefined(change):
         told = f"n/a ({shortened(change.reason, SHOWN)})"
-        return BehaviourRow(_name(change), told, *(NOTHING,) * 3, change.measure.better, NOTHING, "")
+        return BehaviourRow(name, told, *(NOTHING,) * 3, change.measure.better, NOTHING, "")
     return BehaviourRow(
-        _name(change),
+        name,
         text(change.baseline),
         text(change.proposed),
         _difference(change, is_share=text is percentage),
@@ -86,11 +80,6 @@ def behaviour_row(change: Change) -> BehaviourRow:
         p_text(change.corrected),
         change.direction,
     )
-
-
-def value_text(change: Change, value: float) -> str:
-    """A value of a measure, written as the measure's means are."""
-    return text_of(change)(value)
 
 
 def along_grid(comparison: Comparison) -> Grid:
@@ -109,20 +98,18 @@ def seeds_grid(comparison: Comparison) -> Grid:
     rows: list[tuple[str, ...]] = []
     for change in comparison.measured.changes_of(comparison.manner):
         if change.improvement is not None:
-            text = text_of(change)
-            rows.append((_name(change), *map(text, change.middles), f"{change.improvement:.0%}"))
+            middles = map(text_of(change.measure), change.middles)
+            rows.append((measure_name(change.measure), *middles, f"{change.improvement:.0%}"))
     return Grid(headings, rows, [])
 
 
 def _grid(comparison: Comparison, manner: str) -> Grid:
-    ordered = defined_changes(comparison, manner)
-    notes = [_note(change) for change in ordered if any(change.without)]
-    same = [is_same(comparison, change) for change in ordered]
-    known = [
-        row._replace(difference=SAME_STEPS) if alike else row
-        for row, alike in zip(map(behaviour_row, ordered), same, strict=True)
-    ]
-    rows = [tuple(row) for row in (*known, *map(behaviour_row, failed_changes(comparison, manner)))]
+    rows: list[tuple[str, ...]] = []
+    notes = []
+    for change in shown_changes(comparison, manner):
+        row = behaviour_row(change)
+        rows.append(row._replace(difference=SAME_STEPS) if is_same(comparison, change) else row)
+        notes += [_note(change)] if any(change.without) and not is_undefined(change) else []
     return Grid(HEADINGS, rows, notes, _title(comparison, manner))
 
 
@@ -154,25 +141,15 @@ def _moment_row(comparison: Comparison, moment: StepChange) -> tuple[str, ...]:
     return (f"after {moment.steps:,} steps", *values, moment.answer)
 
 
-def _name(change: Change) -> str:
-    return measure_name(change.measure)
-
-
 def measure_name(measure: Quantity) -> str:
     """The name of a measure, with its unit."""
     name, unit = measure.title or measure.name.replace("_", " "), measure.unit
     return f"{name} [{unit}]" if unit and unit not in name.split() else name
 
 
-def text_of(change: Change) -> Text:
+def text_of(measure: Quantity) -> Text:
     """The function that writes values of a measure: as a percentage if it is a share, else as a number."""
-    return text_of_measure(change.measure)
-
-
-def text_of_measure(measure: Quantity) -> Text:
-    """See `text_of`."""
-    is_share = not measure.unit and (measure.episodes is not None or measure.bounds == SHARE)
-    return percentage if is_share else format_number
+    return percentage if measure.is_share and not measure.unit else format_number
 
 
 def _difference(change: Change, is_share: bool) -> str:

@@ -5,11 +5,10 @@ from collections.abc import Sequence
 
 from harness.eta.amounts import trainings_text
 from harness.eta.equal import equal_sentences
-from harness.eta.headline import Answer, Headline
+from harness.eta.headline import Answer
 from harness.eta.manner import DETERMINISTIC, EVALUATION, LAST_FIFTH, STOCHASTIC, WHOLE
 from harness.record.file_forms import Status
 from harness.record.plan_file import EXPERIMENT
-from harness.report.answers import word_of
 from harness.report.rows.pools import grown_text, joined_text, looks_text
 from harness.results import Results
 from harness.results.comparison import Comparison, still_to_come
@@ -52,11 +51,6 @@ def compared_text(comparison: Comparison) -> str:
     counts = comparison.counts
     is_even = counts == (len(comparison.seeds),) * 2
     return seeds_text(comparison.seeds) if is_even else trainings_text(comparison.names, counts)
-
-
-def answer_text(headline: Headline) -> str:
-    """The answer about the robot, as a badge shows it."""
-    return word_of(headline.answer)
 
 
 def what_decides(results: Results) -> str:
@@ -136,16 +130,13 @@ def until_decided(results: Results, comparison: Comparison) -> str:
         return ""
     if results.is_temporary or not results.is_experiment:
         return ""
-    return f"{_run_text(results, 'NEW')} --until decided{results.plugin_flags}"
+    return again_text(results, " --until decided")
 
 
-def again_text(results: Results) -> str:
+def again_text(results: Results, until: str = "") -> str:
     """The command that trains an experiment again, in a new folder."""
-    return f"{_run_text(results, 'NEW')}{results.plugin_flags}"
-
-
-def _run_text(results: Results, out: str) -> str:
-    return command_text("harness", "run", results.folder / EXPERIMENT, "--out", out)
+    command = command_text("harness", "run", results.folder / EXPERIMENT, "--out", "NEW")
+    return f"{command}{until}{results.plugin_flags}"
 
 
 def claims_text(comparison: Comparison) -> str:
@@ -159,9 +150,6 @@ def claims_text(comparison: Comparison) -> str:
     questions = f"{asked} question{'s' * (asked != 1)} about the {comparison.group.subject} {verb} tested{together}."
     others = f"{claims} exploratory comparison{'s' * (claims != 1)} do{'es' * (claims == 1)} not affect the verdict."
     return f"{questions} {others}"
-
-
-"""Names of the paths: the runs on which a path's ruler is measured."""
 
 
 def count_cells(results: Results) -> str:

@@ -2,8 +2,8 @@
 
 from harness.eta.curve import Kind
 from harness.eta.splits import Splits
-from harness.report.rows.ratios import Grid, index_grid, path_grid, ratio_grid, split_grid, sum_grid
-from harness.report.rows.returns import PAY, return_splits, returns_grid
+from harness.report.rows.ratios import Grid, index_grid, split_grids, sum_grid
+from harness.report.rows.returns import PAY, returns_grid
 from harness.results.comparison import Comparison
 
 INDICES = "The note's eta_N and eta_P"
@@ -23,13 +23,12 @@ def number_grids(comparison: Comparison, kind: Kind, with_paths: bool = False) -
         kind: Of the curves that the indices are read from.
         with_paths: Whether both paths of every split are shown too.
     """
-    returned, splits = return_splits(comparison), comparison.number.index_splits
-    grids = [returns_grid(comparison)]
-    indices = splits or comparison.number.splits if comparison.number.has_pay else {}
+    number, grids = comparison.number, [returns_grid(comparison)]
+    returned = {f"pay, {manner}": split.ratio for manner, split in number.returns.items()}
+    indices = number.index_splits or number.splits if number.has_pay else {}
     for name, found in ((PAY, returned), (INDICES, indices)):
-        if found:
-            of_name = (ratio_grid(found), split_grid(found), *([path_grid(found)] if with_paths else []))
-            grids += [grid._replace(title=f"{name}: {grid.title}") for grid in of_name]
-    decomposition = comparison.number.decomposition
-    grids += [sum_grid(decomposition.total if decomposition else None), index_grid(decomposition, kind)]
+        of_name = split_grids(found, with_paths) if found else []
+        grids += [grid._replace(title=f"{name}: {grid.title}") for grid in of_name]
+    if number.decomposition is not None:
+        grids += [sum_grid(number.decomposition.total), index_grid(number.decomposition, kind)]
     return [grid for grid in grids if grid.rows or grid.notes]

@@ -3,11 +3,11 @@
 import math
 from typing import NamedTuple
 
-from harness.eta.index import Ratio
 from harness.eta.number import format_number, signed
 from harness.eta.return_split import ReturnSplit
 from harness.eta.scored_sums import BB, KK
 from harness.eta.splits import Split, SumSplit
+from harness.report.rows.ratios import is_drawable
 from harness.results.comparison import Comparison
 
 ALL = 0.1
@@ -67,21 +67,17 @@ def pay_of(comparison: Comparison) -> PaySentence | None:
 
 def _ratio(told: str, split: Split) -> PaySentence | None:
     eta = split.eta
-    if not _is_told(eta):
+    if not is_drawable(eta):
         return None
     told = told.format(format_number(eta.value))
-    if not (_is_told(split.ruler) and _is_told(split.behaviour)):
-        return PaySentence(told, (), _reason(split.ruler.near_zero or split.ruler.note))
+    if not (is_drawable(split.ruler) and is_drawable(split.behaviour)):
+        return _without_parts(told, split.ruler.near_zero or split.ruler.note)
     parts = (("ruler", split.ruler), ("behaviour", split.behaviour))
     return PaySentence(
         told,
         tuple(PayPart(name, f"× {format_number(it.value)}", math.log(it.value or 1.0)) for name, it in parts),
         "",
     )
-
-
-def _is_told(ratio: Ratio) -> bool:
-    return ratio.value is not None and ratio.value > 0.0 and ratio.near_zero is None
 
 
 def _difference(sides: str, split: ReturnSplit) -> PaySentence | None:
@@ -91,10 +87,10 @@ def _difference(sides: str, split: ReturnSplit) -> PaySentence | None:
         return None
     told = f"{sides}: {format_number(abs(change))} {'more' if change >= 0.0 else 'less'}"
     if total.ruler.mean is None or total.behaviour.mean is None:
-        return PaySentence(told, (), _reason(total.ruler.note))
+        return _without_parts(told, total.ruler.note)
     parts = (("ruler", total.ruler.mean), ("behaviour", total.behaviour.mean))
     return PaySentence(told, tuple(PayPart(name, signed(value), value) for name, value in parts), "")
 
 
-def _reason(note: str) -> str:
-    return f"How much of that is rescaling alone is not known: {note}."
+def _without_parts(told: str, note: str) -> PaySentence:
+    return PaySentence(told, (), f"How much of that is rescaling alone is not known: {note}.")

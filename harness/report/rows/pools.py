@@ -1,15 +1,14 @@
 """The answers over all places, as the terminal, the page and the summary show them."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 from harness.eta.amounts import listed
 from harness.eta.headline import count_seeds
-from harness.report.answers import badge_of, word_of
+from harness.report.answers import word_of
 from harness.results import Results
 from harness.results.choosing import Choosing
 from harness.results.comparison import Comparison, pools_of
-from harness.results.standing import Standing, standing_of
+from harness.results.standing import standing_of
 
 POOLED_TITLE = "Over all places"
 POOLED = (
@@ -27,21 +26,9 @@ JOINED = (
 )
 
 
-class PooledAnswer(NamedTuple):
-    """The answer about a reward over all places."""
-
-    proposed: str
-    answer: str
-    badge: str
-    told: str
-
-
-def pooled_answers(combinations: Sequence[Comparison]) -> list[PooledAnswer]:
-    """The answers over all places, each once."""
-    return [
-        PooledAnswer(it.names.proposed, word_of(it.headline.answer), badge_of(it.headline.answer), it.headline.robot)
-        for it in pools_of(combinations)
-    ]
+def pooled_answers(combinations: Sequence[Comparison]) -> list[tuple[str, str]]:
+    """The answers over all places, each once: its word, and a sentence."""
+    return [(word_of(it.headline.answer), it.headline.robot) for it in pools_of(combinations)]
 
 
 def grown_text(results: Results) -> str:
@@ -59,12 +46,10 @@ def joined_text(results: Results) -> str:
 def looks_text(results: Results) -> str:
     """How an experiment with looks stands; empty for others."""
     standing = standing_of(results)
-    return "" if standing is None else f"{told_looks(standing)}: {standing.text}."
-
-
-def told_looks(standing: Standing | Choosing) -> str:
-    """When the experiment looks at its results, or what it may spend."""
-    if isinstance(standing, Choosing):
-        return "One of several rewards is chosen, with a budget that was set before the first training"
-    seeds = ", ".join(map(str, standing.terms.looks))
-    return f"Looks at {seeds} seeds (trained until decided; planned before the first training)"
+    if standing is None:
+        return ""
+    told = "One of several rewards is chosen, with a budget that was set before the first training"
+    if not isinstance(standing, Choosing):
+        seeds = ", ".join(map(str, standing.terms.looks))
+        told = f"Looks at {seeds} seeds (trained until decided; planned before the first training)"
+    return f"{told}: {standing.text}."

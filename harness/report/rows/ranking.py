@@ -1,13 +1,13 @@
 """Rankings as text: sentences and small tables that the terminal and the page share."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from harness.eta.index import NOTHING
 from harness.eta.ranking import Agreement, Answer, Transplant
 from harness.report.rows.ratios import Grid
 from harness.results.overview import ARROW
-from harness.results.ranking import ROUNDING, Kind, Place, PlacePair, TaskRanking
+from harness.results.ranking import ROUNDING, Kind, PlacePair, TaskRanking
 
 TITLE = "Would you have chosen another reward elsewhere?"
 EXPLANATION = (
@@ -25,11 +25,8 @@ AGREEMENT = (
     "tau is Kendall's tau-b of two orders by success. 1 is the same order, 0 an unrelated one, -1 the opposite one. "
     "The 95% interval spans every order that the seeds leave open. With few seeds that is every order."
 )
-SCORES: Mapping[str, tuple[str, str]] = {
-    "eta_P": ("eta_P", "eta_P behaviour"),
-    "eta_N": ("eta_N", "eta_N behaviour"),
-}
-"""The columns of a table of ranks, besides success."""
+SCORES = ("eta_P", "eta_N")
+"""Each has a table of ranks, by itself and by its behaviour."""
 CHOICES = ("chosen in -> used in", "choice", "best there", "costs there\n[points]", "another\nreward?", "what is open")
 AGREEMENTS = ("order by success", "tau", "95% interval", "")
 
@@ -84,17 +81,12 @@ class TaskRows(NamedTuple):
 
 def task_rows(task: TaskRanking) -> TaskRows:
     """Sentences and tables of one task."""
-    return TaskRows(
-        title_of(task), lines_of(task), [_rank_table(task, name) for name in SCORES], _choices(task), _agreements(task)
-    )
+    title = " · ".join(filter(None, (task.task, task.robot, f"{task.steps:,} steps")))
+    ranks = [_rank_table(task, name) for name in SCORES]
+    return TaskRows(title, _lines_of(task), ranks, _choices(task), _agreements(task))
 
 
-def title_of(task: TaskRanking) -> str:
-    """The title of a task: what its places share."""
-    return " · ".join(filter(None, (task.task, task.robot, f"{task.steps:,} steps")))
-
-
-def lines_of(task: TaskRanking) -> list[str]:
+def _lines_of(task: TaskRanking) -> list[str]:
     """The answer in sentences: choices, then orders."""
     counts = {answer: task.count(answer) for answer in Answer}
     told = ", ".join(f"{answer.value} {count}" for answer, count in counts.items())
@@ -131,25 +123,20 @@ def _interval(agreement: Agreement) -> str:
 
 
 def _rank_table(task: TaskRanking, score: str) -> RankTable:
-    whole, part = SCORES[score]
+    measures = ("success", score, f"{score} behaviour")
     columns: list[dict[str, Rank]] = []
     taus: list[str] = []
     for place in task.places:
         order = place.success
-        columns.append(_ranks([(it, f"{100 * mean:.0f}%", float(mean)) for it, mean in _by_success(place)]))
+        by_success = sorted(zip(order.rewards, order.means.tolist(), strict=True), key=lambda item: -item[1])
+        columns.append(_ranks([(it, f"{100 * mean:.0f}%", mean) for it, mean in by_success]))
         taus.append("")
-        for name in (whole, part):
+        for name in measures[1:]:
             eta = place.etas[name]
             columns.append(_ranks([(reward, f"{value:.3g}", value) for reward, value in eta.values.items()]))
             taus.append(NOTHING if eta.tau is None else f"{eta.tau:.2f}")
-        assert order.rewards == task.rewards
     rows = [(reward, [column.get(reward, Rank(None, "")) for column in columns]) for reward in task.rewards]
-    return RankTable(_place_names(task), ("success", whole, part), rows, taus)
-
-
-def _by_success(place: Place) -> list[tuple[str, float]]:
-    order = place.success
-    return sorted(zip(order.rewards, order.means.tolist(), strict=True), key=lambda item: -item[1])
+    return RankTable(_place_names(task), measures, rows, taus)
 
 
 def _ranks(ordered: Sequence[tuple[str, str, float]]) -> dict[str, Rank]:

@@ -1,7 +1,7 @@
 """Ratios of two rewards and their parts, as text and small grids that the terminal and the page share."""
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
-from typing import NamedTuple
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from typing import NamedTuple, TypeAlias
 
 from harness.eta.curve import Kind
 from harness.eta.index import NEAR_ZERO, NOTHING, Index, Ratio
@@ -26,6 +26,10 @@ PARTS = ("", "ruler", "95% interval", "behaviour", "95% interval")
 PATH_NAMES = ("proposed runs", "baseline's runs")
 NEITHER = "neither"
 BETTER = {"eta_N": "below 1", "eta_P": "above 1"}
+
+
+Text: TypeAlias = Callable[[float | None], str]
+"""A function that writes a value as text."""
 
 
 class Grid(NamedTuple):
@@ -58,11 +62,11 @@ def ratio_grid(splits: Splits) -> Grid:
         for name, split in splits.items()
     ]
     headings = ("", "ratio", "95% interval", "seed by seed", "noise", "p", "better")
-    notes = _lines(_remarks((name, split.eta) for name, split in splits.items()))
+    notes = lines_of(_remarks((name, split.eta) for name, split in splits.items()))
     known = {note for split in splits.values() for note in split.eta.notes}
     for part in ("per_seed", "noise"):
         told = ((f"{name} {LABELS[part]}", getattr(split, part)) for name, split in splits.items())
-        notes += _lines((name, remark) for name, remark in _remarks(told) if remark not in known)
+        notes += lines_of((name, remark) for name, remark in _remarks(told) if remark not in known)
     flags = [f"{name}: {flag}" for name, split in splits.items() for flag in split.flags]
     return Grid(headings, rows, [*notes, *flags], "proposed / baseline")
 
@@ -80,6 +84,11 @@ def split_grid(splits: Splits) -> Grid:
     return Grid(headings, rows, _part_notes(parts, _known(splits.values())), "ruler x behaviour")
 
 
+def split_grids(splits: Splits, with_paths: bool) -> list[Grid]:
+    """The ratios, their parts, and on request both paths of every split."""
+    return [of(splits) for of in (ratio_grid, split_grid, path_grid)[: 2 + with_paths]]
+
+
 def path_grid(splits: Splits) -> Grid:
     """Both paths whose mean each split is. Remarks on the split itself are not repeated."""
     parts = {
@@ -94,29 +103,21 @@ def path_grid(splits: Splits) -> Grid:
     return Grid(PARTS, rows, _part_notes(parts, known), "ruler x behaviour, on each path")
 
 
-def sum_grid(total: SumSplit | None) -> Grid:
-    """The change of I_N + I_P and its parts; no rows if there is none."""
-    headings = ("", "difference", "95% interval")
-    if total is None:
-        return Grid(headings, [], [])
+def sum_grid(total: SumSplit) -> Grid:
+    """The change of I_N + I_P and its parts."""
     parts = {"change": total.change, "  of it ruler": total.ruler, "  of it behaviour": total.behaviour}
     rows: list[tuple[str, ...]] = [
-        (name, format_number(part.mean), mean_interval_text(part))
-        for name, part in parts.items()
-        if part.mean is not None
+        (name, format_number(part.mean), interval_text(part)) for name, part in parts.items() if part.mean is not None
     ]
     reasons = dict.fromkeys(part.note for part in parts.values() if part.note)
-    return Grid(headings, rows, list(reasons), "I_N + I_P, proposed - baseline")
+    return Grid(("", "difference", "95% interval"), rows, list(reasons), "I_N + I_P, proposed - baseline")
 
 
-def index_grid(decomposition: Decomposition | None, kind: Kind = "accumulated") -> Grid:
-    """The indices of both mean curves of that kind; no rows if there are none."""
-    headings = (f"{kind} reward", "baseline", "proposed")
-    if decomposition is None:
-        return Grid(headings, [], [])
+def index_grid(decomposition: Decomposition, kind: Kind = "accumulated") -> Grid:
+    """The indices of both mean curves of that kind."""
     names = ("first negative step", "cross-over step", "steps of the mean curve", "I_N", "I_P", "I_N + I_P")
     columns = _texts(decomposition.baseline), _texts(decomposition.proposed)
-    return Grid(headings, list(zip(names, *columns, strict=True)), [])
+    return Grid((f"{kind} reward", "baseline", "proposed"), list(zip(names, *columns, strict=True)), [])
 
 
 def better_of(name: str) -> str:
@@ -124,28 +125,44 @@ def better_of(name: str) -> str:
     return BETTER.get(name, NEITHER)
 
 
+def value_rows(
+    name: str, values: Sequence[SeedMean | float | None], text: Text = format_number, *, with_points: bool = False
+) -> list[tuple[str, ...]]:
+    """A row of values, and below it the intervals of those that are means, where one is known.
+
+    Args:
+        name: What the row is called.
+        values: Means, or single values, which have no interval.
+        text: How they are written.
+        with_points: Whether an interval without a width is shown too: it may be taken for certainty.
+    """
+    means = [it if isinstance(it, SeedMean) else SeedMean(it) for it in values]
+    intervals = [interval_text(it, "", text) if with_points or it.low != it.high else "" for it in means]
+    row = (name, *(text(it.mean) for it in means))
+    return [row, ("  95% interval", *intervals)] if any(intervals) else [row]
+
+
+def is_drawable(ratio: Ratio) -> bool:
+    """Whether a ratio can be drawn: 0 has no logarithm, and a ratio that says little would stretch the axis."""
+    return ratio.value is not None and ratio.value > 0.0 and ratio.near_zero is None
+
+
 def ratio_text(ratio: Ratio) -> str:
     """The ratio, unless it says little because an index is near zero beside the other."""
     return format_number(ratio.value) if ratio.near_zero is None else NEAR_ZERO
 
 
-def interval_text(ratio: Ratio, missing: str = NOTHING) -> str:
-    """The ratio's interval, under the same condition; `missing` if there is none."""
-    if ratio.near_zero is not None or ratio.low is None or ratio.high is None:
+def interval_text(of: Ratio | SeedMean, missing: str = NOTHING, text: Text = format_number) -> str:
+    """The interval of a ratio, under the same condition, or of a mean; `missing` if there is none."""
+    says_little = isinstance(of, Ratio) and of.near_zero is not None
+    if says_little or of.low is None or of.high is None:
         return missing
-    return f"[{format_number(ratio.low)}, {format_number(ratio.high)}]"
+    return f"[{text(of.low)}, {text(of.high)}]"
 
 
 def ratio_with_interval(ratio: Ratio) -> str:
     """The ratio, and its interval if there is one to show."""
     return f"{ratio_text(ratio)} {interval_text(ratio, missing='')}".rstrip()
-
-
-def mean_interval_text(mean: SeedMean) -> str:
-    """The interval of a mean."""
-    if mean.low is None or mean.high is None:
-        return NOTHING
-    return f"[{format_number(mean.low)}, {format_number(mean.high)}]"
 
 
 def _known(splits: Iterable[Split]) -> set[str]:
@@ -156,7 +173,7 @@ def _known(splits: Iterable[Split]) -> set[str]:
 def _part_notes(parts: Mapping[str, SplitPath], known: Collection[str]) -> list[str]:
     """Remarks on rulers and behaviours, by what they are parts of."""
     named = ((f"{what} of {name}", part) for name, path in parts.items() for what, part in path._asdict().items())
-    return _lines(_remarks(named, known))
+    return lines_of(_remarks(named, known))
 
 
 def _cells(path: SplitPath) -> tuple[str, ...]:
@@ -176,17 +193,21 @@ def _remarks(ratios: Iterable[tuple[str, Ratio]], known: Collection[str] = ()) -
                 yield name, remark
 
 
-def _lines(remarks: Iterable[tuple[str, str]]) -> list[str]:
-    """One line for each remark, with all that it holds for."""
+def lines_of(remarks: Iterable[tuple[str, str]], count: int = 0) -> list[str]:
+    """One line for each remark, with all that it holds for, unless that is all there is, of which there are `count`."""
     subjects: dict[str, list[str]] = {}
     for name, remark in remarks:
         subjects.setdefault(remark, []).append(name)
-    return [f"{', '.join(names)}: {remark}" for remark, names in subjects.items()]
+    return [it if len(names) == count else f"{', '.join(names)}: {it}" for it, names in subjects.items()]
+
+
+def step_text(step: int | None) -> str:
+    """When something happened."""
+    return "never" if step is None else f"{step:,}"
 
 
 def _texts(index: Index) -> Iterator[str]:
-    for step in (index.first_negative, index.crossover):
-        yield "never" if step is None else f"{step:,}"
+    yield from map(step_text, (index.first_negative, index.crossover))
     yield f"{index.steps:,}"
     for total in (index.I_N, index.I_P, index.total):
         yield f"{total:,.1f}"

@@ -1,12 +1,11 @@
 """Returns under every reward, as text."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 from harness.eta.index import NOTHING
 from harness.eta.scored_sums import BB, KK
 from harness.eta.seed_mean import SeedMean
-from harness.eta.splits import Split
-from harness.report.rows.ratios import Grid, format_number
+from harness.report.rows.ratios import Grid, lines_of, value_rows
 from harness.results.comparison import Comparison
 from harness.results.return_matrix import ReturnMatrix
 
@@ -30,10 +29,7 @@ def returns_grid(comparison: Comparison) -> Grid:
     rows: list[tuple[str, ...]] = []
     for manner, split in comparison.number.returns.items():
         parts = (split.total.change, split.total.ruler, split.total.behaviour)
-        amounts = (split.returns[BB], split.returns[KK], *parts)
-        rows.append((manner, *(format_number(it.mean) for it in amounts)))
-        if any(it.low is not None for it in amounts):
-            rows.append(("  95% interval", *map(interval_of_mean, amounts)))
+        rows += value_rows(manner, (split.returns[BB], split.returns[KK], *parts), with_points=True)
     notes = [f"{manner}: {NOTHING}: {reason}" for manner, reason in comparison.number.missing.items()]
     reasons = dict.fromkeys(
         note
@@ -45,19 +41,11 @@ def returns_grid(comparison: Comparison) -> Grid:
     return Grid(headings, rows, [*notes, *reasons], PAY)
 
 
-def return_splits(comparison: Comparison) -> dict[str, Split]:
-    """The ratios of the pay of an episode, one for each manner. A ratio without a value has the reason."""
-    return {f"pay, {manner}": split.ratio for manner, split in comparison.number.returns.items()}
-
-
 def return_grid(matrix: ReturnMatrix) -> Grid:
     """A row per scoring reward, each interval under its mean; a column per training."""
     rows: list[tuple[str, ...]] = []
     for name, row in _named(matrix).items():
-        means = [row[label] for label in matrix.trained_with]
-        rows.append((name, *(format_number(mean.mean) for mean in means)))
-        if any(mean.low is not None for mean in means):
-            rows.append(("  95% interval", *map(interval_of_mean, means)))
+        rows += value_rows(name, [row[label] for label in matrix.trained_with], with_points=True)
     scored = f"return {matrix.manner}, scored by" if matrix.manner else SCORED_BY
     return Grid((scored, *matrix.trained_with), rows, _notes(matrix))
 
@@ -74,21 +62,10 @@ def _named(matrix: ReturnMatrix) -> dict[str, Mapping[str, SeedMean]]:
 
 def _notes(matrix: ReturnMatrix) -> list[str]:
     """One line for each remark, with the rows that it holds for if not for all."""
-    where: dict[str, list[str]] = {}
     rows = _named(matrix)
-    for name, row in rows.items():
-        parts = dict.fromkeys(part for mean in row.values() for part in _parts(mean))
-        for part in parts:
-            where.setdefault(part, []).append(name)
-    return [part if len(names) == len(rows) else f"{', '.join(names)}: {part}" for part, names in where.items()]
+    return lines_of(((name, note) for name, row in rows.items() for note in dict.fromkeys(_notes_of(row))), len(rows))
 
 
-def _parts(mean: SeedMean) -> list[str]:
-    return [f"{NOTHING}: {note}" for note in mean.notes] if mean.mean is None else list(mean.notes)
-
-
-def interval_of_mean(mean: SeedMean) -> str:
-    """The interval of a mean; empty where there is none."""
-    if mean.low is None or mean.high is None:
-        return ""
-    return f"[{format_number(mean.low)}, {format_number(mean.high)}]"
+def _notes_of(row: Mapping[str, SeedMean]) -> Iterator[str]:
+    for mean in row.values():
+        yield from (f"{NOTHING}: {note}" if mean.mean is None else note for note in mean.notes)

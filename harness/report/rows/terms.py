@@ -4,11 +4,10 @@ from collections.abc import Iterator
 
 from harness.eta.seed_mean import SeedMean
 from harness.registry.choice import parse
-from harness.report.rows.ratios import Grid, format_number
-from harness.report.rows.returns import interval_of_mean
+from harness.report.rows.ratios import Grid, format_number, value_rows
 from harness.results import Results
 from harness.results.comparison import Comparison
-from harness.results.terms_paid import TermPaid, TermsPaid
+from harness.results.terms_paid import TermsPaid
 
 TITLE = "What each term paid"
 EXPLANATION = (
@@ -18,32 +17,25 @@ EXPLANATION = (
 )
 
 
-def terms_of(results: Results, comparison: Comparison, *, is_first: bool = True) -> list[TermsPaid]:
+COLUMNS = ("start", "end", "evaluation", "others", "random", "behaviour", "ruler")
+ALWAYS = COLUMNS[:2]
+"""Columns that stand there without a value too."""
+
+
+def terms_of(results: Results, comparison: Comparison) -> list[TermsPaid]:
     """What the terms of the compared rewards paid: of the proposed one, and in the first comparison of the baseline."""
-    names = [comparison.proposed, *([comparison.baseline] if is_first else [])]
+    names = [comparison.proposed, *([comparison.baseline] if comparison is results.combinations[0] else [])]
     there = [it for it in results.terms if it.group == comparison.group and it.reward in names]
     return sorted(there, key=lambda it: names.index(it.reward))
 
 
 def terms_grid(found: TermsPaid) -> Grid:
     """A row for each term, its interval below it; below the table what to say of them."""
-    has = {
-        "start": True,
-        "end": True,
-        "evaluation": any(it.evaluation.mean is not None for it in found.terms),
-        f"with {found.baseline}": any(it.others.mean is not None for it in found.terms),
-        "random": any(it.random is not None for it in found.terms),
-        "behaviour": found.is_compared,
-        "ruler": any(it.ruler.mean is not None for it in found.terms),
-    }
-    shown = [heading for heading, is_there in has.items() if is_there]
-    rows: list[tuple[str, ...]] = []
-    for term in found.terms:
-        values = dict(zip(has, _values(term), strict=True))
-        rows.append((term.name, *(_text(values[heading]) for heading in shown)))
-        intervals = [_interval(values[heading]) for heading in shown]
-        rows += [("  95% interval", *intervals)] if any(intervals) else []
-    return Grid(("an episode", *shown), rows, list(_notes(found)), f"{TITLE}: {found.reward}")
+    terms = found.terms
+    shown = [name for name in COLUMNS if name in ALWAYS or any(_is_known(getattr(term, name)) for term in terms)]
+    rows = [row for term in terms for row in value_rows(term.name, [getattr(term, name) for name in shown])]
+    headings = (f"with {found.baseline}" if name == "others" else name for name in shown)
+    return Grid(("an episode", *headings), rows, list(_notes(found)), f"{TITLE}: {found.reward}")
 
 
 def never_texts(results: Results) -> list[str]:
@@ -67,6 +59,10 @@ def changed_text(found: TermsPaid) -> str:
     return f"`{most.name}` differs most: it pays {own} an episode {where}, and {others} with {found.baseline}."
 
 
+def _is_known(value: SeedMean | float | None) -> bool:
+    return (value.mean if isinstance(value, SeedMean) else value) is not None
+
+
 def _notes(found: TermsPaid) -> Iterator[str]:
     yield from filter(None, [changed_text(found)])
     yield from _never(found)
@@ -88,17 +84,3 @@ def _never(found: TermsPaid) -> Iterator[str]:
             off = ": its weight is 0" if weights.get(term.name) in ("0", "-0") else ""
             later = " of training, only in the evaluations" if term.evaluation.mean else ""
             yield f"`{term.name}` never paid in {found.steps:,} steps{later}{off}."
-
-
-def _values(term: TermPaid) -> tuple[SeedMean | float | None, ...]:
-    return (term.start, term.end, term.evaluation, term.others, term.random, term.behaviour, term.ruler)
-
-
-def _text(value: SeedMean | float | None) -> str:
-    return format_number(value.mean if isinstance(value, SeedMean) else value)
-
-
-def _interval(value: SeedMean | float | None) -> str:
-    if not isinstance(value, SeedMean) or value.low == value.high:  # one without a width would be taken for certainty
-        return ""
-    return interval_of_mean(value)

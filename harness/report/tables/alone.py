@@ -8,7 +8,7 @@ from rich.text import Text
 from harness.report.rows.alone import ALONE, alone_grid, beside, size_text, story
 from harness.report.rows.comparison import question
 from harness.report.rows.terms import changed_text, terms_grid
-from harness.report.tables.grid import show_grid
+from harness.report.tables.grid import show_grid, spaced
 from harness.results import Results
 from harness.results.alone import Alone
 
@@ -28,17 +28,17 @@ def alone_lines(results: Results, *, with_all: bool) -> list[RenderableType]:
     parts = [part for it in results.alone for part in _block(results, it, with_all)]
     told = beside(results, results.alone)
     parts += [Text(), Text(ALONE, style="dim")]
-    return [*parts, *([Text(), Text(f"To compare it with another reward: {told}")] if told else []), Text()]
+    return [*parts, *spaced([told and f"To compare it with another reward: {told}"]), Text()]
 
 
 def _block(results: Results, alone: Alone, with_all: bool) -> Iterator[RenderableType]:
     yield Text(f"{question(results)} {size_text(alone)}.", style="bold")
     yield Text(alone.group.title)
-    yield from show_grid(alone_grid(alone, None if with_all else FEW, with_intervals=with_all))
-    yield from (part for text in [story(alone)] if text for part in (Text(), Text(text)))
+    yield from show_grid(alone_grid(alone, None if with_all else FEW))
+    yield from spaced([story(alone)])
     for terms in results.terms:
         if (terms.group, terms.reward) == (alone.group, alone.reward):
             if with_all:
                 yield from show_grid(terms_grid(terms))
-            elif text := changed_text(terms):
-                yield from (Text(), Text(text))
+            else:
+                yield from spaced([changed_text(terms)])

@@ -3,11 +3,11 @@
 from rich.console import Group, RenderableType
 from rich.text import Text
 
+from harness.report.answers import word_of
 from harness.report.rows.behaviour import along_grid, behaviour_grids
 from harness.report.rows.comparison import (
     NO_REWARD,
     advice,
-    answer_text,
     basis_text,
     beside_answer,
     claims_text,
@@ -26,7 +26,6 @@ from harness.report.tables.grid import show_grid, show_titled
 from harness.report.tables.overview import interim_lines, pooled_lines, said_lines
 from harness.results import Results
 from harness.results.comparison import Comparison
-from harness.results.return_matrix import ReturnMatrix
 
 
 def comparison_table(results: Results) -> RenderableType:
@@ -35,25 +34,22 @@ def comparison_table(results: Results) -> RenderableType:
     first = [*interim_lines(results), *pooled_lines(combinations)]
     blocks: list[RenderableType] = [*said_lines(results), *first, *([Text()] if first else [])]
     blocks += alone_lines(results, with_all=True)
-    blocks += [_combination_block(results, it, is_first=it is combinations[0]) for it in combinations]
+    blocks += [_combination_block(results, it) for it in combinations]
     if any(comparison.has_trainings for comparison in combinations):
         is_split = any(comparison.number.is_split for comparison in combinations)
         read = [READING] if any(comparison.number.pay for comparison in combinations) else []
-        told = [
-            scales_text(results.subject),
-            *([SPLIT] if is_split else []),
-            *read,
-            NO_REWARD,
-            what_decides(results),
-        ]
+        told = [scales_text(results.subject), *[SPLIT] * is_split, *read, NO_REWARD, what_decides(results)]
         blocks.append(Text(" ".join(told) + "\n"))
     if results.returns:
-        blocks += [*map(_return_block, results.returns), Text(EXPLANATION + "\n")]
+        blocks += [
+            *(show_titled(matrix_title(it), return_grid(it)) for it in results.returns),
+            Text(EXPLANATION + "\n"),
+        ]
     blocks.append(Text(count_cells(results), style="bold"))
     return Group(*blocks, *map(Text, remarks_on_cells(results)))
 
 
-def _combination_block(results: Results, comparison: Comparison, *, is_first: bool) -> RenderableType:
+def _combination_block(results: Results, comparison: Comparison) -> RenderableType:
     """The two answers first, then what they rest on. The page shows more, which would fill many screens here."""
     headline = comparison.headline
     parts: list[RenderableType] = [
@@ -63,7 +59,7 @@ def _combination_block(results: Results, comparison: Comparison, *, is_first: bo
         *(Text(mixture.text, style="bold") for mixture in comparison.measured.mixtures),
         Text(),
         Text(headline.robot),
-        Text(f"The {comparison.group.subject}: {answer_text(headline)}", style="bold"),
+        Text(f"The {comparison.group.subject}: {word_of(headline.answer)}", style="bold"),
     ]
     lines = (*beside_answer(comparison), basis_text(comparison), advice(results, comparison))
     parts += [Text(line) for line in lines if line]
@@ -71,11 +67,6 @@ def _combination_block(results: Results, comparison: Comparison, *, is_first: bo
         parts += [Text(f"\n{title}", style="bold"), Text(told)] if told else []
     parts.append(Text(f"\n{claims_text(comparison)}"))
     grids = [*behaviour_grids(comparison), along_grid(comparison), *number_grids(comparison, results.kind)]
-    for grid in (*grids, *map(terms_grid, terms_of(results, comparison, is_first=is_first))):
+    for grid in (*grids, *map(terms_grid, terms_of(results, comparison))):
         parts += show_grid(grid)
     return Group(*parts, Text())
-
-
-def _return_block(matrix: ReturnMatrix) -> RenderableType:
-    """Every training under every reward."""
-    return show_titled(matrix_title(matrix), return_grid(matrix))

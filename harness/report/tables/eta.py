@@ -3,7 +3,7 @@
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from harness.report.rows.ratios import index_grid, ratio_grid, scales_text, split_grid, sum_grid
+from harness.report.rows.ratios import Grid, index_grid, scales_text, split_grids, sum_grid
 from harness.report.tables.grid import show_grid
 from harness.score.compare import ComparedRuns
 
@@ -12,7 +12,6 @@ UNKNOWN = "an unknown reward"
 
 def eta_table(comparison: ComparedRuns) -> RenderableType:
     """What ``harness eta`` prints: the number in words first, then what it rests on, as ``harness report`` shows it."""
-    splits = comparison.decomposition.splits
     parts: list[RenderableType] = [
         Text(comparison_title(comparison), style="bold"),
         Text(runs_text(comparison)),
@@ -20,16 +19,15 @@ def eta_table(comparison: ComparedRuns) -> RenderableType:
         Text(""),
         Text(comparison.number, style="bold"),
     ]
-    decomposition = comparison.decomposition
-    grids = (
-        ratio_grid(splits),
-        split_grid(splits),
-        sum_grid(decomposition.total),
-        index_grid(decomposition, comparison.kind),
-    )
-    for grid in grids:
+    for grid in grids_of(comparison, with_paths=False):
         parts += show_grid(grid)
     return Group(*parts, Text(f"\n{scales_text('robot')}"))
+
+
+def grids_of(comparison: ComparedRuns, *, with_paths: bool) -> list[Grid]:
+    """Every number, and on request both paths of every split."""
+    found = comparison.decomposition
+    return [*split_grids(found.splits, with_paths), sum_grid(found.total), index_grid(found, comparison.kind)]
 
 
 def comparison_title(comparison: ComparedRuns) -> str:

@@ -1,6 +1,6 @@
 """A grid as a terminal shows it. Values stay whole and names readable, however narrow the window is."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from itertools import pairwise
 from types import MappingProxyType
 
@@ -34,9 +34,14 @@ def show_grid(grid: Grid, styles: Mapping[str, str] = NO_STYLES) -> list[Rendera
     return [Text(), *parts] if parts else []
 
 
-def show_titled(title: str, grid: Grid) -> RenderableType:
-    """The grid below a title."""
-    return Group(Text(title, style="bold"), *show_grid(grid), Text())
+def show_titled(title: str, *grids: Grid) -> RenderableType:
+    """Grids below a title."""
+    return Group(Text(title, style="bold"), *(part for grid in grids for part in show_grid(grid)), Text())
+
+
+def spaced(lines: Iterable[str]) -> list[RenderableType]:
+    """Each line that is not empty, below an empty line."""
+    return [part for line in lines if line for part in (Text(), Text(line))]
 
 
 class GridTable:

@@ -20,7 +20,7 @@ from harness.report.rows.ratios import Grid, split_grid
 from harness.report.rows.returns import matrix_title, return_grid
 from harness.report.rows.terms import never_texts
 from harness.report.tables.alone import alone_lines
-from harness.report.tables.grid import divide_columns, show_grid
+from harness.report.tables.grid import divide_columns, show_grid, spaced
 from harness.results import Results
 from harness.results.comparison import Comparison
 from harness.results.overview import (
@@ -55,13 +55,11 @@ def overview_table(results: Results, details: str) -> RenderableType:
         details: The command that shows everything behind the overview.
     """
     combinations = results.combinations
-    parts = said_lines(results)
     chosen = choosing_lines(results)
-    parts += chosen
+    parts = [*said_lines(results), *chosen]
     parts += _comparisons(results) or (alone_lines(results, with_all=False) if not chosen else [])
     parts += map(Text, dict.fromkeys(mixture.text for it in combinations for mixture in it.measured.mixtures))
-    parts += [part for line in _not_split(combinations) for part in (Text(), Text(line))]
-    parts += [part for line in never_texts(results) for part in (Text(), Text(line))]
+    parts += spaced([*_not_split(combinations), *never_texts(results)])
     for matrix in _with_others(results):
         parts += [Text(), Text(matrix_title(matrix), style="bold"), *show_grid(return_grid(matrix))]
     parts += [Text(), Text(count_cells(results), style="bold"), *map(Text, remarks_on_cells(results))]
@@ -70,14 +68,16 @@ def overview_table(results: Results, details: str) -> RenderableType:
 
 
 def _comparisons(results: Results) -> list[RenderableType]:
+    """The lines, and below them what to know of them; of one comparison both answers and how to get one."""
     combinations = results.combinations
     if not combinations:
         return []
     parts = [*interim_lines(results), comparison_lines(combinations)]
+    lines = [*(line for it in combinations for line in beside_answer(it)), *map(basis_text, combinations)]
     if len(combinations) == 1:
-        return [*parts, *_sentences(results, combinations[0])]
-    lines = [*dict.fromkeys(line for it in combinations for line in beside_answer(it)), *_bases(combinations)]
-    return [*parts, *(part for line in lines for part in (Text(), Text(line)))]
+        only = combinations[0]
+        lines = [only.headline.robot, *lines, only.pay_sentence, advice(results, only)]
+    return [*parts, *spaced(dict.fromkeys(lines))]
 
 
 def interim_lines(results: Results) -> list[RenderableType]:
@@ -93,9 +93,8 @@ def said_lines(results: Results) -> list[RenderableType]:
 
 def pooled_lines(combinations: Sequence[Comparison]) -> list[RenderableType]:
     """The answers over all places, where there are several."""
-    lines = [
-        Text.assemble((it.answer, STYLES.get(it.answer, "bold")), f": {it.told}") for it in pooled_answers(combinations)
-    ]
+    answers = pooled_answers(combinations)
+    lines = [Text.assemble((answer, STYLES.get(answer, "bold")), f": {told}") for answer, told in answers]
     return [Text(POOLED_TITLE, style="bold"), *lines] if lines else []
 
 
@@ -159,21 +158,3 @@ def _with_others(results: Results) -> list[ReturnMatrix]:
     """The first table of returns of each group that has rewards which taught nobody: the lines above leave them out."""
     first = {matrix.group: matrix for matrix in reversed(results.returns)}
     return [it for it in first.values() if set(it.returns) - set(it.trained_with)]
-
-
-def _bases(combinations: Sequence[Comparison]) -> list[str]:
-    """Which episodes the verdicts rest on, where that needs saying, each once."""
-    return [line for line in dict.fromkeys(map(basis_text, combinations)) if line]
-
-
-def _sentences(results: Results, comparison: Comparison) -> list[RenderableType]:
-    """Both answers in sentences, and how to get an answer if there is none."""
-    headline = comparison.headline
-    lines = [
-        headline.robot,
-        *beside_answer(comparison),
-        basis_text(comparison),
-        comparison.pay_sentence,
-        advice(results, comparison),
-    ]
-    return [part for line in lines if line for part in (Text(), Text(line))]

@@ -2,14 +2,15 @@ import pytest
 from numpy.testing import assert_allclose
 
 from harness.report import Dots, Line
-from harness.report.figures.accumulated import draw_panels
+from harness.report.figures.accumulated import draw_both
 from harness.report.figures.chart import Area, Flag, Word
+from harness.report.figures.panel import panels_of
 
 
 def panels(results):
     """The only combination and its two panels."""
     (combination,) = results.combinations
-    return combination, draw_panels(combination)
+    return combination, draw_both(panels_of(combination))
 
 
 def marks(panel, kind):

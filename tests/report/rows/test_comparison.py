@@ -8,6 +8,7 @@ from harness.eta import Ratio, Split
 from harness.eta.splits import SplitPath
 from harness.report import comparison_table, format_number, what_decides
 from harness.report.rows.comparison import advice
+from harness.report.rows.numbers import number_grids
 from harness.report.rows.ratios import index_grid, path_grid, ratio_grid, split_grid, sum_grid
 from tests.report.conftest import NO_PAIR, printed, squeezed
 
@@ -192,8 +193,8 @@ def test_no_finished_pair_has_no_grids(build):
     note, *_ = ratio_grid(combination.number.splits).notes
     assert note == f"eta_N n/a, eta_P n/a: {combination.number.eta_n.note}"
     splits = combination.number.splits
-    rest = [split_grid(splits), path_grid(splits), index_grid(combination.number.decomposition), sum_grid(None)]
-    assert [(grid.rows, grid.notes) for grid in rest] == [([], [])] * 4
+    assert [(grid.rows, grid.notes) for grid in (split_grid(splits), path_grid(splits))] == [([], [])] * 2
+    assert [grid.rows for grid in number_grids(combination, "accumulated")] == [ratio_grid(splits).rows]
 
 
 def test_heading_says_which_curve_the_indices_are_of(one):
