@@ -101,20 +101,13 @@ class GroupCurve:
 
     def _add_mean(self, mean: Float) -> None:
         """Go on with the mean over the runs, (n,)."""
-        self._find_crossover(mean, self._steps)
-        self._add_sums(mean, self._steps)
+        negative, after, start = mean < 0.0, 0, self._steps
         self._steps += len(mean)
-
-    def _find_crossover(self, mean: Float, start: int) -> None:
-        negative = mean < 0.0
-        after = 0
         if self._first_negative is None and negative.any():
             after = int(np.argmax(negative))
             self._first_negative = start + after
         if self._first_negative is not None and self._crossover is None and not negative[after:].all():
             self._crossover = start + after + int(np.argmin(negative[after:]))
-
-    def _add_sums(self, mean: Float, start: int) -> None:
         if self.kind == "accumulated":
             self._sums[0] += float(np.minimum(mean, 0.0).sum())
             self._sums[1] += float(np.maximum(mean, 0.0).sum())

@@ -199,20 +199,17 @@ class Splitter:
         """A ratio with the interval of its logarithm."""
         if not math.isfinite(value):
             return Ratio(None, notes=("the ratio is too large for a number",))
-        notes = why_no_interval(self._seeds) or self._why_no_logarithm(value, knife)
+        notes = why_no_interval(self._seeds)
+        if not notes and value <= 0.0:
+            notes = ("no interval: the ratio is not above 0",)
+        elif not (notes or knife.is_defined):
+            notes = (f"no interval: without one of the seeds {self._name} of a group is 0 or changes its sign",)
         if notes:
             return Ratio(value, notes=notes, near_zero=near)
         low, high = map(_exp, knife.interval())
         if not math.isfinite(high):
             return Ratio(value, notes=("no interval: its upper end is too large for a number",), near_zero=near)
         return Ratio(value, low, high, near_zero=near)
-
-    def _why_no_logarithm(self, value: float, knife: Jackknife) -> tuple[str, ...]:
-        if value <= 0.0:
-            return ("no interval: the ratio is not above 0",)
-        if not knife.is_defined:
-            return (f"no interval: without one of the seeds {self._name} of a group is 0 or changes its sign",)
-        return ()
 
     def _small_beside_another(self, one: Pair, other: Pair) -> Iterator[tuple[Pair, str]]:
         for small, large in ((one, other), (other, one)):

@@ -3,6 +3,7 @@
 A word of better or worse stands here only where a test says so whose error rate is known; see ``docs/statistics.md``.
 """
 
+import math
 import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -24,18 +25,21 @@ from harness.eta.headline import (
     margin_text,
     name_of,
     name_with_article,
+    reaches_of,
     share_undone,
     size_text,
 )
+from harness.eta.interval import ONE_SIDED
 from harness.eta.manner import WHOLE
-from harness.eta.needed import needed_of, needed_text
-from harness.eta.power import FEWEST
+from harness.eta.power import FEWEST, Range, range_text, seeds_to_tell
 from harness.eta.splits import Names
 from harness.eta.swaps import p_text
 from harness.eta.verdict.looks import luck_in
 from harness.eta.verdict.ruling import Ruling
 
 TRAIN_LONGER = "Train longer, or with another algorithm."
+PLANNABLE = 10
+"""A number of trainings that is known only to a larger factor is no plan."""
 LOST = (
     "Those without a value count as what speaks most against a word, the worst or the best there is: find out first "
     "why they have none."
@@ -80,8 +84,8 @@ class Verdict:
         if not self.deciding:
             return Headline(Answer.CANNOT_TELL, unmeasured, number)
         by = key_of(self.deciding[self.decider]) if self.answer in TOLD else None
-        needed = needed_of(self.deciding, self.ruling) if self.answer in OPEN else None
-        return Headline(self.answer, " ".join(filter(None, self._sentences())), number, by, needed)
+        sentences = " ".join(filter(None, self._sentences()))
+        return Headline(self.answer, sentences, number, by, self.needed if self.answer in OPEN else None)
 
     @cached_property
     def answer(self) -> Answer:
@@ -190,9 +194,42 @@ class Verdict:
         is_tested = self.answer is Answer.NO_DIFFERENCE and not self.is_same
         return unseen_text(self.names, self.deciding) if is_tested else ""
 
-    def needed(self, noun: str = "trainings of each reward") -> str:
-        """How many trainings would tell; see `harness.eta.needed`."""
-        return needed_text(self.deciding, self.ruling, self.where, noun)
+    @property
+    def _looks_alike(self) -> bool:
+        """Whether what was seen of every measure counts as none; then all of them have to be told, else one."""
+        return not self.ruling.is_ahead and all(abs(difference_of(it)) < margin_of(it) for it in self.deciding)
+
+    @cached_property
+    def needed(self) -> Range | None:
+        """How many trainings of each reward would give a plain word, or show that nothing differs.
+
+        If what was seen so far is true. None where no number is known, and where more of the same trainings are no
+        help: where no end of a measure is known, in a single place while the answer over all places is open, where
+        hardly any training learned, and where some left no value.
+        """
+        ruling, deciding = self.ruling, self.deciding
+        if ruling.is_held or self.hardly_learned or any(deciding[0].without):
+            return None
+        if self._looks_alike:
+            found = [_seeds_for(it, margin_of(it), ONE_SIDED, max(reaches_of(it))) for it in deciding]
+            known = [max(filter(None, found))] if all(found) else []
+        else:
+            found = [_seeds_for(it, abs(difference_of(it)), ruling.confidence, reaches_of(it)[0]) for it in deciding]
+            known = list(filter(None, found))
+        more = deciding[0].seeds + 1
+        return (max(min(known)[0], more), max(min(known)[1], more)) if known else None
+
+    def needed_text(self, noun: str = "trainings of each reward") -> str:
+        """The same in a sentence; empty where it is not known, or where more trainings of this kind are no help."""
+        if self.needed is None:
+            return ""
+        if self.needed[1] > PLANNABLE * self.needed[0]:
+            return "So few trainings do not tell how many would be enough."
+        # Of one of several places labels are not dealt: more places would not tell of this one.
+        spread = ", in one place or spread over several," * (self.ruling.corrected is not None)
+        there = " in each place" if self.where else spread
+        seen = ("nothing differs", "show it") if self._looks_alike else ("what was seen is true", "tell")
+        return f"If {seen[0]}, {range_text(self.needed)} {noun}{there} would {seen[1]}."
 
     def _sentences(self) -> list[str]:
         names, deciding, answer = self.names, self.deciding, self.answer
@@ -200,7 +237,7 @@ class Verdict:
         if answer in DECIDED:
             return [seen, self._sides() if answer is Answer.MIXED else self._clear(), self.sure]
         if answer in OPEN:
-            return [seen, self._open(), *self.why, TRAIN_LONGER if self.hardly_learned else self.needed()]
+            return [seen, self._open(), *self.why, TRAIN_LONGER if self.hardly_learned else self.needed_text()]
         if answer is Answer.INTERIM:
             return ["Interim:", self.progress, seen, NO_TEST]
         if answer is Answer.NEITHER_LEARNS:
@@ -310,6 +347,12 @@ class Verdict:
         looks_alike = all(abs(difference_of(it)) < margin_of(it) for it in self.deciding if is_share(it))
         unseen = unseen_text(self.names, self.deciding) if looks_alike else ""
         return [line for line in (why, LOST * any(first.without), unseen) if line]
+
+
+def _seeds_for(change: Change, size: float, confidence: float, reach: float) -> Range | None:
+    if change.spread is None or not size or not math.isfinite(reach):
+        return None
+    return seeds_to_tell(size, change.spread, change.seeds, confidence, reach / len(change.parts))
 
 
 def end_text(ends: Sequence[Change]) -> str:

@@ -12,6 +12,12 @@ FEWEST = 4
 Range: TypeAlias = tuple[int, int]
 
 
+def range_text(seeds: Range) -> str:
+    """A range of whole numbers; of one number that number."""
+    low, high = seeds
+    return f"{low:,}" if low == high else f"{low:,} to {high:,}"
+
+
 def seeds_to_tell(difference: float, spread: float, seeds: int, confidence: float, reach: float = 0.0) -> Range | None:
     """How many seeds of each reward give a plain word in four of five experiments, as a range.
 

@@ -11,7 +11,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -98,7 +98,7 @@ class Answer(StrEnum):
 
 
 @dataclass(frozen=True)
-class Transplant:
+class Transplant(Plain):
     """The best reward of one place, used in another.
 
     Attributes:
@@ -107,8 +107,8 @@ class Transplant:
         cost: By how much `chosen` is behind `best` there; 0 if they are the same.
         low: Lower end of the interval of what it costs against the truly best one there, 0 or more; None without.
         high: Upper end.
-        answer: Whether another reward would have been chosen there.
         note: Why there is no decision; empty if there is one.
+        answer: Whether another reward would have been chosen there.
     """
 
     chosen: str
@@ -116,18 +116,13 @@ class Transplant:
     cost: float
     low: float | None
     high: float | None
+    note: str
     answer: Answer
-    note: str = ""
 
     @property
     def is_costly(self) -> bool:
         """Whether the choice certainly costs something, no matter what would have been chosen there."""
         return self.low is not None and self.low > 0.0
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        names = ("chosen", "best", "cost", "low", "high", "note")
-        return {**{name: getattr(self, name) for name in names}, "answer": self.answer.value}
 
 
 def order_rewards(places: Sequence[Runs], episodes: Sequence[int | None]) -> list[Order]:
@@ -241,15 +236,15 @@ def transplant(here: Order, there: Order, margin: float = SUCCESS_MARGIN) -> Tra
     names = (here.rewards[chosen], here.rewards[best], cost)
     too_few = why_no_interval(min(here.seeds, there.seeds))
     if too_few:
-        return Transplant(*names, None, None, Answer.NOT_DECIDED, too_few[0])
+        return Transplant(*names, None, None, too_few[0], Answer.NOT_DECIDED)
     others = np.arange(len(here.rewards)) != chosen
     low = max(0.0, float(there.low[others, chosen].max()))
     high = max(0.0, float(there.high[others, chosen].max()))
     if not set(here.candidates) & set(there.candidates):
-        return Transplant(*names, low, high, Answer.YES)
+        return Transplant(*names, low, high, "", Answer.YES)
     if high <= margin:
-        return Transplant(*names, low, high, Answer.NO)
-    return Transplant(*names, low, high, Answer.NOT_DECIDED, _what_is_open(here, there, chosen))
+        return Transplant(*names, low, high, "", Answer.NO)
+    return Transplant(*names, low, high, _what_is_open(here, there, chosen), Answer.NOT_DECIDED)
 
 
 def _what_is_open(here: Order, there: Order, chosen: int) -> str:

@@ -12,7 +12,7 @@ from harness.eta.curve import GroupCurve
 from harness.eta.decomposition import decompose
 from harness.eta.interval import SHARE
 from harness.eta.laws import ends_of
-from harness.eta.manner import LAST, LEARNING
+from harness.eta.manner import DETERMINISTIC, EVALUATION, LAST, LEARNING, OWN_AND_OTHER, STOCHASTIC, TRAINING
 from harness.eta.paid_at_random import PaidAtRandom, paid_at_random
 from harness.eta.return_split import ReturnSplit, split_returns
 from harness.eta.scored_sums import BB, BK, KB, KK, Pair
@@ -28,8 +28,10 @@ from harness.results.measured import (
     STEPS_TO_GOAL,
     Moment,
     learning_values,
+    mixtures_of,
     moments_by_due,
 )
+from harness.results.recordings.runs import meet_same_starts, rescaling_between
 from harness.results.trainings import Match, Trainings
 from harness.results.verdicts import Seen, with_verdicts
 
@@ -83,28 +85,30 @@ def compare(
         lost: The seeds of trainings of either that a plan of looks counts, though they left nothing.
         told: What the user says of the measures.
     """
-    comparer = _Comparer(trainings, match, swaps, lost, told)
+    comparer, read = _Comparer(trainings, match, swaps, lost, told), trainings.read
     measured = Behaviour(
         episodes=comparer.episodes,
-        counted=trainings.read.counted if trainings.read else {},
+        counted=read.counted if read else {},
         deciding=trainings.deciding,
-        offered=trainings.read.offered if trainings.read else (),
+        offered=read.offered if read else (),
         decided_in=trainings.decided_in(comparer.episodes),
-        same_starts=trainings.same_starts(match),
+        same_starts=not read or meet_same_starts(match.recorded),  # an arm's seeds do
     )
     if all(match.seeds_of):
+        everybody = dict.fromkeys(it for side in (*match.sides, match.control) for it in side)
         measured = replace(
             measured,
             changes=comparer.changes(),
             along=comparer.along(),
-            mixtures=trainings.mixtures(match),
-            same_steps=bool(match.seeds) and match.is_paired and trainings.same_steps(match),
+            mixtures=mixtures_of(it.manifest for it in everybody if it.manifest is not None),
+            same_steps=match.same_steps,
             paid=tuple(comparer.paid_at_random()),
         )
     found = Comparison(trainings.group, match.baseline, match.proposed, match.seeds, match.seeds_of, measured)
+    is_rescaled = read and not found.is_control  # an arm's splits say it
     number = Number(
         number_of=trainings.number_of,
-        rescaling=trainings.rescaling(match),
+        rescaling=rescaling_between(match.recorded, match.proposed, match.baseline) if is_rescaled else None,
         manner=found.manner,
         why_none=found.why_none,
     )
@@ -164,13 +168,18 @@ class _Comparer:
         return decompose(known, missing=missing, signs=signs, control=control), tuple(known)
 
     def returns(self) -> tuple[dict[str, ReturnSplit], dict[str, str]]:
-        """The split of the mean return in each manner; the reason where an own return is not known."""
-        found, missing = dict[str, ReturnSplit](), dict[str, str]()
-        for manner in self._trainings.return_manners(self.episodes):
+        """The split of the mean return in each manner; the reason where an own return is not known.
+
+        Of an arm in that of its final evaluation alone.
+        """
+        found, missing, match = dict[str, ReturnSplit](), dict[str, str](), self._match
+        own_manner = OWN_AND_OTHER[self._trainings.group.deterministic][:1]
+        for manner in self.episodes if self._trainings.read else own_manner:
             values, reasons = dict[Pair, list[float]](), dict[Pair, str]()
             for pair in (*OWN, *CROSSED):
                 try:
-                    values[pair] = self._trainings.returned(self._match, pair, manner)
+                    by = match.of(pair[0])[0]
+                    values[pair] = [it.returned(by, manner) for it in match.of(pair[1])]
                 except Unscored as unscored:
                     reasons[pair] = str(unscored)
             own, crossed = (next((reasons[it] for it in pairs if it in reasons), None) for pairs in (OWN, CROSSED))
@@ -179,7 +188,7 @@ class _Comparer:
                 continue
             known = values if crossed is None else {pair: values[pair] for pair in OWN}
             swaps = self._swaps if self._trainings.number_of == "returns" else None
-            found[manner] = split_returns(known, self._match.seeds, swaps, crossed)
+            found[manner] = split_returns(known, match.seeds, swaps, crossed)
         return found, missing
 
     def paid_at_random(self) -> Iterator[PaidAtRandom]:
@@ -255,14 +264,16 @@ class _Comparer:
         return [[it.moments for it in side] for side in self._match.sides]
 
     def _change(self, measure: Quantity, *sides: Iterable[Mapping[str, float | None]]) -> Change:
-        values = ([it.get(measure.name) for it in side] for side in sides)
+        name, manner = measure.name, measure.manner
+        values = ([it.get(name) for it in side] for side in sides)
         one, other = (
             {**dict(zip(seeds, of, strict=True)), **dict.fromkeys(lost)}
             for seeds, of, lost in zip(self._match.seeds_of, values, self._lost, strict=True)
         )
         known = [it for side in (one, other) for it in side.values() if it is not None]
-        measure = measure._replace(bounds=ends_of(measure.name, measure.ends, self._told.ends, known))
-        has_floor = self._trainings.has_floor(measure.manner)
-        random = [it.random.get(measure.name) for side in self._sides for it in side] if has_floor else []
-        reason = self._trainings.reason(self._match, measure.name, measure.manner)
-        return replace(change_of(measure, one, other, self._swaps, random), reason=reason)
+        measure = measure._replace(bounds=ends_of(name, measure.ends, self._told.ends, known))
+        # Nobody measured how random actions learn.
+        has_floor = manner in (DETERMINISTIC, STOCHASTIC, TRAINING) or manner.startswith(EVALUATION)
+        random = [it.random.get(name) for side in self._sides for it in side] if has_floor else []
+        reasons = (why for side in self._match.sides for it in side if (why := it.reason(name, manner)))
+        return replace(change_of(measure, one, other, self._swaps, random), reason=next(reasons, ""))

@@ -319,12 +319,6 @@ class Comparison:
         return all(self.counts)
 
     @property
-    def trained_by(self) -> dict[str, list[int]]:
-        """The seeds of each reward's trainings, as plain data."""
-        baseline, proposed = map(list, self.trained)
-        return {"baseline": baseline, "proposed": proposed}
-
-    @property
     def manner(self) -> str:
         """How the episodes that decide came about, one of the manners of `changes`."""
         return self.measured.decided_in or deciding_manner(self.group.deterministic, self.measured.episodes)
@@ -481,7 +475,7 @@ class Comparison:
             "proposed": self.proposed,
             "is_control": self.is_control,
             "seeds": list(self.seeds),
-            "trained": self.trained_by,
+            "trained": dict(zip(("baseline", "proposed"), map(list, self.trained), strict=True)),
             "mixtures": [mixture.to_json() for mixture in measured.mixtures],
             "headline": headline,
             "test": ruling and ruling.to_json(),

@@ -25,6 +25,7 @@ from harness.eta.ranking import (
     order_rewards,
     transplant,
 )
+from harness.files.plain import Plain
 from harness.record.cell import Cell
 from harness.results.comparison import Group, deciding_manner, still_to_come
 from harness.results.results import Results
@@ -124,7 +125,7 @@ class PlacePair(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class TaskRanking:
+class TaskRanking(Plain):
     """The rewards of one task.
 
     Attributes:
@@ -167,20 +168,13 @@ class TaskRanking:
 
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
-        return {
-            "robot": self.robot,
-            "task": self.task,
-            "steps": self.steps,
-            "rewards": list(self.rewards),
-            "left_out": list(self.left_out),
-            "places": [place.to_json() for place in self.places],
-            "pairs": [pair.to_json() for pair in self.pairs],
-            **{f"between_{kind}s": agreement.to_json() for kind, agreement in self.between.items()},
-        }
+        told = super().to_json()
+        del told["between"]
+        return {**told, **{f"between_{kind}s": it.to_json() for kind, it in self.between.items()}}
 
 
 @dataclass(frozen=True)
-class Ranking:
+class Ranking(Plain):
     """The rankings of all tasks.
 
     Attributes:
@@ -190,10 +184,6 @@ class Ranking:
 
     tasks: tuple[TaskRanking, ...]
     note: str = ""
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        return {"tasks": [task.to_json() for task in self.tasks], "note": self.note}
 
 
 def ranking_of(results: Results) -> Ranking:
@@ -255,9 +245,13 @@ def _rank(results: Results, found: Sequence[_Found]) -> TaskRanking | None:
     rewards = [reward for reward in every if all(reward in it.runs for it in found)]
     if len(rewards) < REWARDS or len(found) < PLACES:
         return None
-    runs = [_with_shared_seeds({reward: it.runs[reward] for reward in rewards}) for it in found]
-    if not all(len(next(iter(it.values()))) for it in runs):
+    shared = [sorted(set.intersection(*({*it.runs[reward]} for reward in rewards))) for it in found]
+    if not all(shared):
         return None
+    runs = [
+        {reward: [it.runs[reward][seed] for seed in seeds] for reward in rewards}
+        for it, seeds in zip(found, shared, strict=True)
+    ]
     orders = order_rewards(runs, [it.episodes for it in found])
     places = [_place(results, it, order) for it, order in zip(found, orders, strict=True)]
     group, left_out = found[0].group, tuple(reward for reward in every if reward not in rewards)
@@ -283,12 +277,6 @@ def compare_places(
         kind: mean_agreement([(*pair.votes, pair.agreement) for pair in them]) for kind, them in kinds.items() if them
     }
     return TaskRanking(robot, task, steps, places[0].success.rewards, left_out, tuple(places), pairs, between)
-
-
-def _with_shared_seeds(runs: Mapping[str, Mapping[int, float]]) -> dict[str, list[float]]:
-    """Each reward's values of the seeds that all of them have."""
-    seeds = sorted(set.intersection(*(set(values) for values in runs.values())))
-    return {reward: [values[seed] for seed in seeds] for reward, values in runs.items()}
 
 
 def _place(results: Results, found: _Found, success: Order) -> Place:

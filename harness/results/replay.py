@@ -342,7 +342,7 @@ def _episode(results: Results, way: Way, is_measured: bool) -> Episode:
         trace["distance"][kept],
         paid[steps],
         way.outcome,
-        results.measure(single_episode(trace, rows)) if is_measured else {},
+        results.measure(_alone(trace, rows)) if is_measured else {},
         _obstacles(trace, rows),
     )
 
@@ -354,13 +354,8 @@ def _obstacles(trace: Log, rows: NDArray[np.int64]) -> Float:
     return all_of_them[all_of_them[:, 3:].any(axis=1)]
 
 
-def single_episode(trace: Log, rows: NDArray[np.int64]) -> Log:
-    """The trace of an evaluation with this episode alone, in env 0.
-
-    Args:
-        trace: An evaluation: one episode in each env.
-        rows: Row numbers of the episode, its start row first.
-    """
+def _alone(trace: Log, rows: NDArray[np.int64]) -> Log:
+    """An evaluation, which has one episode in each env, with the episode of these rows alone, in env 0."""
     env = int(trace["env"][rows[0]])
     alone = trace.part(rows).add({"env": np.zeros(len(rows), np.int32)})
     facts, own = episode_facts(trace), slice(env, env + 1)

@@ -9,8 +9,7 @@ from harness.eta.behaviour_change import Quantity
 from harness.eta.curve import GroupCurve, Kind, stream_curve
 from harness.eta.headline import SUCCESS
 from harness.eta.interval import SHARE
-from harness.eta.manner import DETERMINISTIC, EVALUATION, OWN_AND_OTHER, STOCHASTIC, TRAINING, WHOLE
-from harness.eta.rescaling import Rescaling
+from harness.eta.manner import TRAINING, WHOLE
 from harness.eta.scored_sums import Pair
 from harness.results.by_term import ByTerm
 from harness.results.cell_results import CellResults
@@ -22,8 +21,8 @@ from harness.results.learning import (
     mean_point,
     stretches,
 )
-from harness.results.measured import Mixture, Values, last_values, mixtures_of
-from harness.results.recordings.runs import Run, Runs, meet_same_starts, rescaling_between
+from harness.results.measured import Values, last_values
+from harness.results.recordings.runs import Run, Runs
 
 LEARNED = Quantity(SUCCESS, "", "higher", TRAINING, 1, bounds=SHARE)
 """What is known of an arm's training: the share of its episodes that reached the target."""
@@ -86,9 +85,21 @@ class Match:
         return [self.one[seed] for seed in one], [self.other[seed] for seed in other]
 
     @property
-    def is_paired(self) -> bool:
-        """Whether both rewards trained with the same seeds."""
-        return self.seeds_of == (self.seeds, self.seeds)
+    def recorded(self) -> list[Run]:
+        """The recordings and logs among the trainings of both sides."""
+        return [it for side in self.sides for it in side if isinstance(it, Run)]
+
+    @property
+    def same_steps(self) -> bool:
+        """Whether both rewards taught the same seeds the same steps: each of each evaluation, bit for bit.
+
+        Evaluations are read only if every measure of every seed is the same.
+        """
+        if not self.seeds or self.seeds_of != (self.seeds, self.seeds):
+            return False
+        both = list(zip(*self.sides, strict=True))
+        is_alike = all(one.measured.manners == other.measured.manners for one, other in both)
+        return is_alike and all(one.motion() == other.motion() != "" for one, other in both)
 
     def of(self, who: str) -> list[Trained]:
         """The trainings of one side with the seeds that both have, ``baseline`` or ``proposed``."""
@@ -178,32 +189,6 @@ class Trainings:
         is_evaluated = self.group.evaluate_every and self.averaged > 1
         return last_values(run.moments, self.group.steps, self.averaged) if is_evaluated else {}
 
-    def has_floor(self, manner: str) -> bool:
-        """Whether random actions are shown beside the episodes of a manner; nobody measured how they learn."""
-        return manner in (DETERMINISTIC, STOCHASTIC, TRAINING) or manner.startswith(EVALUATION)
-
-    def reason(self, match: Match, name: str, manner: str) -> str:
-        """Why a measure has no value in some training; empty if it has one in all."""
-        return next((why for side in match.sides for it in side if (why := it.reason(name, manner))), "")
-
-    def same_steps(self, match: Match) -> bool:
-        """Whether both rewards taught the same steps: every step of each evaluation of every seed, bit for bit.
-
-        Evaluations are read only if every measure of every seed is the same.
-        """
-        both = list(zip(match.of("baseline"), match.of("proposed"), strict=True))
-        is_alike = all(one.measured.manners == other.measured.manners for one, other in both)
-        return is_alike and all(one.motion() == other.motion() != "" for one, other in both)
-
-    def same_starts(self, match: Match) -> bool:
-        """Whether policies met the same episodes in their evaluations, as far as that is known: an arm's seeds do."""
-        return not self.read or meet_same_starts(_recorded(match))
-
-    def mixtures(self, match: Match) -> tuple[Mixture, ...]:
-        """Plugins of which several versions were used."""
-        everybody = dict.fromkeys(it for side in (*match.sides, match.control) for it in side)
-        return mixtures_of([it.manifest for it in everybody if it.manifest is not None])
-
     # Pay
 
     def curve(self, match: Match, pair: Pair) -> GroupCurve:
@@ -231,24 +216,6 @@ class Trainings:
     def _paid(self, members: Sequence[Trained], by: Trained) -> GroupCurve:
         """The curve of trainings as one reward pays them. Only one of them at a time is in memory."""
         return stream_curve((it.paid(by) for it in members), len(members), min(it.cut for it in members), self.kind)
-
-    def return_manners(self, episodes: Mapping[str, int]) -> list[str]:
-        """The manners in which mean returns are compared: all; of an arm that of its final evaluation alone."""
-        return list(episodes) if self.read else [*OWN_AND_OTHER[self.group.deterministic][:1]]
-
-    def returned(self, match: Match, pair: Pair, manner: str) -> list[float]:
-        """R_r(q) of every seed, of one pair (r, q).
-
-        Raises:
-            Unscored: It is not known.
-        """
-        by = match.of(pair[0])[0]
-        return [it.returned(by, manner) for it in match.of(pair[1])]
-
-    def rescaling(self, match: Match) -> Rescaling | None:
-        """What the proposed reward is, if it is the baseline but for scale and offset; an arm's splits say it."""
-        is_known = self.read and match.baseline != match.proposed
-        return rescaling_between(_recorded(match), match.proposed, match.baseline) if is_known else None
 
     def terms(self, reward: str, trained: str) -> list[TermsOfTraining]:
         """What the terms of one reward pay the trainings by another one, or its own.
@@ -299,8 +266,3 @@ class Trainings:
             paid = ((end, [part.returns.get(payer) for part in of]) for end, of in parts)
             points[self.pay_name(payer)] = tuple(mean_point(end, values) for end, values in paid)
         return LearningCurve(reward, {}, points)
-
-
-def _recorded(match: Match) -> list[Run]:
-    """The recordings and logs among the trainings of both sides."""
-    return [it for side in match.sides for it in side if isinstance(it, Run)]

@@ -38,7 +38,7 @@ def deals_of(strata: Strata) -> Float:
 
 def as_trained(strata: Strata) -> Float:
     """The labels that the trainings have: in each stratum 0 of its baselines, then 1 of its proposed ones."""
-    labels: Float = np.concatenate([np.zeros(0), *(_as_trained(*counts) for _, *counts in strata)])
+    labels: Float = np.concatenate([np.zeros(0), *(np.repeat([0.0, 1.0], counts) for _, *counts in strata)])
     return labels
 
 
@@ -55,12 +55,8 @@ def _deals(strata: Strata, is_drawn: bool) -> Float:
     return dealt
 
 
-def _as_trained(baselines: int, proposed: int) -> Float:
-    return np.repeat([0.0, 1.0], [baselines, proposed])
-
-
 def _drawn_in(name: int, baselines: int, proposed: int) -> Float:
-    dealt: Float = np.tile(_as_trained(baselines, proposed), (MOST_DEALS, 1))
+    dealt: Float = np.tile(as_trained(((name, baselines, proposed),)), (MOST_DEALS, 1))
     counts = [baselines] if baselines == proposed else [baselines, proposed]
     np.random.default_rng([SEED, name, *counts]).permuted(dealt[1:], axis=1, out=dealt[1:])
     return dealt

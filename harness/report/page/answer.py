@@ -8,7 +8,7 @@ from harness.eta.amounts import difference_text, listed, same_text, short_seen_t
 from harness.eta.behaviour_change import Change
 from harness.eta.headline import TIME, Answer, name_of, name_with_article
 from harness.eta.judgement import OPEN, Verdict
-from harness.eta.needed import range_text
+from harness.eta.power import range_text
 from harness.eta.splits import Names
 from harness.eta.verdict.ruling import Ruling
 from harness.report.answers import badge_of, word_of
@@ -100,7 +100,7 @@ def _sure(verdict: Verdict, by: Sequence[int]) -> str:
     """What decided, and how sure it is; where nothing did, why, and what would tell."""
     if verdict.answer in OPEN:
         luck = [_luck(verdict.ruling.of_measures[at]) for at in by]
-        return " ".join(filter(None, [*luck, *verdict.why, verdict.needed("of each reward")]))
+        return " ".join(filter(None, [*luck, *verdict.why, verdict.needed_text("of each reward")]))
     if by:
         first, measures = verdict.deciding[0], listed([name_with_article(verdict.deciding[at]) for at in by])
         of = trainings_text(verdict.names, first.counts, first.without)

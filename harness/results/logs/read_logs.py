@@ -161,12 +161,6 @@ def facts_notes(logs: Sequence[Log]) -> list[str]:
     return lines
 
 
-def no_steps_notes(logs: Sequence[Log]) -> tuple[str, ...]:
-    """Why there is no eta of steps."""
-    units = dict.fromkeys(log.facts.unit for log in logs if log.facts.unit in KEPT and not log.facts.evaluation)
-    return tuple(NO_STEPS.format(KEPT[unit]) for unit in units)
-
-
 OWN_ALONE = (
     "each reward paid its own trainings alone, and returns of two rewards are not comparable: every reward has its own "
     "scale"
@@ -205,6 +199,7 @@ def runs_of(
     runs, steps, noun = read_trainings(trainings, measures)
     if measures and len(found.rewards) > 1:
         _require_steps(trainings, noun, is_evaluated=all(it.evaluation for it in runs))
+    units = dict.fromkeys(it.unit for it in facts if it.unit in KEPT and not it.evaluation)
     # a reward that some training by another one does not know
     is_apart = any(np.isnan(it.episodes.returns.get(name, np.nan)).any() for it in runs for name in found.rewards)
     shortest = min(steps)
@@ -215,7 +210,7 @@ def runs_of(
         quantities_of(measures, runs, facts, deciding),
         members,
         shortest,
-        no_steps_notes(logs),
+        tuple(NO_STEPS.format(KEPT[unit]) for unit in units),
         said=(
             found.sentence + _deciding_text(measures, told, trainings),
             *account.lines,
