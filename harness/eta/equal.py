@@ -3,8 +3,6 @@
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TypeAlias
 
-from harness.eta.amounts import listed
-
 Key: TypeAlias = tuple[str, int]
 """The reward and the seed of a training."""
 
@@ -36,11 +34,16 @@ def equal_sentences(groups: Iterable[Sequence[Key]]) -> list[str]:
         if len({seed for _, seed in group}) == 1:
             seeds.setdefault(tuple(reward for reward, _ in group), []).append(group[0][1])
         else:
-            told = listed([f"by {reward} with seed {seed}" for reward, seed in group])
+            told = _listed(f"by {reward} with seed {seed}" for reward, seed in group)
             lines.append(f"The trainings {told} are equal bit for bit. They count as several, but are one")
     of_seeds = [
-        f"The trainings by {listed(rewards)} are equal bit for bit, with {'seeds' if len(of) > 1 else 'seed'} "
-        f"{listed(list(map(str, of)))}: between them there is nothing to compare"
+        f"The trainings by {_listed(rewards)} are equal bit for bit, with {'seeds' if len(of) > 1 else 'seed'} "
+        f"{_listed(map(str, of))}: between them there is nothing to compare"
         for rewards, of in seeds.items()
     ]
     return [*of_seeds, *lines]
+
+
+def _listed(names: Iterable[str]) -> str:
+    *most, last = names
+    return f"{', '.join(most)} and {last}" if most else last
