@@ -50,12 +50,12 @@ if TYPE_CHECKING:
         missing_in_words as missing_in_words,
         probes_of as probes_of,
     )
-    from harness.eta.auc import Auc as Auc, rounded as rounded, share_of as share_of
+    from harness.eta.auc import Auc as Auc, share_of as share_of
     from harness.eta.headline import SUCCESS as SUCCESS
     from harness.eta.index import NOTHING as NOTHING
     from harness.eta.laws import Account as Account, Missing as Missing, is_left_out as is_left_out
     from harness.eta.manner import ACTED_AT_RANDOM as ACTED_AT_RANDOM
-    from harness.eta.rescaling import PayLine as PayLine
+    from harness.eta.rescaling import PayLine as PayLine, rounded as rounded
     from harness.experiment.arm_evaluation import record_evaluation as record_evaluation
     from harness.experiment.draft import draft_of as draft_of, leave_record as leave_record
     from harness.experiment.environments.columns import (

@@ -16,10 +16,10 @@ from harness.env.surroundings import Surroundings, extra_columns
 from harness.errors import UsageError
 from harness.motion import Discrete, Motion, Move
 from harness.progress import TrainingState, as_state, prefixed, under
-from harness.record.finite import is_finite, require_finite
 from harness.record.trace import QVEL, TERM, Recorder
 from harness.reward import Carry, Reward, Steps, pay, replace_where
 from harness.reward.needs import terms_of
+from harness.reward.reward import is_finite, require_finite
 from harness.reward.terms import require_same
 from harness.robot import Robot
 from harness.simulator import Simulation, Simulator, State
@@ -323,21 +323,22 @@ class Decisions:
             self._record_starts()
         discrete, active = self._discrete, self._active
         self.episodes.action[...] = actions if discrete is None else discrete.decode(actions, self._commands.qpos)
-        if not is_finite(self.episodes.action):
-            self.require_finite({"action": self.episodes.action}, 1)
+        self.require_finite("action", self.episodes.action, 1)
         return self._step(active) if self._decision_period == 1 else self._repeat(active)
 
-    def require_finite(self, fields: Mapping[str, NDArray[Any]], ahead: int = 0) -> None:
+    def require_finite(self, name: str, rows: NDArray[Any], ahead: int = 0) -> None:
         """Raise SimulationDiverged if a number of an env that does not rest is not finite.
 
         Args:
-            fields: By name, a row for each env.
+            name: That people know.
+            rows: The numbers, a row for each env.
             ahead: 1 before the step that they are of was measured.
         """
+        if is_finite(rows):
+            return
         for k in range(self._num_envs) if self._active is None else np.flatnonzero(self._active).tolist():
             step, episode = (int(of[k]) for of in (self.episodes.step, self.episodes.episode))
-            of_env = {name: rows[k] for name, rows in fields.items()}
-            require_finite(of_env, step + ahead, f" of episode {episode}, env {k}")
+            require_finite({name: rows[k]}, step + ahead, f" of episode {episode}, env {k}")
 
     def state(self) -> TrainingState:
         episodes = self.episodes
@@ -394,7 +395,8 @@ class Decisions:
         state, ground = self._commands.drive(self.simulation, move)
         distance = episodes.measure(state)
         if not is_finite(episodes.matrix):
-            self.require_finite(episodes.parts)
+            for name, part in episodes.parts.items():
+                self.require_finite(name, part)
         episodes.ground[...] = ground
         episodes.shaped[...] = self.shaping.pay(episodes.steps)
         struck = around.struck() if around else None
@@ -402,8 +404,7 @@ class Decisions:
         paid = episodes.shaped + self._step_reward
         if events.marked:
             paid = paid + (episodes.events[:, 0] + episodes.events[:, 1])
-        if not is_finite(paid):
-            self.require_finite({"pay": paid})
+        self.require_finite("pay", paid)
         self._record(active)
         episodes.keep()
         if around:

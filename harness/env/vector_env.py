@@ -15,7 +15,6 @@ from harness.env.random_streams import Seed
 from harness.errors import UsageError
 from harness.motion import Discrete, Motion
 from harness.progress import TrainingState
-from harness.record.finite import is_finite
 from harness.record.trace import Recorder
 from harness.reward import Reward
 from harness.robot import Robot
@@ -200,8 +199,7 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
     def _observe(self) -> Float32:
         around = self._decisions.around
         seen = self._observation.observe(around.senses.look() if around else self.episodes)
-        if not is_finite(seen):
-            self._decisions.require_finite({"observation": seen})
+        self._decisions.require_finite("observation", seen)
         return seen
 
 

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float, Mask
 from harness.eta.interval import CONFIDENCE, LEAST_SEEDS, SHARE, Interval, quantile
+from harness.eta.rescaling import rounded
 from harness.eta.seed_mean import SeedMean
 from harness.files.plain import Plain
 
@@ -128,13 +129,6 @@ def auc_of(
     surely_low, surely_high = _ends(value, model, scale, quantile(DECIDING, freedom))
     answer = RANKS if surely_low > CHANCE else AGAINST if surely_high < CHANCE else CANNOT_TELL
     return Auc(value, low, high, answer, "", m, n, count, pairs, len(members))
-
-
-def rounded(values: Float) -> Float:
-    """Sums in another order differ in the last digits: such numbers are made equal."""
-    unit = 1e-9 * float(np.abs(values).max(initial=0.0))
-    made: Float = np.round(values / unit) if unit else np.asarray(values, np.float64)
-    return made
 
 
 def _tasks(paid: Float, above: Mask, tasks: Sequence[str] | NDArray[Any] | None) -> list[_Task]:

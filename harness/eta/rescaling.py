@@ -170,6 +170,13 @@ def _is_on_line(one: Float, other: Float, near: Payment, far: Payment, precision
     return bool((off <= ROUNDINGS * precision * (np.abs(other) + np.abs(factor * one) + abs(offset))).all())
 
 
+def rounded(values: Float) -> Float:
+    """Sums in another order differ in the last digits: such numbers are made equal."""
+    unit = 1e-9 * float(np.abs(values).max(initial=0.0))
+    made: Float = np.round(values / unit) if unit else np.asarray(values, np.float64)
+    return made
+
+
 def _payment(one: Float, other: Float, step: int) -> Payment:
     return float(one[step]), float(other[step])
 

@@ -4,7 +4,7 @@ from typing import Any
 
 import gymnasium
 
-from harness.record.finite import is_finite, require_finite
+from harness.reward.reward import is_finite, require_finite
 
 
 class Gate(gymnasium.Wrapper[Any, Any, Any, Any]):

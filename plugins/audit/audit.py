@@ -169,14 +169,17 @@ class Audit:
 
 def audit_table(audit: Audit) -> RenderableType:
     """What ``harness audit`` prints of any subject."""
-    earned = (earned_grid(audit.earned, audit.rewards), Text(), Text(COLUMN), Text()) if audit.earned else ()
+    if audit.scripts is not None:
+        earned = _of_payoffs(audit.scripts)
+    else:
+        earned = iter((earned_grid(audit.earned, audit.rewards), Text(), Text(COLUMN), Text()) if audit.earned else ())
     return Group(
         Text(audit.title, style="bold"),
         *map(Text, audit.setting),
         *(Text(f"{line}.") for line in audit.notes),
         Text(),
         *(part for finding in audit.cheats for part in finding_parts(finding)),
-        *(earned if audit.scripts is None else _of_payoffs(audit.scripts)),
+        *earned,
         *(Text(line, style="" if number else "bold") for number, line in enumerate(audit.verdict)),
         *([Text()] if audit.verdict else []),
         *_answers(audit),
