@@ -45,6 +45,7 @@ def test_the_page_says_who_went_furthest_and_what_new_trainings_say(name):
     said = {"helps": f"`{furthest}` helps", "learns faster": "the answer is LEARNS FASTER"}[answer]
     went = f"`{furthest}` went furthest of 7 ({used} trainings). On {chosen['fresh']} new trainings of each, {said}"
     assert went in PROSE
+    assert chosen["told"].startswith(went.replace("`", ""))
     assert f"its budget of {chosen['budget']} trainings" in PROSE
     decides = [it for it in told["behaviour"] if it["name"] in ("success", "success_rate") and it["unit"] in ("", "%")]
     quoted = {f"{100 * it['low']:+.1f} to {100 * it['high']:+.1f}" for it in decides if it["low"] is not None}

@@ -52,7 +52,7 @@ if TYPE_CHECKING:
     )
     from harness.eta.auc import Auc as Auc, share_of as share_of
     from harness.eta.headline import SUCCESS as SUCCESS
-    from harness.eta.index import NOTHING as NOTHING
+    from harness.eta.index import NEAR_ZERO as NEAR_ZERO, NOTHING as NOTHING
     from harness.eta.laws import Account as Account, Missing as Missing, is_left_out as is_left_out
     from harness.eta.manner import ACTED_AT_RANDOM as ACTED_AT_RANDOM
     from harness.eta.rescaling import PayLine as PayLine, rounded as rounded

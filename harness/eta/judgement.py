@@ -214,7 +214,7 @@ class Verdict:
             found = [_seeds_for(it, margin_of(it), ONE_SIDED, max(reaches_of(it))) for it in deciding]
             known = [max(filter(None, found))] if all(found) else []
         else:
-            found = [_seeds_for(it, abs(difference_of(it)), ruling.confidence, reaches_of(it)[0]) for it in deciding]
+            found = [_seeds_for(it, abs(difference_of(it)), ruling.confidence, max(reaches_of(it))) for it in deciding]
             known = list(filter(None, found))
         more = deciding[0].seeds + 1
         return (max(min(known)[0], more), max(min(known)[1], more)) if known else None
@@ -325,7 +325,7 @@ class Verdict:
             return [*lines, _ends_text([change])]
         who, seen = self.names[ruling.sign > 0], change.counts[ruling.sign > 0]
         if share > 1.0 - LUCK ** (1.0 / seen):
-            undone = "one training more that ends as badly as it can leaves room for no difference."
+            undone = "one training more, at the end that speaks most against it, leaves room for no difference."
         else:
             undone = (
                 f"if 1 in {1.0 / share:.0f} with {who} ended as badly as can be, both would be equal, and {seen} "

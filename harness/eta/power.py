@@ -29,7 +29,7 @@ def seeds_to_tell(difference: float, spread: float, seeds: int, confidence: floa
         spread: Standard deviation of one training.
         seeds: How many seeds of each reward `spread` comes from, at least 2; the fewer where one reward has more.
         confidence: That of the bound that has to leave out 0, see `harness.eta.interval`.
-        reach: How far the training that was not seen lies from the mean of the reward that is ahead.
+        reach: How far the training that was not seen can lie from the mean of its reward.
 
     Returns:
         Lowest and highest number; None if more than `MOST` would be needed.

@@ -3,6 +3,7 @@
 import json
 from typing import Any
 
+from harness.report.rows.choosing import choosing_told
 from harness.results import Results
 from harness.results.ranking import ranking_of
 from harness.results.standing import standing_of, standing_to_json, told_manifests
@@ -25,6 +26,8 @@ def report_to_json(results: Results) -> dict[str, Any]:
     for told, manifest in zip(data["cells"], told_manifests(results), strict=True):
         told |= {"status": manifest.status, "reason": manifest.reason}
     data |= standing_to_json(standing_of(results))
+    if chosen := choosing_told(results):
+        data["choosing"]["told"] = chosen.sentence
     data |= {name: section.to_json() for name, section in shown_sections(results).items()}
     data |= {"reward_terms": [it.to_json() for it in results.terms]} if results.terms else {}
     data |= {"alone": [it.to_json() for it in results.alone]} if results.alone else {}

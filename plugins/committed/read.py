@@ -11,6 +11,7 @@ from typing_extensions import TypedDict
 
 from harness.authoring.commands import (
     COUNTED,
+    NEAR_ZERO,
     NOTHING,
     SUCCESS,
     Status,
@@ -22,7 +23,7 @@ from harness.authoring.commands import (
     short_name,
     values_text,
 )
-from harness.authoring.pages import WideOrNarrow, interim_line
+from harness.authoring.pages import POOLED_TITLE, WideOrNarrow, interim_line
 from harness.errors import UsageError
 from harness.eta import Answer
 from harness.files import reading
@@ -119,11 +120,28 @@ class CellForm(TypedDict):
 
 
 @with_config(OPEN)
+class PooledForm(TypedDict):
+    """See `harness.results.comparison.Pool`."""
+
+    answer: Name
+    behaviour: Line
+
+
+@with_config(OPEN)
+class ChoosingForm(TypedDict):
+    """See `harness.results.choosing.Choosing`."""
+
+    told: Line
+
+
+@with_config(OPEN)
 class RecordForm(TypedDict):
     """The form of what ``harness report --json`` prints."""
 
     combinations: list[ComparisonForm]
     cells: list[CellForm]
+    over_places: NotRequired[list[PooledForm]]
+    choosing: NotRequired[ChoosingForm | None]
 
 
 @with_config(OPEN)
@@ -194,6 +212,8 @@ def committed_table(folder: Path) -> RenderableType:
     done = sum(cell["status"] == "done" for cell in cells)
     parts: list[RenderableType] = [Text(f"Committed records of {len(cells)} cells, {done} done.")]
     parts += _interim(record)
+    if chosen := record and record.get("choosing"):
+        parts += [Text(chosen["told"], style="bold"), Text()]
     if environments is not None:
         parts += [part for place in environments["studies"] for part in _place(place)]
     comparisons = record["combinations"] if record else []
@@ -206,10 +226,12 @@ def committed_table(folder: Path) -> RenderableType:
         parts += [Text(" · ".join(shared), style="bold"), WideOrNarrow(*grids)]
         reading = READING.format(measure=_measure(comparisons))
         parts += [Text(), Text(reading, style="dim"), *map(Text, _remarks(names, comparisons))]
+    pools = record.get("over_places", []) if record else []
+    lines = [f"{POOLED_TITLE}: {it['answer'].upper()}. {it['behaviour']}" for it in pools]
     if len(comparisons) == 1:
         told = comparisons[0]["headline"]
-        lines = (told.get("behaviour", told.get("robot", "")), told["number"])
-        parts += [part for line in lines if line for part in (Text(), Text(line))]
+        lines = [told.get("behaviour", told.get("robot", "")), told["number"]]
+    parts += [part for line in lines if line for part in (Text(), Text(line))]
     return Group(*parts, Text(), Text(_more(folder)))
 
 
@@ -307,8 +329,9 @@ def _interim(record: RecordForm | None) -> list[RenderableType]:
 
 
 def _ratio(ratio: RatioForm, with_intervals: bool) -> str:
-    told = f"{format_number(ratio['value'])}{'*' if ratio['note'] else ''}"
-    if not with_intervals or ratio["low"] is None or ratio["high"] is None:
+    is_weak = NEAR_ZERO in ratio["note"]
+    told = f"{NEAR_ZERO if is_weak else format_number(ratio['value'])}{'*' if ratio['note'] else ''}"
+    if is_weak or not with_intervals or ratio["low"] is None or ratio["high"] is None:
         return told
     return f"{told} [{format_number(ratio['low'])}, {format_number(ratio['high'])}]"
 

@@ -213,6 +213,15 @@ def test_a_plan_is_told_as_a_condition():
     assert f"If what was seen is true, {seen[0]:,} to {seen[1]:,} trainings of" in found.robot
 
 
+def test_a_plan_counts_the_unseen_training_of_either_reward():
+    """Near the bad end that of the reward behind is the farther one: it is the same read from the other end."""
+    risen, fallen = (
+        told(change(about(before, width=0.1), about(after, width=0.1), p=0.4), asked=28).seeds_to_decide
+        for before, after in ((0.1, 0.4), (0.9, 0.6))
+    )
+    assert risen == fallen
+
+
 def test_where_all_lie_within_their_margins_the_plan_is_to_show_that():
     """By every measure; so many trainings do show it."""
     both = [change([1.0] * 40, [1.0] * 40), change([7.0] * 40, [7.0] * 40, TIME)]

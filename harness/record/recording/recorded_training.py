@@ -247,7 +247,7 @@ def _require_sound(folder: Path, facts: TrainingFacts, columns: Columns, last: C
         raise SchemaError(f"{folder} has a step or an episode below 0")
     ends = _require_unbroken(folder, columns, last)
     failed, terms = {failure.column for failure in facts.failed}, facts.term_columns
-    for name in columns.keys() & {*facts.numbers, *terms}:
+    for name in sorted(columns.keys() & {*facts.numbers, *terms}):
         if np.isinf(columns[name]).any():
             raise SchemaError(f"{folder}: {name} is infinite")
         reward = terms.get(name, name)

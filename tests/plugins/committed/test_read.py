@@ -11,6 +11,7 @@ from harness.report.rows.ratios import interval_text
 from harness.results.overview import decider_text, measure_text
 from harness_plugins.committed import committed_table, committed_text, is_committed, refuse_committed
 from tests.refusals import refused
+from tests.report.conftest import squeezed
 
 
 @pytest.fixture
@@ -57,6 +58,9 @@ def test_every_comparison_has_a_line(build, commit):
         assert f" {it.headline.answer.value.upper()} " in row
         assert f" {decider_text(it)} " in row
         assert f" {measure_text(it.decisive)} " in row
+    text = squeezed("\n".join(lines))
+    for pool in results.pools:
+        assert f"Over all places: {pool.headline.answer.value.upper()}. {pool.headline.robot}" in text
 
 
 def test_intervals_stand_beside_the_ratios_where_there_is_room(build, commit):
@@ -121,6 +125,7 @@ def test_the_committed_records_of_the_project_open(request):
     assert lines[0] == f"Committed records of {len(record['cells'])} cells, {len(record['cells'])} done."
     (dense,) = (line for line in lines if line.startswith("dense "))
     assert " the time, 0.770 -> 0.365 s " in dense
+    assert " near zero* " in dense
 
 
 def test_records_of_an_unfinished_plan_say_so_first(build, commit):

@@ -4,7 +4,7 @@ import pytest
 
 from harness.registry import load_registry
 from harness.report import choosing_told, overview_table, question
-from harness_plugins.committed import write_summary
+from harness_plugins.committed import committed_table, write_summary
 from tests.report import conftest
 from tests.results.folders import fail
 from tests.results.in_looks import CHOOSING, folder_in_looks
@@ -83,8 +83,10 @@ def test_the_table_fits(over, width):
 
 
 def test_a_summary_tells_of_it(over, tmp_path):
-    """With its table."""
+    """With its table; what a terminal says of the records begins with it."""
     write_summary(over.results, tmp_path / "told")
     page = (tmp_path / "told" / "summary.md").read_text()
     assert "## How far the candidates went\n\n**dense went furthest" in page
     assert "| dense | 90.0% |" in page
+    told = conftest.printed(committed_table(tmp_path / "told"), 200).splitlines()
+    assert choosing_told(over.results).sentence in told[:3]
