@@ -179,7 +179,7 @@ class Verdict:
 
     @property
     def why(self) -> list[str]:
-        """Of an answer of `OPEN`: why it is no more than that, a sentence each, where that needs saying."""
+        """Why an answer of `OPEN` is no more than that, a sentence each, where that needs saying."""
         return self._why_open() if self.answer is Answer.CANNOT_TELL else self._undone()
 
     @property
@@ -278,7 +278,7 @@ class Verdict:
         return f"{self.names.proposed} is {' and '.join(sides)}{average}."
 
     def _neither_learns(self) -> list[str]:
-        """That both fail at the task, and whether a test tells them apart all the same."""
+        """The sentences that both fail at the task, and whether a test tells them apart all the same."""
         sure = " (95%)" * self._certainly_fail
         told = f"Neither reward teaches the task{self.there}: success is {self.below}{sure}."
         if not self.ruling.is_decided:
@@ -300,7 +300,7 @@ class Verdict:
         )
 
     def _open(self) -> str:
-        """That nothing is known, or only of these trainings."""
+        """The sentence that nothing is known, or only of these trainings."""
         if self.answer is Answer.CANNOT_TELL:
             of = trainings_text(self.names, self.deciding[0].counts, self.deciding[0].without)
             return f"Whether {self.names.proposed} helps or hurts{self.there} cannot be told from {of}."

@@ -16,7 +16,7 @@ from harness.arrays import Float, Ints, Mask
 Actions: TypeAlias = NDArray[Any]
 """Those of one episode: (steps, action_size) inside the box, or (steps,) of choices."""
 Space: TypeAlias = gymnasium.spaces.Box | gymnasium.spaces.Discrete
-"""Of one action."""
+"""The space of one action."""
 Rng: TypeAlias = np.random.Generator
 Data: TypeAlias = Mapping[str, Any]
 """Plain data, as JSON has it: a policy, by its kind; a part of a certificate."""
