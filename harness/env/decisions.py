@@ -330,7 +330,7 @@ class Decisions:
         """Raise SimulationDiverged if a number of an env that does not rest is not finite.
 
         Args:
-            name: That people know.
+            name: The name of the numbers, as people know it.
             rows: The numbers, a row for each env.
             ahead: 1 before the step that they are of was measured.
         """

@@ -6,6 +6,7 @@ import gymnasium
 import numpy as np
 import pytest
 from gymnasium.spaces import Box
+from gymnasium.vector import AutoresetMode
 
 import harness
 
@@ -56,3 +57,23 @@ def record(counting, tmp_path):
         return harness.RecordRewards(env or counting(), tmp_path / path, **given)
 
     return make
+
+
+@pytest.fixture
+def step_two():
+    """Steps through a batch of two envs, in any way of starting episodes, closes it, and returns what each env did."""
+
+    def step(env, actions, mode):
+        env.reset(seed=0)
+        ended, taken = np.zeros(2, bool), [[], []]
+        for action in actions:
+            for number in np.flatnonzero(~ended if mode == AutoresetMode.NEXT_STEP else [True, True]):
+                taken[number].append(float(action[number, 0]))
+            _, _, terminated, truncated, _ = env.step(action)
+            ended = terminated | truncated
+            if mode == AutoresetMode.DISABLED and ended.any():
+                env.reset(options={"reset_mask": ended.copy()})
+        env.close()
+        return taken
+
+    return step

@@ -194,7 +194,7 @@ def _summed(steps):
     return sums
 
 
-def record(space, mode, count, path):
+def record(space, mode, count, path, step_two):
     """The recording, and the actions that each env took."""
     given = {name: it[0] for name, it in forms(space).items()}
     kept = {"trained_with": "own", "lower_is_better": ["end"], "behaviour": {"end": "goal"}}
@@ -211,25 +211,16 @@ def record(space, mode, count, path):
     made = SyncVectorEnv([lambda length=length: Line(space, length) for length in LENGTHS], autoreset_mode=mode)
     batched = [name for name in given if name.startswith("all")]
     env = harness.RecordVectorRewards(made, path, rewards=given, batched=batched, **kept)
-    env.reset(seed=0)
-    ended, taken = np.zeros(2, bool), [[], []]
-    for action in actions:
-        for number in np.flatnonzero(~ended if mode == AutoresetMode.NEXT_STEP else [True, True]):
-            taken[number].append(float(action[number, 0]))
-        _, _, terminated, truncated, _ = env.step(action)
-        ended = terminated | truncated
-        if mode == AutoresetMode.DISABLED and ended.any():
-            env.reset(options={"reset_mask": ended.copy()})
-    env.close()
+    taken = step_two(env, actions, mode)
     return read_recording(path), taken
 
 
 @pytest.mark.parametrize("count", [18, 115])
 @pytest.mark.parametrize("mode", [None, *AutoresetMode], ids=lambda mode: mode.name if mode else "one env")
 @pytest.mark.parametrize("space", SPACES)
-def test_every_form_says_what_one_env_alone_tells(space, mode, count, tmp_path):
+def test_every_form_says_what_one_env_alone_tells(space, mode, count, tmp_path, step_two):
     """Of the first steps and of later ones, of the last step of an episode and of the first one."""
-    found, taken = record(space, mode, count, tmp_path)
+    found, taken = record(space, mode, count, tmp_path, step_two)
     assert found.facts.failures == ()
     for env, actions in enumerate(taken):
         steps, rows = walked(space, LENGTHS[env], actions), found["env"] == env

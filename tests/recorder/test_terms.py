@@ -280,7 +280,7 @@ def test_recorders_of_one_training_have_the_same_terms(tmp_path):
 
 
 @pytest.mark.parametrize("mode", [AutoresetMode.SAME_STEP, AutoresetMode.NEXT_STEP, AutoresetMode.DISABLED])
-def test_batch_records_what_single_envs_do(counting, tmp_path, mode):
+def test_batch_records_what_single_envs_do(counting, tmp_path, mode, step_two):
     """Of what is now and what was before, in each way of starting episodes, asked one by one and at once."""
 
     def each(step):
@@ -302,17 +302,7 @@ def test_batch_records_what_single_envs_do(counting, tmp_path, mode):
         SyncVectorEnv([lambda length=length: counting(length, fresh=True) for length in lengths], autoreset_mode=mode),
         tmp_path / "batch", trained_with="own", rewards={"each": each, "whole": whole}, batched=["whole"],
     )  # fmt: skip
-    env.reset(seed=0)
-    taken = [[], []]
-    ended = np.zeros(2, bool)
-    for action in actions:
-        for number in np.flatnonzero(~ended if mode == AutoresetMode.NEXT_STEP else [True, True]):
-            taken[number].append(float(action[number, 0]))
-        _, _, terminated, truncated, _ = env.step(action)
-        ended = terminated | truncated
-        if mode == AutoresetMode.DISABLED and ended.any():
-            env.reset(options={"reset_mask": ended})
-    env.close()
+    taken = step_two(env, actions, mode)
     found = read_recording(tmp_path / "batch")
     for number, length in enumerate(lengths):
         single = harness.RecordRewards(
