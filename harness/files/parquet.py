@@ -9,6 +9,7 @@ import pyarrow.parquet as pq
 
 from harness.arrays import Float
 from harness.files.bounded import require_regular
+from harness.files.footer import read_chunks
 
 MOST_NUMBERS = 2**31
 """The most numbers that are read at once, rows times columns: 16 GiB of float64."""
@@ -45,33 +46,37 @@ def open_parquet(path: Path, most: int) -> pq.ParquetFile:
     return pq.ParquetFile(path, page_checksum_verification=True)
 
 
-def require_room(file: pq.ParquetFile, columns: Collection[str] | None = None, most: int = MOST_NUMBERS) -> None:
+def require_room(
+    path: Path, file: pq.ParquetFile, columns: Collection[str] | None = None, most: int = MOST_NUMBERS
+) -> None:
     """See that columns of a file take a bounded memory when they are read.
 
     Rows times columns count, not each alone, and what the parts of the file hold, not only what the whole tells: both
     may lie. Texts have no width, so they are read as `open_texts` reads them.
 
     Args:
+        path: Where the file lies.
         file: It is open, and nothing of it was read.
         columns: Those that will be read; None for all of them.
         most: The numbers that they may have together.
 
     Raises:
-        ValueError: They take more.
+        OSError: The file cannot be read.
+        ValueError: They take more, or the file does not tell what they take.
     """
     schema, told, owners = file.schema_arrow, file.metadata, list(_owners(file.schema_arrow))
-    if len(owners) != told.num_columns:
+    groups = read_chunks(path)
+    if any(len(owners) != len(group) for group in groups):
         raise ValueError("it tells of other columns than it has")
     wanted = set(schema.names if columns is None else columns)
     numbers = Counter({name: told.num_rows * _width(schema.field(name).type) for name in wanted & {*schema.names}})
     held: Counter[str] = Counter()
     texts = 0
-    for group in map(told.row_group, range(told.num_row_groups)):
-        for place, name in enumerate(owners):
+    for group in groups:
+        for name, chunk in zip(owners, group, strict=True):
             if name in wanted:
-                chunk = group.column(place)
-                held[name] += chunk.num_values
-                texts += chunk.total_uncompressed_size * pa.types.is_dictionary(schema.field(name).type)
+                held[name] += chunk.numbers
+                texts += chunk.size * pa.types.is_dictionary(schema.field(name).type)
     total = sum((numbers | held).values())
     if total > most:
         raise ValueError(f"it has {told.num_rows:,} rows of {total:,} numbers, {most:,} are allowed")

@@ -39,7 +39,6 @@ import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import product
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Protocol, Self
@@ -53,6 +52,7 @@ from pydantic import ConfigDict, with_config
 from harness.arrays import Float
 from harness.errors import SchemaError, SimulationDiverged
 from harness.files.bounded import reading
+from harness.files.footer import read_chunks
 from harness.files.parquet import open_parquet, require_room, table_of
 from harness.files.plain import Plain
 from harness.log import Log, LogFacts, in_memory
@@ -299,11 +299,11 @@ def require_plausible(path: Path, most: int) -> None:
         metadata = file.metadata
         if not 0 < metadata.num_rows <= most:
             raise SchemaError(f"{path} has {metadata.num_rows:,} rows, 1 to {most:,} are allowed")
-        places = product(range(metadata.num_row_groups), range(metadata.num_columns))
-        for column in (metadata.row_group(group).column(number) for group, number in places):
-            told = column.statistics
-            if told is not None and told.has_min_max and isinstance(told.min, float):
-                _require_moderate(told.min, told.max, f"{path}: {column.path_in_schema}")
+        columns = [metadata.schema.column(place).path for place in range(metadata.num_columns)]
+        for group in read_chunks(path):
+            for name, chunk in zip(columns, group, strict=True):
+                if chunk.least is not None and chunk.greatest is not None:
+                    _require_moderate(chunk.least, chunk.greatest, f"{path}: {name}")
 
 
 def term_names(path: Path) -> tuple[str, ...]:
@@ -331,7 +331,7 @@ def read_trace(path: Path) -> Log:
         lacking = SINCE_2 if version == "1" else ()
         known = tuple(filter(_is_known, there))
         _require_columns(file.schema_arrow, lacking, path)
-        require_room(file, known)
+        require_room(path, file, known)
         facts = EpisodeFacts.from_bytes(told[FACTS_KEY]) if FACTS_KEY in told else NOTHING_KNOWN
         read = partial(_tables, path, opened, metadata)
         trace = Log(TraceFacts(path=path, format=f"trace, format {version}", episodes=facts), known, read)

@@ -105,7 +105,7 @@ def _write(into: Path, columns: Mapping[str, Float]) -> None:
             if file.metadata.num_rows != rows:
                 told = f"{into} has {file.metadata.num_rows} rows, the recording {rows}: it belongs to another one"
                 raise UsageError(told)
-            require_room(file)
+            require_room(into, file)
             table = file.read()
             kept = dict(zip(table.column_names, table.columns, strict=True))
     try:

@@ -30,6 +30,7 @@ QUICK_ONES = (
     "plan: reward",
     "experiment: deep",
     "running: '/etc'",
+    "trace: gaps that it has none of",
 )
 OBEYED = "\x1b\x07\u202e"
 SOME = {name: FORGED[name] for name in QUICK_ONES}

@@ -341,9 +341,17 @@ def _trace(folder):
 
 
 def _mutate_parquet(content, rng):
-    """Other bytes; or columns of other types and numbers, missing or there twice, and another format."""
-    if rng.random() < 0.6:
+    """Other bytes, anywhere or where the file tells of its columns; or other columns, and another format."""
+    if rng.random() < 0.3:
         return mutate_bytes(content, rng)
+    if rng.random() < 0.4:
+        data = bytearray(content)
+        end = len(data) - 8
+        for _ in range(rng.choice((1, 1, 2, 3))):
+            data[rng.randrange(end - int.from_bytes(content[-8:-4], "little"), end)] = rng.choice(
+                (0, 1, 127, 255, rng.randrange(256))
+            )
+        return bytes(data)
     # In this thread: others of Arrow would give back `content`, python's own, while `tracemalloc` ends, and crash it.
     table = pq.ParquetFile(pa.BufferReader(content), pre_buffer=False).read(use_threads=False)
     for _ in range(rng.choice((1, 1, 3))):

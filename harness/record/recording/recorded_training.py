@@ -217,7 +217,7 @@ def read_part(path: Path, schema: pa.Schema, names: Sequence[str] | None = None)
             raise SchemaError(f"{path} has other columns than {facts_name(int(path.name.split('-')[1]))} tells")
         if file.metadata.num_rows > PART_ROWS:
             raise SchemaError(f"{path} has {file.metadata.num_rows:,} steps, {PART_ROWS:,} are allowed")
-        require_room(file, names)
+        require_room(path, file, names)
         table = file.read(names)
         if any(column.null_count for column in table.columns):
             raise SchemaError(f"{path} has gaps")

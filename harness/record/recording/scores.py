@@ -108,7 +108,7 @@ def read_scores(path: Path, count_steps: Callable[[], int]) -> Log | None:
         if isinstance(told, dict) and isinstance(number := told.get("format"), int) and number > FORMAT:
             raise NewerFormat(f"{path} has format {number}, this version reads up to {FORMAT}")
         form = read_form(ScoresForm, told)
-        require_room(file)
+        require_room(path, file)
         table = file.read()
         columns = {log_column(it.name): np.asarray(table.column(it.name).to_numpy()) for it in table.schema}
         facts = _facts(path, form, columns)
