@@ -2,15 +2,21 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple, TypeAlias
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeAlias
 
 from harness.authoring.commands import SUCCESS, mean_return
+from harness.authoring.pages import render_page
 from harness.eta import SHARE, SeedMean, mean_over_seeds
 from harness.record import EVALUATION, Cell, read_trace
 from harness.registry import Choice
 from harness.results import Group, Results
 
-from .record import TRANSFER, TransferRecord, policy_digest, read_transfer, simulator_id
+from .record import TRANSFER, TransferRecord, policy_digest, read_record_of, read_transfer, simulator_id
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
 
 FORMAT = 1
 
@@ -207,3 +213,51 @@ def _evaluation(results: Results, cell: Cell, record: TransferRecord | None) -> 
         folder = results.folder / TRANSFER / cell.id / simulator_id(record.simulator)
     trace = read_trace(folder / EVALUATION)
     return Evaluation(results.measure(trace).get(SUCCESS), mean_return(trace))
+
+
+HERE = Path(__file__).parent
+
+
+@dataclass(frozen=True)
+class TransferSection:
+    """A matrix of every algorithm and reward: trained in one simulator, evaluated in another."""
+
+    what: ClassVar[str] = "an evaluation elsewhere"
+
+    def ending(self, folder: Path) -> TransferRecord:
+        return read_record_of(folder)
+
+    def show(self, results: "Results") -> "_Shown | None":
+
+        transfers = load_transfers(results)
+        return _Shown(transfers) if transfers.matrices else None
+
+
+@dataclass(frozen=True)
+class _Shown:
+    transfers: "Transfers"
+
+    @property
+    def style(self) -> str:
+        return (HERE / "transfer.css").read_text(encoding="utf-8").strip()
+
+    def to_json(self) -> dict[str, Any]:
+        return self.transfers.to_json()
+
+    def table(self) -> "RenderableType":
+        from .shown import transfer_table
+
+        return transfer_table(self.transfers)
+
+    def html(self) -> str:
+        from .shown import EXPLANATION, TITLE, failure_lines, transfer_block
+
+        page = render_page(
+            HERE / "transfer.html.j2",
+            "The HTML report",
+            title=TITLE,
+            explanation=EXPLANATION,
+            blocks=[transfer_block(matrix) for matrix in self.transfers.matrices],
+            failed=failure_lines(self.transfers.failed),
+        )
+        return page.strip()

@@ -3,7 +3,7 @@
 import pytest
 
 from harness_plugins.kit.metrics import recorded_trace
-from harness_plugins.metrics.outcomes import ClosestDistance
+from harness_plugins.metrics.episodes import ClosestDistance
 
 
 def test_mean_over_the_smallest_distances():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from harness_plugins.kit.metrics import recorded_trace
-from harness_plugins.metrics.outcomes import FinalDistance
+from harness_plugins.metrics.episodes import FinalDistance
 
 
 def test_mean_over_the_ends():

@@ -3,7 +3,7 @@
 import pytest
 
 from harness_plugins.kit.metrics import recorded_trace
-from harness_plugins.metrics.outcomes import GroundHits
+from harness_plugins.metrics.episodes import GroundHits
 
 
 @pytest.mark.parametrize(

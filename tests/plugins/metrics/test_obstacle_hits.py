@@ -4,7 +4,7 @@ import pytest
 
 from harness.record import trace_of
 from harness_plugins.kit.metrics import recorded_trace
-from harness_plugins.metrics.outcomes import ObstacleHits
+from harness_plugins.metrics.episodes import ObstacleHits
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import pytest
 from harness.record import EpisodeFacts
 from harness.record.trace import with_episode_facts
 from harness_plugins.kit.metrics import recorded_trace
-from harness_plugins.metrics.movement import Optimality
+from harness_plugins.metrics.episodes import Optimality
 
 ENDS = ("reached", "truncated", "reached", "ground", "reached")
 

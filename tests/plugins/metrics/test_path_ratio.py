@@ -7,7 +7,7 @@ from harness.errors import Unmeasured
 from harness.record import EpisodeFacts, trace_of
 from harness.record.trace import with_episode_facts
 from harness_plugins.kit.metrics import recorded_trace
-from harness_plugins.metrics.movement import PathRatio
+from harness_plugins.metrics.episodes import PathRatio
 
 
 def walk(*paths, reached=True):

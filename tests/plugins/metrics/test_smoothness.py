@@ -6,7 +6,7 @@ from numpy.random import default_rng
 
 from harness.record import trace_of
 from harness_plugins.kit.metrics import recorded_trace
-from harness_plugins.metrics.movement import Smoothness
+from harness_plugins.metrics.episodes import Smoothness
 
 
 def move(*episodes, truncated=True):

@@ -8,7 +8,7 @@ from numpy.random import default_rng
 
 from harness.record import EpisodeFacts, trace_of
 from harness_plugins.kit.metrics import recorded_trace
-from harness_plugins.metrics.movement import Sparc, spectral_arcs
+from harness_plugins.metrics.episodes import Sparc, spectral_arcs
 
 
 def moved(*speeds, period=0.1):

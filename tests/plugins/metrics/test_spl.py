@@ -7,7 +7,7 @@ from harness.errors import Unmeasured
 from harness.record import EpisodeFacts
 from harness.record.trace import with_episode_facts
 from harness_plugins.kit.metrics import recorded_trace
-from harness_plugins.metrics.movement import PathRatio, Spl
+from harness_plugins.metrics.episodes import PathRatio, Spl
 
 
 def test_success_counts_the_line_over_the_path():

@@ -3,7 +3,7 @@
 import pytest
 
 from harness_plugins.kit.metrics import recorded_trace
-from harness_plugins.metrics.outcomes import StepsToTarget
+from harness_plugins.metrics.episodes import StepsToTarget
 
 
 def test_mean_over_the_episodes_that_reach_it():

@@ -3,7 +3,7 @@
 import pytest
 
 from harness_plugins.kit.metrics import recorded_trace
-from harness_plugins.metrics.outcomes import SuccessRate
+from harness_plugins.metrics.episodes import SuccessRate
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ import pytest
 from harness.record import EpisodeFacts
 from harness.record.trace import with_episode_facts
 from harness_plugins.kit.metrics import recorded_trace
-from harness_plugins.metrics.outcomes import TimeToTarget
+from harness_plugins.metrics.episodes import TimeToTarget
 
 
 def told(trace, horizon=100, period=0.1):

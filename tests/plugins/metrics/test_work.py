@@ -5,7 +5,7 @@ import pytest
 from harness.record import EpisodeFacts
 from harness.record.trace import with_episode_facts
 from harness_plugins.kit.metrics import recorded_trace
-from harness_plugins.metrics.movement import Work
+from harness_plugins.metrics.episodes import Work
 
 
 def test_mean_over_the_finished_episodes():

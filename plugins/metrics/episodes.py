@@ -1,4 +1,4 @@
-"""Metrics of how the arm moves: how straight, how smooth, at what cost."""
+"""What episodes of an arm say of themselves: whether and how soon they reach the target, and how they move."""
 
 import math
 from collections.abc import Sequence
@@ -6,12 +6,193 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from harness.arrays import Float
+from harness.errors import Unmeasured
 from harness.log import Log
-from harness.record.trace import episode_facts
+from harness.record.trace import OBSTACLE, episode_facts
 
-from ..way_to_target import paths_to_target, steps_to_target
+
+def steps_to_target(trace: Log) -> NDArray[np.int64]:
+    """How many environment steps each finished episode takes to its first target, (episodes,).
+
+    The number is 0 if the episode reaches no target. The order is that of `Log.episodes`.
+    """
+    reached = trace["reached"]
+    first = np.array([rows[reached[rows].argmax()] for rows in trace.episodes], np.int64)
+    steps: NDArray[np.int64] = np.where(reached[first], trace["step"][first], 0)
+    return steps
+
+
+def paths_to_target(trace: Log) -> Float:
+    """Lengths of the end effector's path to the first target and of the straight line, for each finished episode.
+
+    The line leads from the end effector's place at the start to its place when it reaches the target.
+
+    Returns:
+        Path and line, [m], shape (episodes, 2), in the order of `Log.episodes`; NaN if the episode reaches no target.
+
+    Raises:
+        Unmeasured: The target moves. Where the line should end is not known before the target is reached.
+    """
+    if episode_facts(trace).target_moves:
+        raise Unmeasured("the target moves: no straight line is the shortest way to it")
+    position = np.stack([trace[f"end_effector_{axis}"] for axis in "xyz"], axis=1)
+    lengths = np.full((len(trace.episodes), 2), np.nan)
+    for episode, rows in enumerate(trace.episodes):
+        reached = trace["reached"][rows]
+        if reached.any():
+            path = position[rows[: reached.argmax() + 1]]
+            lengths[episode, 0] = np.linalg.norm(np.diff(path, axis=0), axis=1).sum()
+            lengths[episode, 1] = np.linalg.norm(path[-1] - path[0])
+    return lengths
+
+
+@dataclass(frozen=True)
+class TimeToTarget:
+    """Mean time to the first target over all finished episodes, [s]. A failed episode counts as the whole horizon.
+
+    This is the restricted mean of survival analysis. How an episode fails does not matter: if it ends on the ground,
+    the target is not reached before the horizon either.
+    """
+
+    unit: ClassVar[str] = "s"
+    better: ClassVar[str] = "lower"
+    bounds: ClassVar[tuple[float, float]] = (0.0, math.inf)
+    is_time: ClassVar[bool] = True
+
+    def __call__(self, trace: Log) -> float | None:
+        """None without a finished episode, or if the trace does not record the control period.
+
+        It is also None if an episode fails and the trace does not record the horizon.
+        """
+        steps, facts = steps_to_target(trace), episode_facts(trace)
+        if len(steps) == 0 or facts.control_period is None or (facts.horizon is None and not steps.all()):
+            return None
+        return float(np.where(steps > 0, steps, facts.horizon or 0).mean() * facts.control_period)
+
+
+@dataclass(frozen=True)
+class StepsToTarget:
+    """Mean number of steps to the first target, over the successful episodes only.
+
+    A policy that fails more often in the far corners gets a better value. `time_to_target` counts all episodes.
+    """
+
+    unit: ClassVar[str] = "steps"
+    better: ClassVar[str] = "lower"
+    bounds: ClassVar[tuple[float, float]] = (1.0, math.inf)
+    is_time: ClassVar[bool] = True
+
+    def __call__(self, trace: Log) -> float | None:
+        """None if no episode reaches a target."""
+        steps = steps_to_target(trace)
+        return float(steps[steps > 0].mean()) if steps.any() else None
+
+
+@dataclass(frozen=True)
+class ObstacleHits:
+    """Share of the finished episodes that end with the arm at an obstacle, in [0, 1].
+
+    Only tasks that have obstacles have this metric.
+    """
+
+    unit: ClassVar[str] = ""
+    better: ClassVar[str] = "lower"
+    is_share: ClassVar[bool] = True
+
+    def __call__(self, trace: Log) -> float | None:
+        """None without a finished episode, or if the task has no obstacles."""
+        ends = trace.last_rows
+        return float(trace[OBSTACLE][ends].mean()) if OBSTACLE in trace.columns and len(ends) else None
+
+
+@dataclass(frozen=True)
+class GroundHits:
+    """Share of the finished episodes that end with the arm on the ground, in [0, 1]."""
+
+    unit: ClassVar[str] = ""
+    better: ClassVar[str] = "lower"
+    is_share: ClassVar[bool] = True
+
+    def __call__(self, trace: Log) -> float | None:
+        """None without a finished episode."""
+        ends = trace.last_rows
+        return float(trace["ground"][ends].mean()) if len(ends) else None
+
+
+@dataclass(frozen=True)
+class Timeouts:
+    """Share of the finished episodes whose time runs out before they reach the target, in [0, 1].
+
+    Without obstacles, three shares add up to 1: this one, `success_rate`, and the share of episodes that end on the
+    ground before they reach a target. If reaching the target ends an episode, `ground_hits` is the third share, but it
+    also counts a step that reaches the target and hits the ground. If episodes go on after a target, `ground_hits` also
+    counts those that hit the ground after their first target.
+    """
+
+    unit: ClassVar[str] = ""
+    better: ClassVar[str] = "lower"
+    is_share: ClassVar[bool] = True
+
+    def __call__(self, trace: Log) -> float | None:
+        """None without a finished episode."""
+        reached, truncated = trace["reached"], trace["truncated"]
+        over = [bool(truncated[rows[-1]]) and not reached[rows].any() for rows in trace.episodes]
+        return sum(over) / len(over) if over else None
+
+
+@dataclass(frozen=True)
+class ClosestDistance:
+    """Smallest distance from end effector to target in an episode, [m]; mean over the finished episodes.
+
+    The distance at the start counts too. If the task measures another error, such as a pose error, the metric takes
+    that error in its unit. If no episode ends at the target, or all end on the ground, this metric says more than
+    `final_distance`.
+    """
+
+    unit: ClassVar[str] = "m"
+    better: ClassVar[str] = "lower"
+    bounds: ClassVar[tuple[float, float]] = (0.0, math.inf)
+    is_error: ClassVar[bool] = True
+
+    def __call__(self, trace: Log) -> float | None:
+        """None without a finished episode."""
+        closest = [float(trace["distance"][rows].min()) for rows in trace.episodes]
+        return sum(closest) / len(closest) if closest else None
+
+
+@dataclass(frozen=True)
+class FinalDistance:
+    """Mean distance from end effector to target at the end of the finished episodes, [m].
+
+    If the task measures another error, such as a pose error, the metric takes that error in its unit.
+    """
+
+    unit: ClassVar[str] = "m"
+    better: ClassVar[str] = "lower"
+    bounds: ClassVar[tuple[float, float]] = (0.0, math.inf)
+    is_error: ClassVar[bool] = True
+
+    def __call__(self, trace: Log) -> float | None:
+        """None without a finished episode."""
+        ends = trace.last_rows
+        return float(trace["distance"][ends].mean()) if len(ends) else None
+
+
+@dataclass(frozen=True)
+class SuccessRate:
+    """Share of the finished episodes in which the target is reached, in [0, 1]."""
+
+    unit: ClassVar[str] = ""
+    better: ClassVar[str] = "higher"
+    is_share: ClassVar[bool] = True
+
+    def __call__(self, trace: Log) -> float | None:
+        """None without a finished episode."""
+        reached = [trace["reached"][rows].any() for rows in trace.episodes]
+        return sum(reached) / len(reached) if reached else None
 
 
 @dataclass(frozen=True)
