@@ -8,7 +8,7 @@ from harness.face import face_of
 from harness.hookspecs import Register as Register, hookimpl as hookimpl
 
 if TYPE_CHECKING:
-    from harness.env.make import make_env as make_env
+    from harness.env.vector_env import make_env as make_env
     from harness.experiment.experiment import run as run
     from harness.recorder.evaluate_policy import evaluate_policy as evaluate_policy
     from harness.recorder.record_rewards import RecordRewards as RecordRewards
@@ -25,8 +25,8 @@ def _register_envs(gymnasium: Any) -> None:
     """Make `gymnasium.make("harness/Reach-v0")` work, whichever of the two is imported first; ReachGoal-v0 too."""
     gymnasium.register(
         "harness/Reach-v0",
-        entry_point="harness.env.make:ReachEnv",
-        vector_entry_point="harness.env.make:make_env",
+        entry_point="harness.env.vector_env:ReachEnv",
+        vector_entry_point="harness.env.vector_env:make_env",
     )
     gymnasium.register("harness/ReachGoal-v0", entry_point="harness.env.goal_env:ReachGoalEnv")
 

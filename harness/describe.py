@@ -22,8 +22,7 @@ from harness.hookspecs import NOUNS
 from harness.log import LogFormat
 from harness.measure import Measure, needs_of as measure_needs
 from harness.motion import MODES, Discrete, MoveJ
-from harness.registry.choice import choose, parse
-from harness.registry.parameters import Parameter, parameters_of, values_of
+from harness.registry.choice import Parameter, choose, parameters_of, parse, values_of
 from harness.registry.registry import Registry
 from harness.registry.spec import Spec, blamed_on
 from harness.registry.step_functions import WHAT_ONE_TAKES
@@ -32,8 +31,8 @@ from harness.reward.needs import needs_of
 from harness.reward.steps import ARM, ENVIRONMENT
 from harness.robot import Robot
 from harness.robot.chain_end import tip_of
+from harness.robot.joint_limits import Part
 from harness.robot.robot import load_robot
-from harness.robot.servo import Part
 from harness.robot.settings import FILE, SERVO
 from harness.simulator import family_of
 from harness.task import Task, choose_task, goal_of

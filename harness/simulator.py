@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from harness.arrays import Float, Mask
 from harness.errors import UsageError
 from harness.robot import Robot
-from harness.robot.servo import Servo
+from harness.robot.joint_limits import Servo
 from harness.robot.settings import FILE, SERVO
 
 
@@ -103,7 +103,7 @@ def require_drives(simulator: object, robot: Robot) -> None:
 
 
 def drives_with_servo(simulator: object) -> bool:
-    """Whether a simulator is set to move an arm by the drives of its robot.toml, `harness.robot.servo.Servo`."""
+    """Whether a simulator is set to move an arm by the drives of its robot.toml, `harness.robot.joint_limits.Servo`."""
     return getattr(simulator, "drive", None) == "servo"
 
 

@@ -1,6 +1,6 @@
 """Text of strangers made fit to be shown: what a terminal, a page or a reader would obey or not see is written out.
 
-`print_visible` is the only way to a terminal, beside `harness.cli.terminal` for tables.
+`print_visible` is the only way to a terminal, beside `harness.report.tables.grid` for tables.
 """
 
 import hashlib

@@ -16,9 +16,8 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from harness.experiment import Plan
-from harness.experiment.progress.ended_cells import EndedCells
-from harness.files.keyed_file import read_keyed, with_key
-from harness.files.sealed import seal
+from harness.experiment.progress.followed import EndedCells
+from harness.files.sealed import read_keyed, seal, with_key
 from harness.record import (
     CELLS,
     DERIVED,

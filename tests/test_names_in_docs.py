@@ -197,7 +197,7 @@ RIGHT = [
     "harness.env.episodes.Episodes.flags",
     "`Policy.save`",
     "`Path.home`",
-    "`harness/env/make.py`, that is `env/make.py`",
+    "`harness/env/vector_env.py`, that is `env/vector_env.py`",
     "harness.toml",
     "my/harness.nothing/here",
     "the harness. And more",

@@ -42,7 +42,7 @@ CALLS = {
 TO_FILES = {"traceback.print_exc", "traceback.print_exception", "traceback.print_stack", "print", "pprint", "Console"}
 """What writes into a file, and to no terminal, where it gets one."""
 RICH = {"Console", "Progress", "Live", "Status", "Prompt", "Confirm"}
-"""Classes that write, unless they get the console of `harness.cli.terminal`, or a file."""
+"""Classes that write, unless they get the console of `harness.report.tables.grid`, or a file."""
 LOGGED = {"debug", "info", "warning", "error", "exception", "critical", "log"}
 CHILDREN = {f"subprocess.{name}" for name in ("run", "Popen", "call", "check_call", "check_output")}
 TERMINALS = {"/dev/tty", "/dev/stdout", "/dev/stderr", "CONOUT$"}

@@ -5,7 +5,7 @@ import tomllib
 from pathlib import Path
 
 import harness
-from harness.registry.hooks import API_VERSION
+from harness.registry.spec import API_VERSION
 
 ROOT = Path(__file__).parents[1]
 VERSION = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["version"]

@@ -30,9 +30,8 @@ if TYPE_CHECKING:
         goal_columns as goal_columns,
         kind_of_actions as kind_of_actions,
     )
-    from harness.experiment.workers.offspring import Offspring as Offspring
     from harness.experiment.workers.worker import print_into as print_into
-    from harness.experiment.workers.workers import Pool as Pool
+    from harness.experiment.workers.workers import Offspring as Offspring, Pool as Pool
     from harness.log.format import HEAD as HEAD
     from harness.record.trace import (
         FLAGS as FLAGS,

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 from harness.face import face_of
 
 if TYPE_CHECKING:
-    from harness.cli.audits import audits_of as audits_of, pays_of as pays_of
     from harness.cli.commands import hidden_commands as hidden_commands
     from harness.cli.datasets import names_dataset as names_dataset
     from harness.cli.fail_on import Said as Said, named_answers as named_answers, status_of as status_of
@@ -31,16 +30,16 @@ if TYPE_CHECKING:
         TaskName as TaskName,
         flag as flag,
     )
-    from harness.cli.foreseen import left_text as left_text
     from harness.cli.output import (
         complain as complain,
         kept_when_interrupted as kept_when_interrupted,
         say as say,
         say_json as say_json,
     )
+    from harness.cli.progress import left_text as left_text
     from harness.cli.records import Records as Records
+    from harness.cli.results_shown import audits_of as audits_of, pays_of as pays_of
     from harness.cli.runnable import example_run as example_run, usable as usable
-    from harness.cli.terminal import Terminal as Terminal, show as show
     from harness.cli.unexpected import describe_unexpected as describe_unexpected
     from harness.env import ReachVectorEnv as ReachVectorEnv
     from harness.env.solid_probes import (
@@ -84,21 +83,18 @@ if TYPE_CHECKING:
     )
     from harness.experiment.workers.order import Report as Report
     from harness.experiment.workers.workers import News as News, run_orders as run_orders, worker_count as worker_count
-    from harness.files.bounded import parse_json as parse_json, read_bytes as read_bytes
-    from harness.files.whole_file import files_in as files_in, whole_file as whole_file
+    from harness.files.bounded import (
+        files_in as files_in,
+        parse_json as parse_json,
+        read_bytes as read_bytes,
+        whole_file as whole_file,
+    )
     from harness.log.log import ROWS as ROWS
     from harness.log.open_log import Found as Found, find_logs as find_logs
     from harness.payoff.dataset.arm_pay import places_of as places_of
     from harness.payoff.dataset.paid_dataset import Labels as Labels, PaidDataset as PaidDataset
     from harness.payoff.dataset.rewards import given_rewards as given_rewards, rewards_of as rewards_of
     from harness.payoff.dataset.steps import Payer as Payer
-    from harness.payoff.finishing import (
-        Finishing as Finishing,
-        Payoff as Payoff,
-        on_finishing as on_finishing,
-        on_terms as on_terms,
-        under_noise as under_noise,
-    )
     from harness.payoff.rollout import (
         CREEP as CREEP,
         FINISH as FINISH,
@@ -107,10 +103,18 @@ if TYPE_CHECKING:
         NoScriptsError as NoScriptsError,
         States as States,
     )
-    from harness.payoff.score import Score as Score, paid_along as paid_along, pay_along as pay_along
-    from harness.policy.continuous import ContinuousNetwork as ContinuousNetwork
-    from harness.policy.folder import read_folder as read_folder
-    from harness.policy.network import MEAN as MEAN, STD as STD
+    from harness.payoff.score import (
+        Finishing as Finishing,
+        Payoff as Payoff,
+        Score as Score,
+        on_finishing as on_finishing,
+        on_terms as on_terms,
+        paid_along as paid_along,
+        pay_along as pay_along,
+        under_noise as under_noise,
+    )
+    from harness.policy.continuous import MEAN as MEAN, STD as STD, ContinuousNetwork as ContinuousNetwork
+    from harness.policy.policy import read_folder as read_folder
     from harness.record.blocks import Block as Block, Blocks as Blocks, read_blocks as read_blocks
     from harness.record.dataset.labels import (
         UNKNOWN as UNKNOWN,
@@ -174,11 +178,11 @@ if TYPE_CHECKING:
     from harness.recorder.recorder import differs as differs
     from harness.recorder.sealed import KeepWalks as KeepWalks, Walk as Walk
     from harness.registry.given import plugin_flags as plugin_flags, read_given as read_given
-    from harness.registry.libraries import is_met as is_met
     from harness.registry.plugin_module import import_file as import_file
     from harness.registry.registry import load_registry as load_registry
-    from harness.registry.spec import PLANNED as PLANNED, blamed_on as blamed_on
+    from harness.registry.spec import PLANNED as PLANNED, blamed_on as blamed_on, is_met as is_met
     from harness.registry.targets import examined as examined
+    from harness.report.tables.grid import Terminal as Terminal, show as show
     from harness.results.alone import Alone as Alone
     from harness.results.comparison import deciding_manner as deciding_manner
     from harness.results.learning import Learning as Learning

@@ -7,11 +7,22 @@ from typing import TYPE_CHECKING
 from harness.face import face_of
 
 if TYPE_CHECKING:
-    from harness.report.answers import word_of as word_of
-    from harness.report.apart import tell_apart as tell_apart
-    from harness.report.facts import Fact as Fact
-    from harness.report.figures.accumulated import draw_both as draw_both
-    from harness.report.figures.chart import Mark as Mark
+    from harness.report.document import Fact as Fact
+    from harness.report.figures.accumulated import (
+        FEWEST as FEWEST,
+        POINTS as POINTS,
+        CurvePanel as CurvePanel,
+        draw_both as draw_both,
+        panels_of as panels_of,
+        reward_range as reward_range,
+        select_points as select_points,
+    )
+    from harness.report.figures.chart import (
+        SIDES as SIDES,
+        Mark as Mark,
+        chart_style as chart_style,
+        light_colours as light_colours,
+    )
     from harness.report.figures.draw import (
         CHARACTER as CHARACTER,
         SAMPLE as SAMPLE,
@@ -28,25 +39,14 @@ if TYPE_CHECKING:
         learning_heading as learning_heading,
         learning_names as learning_names,
     )
-    from harness.report.figures.palette import (
-        SIDES as SIDES,
-        chart_style as chart_style,
-        light_colours as light_colours,
-    )
-    from harness.report.figures.panel import (
-        CurvePanel as CurvePanel,
-        panels_of as panels_of,
-        reward_range as reward_range,
-    )
-    from harness.report.figures.points import FEWEST as FEWEST, POINTS as POINTS, select_points as select_points
     from harness.report.figures.split import (
+        SplitRow as SplitRow,
         draw_ratio as draw_ratio,
         draw_split as draw_split,
         number_of as number_of,
         ratio_axis as ratio_axis,
     )
-    from harness.report.figures.split_rows import SplitRow as SplitRow
-    from harness.report.page.matrix import plain_text as plain_text
+    from harness.report.page.answer import plain_text as plain_text
     from harness.report.page.page import render_page as render_page, write_page as write_page
     from harness.report.replay.section import Replay as Replay
     from harness.report.rows.alone import (
@@ -60,24 +60,21 @@ if TYPE_CHECKING:
         percentage as percentage,
         text_of as text_of,
     )
-    from harness.report.rows.choosing import (
+    from harness.report.rows.comparison import (
         CHOOSING as CHOOSING,
         CHOOSING_TITLE as CHOOSING_TITLE,
-    )
-    from harness.report.rows.comparison import (
+        POOLED as POOLED,
+        POOLED_TITLE as POOLED_TITLE,
         compared_text as compared_text,
         count_cells as count_cells,
         interim_line as interim_line,
         interim_text as interim_text,
+        pooled_answers as pooled_answers,
         remarks_on_cells as remarks_on_cells,
         rewards_text as rewards_text,
         seeds_text as seeds_text,
-    )
-    from harness.report.rows.numbers import number_grids as number_grids, splits_of as splits_of
-    from harness.report.rows.pools import (
-        POOLED as POOLED,
-        POOLED_TITLE as POOLED_TITLE,
-        pooled_answers as pooled_answers,
+        tell_apart as tell_apart,
+        word_of as word_of,
     )
     from harness.report.rows.ratios import (
         BETTER as BETTER,
@@ -85,8 +82,12 @@ if TYPE_CHECKING:
         ratio_text as ratio_text,
         ratio_with_interval as ratio_with_interval,
     )
-    from harness.report.rows.returns import PAY as PAY
-    from harness.report.rows.terms import terms_of as terms_of
+    from harness.report.rows.returns import (
+        PAY as PAY,
+        number_grids as number_grids,
+        splits_of as splits_of,
+        terms_of as terms_of,
+    )
     from harness.report.tables.grid import show_grid as show_grid
     from harness.report.tables.overview import WideOrNarrow as WideOrNarrow
 

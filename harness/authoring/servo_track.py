@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from harness.arrays import Float, Mask
-from harness.robot.servo import Servo
+from harness.robot.joint_limits import Servo
 from harness.simulator import servo_of
 
 __all__ = ["References", "ServoTrack", "servo_of"]
@@ -21,7 +21,7 @@ class References(NamedTuple):
 
 
 class ServoTrack:
-    """The references of a batch of arms, delayed by the latency of their drives; see `harness.robot.servo.Servo`."""
+    """The references of a batch of arms, delayed by the latency of their drives; see `harness.robot.Servo`."""
 
     def __init__(self, servo: Servo, num_envs: int, timestep: float) -> None:
         """All arms rest at zero until they are reset.

@@ -10,8 +10,7 @@ from types import MappingProxyType
 import typer
 from typer.exceptions import TyperException
 
-from harness.cli.examples import EXAMPLES, FIRST_STEPS, epilog_of
-from harness.cli.help import PLAIN, All, Command, Commands, LongCommand, meant_flag
+from harness.cli.help import EXAMPLES, FIRST_STEPS, PLAIN, All, Command, Commands, LongCommand, epilog_of, meant_flag
 from harness.cli.output import complain, libraries_visible, say
 from harness.errors import HarnessError, UsageError
 from harness.registry.allowed import allow_imports, allow_programs, allow_typed

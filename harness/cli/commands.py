@@ -7,8 +7,7 @@ from typing import Any
 import typer
 from typer.exceptions import TyperException
 
-from harness.cli.examples import epilog_of
-from harness.cli.help import PLAIN, Command
+from harness.cli.help import PLAIN, Command, epilog_of
 from harness.cli.unexpected import describe_fault
 from harness.errors import HarnessError, PluginError
 from harness.hookspecs import PROJECT

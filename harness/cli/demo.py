@@ -61,10 +61,10 @@ def demo(
 
     from rich.text import Text
 
-    from harness.cli.terminal import show
     from harness.experiment.experiment import prepare
     from harness.experiment.plan import check_experiment
     from harness.experiment.run_options import RunOptions
+    from harness.report.tables.grid import show
 
     if out is not None and out.is_dir() and any(out.iterdir()):
         raise UsageError(f"--out '{out}' is not empty: name a new or empty folder")
@@ -95,9 +95,9 @@ def _show(results: "Results") -> None:
     from rich.text import Text
 
     from harness.cli.results_shown import make_table_and_page
-    from harness.cli.terminal import show
     from harness.record.store import REPORT
     from harness.report.rows.ratios import format_number
+    from harness.report.tables.grid import show
     from harness.report.tables.overview import comparison_lines
 
     show(comparison_lines(results.combinations))

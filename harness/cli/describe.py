@@ -45,7 +45,7 @@ def describe(
         return
     from harness.describe import describe_name  # it imports what a list does not need
     from harness.registry.choice import parse
-    from harness.registry.names import unknown_name
+    from harness.registry.spec import unknown_name
     from harness.robot.robot import is_folder, is_path
 
     if name is None:

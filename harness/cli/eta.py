@@ -225,7 +225,7 @@ def _show(comparison: "ComparedRuns", plot: Path | None, as_json: bool) -> None:
     if as_json:
         say_json(comparison.to_json())
     else:
-        from harness.cli.terminal import show
         from harness.report.tables.eta import eta_table
+        from harness.report.tables.grid import show
 
         show(eta_table(comparison))

@@ -9,8 +9,8 @@ from harness.errors import UsageError
 from harness.eta.auc import AGAINST
 from harness.eta.headline import Answer
 from harness.registry.choice import split_list
-from harness.registry.names import unknown_name
-from harness.report.answers import word_of
+from harness.registry.spec import unknown_name
+from harness.report.rows.comparison import word_of
 from harness.screen import FAILING, LOITERING
 
 if TYPE_CHECKING:

@@ -148,7 +148,7 @@ def _audit(dataset: Path, as_json: bool, html: Path | None, labels: Path | None,
 
 def _show_records(records: Records, folders: Sequence[Path], as_json: bool, beside: Sequence[str]) -> int:
     """Show what records say. Nothing can be computed anew of them."""
-    from harness.cli.terminal import show
+    from harness.report.tables.grid import show
 
     for folder in filter(records.are_in, folders):
         for name in beside or ["Reading several folders together"] * (len(folders) > 1):

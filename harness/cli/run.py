@@ -278,7 +278,7 @@ def screen(ready: "ExperimentRun") -> "list[Said]":
 
 def foresee_run(ready: "ExperimentRun", as_json: bool) -> int:
     """Say what would be run."""
-    from harness.cli.foreseen import foreseen_lines
+    from harness.cli.progress import foreseen_lines
     from harness.experiment.foresee import foresee
 
     found = foresee(ready, measures=True)
@@ -295,8 +295,8 @@ def foresee_run(ready: "ExperimentRun", as_json: bool) -> int:
 def train(ready: "ExperimentRun", quiet: bool, watch: bool = False) -> "tuple[Results, int]":
     """Run what is not done; what came of it, and status 1 where a cell failed."""
     from harness.cli.progress import LiveProgress
-    from harness.cli.terminal import Terminal
     from harness.record.store import Store
+    from harness.report.tables.grid import Terminal
 
     folder = ready.store.folder
     Store.claim(folder)

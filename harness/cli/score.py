@@ -161,9 +161,8 @@ def _returns_of(folder: Path) -> "list[ReturnMatrix]":
 
 
 def _print_returns(matrices: "Sequence[ReturnMatrix]") -> None:
-    from harness.cli.terminal import show
     from harness.report.rows.returns import matrix_title, return_grid
-    from harness.report.tables.grid import show_titled
+    from harness.report.tables.grid import show, show_titled
 
     for matrix in matrices:
         show(show_titled(matrix_title(matrix), return_grid(matrix)))
@@ -230,7 +229,7 @@ def _score_files(
 
 
 def _print_table(matrices: "Sequence[ScoreMatrix]", results: "Results") -> None:
-    from harness.cli.terminal import show
+    from harness.report.tables.grid import show
     from harness.report.tables.score import score_table
 
     show(score_table(matrices))

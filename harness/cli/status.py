@@ -4,8 +4,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from harness.cli.flags.shared import AsJson, ExperimentFolder
-from harness.cli.foreseen import left_text
-from harness.cli.learning_texts import learned_texts, unended_text
 from harness.cli.output import say, say_json
 
 if TYPE_CHECKING:
@@ -24,6 +22,7 @@ def status(
     as_json: AsJson = False,
 ) -> None:
     """Say how many cells are done, what is running, and how long the rest will take. Changes nothing."""
+    from harness.cli.progress import left_text
     from harness.record.status import read_status
 
     found, standing = read_status(folder), _standing(folder)
@@ -61,6 +60,8 @@ def _standing(folder: Path) -> "Standing | Choosing | None":
 def _detail(one: "Progress", found: "FolderStatus") -> str:
     if one.running is None:
         return one.reason
+    from harness.cli.progress import learned_texts, unended_text
+
     steps = f"{one.running.steps} of {one.cell.steps} steps"
     if one.status == "interrupted":
         return f"{steps}; run the same command again to go on"

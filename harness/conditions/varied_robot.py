@@ -11,8 +11,8 @@ import numpy as np
 
 from harness.conditions.conditions import Conditions
 from harness.robot import Robot
+from harness.robot.joint_limits import Servo
 from harness.robot.kinematics import build_chain, read_only
-from harness.robot.servo import Servo
 from harness.robot.shapes import attach_shapes, read_shapes
 from harness.robot.urdf import Urdf, linked, parse_urdf, read_chain
 

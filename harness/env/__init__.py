@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     )
     from harness.env.episodes import Episodes as Episodes
     from harness.env.ideal import IdealSimulation as IdealSimulation, IdealSimulator as IdealSimulator
-    from harness.env.make import ReachEnv as ReachEnv, World as World, build_world as build_world
     from harness.env.solid_probes import require_solids as require_solids
+    from harness.env.vector_env import ReachEnv as ReachEnv, World as World, build_world as build_world
 else:
     __all__, __getattr__ = face_of(__name__, __file__)

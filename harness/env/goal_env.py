@@ -16,7 +16,7 @@ from harness.arrays import Float
 from harness.conditions import conditions_of
 from harness.env.arm_observation import ArmObservation
 from harness.env.events import GROUND
-from harness.env.make import Action, Given, ReachEnv
+from harness.env.vector_env import Action, Given, ReachEnv
 from harness.errors import UsageError
 from harness.registry.choice import build_defaults, choose
 from harness.registry.registry import Registry, load_registry

@@ -15,10 +15,20 @@ if TYPE_CHECKING:
     from harness.eta.curve import GroupCurve as GroupCurve, Kind as Kind, curve_of as curve_of
     from harness.eta.decomposition import decompose as decompose
     from harness.eta.equal import equal_sentences as equal_sentences, equal_trainings as equal_trainings
-    from harness.eta.headline import UNMEASURED as UNMEASURED, Answer as Answer
-    from harness.eta.index import Index as Index, Ratio as Ratio
+    from harness.eta.headline import (
+        UNMEASURED as UNMEASURED,
+        Answer as Answer,
+        number_sentence as number_sentence,
+        return_sentence as return_sentence,
+    )
+    from harness.eta.index import (
+        Index as Index,
+        Ratio as Ratio,
+        SeedMean as SeedMean,
+        mean_over_seeds as mean_over_seeds,
+    )
     from harness.eta.interval import SHARE as SHARE, UNBOUNDED as UNBOUNDED
-    from harness.eta.judgement import Verdict as Verdict
+    from harness.eta.judgement import Verdict as Verdict, lead_of as lead_of
     from harness.eta.laws import (
         Better as Better,
         Curve as Curve,
@@ -31,9 +41,7 @@ if TYPE_CHECKING:
         shortfall_beside as shortfall_beside,
         within as within,
     )
-    from harness.eta.lead import lead_of as lead_of
     from harness.eta.manner import TRAINING as TRAINING
-    from harness.eta.number import number_sentence as number_sentence, return_sentence as return_sentence
     from harness.eta.ranking import (
         Agreement as Agreement,
         agreement_of as agreement_of,
@@ -42,11 +50,14 @@ if TYPE_CHECKING:
     )
     from harness.eta.rescaling import Rescaling as Rescaling, line_of as line_of, rescaling_of as rescaling_of
     from harness.eta.return_split import split_returns as split_returns
-    from harness.eta.scored_sums import BB as BB, BK as BK, KB as KB, KK as KK, Pair as Pair
-    from harness.eta.seed_mean import SeedMean as SeedMean, mean_over_seeds as mean_over_seeds
     from harness.eta.splits import (
+        BB as BB,
+        BK as BK,
+        KB as KB,
+        KK as KK,
         Decomposition as Decomposition,
         Names as Names,
+        Pair as Pair,
         Split as Split,
         no_splits as no_splits,
     )

@@ -23,9 +23,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float, Mask
+from harness.eta.index import SeedMean
 from harness.eta.interval import CONFIDENCE, LEAST_SEEDS, SHARE, Interval, quantile
 from harness.eta.rescaling import rounded
-from harness.eta.seed_mean import SeedMean
 from harness.files.plain import Plain
 
 RanksAs: TypeAlias = Literal["RANKS AS SUCCESS DOES", "RANKS AGAINST IT", "CANNOT TELL"]

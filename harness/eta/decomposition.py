@@ -22,7 +22,7 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.eta.curve import GroupCurve, mixtures, swapped
-from harness.eta.index import Ratio
+from harness.eta.index import Ratio, SeedMean
 from harness.eta.interval import (
     CONFIDENCE,
     Jackknife,
@@ -32,9 +32,20 @@ from harness.eta.interval import (
     spread_range,
     why_no_interval,
 )
-from harness.eta.scored_sums import BB, BK, KB, KK, Curves, Pair, ScoredSums, scored_sums
-from harness.eta.seed_mean import SeedMean
-from harness.eta.splits import Decomposition, Split, SplitPath, SumSplit
+from harness.eta.splits import (
+    BB,
+    BK,
+    KB,
+    KK,
+    Curves,
+    Decomposition,
+    Pair,
+    ScoredSums,
+    Split,
+    SplitPath,
+    SumSplit,
+    scored_sums,
+)
 from harness.eta.swaps import label_shares, p_of, swaps_of
 
 OWNER = {

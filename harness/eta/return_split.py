@@ -15,10 +15,8 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.eta.decomposition import OWNER, Splitter, noise_of_means, split_sum
-from harness.eta.index import Ratio
-from harness.eta.scored_sums import BB, BK, KB, KK, Pair, ScoredSums, means_without_each
-from harness.eta.seed_mean import SeedMean, mean_over_seeds
-from harness.eta.splits import Split, SumSplit
+from harness.eta.index import Ratio, SeedMean, mean_over_seeds
+from harness.eta.splits import BB, BK, KB, KK, Pair, ScoredSums, Split, SumSplit, means_without_each
 from harness.eta.swaps import Swaps, p_of
 
 NAME = "mean return"

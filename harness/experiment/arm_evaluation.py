@@ -14,7 +14,7 @@ from harness.arrays import Float, Float32
 from harness.conditions import conditions_of
 from harness.conditions.varied_robot import Factors, draw_factors
 from harness.env.arm_observation import kinematics_policy, why_not_kinematics
-from harness.env.make import World
+from harness.env.vector_env import World
 from harness.errors import SimulationDiverged
 from harness.eta.manner import ACTED_AT_RANDOM, DETERMINISTIC, Acted
 from harness.policy import Policy

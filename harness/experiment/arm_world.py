@@ -13,17 +13,16 @@ import numpy as np
 from harness.algorithm import Algorithm, TrainingEnv
 from harness.arrays import Float
 from harness.env import ReachVectorEnv
-from harness.env.make import World, build_world
 from harness.env.solid_probes import require_solids
+from harness.env.vector_env import World, build_world
 from harness.eta.manner import Acted
 from harness.executor import NO_SCALARS
 from harness.experiment.arm_evaluation import facts_of, record_evaluation
 from harness.experiment.checkpoints.checkpoint import Attempt
 from harness.experiment.checkpoints.trace_parts import TraceParts
 from harness.experiment.provenance import describe_environment
-from harness.experiment.telling import TELL_EVERY, Beat, named_scalars
 from harness.experiment.trials.tried import Tried
-from harness.experiment.workers.order import Report
+from harness.experiment.workers.order import TELL_EVERY, Beat, Report, named_scalars
 from harness.log import Log
 from harness.log.log import OpenEpisodes
 from harness.policy import Policy

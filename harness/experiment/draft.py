@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, Generic, Self, TypeVar
 
 from harness.errors import one_line
-from harness.files.whole_file import whole_file
+from harness.files.bounded import whole_file
 from harness.record.folder import LOG, partial_folder, publish
 from harness.record.manifest import Ending, now
 

@@ -13,10 +13,9 @@ from typing import Any
 from harness.errors import UsageError
 from harness.hookspecs import KINDS
 from harness.record.cell import Cell
-from harness.registry.libraries import distribution_of, is_installed, version_of
 from harness.registry.registry import Registry
 from harness.registry.sources import source_hash
-from harness.registry.spec import OURS, Spec
+from harness.registry.spec import OURS, Spec, distribution_of, is_installed, version_of
 from harness.reward import Sample
 from harness.reward.needs import needs_of
 from harness.robot import Robot

@@ -14,8 +14,7 @@ import numpy as np
 from harness.algorithm import Algorithm
 from harness.eta.manner import ACTED_AT_RANDOM, OWN_AND_OTHER
 from harness.executor import CellOptions, Word
-from harness.experiment.checkpoints.checkpoint import Attempt, Checkpoint, begin_attempt, store
-from harness.experiment.checkpoints.stored_rings import discard_rings
+from harness.experiment.checkpoints.checkpoint import Attempt, Checkpoint, begin_attempt, discard_rings, store
 from harness.experiment.checkpoints.trace_parts import discard_parts
 from harness.experiment.draft import Draft, draft_of
 from harness.experiment.workers.order import Report

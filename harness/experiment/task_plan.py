@@ -16,9 +16,8 @@ from harness.motion import Discrete
 from harness.record.cell import BROUGHT, EVALUATION_HORIZON
 from harness.registry.choice import Choice, choose, split_list
 from harness.registry.measure_functions import EPISODE, HIGHER, LOWER, SUCCESS
-from harness.registry.names import unknown_name
 from harness.registry.registry import Registry
-from harness.registry.spec import PLANNED, blamed_on
+from harness.registry.spec import PLANNED, blamed_on, unknown_name
 from harness.results.metrics import fields_needed, load_metrics, require_measures
 from harness.reward.forms import STEP
 from harness.reward.given import ARGUMENTS

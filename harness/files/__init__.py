@@ -1,11 +1,31 @@
 """Files as strangers may have made them, and as ours have to be: whole, sealed, known again."""
 
-from harness.files.bounded import digest_of, kind_at, open_regular, read_json, read_text, reading, require_regular
-from harness.files.names import is_inside, is_plain, twins
+from harness.files.bounded import (
+    digest_of,
+    is_inside,
+    is_partial,
+    is_plain,
+    kind_at,
+    open_regular,
+    read_json,
+    read_text,
+    reading,
+    require_regular,
+    twins,
+    whole_files,
+    write_whole,
+)
 from harness.files.plain import Plain
-from harness.files.sealed import read_sealed, seal, unseal
-from harness.files.sums import changed_since_made, forget_made, making, note_made, read_sums
-from harness.files.whole_file import is_partial, whole_files, write_whole
+from harness.files.sealed import (
+    changed_since_made,
+    forget_made,
+    making,
+    note_made,
+    read_sealed,
+    read_sums,
+    seal,
+    unseal,
+)
 
 __all__ = [
     "Plain",

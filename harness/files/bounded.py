@@ -1,4 +1,4 @@
-"""Reads files that anybody may have made: regular ones alone, of a bounded size; JSON that ends somewhere."""
+"""Files: read within bounds, written whole or not at all, named so that a name stays in its folder."""
 
 import errno
 import hashlib
@@ -8,7 +8,8 @@ import os
 import re
 import stat
 import sys
-from collections.abc import Iterator
+import unicodedata
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, BinaryIO, NamedTuple
@@ -263,3 +264,114 @@ def digest_of(path: Path) -> str:
     """SHA-256 of a file, in hexadecimal."""
     with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+PARTIAL = ".partial"
+"""The end of the name of a file that is not complete; such a name begins with a dot."""
+
+
+@contextmanager
+def whole_file(path: Path) -> Iterator[Path]:
+    """A place beside `path` to write to; what is written there takes the place of `path` when the block ends.
+
+    A reader finds the old file or the new one, whole. When an exception passes, the old one stays. A link at `path` is
+    replaced, not followed.
+
+    Raises:
+        OSError: The file cannot take its place.
+    """
+    with whole_files(path.parent, [path.name]) as (partial,):
+        yield partial
+
+
+@contextmanager
+def whole_files(folder: Path, names: Sequence[str], is_lasting: bool = True) -> Iterator[list[Path]]:
+    """The same for several files of one folder. They take their places in this order, and all are written by then.
+
+    Args:
+        folder: Where they belong.
+        names: Of the files.
+        is_lasting: They also survive a machine that stops. That takes the disk some milliseconds for each file.
+
+    Raises:
+        OSError: One of them cannot take its place; those before it have.
+    """
+    partials = [folder / f".{name}.{os.getpid()}{PARTIAL}" for name in names]
+    for partial in partials:
+        partial.unlink(missing_ok=True)  # of a killed process with this number, or a link that somebody laid there
+    try:
+        yield partials
+        if is_lasting:
+            for partial in partials:
+                sync(partial)  # else a machine that stops could leave the new name on an empty file
+        for partial, name in zip(partials, names, strict=True):
+            os.replace(partial, folder / name)
+        if is_lasting:
+            sync(folder)
+    finally:
+        for partial in partials:
+            with suppress(OSError):  # gone if it took its place, never there if it could not be written
+                partial.unlink()
+
+
+def write_whole(path: Path, content: str | bytes) -> None:
+    """Write a file, text as UTF-8; see `whole_file`."""
+    with whole_file(path) as partial:
+        partial.write_bytes(content.encode() if isinstance(content, str) else content)
+
+
+def is_partial(path: Path) -> bool:
+    """Whether a process that was killed left it half written."""
+    return path.name.startswith(".") and path.name.endswith(PARTIAL)
+
+
+def files_in(folder: Path) -> list[Path]:
+    """All files in a folder and in the folders in it, in order. Links to folders are not followed."""
+    return sorted(Path(place) / name for place, _, names in os.walk(folder) for name in names)
+
+
+def sync(path: Path) -> None:
+    """Have the system write a file, or the names in a folder, to the disk.
+
+    Raises:
+        OSError: It cannot.
+    """
+    if path.is_dir() and os.name == "nt":
+        return  # Windows opens no folder
+    number = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(number)
+    finally:
+        os.close(number)
+
+
+LONGEST = 255
+"""The most bytes of the name of a file, on most systems."""
+
+
+def is_plain(name: str) -> bool:
+    r"""Whether a name is that of a file or folder in the folder that names it, and in no other place.
+
+    ``..``, ``.``, ``a/b``, ``a\b``, ``C:a``, and names that are empty, too long, or hold a character that no text has,
+    are not.
+    """
+    if name in ("", ".", "..") or any(char in name for char in "/\\:"):
+        return False
+    if any(unicodedata.category(char) in ("Cc", "Cs") for char in name):
+        return False
+    return len(name.encode()) <= LONGEST
+
+
+def is_inside(path: str) -> bool:
+    """Whether a path, its parts between slashes, leads to a file in the folder that names it, or below."""
+    return all(map(is_plain, path.split("/")))
+
+
+def twins(paths: Iterable[str]) -> list[str]:
+    """The paths that some systems take for another one of the list: its case or its accents are written otherwise."""
+    known: dict[str, str] = {}
+    return [path for path in paths if known.setdefault(_on_any_system(path), path) != path]
+
+
+def _on_any_system(path: str) -> str:
+    return unicodedata.normalize("NFC", unicodedata.normalize("NFC", path).casefold())

@@ -10,9 +10,8 @@ from harness.motion.discrete import Discrete
 from harness.motion.joints import MoveJAbsoluteMode, MoveJMode, SetJointsMode
 from harness.motion.motion import Motion, Setting
 from harness.motion.tip import MoveAMode, MoveLMode
-from harness.registry.choice import parse
-from harness.registry.names import did_you_mean
-from harness.registry.parameters import build
+from harness.registry.choice import build, parse
+from harness.registry.spec import did_you_mean
 
 
 @dataclass(frozen=True)

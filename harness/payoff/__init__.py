@@ -9,12 +9,6 @@ if TYPE_CHECKING:
     from harness.payoff.dataset.paid_dataset import pay_dataset as pay_dataset
     from harness.payoff.dataset.scores_file import write_dataset_scores as write_dataset_scores
     from harness.payoff.dataset.step_by_step import step_by_step as step_by_step
-    from harness.payoff.finishing import (
-        finishing_of as finishing_of,
-        never_paid as never_paid,
-        payoff_of as payoff_of,
-        temptations as temptations,
-    )
     from harness.payoff.rollout import (
         SCRIPTS as SCRIPTS,
         Rollout as Rollout,
@@ -23,9 +17,13 @@ if TYPE_CHECKING:
     )
     from harness.payoff.score import (
         discounted_sum as discounted_sum,
+        finishing_of as finishing_of,
+        never_paid as never_paid,
         pay_distances as pay_distances,
+        payoff_of as payoff_of,
         score_rollout as score_rollout,
         steps_along as steps_along,
+        temptations as temptations,
     )
 else:
     __all__, __getattr__ = face_of(__name__, __file__)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float32
-from harness.policy.network import Network, require_sound
+from harness.policy.continuous import Network, require_sound
 from harness.policy.policy import Policy, scatter
 
 

@@ -8,9 +8,8 @@ from typing import Any
 from harness.errors import HarnessError, SchemaError
 from harness.policy.continuous import Deterministic, Gaussian, SquashedGaussian, Uniform
 from harness.policy.discrete import Categorical, Greedy, UniformChoice
-from harness.policy.folder import read_folder
 from harness.policy.inverse_kinematics import InverseKinematics
-from harness.policy.policy import Policy
+from harness.policy.policy import Policy, read_folder
 from harness.text import one_line_of
 
 KINDS: tuple[type[Policy], ...] = (

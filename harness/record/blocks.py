@@ -17,8 +17,7 @@ from pydantic import Field, with_config
 
 from harness.arrays import Float
 from harness.errors import SchemaError
-from harness.files.bounded import read_json, reading
-from harness.files.whole_file import whole_files
+from harness.files.bounded import read_json, reading, whole_files
 from harness.record.file_forms import EXACT, Name, Number, Whole, read_form, told_as
 
 BLOCKS = "blocks.json"

@@ -22,7 +22,7 @@ from pydantic import (
 from pydantic_core.core_schema import no_info_after_validator_function
 from typing_extensions import TypedDict
 
-from harness.files.names import is_inside, twins
+from harness.files.bounded import is_inside, twins
 from harness.registry.choice import Choice
 
 T = TypeVar("T")

@@ -3,8 +3,7 @@
 import shutil
 from pathlib import Path
 
-from harness.files.bounded import digest_of
-from harness.files.whole_file import sync
+from harness.files.bounded import digest_of, sync
 
 MANIFEST, LOG = "manifest.json", "log.txt"
 TRACE, EVALUATION, RANDOM = "trace.parquet", "evaluation.parquet", "random.parquet"

@@ -9,7 +9,7 @@ from itertools import product
 from pathlib import Path
 
 from harness.errors import NewerFormat, SchemaError, UsageError
-from harness.files.whole_file import files_in, is_partial
+from harness.files.bounded import files_in, is_partial
 from harness.record.added import Owner, owners
 from harness.record.cell import Cell
 from harness.record.file_forms import Status

@@ -11,9 +11,8 @@ from pydantic import AfterValidator, BeforeValidator, Field, with_config
 
 import harness.record.file_forms as forms
 from harness.errors import SchemaError, UsageError, one_line
-from harness.files.bounded import reading
+from harness.files.bounded import reading, write_whole
 from harness.files.sealed import read_sealed, seal, unseal
-from harness.files.whole_file import write_whole
 from harness.record.cell import Cell
 from harness.record.terms import FIRST, Terms
 from harness.registry.toml_file import MOST_DEPTH, depth_of, read_toml

@@ -13,8 +13,7 @@ from typing import Annotated, Any, Self
 from pydantic import Field
 
 from harness.errors import SchemaError
-from harness.files.bounded import read_json, reading
-from harness.files.whole_file import whole_files
+from harness.files.bounded import read_json, reading, whole_files
 from harness.record.file_forms import Number, Seconds, Whole, read_form
 
 RUNNING = "running.json"

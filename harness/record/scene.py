@@ -15,8 +15,7 @@ from pydantic import Field, StringConstraints, with_config
 from typing_extensions import TypedDict
 
 from harness.arrays import Float
-from harness.files.bounded import read_json, reading
-from harness.files.whole_file import write_whole
+from harness.files.bounded import read_json, reading, write_whole
 from harness.record.file_forms import EXACT, Name, read_form, told_as
 from harness.record.folder import SCENE
 

@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from harness.errors import NewerFormat, SchemaError, UsageError
-from harness.files.whole_file import is_partial
+from harness.files.bounded import is_partial
 from harness.record.cell import Cell
 from harness.record.file_forms import Status
 from harness.record.folder import CHECKPOINT, LOG, MANIFEST, RANDOM, partial_folder, publish, recording_of

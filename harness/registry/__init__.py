@@ -7,10 +7,13 @@ from harness.face import face_of
 if TYPE_CHECKING:
     from harness.registry.choice import (
         Choice as Choice,
+        build as build,
         build_defaults as build_defaults,
         choose as choose,
+        parameters_of as parameters_of,
         parse as parse,
         split_list as split_list,
+        values_of as values_of,
     )
     from harness.registry.given import (
         Given as Given,
@@ -20,11 +23,14 @@ if TYPE_CHECKING:
         require_given as require_given,
         split_measures as split_measures,
     )
-    from harness.registry.names import did_you_mean as did_you_mean, unknown_name as unknown_name
-    from harness.registry.parameters import build as build, parameters_of as parameters_of, values_of as values_of
     from harness.registry.registry import Plugin as Plugin, Registry as Registry, load_registry as load_registry
     from harness.registry.sources import fingerprint as fingerprint, source_hash as source_hash
-    from harness.registry.spec import OURS as OURS, Spec as Spec
+    from harness.registry.spec import (
+        OURS as OURS,
+        Spec as Spec,
+        did_you_mean as did_you_mean,
+        unknown_name as unknown_name,
+    )
     from harness.registry.toml_file import read_toml as read_toml
 else:
     __all__, __getattr__ = face_of(__name__, __file__)

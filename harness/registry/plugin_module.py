@@ -22,9 +22,8 @@ from typing import Any
 
 from harness.errors import UsageError, one_line
 from harness.registry.given import ENDING, PluginFile, kind_of
-from harness.registry.hooks import fault_of, hooks_of
 from harness.registry.sources import BESIDE
-from harness.registry.spec import Spec
+from harness.registry.spec import Spec, fault_of, hooks_of
 
 COPIES = "harness-plugins-"
 """What the names of folders with copies of plugin files begin with; the number of the process follows."""

@@ -15,11 +15,8 @@ import pluggy
 from harness.errors import PluginError, UsageError, one_line, sentence
 from harness.hookspecs import KINDS, NOUNS, PROJECT, Hooks
 from harness.registry.given import Given, PluginClass, PluginFile
-from harness.registry.hooks import fault_of, hooks_of
-from harness.registry.libraries import module_of
-from harness.registry.names import did_you_mean, unknown_name
 from harness.registry.plugin_module import class_of_file, import_file
-from harness.registry.spec import OURS, Spec, canonical
+from harness.registry.spec import OURS, Spec, canonical, did_you_mean, fault_of, hooks_of, module_of, unknown_name
 
 if TYPE_CHECKING:
     from harness.registry.step_functions import StepFunction

@@ -1,16 +1,110 @@
 """A name that users type and the object behind it."""
 
+import difflib
 import importlib
+import importlib.metadata
+import importlib.util
+import inspect
+import pkgutil
 import re
 import shlex
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import lru_cache
+from importlib.machinery import PathFinder
+from types import FunctionType, ModuleType
 from typing import Any
 
 from harness.errors import HarnessError, PluginError, UsageError, one_line, sentence
-from harness.hookspecs import NOUNS
-from harness.registry.libraries import is_met, module_of
+from harness.hookspecs import KINDS, NOUNS, PROJECT
+
+_NEED = re.compile(r"(?P<module>[A-Za-z_][\w.]*)(?:>=(?P<version>\d+(?:\.\d+)*))?")
+
+
+def module_of(need: str) -> str:
+    """The module of a need, ``mujoco`` of ``mujoco>=3.17``.
+
+    Raises:
+        ValueError: It is neither the name of a module nor one with its least version.
+    """
+    return _parsed(need)[0]
+
+
+def is_met(need: str) -> bool:
+    """Whether a module can be found, in the version that is needed if one is named, ``mujoco>=3.17``."""
+    module, least = _parsed(need)
+    return is_installed(module) and (not least or _numbers(version_of(distribution_of(module))) >= _numbers(least))
+
+
+def _parsed(need: str) -> tuple[str, str]:
+    found = _NEED.fullmatch(need)
+    if found is None:
+        raise ValueError(f"'{need}' is neither a module nor a module with its least version, such as 'mujoco>=3.17'")
+    return found["module"], found["version"] or ""
+
+
+def _numbers(version: str) -> tuple[int, ...]:
+    """The numbers that a version begins with, ``(3, 17)`` of ``3.17.0rc1``; zeros at its end do not count."""
+    numbers = [int(part) for part in (re.match(r"\d+(?:\.\d+)*", version) or [""])[0].split(".") if part]
+    while numbers and not numbers[-1]:
+        numbers.pop()
+    return tuple(numbers)
+
+
+def is_installed(module: str) -> bool:
+    """Whether a module can be found; the packages that it stands in are not imported."""
+    package, *parts = module.split(".")
+    try:
+        found = importlib.util.find_spec(package)
+        for part in parts:
+            folders = [] if found is None else found.submodule_search_locations or []
+            places = pkgutil.extend_path([*folders], package)  # several distributions may fill a package
+            package = f"{package}.{part}"
+            found = PathFinder.find_spec(package, places)
+    except (ImportError, ValueError):
+        return False
+    return found is not None
+
+
+def distribution_of(module: str) -> str:
+    """Name of the distribution that brings a module: mostly the module's own, as ``dm-control`` for ``dm_control``.
+
+    A module in a package may come by a distribution of its own, as ``mujoco.mjx`` by ``mujoco-mjx``.
+    """
+    name = module.partition(".")[0].replace("_", "-")
+    for own in dict.fromkeys([re.sub(r"[._]", "-", module), name]):
+        if version_of(own):
+            return own
+    # To ask all distributions takes a fifth of a second, which every cell would wait for.
+    found = importlib.metadata.packages_distributions().get(module.partition(".")[0], [name])
+    return found[0]
+
+
+def version_of(distribution: str) -> str:
+    """The version of an installed distribution; empty if it is not installed."""
+    try:
+        return _installed_version(distribution)
+    except importlib.metadata.PackageNotFoundError:
+        return ""
+
+
+@lru_cache(maxsize=256)  # what a process runs, it loaded before; to ask reads all of the distribution's metadata
+def _installed_version(distribution: str) -> str:
+    return importlib.metadata.version(distribution)
+
+
+def unknown_name(noun: str, name: str, known: Iterable[str]) -> str:
+    """One line: what was given, what there is, the nearest match."""
+    known = sorted(known)
+    return f"No {noun} '{name}'. There is: {', '.join(known) or 'none'}.{did_you_mean(name, known)}"
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """A question to add to a message; empty without a near match."""
+    nearest = difflib.get_close_matches(name, list(known), n=1)
+    return f" Did you mean '{nearest[0]}'?" if nearest else ""
+
 
 OURS = "fd100-harness"
 """The distribution whose plugins are built in."""
@@ -138,3 +232,53 @@ def blamed_on(spec: Spec, doing: str) -> Iterator[None]:
 def canonical(distribution: str) -> str:
     """The name of a distribution as all its spellings have it: lower-case, with hyphens."""
     return re.sub(r"[-_.]+", "-", distribution).lower()
+
+
+API_VERSION = 2
+"""Version of the interfaces. A plugin may state the one it was written for as ``harness_api = 2``."""
+HOOKS = tuple(f"register_{kind}" for kind in KINDS)
+ARGUMENT = "register"
+"""What every hook takes, by this name."""
+
+
+def hooks_of(module: ModuleType) -> list[FunctionType]:
+    """The functions of a module that are marked with ``@harness.hookimpl``."""
+    return [it for it in vars(module).values() if isinstance(it, FunctionType) and hasattr(it, f"{PROJECT}_impl")]
+
+
+def fault_of(module: ModuleType) -> str:
+    """Why the hooks of a module cannot be called, with what was meant; empty if they can."""
+    wanted = getattr(module, "harness_api", API_VERSION)
+    if wanted != API_VERSION:
+        return f"written for harness_api {wanted}, this is {API_VERSION}"
+    faults = [fault for hook in hooks_of(module) for fault in _faults_of(hook)]
+    faults += [f"{name} is not marked: write @harness.hookimpl above it" for name in _unmarked(module)]
+    if faults:
+        return "; ".join(faults)
+    return "" if hooks_of(module) else "implements no hook: mark its functions with @harness.hookimpl"
+
+
+def _faults_of(hook: FunctionType) -> Iterator[str]:
+    name = _name_of(hook)
+    if name not in HOOKS:
+        yield f"there is no hook {name}.{did_you_mean(name, HOOKS) or ' There is: ' + ', '.join(HOOKS)}"
+        return
+    parameters = inspect.signature(hook).parameters
+    needed = [it.name for it in parameters.values() if it.default is it.empty]
+    if needed != [ARGUMENT]:
+        yield f"{name}({', '.join(parameters)}) cannot be called: its one argument has to be named '{ARGUMENT}'"
+
+
+def _name_of(hook: FunctionType) -> str:
+    """The name of the hook that a function implements: mostly its own."""
+    return getattr(hook, f"{PROJECT}_impl").get("specname") or hook.__name__
+
+
+def _unmarked(module: ModuleType) -> list[str]:
+    """Functions that are called like a hook and are none."""
+    marked = {_name_of(hook) for hook in hooks_of(module)}
+    return [
+        name
+        for name, it in vars(module).items()
+        if name in HOOKS and name not in marked and isinstance(it, FunctionType) and it.__module__ == module.__name__
+    ]

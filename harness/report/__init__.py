@@ -5,8 +5,7 @@ from typing import TYPE_CHECKING
 from harness.face import face_of
 
 if TYPE_CHECKING:
-    from harness.report.document import report_text as report_text
-    from harness.report.facts import shared_facts as shared_facts
+    from harness.report.document import report_text as report_text, shared_facts as shared_facts
     from harness.report.figures.chart import (
         Axis as Axis,
         Chart as Chart,
@@ -16,15 +15,16 @@ if TYPE_CHECKING:
     )
     from harness.report.figures.draw import draw_chart as draw_chart
     from harness.report.figures.learning import describe_learning as describe_learning, draw_learning as draw_learning
-    from harness.report.figures.split_rows import describe_split as describe_split
+    from harness.report.figures.split import describe_split as describe_split
     from harness.report.page.eta import write_eta_page as write_eta_page
     from harness.report.page.html import write_html as write_html
+    from harness.report.page.page import typeset as typeset
     from harness.report.replay.section import replay_of as replay_of
     from harness.report.rows.behaviour import along_grid as along_grid, behaviour_grids as behaviour_grids
-    from harness.report.rows.choosing import choosing_told as choosing_told
     from harness.report.rows.comparison import (
         basis_text as basis_text,
         beside_answer as beside_answer,
+        choosing_told as choosing_told,
         question as question,
         what_decides as what_decides,
     )
@@ -35,13 +35,10 @@ if TYPE_CHECKING:
         format_number as format_number,
         scales_text as scales_text,
     )
-    from harness.report.rows.returns import return_grid as return_grid
-    from harness.report.rows.terms import terms_grid as terms_grid
+    from harness.report.rows.returns import return_grid as return_grid, terms_grid as terms_grid
     from harness.report.tables.comparison import comparison_table as comparison_table
     from harness.report.tables.eta import eta_table as eta_table
-    from harness.report.tables.overview import overview_table as overview_table
-    from harness.report.tables.ranking import ranking_table as ranking_table
+    from harness.report.tables.overview import overview_table as overview_table, ranking_table as ranking_table
     from harness.report.tables.score import score_table as score_table
-    from harness.report.typography import typeset as typeset
 else:
     __all__, __getattr__ = face_of(__name__, __file__)

@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 
 from harness.eta.behaviour_change import Quantity
 from harness.eta.headline import SUCCESS
+from harness.eta.index import SeedMean, mean_of_known
 from harness.eta.manner import TRAINING
-from harness.eta.seed_mean import SeedMean, mean_of_known
 from harness.results.comparison import Group
 from harness.results.learning import LearningCurve
 from harness.results.recordings.episodes import Part

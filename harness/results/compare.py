@@ -15,12 +15,11 @@ from harness.eta.laws import ends_of
 from harness.eta.manner import DETERMINISTIC, EVALUATION, LAST, LEARNING, OWN_AND_OTHER, STOCHASTIC, TRAINING
 from harness.eta.paid_at_random import PaidAtRandom, paid_at_random
 from harness.eta.return_split import ReturnSplit, split_returns
-from harness.eta.scored_sums import BB, BK, KB, KK, Pair
-from harness.eta.splits import Decomposition
+from harness.eta.splits import BB, BK, KB, KK, Decomposition, Pair
 from harness.eta.swaps import Swaps, swaps_of
 from harness.record.manifest import Manifest
 from harness.record.terms import FIRST, Terms
-from harness.registry.names import unknown_name
+from harness.registry.spec import unknown_name
 from harness.results.comparison import Behaviour, Comparison, Number, StepChange
 from harness.results.logs.told import FOUND_OUT, Told
 from harness.results.measured import (

@@ -7,8 +7,8 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 from harness.eta.behaviour_change import Quantity
+from harness.eta.index import SeedMean, mean_of_known
 from harness.eta.interval import UNBOUNDED, Bounds
-from harness.eta.seed_mean import SeedMean, mean_of_known
 from harness.results.comparison import Group
 from harness.results.measured import Moment, Values, moments_by_due
 

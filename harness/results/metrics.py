@@ -13,9 +13,9 @@ from harness.log import Log
 from harness.measure import Measure, bounds_of, is_error, is_share, is_time, needs_of
 from harness.record.manifest import Manifest
 from harness.registry.choice import Choice, choose, split_list
-from harness.registry.names import unknown_name
 from harness.registry.registry import Registry
 from harness.registry.sources import fingerprint
+from harness.registry.spec import unknown_name
 from harness.results.measured import unmeasured
 
 BETTER = ("higher", "lower", "")

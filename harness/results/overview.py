@@ -5,12 +5,11 @@ from html import escape
 from typing import Literal, NamedTuple, TypeAlias
 
 from harness.eta.behaviour_change import Change
-from harness.eta.headline import SHORT, count_seeds, key_of
+from harness.eta.headline import SHORT, count_seeds, format_number, key_of, signed
 from harness.eta.index import NEAR_ZERO, NOTHING, Ratio
 from harness.eta.manner import TRAINING, WHOLE
-from harness.eta.number import format_number, signed
 from harness.eta.return_split import ReturnSplit
-from harness.eta.scored_sums import BB, KK
+from harness.eta.splits import BB, KK
 from harness.results.comparison import Comparison
 from harness.text import visible
 

@@ -8,8 +8,7 @@ from typing import Any
 
 from harness.eta.behaviour_change import Change
 from harness.eta.headline import Answer, Headline
-from harness.eta.judgement import Verdict
-from harness.eta.lead import lead_of
+from harness.eta.judgement import Verdict, lead_of
 from harness.eta.splits import Names
 from harness.eta.verdict.ruling import Ruling
 

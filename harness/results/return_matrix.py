@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from harness.eta.seed_mean import SeedMean
+from harness.eta.index import SeedMean
 from harness.results.comparison import Group
 
 

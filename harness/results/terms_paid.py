@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from harness.errors import Unscored
+from harness.eta.index import SeedMean, mean_of_known
 from harness.eta.interval import CONFIDENCE, UNBOUNDED, difference_bounds, why_no_interval
-from harness.eta.seed_mean import SeedMean, mean_of_known
 from harness.files.plain import Plain
 from harness.results.by_term import ByTerm
 from harness.results.comparison import Group

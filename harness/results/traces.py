@@ -10,8 +10,8 @@ from harness.arrays import Float
 from harness.errors import NewerFormat, SchemaError, Unscored
 from harness.eta.behaviour_change import Quantity
 from harness.eta.headline import DECIDING, SUCCESS
+from harness.eta.index import SeedMean, mean_over_seeds
 from harness.eta.laws import Account
-from harness.eta.seed_mean import SeedMean, mean_over_seeds
 from harness.measure import Measure, is_share
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION

@@ -10,7 +10,7 @@ from harness.eta.curve import GroupCurve, Kind, stream_curve
 from harness.eta.headline import SUCCESS
 from harness.eta.interval import SHARE
 from harness.eta.manner import TRAINING, WHOLE
-from harness.eta.scored_sums import Pair
+from harness.eta.splits import Pair
 from harness.results.by_term import ByTerm
 from harness.results.cell_results import CellResults
 from harness.results.comparison import Comparison, Group

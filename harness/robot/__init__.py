@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from harness.robot.energy import read_bodies as read_bodies
     from harness.robot.ground_clearance import Solids as Solids, build_solids as build_solids
     from harness.robot.inverse_kinematics import reach_pose as reach_pose, reach_position as reach_position
+    from harness.robot.joint_limits import Servo as Servo
     from harness.robot.kinematics import (
         Chain as Chain,
         child_frames as child_frames,
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
     )
     from harness.robot.meshes import read_mesh as read_mesh
     from harness.robot.robot import load_robot as load_robot, read_robot as read_robot
-    from harness.robot.servo import Servo as Servo
     from harness.robot.shapes import Shape as Shape, attach_shapes as attach_shapes, read_shapes as read_shapes
     from harness.robot.urdf import parse_urdf as parse_urdf, read_chain as read_chain
 else:

@@ -12,7 +12,7 @@ from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
 from harness.errors import UsageError
-from harness.registry.names import did_you_mean
+from harness.registry.spec import did_you_mean
 from harness.robot.chain_end import find_chain_end
 from harness.robot.normal_urdf import fix_joint
 from harness.robot.settings import BASE, CHAIN, FIXED, RANGE_KEYS, TOOL, RobotSettings, motion_of, shown

@@ -11,7 +11,7 @@ from pathlib import Path, PurePosixPath
 
 from harness.errors import UsageError
 from harness.files.bounded import read_text
-from harness.registry.names import did_you_mean
+from harness.registry.spec import did_you_mean
 
 INSTALLED = re.compile(r"([A-Za-z0-9][A-Za-z0-9._-]+):([^/\\:][^:]*)")
 """``pybullet_data:kuka_iiwa/model.urdf``; one letter and a colon is a drive, and ``file://`` begins with slashes."""

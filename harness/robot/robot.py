@@ -20,7 +20,7 @@ from harness.registry.registry import Registry, load_registry
 from harness.robot.arrangement import arrange
 from harness.robot.chain_end import find_jaw
 from harness.robot.description import Description
-from harness.robot.joint_limits import RULES, describe_origin, read_joint_limits, warn_of_speeds
+from harness.robot.joint_limits import RULES, Servo, describe_origin, read_joint_limits, read_servo, warn_of_speeds
 from harness.robot.kinematics import (
     Chain,
     build_chain,
@@ -32,7 +32,6 @@ from harness.robot.kinematics import (
 from harness.robot.meshes import SCENES
 from harness.robot.normal_urdf import named, normal_urdf
 from harness.robot.packages import is_installed
-from harness.robot.servo import Servo, read_servo
 from harness.robot.settings import CHAIN, FILE, JOINT_KEYS, TOOL, RobotSettings
 from harness.robot.shapes import Shape, attach_shapes, find_too_long, read_shapes
 from harness.robot.source import naming, read_source

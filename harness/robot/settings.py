@@ -33,7 +33,7 @@ JOINT_KEYS: Mapping[Quantity, Mapping[Motion, str]] = {
 }
 """The keys that hold one value per joint of a motion: a list in the order of the chain, or a table by joint names."""
 SERVO = "servo"
-"""The table of the drives; see `harness.robot.servo`."""
+"""The table of the drives; see `harness.robot.joint_limits`."""
 ARGUMENTS = "arguments"
 """The table of texts that a description takes which is no URDF: of a xacro file what it calls arguments."""
 RANGE_KEYS: Mapping[Motion, str] = {"turning": "range_deg", "sliding": "range_m"}

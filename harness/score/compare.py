@@ -150,7 +150,7 @@ class ComparedRuns:
 
     @property
     def number(self) -> str:
-        """How much the indices changed, and how much of that is ruler, in words; see `harness.eta.number`."""
+        """How much the indices changed, and how much of that is ruler, in words; see `harness.eta.headline`."""
         known = [self.rewards[who] or f"the {who} reward" for who in ("baseline", "proposed")]
         return number_sentence(Names(*known), self.decomposition.splits)
 

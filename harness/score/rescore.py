@@ -8,17 +8,16 @@ import pyarrow.parquet as pq
 
 from harness.arrays import Float
 from harness.errors import UsageError, reason_of
-from harness.files.bounded import reading
+from harness.files.bounded import reading, whole_file
 from harness.files.parquet import open_parquet, require_room
-from harness.files.sums import changed_since_made, note_made
-from harness.files.whole_file import whole_file
+from harness.files.sealed import changed_since_made, note_made
 from harness.log import Log
 from harness.log.log import REWARD, START
 from harness.record.cell_log import cell_of
 from harness.record.folder import MANIFEST
 from harness.registry.choice import Choice, choose, parse
-from harness.registry.names import unknown_name
 from harness.registry.registry import Registry
+from harness.registry.spec import unknown_name
 from harness.score.installed_reward import is_installed
 from harness.score.scorer import SCORED, can_be_paid, pay_log
 from harness.score.weights import no_terms, recorded_choice, reweighted, weighted_label

@@ -11,7 +11,7 @@ from collections.abc import Collection, Mapping
 from harness.arrays import Float
 from harness.errors import UsageError
 from harness.registry.choice import Choice, label_of, parse
-from harness.registry.names import did_you_mean
+from harness.registry.spec import did_you_mean
 from harness.reward import LARGEST_FACTOR, Paid
 from harness.reward.terms import sum_of
 

@@ -15,7 +15,7 @@ from .apart import ArmAlone, Arms, Frames
 
 
 class ServoArm(ArmAlone, Protocol):
-    """One arm that is moved by the drives of its robot.toml, `harness.robot.servo.Servo`."""
+    """One arm that is moved by the drives of its robot.toml, `harness.robot.joint_limits.Servo`."""
 
     def follow(self, qpos_ref: Float, qvel_ref: Float) -> None:
         """Do one physics step for each row of the references.

@@ -8,7 +8,7 @@ import pybullet
 from harness.arrays import Float
 from harness.authoring.substeps import Substeps
 from harness.robot import Robot
-from harness.robot.servo import Servo
+from harness.robot.joint_limits import Servo
 
 from ..arms.dry_friction import DryFriction
 from .arm import Arm

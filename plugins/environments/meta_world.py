@@ -10,7 +10,7 @@ from pydantic.dataclasses import dataclass
 
 from harness.environment import AnyEnv
 from harness.errors import UsageError
-from harness.registry.names import unknown_name
+from harness.registry.spec import unknown_name
 from harness.reward import Given
 from harness.task import LONGEST_EPISODE
 

@@ -15,7 +15,7 @@ from harness.files.bounded import names_in_hdf5
 from harness.log import Log
 from harness.log.log import ACTION, BEFORE, OBSERVATION, RECORDED, REWARD
 from harness.record.dataset.open_dataset import HDF5_SIGNATURE, MOST_EPISODES, DatasetFacts
-from harness.registry.names import did_you_mean
+from harness.registry.spec import did_you_mean
 from harness.text import one_line_of, shortened
 
 from ..datasets.dataset import (

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from harness.arrays import Float
 from harness.errors import UsageError
 from harness.robot import Robot
+from harness.robot.joint_limits import Servo
 from harness.robot.meshes import read_mesh
-from harness.robot.servo import Servo
 from harness.robot.shapes import Shape, read_origin, read_scale
 
 GREY = [0.7, 0.7, 0.7, 1.0]
@@ -273,7 +273,7 @@ def _add_servos(spec: mujoco.MjSpec, robot: Robot, inertia: Float, bandwidth: fl
 
 
 def _add_limited_servos(spec: mujoco.MjSpec, robot: Robot, servo: Servo) -> None:
-    """One actuator per joint, as `harness.robot.servo.Servo` says, and the armature and friction of each joint."""
+    """One actuator per joint, as `harness.robot.Servo` says, and the armature and friction of each joint."""
     # A drive computes its torque at the beginning of a physics step and holds it, so its damping is not implicit.
     spec.option.integrator = int(mujoco.mjtIntegrator.mjINT_EULER)
     for body in spec.bodies:

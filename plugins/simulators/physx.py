@@ -16,7 +16,7 @@ from harness.authoring.servo_track import servo_of
 from harness.authoring.substeps import Substeps
 from harness.errors import UsageError
 from harness.robot import Robot
-from harness.robot.servo import Servo
+from harness.robot.joint_limits import Servo
 from harness.robot.shapes import Shape
 from harness.simulator import State
 

@@ -6,7 +6,7 @@ from hypothesis import given, strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
 from harness.authoring import ServoTrack
-from harness.robot.servo import Servo
+from harness.robot.joint_limits import Servo
 
 STEP = 0.005
 

@@ -16,7 +16,7 @@ from pathlib import Path
 import harness
 from harness.experiment.provenance import describe_machine, source_commit
 from harness.report.figures.chart import Axis, Chart, Dots, Flag, Note
-from harness.report.figures.ratio_axis import ticks
+from harness.report.figures.split import ticks
 from harness_plugins.committed import TitledChart, draw_svg
 
 BEHIND = ("gymnasium", "mujoco", "numpy", "pybullet", "stable-baselines3", "torch")

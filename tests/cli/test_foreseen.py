@@ -2,7 +2,7 @@
 
 import pytest
 
-from harness.cli.foreseen import about, left_text
+from harness.cli.progress import about, left_text
 
 
 @pytest.mark.parametrize(

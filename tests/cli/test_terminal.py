@@ -9,8 +9,8 @@ from rich.table import Table
 from rich.text import Text
 
 from harness.cli.progress import LiveProgress
-from harness.cli.terminal import Terminal, show
 from harness.executor import Event
+from harness.report.tables.grid import Terminal, show
 
 EVIL = "\x1b]0;title\x07[/b]\u202e"
 

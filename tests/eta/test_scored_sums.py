@@ -7,7 +7,7 @@ from numpy.random import default_rng
 from numpy.testing import assert_array_equal
 
 from harness.eta import BB, BK, KB, KK, curve_of
-from harness.eta.scored_sums import scored_sums
+from harness.eta.splits import scored_sums
 
 PAIRS = (BB, BK, KB, KK)
 KINDS = st.sampled_from(["accumulated", "per-step"])

@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import harness
 from harness import load_robot
-from harness.env.make import build_world
+from harness.env.vector_env import build_world
 from harness.experiment.arm_evaluation import act_of, evaluate
 from harness.policy import Uniform
 from harness.record import Cell, read_trace

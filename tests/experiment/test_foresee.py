@@ -2,7 +2,7 @@
 
 import pytest
 
-from harness.cli.foreseen import foreseen_lines
+from harness.cli.progress import foreseen_lines
 from harness.experiment import RunOptions, check_experiment
 from harness.experiment.experiment import check, prepare
 from harness.experiment.foresee import foresee

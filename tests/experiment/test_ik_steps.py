@@ -5,7 +5,7 @@ import pytest
 
 from harness import load_robot
 from harness.env.arm_observation import kinematics_policy
-from harness.env.make import build_world
+from harness.env.vector_env import build_world
 from harness.errors import SimulationDiverged
 from harness.experiment import arm_evaluation as module
 from harness.experiment.arm_evaluation import EVALUATION_SEED, evaluate, ik_steps

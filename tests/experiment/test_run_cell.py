@@ -8,7 +8,7 @@ import pytest
 from numpy.testing import assert_array_equal
 
 from harness import load_robot
-from harness.env.make import build_world
+from harness.env.vector_env import build_world
 from harness.executor import CellOptions
 from harness.experiment.arm_evaluation import evaluate
 from harness.experiment.run_cell import run_cell

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-import harness.files.whole_file
+import harness.files.bounded
 from harness.files import is_partial, whole_files, write_whole
-from harness.files.whole_file import whole_file
+from harness.files.bounded import whole_file
 
 
 def test_file_takes_the_place_of_the_old_one(tmp_path):
@@ -58,7 +58,7 @@ def test_bytes_are_on_the_disk_before_the_name_and_the_name_before_it_ends(tmp_p
 def synced(monkeypatch):
     """Names of the files and folders that the disk was asked for, in order."""
     names = []
-    monkeypatch.setattr(harness.files.whole_file, "sync", lambda path: names.append(path.name))
+    monkeypatch.setattr(harness.files.bounded, "sync", lambda path: names.append(path.name))
     return names
 
 

@@ -31,7 +31,7 @@ from harness.policy import (
     UniformChoice,
     load_policy,
 )
-from harness.policy.network import ACTIVATIONS
+from harness.policy.continuous import ACTIVATIONS
 
 Make = Callable[..., Network]
 

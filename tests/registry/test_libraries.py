@@ -2,15 +2,15 @@
 
 import pytest
 
-from harness.registry import libraries
-from harness.registry.libraries import distribution_of, is_installed, is_met, module_of
+from harness.registry import spec
+from harness.registry.spec import distribution_of, is_installed, is_met, module_of
 
 
 @pytest.fixture
 def versions(monkeypatch):
     """The versions of distributions, as if these and no others were installed."""
     told = {}
-    monkeypatch.setattr(libraries, "version_of", lambda name: told.get(name, ""))
+    monkeypatch.setattr(spec, "version_of", lambda name: told.get(name, ""))
     return told
 
 
@@ -50,6 +50,6 @@ def test_module_is_found_in_its_package():
 
 def test_module_in_a_package_is_of_its_own_distribution_where_there_is_one(monkeypatch):
     """``mujoco.mjx`` comes by ``mujoco-mjx``; a module that the package brings itself is the package's."""
-    monkeypatch.setattr(libraries, "version_of", lambda name: {"mujoco": "3.17", "mujoco-mjx": "3.17"}.get(name, ""))
+    monkeypatch.setattr(spec, "version_of", lambda name: {"mujoco": "3.17", "mujoco-mjx": "3.17"}.get(name, ""))
     assert distribution_of("mujoco.mjx") == "mujoco-mjx"
     assert distribution_of("mujoco.rollout") == "mujoco"

@@ -1,6 +1,6 @@
 """What things have in common."""
 
-from harness.report.apart import tell_apart
+from harness.report.rows.comparison import tell_apart
 
 
 def test_same_parts_are_said_once():

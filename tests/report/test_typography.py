@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from harness.report import typeset
-from harness.report.typography import to_html
+from harness.report.page.page import to_html
 
 
 def test_a_sign_is_set(subtests):

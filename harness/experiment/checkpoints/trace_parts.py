@@ -7,8 +7,7 @@ from types import TracebackType
 import numpy as np
 
 from harness.errors import SchemaError
-from harness.files.bounded import digest_of
-from harness.files.whole_file import sync
+from harness.files.bounded import digest_of, sync
 from harness.record.trace import NO_EXTRAS, EpisodeFacts, Rows, TraceWriter, part_of, read_trace
 
 

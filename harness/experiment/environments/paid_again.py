@@ -24,9 +24,8 @@ from harness.recorder.env_facts import env_facts
 from harness.recorder.retake import Later, Retake
 from harness.recorder.sealed import Walk
 from harness.registry.choice import Choice, choose
-from harness.registry.names import unknown_name
 from harness.registry.registry import Registry
-from harness.registry.spec import blamed_on
+from harness.registry.spec import blamed_on, unknown_name
 from harness.reward.given import Given
 from harness.score.weighted_recordings import recordings_of
 

@@ -17,9 +17,8 @@ from harness.log.log import SUCCESS
 from harness.recorder.column import made_columns
 from harness.recorder.trial import FIRST_STEPS
 from harness.registry.choice import Choice, label_of, parse
-from harness.registry.names import unknown_name
 from harness.registry.registry import Registry
-from harness.registry.spec import PLANNED, blamed_on
+from harness.registry.spec import PLANNED, blamed_on, unknown_name
 from harness.reward import LARGEST_FACTOR
 from harness.reward.given import require_terms
 

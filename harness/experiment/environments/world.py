@@ -21,9 +21,8 @@ from harness.experiment.environments.batch import EnvironmentBatch
 from harness.experiment.environments.columns import columns_of, weighing
 from harness.experiment.environments.spaces import Acting
 from harness.experiment.provenance import describe_environment
-from harness.experiment.telling import TELL_EVERY, Beat, named_scalars
 from harness.experiment.trials.tried import Tried
-from harness.experiment.workers.order import Report
+from harness.experiment.workers.order import TELL_EVERY, Beat, Report, named_scalars
 from harness.log import Log
 from harness.policy import Policy
 from harness.progress import RETURN, SPEED, SUCCESS, TrainingState

@@ -18,8 +18,8 @@ from harness.recorder.column import Column, made_columns
 from harness.recorder.guard import Guard
 from harness.recorder.trial import FIRST_STEPS, Finding, Trial
 from harness.registry.choice import Choice
-from harness.registry.names import unknown_name
 from harness.registry.registry import Registry
+from harness.registry.spec import unknown_name
 from harness.reward.given import Untold
 
 MOST_STEPS, MOST_SECONDS = 2_000, 10.0

@@ -13,9 +13,8 @@ from harness.executor import Limits
 from harness.experiment.plan import Plan
 from harness.experiment.task_plan import table_of
 from harness.experiment.trials.tried import Fault, Tried, fault_of
-from harness.experiment.workers.offspring import Offspring
 from harness.experiment.workers.order import Order, Report
-from harness.experiment.workers.workers import News, Pool
+from harness.experiment.workers.workers import News, Offspring, Pool
 from harness.experiment.world import world_of
 from harness.files.plain import Plain
 from harness.record.cell import Cell

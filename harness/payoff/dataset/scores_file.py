@@ -7,7 +7,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from harness.errors import UsageError
-from harness.files.whole_file import whole_file
+from harness.files.bounded import whole_file
 from harness.payoff.dataset.paid_dataset import PaidDataset
 from harness.record.folder import SCORES
 

@@ -12,8 +12,8 @@ from filelock import FileLock, Timeout
 
 from harness.arrays import Float
 from harness.errors import UsageError
+from harness.files.bounded import whole_files
 from harness.files.parquet import table_of, write_packed
-from harness.files.whole_file import whole_files
 from harness.log import Log
 from harness.record.recording.facts import TrainingFacts, facts_of
 from harness.record.recording.recorded_training import (

@@ -19,9 +19,8 @@ from pydantic import Field, with_config
 from typing_extensions import TypedDict
 
 from harness.errors import NewerFormat, SchemaError
-from harness.files.bounded import parse_json, reading
+from harness.files.bounded import parse_json, reading, whole_file
 from harness.files.parquet import open_parquet, require_room, write_packed
-from harness.files.whole_file import whole_file
 from harness.log import Log, in_memory
 from harness.log.log import BEHAVIOUR, REWARD, Columns
 from harness.record.file_forms import EXACT, read_form

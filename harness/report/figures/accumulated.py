@@ -1,13 +1,126 @@
-"""The figure of the published experiment: the accumulated reward of every run, and their mean, per reward."""
+"""Figures of accumulated reward: what a panel shows, the points of it that are drawn, and how."""
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from harness.arrays import Float
+from harness.eta.curve import GroupCurve, Kind
+from harness.eta.index import Index
+from harness.eta.splits import BB, KK
 from harness.report.figures.chart import Area, Axis, Chart, Dots, Flag, Line, Word, linear_axis
-from harness.report.figures.panel import CurvePanel, reward_range, step_range
-from harness.report.figures.points import select_points
+from harness.results.comparison import Comparison
+
+POINTS = 240
+"""The most points that are drawn per curve, one for every second pixel. All steps of all runs would be 100 MB."""
+
+ON_A_PAGE = 80_000
+"""The most points of all single runs on a page together, which is about 0.9 MB."""
+FEWEST = 40
+"""The fewest points of one run: its shape can still be seen."""
+
+
+def points_of_a_run(runs: int) -> int:
+    """How many points a run is drawn with on a page that has so many runs."""
+    return max(FEWEST, min(POINTS, ON_A_PAGE // max(1, runs)))
+
+
+def select_points(values: Float, points: int = POINTS) -> NDArray[np.int64]:
+    """Which steps to draw: the first, the last, and the extremes of each stretch between, in order, (<= points,).
+
+    Every stretch keeps its lowest and its highest value, so the drawn curve reaches as far as the real one and crosses
+    zero in the same stretches. Averages or every n-th step would not.
+    """
+    count = len(values)
+    if count <= points:
+        return np.arange(count)
+    stretches = np.array_split(np.arange(count), points // 2 - 1)
+    extremes = [stretch[pick(values[stretch])] for stretch in stretches for pick in (np.argmin, np.argmax)]
+    return np.unique([0, *extremes, count - 1])
+
+
+class Drawn(NamedTuple):
+    """The points of a curve that are drawn, in order."""
+
+    steps: Float
+    values: Float
+
+
+@dataclass(frozen=True, eq=False)
+class CurvePanel:
+    """The runs of one training under their own reward.
+
+    Attributes:
+        role: ``Baseline`` or ``Proposed``.
+        reward: Its label.
+        kind: Of the curves.
+        index: Of the mean curve.
+        seeds: The seed of each run.
+        runs: The curve of each run.
+        mean: Their mean.
+    """
+
+    role: str
+    reward: str
+    kind: Kind
+    index: Index
+    seeds: tuple[int, ...]
+    runs: tuple[Drawn, ...]
+    mean: Drawn
+
+    @property
+    def marks(self) -> dict[str, int]:
+        """Marked steps of the mean curve, by name. An event that never happens is left out."""
+        steps = {"first negative": self.index.first_negative, "cross-over": self.index.crossover}
+        return {name: step for name, step in steps.items() if step is not None}
+
+    @property
+    def heights(self) -> list[float]:
+        """The height of the drawn mean curve at each mark."""
+        heights: list[float] = np.interp(list(self.marks.values()), *self.mean).tolist()
+        return heights
+
+
+def panel_of(
+    role: str, reward: str, curve: GroupCurve, index: Index, seeds: tuple[int, ...], points: int = POINTS
+) -> CurvePanel:
+    """The panel of one training's curves, of which single runs have `points` points at most."""
+    runs = curve.runs
+    drawn = tuple(_drawn(run, curve.stride, points) for run in runs)
+    return CurvePanel(role, reward, curve.kind, index, seeds, drawn, _drawn(runs.mean(axis=0), curve.stride, POINTS))
+
+
+def panels_of(comparison: Comparison, points: int = POINTS) -> tuple[CurvePanel, CurvePanel] | None:
+    """A panel for the baseline and one for the proposed reward; None without a finished pair."""
+    indices, curves, seeds = comparison.number.decomposition, comparison.curves, comparison.seeds
+    if indices is None:
+        return None
+    return (
+        panel_of("Baseline", comparison.baseline, curves[BB], indices.baseline, seeds, points),
+        panel_of("Proposed", comparison.proposed, curves[KK], indices.proposed, seeds, points),
+    )
+
+
+def _drawn(values: Float, stride: int, most: int) -> Drawn:
+    points = select_points(values, most)
+    return Drawn((points * stride).astype(np.float64), values[points])
+
+
+def step_range(panels: Sequence[CurvePanel]) -> tuple[float, float]:
+    """The steps that all panels span."""
+    return 0.0, float(max(panel.index.steps for panel in panels) - 1)
+
+
+def reward_range(panels: Sequence[CurvePanel]) -> tuple[float, float]:
+    """The range from the lowest to the highest value of all panels and 0, with some margin."""
+    low = min(0.0, *(float(run.values.min()) for panel in panels for run in panel.runs))
+    high = max(0.0, *(float(run.values.max()) for panel in panels for run in panel.runs))
+    air = 0.04 * (high - low) or 1.0
+    return low - air, high + air
+
 
 OMEGA_1, OMEGA_2 = "Ω₁", "Ω₂"
 ROOM = (0.02, 0.08)

@@ -11,7 +11,7 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.report.figures.chart import Area, Axis, Chart, Dots, Flag, Line, Note, Word
-from harness.report.typography import pieces_of
+from harness.report.page.page import pieces_of
 from harness.text import visible
 
 CHARACTER = 6.9

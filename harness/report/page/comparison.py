@@ -8,11 +8,9 @@ from typing import Any, NamedTuple
 from harness.eta.amounts import capitalised
 from harness.eta.headline import SUCCESS
 from harness.record.cell import Cell
-from harness.report.apart import BETWEEN
-from harness.report.figures.accumulated import draw_both
+from harness.report.figures.accumulated import draw_both, panels_of
 from harness.report.figures.chart import Chart
 from harness.report.figures.draw import draw_chart
-from harness.report.figures.forest import draw_strip
 from harness.report.figures.learning import (
     describe_curves,
     describe_learning,
@@ -21,14 +19,11 @@ from harness.report.figures.learning import (
     learning_heading,
     learning_names,
 )
-from harness.report.figures.panel import panels_of
 from harness.report.figures.profile import describe_profile, draw_profile
-from harness.report.figures.split import draw_split
-from harness.report.figures.split_rows import describe_split
-from harness.report.figures.sum_split import describe_sum, draw_sum
+from harness.report.figures.split import describe_split, describe_sum, draw_split, draw_strip, draw_sum
 from harness.report.figures.trajectories import VIEWS, describe_trajectories, draw_trajectories
 from harness.report.page.answer import Card, card_of
-from harness.report.replay.links import BASELINE, PROPOSED, EpisodeLinks, Link, Still
+from harness.report.replay.section import BASELINE, PROPOSED, EpisodeLinks, Link, Still
 from harness.report.rows.alone import alone_grid, setting_of, story
 from harness.report.rows.behaviour import (
     along_grid,
@@ -38,12 +33,10 @@ from harness.report.rows.behaviour import (
     shown_changes,
     text_of,
 )
-from harness.report.rows.comparison import basis_text, claims_text, compared_text, rewards_text
-from harness.report.rows.numbers import number_grids
+from harness.report.rows.comparison import BETWEEN, basis_text, claims_text, compared_text, rewards_text
 from harness.report.rows.payoff import Audits, Story, payoff_story
 from harness.report.rows.ratios import Grid, format_number, scales_text, step_text
-from harness.report.rows.returns import READING, returns_grid
-from harness.report.rows.terms import changed_text, terms_grid, terms_of
+from harness.report.rows.returns import READING, changed_text, number_grids, returns_grid, terms_grid, terms_of
 from harness.results import Results
 from harness.results.alone import Alone, Stages
 from harness.results.comparison import Comparison

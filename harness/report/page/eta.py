@@ -4,17 +4,16 @@ from pathlib import Path
 
 from harness.eta.curve import GroupCurve
 from harness.eta.headline import Answer
-from harness.eta.scored_sums import BB, KK
-from harness.report.answers import badge_of, word_of
+from harness.eta.splits import BB, KK
 from harness.report.figures.accumulated import draw_curve
 from harness.report.figures.chart import Chart, Line, linear_axis
 from harness.report.figures.draw import draw_chart
-from harness.report.figures.split import draw_split
-from harness.report.figures.split_rows import describe_split
+from harness.report.figures.split import describe_split, draw_split
 from harness.report.page.answer import Card
 from harness.report.page.comparison import Panel, Section
 from harness.report.page.html import SHARED, Page, parts_of, render
 from harness.report.page.page import write_page
+from harness.report.rows.comparison import badge_of, word_of
 from harness.report.rows.ratios import scales_text
 from harness.report.tables.eta import comparison_title, grids_of, runs_text
 from harness.score.compare import ComparedRuns

@@ -11,31 +11,32 @@ from typing import Any, NamedTuple
 from harness.eta.amounts import trainings_text
 from harness.eta.splits import Names
 from harness.record.manifest import Manifest
-from harness.report.answers import LEGEND
-from harness.report.apart import BETWEEN
-from harness.report.document import report_text
-from harness.report.facts import Fact, repeat_of
-from harness.report.figures.forest import EXPLANATION as FOREST
-from harness.report.figures.points import points_of_a_run
-from harness.report.page.answer import Card, groups_of, pool_cards
+from harness.report.document import Fact, repeat_of, report_text
+from harness.report.figures.accumulated import points_of_a_run
+from harness.report.figures.split import EXPLANATION as FOREST
+from harness.report.page.answer import Card, Matrix, comparisons_csv, groups_of, matrix_of, pool_cards
 from harness.report.page.comparison import Section, alone_section, comparison_section
-from harness.report.page.matrix import Matrix, comparisons_csv, matrix_of
 from harness.report.page.page import render_page, write_page
-from harness.report.replay.links import Link, links_of
-from harness.report.replay.section import Replay, replay_of
+from harness.report.replay.section import Link, Replay, links_of, replay_of
 from harness.report.rows.alone import ALONE, beside, setting_of
-from harness.report.rows.choosing import CHOOSING, CHOOSING_TITLE, ChoosingTold, choosing_told
 from harness.report.rows.comparison import (
+    BETWEEN,
+    CHOOSING,
+    CHOOSING_TITLE,
+    LEGEND,
+    POOLED,
+    ChoosingTold,
+    choosing_told,
     count_cells,
+    grown_text,
     interim_text,
+    joined_text,
     question,
     remarks_on_cells,
     until_decided,
     what_decides,
 )
-from harness.report.rows.numbers import INDICES
 from harness.report.rows.payoff import EXPLANATION as PAYOFFS, TITLE as PAYOFF_TITLE, Audits
-from harness.report.rows.pools import POOLED, grown_text, joined_text
 from harness.report.rows.ranking import (
     AGREEMENT,
     CHOICE,
@@ -45,8 +46,17 @@ from harness.report.rows.ranking import (
     task_rows,
 )
 from harness.report.rows.ratios import PATHS, SPLIT, TOTAL, Grid
-from harness.report.rows.returns import EXPLANATION as RETURNS, PAY, TITLE as RETURN_TITLE, matrix_title, return_grid
-from harness.report.rows.terms import EXPLANATION as TERMS, TITLE as TERMS_TITLE, never_texts
+from harness.report.rows.returns import (
+    EXPLANATION as RETURNS,
+    INDICES,
+    PAY,
+    TERMS,
+    TERMS_TITLE,
+    TITLE as RETURN_TITLE,
+    matrix_title,
+    never_texts,
+    return_grid,
+)
 from harness.results import Results
 from harness.results.comparison import still_to_come
 from harness.results.overview import varying_kinds

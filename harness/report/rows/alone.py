@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 
 from harness.record.plan_file import EXPERIMENT
-from harness.report.apart import BETWEEN
 from harness.report.rows.behaviour import measure_name, text_of
+from harness.report.rows.comparison import BETWEEN
 from harness.report.rows.ratios import Grid, value_rows
 from harness.results import Results
 from harness.results.alone import Alone, Stages

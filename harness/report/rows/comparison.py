@@ -1,20 +1,91 @@
-"""What a comparison says, as sentences that the terminal and the page share."""
+"""What comparisons say, alone, over all places and of several candidates, as terminal and page share it."""
 
 from collections import Counter
 from collections.abc import Sequence
+from typing import NamedTuple
 
-from harness.eta.amounts import trainings_text
+from harness.eta.amounts import listed, trainings_text
 from harness.eta.equal import equal_sentences
-from harness.eta.headline import Answer
+from harness.eta.headline import Answer, count_seeds, count_trainings
+from harness.eta.index import NOTHING
 from harness.eta.manner import DETERMINISTIC, EVALUATION, LAST_FIFTH, STOCHASTIC, WHOLE
 from harness.record.file_forms import Status
 from harness.record.plan_file import EXPERIMENT
-from harness.report.rows.pools import grown_text, joined_text, looks_text
+from harness.report.rows.ratios import Grid, format_number
 from harness.results import Results
-from harness.results.comparison import Comparison, still_to_come
+from harness.results.choosing import Choosing
+from harness.results.comparison import Comparison, pools_of, still_to_come
 from harness.results.measured import Counted
-from harness.results.standing import told_manifests
+from harness.results.standing import standing_of, told_manifests
 from harness.text import command_text
+
+
+class Look(NamedTuple):
+    """How one answer looks."""
+
+    symbol: str
+    """Tells the answers apart without colour."""
+    style: str = ""
+    """The style of rich for the word in a terminal; empty for plain text."""
+
+
+LOOKS = {
+    Answer.HELPS: Look("▲", "bold green"),
+    Answer.HURTS: Look("▼", "bold red"),
+    Answer.LEARNS_FASTER: Look("»", "green"),
+    Answer.LEARNS_SLOWER: Look("«", "red"),
+    Answer.MIXED: Look("±", "bold magenta"),
+    Answer.NO_DIFFERENCE: Look("="),
+    Answer.NEITHER_LEARNS: Look("0"),
+    Answer.AHEAD: Look("△", "cyan"),
+    Answer.BEHIND: Look("▽", "cyan"),
+    Answer.CANNOT_TELL: Look("?"),
+    Answer.INTERIM: Look("…"),
+}
+STYLES = {answer.value.upper(): look.style for answer, look in LOOKS.items() if look.style}
+"""Styles by word. The words say everything without a colour too."""
+LEGEND = ", ".join(f"{look.symbol} {answer.value}" for answer, look in LOOKS.items())
+"""What the symbols mean."""
+
+
+def word_of(answer: Answer) -> str:
+    """The answer as a badge shows it."""
+    return answer.value.upper()
+
+
+def symbol_of(answer: Answer) -> str:
+    """The symbol of an answer."""
+    return LOOKS[answer].symbol
+
+
+def badge_of(answer: Answer) -> str:
+    """The class that colours an answer on a page."""
+    return answer.name.lower().replace("_", "-")
+
+
+BETWEEN = " · "
+
+
+class Apart(NamedTuple):
+    """Several descriptions, split into what they share and what differs."""
+
+    shared: str
+    """The parts that are the same in all."""
+    names: list[str]
+    """For each description, the parts that differ. It is empty if there is only one description."""
+
+
+def tell_apart(descriptions: Sequence[Sequence[str]], keep: int | None = None) -> Apart:
+    """Split descriptions, each with its parts in the same order. The part number `keep` always counts as different."""
+    is_shared = [len(set(column)) == 1 for column in zip(*descriptions, strict=True)]
+    if keep is not None and is_shared:
+        is_shared[keep] = False
+    shared = [part for part, same in zip(descriptions[0], is_shared, strict=True) if same] if descriptions else []
+    names = [
+        BETWEEN.join(part for part, same in zip(parts, is_shared, strict=True) if not same) for parts in descriptions
+    ]
+    return Apart(BETWEEN.join(shared), names)
+
 
 UNLIKE_STARTS = "The policies did not meet the same starts, so that luck with them is part of the difference."
 EPISODES = Counted("episode")
@@ -194,3 +265,113 @@ def question(results: Results) -> str:
     if len(proposed) > 1:
         verb, subject = "Do", f"the rewards {', '.join(proposed[:-1])} and {proposed[-1]}"
     return f"{verb} {subject} make the {results.subject} behave better, or only the numbers bigger?"
+
+
+POOLED_TITLE = "Over all places"
+POOLED = (
+    "A place is a simulator, a task and an algorithm with which both rewards trained. The first answer is about the "
+    "mean over all places. Single places are asked only where that answer stands."
+)
+GROWN = (
+    "Seeds were added after {counts} had been trained, and no plan foresaw that. So intervals that decide have 98 %. "
+    "AHEAD and BEHIND SO FAR say how often luck alone gets so far."
+)
+
+JOINED = (
+    "{rewards} came later, when results of other rewards could be seen. All questions are corrected together, so an "
+    "earlier answer may have changed. The newest one counts."
+)
+
+
+def pooled_answers(combinations: Sequence[Comparison]) -> list[tuple[str, str]]:
+    """The answers over all places, each once: its word, and a sentence."""
+    return [(word_of(it.headline.answer), it.headline.robot) for it in pools_of(combinations)]
+
+
+def grown_text(results: Results) -> str:
+    """A warning where a folder has grown by looks that no plan foresaw; else empty."""
+    grown = results.plan.terms.grown
+    return GROWN.format(counts=listed([count_seeds(seeds) for seeds in grown])) if grown else ""
+
+
+def joined_text(results: Results) -> str:
+    """Which rewards were asked for when results of others could be seen; empty where that is not so."""
+    joined = results.plan.terms.joined
+    return JOINED.format(rewards=listed(joined)) if joined else ""
+
+
+def looks_text(results: Results) -> str:
+    """How an experiment with looks stands; empty for others."""
+    standing = standing_of(results)
+    if standing is None:
+        return ""
+    told = "One of several rewards is chosen, with a budget that was set before the first training"
+    if not isinstance(standing, Choosing):
+        seeds = ", ".join(map(str, standing.terms.looks))
+        told = f"Looks at {seeds} seeds (trained until decided; planned before the first training)"
+    return f"{told}: {standing.text}."
+
+
+CHOOSING_TITLE = "How far the candidates went"
+CHOOSING = (
+    "The worse half of the candidates leaves at each stage, by the mean of their trainings so far. That promises "
+    "nothing: one that left may be as good. So the one that went furthest and the baseline train anew, and only these "
+    "new trainings are compared."
+)
+SAID = {
+    Answer.CANNOT_TELL: "whether it beats {baseline} cannot be told yet",
+    Answer.HELPS: "{name} helps",
+    Answer.HURTS: "{name} hurts",
+    Answer.AHEAD: "{name} is ahead so far",
+    Answer.BEHIND: "{name} is behind so far",
+    Answer.NO_DIFFERENCE: "{name} makes no difference",
+}
+
+
+class ChoosingTold(NamedTuple):
+    """How far candidates went, in words."""
+
+    sentence: str
+    grid: Grid
+    """By candidate, the mean of what decides at each stage at which it was there."""
+
+
+def choosing_told(results: Results) -> ChoosingTold | None:
+    """How far candidates went; None where none is chosen, or before the first stage is over."""
+    found = results.choosing
+    if found is None or found.schedule is None or not found.halving.means:
+        return None
+    measure, is_share, sign = _measure(results)
+    means = found.halving.means
+    went = dict.fromkeys(name for of in reversed(means) for name in of)
+    rungs = found.schedule.rungs[: len(means)]
+    headings = ("", *(f"{measure} of {count_trainings(rung.seeds)}" for rung in rungs))
+
+    def shown(value: float | None) -> str:
+        return NOTHING if value is None else f"{sign * value:.1%}" if is_share else format_number(sign * value)
+
+    rows = [(name, *(shown(of[name]) if name in of else "" for of in means)) for name in went]
+    return ChoosingTold(choosing_sentence(results, found), Grid(headings, rows, []))
+
+
+def choosing_sentence(results: Results, found: Choosing) -> str:
+    """Who went furthest, and what is said of it."""
+    winner, count = found.halving.furthest, len(found.candidates)
+    if winner is None:
+        return f"{found.text[:1].upper()}{found.text[1:]}."
+    told, fresh = f"{winner} went furthest of {count} ({count_trainings(found.spent)}).", len(found.fresh) // 2
+    answers = [it.headline for it in results.pools] or [it.headline for it in results.combinations]
+    if not found.is_over or not answers:
+        return f"{told} New trainings of it and of {found.baseline} are to tell whether it helps: {fresh} of each."
+    answer = answers[0].answer
+    said = SAID.get(answer, f"the answer is {word_of(answer)}").format(name=winner, baseline=found.baseline)
+    return f"{told} On {fresh} new trainings of each, {said}."
+
+
+def _measure(results: Results) -> tuple[str, bool, float]:
+    """What decides, whether it is a share, and -1 where less of it is better."""
+    for of in results.trainings:
+        for name in of.deciding[:1]:
+            measure = of.quantity(name, "", 1)
+            return name.replace("_", " "), measure.is_share, -1.0 if measure.better == "lower" else 1.0
+    return "behaviour", False, 1.0

@@ -4,9 +4,8 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from typing import NamedTuple, TypeAlias
 
 from harness.eta.curve import Kind
-from harness.eta.index import NEAR_ZERO, NOTHING, Index, Ratio
-from harness.eta.number import format_number as format_number  # noqa: PLC0414 -- with the other texts of numbers here
-from harness.eta.seed_mean import SeedMean
+from harness.eta.headline import format_number as format_number  # noqa: PLC0414 -- with the other texts of numbers here
+from harness.eta.index import NEAR_ZERO, NOTHING, Index, Ratio, SeedMean
 from harness.eta.splits import Decomposition, Split, SplitPath, Splits, SumSplit
 from harness.eta.swaps import p_text
 

@@ -1,13 +1,28 @@
-"""Returns under every reward, as text."""
+"""What was paid, as text: returns under every reward, the pay of an episode, what each term paid."""
 
+import math
 from collections.abc import Iterator, Mapping
+from typing import NamedTuple
 
-from harness.eta.index import NOTHING
-from harness.eta.scored_sums import BB, KK
-from harness.eta.seed_mean import SeedMean
-from harness.report.rows.ratios import Grid, lines_of, value_rows
+from harness.eta.curve import Kind
+from harness.eta.headline import format_number, signed
+from harness.eta.index import NOTHING, SeedMean
+from harness.eta.return_split import ReturnSplit
+from harness.eta.splits import BB, KK, Split, Splits, SumSplit
+from harness.registry.choice import parse
+from harness.report.rows.ratios import (
+    Grid,
+    index_grid,
+    is_drawable,
+    lines_of,
+    split_grids,
+    sum_grid,
+    value_rows,
+)
+from harness.results import Results
 from harness.results.comparison import Comparison
 from harness.results.return_matrix import ReturnMatrix
+from harness.results.terms_paid import TermsPaid
 
 TITLE = "Return under every reward"
 EXPLANATION = (
@@ -69,3 +84,194 @@ def _notes(matrix: ReturnMatrix) -> list[str]:
 def _notes_of(row: Mapping[str, SeedMean]) -> Iterator[str]:
     for mean in row.values():
         yield from (f"{NOTHING}: {note}" if mean.mean is None else note for note in mean.notes)
+
+
+ALL = 0.1
+"""Where the behaviour's share of a change is smaller than this, the change is nearly all rescaling."""
+
+
+class PayPart(NamedTuple):
+    """A part of the change of pay."""
+
+    name: str
+    """``ruler`` or ``behaviour``."""
+    text: str
+    """Its value, such as ``× 1.54`` or ``+386``."""
+    size: float
+    """Its logarithm, or its value: what its bar shows. Sizes of one change add up to all of it."""
+
+
+class PaySentence(NamedTuple):
+    """How much an episode is paid under the proposed reward, beside the baseline."""
+
+    told: str
+    """In a sentence without its end."""
+    parts: tuple[PayPart, ...]
+    """The ruler and the behaviour; empty where they are not known."""
+    why: str
+    """Why there are no parts, in a sentence; empty where there are."""
+    grows: bool | None = None
+    """Whether an episode is paid more; None where the number is none of episodes."""
+
+    @property
+    def is_ruler(self) -> bool:
+        """Whether the behaviour's part is so small that the change is nearly all ruler."""
+        if not self.parts:
+            return False
+        ruler, behaviour = (part.size for part in self.parts)
+        return abs(behaviour) < ALL * abs(ruler + behaviour)
+
+
+def pay_of(comparison: Comparison) -> PaySentence | None:
+    """The pay of an episode in the manner that decides: a ratio where there is one, else a difference.
+
+    Of an experiment whose returns are not known it is the number that they have, an index of the summed reward; None
+    where no number is known.
+    """
+    split = comparison.number.pay
+    if split is not None:
+        proposed, baseline = (format_number(split.returns[pair].mean) for pair in (KK, BB))
+        sides = f"An episode is paid {proposed} instead of {baseline}"
+        pay = _ratio(f"{sides}: {{}} times as much", split.ratio) or _difference(sides, split)
+        change = split.total.change.mean
+        return pay and pay._replace(grows=None if not change else change > 0.0)
+    named = {"eta_P": "The note's I_P, what the trainings earned,", "eta_N": "The note's I_N, what they lost,"}
+    splits = comparison.number.splits
+    of_index = (_ratio(f"{told} is {{}} times as large", splits[name]) for name, told in named.items())
+    return next((it for it in of_index if it is not None), None)
+
+
+def _ratio(told: str, split: Split) -> PaySentence | None:
+    eta = split.eta
+    if not is_drawable(eta):
+        return None
+    told = told.format(format_number(eta.value))
+    if not (is_drawable(split.ruler) and is_drawable(split.behaviour)):
+        return _without_parts(told, split.ruler.near_zero or split.ruler.note)
+    parts = (("ruler", split.ruler), ("behaviour", split.behaviour))
+    return PaySentence(
+        told,
+        tuple(PayPart(name, f"× {format_number(it.value)}", math.log(it.value or 1.0)) for name, it in parts),
+        "",
+    )
+
+
+def _difference(sides: str, split: ReturnSplit) -> PaySentence | None:
+    total: SumSplit = split.total
+    change = total.change.mean
+    if change is None:
+        return None
+    told = f"{sides}: {format_number(abs(change))} {'more' if change >= 0.0 else 'less'}"
+    if total.ruler.mean is None or total.behaviour.mean is None:
+        return _without_parts(told, total.ruler.note)
+    parts = (("ruler", total.ruler.mean), ("behaviour", total.behaviour.mean))
+    return PaySentence(told, tuple(PayPart(name, signed(value), value) for name, value in parts), "")
+
+
+def _without_parts(told: str, note: str) -> PaySentence:
+    return PaySentence(told, (), f"How much of that is rescaling alone is not known: {note}.")
+
+
+INDICES = "The note's eta_N and eta_P"
+
+
+def splits_of(comparison: Comparison) -> Splits:
+    """The eta of the mean return in the manner that decides, then those of both indices, as far as they are split."""
+    main = {} if comparison.number.main is None else {"eta": comparison.number.main.ratio}
+    return {**main, **(comparison.number.index_splits if comparison.number.is_split else {})}
+
+
+def number_grids(comparison: Comparison, kind: Kind, with_paths: bool = False) -> list[Grid]:
+    """The grids that have something to show, in the order in which they are read.
+
+    Args:
+        comparison: The comparison.
+        kind: Of the curves that the indices are read from.
+        with_paths: Whether both paths of every split are shown too.
+    """
+    number, grids = comparison.number, [returns_grid(comparison)]
+    returned = {f"pay, {manner}": split.ratio for manner, split in number.returns.items()}
+    indices = number.index_splits or number.splits if number.has_pay else {}
+    for name, found in ((PAY, returned), (INDICES, indices)):
+        of_name = split_grids(found, with_paths) if found else []
+        grids += [grid._replace(title=f"{name}: {grid.title}") for grid in of_name]
+    if number.decomposition is not None:
+        grids += [sum_grid(number.decomposition.total), index_grid(number.decomposition, kind)]
+    return [grid for grid in grids if grid.rows or grid.notes]
+
+
+TERMS_TITLE = "What each term paid"
+TERMS = (
+    "What a term paid an episode, as a mean over trainings. Start and end are the first and the last tenth of the "
+    "episodes of the reward's own trainings, evaluation those of the final policies. No word of better or worse "
+    "belongs to a term: that one pays more, or all, is what its author asked for."
+)
+
+
+COLUMNS = ("start", "end", "evaluation", "others", "random", "behaviour", "ruler")
+ALWAYS = COLUMNS[:2]
+"""Columns that stand there without a value too."""
+
+
+def terms_of(results: Results, comparison: Comparison) -> list[TermsPaid]:
+    """What the terms of the compared rewards paid: of the proposed one, and in the first comparison of the baseline."""
+    names = [comparison.proposed, *([comparison.baseline] if comparison is results.combinations[0] else [])]
+    there = [it for it in results.terms if it.group == comparison.group and it.reward in names]
+    return sorted(there, key=lambda it: names.index(it.reward))
+
+
+def terms_grid(found: TermsPaid) -> Grid:
+    """A row for each term, its interval below it; below the table what to say of them."""
+    terms = found.terms
+    shown = [name for name in COLUMNS if name in ALWAYS or any(_is_known(getattr(term, name)) for term in terms)]
+    rows = [row for term in terms for row in value_rows(term.name, [getattr(term, name) for name in shown])]
+    headings = (f"with {found.baseline}" if name == "others" else name for name in shown)
+    return Grid(("an episode", *headings), rows, list(_term_notes(found)), f"{TERMS_TITLE}: {found.reward}")
+
+
+def never_texts(results: Results) -> list[str]:
+    """A sentence for each term that never paid; where there are several places, each says its own."""
+    several = len({it.group for it in results.terms}) > 1
+    return [
+        f"{f'{it.group.title}, ' if several else ''}{it.reward}: {text}" for it in results.terms for text in _never(it)
+    ]
+
+
+def changed_text(found: TermsPaid) -> str:
+    """Which term changed most; empty where there is one term, or none changed."""
+    most = found.most_changed
+    if most is None or len(found.terms) < 2:
+        return ""
+    if not found.is_compared:
+        start, end = format_number(most.start.mean), format_number(most.end.mean)
+        return f"`{most.name}` changed most: {start} an episode at the start of the trainings, {end} at their end."
+    own, others = format_number(most.final.mean), format_number(most.others.mean)
+    where = "of the evaluations" if most.evaluation.mean is not None else "at the end of the trainings"
+    return f"`{most.name}` differs most: it pays {own} an episode {where}, and {others} with {found.baseline}."
+
+
+def _is_known(value: SeedMean | float | None) -> bool:
+    return (value.mean if isinstance(value, SeedMean) else value) is not None
+
+
+def _term_notes(found: TermsPaid) -> Iterator[str]:
+    yield from filter(None, [changed_text(found)])
+    yield from _never(found)
+    if found.is_compared:
+        yield (
+            f"Behaviour is what the term pays in the end minus what it pays the trainings with {found.baseline}. Over "
+            f"all terms it adds up to the behaviour part on one of the two paths: {found.path}."
+        )
+    if any(it.ruler.mean is not None for it in found.terms):
+        yield f"Ruler is what the term pays the episodes of {found.baseline} minus what its own term of that name pays."
+    if found.missing:
+        yield f"With {found.baseline} n/a: {found.missing}"
+
+
+def _never(found: TermsPaid) -> Iterator[str]:
+    weights = parse(found.reward)[1]
+    for term in found.terms:
+        if term.never:
+            off = ": its weight is 0" if weights.get(term.name) in ("0", "-0") else ""
+            later = " of training, only in the evaluations" if term.evaluation.mean else ""
+            yield f"`{term.name}` never paid in {found.steps:,} steps{later}{off}."

@@ -3,7 +3,6 @@
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from harness.report.answers import word_of
 from harness.report.rows.behaviour import along_grid, behaviour_grids
 from harness.report.rows.comparison import (
     NO_REWARD,
@@ -16,14 +15,22 @@ from harness.report.rows.comparison import (
     remarks_on_cells,
     rewards_text,
     what_decides,
+    word_of,
 )
-from harness.report.rows.numbers import INDICES, number_grids
 from harness.report.rows.ratios import SPLIT, scales_text
-from harness.report.rows.returns import EXPLANATION, PAY, READING, matrix_title, return_grid
-from harness.report.rows.terms import terms_grid, terms_of
-from harness.report.tables.alone import alone_lines
+from harness.report.rows.returns import (
+    EXPLANATION,
+    INDICES,
+    PAY,
+    READING,
+    matrix_title,
+    number_grids,
+    return_grid,
+    terms_grid,
+    terms_of,
+)
 from harness.report.tables.grid import show_grid, show_titled
-from harness.report.tables.overview import interim_lines, pooled_lines, said_lines
+from harness.report.tables.overview import alone_lines, interim_lines, pooled_lines, said_lines
 from harness.results import Results
 from harness.results.comparison import Comparison
 

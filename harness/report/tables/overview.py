@@ -2,26 +2,31 @@
 
 from collections.abc import Iterator, Sequence
 
-from rich.console import Console, ConsoleOptions, Group as Together, RenderableType
+from rich.console import Console, ConsoleOptions, Group, Group as Together, RenderableType
 from rich.text import Text
 
-from harness.report.answers import STYLES
-from harness.report.rows.choosing import CHOOSING, CHOOSING_TITLE, choosing_told
+from harness.report.rows.alone import ALONE, alone_grid, beside, size_text, story
 from harness.report.rows.comparison import (
+    CHOOSING,
+    CHOOSING_TITLE,
+    POOLED_TITLE,
+    STYLES,
     advice,
     basis_text,
     beside_answer,
+    choosing_told,
     count_cells,
     interim_text,
+    pooled_answers,
+    question,
     remarks_on_cells,
 )
-from harness.report.rows.pools import POOLED_TITLE, pooled_answers
+from harness.report.rows.ranking import AGREEMENT, CHOICE, EXPLANATION, TITLE, task_rows
 from harness.report.rows.ratios import Grid, split_grid
-from harness.report.rows.returns import matrix_title, return_grid
-from harness.report.rows.terms import never_texts
-from harness.report.tables.alone import alone_lines
+from harness.report.rows.returns import changed_text, matrix_title, never_texts, return_grid, terms_grid
 from harness.report.tables.grid import divide_columns, show_grid, spaced
 from harness.results import Results
+from harness.results.alone import Alone
 from harness.results.comparison import Comparison
 from harness.results.overview import (
     PAY,
@@ -33,7 +38,53 @@ from harness.results.overview import (
     shared_text,
     varying_kinds,
 )
+from harness.results.ranking import ranking_of
 from harness.results.return_matrix import ReturnMatrix
+
+FEW = 3
+"""Measures that are shown at a glance."""
+
+
+def alone_lines(results: Results, *, with_all: bool) -> list[RenderableType]:
+    """What was asked, and what each reward paid for; nothing where each has another beside it.
+
+    Args:
+        results: The experiment, or the recordings.
+        with_all: Whether every measure, every interval and every term is shown.
+    """
+    if not results.alone:
+        return []
+    parts = [part for it in results.alone for part in _block(results, it, with_all)]
+    told = beside(results, results.alone)
+    parts += [Text(), Text(ALONE, style="dim")]
+    return [*parts, *spaced([told and f"To compare it with another reward: {told}"]), Text()]
+
+
+def _block(results: Results, alone: Alone, with_all: bool) -> Iterator[RenderableType]:
+    yield Text(f"{question(results)} {size_text(alone)}.", style="bold")
+    yield Text(alone.group.title)
+    yield from show_grid(alone_grid(alone, None if with_all else FEW))
+    yield from spaced([story(alone)])
+    for terms in results.terms:
+        if (terms.group, terms.reward) == (alone.group, alone.reward):
+            if with_all:
+                yield from show_grid(terms_grid(terms))
+            else:
+                yield from spaced([changed_text(terms)])
+
+
+def ranking_table(results: Results, details: bool) -> RenderableType | None:
+    """The answer in each task, and on request what it rests on; None if there is nothing to compare."""
+    tasks = ranking_of(results).tasks
+    if not tasks:
+        return None
+    parts: list[RenderableType] = [Text(), Text(TITLE, style="bold")]
+    for rows in map(task_rows, tasks):
+        parts += [Text(rows.title), *(Text(f"  {line}") for line in rows.lines)]
+        grids = [*(table.grid for table in rows.ranks), rows.choices, rows.agreements] if details else []
+        parts += [part for grid in grids for part in show_grid(grid)]
+    told = [Text(), Text(" ".join((EXPLANATION, CHOICE, AGREEMENT)), style="dim")] if details else []
+    return Group(*parts, *told)
 
 
 def choosing_lines(results: Results) -> list[RenderableType]:

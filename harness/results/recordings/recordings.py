@@ -7,8 +7,8 @@ from types import MappingProxyType
 
 from harness.arrays import Float
 from harness.errors import UsageError
+from harness.eta.index import SeedMean, mean_of_known
 from harness.eta.manner import MANNERS
-from harness.eta.seed_mean import SeedMean, mean_of_known
 from harness.measure import Measure
 from harness.record.cell import BROUGHT, EVALUATION_HORIZON, Cell
 from harness.record.folder import EVALUATION_RECORDING, RANDOM, TRAINING_RECORDING, recording_of

@@ -13,7 +13,7 @@ pytestmark = pytest.mark.bench
 SEEDS, STEPS = 1, 2_500
 BARE = """
 import sys
-from harness.env.make import ReachEnv
+from harness.env.vector_env import ReachEnv
 from harness_plugins.algorithms.sac import Sac
 from tests.bench.timings.bare import bare_training
 steps, *seeds = map(int, sys.argv[1:])

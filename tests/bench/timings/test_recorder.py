@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import harness
-from harness.experiment.telling import TELL_EVERY
+from harness.experiment.workers.order import TELL_EVERY
 from harness.record import TrainingFacts, read_recording
 from harness.record.blocks import Blocks
 from harness.record.recording.recording_writer import WRITE_EVERY, RecordingWriter

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from harness.errors import SchemaError
-from harness.experiment.checkpoints.stored_rings import StoredRing, discard_rings, read_ring, require_rings, store_ring
+from harness.experiment.checkpoints.checkpoint import StoredRing, discard_rings, read_ring, require_rings, store_ring
 from harness.progress import Ring
 
 CAPACITY = 10

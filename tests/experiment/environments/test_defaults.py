@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from harness.cli.foreseen import foreseen_lines
+from harness.cli.progress import foreseen_lines
 from harness.errors import PluginError
 from harness.experiment import RunOptions, check_experiment, expand
 from harness.experiment.experiment import check

@@ -5,8 +5,9 @@ import shutil
 import pytest
 
 from harness.executor import CellOptions
-from harness.experiment import check_experiment, expand, telling
+from harness.experiment import check_experiment, expand
 from harness.experiment.run_cell import run_cell
+from harness.experiment.workers import order
 from harness.record import LOG, MANIFEST, partial_folder, read_manifest
 from harness.record.folder import evaluation_files
 from harness.record.manifest import digests_in
@@ -95,7 +96,7 @@ def test_evaluations_on_the_way_are_not_made_again(registry, given, tmp_path):
 
 def test_a_cell_that_is_killed_in_its_evaluation_goes_on(registry, given, tmp_path, monkeypatch):
     """What it had evaluated is thrown away, with the policy: they come to be again."""
-    monkeypatch.setattr(telling, "EVERY", 0.0)
+    monkeypatch.setattr(order, "EVERY", 0.0)
     cell, whole, killed = _cell(registry), tmp_path / "whole", tmp_path / "killed"
 
     def report(word):

@@ -7,7 +7,7 @@ import time
 
 import psutil
 
-from harness.experiment.workers.offspring import Offspring
+from harness.experiment.workers.workers import Offspring
 
 PARENT = """
 import subprocess, sys

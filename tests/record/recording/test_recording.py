@@ -240,7 +240,7 @@ def test_million_steps_take_30_megabytes(tmp_path):
 def test_only_steps_wait_for_the_disk(tmp_path, monkeypatch):
     """A training begins at once; what it has recorded at its end also survives a machine that stops."""
     waited = []
-    monkeypatch.setattr("harness.files.whole_file.sync", waited.append)
+    monkeypatch.setattr("harness.files.bounded.sync", waited.append)
     training = _training(3)
     writer = RecordingWriter(tmp_path / "it", FACTS)
     assert not waited

@@ -2,9 +2,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from harness.report import Dots, Line
-from harness.report.figures.accumulated import draw_both
+from harness.report.figures.accumulated import draw_both, panels_of
 from harness.report.figures.chart import Area, Flag, Word
-from harness.report.figures.panel import panels_of
 
 
 def panels(results):

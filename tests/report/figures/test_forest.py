@@ -5,7 +5,7 @@ import re
 import pytest
 
 from harness.eta import Change, Quantity
-from harness.report.figures.forest import draw_part, draw_strip, draw_trainings
+from harness.report.figures.split import draw_part, draw_strip, draw_trainings
 
 MIDDLE, REACH = 84.0, 74.0
 """Where no difference is, and how far from it the farthest end of a row, [px]."""

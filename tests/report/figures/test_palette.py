@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import harness.report
-from harness.report.figures.palette import light_colours
+from harness.report.figures.chart import light_colours
 
 WORDS = (
     "ruler",

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.random import default_rng
 
-from harness.report.figures.points import points_of_a_run, select_points
+from harness.report.figures.accumulated import points_of_a_run, select_points
 
 
 @pytest.mark.parametrize("count", [1_001, 54_920])

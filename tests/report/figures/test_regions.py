@@ -6,8 +6,7 @@ from hypothesis import given, strategies as st
 from numpy.testing import assert_allclose
 
 from harness.eta import curve_of
-from harness.report.figures.accumulated import regions_of
-from harness.report.figures.panel import panel_of
+from harness.report.figures.accumulated import panel_of, regions_of
 
 OMEGA_1, OMEGA_2 = "Ω₁", "Ω₂"
 VALUES = st.lists(st.integers(-9, 9).map(float), min_size=2, max_size=40)

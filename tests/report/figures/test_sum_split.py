@@ -4,7 +4,7 @@ from harness.eta import SeedMean
 from harness.eta.splits import SumSplit
 from harness.report import Dots, Line
 from harness.report.figures.chart import Note
-from harness.report.figures.sum_split import describe_sum, draw_sum
+from harness.report.figures.split import describe_sum, draw_sum
 
 SPLIT = SumSplit(SeedMean(10.0, 8.0, 12.0), SeedMean(7.0, 6.0, 8.0), SeedMean(3.0, -1.0, 7.0))
 

@@ -7,7 +7,7 @@ import pytest
 
 from harness.report import write_eta_page
 from harness.report.page.eta import draw_groups
-from harness.report.typography import to_html
+from harness.report.page.page import to_html
 
 
 def read_page(comparison, path):

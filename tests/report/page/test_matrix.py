@@ -1,6 +1,6 @@
 """The map of answers and the table."""
 
-from harness.report.page.matrix import matrix_of
+from harness.report.page.answer import matrix_of
 
 
 def test_map_has_a_row_per_reward_and_a_column_per_place(build):

@@ -7,7 +7,7 @@ import pytest
 
 from harness.eta import Change, Quantity
 from harness.record.scene import Scene, SceneJoint, write_scene
-from harness.report.replay.links import EpisodeLinks, links_of
+from harness.report.replay.section import EpisodeLinks, links_of
 from harness.results import Pairs, shows_of
 from harness.results.pairs import Met, kinds_of
 

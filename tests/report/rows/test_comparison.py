@@ -8,8 +8,8 @@ from harness.eta import Ratio, Split
 from harness.eta.splits import SplitPath
 from harness.report import comparison_table, format_number, what_decides
 from harness.report.rows.comparison import advice
-from harness.report.rows.numbers import number_grids
 from harness.report.rows.ratios import index_grid, path_grid, ratio_grid, split_grid, sum_grid
+from harness.report.rows.returns import number_grids
 from tests.report.conftest import NO_PAIR, printed, squeezed
 
 

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import pytest
 
 from harness.record import Terms
-from harness.report.rows.pools import grown_text, joined_text
+from harness.report.rows.comparison import grown_text, joined_text
 
 
 def of_terms(**given):

@@ -7,7 +7,7 @@ import pytest
 
 from harness.eta import mean_over_seeds
 from harness.report import terms_grid
-from harness.report.rows.terms import never_texts
+from harness.report.rows.returns import never_texts
 from harness.results import Group, TermPaid, TermsPaid
 
 

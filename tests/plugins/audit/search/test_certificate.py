@@ -199,8 +199,8 @@ def test_a_pipe_is_not_waited_for(tmp_path):
 KILLED = """
 import os, sys
 from pathlib import Path
-from harness.files import whole_file
-whole_file.sync = lambda path: os._exit(9)
+from harness.files import bounded
+bounded.sync = lambda path: os._exit(9)
 from harness_plugins.audit.search.certificate import write_certificate
 from tests.plugins.audit.search.certified import certificate_of
 write_certificate(certificate_of(), Path(sys.argv[1]))
