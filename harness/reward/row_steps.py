@@ -1,18 +1,19 @@
 """Rows of an arm's recorded run as the steps that a reward or a measure is given."""
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any, NamedTuple, Protocol
+from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.arrays import Float, Mask, read_only
+from harness.arrays import Mask, read_only
 from harness.reward.steps import BEFORE, Sample, Steps, joined, rows_of, steps_of
 
 TOUCHED = ("reached", "terminated", "truncated")
 """Columns of a trace that tell where a new target was set inside an episode."""
+DISTANCES = ("begin_distance", "previous_best", "distance")
+"""Columns that every log has that can be paid again; besides them ``start``, or ``step``, which is 0 in start rows."""
 FIELDS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
         **{name: (name,) for name in ("qpos", "qvel", "action", "ground")},
@@ -20,6 +21,10 @@ FIELDS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     }
 )
 """The columns of each field of `harness.reward.steps.ARM` that a trace has beside the distances."""
+Rows: TypeAlias = Mapping[str, NDArray[Any]]
+"""Consecutive rows of one run, (rows, ...) each: ``start``, whether the row is an episode's start, which is paid
+nothing; `DISTANCES`; those of `FIELDS` that are recorded and wanted; and ``touched``, whether the target was reached
+and the next one set after the row. Without it a new target shows only in a new begin distance."""
 
 
 class Recorded(Protocol):
@@ -30,89 +35,34 @@ class Recorded(Protocol):
     def __contains__(self, name: object) -> bool: ...
 
 
-@dataclass(frozen=True, eq=False)
-class Rows:
-    """Consecutive rows of one run, arrays of shape (rows,).
+def part_of(rows: Rows, which: NDArray[np.int64] | slice) -> Rows:
+    """Some rows, in order."""
+    return {name: column[which] for name, column in rows.items()}
 
-    Attributes:
-        start: Whether the row is an episode's start, which is paid nothing.
-        begin_distance: Bd, [m].
-        previous_best: Pb before the step, [m].
-        distance: d(t), [m].
-        touched: Whether the target was reached and the next one set after the row; None where that is not recorded.
-            Then a new target shows only in a new begin distance.
-        more: Other fields of `harness.reward.steps.ARM` that are recorded, (rows, ...) each.
+
+def steps_of_rows(rows: Rows, last: Rows = MappingProxyType({})) -> tuple[Steps, Mask, Rows]:
+    """The next rows of a run as steps; which of them begin an episode or have a new target, (rows,); the last of them.
+
+    Args:
+        rows: They.
+        last: The last row of those before them, as this returned it; nothing before the first ones.
     """
-
-    start: Mask
-    begin_distance: Float
-    previous_best: Float
-    distance: Float
-    touched: Mask | None = None
-    more: Mapping[str, NDArray[Any]] = field(default_factory=dict)
-
-    def part(self, rows: NDArray[np.int64] | Mask | slice) -> "Rows":
-        """Some of them, in order."""
-        return Rows(
-            self.start[rows],
-            self.begin_distance[rows],
-            self.previous_best[rows],
-            self.distance[rows],
-            None if self.touched is None else self.touched[rows],
-            {name: column[rows] for name, column in self.more.items()},
-        )
-
-
-class _Last(NamedTuple):
-    """The values of the row before."""
-
-    begin_distance: float
-    distance: float
-    step: float
-    touched: bool
-    more: Mapping[str, NDArray[Any]]
-
-
-class RowSteps:
-    """Makes steps of one run piece by piece. It remembers the row before."""
-
-    def __init__(self) -> None:
-        self._last = _Last(np.nan, np.nan, 0.0, False, {})
-
-    def of(self, rows: Rows) -> tuple[Steps, Mask]:
-        """The next rows as steps, and which of them begin an episode or have a new target, (rows,)."""
-        restart = rows.start | self._has_new_target(rows)
-        steps = self._steps(rows, restart)
-        self._last = _last_of(rows, steps)
-        return steps, restart
-
-    def _has_new_target(self, rows: Rows) -> Mask:
-        """Whether the target is another than in the row before, (rows,). Earlier distances belong to the old one."""
-        begin = rows.begin_distance
-        new: Mask = begin != np.concatenate([[self._last.begin_distance], begin[:-1]])
-        if rows.touched is not None:  # the next target may be as far away as the last one was at first
-            new |= np.concatenate([[self._last.touched], rows.touched[:-1]])
-        return new
-
-    def _steps(self, rows: Rows, restart: Mask) -> Steps:
-        begin, best = read_only(rows.begin_distance), read_only(rows.previous_best)  # other rewards read them too
-        distance = read_only(rows.distance)
-        previous = np.where(restart, begin, np.concatenate([[self._last.distance], distance[:-1]]))
-        step = _steps_since_start(rows.start, self._last.step)
-        six = Sample(begin, best, previous, distance, distance - best, step)
-        now = {name: read_only(column) for name, column in rows.more.items()}
-        last = {**self._last.more, "distance": np.array([self._last.distance])}
-        before = {
-            name: read_only(np.concatenate([last.get(name, column[:1]), column[:-1]]))
-            for name, column in {"distance": distance, **now}.items()
-        }
-        return steps_of({**six._asdict(), **now, BEFORE: steps_of(before)})
-
-
-def targets_touched(reached: Mask, terminated: Mask, truncated: Mask) -> Mask:
-    """Where a target was reached and the episode went on to the next one, (rows,)."""
-    touched: Mask = reached & ~(terminated | truncated)
-    return touched
+    last = last or {"begin_distance": np.array([np.nan]), "distance": np.array([np.nan]), "step": np.zeros(1)}
+    rows = {name: read_only(column) for name, column in rows.items()}  # other rewards read them too
+    start, begin, best, distance = (rows[name] for name in ("start", *DISTANCES))
+    before = {
+        name: read_only(np.concatenate([last.get(name, column[:1]), column[:-1]]))
+        for name, column in rows.items()
+        if name not in ("start", "previous_best")
+    }
+    # The next target may be as far away as the last one was at first. Earlier distances belong to the old one.
+    restart: Mask = start | (begin != before.pop("begin_distance")) | before.pop("touched", np.False_)
+    row = np.arange(len(start), dtype=np.float64)
+    step = row - np.maximum.accumulate(np.where(start, row, -1.0 - last["step"]))
+    six = Sample(begin, best, np.where(restart, begin, before["distance"]), distance, distance - best, step)
+    steps = {**six._asdict(), **{name: rows[name] for name in FIELDS if name in rows}, BEFORE: steps_of(before)}
+    ends = {name: column[-1:].copy() for name, column in {**rows, "step": step}.items()}
+    return steps_of(steps), restart, ends
 
 
 def has_field(run: Recorded, name: str) -> bool:
@@ -122,9 +72,14 @@ def has_field(run: Recorded, name: str) -> bool:
 
 def field_rows(run: Recorded, fields: Collection[str]) -> Rows:
     """The rows that steps are made of, with those of `FIELDS` that are asked for and recorded."""
-    more = {name: _field(run, name) for name in FIELDS if name in fields and has_field(run, name)}
-    touched = targets_touched(*(run[name] for name in TOUCHED)) if all(name in run for name in TOUCHED) else None
-    return Rows(_starts(run), run["begin_distance"], run["previous_best"], run["distance"], touched, more)
+    rows = {"start": _starts(run), **{name: run[name] for name in DISTANCES}}
+    if all(name in run for name in TOUCHED):
+        rows["touched"] = run["reached"] & ~(run["terminated"] | run["truncated"])
+    for name in FIELDS:
+        if name in fields and has_field(run, name):
+            columns = [run[column] for column in FIELDS[name]]
+            rows[name] = columns[0] if len(columns) == 1 else np.stack(columns, axis=1)
+    return rows
 
 
 def steps_of_run(run: Recorded, fields: Collection[str]) -> Steps:
@@ -136,8 +91,8 @@ def steps_of_run(run: Recorded, fields: Collection[str]) -> Steps:
     """
     rows, stretches = field_rows(run, fields), stretches_of(run)
     if stretches is None:
-        return RowSteps().of(rows)[0]
-    steps = joined([RowSteps().of(rows.part(stretch))[0] for stretch in stretches])
+        return steps_of_rows(rows)[0]
+    steps = joined([steps_of_rows(part_of(rows, stretch))[0] for stretch in stretches])
     return rows_of(steps, np.argsort(np.concatenate(stretches)))
 
 
@@ -160,21 +115,3 @@ def _starts(run: Recorded) -> Mask:
     """Which rows are starts: as the run says it, or by a step of 0."""
     start: Mask = run["start"] if "start" in run else run["step"] == 0
     return start
-
-
-def _field(run: Recorded, name: str) -> NDArray[Any]:
-    columns = [run[column] for column in FIELDS[name]]
-    return columns[0] if len(columns) == 1 else np.stack(columns, axis=1)
-
-
-def _last_of(rows: Rows, steps: Steps) -> _Last:
-    touched = rows.touched is not None and bool(rows.touched[-1])
-    more = {name: column[-1:].copy() for name, column in rows.more.items()}
-    return _Last(float(rows.begin_distance[-1]), float(rows.distance[-1]), float(steps.step[-1]), touched, more)
-
-
-def _steps_since_start(start: Mask, before: float) -> Float:
-    """`t` of each row: 0 in a start row, one more in each row after it."""
-    row = np.arange(len(start), dtype=np.float64)
-    last_start = np.maximum.accumulate(np.where(start, row, -1.0 - before))
-    return row - last_start

@@ -31,7 +31,6 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.csv
 
-from harness.arrays import Mask
 from harness.errors import SchemaError, UsageError
 from harness.files.bounded import require_regular
 from harness.log import Log, LogFacts
@@ -79,18 +78,18 @@ def fault_of(path: Path, header: list[str], places: Mapping[str, int], problem: 
         places: Of the columns that are read, by what this project calls them.
         problem: What is said where no line is at fault.
     """
-    rows = 0
+    told = f"{path} has no rows"
     try:
         with path.open(encoding="utf-8-sig", errors="replace", newline="") as file:
             lines = csv.reader(_lines(file))
             next(lines)
             for cells in filter(None, lines):
-                rows += 1
                 if fault := _find_fault(cells, header, places):
                     return UsageError(f"{path}, line {lines.line_num}, {fault}")
+                told = f"{path} cannot be read: {problem}"
     except (csv.Error, OSError) as error:
-        return UsageError(f"{path} cannot be read: {error}")
-    return UsageError(f"{path} cannot be read: {problem}" if rows else f"{path} has no rows")
+        told = f"{path} cannot be read: {error}"
+    return UsageError(told)
 
 
 def _lines(file: TextIO) -> Iterator[str]:
@@ -129,11 +128,14 @@ def _find_fault(cells: list[str], header: list[str], places: Mapping[str, int]) 
         hint = "; a comma inside a number?" if count > expected else ""
         return f"{column}: cells in the line: {count}, in the header: {expected}{hint}"
     texts = {name: cells[place].strip() for name, place in places.items()}
-    best = {"prev_best", "previous_best"} & {*texts}
-    told = best if texts.get("delta_distance") else {"delta_distance"} if best else set[str]()
+    *best, delta = BEST
+    told = best if texts.get(delta) else BEST[0:0] if texts.keys().isdisjoint(best) else [delta]
     for name, text in texts.items():
         column = header[places[name]].strip()
-        if _is_number(text) or (not text and name in ("step", *told)):
+        with suppress(ValueError):
+            if "_" not in text and abs(float(text)) <= LARGEST:
+                continue
+        if not text and name in ("step", *told):
             continue
         if name == "reward" and text.lower() == "nan":  # a training that diverged: an outcome, and no fault of the file
             continue
@@ -144,12 +146,6 @@ def _find_fault(cells: list[str], header: list[str], places: Mapping[str, int]) 
             problem = "the header stands here once more: two files joined into one? Give each run a file"
         return f"column '{column}': {problem}"
     return None
-
-
-def _is_number(text: str) -> bool:
-    with suppress(ValueError):
-        return "_" not in text and abs(float(text)) <= LARGEST
-    return False
 
 
 PAY = f"{REWARD}{RECORDED}"
@@ -183,15 +179,50 @@ class StepsCsv:
     def recognises(self, path: Path, head: bytes) -> bool:
         """A CSV file with a column 'reward' of numbers, whose first rows may be steps, and are no episodes."""
         table = _first_rows(path, head)
-        if table is None or "reward" not in (names := _spelled(table.names)) or why_no_steps(table):
+        if "reward" not in (names := _spelled(table.names)) or why_no_steps(table):
             return False
         told = [cell.strip().lower() for cell in table.cells[table.names[names.index("reward")]]]
         return not told or any(not text[:1].isalpha() or text[:3] in ("nan", "inf") for text in told)
 
-    def read(self, path: Path) -> tuple[Log, ...]:
-        """The one training of the file; see `open_csv`."""
+    def read(self, path: Path) -> tuple[Log]:
+        """The one training of the file; its rows are read later.
+
+        Raises:
+            UsageError: It cannot be read, has too many columns or no reward column; later, that a row cannot be read,
+                or that rows are no steps.
+        """
         require_regular(path, MOST_BYTES)
-        return (open_csv(path),)
+        header = read_header(path)
+        with path.open("rb") as file:
+            table = _first_rows(path, file.read(HEAD))
+            file.seek(-1, os.SEEK_END)
+            is_cut = file.read() not in (b"\n", b"\r")
+        if column := why_no_steps(table):
+            raise UsageError(
+                f"{path}: its rows are episodes, or means over some (column '{column}'), and {NEEDED}; {RECORD}. "
+                f"If each row is a step, delete the column '{column}'"
+            )
+        spelled = _spelled(header)
+        found = {
+            name: it for name in COLUMNS for it in reversed(SPELLINGS.get(name, (name,))) if it in spelled
+        }  # the first spelling that is there
+        unread = {*COLUMNS} - {*found}
+        if not unread.isdisjoint(EVENTS):
+            unread |= {*EVENTS}
+        if not unread.isdisjoint(("begin_distance", "distance")) or unread >= {*BEST}:
+            unread |= {*COLUMNS} - {"reward", *EVENTS}  # the run cannot be paid again with its distances
+        for name in {*TOUCHED} - unread:  # other programs write words there
+            told = table.cells.get(header[spelled.index(name)].strip()) or ["none"]
+            if {cell.strip() for cell in told} - {"0", "1"}:
+                unread.add(name)
+        chosen = {name: it for name, it in found.items() if name not in unread}
+        for it in chosen.values():
+            if spelled.count(it) > 1:
+                raise UsageError(f"{path}, line 1: two columns are called '{it}'")
+        there = (PAY, *(it for it in (*EVENTS, *TOUCHED) if it in chosen), *(STEPS if "distance" in chosen else ()))
+        notes = ("the last line does not end: it may be cut off",) * is_cut
+        read = partial(_read, path, header, {name: spelled.index(it) for name, it in chosen.items()})
+        return (Log(LogFacts(path=path, format="CSV of steps", first_line=2, notes=notes), there, read),)
 
     def write_example(self, folder: Path) -> Path:
         """Two episodes of two steps, as the second program writes them; and how they ended."""
@@ -202,119 +233,57 @@ class StepsCsv:
         return path
 
 
-def open_csv(path: Path) -> Log:
-    """A recorded run in a CSV file; its rows are read later.
-
-    Raises:
-        UsageError: It cannot be read, has too many columns or no reward column; later, that a row cannot be read, or
-            that rows are no steps.
-    """
-    header = read_header(path)
-    with path.open("rb") as file:
-        table = _first_rows(path, file.read(HEAD))
-    if table is not None and (column := why_no_steps(table)):
-        raise UsageError(
-            f"{path}: its rows are episodes, or means over some (column '{column}'), and {NEEDED}; {RECORD}. "
-            f"If each row is a step, delete the column '{column}'"
-        )
-    spelled, told = _spelled(header), {} if table is None else table.cells
-    found = {name: [it for it in SPELLINGS.get(name, (name,)) if it in spelled] for name in COLUMNS}
-    places = {name: spelled.index(of[0]) for name, of in found.items() if of}
-    unread = {*EVENTS} if {*EVENTS} - {*places} else set[str]()
-    for name in {*TOUCHED} & {*places}:  # other programs write words there
-        if {cell.strip() for cell in told.get(header[places[name]].strip()) or ["none"]} - {"0", "1"}:
-            unread.add(name)
-    if not {"begin_distance", "distance"} <= {*places} or {*BEST}.isdisjoint(places):
-        unread |= {*COLUMNS} - {"reward", *EVENTS}  # the run cannot be paid again with its distances
-    places = {name: place for name, place in places.items() if name not in unread}
-    for name in {spelled[place] for place in places.values()}:
-        if spelled.count(name) > 1:
-            raise UsageError(f"{path}, line 1: two columns are called '{name}'")
-    notes = () if _ends(path) else ("the last line does not end: it may be cut off",)
-    there = (PAY, *(name for name in (*EVENTS, *TOUCHED) if name in places), *(STEPS if "distance" in places else ()))
-    read = partial(_read, path, header, places)
-    return Log(LogFacts(path=path, format="CSV of steps", first_line=2, notes=notes), there, read)
-
-
-def _ends(path: Path) -> bool:
-    """Whether the last line of a file has an end."""
-    with path.open("rb") as file:
-        file.seek(-1, os.SEEK_END)
-        return file.read(1) in (b"\n", b"\r")
-
-
-class _Counted:
-    """What was counted in the rows before: the step of the last one, and the episodes of each env."""
-
-    def __init__(self) -> None:
-        self.step = 0
-        self._episodes: dict[int, int] = {}
-
-    def steps(self, start: Mask) -> Array:
-        """Rows since the last start row, which is 0."""
-        row = np.arange(len(start))
-        return row - np.maximum.accumulate(np.where(start, row, -1 - self.step))
-
-    def episodes(self, env: Array, start: Mask) -> Array:
-        """The number of each row's episode in its env; the first may have no start row."""
-        found = np.zeros(len(env), np.int64)
-        for number in np.unique(env).tolist():
-            mine = env == number
-            before = self._episodes.get(number, -1 if start[mine][0] else 0)
-            found[mine] = before + np.cumsum(start[mine])
-            self._episodes[number] = int(found[mine][-1])
-        return found
-
-
-def _read_rows(columns: Columns, counted: _Counted) -> dict[str, Array] | None:
+def _read_rows(columns: Columns, last_step: int, episodes: dict[int, int]) -> dict[str, Array] | None:
     """The standard columns of some rows, (rows,) each; None if a row lacks a number that it needs.
 
     Args:
         columns: By name those of `COLUMNS` that were chosen, NaN where a cell is empty.
-        counted: In the rows before.
+        last_step: That of the row before.
+        episodes: The number of the last episode of each env in the rows before; it is gone on with.
     """
     if any((np.abs(column) > LARGEST).any() for column in columns.values()):
         return None
     reward, events = columns["reward"], {name: columns[name] for name in EVENTS if name in columns}
     if "distance" not in columns:
-        return {PAY: reward, **events} if _is_finite(events.values()) else None
+        return {PAY: reward, **events} if np.isfinite([*events.values()]).all() else None
     begin, distance, nothing = columns["begin_distance"], columns["distance"], np.full(len(reward), np.nan)
-    told, filled = columns.get("step", nothing), columns.get("delta_distance", nothing)
-    best = columns.get("previous_best", columns.get("prev_best", nothing))
-    if "previous_best" not in columns:  # see the rule at the top of this file
-        best = np.where(np.isnan(filled), best, distance - filled)
+    told, filled, best = (columns.get(name, nothing) for name in ("step", "delta_distance", "prev_best"))
+    # see the rule at the top of this file
+    best = columns.get("previous_best", np.where(np.isnan(filled), best, distance - filled))
     delta = np.where(np.isnan(filled), distance - best, filled)
     env = columns.get("env", np.zeros(len(reward)))
     flags = {name: columns[name] for name in TOUCHED if name in columns}
-    needed = (*events.values(), *flags.values(), begin, distance, best, delta, env)
-    if not _is_finite(needed) or max(np.abs(env).max(), np.nanmax(np.abs(told), initial=0.0)) > LARGEST_STEP:
+    needed = [*events.values(), *flags.values(), begin, distance, best, delta, env]
+    if not np.isfinite(needed).all() or max(np.abs(env).max(), np.nanmax(np.abs(told), initial=0.0)) > LARGEST_STEP:
         return None
     alike = (reward == 0.0) & (distance == begin) & (best == begin)
     if "delta_distance" in columns:
         alike &= np.isfinite(filled)
-    start = np.where(np.isnan(told), alike, told == 0.0)
-    step = np.where(np.isnan(told), counted.steps(start), told).astype(np.int64)
-    counted.step, env = int(step[-1]), env.astype(np.int64)
-    values = (start, begin, best, distance, delta, step, env, counted.episodes(env, start))
+    start, row = np.where(np.isnan(told), alike, told == 0.0), np.arange(len(reward))
+    since = row - np.maximum.accumulate(np.where(start, row, -1 - last_step))
+    step, env = np.where(np.isnan(told), since, told).astype(np.int64), env.astype(np.int64)
+    episode = np.zeros_like(env)
+    for number in np.unique(env).tolist():
+        mine = env == number
+        first = -int(start[mine][0])  # the first episode of an env may have no start row
+        episode[mine] = episodes.get(number, first) + np.cumsum(start[mine])
+        episodes[number] = int(episode[mine][-1])
+    values = (start, begin, best, distance, delta, step, env, episode)
     made = {name: values > 0.0 for name, values in flags.items()}
     return {PAY: reward, **events, **made, **dict(zip(STEPS, values, strict=True))}
-
-
-def _is_finite(columns: Iterable[Array]) -> bool:
-    return all(bool(np.isfinite(column).all()) for column in columns)
 
 
 def _spelled(header: Iterable[str]) -> list[str]:
     return [name.strip().lower() for name in header]
 
 
-def _first_rows(path: Path, head: bytes) -> TextTable | None:
-    """The table in the first bytes of a file; its header alone if a row is damaged, None of anything else."""
+def _first_rows(path: Path, head: bytes) -> TextTable:
+    """The table in the first bytes of a file; its header alone if a row is damaged, nothing of anything else."""
     text = head_of(path, head)
     for rows in (text, text[: text.find("\n") + 1]):
         with suppress(SchemaError):  # the reader names the line
             return parse_table(path, rows)
-    return None
+    return TextTable(path, (), {}, ())
 
 
 def _read(path: Path, header: list[str], places: Mapping[str, int], names: tuple[str, ...]) -> Iterator[Columns]:
@@ -323,29 +292,26 @@ def _read(path: Path, header: list[str], places: Mapping[str, int], names: tuple
     Raises:
         UsageError: A row cannot be read, or rows are no steps.
     """
-    roles = roles_in(header)
-    labels = [str(place) for place in range(len(header))]
-    for name, place in places.items():
-        labels[place] = name
+    labels, roles = [*map(str, range(len(header)))], roles_in(header)
     looked = {role: labels[header.index(name)] for role, name in roles.items()}
-    kinds = {**dict.fromkeys(looked.values(), pa.string()), **dict.fromkeys(places, pa.float64())}
+    kinds = dict.fromkeys(looked.values(), pa.string()) | {labels[place]: pa.float64() for place in places.values()}
     convert = pa.csv.ConvertOptions(
         column_types=kinds, include_columns=list(kinds), null_values=["", " "], strings_can_be_null=True
     )
-    rows, counted, watch = 0, _Counted(), RowWatch(path, roles)
+    line, step, episodes, watch, problem = 2, 0, dict[int, int](), RowWatch(path, roles), ""
     try:
         with pa.csv.open_csv(path, pa.csv.ReadOptions(column_names=labels, skip_rows=1), None, convert) as file:
-            for batch in file:
-                if not batch.num_rows:
-                    continue
-                watch.look({role: batch.column(label) for role, label in looked.items()})
-                columns = {name: batch.column(name).to_numpy(zero_copy_only=False) for name in places}
-                made = None if batch.column("reward").null_count else _read_rows(columns, counted)
-                if made is None:
-                    raise fault_of(path, header, places, "a number is missing, not finite or too large")
-                rows += batch.num_rows
+            for batch in filter(len, file):
+                watch.look({role: batch.column(label) for role, label in looked.items()}, line)
+                columns = {name: batch.column(labels[it]).to_numpy(zero_copy_only=False) for name, it in places.items()}
+                is_whole = not batch.column(labels[places["reward"]]).null_count
+                made = is_whole and _read_rows(columns, step, episodes)
+                if not made:
+                    problem = "a number is missing, not finite or too large"
+                    break
+                line, step = line + len(batch), int(made.get("step", [0])[-1])
                 yield {name: made[name] for name in names}
     except (pa.ArrowException, OSError) as error:
-        raise fault_of(path, header, places, str(error)) from error
-    if not rows:
-        raise UsageError(f"{path} has no rows")
+        problem = str(error)
+    if problem or line == 2:
+        raise fault_of(path, header, places, problem)

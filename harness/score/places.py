@@ -27,7 +27,7 @@ from harness.arrays import Float, Mask
 from harness.errors import UsageError
 from harness.reward import Paid, Reward
 from harness.reward.needs import needs_of
-from harness.reward.row_steps import Rows
+from harness.reward.row_steps import DISTANCES
 from harness.score.scorer import Scorer, fields_beside_distances
 
 END_EFFECTOR, TARGET, JOINTS, JOINTS_DEG = "end_effector", "target", "joints", "joints_deg"
@@ -224,8 +224,7 @@ class ArmPay:
         """Start an episode at this distance, [m], and with these other fields that the reward reads, (1, size) each."""
         self._scorer = Scorer(self._reward)
         self._begin = self._best = float(distance)
-        start = np.full(1, self._begin)
-        self._scorer.pay(Rows(np.ones(1, bool), start, start, start, more=more))
+        self._scorer.pay({"start": np.ones(1, bool), **dict.fromkeys(DISTANCES, np.full(1, self._begin)), **more})
 
     def pay(self, after: Float, more: Mapping[str, Float] = NO_FIELDS) -> Paid:
         """What the next steps of the episode pay, (n,), by the distances after them, (n,), [m], and `more` of each.
@@ -236,8 +235,9 @@ class ArmPay:
         after = np.asarray(after, np.float64)
         best = np.minimum.accumulate(np.concatenate([[self._best], after]))
         self._best = float(best[-1])
-        rows = Rows(np.zeros(len(after), bool), np.full(len(after), self._begin), best[:-1], after, more=more)
-        return self._scorer.pay(rows)
+        distances = (np.full(len(after), self._begin), best[:-1], after)
+        start = np.zeros(len(after), bool)
+        return self._scorer.pay({"start": start, **dict(zip(DISTANCES, distances, strict=True)), **more})
 
 
 def _sized(numbers: Float, name: str, count: int) -> Float:

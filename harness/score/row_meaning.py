@@ -2,8 +2,9 @@
 
 import re
 from collections import defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
+from itertools import chain
 from pathlib import Path
 from typing import NamedTuple
 
@@ -170,25 +171,25 @@ class RowWatch:
     """Looks at all rows of a table of steps, some at a time: whether they count up, and are of one run."""
 
     def __init__(self, path: Path, columns: Mapping[str, str]) -> None:
-        self._path, self._columns, self._line = path, dict(columns), 2
+        self._path, self._columns = path, {role: name.strip().lower() for role, name in columns.items()}
         self._run, self._episode = "", np.nan
         self._count_of_env: dict[float, float] = {}
 
-    def look(self, cells: Mapping[str, pa.Array]) -> None:
+    def look(self, cells: Mapping[str, pa.Array], line: int) -> None:
         """Look at the next rows, of which there is one.
 
         Args:
             cells: By role what stands in its column, as text or as numbers.
+            line: Of the first row.
 
         Raises:
             UsageError: They are no single steps; names the line, and what to do.
         """
         counts, env, episodes = (self._numbers(role, cells) for role in ("counter", "env", "episode"))
-        if "run" in cells:
-            self._look_at_runs([(name or "").strip() for name in cells["run"].to_pylist()], episodes)
-        if counts is not None:
-            self._look_at_counter(counts, np.zeros(len(counts)) if env is None else np.nan_to_num(env))
-        self._line += len(next(iter(cells.values()), ()))
+        runs = [(name or "").strip() for name in cells["run"].to_pylist()] if "run" in cells else []
+        of_env = np.zeros(1) if env is None else np.nan_to_num(env)
+        for row, why in chain(self._other_runs(runs, episodes), self._jumps(counts, of_env)):
+            raise UsageError(f"{self._path}: line {line + row}: {why}")
 
     def _numbers(self, role: str, cells: Mapping[str, pa.Array]) -> Float | None:
         """Whole numbers, NaN where a cell is empty; None, for good, of a column that holds anything else."""
@@ -204,11 +205,14 @@ class RowWatch:
             return None
         return values
 
-    def _look_at_counter(self, counts: Float, env: Float) -> None:
-        name = self._columns["counter"].strip().lower()
+    def _jumps(self, counts: Float | None, env: Float) -> Iterator[tuple[np.intp, str]]:
+        """Rows that are not the next step of their env, and why."""
+        if counts is None:
+            return
+        name = self._columns["counter"]
         before = np.empty(len(counts))  # what it was in the row before of the same env
         for number in np.unique(env).tolist():
-            rows = np.flatnonzero(env == number)
+            rows = np.flatnonzero(np.broadcast_to(env, before.shape) == number)
             before[rows] = [self._count_of_env.get(number, np.nan), *counts[rows[:-1]]]
             self._count_of_env[number] = counts[rows[-1]]
         rise = counts - before
@@ -220,27 +224,24 @@ class RowWatch:
                 why = f"a row stands twice, or several envs stand in one file; a column '{ENV}' says which"
             else:
                 why = "rows stand in another order, or the file holds two runs"
-            raise self._refused(
+            yield (
                 row,
                 f"column '{name or 'without a name'}' goes from {before[row]:,.0f} to {counts[row]:,.0f}: {why}, and "
                 f"{NEEDED}. If each row is a step, delete that column",
             )
 
-    def _look_at_runs(self, runs: list[str], episodes: Float | None) -> None:
-        """Check that all rows are of one run; the seed of an episode changes where the next one begins."""
-        column = self._columns["run"].strip().lower()
-        before = [self._run or runs[0], *runs[:-1]]
-        changes = np.array([name != other for name, other in zip(runs, before, strict=True)])
-        self._run = runs[-1]
+    def _other_runs(self, runs: list[str], episodes: Float | None) -> Iterator[tuple[np.intp, str]]:
+        """Rows that are of another run than the row before; the seed of an episode changes where the next begins."""
+        if not runs:
+            return
+        column, before = self._columns["run"], [self._run or runs[0], *runs[:-1]]
+        changes, self._run = np.array(runs) != np.array(before), runs[-1]
         if column in SEED and episodes is not None:
             changes &= np.diff(episodes, prepend=self._episode) != 1.0
             self._episode = episodes[-1]
         for row in np.flatnonzero(changes):
-            raise self._refused(
+            yield (
                 row,
                 f"column '{column}' goes from {shortened(before[row], 40)} to {shortened(runs[row], 40)}: the file "
                 "holds several runs. Give each run a file of its own. If all rows are one run, delete that column",
             )
-
-    def _refused(self, row: np.int64, why: str) -> UsageError:
-        return UsageError(f"{self._path}: line {self._line + row}: {why}")

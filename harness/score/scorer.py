@@ -1,25 +1,33 @@
 """Pays a recorded run again under any reward, exactly as the learner would have been paid."""
 
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import partial
 
 import numpy as np
 
-from harness.arrays import Float, Mask
+from harness.arrays import Float, Ints, Mask
 from harness.errors import UsageError
 from harness.log import Log, Rows
 from harness.log.log import RECORDED, REWARD
 from harness.reward import Carry, MissingField, Paid, Reward, Sample, Steps, pay, put, take
 from harness.reward.needs import reads_of
-from harness.reward.row_steps import FIELDS, TOUCHED, Rows as StepRows, RowSteps, field_rows, has_field, stretches_of
+from harness.reward.row_steps import (
+    DISTANCES,
+    FIELDS,
+    TOUCHED,
+    Rows as StepRows,
+    field_rows,
+    has_field,
+    part_of,
+    steps_of_rows,
+    stretches_of,
+)
 from harness.reward.steps import BEFORE, NOT_RECORDED, rows_of
 
-SCORED = ("env", "step", "begin_distance", "previous_best", "distance", *TOUCHED)
+SCORED = ("env", "step", *DISTANCES, *TOUCHED)
 """Columns that a trace is scored from."""
 
-DISTANCES = ("begin_distance", "previous_best", "distance")
-"""Columns that every log has that can be paid again; besides them ``start``, or ``step``, which is 0 in start rows."""
 PIECE = 2**18
 """Rows of a log are read so many at a time."""
 BLOCK = 65_536
@@ -32,7 +40,7 @@ class Scorer:
     def __init__(self, reward: Reward) -> None:
         self._reward = reward
         self._carry: Carry = None
-        self._steps = RowSteps()
+        self._last: StepRows = {}
 
     def pay(self, rows: StepRows) -> Paid:
         """Shaped reward of the next rows and what each term of it paid, (rows,); 0 in the start rows.
@@ -40,39 +48,45 @@ class Scorer:
         Raises:
             MissingField: The reward reads what is not recorded.
         """
-        blocks = range(0, len(rows.distance), BLOCK)
-        return joined([self._pay_block(rows.part(slice(first, first + BLOCK))) for first in blocks])
+        blocks = range(0, len(rows["start"]), BLOCK)
+        return joined([self._pay_block(part_of(rows, slice(first, first + BLOCK))) for first in blocks])
 
     def _pay_block(self, rows: StepRows) -> Paid:
-        steps, restart = self._steps.of(rows)
-        empty = self._reward.initial_carry(steps.begin_distance[:1])
+        steps, restart, self._last = steps_of_rows(rows, self._last)
+        start, empty = rows["start"], self._reward.initial_carry(steps.begin_distance[:1])
         if isinstance(empty, tuple) and not empty:  # remembers nothing: all rows at once
             paid = pay(self._reward, (), steps)[1]
         else:
-            paid = self._pay_in_order(rows.start, restart, steps)
-        values = (np.asarray(it, np.float64) for it in (paid.total, *paid.terms.values()))
-        total, *terms = (np.where(rows.start, 0.0, it) for it in values)
+            paid = _placed(self._pay_in_order(start, restart, steps), len(start))
+        values = (paid.total, *paid.terms.values())
+        total, *terms = (np.where(start, 0.0, np.asarray(it, np.float64)) for it in values)
         return Paid(total, dict(zip(paid.terms, terms, strict=True)))
 
-    def _pay_in_order(self, start: Mask, restart: Mask, steps: Steps) -> Paid:
+    def _pay_in_order(self, start: Mask, restart: Mask, steps: Steps) -> Iterator[tuple[Ints, Paid]]:
         """Score a reward that remembers earlier rows: all targets of the block side by side, step by step."""
-        later = np.flatnonzero(restart[1:]) + 1  # the first row begins a stretch too
-        row, ends = np.append(0, later), np.append(later, len(start))
+        row = np.union1d(0, np.flatnonzero(restart))  # the first row begins a stretch too
+        ends = np.append(row[1:], len(start))
         carry = self._reward.initial_carry(steps.begin_distance[row])
         if self._carry is not None and not restart[0]:  # the first goes on from the block before
             carry = put(carry, np.array([0]), self._carry)
-        total, terms = np.zeros(len(start)), dict[str, Float]()
         row = row + start[row]  # a start row is paid nothing, and remembered as no step
         while (running := row < ends).any():
             rows = row[running]
             after, paid = pay(self._reward, take(carry, running), rows_of(steps, rows))
-            total[rows] = paid.total
-            for name, value in paid.terms.items():
-                terms.setdefault(name, np.zeros(len(start)))[rows] = value
+            yield rows, paid
             carry = put(carry, running, after)
             row = row + running
         self._carry = take(carry, np.array([len(ends) - 1]))
-        return Paid(total, terms)
+
+
+def _placed(parts: Iterable[tuple[Ints, Paid]], rows: int) -> Paid:
+    """What all rows are paid, of parts that tell it of some of them; 0 where none does."""
+    total, terms = np.zeros(rows), dict[str, Float]()
+    for where, paid in parts:
+        total[where] = paid.total
+        for name, values in paid.terms.items():
+            terms.setdefault(name, np.zeros(rows))[where] = values
+    return Paid(total, terms)
 
 
 class Payer:
@@ -95,8 +109,8 @@ class Payer:
         """
         there = tuple(name for name in FIELDS if has_field(log, name))
         sized = [name for name in ("qpos", "action") if name in log]
-        head = next(log.pieces(sized, 1), None) if sized else None
-        sizes = (head[name].shape[1] if head and name in head else None for name in ("qpos", "action"))
+        head = next(log.pieces(sized, 1), Rows({})) if sized else Rows({})
+        sizes = (head[name].shape[1] if name in head else None for name in ("qpos", "action"))
         self._fields = there if with_all else fields_beside_distances(reads_of(reward, there, *sizes))
         for name in (it for it in self._fields if it not in there):
             told = "where a reward of the experiment reads it: train in a new folder beside this one"
@@ -121,15 +135,8 @@ class Payer:
         rows, env = field_rows(piece, self._fields), piece["env"]
         if (env == env[0]).all():
             return self._scorers[int(env[0])].pay(rows)
-        stretches = stretches_of(piece) if is_whole else None
-        runs = stretches or [np.flatnonzero(env == number) for number in np.unique(env)]
-        total, terms = np.empty(len(piece)), dict[str, Float]()
-        for run in runs:
-            part = self._scorers[int(env[run[0]])].pay(rows.part(run))
-            total[run] = part.total
-            for name, values in part.terms.items():
-                terms.setdefault(name, np.zeros(len(env)))[run] = values
-        return Paid(total, terms)
+        runs = (is_whole and stretches_of(piece)) or [np.flatnonzero(env == number) for number in np.unique(env)]
+        return _placed(((run, self._scorers[int(env[run[0]])].pay(part_of(rows, run))) for run in runs), len(env))
 
 
 def pay_column(log: Log) -> str:

@@ -1,6 +1,6 @@
 """Scoring recorded runs again: exactly what was paid, whatever the pieces, for every reward there is."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache, partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -21,7 +21,7 @@ from harness.record.trace import FORMAT, FORMAT_KEY
 from harness.registry import choose, load_registry
 from harness.reward import Sample
 from harness.reward.needs import ROWS
-from harness.reward.row_steps import TOUCHED, Rows, targets_touched
+from harness.reward.row_steps import DISTANCES, part_of
 from harness.robot.inverse_kinematics import reach_position
 from harness.score import Payer, Scorer, pay_log
 from harness_plugins.kit import IdealSimulator
@@ -84,15 +84,20 @@ def score(reward, trace):
 def rows_of(trace, env=0):
     """One env's rows, in order."""
     rows = trace["env"] == env
-    columns = ("begin_distance", "previous_best", "distance")
-    return Rows(trace["step"][rows] == 0, *(trace[name][rows] for name in columns))
+    return {"start": trace["step"][rows] == 0, **{name: trace[name][rows] for name in DISTANCES}}
+
+
+def touched(trace):
+    """Where a target was reached and the episode went on to the next one."""
+    return trace["reached"] & ~(trace["terminated"] | trace["truncated"])
 
 
 def in_pieces(reward, rows, cuts):
     """The rows scored a piece at a time."""
-    scorer, ends = Scorer(reward), sorted(min(cut, len(rows.start)) for cut in cuts)
-    parts = zip([0, *ends], [*ends, len(rows.start)], strict=True)
-    return np.concatenate([scorer.pay(rows.part(slice(*part))).total for part in parts])
+    count = len(rows["start"])
+    scorer, ends = Scorer(reward), sorted(min(cut, count) for cut in cuts)
+    parts = zip([0, *ends], [*ends, count], strict=True)
+    return np.concatenate([scorer.pay(part_of(rows, slice(*part))).total for part in parts])
 
 
 # Rewards that show what they are shown
@@ -183,8 +188,8 @@ def test_targets_that_do_not_end_the_episode_are_scored_as_they_were_paid(subtes
     for text in CHOICES:
         with subtests.test(text=text):
             trace = record_tour(text)
-            touched = np.flatnonzero(targets_touched(*(trace[name] for name in TOUCHED)))
-            after = touched[touched + ENVS < len(trace)] + ENVS
+            where = np.flatnonzero(touched(trace))
+            after = where[where + ENVS < len(trace)] + ENVS
             assert len(after) > 30
             assert (trace["begin_distance"][after] == trace["begin_distance"][after - ENVS]).any()
             np.testing.assert_array_equal(score(reward_of(text), trace), trace["reward"])
@@ -197,9 +202,10 @@ def test_recording_of_next_targets_is_scored_as_it_was_paid(tmp_path_factory, su
             tmp_path = tmp_path_factory.mktemp("case")
             trace, path = record_tour(text), tmp_path / "trace.parquet"
             columns = {
-                name: trace[name] for name in ("env", "step", "begin_distance", "previous_best", "distance", "reward")
+                name: trace[name]
+                for name in ("env", "step", *DISTANCES, "reward", "reached", "terminated", "truncated")
             }
-            table = pa.table({**columns, **{name: trace[name] for name in TOUCHED}})
+            table = pa.table(columns)
             pq.write_table(table.replace_schema_metadata({FORMAT_KEY: str(FORMAT).encode()}), path)
             log = cell_log(path)
             payer = Payer(reward_of(text), log)
@@ -259,7 +265,7 @@ def test_envs_that_begin_inside_an_episode_do_not_depend_on_one_another(subtests
             trace = record("baseline")
             cut = trace.part(slice(2 * ENVS, None))
             runs = [rows_of(cut, env) for env in range(ENVS)]
-            assert not all(rows.start[0] for rows in runs[1:])
+            assert not all(rows["start"][0] for rows in runs[1:])
             scored = score(Shows(column), cut)
             for env, rows in enumerate(runs):
                 np.testing.assert_array_equal(scored[cut["env"] == env], Scorer(Shows(column)).pay(rows).total)
@@ -302,7 +308,7 @@ def test_pieces_do_not_show(build, tour, cuts):
     reward, trace = build(), (record_tour if tour else record)("baseline")
     rows = rows_of(trace, 1)
     if tour:
-        rows = replace(rows, touched=targets_touched(*(trace[flag][trace["env"] == 1] for flag in TOUCHED)))
+        rows = {**rows, "touched": touched(trace)[trace["env"] == 1]}
     np.testing.assert_array_equal(in_pieces(reward, rows, [0, *cuts]), Scorer(reward).pay(rows).total)
 
 
@@ -310,7 +316,7 @@ def test_blocks_do_not_show(reward, monkeypatch):
     """Nor do rows one by one. Long pieces are scored a block at a time: how long a block is changes nothing."""
     rows = rows_of(record("baseline"), 1)
     whole = Scorer(reward).pay(rows).total
-    np.testing.assert_array_equal(in_pieces(reward, rows, range(len(rows.start))), whole)
+    np.testing.assert_array_equal(in_pieces(reward, rows, range(len(rows["start"]))), whole)
     monkeypatch.setattr(module, "BLOCK", 7)
     np.testing.assert_array_equal(Scorer(reward).pay(rows).total, whole)
 
@@ -320,12 +326,12 @@ def test_blocks_do_not_show(reward, monkeypatch):
 
 def redrawn():
     """A target is touched at the third row: in the fourth both distances belong to the next one."""
-    return Rows(
-        start=np.array([True, False, False, False, False]),
-        begin_distance=np.array([1.0, 1.0, 1.0, 2.0, 2.0]),
-        previous_best=np.array([1.0, 1.0, 0.5, 2.0, 1.75]),
-        distance=np.array([1.0, 0.5, 0.125, 1.75, 1.875]),
-    )
+    return {
+        "start": np.array([True, False, False, False, False]),
+        "begin_distance": np.array([1.0, 1.0, 1.0, 2.0, 2.0]),
+        "previous_best": np.array([1.0, 1.0, 0.5, 2.0, 1.75]),
+        "distance": np.array([1.0, 0.5, 0.125, 1.75, 1.875]),
+    }
 
 
 @pytest.mark.parametrize(
@@ -345,26 +351,24 @@ def test_redrawn_target_is_paid_from_its_own_begin_distance(reward, paid):
 def test_memory_restarts_where_the_begin_distance_changes():
     """A recording that does not say where a target was touched shows it so."""
     scored = Scorer(Remembers()).pay(redrawn()).total
-    fresh = Scorer(Remembers()).pay(redrawn().part(slice(3, None))).total
+    fresh = Scorer(Remembers()).pay(part_of(redrawn(), slice(3, None))).total
     np.testing.assert_array_equal(scored[3:], fresh)
 
 
 def test_rows_that_begin_inside_an_episode():
     """A run whose first start row is missing begins where its first row says."""
     np.testing.assert_array_equal(
-        Scorer(Shows("previous_distance")).pay(redrawn().part(slice(2, None))).total, [1.0, 2.0, 1.75]
+        Scorer(Shows("previous_distance")).pay(part_of(redrawn(), slice(2, None))).total, [1.0, 2.0, 1.75]
     )
     np.testing.assert_array_equal(
-        Scorer(Remembers()).pay(redrawn().part(slice(2, 3))).total,
+        Scorer(Remembers()).pay(part_of(redrawn(), slice(2, 3))).total,
         Remembers()(Remembers().initial_carry(np.array([1.0])), sample_at(redrawn(), 2))[1],
     )
 
 
 def sample_at(rows, row):
     """What a reward sees at a row that nothing is known before of."""
-    begin, best, distance = (
-        getattr(rows, name)[row : row + 1] for name in ("begin_distance", "previous_best", "distance")
-    )
+    begin, best, distance = (rows[name][row : row + 1] for name in DISTANCES)
     return Sample(begin, best, begin, distance, distance - best, np.ones(1))
 
 

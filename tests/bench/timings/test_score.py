@@ -6,9 +6,9 @@ from numpy.random import default_rng
 
 from harness.record import trace_of
 from harness.registry import choose, load_registry
-from harness.reward.row_steps import Rows
+from harness.reward.row_steps import DISTANCES, part_of
 from harness.score import Scorer, pay_log
-from harness.score.scorer import BLOCK, DISTANCES
+from harness.score.scorer import BLOCK
 
 pytestmark = [
     pytest.mark.bench,
@@ -29,13 +29,14 @@ def _rows(amount):
     start = np.zeros(episodes.shape, bool)
     start[:, 0] = True
     columns = (start, begin, best, episodes, np.zeros_like(start))
-    return Rows(*(np.ascontiguousarray(column.ravel()) for column in columns))
+    names = ("start", *DISTANCES, "touched")
+    return {name: np.ascontiguousarray(column.ravel()) for name, column in zip(names, columns, strict=True)}
 
 
 @pytest.fixture
 def pieces(rows):
     """The same run in blocks, as files are read."""
-    return [rows.part(slice(first, first + BLOCK)) for first in range(0, len(rows.start), BLOCK)]
+    return [part_of(rows, slice(first, first + BLOCK)) for first in range(0, len(rows["start"]), BLOCK)]
 
 
 @pytest.fixture
@@ -51,17 +52,17 @@ def score_bare(pieces):
 
     def score():
         for rows in pieces:
-            lost = rows.distance - rows.previous_best
-            np.where(rows.start, 0.0, np.where(lost > 0.0, -lost, rows.begin_distance - rows.distance))
+            lost = rows["distance"] - rows["previous_best"]
+            np.where(rows["start"], 0.0, np.where(lost > 0.0, -lost, rows["begin_distance"] - rows["distance"]))
 
     return score
 
 
 def require_paid(paid, rows):
     """Every row is scored; its start rows are paid nothing, and nearly all others something."""
-    assert paid.shape == rows.start.shape
-    assert (paid[rows.start] == 0.0).all()
-    assert (paid[~rows.start] != 0.0).mean() > 0.9
+    assert paid.shape == rows["start"].shape
+    assert (paid[rows["start"]] == 0.0).all()
+    assert (paid[~rows["start"]] != 0.0).mean() > 0.9
 
 
 def test_pieces_beside_the_formula(require_speed, score_bare, rows, pieces, reward):
@@ -83,9 +84,9 @@ def test_whole_runs_beside_the_formula(require_speed, score_bare, rows, reward):
 
 def test_traces_beside_the_formula(require_speed, score_bare, rows, reward):
     """One core, a trace in memory, recorded in one env."""
-    step = np.tile(np.arange(EPISODE, dtype=np.int32), len(rows.start) // EPISODE)
-    flags = dict.fromkeys(("reached", "terminated", "truncated"), rows.touched)
-    distances = {name: getattr(rows, name) for name in DISTANCES}
-    log = trace_of({"env": np.zeros_like(step), "step": step, "reward": rows.distance, **distances, **flags})
+    step = np.tile(np.arange(EPISODE, dtype=np.int32), len(rows["start"]) // EPISODE)
+    flags = dict.fromkeys(("reached", "terminated", "truncated"), rows["touched"])
+    distances = {name: rows[name] for name in DISTANCES}
+    log = trace_of({"env": np.zeros_like(step), "step": step, "reward": rows["distance"], **distances, **flags})
     require_speed(score_bare, lambda: pay_log(reward, log).total, AT_LEAST)
     require_paid(pay_log(reward, log).total, rows)

@@ -123,7 +123,7 @@ def test_rewards_are_paid_again_from_the_exported_file(player, start, tmp_path):
     """What a recording holds is all that the rewards of an arm are functions of, in a task of a step per decision."""
     from harness import RecordRewards
     from harness.registry import choose, load_registry
-    from harness.score.csv_steps import open_csv
+    from harness.score import StepsCsv
     from harness.score.scorer import pay_log
     from harness_plugins.environments.unity import Unity
     from harness_plugins.exporters.csv_runs import write_recording_csv
@@ -150,7 +150,7 @@ def test_rewards_are_paid_again_from_the_exported_file(player, start, tmp_path):
             + "".join(f"{t},{b!r},{p!r},{d!r},{paid[name]!r}\n" for t, b, p, d, paid in rows)
         )
         reward = choose(registry, "rewards", name).build(registry, "rewards")
-        assert_allclose(pay_log(reward, open_csv(path)).total, [row[4][name] for row in rows], atol=1e-6)
+        assert_allclose(pay_log(reward, StepsCsv().read(path)[0]).total, [row[4][name] for row in rows], atol=1e-6)
 
 
 def experimenters_rows(path):
