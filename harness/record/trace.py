@@ -269,9 +269,9 @@ class TraceWriter:
         self._filled = 0
 
 
-def terms_of(trace: Log) -> dict[str, NDArray[Any]]:
-    """What each term of the reward paid, (rows,), by name; empty without terms."""
-    return {name.removeprefix(TERM): trace[name] for name in trace.columns if name.startswith(TERM)}
+def terms_of(trace: Log, begin: str = TERM) -> dict[str, NDArray[Any]]:
+    """What each term of the reward paid, (rows,), by name; empty without columns that begin so."""
+    return {name.removeprefix(begin): trace[name] for name in trace.columns if name.startswith(begin)}
 
 
 def trace_of(columns: Columns, facts: EpisodeFacts = NOTHING_KNOWN) -> Log:

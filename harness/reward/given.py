@@ -12,13 +12,15 @@ Behind the door all of it is a function of a step: one step of one env, with the
 
 import copy
 import inspect
-from collections.abc import Callable, Iterable, Mapping
+import math
+from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any, TypeAlias
 
 import numpy as np
 
 from harness.errors import UsageError
 from harness.reward.forms import STEP, takes_step, weighted
+from harness.reward.reward import LARGEST_FACTOR
 from harness.reward.steps import BEFORE, ENVIRONMENT, Steps, nearest, steps_type
 from harness.reward.terms import paid_of
 
@@ -195,3 +197,24 @@ def require_terms(reward: str, named: Iterable[str], terms: Iterable[str]) -> No
         if name not in there:
             has = f"It has: {', '.join(there)}{nearest(name, there)}" if there else "It pays a number without terms"
             raise UsageError(f"Reward '{reward}' has no term '{name}' to weigh. {has}")
+
+
+def weights_of(reward: str, given: Mapping[str, Any], terms: Collection[str]) -> dict[str, float]:
+    """What a user gave for the weights of a reward's terms, as numbers in the terms' order, without those that are 1.
+
+    Raises:
+        UsageError: It names another term, or what it gives is no weight.
+    """
+    require_terms(reward, given, terms)
+    found: dict[str, float] = {}
+    for term in filter(given.__contains__, terms):
+        try:
+            found[term] = float(given[term])
+        except (TypeError, ValueError):
+            found[term] = math.nan
+        if not abs(found[term]) <= LARGEST_FACTOR:
+            raise UsageError(
+                f"Reward '{reward}': {term}={given[term]} is no weight: give a number from -{LARGEST_FACTOR:g} to "
+                f"{LARGEST_FACTOR:g}, as in {reward}:{term}=5"
+            )
+    return {term: weight for term, weight in found.items() if weight != 1.0}

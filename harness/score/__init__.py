@@ -24,9 +24,9 @@ if TYPE_CHECKING:
         recordings_of as recordings_of,
     )
     from harness.score.weights import (
+        label_by_terms as label_by_terms,
         recorded_choice as recorded_choice,
         reweighted as reweighted,
-        weighted_label as weighted_label,
     )
 else:
     __all__, __getattr__ = face_of(__name__, __file__)

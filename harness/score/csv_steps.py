@@ -184,45 +184,10 @@ class StepsCsv:
         told = [cell.strip().lower() for cell in table.cells[table.names[names.index("reward")]]]
         return not told or any(not text[:1].isalpha() or text[:3] in ("nan", "inf") for text in told)
 
-    def read(self, path: Path) -> tuple[Log]:
-        """The one training of the file; its rows are read later.
-
-        Raises:
-            UsageError: It cannot be read, has too many columns or no reward column; later, that a row cannot be read,
-                or that rows are no steps.
-        """
+    def read(self, path: Path) -> tuple[Log, ...]:
+        """The one training of the file; see `open_csv`."""
         require_regular(path, MOST_BYTES)
-        header = read_header(path)
-        with path.open("rb") as file:
-            table = _first_rows(path, file.read(HEAD))
-            file.seek(-1, os.SEEK_END)
-            is_cut = file.read() not in (b"\n", b"\r")
-        if column := why_no_steps(table):
-            raise UsageError(
-                f"{path}: its rows are episodes, or means over some (column '{column}'), and {NEEDED}; {RECORD}. "
-                f"If each row is a step, delete the column '{column}'"
-            )
-        spelled = _spelled(header)
-        found = {
-            name: it for name in COLUMNS for it in reversed(SPELLINGS.get(name, (name,))) if it in spelled
-        }  # the first spelling that is there
-        unread = {*COLUMNS} - {*found}
-        if not unread.isdisjoint(EVENTS):
-            unread |= {*EVENTS}
-        if not unread.isdisjoint(("begin_distance", "distance")) or unread >= {*BEST}:
-            unread |= {*COLUMNS} - {"reward", *EVENTS}  # the run cannot be paid again with its distances
-        for name in {*TOUCHED} - unread:  # other programs write words there
-            told = table.cells.get(header[spelled.index(name)].strip()) or ["none"]
-            if {cell.strip() for cell in told} - {"0", "1"}:
-                unread.add(name)
-        chosen = {name: it for name, it in found.items() if name not in unread}
-        for it in chosen.values():
-            if spelled.count(it) > 1:
-                raise UsageError(f"{path}, line 1: two columns are called '{it}'")
-        there = (PAY, *(it for it in (*EVENTS, *TOUCHED) if it in chosen), *(STEPS if "distance" in chosen else ()))
-        notes = ("the last line does not end: it may be cut off",) * is_cut
-        read = partial(_read, path, header, {name: spelled.index(it) for name, it in chosen.items()})
-        return (Log(LogFacts(path=path, format="CSV of steps", first_line=2, notes=notes), there, read),)
+        return (open_csv(path),)
 
     def write_example(self, folder: Path) -> Path:
         """Two episodes of two steps, as the second program writes them; and how they ended."""
@@ -231,6 +196,46 @@ class StepsCsv:
         header = "t,beginDistance,prevBest,distance,delta_distance,reward,terminated,truncated,endEff z"
         path.write_text("\n".join([header, *rows, *rows, ""]))
         return path
+
+
+def open_csv(path: Path) -> Log:
+    """A recorded run in a CSV file; its rows are read later.
+
+    Raises:
+        UsageError: It cannot be read, has too many columns or no reward column; later, that a row cannot be read, or
+            that rows are no steps.
+    """
+    header = read_header(path)
+    with path.open("rb") as file:
+        table = _first_rows(path, file.read(HEAD))
+        file.seek(-1, os.SEEK_END)
+        is_cut = file.read() not in (b"\n", b"\r")
+    if column := why_no_steps(table):
+        raise UsageError(
+            f"{path}: its rows are episodes, or means over some (column '{column}'), and {NEEDED}; {RECORD}. "
+            f"If each row is a step, delete the column '{column}'"
+        )
+    spelled = _spelled(header)
+    found = {
+        name: it for name in COLUMNS for it in reversed(SPELLINGS.get(name, (name,))) if it in spelled
+    }  # the first spelling that is there
+    unread = {*COLUMNS} - {*found}
+    if not unread.isdisjoint(EVENTS):
+        unread |= {*EVENTS}
+    if not unread.isdisjoint(("begin_distance", "distance")) or unread >= {*BEST}:
+        unread |= {*COLUMNS} - {"reward", *EVENTS}  # the run cannot be paid again with its distances
+    for name in {*TOUCHED} - unread:  # other programs write words there
+        told = table.cells.get(header[spelled.index(name)].strip()) or ["none"]
+        if {cell.strip() for cell in told} - {"0", "1"}:
+            unread.add(name)
+    chosen = {name: it for name, it in found.items() if name not in unread}
+    for it in chosen.values():
+        if spelled.count(it) > 1:
+            raise UsageError(f"{path}, line 1: two columns are called '{it}'")
+    there = (PAY, *(it for it in (*EVENTS, *TOUCHED) if it in chosen), *(STEPS if "distance" in chosen else ()))
+    notes = ("the last line does not end: it may be cut off",) * is_cut
+    read = partial(_read, path, header, {name: spelled.index(it) for name, it in chosen.items()})
+    return Log(LogFacts(path=path, format="CSV of steps", first_line=2, notes=notes), there, read)
 
 
 def _read_rows(columns: Columns, last_step: int, episodes: dict[int, int]) -> dict[str, Array] | None:

@@ -3,12 +3,13 @@
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from functools import cached_property
+from typing import TypeGuard
 
 import numpy as np
 
 from harness.errors import HarnessError, SchemaError, Unscored, one_line
 from harness.log import Log
-from harness.record.trace import terms_of
+from harness.record.trace import TERM, terms_of
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry
 from harness.registry.sources import fingerprint
@@ -71,7 +72,7 @@ class InstalledReward:
             Unscored: It cannot, or what it pays is not finite.
         """
         with self._told():
-            paid = self._pay(run, taught_by)
+            paid = self.paid(run, taught_by)
             if not np.isfinite(paid.total).all():
                 raise HarnessError(f"reward {self.choice.label} is not finite on the runs of another reward")
             return paid
@@ -86,22 +87,28 @@ class InstalledReward:
             Unscored: It cannot pay at all.
         """
         with self._told():
-            return np.allclose(self._pay(own, self.choice).total, own["reward"], rtol=1e-9, atol=1e-12)
+            return np.allclose(self.paid(own, self.choice).total, own["reward"], rtol=1e-9, atol=1e-12)
 
-    def _pay(self, run: Log, taught_by: Choice) -> Paid:
-        if self._is_recorded_by(taught_by) and (terms := terms_of(run)):
+    def paid(self, run: Log, taught_by: Choice | None, begin: str = TERM) -> Paid:
+        """The same, whatever it is; `begin` is how columns of the terms of who taught begin.
+
+        Raises:
+            Exception: Whatever the reward raises.
+        """
+        if self._is_recorded_by(taught_by) and (terms := terms_of(run, begin)):
             return reweighted(self.choice.label, taught_by, terms)
         return pay_log(self._reward, run)
 
-    def _is_recorded_by(self, taught_by: Choice) -> bool:
+    def _is_recorded_by(self, taught_by: Choice | None) -> TypeGuard[Choice]:
         """Whether nothing but the columns of a run can tell what it pays, and these are of its own terms."""
-        return not is_installed(self._registry, self.choice.name) and taught_by.name == self.choice.name
+        name = self.choice.name
+        return taught_by is not None and taught_by.name == name and not is_installed(self._registry, name)
 
     @cached_property
     def _reward(self) -> Reward:
         if not is_installed(self._registry, self.choice.name):
             raise HarnessError(
-                f"No reward '{self.choice.name}' is installed. If it stands in a file, add --plugin FILE"
+                f"No reward '{self.choice.name}' is installed, and the run tells none of its terms: add --plugin FILE"
             )
         reward: Reward = self.choice.build(self._registry, "rewards")
         return reward

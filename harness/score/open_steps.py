@@ -10,7 +10,7 @@ from harness.files.bounded import HEAD, kind_of, open_regular, reading
 from harness.log import Log
 from harness.log.open_log import formats_of, open_logs
 from harness.registry.registry import Registry
-from harness.score.csv_steps import MOST_BYTES, StepsCsv, shown_names
+from harness.score.csv_steps import MOST_BYTES, StepsCsv, open_csv, shown_names
 from harness.score.row_meaning import NEEDED, RECORD
 
 _PARQUET = b"PAR1"
@@ -66,7 +66,7 @@ def open_steps(path: Path, registry: Registry | None = None) -> Log:
                 return _only_log(path, other, registry)
         if kind := kind_of(head, path):
             raise UsageError(f"{path} is {kind.sentence}")
-        return StepsCsv().read(path)[0]
+        return open_csv(path)
 
 
 def _trace_of(path: Path) -> Log:

@@ -18,9 +18,9 @@ from harness.record.folder import MANIFEST
 from harness.registry.choice import Choice, choose, parse
 from harness.registry.registry import Registry
 from harness.registry.spec import unknown_name
-from harness.score.installed_reward import is_installed
-from harness.score.scorer import SCORED, can_be_paid, pay_log
-from harness.score.weights import no_terms, recorded_choice, reweighted, weighted_label
+from harness.score.installed_reward import InstalledReward, is_installed
+from harness.score.scorer import SCORED, can_be_paid
+from harness.score.weights import label_by_terms, name_of, recorded_choice
 
 MOST_BYTES = 2**35
 """Most that is read of a file of scores."""
@@ -47,18 +47,12 @@ def rescore(log: Log, scoring: Collection[Choice], into: Path, registry: Registr
     """
     if not can_be_paid(log) and any(is_installed(registry, choice.name) for choice in scoring):
         raise UsageError(f"{log.facts.path} records no distances: no other reward can be computed from it")
-    taught_by, terms = _own_terms(log)
-    columns, failed = dict[str, Float](), dict[str, str]()
+    cell, columns, failed = cell_of(log.facts.path), dict[str, Float](), dict[str, str]()
+    told = (cell.reward, f"{REWARD}{cell.reward.label}/") if cell else (None,)
     for choice in scoring:
         label = choice.label
         try:
-            if is_installed(registry, choice.name):
-                paid = pay_log(choice.build(registry, "rewards"), log.load((*SCORED, START)))
-            elif taught_by is not None and taught_by.name == choice.name:
-                paid = reweighted(label, taught_by, {it: log[f"{REWARD}{taught_by.label}/{it}"] for it in terms})
-            else:
-                trained = f" trained with {log.facts.trained_with}" if log.facts.trained_with else ""
-                raise UsageError(no_terms(f"a run{trained} has", choice.name))
+            paid = InstalledReward(choice, registry).paid(log.load((*SCORED, START)), *told)
         except (Exception, SystemExit) as error:  # a plugin may raise anything
             failed[label] = reason_of(error)
         else:
@@ -66,13 +60,6 @@ def rescore(log: Log, scoring: Collection[Choice], into: Path, registry: Registr
     if columns:
         _write(into, columns)
     return failed
-
-
-def _own_terms(log: Log) -> tuple[Choice | None, tuple[str, ...]]:
-    """The reward that paid a cell's trace, with all its parameters, and its terms; None if none are recorded."""
-    cell = cell_of(log.facts.path)
-    own = () if cell is None else log.terms_of(cell.reward.label)
-    return (cell.reward if cell and own else None), own
 
 
 def scoring_choice(text: str, registry: Registry, logs: Iterable[Log]) -> Choice:
@@ -87,11 +74,13 @@ def scoring_choice(text: str, registry: Registry, logs: Iterable[Log]) -> Choice
         UsageError: It is neither installed nor recorded, or it is malformed.
     """
     name = parse(text)[0]
-    known = {} if is_installed(registry, name) else {it.name: of for it, of in map(_own_terms, logs) if it is not None}
-    if name in known:
-        return recorded_choice(weighted_label(text, known[name]))
+    cells = () if is_installed(registry, name) else ((cell_of(log.facts.path), log) for log in logs)
+    known = {it.reward.label: of for it, log in cells if it and (of := log.terms_of(it.reward.label))}
+    if label := label_by_terms(text, known.items()):
+        return recorded_choice(label)
     if known:
-        raise UsageError(unknown_name("reward", name, [*registry.names("rewards"), *known]))
+        names = dict.fromkeys((*registry.names("rewards"), *map(name_of, known)))
+        raise UsageError(unknown_name("reward", name, names))
     return choose(registry, "rewards", text)  # which says that there is none
 
 

@@ -19,7 +19,7 @@ from harness.record.recording.recorded_training import (
 )
 from harness.record.recording.scores import scores_name, with_scores, write_scores
 from harness.record.store import Store
-from harness.score.weights import name_of, no_terms, recorded_choice, reweighted, weighted_label
+from harness.score.weights import label_by_terms, name_of, recorded_choice, reweighted
 
 
 def recordings_of(folder: Path) -> dict[Path, Cell | None]:
@@ -38,12 +38,8 @@ def recorded_weights(text: str, paths: Iterable[Path]) -> str:
         UsageError: It names a term that the reward does not have, or what it gives is no weight.
         SchemaError: A recording is damaged.
     """
-    for path in paths:
-        for number in recorder_numbers(path):
-            for label, terms in facts_of(_read(path, number)[0]).terms.items():
-                if name_of(label) == name_of(text):
-                    return weighted_label(text, terms)
-    return ""
+    logs = (_read(path, number)[0] for path in paths for number in recorder_numbers(path))
+    return label_by_terms(text, (it for log in logs for it in facts_of(log).terms.items()))
 
 
 def weighed(log: Log, labels: Iterable[str]) -> Log:
@@ -91,7 +87,8 @@ def _read(path: Path, number: int) -> tuple[Log, Log | None]:
 
 def _scored(log: Log, label: str) -> Log:
     """The columns of a reward with other weights."""
-    refused = UsageError(no_terms("these trainings have", name_of(label)))
+    told = f"these trainings have no columns of the terms of '{name_of(label)}': give its file, --plugin FILE"
+    refused = UsageError(f"{told}, and it is called")
     for then in facts_of(log).terms:
         if name_of(then) == name_of(label):
             try:

@@ -5,14 +5,13 @@ parameters of a function of steps, 1 where the label does not name them. A recor
 weight, so that another weight is a matter of one factor.
 """
 
-import math
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 
 from harness.arrays import Float
 from harness.errors import UsageError
 from harness.registry.choice import Choice, label_of, parse
-from harness.registry.spec import did_you_mean
-from harness.reward import LARGEST_FACTOR, Paid
+from harness.reward import Paid
+from harness.reward.given import weights_of
 from harness.reward.terms import sum_of
 
 
@@ -21,14 +20,19 @@ def name_of(label: str) -> str:
     return label.partition(":")[0]
 
 
-def weighted_label(asked: str, terms: Collection[str]) -> str:
-    """The label of a reward whose weights are told, as a run by it has it: weights of 1 left out, in the terms' order.
+def label_by_terms(text: str, recorded: Iterable[tuple[str, Collection[str]]]) -> str:
+    """The label of a reward with weights, ``gentle:effort=0.05``, as a run by it has it; empty if no terms tell it.
+
+    Args:
+        text: What the user typed.
+        recorded: Labels of rewards, each with its terms.
 
     Raises:
-        UsageError: It names no term of these, or what it gives is no weight.
+        UsageError: It names no term of the reward, or what it gives is no weight.
     """
-    weights = _weights(asked, terms)
-    return label_of(name_of(asked), {term: weights[term] for term in terms if weights.get(term, 1.0) != 1.0})
+    name, params = parse(text)
+    told = (label_of(name, weights_of(name, params, terms)) for label, terms in recorded if name_of(label) == name)
+    return next(told, "")
 
 
 def recorded_choice(label: str) -> Choice:
@@ -58,7 +62,8 @@ def reweighted(asked: str, recorded: Choice, terms: Mapping[str, Float]) -> Paid
             f"The parameters of '{recorded.name}' are not the weights of its terms, so that its recorded columns do "
             f"not tell what '{asked}' pays: give its file, --plugin FILE"
         )
-    now, then, paid = _weights(asked, terms), _weights(recorded.label, terms), dict(terms)
+    now, then = (weights_of(recorded.name, parse(it)[1], terms) for it in (asked, recorded.label))
+    paid = dict(terms)
     for name in {**now, **then}:
         wanted, was = now.get(name, 1.0), then.get(name, 1.0)
         if wanted != was and was == 0.0:
@@ -69,27 +74,3 @@ def reweighted(asked: str, recorded: Choice, terms: Mapping[str, Float]) -> Paid
         if wanted != was:
             paid[name] = terms[name] * (wanted / was)
     return Paid(sum_of(paid), paid)
-
-
-def no_terms(who: str, name: str) -> str:
-    """Says that the terms of a reward are not recorded, and what to do; `who` has none, ``these trainings have``."""
-    return f"{who} no columns of the terms of '{name}': give its file, --plugin FILE, and it is called"
-
-
-def _weights(label: str, terms: Collection[str]) -> dict[str, float]:
-    name, params = parse(label)
-    found: dict[str, float] = {}
-    for term, text in params.items():
-        if term not in terms:
-            raise UsageError(
-                f"No term '{term}' of the reward '{name}'. There is: {', '.join(terms)}.{did_you_mean(term, terms)}"
-            )
-        try:
-            found[term] = float(text)
-        except ValueError:
-            found[term] = math.nan
-        if not abs(found[term]) <= LARGEST_FACTOR:
-            raise UsageError(
-                f"The weight of '{term}' is '{text}': give a number from -{LARGEST_FACTOR:g} to {LARGEST_FACTOR:g}"
-            )
-    return found

@@ -42,7 +42,7 @@ def test_a_run_of_another_reward_has_one_clear_reason(harness, runs):
     answer = harness("score mine --reward gentle:effort=0.05")
     assert answer.status == 1
     (line,) = answer.err.splitlines()
-    assert "a run trained with baseline has no columns of the terms of 'gentle': give its file, --plugin FILE" in line
+    assert "No reward 'gentle' is installed, and the run tells none of its terms: add --plugin FILE" in line
     assert "gentle:effort=0.05" in answer.out
 
 
@@ -51,9 +51,9 @@ def test_a_run_of_another_reward_has_one_clear_reason(harness, runs):
     [
         (
             "gentle:efort=1",
-            "No term 'efort' of the reward 'gentle'. There is: reach, effort, dock. Did you mean 'effort'?",
+            "Reward 'gentle' has no term 'efort' to weigh. It has: reach, effort, dock. Did you mean 'effort'?",
         ),
-        ("gentle:effort=much", "The weight of 'effort' is 'much'"),
+        ("gentle:effort=much", "effort=much is no weight: give a number from -1e+18"),
         ("gentel:effort=1", "Did you mean 'gentle'?"),
     ],
 )

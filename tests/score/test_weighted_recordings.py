@@ -38,7 +38,7 @@ def test_weights_follow_weights(runs):
 def test_what_is_not_recorded_is_told(runs):
     """The reward nowhere, the term in the reward."""
     assert recorded_weights("other:calm=3", runs) == ""
-    with refused(r"No term 'clam' of the reward 'calm'.*Did you mean 'calm'"):
+    with refused(r"Reward 'calm' has no term 'clam' to weigh.*Did you mean 'calm'"):
         recorded_weights("calm:clam=3", runs)
     with refused("no columns of the terms of 'other': give its file"):
         pay_by_weights(runs[0], "other:calm=3")

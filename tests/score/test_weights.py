@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from harness.registry import Choice
-from harness.score import recorded_choice, reweighted, weighted_label
+from harness.score import label_by_terms, recorded_choice, reweighted
 from tests.refusals import refused
 
 TERMS = {"reach": np.array([0.0, -1.0, -0.5]), "effort": np.array([0.0, -0.2, 0.3])}
@@ -44,14 +44,14 @@ def test_a_recorded_weight_of_0_cannot_be_undone():
 
 def test_an_unknown_term_is_told_with_the_nearest():
     """And all there are."""
-    with refused(r"No term 'efort' of the reward 'gentle'.*reach, effort.*mean 'effort'"):
+    with refused(r"Reward 'gentle' has no term 'efort' to weigh.*reach, effort.*mean 'effort'"):
         reweighted("gentle:efort=2", PLAIN, TERMS)
 
 
 @pytest.mark.parametrize("weight", ["heavy", "nan", "1e19", "inf"])
 def test_a_weight_is_a_number(weight):
     """Not too large to count with."""
-    with refused("The weight of 'effort' is"):
+    with refused(f"effort={weight} is no weight: give a number from -1e.18 to 1e.18"):
         reweighted(f"gentle:effort={weight}", PLAIN, TERMS)
 
 
@@ -74,5 +74,6 @@ def test_parameters_that_are_no_weights_are_not_taken_for_some(choice):
 def test_a_label_is_that_of_a_run_with_these_weights():
     """In the terms' order, without weights of 1."""
     terms = ("reach", "effort", "jerk")
-    assert weighted_label("gentle:jerk=2,reach=1,effort=0.050", terms) == "gentle:effort=0.05,jerk=2"
-    assert weighted_label("gentle:effort=1", terms) == "gentle"
+    recorded = [("other", ("jerk",)), ("gentle:jerk=7", terms)]
+    assert label_by_terms("gentle:jerk=2,reach=1,effort=0.050", recorded) == "gentle:effort=0.05,jerk=2"
+    assert label_by_terms("gentle:effort=1", recorded) == "gentle"

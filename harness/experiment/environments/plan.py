@@ -1,6 +1,5 @@
 """Looks at an environment before anything runs: its rewards, and which algorithms can train in it."""
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
@@ -19,8 +18,7 @@ from harness.recorder.trial import FIRST_STEPS
 from harness.registry.choice import Choice, label_of, parse
 from harness.registry.registry import Registry
 from harness.registry.spec import PLANNED, blamed_on, unknown_name
-from harness.reward import LARGEST_FACTOR
-from harness.reward.given import require_terms
+from harness.reward.given import weights_of
 
 Given = str | Mapping[str, Any]
 PLACES = ("tasks", "environments")
@@ -86,26 +84,15 @@ class Looked:
         if name not in self.rewards:
             own = self.why_no_reward(name)
             raise UsageError(f"{self.label}: {own or unknown_name('reward', name, self.rewards)}")
-        weights = {term: _weight(name, term, value) for term, value in params.items() if term != "name"}
-        terms = self.terms_of(name) if weights else ()
-        if weights and not terms:
+        params.pop("name", None)
+        terms = self.terms_of(name) if params else ()
+        if params and not terms:
             raise UsageError(
                 f"Reward '{name}' of '{self.label}' takes no parameters, since it pays no terms that could be weighed: "
                 "give them to the environment"
             )
-        require_terms(name, weights, terms)
-        changed = {term: weights[term] for term in terms if weights.get(term, 1.0) != 1.0}
+        changed = weights_of(name, params, terms)
         return Choice(name, tuple(changed.items()), label_of(name, changed))
-
-
-def _weight(reward: str, term: str, given: Any) -> float:
-    try:
-        weight = float(given)
-    except (TypeError, ValueError):
-        weight = math.nan
-    if not abs(weight) <= LARGEST_FACTOR:
-        raise UsageError(f"Reward '{reward}': {term}={given} is no weight: give a number, as in {reward}:{term}=5")
-    return weight
 
 
 def kind_of_task(given: Given, registry: Registry) -> str:

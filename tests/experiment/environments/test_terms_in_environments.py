@@ -51,7 +51,7 @@ REFUSED = {
         "gentle:efort=5",
         "has no term 'efort' to weigh. It has: upright, effort, jerk. Did you me",
     ),
-    "no number": ("gentle:effort=much", "effort=much is no weight: give a number, as in gentle:effort=5"),
+    "no number": ("gentle:effort=much", "is no weight: give a number from -1e+18 to 1e+18, as in gentle:effort=5"),
     "what is infinite": ("gentle:effort=inf", "is no weight"),
     "a reward without terms": ("own:effort=5", "takes no parameters, since it pays no terms"),
     "a helper function": ("clip", "In gentle.py, clip(x) is no reward: a reward or a measure takes (step)"),
