@@ -26,6 +26,7 @@ from harness.log.log import (
     Log,
     OpenEpisodes,
     Rows,
+    episode_sum,
     episode_sums,
     in_memory,
 )
@@ -54,6 +55,7 @@ __all__ = [
     "OpenEpisodes",
     "Rows",
     "Unit",
+    "episode_sum",
     "episode_sums",
     "in_memory",
 ]

@@ -293,22 +293,31 @@ def episode_rows(env: Array, episode: Array, ended: NDArray[np.bool_] | None = N
     return parts if ended is None else [rows for rows in parts if ended[rows[-1]]]
 
 
-def episode_sums(values: Array, episodes: Sequence[NDArray[np.int64]]) -> Float:
+def episode_sums(values: Array, episodes: Sequence[NDArray[np.int64]], discount: float = 1.0) -> Float:
     """The sum of `values`, one per row, over each of some episodes, (episodes,).
 
     Args:
         values: (rows,).
         episodes: Row numbers of each.
+        discount: Row t of an episode, counted from 0, is multiplied by discount^t.
     """
     if not episodes:
         return np.empty(0)
-    return sums_from(np.cumsum([0, *map(len, episodes[:-1])]), values[np.concatenate(episodes)])
+    return sums_from(np.cumsum([0, *map(len, episodes[:-1])]), values[np.concatenate(episodes)], discount)
 
 
-def sums_from(begins: NDArray[np.int64], values: Array) -> Float:
+def episode_sum(values: Array, discount: float = 1.0) -> float:
+    """The same of one episode, whose rows are all of these."""
+    return float(sums_from(np.zeros(1, np.int64), values, discount)[0])
+
+
+def sums_from(begins: NDArray[np.int64], values: Array, discount: float = 1.0) -> Float:
     """The same of episodes that follow one another, (episodes,); `begins` are the numbers of their first rows."""
+    steps = np.asarray(values, np.float64)
+    if discount != 1.0:
+        steps = steps * discount ** (np.arange(len(steps)) - np.repeat(begins, np.diff(begins, append=len(steps))))
     # Behind a zero each has the bits of the sum of that episode alone.
-    steps = np.insert(np.asarray(values, np.float64), begins, 0.0)
+    steps = np.insert(steps, begins, 0.0)
     sums: Float = np.add.reduceat(steps, begins + np.arange(len(begins)))
     return sums
 

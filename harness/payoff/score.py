@@ -9,6 +9,7 @@ import numpy as np
 
 from harness.arrays import Float, read_only
 from harness.errors import SimulationDiverged
+from harness.log.log import sums_from
 from harness.payoff.rollout import FINISH, HOLD, Rollout, States
 from harness.reward import LARGEST_PAID, Carry, Paid, Reward, Steps, pay
 from harness.reward.steps import DISTANCE, step_between
@@ -58,8 +59,8 @@ def pay_distances(reward: Reward, distances: Float) -> Float:
 
 def discounted_sum(values: Float, gamma: float) -> Float:
     """Sum over steps of gamma^t values(t), t from 0; (steps, n) to (n,)."""
-    total: Float = gamma ** np.arange(len(values)) @ values
-    return total
+    steps, count = values.shape
+    return sums_from(np.arange(count) * steps, values.T.ravel(), gamma)
 
 
 @dataclass(frozen=True, eq=False)

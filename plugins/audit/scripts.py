@@ -25,7 +25,7 @@ from harness.authoring.commands import (
     under_noise,
 )
 from harness.log import REWARD, SUCCESS, Log, LogFacts, in_memory
-from harness.payoff import Rollout, finishing_of, score_rollout
+from harness.payoff import Rollout, discounted_sum, finishing_of, score_rollout
 from harness.reward import Carry, Reward, Steps, pay
 from harness.text import number
 
@@ -317,6 +317,6 @@ def _log(both: Sequence[Mapping[str, Score]]) -> Log:
 def _episodes(scores: Mapping[str, Score]) -> Episodes:
     """The episodes of one rollout, the events among what they were paid."""
     rollout = next(iter(scores.values())).rollout
-    returns = {name: score.paid.sum(axis=0) for name, score in scores.items()}
+    returns = {name: discounted_sum(score.paid, 1.0) for name, score in scores.items()}
     measures = {SUCCESS: np.asarray(rollout.reached, np.float64), STEPS: rollout.steps}
     return Episodes(np.cumsum(rollout.steps).astype(np.int64) - 1, returns, measures, {})

@@ -13,6 +13,7 @@ from harness.algorithm import ActionSpace, Algorithm, Goals, needs_goals
 from harness.arrays import Float, Float32, Mask
 from harness.authoring.checking import Actions, Infos
 from harness.env import IdealSimulator, ReachVectorEnv
+from harness.payoff import discounted_sum
 from harness.policy import Policy
 from harness.progress import Progress
 from harness.reach import ReachTask
@@ -232,9 +233,9 @@ def mean_return(training: Training) -> float:
     """The mean return of episodes in which the policy of a training acts without noise."""
     env = WatchedEnv(EVALUATION_EPISODES, training.env.space, training.env.goals is not None)
     seen, _ = env.reset(seed=ENV_SEED)
-    running, returns = np.ones(env.num_envs, bool), np.zeros(env.num_envs)
+    running, paid = np.ones(env.num_envs, bool), list[NDArray[np.float64]]()
     while running.any():
         seen, rewards, terminated, truncated, _ = env.step(training.policy.act(seen))
-        returns += np.where(running, rewards, 0.0)
+        paid.append(np.where(running, rewards, 0.0))
         running &= ~(terminated | truncated)
-    return float(returns.mean())
+    return float(discounted_sum(np.array(paid), 1.0).mean())

@@ -1,8 +1,119 @@
-"""The two sums over the steps of an episode."""
+"""What an episode is paid in all, whoever asks: results, audits, the live page, and a run's own numbers."""
+
+from dataclasses import replace
+from math import fsum
+from pathlib import Path
 
 import numpy as np
+import pytest
+from hypothesis import given, strategies as st
 
-from harness.log import OpenEpisodes, episode_sums
+from harness.log import LogFacts, OpenEpisodes, episode_sum, episode_sums, in_memory
+from harness.payoff import discounted_sum
+from harness.record.returns import PAID, mean_return
+from harness.results import episodes_of
+from harness.results.by_term import by_term
+from tests.plugins.audit.search.certified import certificate_of
+
+TERMS = ("near", "effort")
+PAYS = st.floats(-1e3, 1e3, allow_subnormal=False)
+
+
+@st.composite
+def trainings(draw):
+    """Steps of some envs, their episodes of any lengths and all of them finished; what both terms paid, (2, steps)."""
+    lengths = draw(st.lists(st.lists(st.integers(1, 9), min_size=1, max_size=4), min_size=1, max_size=3))
+    order = draw(st.permutations([env for env, of in enumerate(lengths) for _ in range(sum(of))]))
+    episode = [np.repeat(np.arange(len(of)), of).tolist() for of in lengths]
+    ends = [np.concatenate([np.arange(size) == size - 1 for size in of]).tolist() for of in lengths]
+    columns = {
+        "env": np.array(order),
+        "episode": np.array([episode[env].pop(0) for env in order]),
+        "terminated": np.array([ends[env].pop(0) for env in order]),
+        "truncated": np.zeros(len(order), bool),
+    }
+    paid = draw(st.lists(st.tuples(PAYS, PAYS), min_size=len(order), max_size=len(order)))
+    pays = dict(zip(TERMS, np.array(paid).T, strict=True))
+    told = {"reward/own": pays["near"] + pays["effort"], **{f"reward/own/{name}": of for name, of in pays.items()}}
+    return in_memory(LogFacts(path=Path("steps"), format="steps"), {**columns, **told})
+
+
+def in_the_order_of_their_ends(log):
+    """The rows of each episode."""
+    return sorted(log.episodes, key=lambda rows: rows[-1])
+
+
+def by_rows(log, column, discount):
+    """By the numbers of their rows, as results ask."""
+    return episode_sums(log[column], in_the_order_of_their_ends(log), discount)
+
+
+def alone(log, column, discount):
+    """Each alone, as a search asks."""
+    return [episode_sum(log[column][rows], discount) for rows in in_the_order_of_their_ends(log)]
+
+
+def side_by_side(log, column, discount):
+    """All at once, those that ended are paid nothing, as scripted movements ask."""
+    episodes = in_the_order_of_their_ends(log)
+    paid = np.zeros((max(map(len, episodes)), len(episodes)))
+    for place, rows in enumerate(episodes):
+        paid[: len(rows), place] = log[column][rows]
+    return discounted_sum(paid, discount)
+
+
+def piece_by_piece(log, column, discount):
+    """Step after step, as the live page and a run's own numbers ask."""
+    going, found = OpenEpisodes.none(1), []
+    for row in range(len(log)):
+        step = log.part(slice(row, row + 1))
+        going, _, sums = going.after(step["env"], step["episode"], step["terminated"], [step[column]])
+        found += sums[0].tolist()
+    return found
+
+
+def recorded(log, column, discount):
+    """As a report of recordings and logs asks."""
+    return episodes_of(log).returns["own"]
+
+
+def of_a_trace(log, column, discount):
+    """As a report of an arm asks, and the trackers of its evaluations: the mean."""
+    return np.full(len(log.episodes), mean_return(log.add({name: log[column] / len(PAID) for name in PAID})))
+
+
+def by_its_terms(log, column, discount):
+    """As a report of terms asks: the mean."""
+    return np.full(len(log.episodes), by_term({"it": log[column]}, log.episodes, len(log)).terms["it"].whole)
+
+
+def certified(log, column, discount):
+    """As a certificate tells it."""
+    made = certificate_of()
+    place = replace(made.place, gamma=discount)
+    paid = (log[column][rows] for rows in in_the_order_of_their_ends(log))
+    return [replace(made, place=place, shown=replace(made.shown, paid=of)).discounted for of in paid]
+
+
+DOORS = {
+    "any term, discounted or not": (by_rows, alone, side_by_side, certified),
+    "any term": (piece_by_piece, of_a_trace, by_its_terms),
+    "the reward": (recorded,),
+}
+
+
+@pytest.mark.parametrize(("asked", "door"), [(asked, door) for asked, of in DOORS.items() for door in of])
+@given(log=trainings(), discount=st.sampled_from([1.0, 0.99, 0.5]), term=st.sampled_from(["", *TERMS]))
+def test_every_door_tells_the_same_sum(asked, door, log, discount, term):
+    """That of exact arithmetic; where a door tells means, the mean."""
+    discount = discount if "discounted" in asked else 1.0
+    column = "reward/own" if not term or asked == "the reward" else f"reward/own/{term}"
+    steps = [log[column][rows] for rows in in_the_order_of_their_ends(log)]
+    exact = [fsum(paid * discount**t for t, paid in enumerate(of.tolist())) for of in steps]
+    told = door(log, column, discount)
+    size = 1e-12 * max(1.0, *(np.abs(of).sum() for of in steps))
+    exact = np.full(len(exact), np.mean(exact)) if door in (of_a_trace, by_its_terms) else exact
+    assert told == pytest.approx(exact, rel=1e-12, abs=size)
 
 
 def test_a_sum_has_the_bits_of_its_episode_alone():

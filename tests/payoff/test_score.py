@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_array_equal
 
 from harness.errors import SimulationDiverged
-from harness.payoff import discounted_sum, pay_distances, score_rollout, steps_along
+from harness.payoff import pay_distances, score_rollout, steps_along
 from harness.reward import MissingField
 from tests.payoff.conftest import Counting, Paying
 from tests.refusals import refused
@@ -71,16 +71,6 @@ def test_a_term_that_is_not_finite_is_named(by_script):
     reward = Paying(lambda step: {"reach": -step.distance, "odd": step.distance / (step.step != 4.0)})
     with pytest.raises(SimulationDiverged, match="the term 'odd' pays 'creep' a number that is not finite at step 4"):
         score_rollout(reward, by_script["creep"])
-
-
-def test_discounting_starts_with_the_second_step():
-    """Sum of gamma^t r(t), t from 0."""
-    assert discounted_sum(np.array([[1.0], [10.0], [100.0]]), 0.5) == pytest.approx([31.0])
-
-
-def test_no_discount_is_the_sum():
-    """With gamma 1 all steps weigh the same."""
-    assert discounted_sum(np.array([[1.0], [10.0], [100.0]]), 1.0) == pytest.approx([111.0])
 
 
 def test_a_number_that_is_not_finite_is_an_error(by_script):

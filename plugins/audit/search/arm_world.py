@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from harness.arrays import Float, Ints, Mask
 from harness.authoring.commands import TERM, ReachVectorEnv
 from harness.env import World as Arm
-from harness.log import SUCCESS
+from harness.log import SUCCESS, episode_sum
 
 from .world import Act, Actions, Outcomes, Shown, Space
 
@@ -190,20 +190,17 @@ class ArmWorld:
         if count < env.num_envs:
             env.rest(~running)
         steps, reached, first = (np.zeros(env.num_envs, np.int64) for _ in range(3))
-        paid, discounted, ground = (np.zeros(env.num_envs) for _ in range(3))
-        distance, closest, weight = infos[DISTANCE].copy(), infos[DISTANCE].copy(), 1.0
+        paid, ground = list[Float](), np.zeros(env.num_envs)
+        distance, closest = infos[DISTANCE].copy(), infos[DISTANCE].copy()
         for step in range(self.horizon):
             actions = choose(step, observations[:count], running[:count])
             observations, pay, terminated, truncated, infos = env.step(_padded(actions, env.num_envs))
-            pay = np.where(running, pay, 0.0)
-            paid += pay
-            discounted += weight * pay
+            paid.append(pay[:count])
             steps += running
             reached += running & infos[IS_SUCCESS]
             first = np.where((first == 0) & (reached > 0), step + 1, first)
             distance = np.where(running, infos[DISTANCE], distance)
             closest = np.minimum(closest, distance)
-            weight *= self.gamma
             ended = running & (terminated | truncated)
             if ended.any():
                 ground = np.where(ended, env.episodes.flags[:, 0], ground)
@@ -213,11 +210,12 @@ class ArmWorld:
                 env.rest(~running)
         self.taken += int(steps.sum()) * self.arm.task.decision_period
         success = reached > 0
+        earned = [of[:length] for of, length in zip(np.array(paid).T, steps.tolist(), strict=False)]
         found = {DISTANCE: distance, CLOSEST: closest, GROUND: ground, TARGETS: reached.astype(float)}
         return Outcomes(
             steps[:count],
-            paid[:count],
-            discounted[:count],
+            np.array([episode_sum(of) for of in earned]),
+            np.array([episode_sum(of, self.gamma) for of in earned]),
             success[:count],
             np.where(success, first, self.horizon)[:count],
             np.where(success, (steps - first + 1) / np.maximum(steps, 1), 0.0)[:count],

@@ -16,6 +16,7 @@ from typing_extensions import TypedDict
 
 from harness.authoring.commands import ChoiceForm, read_form
 from harness.files import read_sealed, reading, seal, write_whole
+from harness.log import episode_sum
 from harness.text import file_stems, number
 
 from .behaviour import Role
@@ -222,12 +223,12 @@ class Certificate:
     @property
     def paid(self) -> float:
         """In all."""
-        return math.fsum(self.shown.paid)
+        return episode_sum(self.shown.paid)
 
     @property
     def discounted(self) -> float:
         """The same times gamma^t."""
-        return math.fsum(self.shown.paid * self.place.gamma ** np.arange(len(self.shown.paid)))
+        return episode_sum(self.shown.paid, self.place.gamma)
 
     @property
     def outcome(self) -> str:
@@ -250,7 +251,7 @@ class Certificate:
             "paid": {
                 "total": self.paid,
                 "discounted": self.discounted,
-                "of_terms": {name: math.fsum(values) for name, values in shown.terms.items()},
+                "of_terms": {name: episode_sum(values) for name, values in shown.terms.items()},
                 "steps": shown.paid.tolist(),
                 "terms": {name: values.tolist() for name, values in shown.terms.items()},
             },

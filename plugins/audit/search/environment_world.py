@@ -34,7 +34,7 @@ from harness.authoring.commands import (
 )
 from harness.environment import AnyEnv
 from harness.errors import UsageError, reason_of
-from harness.log import SUCCESS
+from harness.log import SUCCESS, episode_sum
 from harness.registry import unknown_name
 
 from ..transitions.audit_rewards import opened_env
@@ -270,13 +270,12 @@ class EnvironmentWorld:
     def _outcomes(self, played: Sequence[_Played]) -> Outcomes:
         told = [np.array(it.told).reshape(len(it.told), -1) for it in played]
         paid = [np.array([row[0] for row in it.paid]) for it in played]
-        weights = self.gamma ** np.arange(self.horizon)
         success = [self._successes(values) for values in told]
         last, trails = np.array([values[-1] for values in told]), [_flat(self.observes, it.seen) for it in played]
         return Outcomes(
             np.array([len(it.actions) for it in played]),
-            np.array([values.sum() for values in paid]),
-            np.array([values @ weights[: len(values)] for values in paid]),
+            np.array([episode_sum(values) for values in paid]),
+            np.array([episode_sum(values, self.gamma) for values in paid]),
             np.array([flags[-1] for flags in success]),
             np.array([since(flags) if flags[-1] else self.horizon for flags in success]),
             np.array([flags.mean() for flags in success]),

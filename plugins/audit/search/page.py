@@ -10,6 +10,7 @@ import numpy as np
 from harness.arrays import Float
 from harness.authoring.commands import Episode, Scene, Show, Side, plugin_flags
 from harness.authoring.pages import render_page, select_points
+from harness.log import episode_sum
 from harness.report import Axis, Chart, Dots, Grid, Line, draw_chart, linear_axis, replay_of
 from harness.text import number, visible
 
@@ -154,7 +155,7 @@ def _terms(shown: Shown) -> Grid:
     """What each term paid each behaviour in all."""
     names = dict.fromkeys(name for it in shown.values() for name in it.shown.terms)
     rows: list[tuple[str, ...]] = [
-        (name, *(number(float(np.sum(it.shown.terms.get(name, 0.0)))) for it in shown.values())) for name in names
+        (name, *(number(episode_sum(it.shown.terms.get(name, NONE))) for it in shown.values())) for name in names
     ]
     return Grid(("term", *shown), rows if len(names) > 1 else [], [], "What each term paid")
 

@@ -9,6 +9,7 @@ from gymnasium.spaces import Discrete
 from scipy.sparse import csr_array
 
 from harness.arrays import Float, Ints, Mask
+from harness.log import episode_sum
 
 from .table import ENOUGH, MOST_ACTIONS, MOST_NEW, ends, key_of, table_policy
 from .world import Act, Data, Rng, Shown, World
@@ -112,7 +113,7 @@ class Counts:
             pair.success += is_success and not end
             if not end:
                 pair.after[states[step + 1]] = pair.after.get(states[step + 1], 0) + 1
-        self._returns.append(float(shown.paid.sum()))
+        self._returns.append(episode_sum(shown.paid))
         return shown
 
     @property

@@ -85,13 +85,6 @@ def test_names_of_files_sort_by_reward_and_role():
     assert all(re.fullmatch(r"[\w-][\w.-]*", name) for name in names)
 
 
-def test_the_sums_are_those_of_the_steps():
-    """Computed another way."""
-    made = certificate_of()
-    assert made.paid == pytest.approx(sum(map(float, made.shown.paid)))
-    assert made.discounted == pytest.approx(sum(0.99**t * pay for t, pay in enumerate(made.shown.paid.tolist())))
-
-
 @pytest.mark.parametrize(
     ("success", "time"), [([0, 0, 0], 4), ([0, 1, 1], 2), ([1, 1, 1], 1), ([1, 0, 1], 3), ([1, 0, 0], 4)]
 )
