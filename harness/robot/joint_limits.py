@@ -30,7 +30,7 @@ SPEED_UP_RATE = 8.0
 """Largest acceleration by largest speed, [1/s], where robot.toml has none: full speed in an eighth of a second."""
 RULES = {
     "home": "a pose in front of the mount, far from the ground and from singular poses",
-    "max_speed": "the URDF's velocity, at most 180 deg/s, or half a slide's range a second",
+    "max_speed": "the velocity in the arm's file if it has one, at most 180 deg/s, or half a slide's range a second",
     "max_acceleration": "the largest speed in an eighth of a second",
 }
 

@@ -296,7 +296,10 @@ def _read_scene(data: bytes, suffix: str) -> Mesh:
         raise ValueError("it has a <!DOCTYPE>, which no mesh needs")
     if (count := max(map(int, COUNT.findall(data)), default=0)) > 3 * MOST_TRIANGLES:
         raise _too_many(count // 3)
-    scene = trimesh.load_scene(BytesIO(data), file_type=suffix[1:], process=False)
+    try:
+        scene = trimesh.load_scene(BytesIO(data), file_type=suffix[1:], process=False)
+    except AttributeError as error:  # of what it takes for granted
+        raise ValueError("it shows no scene, or is damaged") from error
     unit = UNIT.search(data) if suffix == ".dae" else None
     vertices, faces, points, triangles = [np.empty((0, 3))], [np.empty((0, 3), np.int32)], 0, 0
     for node in scene.graph.nodes_geometry:

@@ -37,21 +37,43 @@ class UrdfXml(NamedTuple):
     robot: Element
 
 
-class _BoundedBuilder(ElementTree.TreeBuilder):
-    """Builds a tree that is not large, of a text that defines no words of its own."""
+class BoundedBuilder(ElementTree.TreeBuilder):
+    """Builds a tree that is not large, of a text that defines no words of its own.
 
-    def __init__(self) -> None:
+    Args:
+        noun: What the text is, for messages.
+        elements: The most that it may have.
+        levels: How deep they may lie in one another.
+    """
+
+    def __init__(self, noun: str, elements: int, levels: int) -> None:
         super().__init__()
+        self._noun, self._most, self._levels = noun, elements, levels
         self._count = self._depth = 0
         self.has_prefixes = self.has_namespace = False
+
+    def read(self, text: str) -> Element:
+        """The outermost element.
+
+        Raises:
+            UsageError: It is no XML, or too large.
+        """
+        parser = expat.ParserCreate()  # no separator of namespaces: a prefix is a part of the name
+        parser.buffer_text = True
+        parser.StartElementHandler, parser.EndElementHandler = self.start, self.end
+        parser.CharacterDataHandler, parser.StartDoctypeDeclHandler = self.data, self.doctype
+        try:
+            parser.Parse(text, True)
+            return self.close()
+        except (expat.ExpatError, ValueError) as error:  # the latter of half characters
+            raise UsageError(f"The {self._noun} is not well-formed XML: {error}. Correct it there.") from error
 
     def start(self, tag: str, attrs: dict[str, str], /) -> Element:
         """Called by the parser for every element that begins."""
         self._count, self._depth = self._count + 1, self._depth + 1
-        if self._count > MOST_ELEMENTS or self._depth > MOST_LEVELS:
-            raise UsageError(
-                f"The URDF has more than {MOST_ELEMENTS:,} elements, or {MOST_LEVELS} within one another. Simplify it."
-            )
+        if self._count > self._most or self._depth > self._levels:
+            told = f"more than {self._most:,} elements, or {self._levels} within one another"
+            raise UsageError(f"The {self._noun} has {told}. Simplify it.")
         self.has_prefixes |= any(":" in name for name in (tag, *attrs))
         self.has_namespace |= "xmlns" in attrs
         own = {name: value for name, value in attrs.items() if ":" not in name and name != "xmlns"}
@@ -64,7 +86,7 @@ class _BoundedBuilder(ElementTree.TreeBuilder):
 
     def doctype(self, name: str, *rest: object) -> None:
         """Called by the parser before a document type is read, which could define words as long as it likes."""
-        raise UsageError(f"The URDF has a <!DOCTYPE {name}>, which no URDF needs. Take it out.")
+        raise UsageError(f"The {self._noun} has a <!DOCTYPE {name}>, which none needs. Take it out.")
 
 
 def read_xml(text: str) -> UrdfXml:
@@ -78,16 +100,9 @@ def read_xml(text: str) -> UrdfXml:
     Raises:
         UsageError: The text is no such XML, or too large.
     """
-    begun, builder = _without_late_declaration(text), _BoundedBuilder()
-    parser = expat.ParserCreate()  # no separator of namespaces: a prefix is a part of the name
-    parser.buffer_text = True
-    parser.StartElementHandler, parser.EndElementHandler = builder.start, builder.end
-    parser.CharacterDataHandler, parser.StartDoctypeDeclHandler = builder.data, builder.doctype
-    try:
-        parser.Parse(begun, True)
-        robot: Element = builder.close()
-    except (expat.ExpatError, ValueError) as error:  # the latter of half characters
-        raise UsageError(f"The URDF is not well-formed XML: {error}. Correct it there.") from error
+    begun = _without_late_declaration(text)
+    builder = BoundedBuilder("URDF", MOST_ELEMENTS, MOST_LEVELS)
+    robot = builder.read(begun)
     if robot.tag != "robot":
         raise UsageError(f"The outermost element is <{robot.tag}>, a URDF's is <robot>. Give a URDF.")
     _drop_prefixed(robot)

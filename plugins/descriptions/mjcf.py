@@ -19,9 +19,12 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.errors import UsageError
+from harness.files.apart import run_apart
 from harness.robot import Description
 from harness.robot.chain_end import TOOL
 from harness.robot.meshes import is_readable
+
+from .mjcf_bounds import require_bounded
 
 FASTEST = 100.0
 """The speed of every joint in the URDF, [rad/s] or [m/s]: more than any arm has, as MJCF names none."""
@@ -35,6 +38,8 @@ MESH = 7
 """MuJoCo's number for meshes among the types of shapes; its numbers for types never change."""
 DRAWN_GROUPS = 3
 """Shapes of the groups below this one are drawn by MuJoCo's viewer."""
+JOINTS, TENDONS, JOINT_WRAP = 2, 3, 1
+"""MuJoCo's numbers for equalities of joints and of tendons, and for a joint among the parts of a tendon."""
 NAMED = 3
 """Names in a message."""
 EXAMPLE = """<mujoco model="example">
@@ -74,26 +79,40 @@ class Mjcf:
         """The arms of the file, without what stands around them."""
         if arguments:
             raise UsageError(f"{path}: an MJCF takes no arguments, {', '.join(arguments)} are given. Leave them out.")
-        import mujoco
-
         try:
-            with warnings.catch_warnings(action="ignore"):  # of attributes that are deprecated, and still read
-                spec = mujoco.MjSpec.from_file(str(path))
-                model = spec.compile()
-        except (ValueError, TypeError, RuntimeError) as error:
-            said = " ".join(str(error).split()).removeprefix("XML ").removeprefix("Error: ")
-            raise UsageError(f"{path}: MuJoCo cannot read it: {said}. Correct it.") from error
-        placed = {mesh.id: (mesh.refpos, mesh.refquat) for mesh in spec.meshes}
-        try:
-            return _Reading(model, placed).description()
+            require_bounded(path.absolute())
+            told = run_apart(__name__, "compiled", str(path.absolute()))
+            return Description(**{**told, "warnings": tuple(told["warnings"])})
         except UsageError as error:
-            raise UsageError(f"{path}: {error}") from error
+            raise UsageError(f"{path}: {str(error).rstrip('.')}.") from error
 
     def write_example(self, folder: Path) -> Path:
         """An arm of three joints."""
         path = folder / "example.xml"
         path.write_text(EXAMPLE, encoding="utf-8")
         return path
+
+
+def compiled(path: str) -> dict[str, Any]:
+    """What MuJoCo makes of a file, by the names of a `Description`.
+
+    Args:
+        path: Absolute, or MuJoCo looks for meshes in the folder of the file within that folder.
+
+    Raises:
+        UsageError: MuJoCo refuses it, or it has no arm.
+    """
+    import mujoco
+
+    try:
+        with warnings.catch_warnings(action="ignore"):  # of attributes that are deprecated, and still read
+            spec = mujoco.MjSpec.from_file(path)
+            model = spec.compile()
+    except (ValueError, TypeError, RuntimeError) as error:
+        said = " ".join(str(error).split()).removeprefix("XML ").removeprefix("Error: ")
+        raise UsageError(f"MuJoCo cannot read it: {said}. Correct it") from error
+    placed = {mesh.id: (mesh.refpos, mesh.refquat) for mesh in spec.meshes}
+    return _Reading(model, placed).described()
 
 
 @dataclass(frozen=True)
@@ -110,8 +129,8 @@ class _Reading:
     placed: Mapping[int, tuple[Float, Float]]
     warnings: list[str] = field(default_factory=list)
 
-    def description(self) -> Description:
-        """All of it.
+    def described(self) -> dict[str, Any]:
+        """All of it, by the names of a `Description`.
 
         Raises:
             UsageError: Nothing in the model moves by a joint.
@@ -120,16 +139,16 @@ class _Reading:
         SubElement(robot, "link", name=self.links[0])
         for body in self.kept:
             self._add_body(robot, body)
-        self._tell_what_is_left_out()
         home = self._home()
-        return Description(
-            ElementTree.tostring(robot, encoding="unicode"),
-            tip=self._tip(),
-            home=home,
-            home_origin="the keyframe 'home'" if home else "",
-            speeds=SPEEDS,
-            warnings=tuple(self.warnings),
-        )
+        self._tell_what_is_left_out()
+        return {
+            "urdf": ElementTree.tostring(robot, encoding="unicode"),
+            "tip": self._tip(),
+            "home": home,
+            "home_origin": "the keyframe 'home'" if home else "",
+            "speeds": SPEEDS,
+            "warnings": tuple(self.warnings),
+        }
 
     @cached_property
     def links(self) -> list[str]:
@@ -314,11 +333,27 @@ class _Reading:
         if names:
             more = f" and {len(names) - NAMED} more" * (len(names) > NAMED)
             self.warnings.append(f"left out, as they are no part of the arm: {', '.join(names[:NAMED])}{more}")
+        self.warnings.extend(sorted({line for tie in range(model.neq) for line in self._coupling(tie)}))
         if any(map(self._closes_a_loop, range(model.neq))):
             self.warnings.append(
                 "the MJCF ties links of the arm together besides their joints, by connect or weld. Here each joint "
                 "moves by itself"
             )
+
+    def _coupling(self, tie: int) -> Iterator[str]:
+        """A line where an equality makes joints of the arm, and not only of its gripper, move together."""
+        model, joints = self.model, list[int]()
+        ends = [int(end) for end in (model.eq_obj1id[tie], model.eq_obj2id[tie]) if end >= 0]
+        if model.eq_active0[tie] and model.eq_type[tie] == JOINTS:
+            joints = ends
+        elif model.eq_active0[tie] and model.eq_type[tie] == TENDONS:
+            parts = [range(first, first + model.tendon_num[end]) for end in ends for first in (model.tendon_adr[end],)]
+            joints = [int(model.wrap_objid[it]) for part in parts for it in part if model.wrap_type[it] == JOINT_WRAP]
+        if any(
+            int(model.jnt_bodyid[it]) in self.kept and self._is_on_trunk(int(model.jnt_bodyid[it])) for it in joints
+        ):
+            names = " and ".join(f"'{self.joints[it]}'" for it in sorted(set(joints)))
+            yield f"the MJCF couples {names} by <equality>. Here each joint moves by itself"
 
     def _closes_a_loop(self, tie: int) -> bool:
         """Whether an equality joins two bodies of the arm, and not only parts of its gripper."""
@@ -365,7 +400,15 @@ class _Reading:
     def _within(self, number: int, qpos: Float) -> float:
         position = float(qpos[self.model.jnt_qposadr[number]])
         lower, upper = self.model.jnt_range[number] if self.model.jnt_limited[number] else (-math.pi, math.pi)
-        return min(max(position, float(lower)), float(upper))
+        within = min(max(position, float(lower)), float(upper))
+        if within != position and int(self.model.jnt_bodyid[number]) in self.kept:
+            turns = self.model.jnt_type[number] == 3
+            told = [f"{math.degrees(it):.4g} deg" if turns else f"{it:.4g} m" for it in (position, within)]
+            line = (
+                f"the keyframe 'home' puts '{self.joints[number]}' at {told[0]}, beyond its range: {told[1]} is taken"
+            )
+            self.warnings.append(line)
+        return within
 
 
 def _distinct(names: list[str], taken: set[str], ending: str = "") -> list[str]:

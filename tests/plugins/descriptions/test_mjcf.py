@@ -1,5 +1,6 @@
 """Arms in MJCF: what the harness makes of them is held against MuJoCo's own kinematics of the file as it stands."""
 
+import os
 import struct
 
 import mujoco
@@ -10,8 +11,10 @@ from numpy.linalg import norm
 from numpy.random import default_rng
 
 from harness.errors import UsageError
+from harness.files.apart import run_apart
 from harness.robot import link_frames, read_robot
 from harness_plugins.descriptions.mjcf import SPEEDS, Mjcf, _rotation, _rpy, _turn
+from tests.plugins.descriptions.hostile_mjcf import MODELS, arm, write_hostile
 
 ARM = """<!-- A licence may stand here. -->
 <mujoco model="odd">
@@ -312,7 +315,7 @@ REFUSED = {
         'file="no.stl" scale="0.002',
         "MuJoCo cannot read it",
     ),
-    "no XML": ("</mujoco>", "", "MuJoCo cannot read it"),
+    "no XML": ("</mujoco>", "", "not well-formed XML"),
 }
 
 
@@ -361,3 +364,67 @@ def test_rotation_is_that_of_mujoco():
     matrix = np.zeros(9)
     mujoco.mju_quat2Mat(matrix, quaternion / norm(quaternion))
     assert np.allclose(_rotation(quaternion), matrix.reshape(3, 3), atol=1e-15)
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_a_hostile_model_is_refused_in_a_line(tmp_path, name):
+    """Before MuJoCo sees it, or while another process reads it, and in no more than a second or so of computing."""
+    path, before = write_hostile(tmp_path, name), os.times()
+    with pytest.raises(UsageError) as error:
+        read_robot(path)
+    after = os.times()
+    assert str(error.value).startswith(str(path))
+    assert "\n" not in str(error.value)
+    assert sum(after[:4]) - sum(before[:4]) < 20.0
+
+
+def test_a_model_that_is_large_is_read(tmp_path):
+    """With copies, pictures and a height field within the bounds."""
+    body = '<replicate count="100" offset="1 0 0"><geom size="1"/></replicate>'
+    picture = '<texture name="t" type="2d" builtin="flat" width="1000" height="1000"/>'
+    (tmp_path / "arm.xml").write_text(
+        arm(f'<asset>{picture}<hfield name="h" nrow="9" ncol="9" size="1 1 1 1"/></asset>', body)
+    )
+    assert read_robot(tmp_path / "arm.xml").joint_names == ("turn", "lift", "bend")
+
+
+def test_what_takes_too_long_or_too_much_is_ended():
+    """Whatever a library does there: the process that reads is another one."""
+    for word, seconds, told in (
+        ("loop", 1, "1 s of computing"),
+        ("fill", 60, "GiB of memory"),
+        ("abort", 9, "SIGABRT"),
+    ):
+        with pytest.raises(UsageError, match=told):
+            run_apart("tests.plugins.descriptions.endless", "end", word, cpu_seconds=seconds, memory=2**29)
+    with pytest.raises(RuntimeError, match="ZeroDivisionError"):
+        run_apart("tests.plugins.descriptions.endless", "end", "raise")
+
+
+@pytest.mark.parametrize("folder", ["", "sub", "sub/arm"])
+def test_meshes_are_found_wherever_the_command_stands(tmp_path, monkeypatch, folder):
+    """From the file's folder, from above it, and by an absolute path."""
+    (tmp_path / "sub/arm").mkdir(parents=True)
+    path = write_arm(tmp_path / "sub/arm")
+    monkeypatch.chdir(tmp_path / folder)
+    relative = read_robot(path.relative_to(tmp_path / folder))
+    assert np.array_equal(relative.end_effector(relative.home), read_robot(path).end_effector(relative.home))
+
+
+def test_joints_that_are_coupled_are_told(tmp_path):
+    """By an equality of joints, or of tendons of joints; not the fingers of a gripper."""
+    tie = '<equality><joint joint1="bend" joint2="lift"/>'
+    assert any(
+        "couples 'lift' and 'bend'" in it
+        for it in read_robot(write_arm(tmp_path, ARM.replace("<equality>", tie))).warnings
+    )
+    tendon = '<tendon><fixed name="t"><joint joint="pan" coef="1"/><joint joint="roll" coef="1"/></fixed></tendon>'
+    text = ARM.replace("<equality>", f'{tendon}<equality><tendon tendon1="t"/>')
+    assert any("couples 'pan' and 'roll'" in it for it in read_robot(write_arm(tmp_path, text)).warnings)
+    assert not any("couples" in it for it in read_robot(write_arm(tmp_path)).warnings)
+
+
+def test_a_keyframe_beyond_a_range_is_told(tmp_path):
+    """What it says, and what is taken."""
+    told = read_robot(write_arm(tmp_path)).warnings
+    assert "the keyframe 'home' puts 'roll' at 229.2 deg, beyond its range: 180 deg is taken" in told
