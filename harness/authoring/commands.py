@@ -63,9 +63,7 @@ if TYPE_CHECKING:
         weighing as weighing,
     )
     from harness.experiment.environments.plan import (
-        kind_of_task as kind_of_task,
         look_at as look_at,
-        require_known as require_known,
     )
     from harness.experiment.environments.played_again import PlayedAgain as PlayedAgain
     from harness.experiment.environments.spaces import (
@@ -177,10 +175,16 @@ if TYPE_CHECKING:
     from harness.recorder.record_rewards import RecordRewards as RecordRewards
     from harness.recorder.recorder import differs as differs
     from harness.recorder.sealed import KeepWalks as KeepWalks, Walk as Walk
+    from harness.registry.choice import kind_of_task as kind_of_task, require_known as require_known
     from harness.registry.given import plugin_flags as plugin_flags, read_given as read_given
     from harness.registry.plugin_module import import_file as import_file
     from harness.registry.registry import load_registry as load_registry
-    from harness.registry.spec import PLANNED as PLANNED, blamed_on as blamed_on, is_met as is_met
+    from harness.registry.spec import (
+        PLANNED as PLANNED,
+        blamed_on as blamed_on,
+        is_met as is_met,
+        require_pillow as require_pillow,
+    )
     from harness.registry.targets import examined as examined
     from harness.report.tables.grid import Terminal as Terminal, show as show
     from harness.results.alone import Alone as Alone
@@ -242,7 +246,6 @@ if TYPE_CHECKING:
         chain_of as chain_of,
         corners_of as corners_of,
         draw_arm as draw_arm,
-        require_pillow as require_pillow,
     )
     from harness.score.places import ArmPlaces as ArmPlaces
 

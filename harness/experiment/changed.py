@@ -1,7 +1,7 @@
 """Finds done cells that were made by other plugins than those installed now, so that they are not mixed unnoticed."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Literal, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 
 from harness.errors import UsageError
 from harness.experiment.provenance import function_digests, robot_digest
@@ -10,8 +10,9 @@ from harness.record.cell import Cell
 from harness.record.manifest import SHOWN_DIGITS
 from harness.registry.registry import Registry
 from harness.registry.sources import source_hash
-from harness.robot import Robot
-from harness.robot.robot import load_robot
+
+if TYPE_CHECKING:
+    from harness.robot import Robot
 
 Changed: TypeAlias = Literal["refuse", "keep", "again"]
 """What happens to such cells: the run is refused, or they are kept beside new ones, or they are done again."""
@@ -69,8 +70,10 @@ class _Installed:
             self._hashes[kind, name] = source_hash(self._registry.get(kind, name).load())
         return self._hashes[kind, name]
 
-    def _robot(self, name: str) -> Robot:
+    def _robot(self, name: str) -> "Robot":
         if name not in self._robots:
+            from harness.robot.robot import load_robot  # here, since an environment has none
+
             self._robots[name] = load_robot(name, self._registry)
         return self._robots[name]
 

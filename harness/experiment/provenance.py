@@ -8,7 +8,7 @@ import tomllib
 from collections.abc import Collection, Iterable, Mapping
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from harness.errors import UsageError
 from harness.hookspecs import KINDS
@@ -18,9 +18,10 @@ from harness.registry.sources import source_hash
 from harness.registry.spec import OURS, Spec, distribution_of, is_installed, version_of
 from harness.reward import Sample
 from harness.reward.needs import needs_of
-from harness.robot import Robot
-from harness.simulator import family_of
 from harness.text import command_text
+
+if TYPE_CHECKING:
+    from harness.robot import Robot
 
 CORE = (OURS, "gymnasium", "numpy", "pyarrow")
 """Distributions that every result depends on."""
@@ -29,7 +30,7 @@ CHECKOUT = Path(__file__).resolve().parents[2]
 
 
 def describe_environment(
-    cell: Cell, robot: Robot | None, registry: Registry, kinds: Collection[str] = KINDS
+    cell: Cell, robot: "Robot | None", registry: Registry, kinds: Collection[str] = KINDS
 ) -> dict[str, Any]:
     """What decides a result beside the cell: versions, machine, engine, commit, command, hashes of sources.
 
@@ -42,12 +43,17 @@ def describe_environment(
     specs = specs_of(cell, registry, kinds)
     hashes = {kind: source_hash(spec.load()) for kind, spec in specs.items()}
     digests = {kind: digest for kind, digest in hashes.items() if digest}
+    engine = {}
+    if "simulators" in specs:
+        from harness.simulator import family_of  # here, since an environment has none
+
+        engine = {"engine": family_of(specs["simulators"].load())}
     if robot is not None:
         digests["robots"] = robot_digest(cell, robot)
     return {
         "versions": {"python": platform.python_version(), **versions_behind(specs.values())},
         "machine": describe_machine(),
-        **({"engine": family_of(specs["simulators"].load())} if "simulators" in specs else {}),
+        **engine,
         "commit": source_commit(CHECKOUT),
         "command": command_text(Path(sys.argv[0]).name, *sys.argv[1:]),
         "sources": {**digests, **function_digests(cell, registry)},
@@ -56,7 +62,7 @@ def describe_environment(
 
 
 def _what_is_read(
-    cell: Cell, robot: Robot | None, specs: Mapping[str, Spec], registry: Registry
+    cell: Cell, robot: "Robot | None", specs: Mapping[str, Spec], registry: Registry
 ) -> dict[str, dict[str, list[str]]]:
     """What an arm's reward reads beside distances, and its terms; nothing of one that reads distances and has none."""
     if robot is None or "rewards" not in specs:
@@ -81,7 +87,7 @@ def function_digests(cell: Cell, registry: Registry) -> dict[str, str]:
     return {f"{it.noun} {it.name}": it.file.digest for it in decisive}
 
 
-def robot_digest(cell: Cell, robot: Robot) -> str:
+def robot_digest(cell: Cell, robot: "Robot") -> str:
     """SHA-256 of what decides the cell's result in a robot. Its drives count only if the simulator uses them."""
     return robot.driven_digest if cell.drives_with_servo else robot.digest
 

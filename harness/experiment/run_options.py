@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, Required, TypeAlias, TypedDict
+from typing import TYPE_CHECKING, Any, Literal, Required, TypeAlias, TypedDict
 
 from harness.algorithm import Algorithm
 from harness.errors import UsageError
@@ -19,8 +19,10 @@ from harness.experiment.workers.workers import worker_count
 from harness.registry.choice import choose
 from harness.registry.registry import Registry
 from harness.reward import Reward
-from harness.simulator import Simulator
-from harness.task import Task
+
+if TYPE_CHECKING:
+    from harness.simulator import Simulator
+    from harness.task import Task
 
 STALL_AFTER = 1800.0
 """Seconds without progress after which a cell is ended. Algorithms report every 100 steps, evaluations every step."""
@@ -128,8 +130,11 @@ Name: TypeAlias = str | Mapping[str, Any]
 """``"arp:k2=2"``, or a table ``{"name": "arp", "k2": 2}``."""
 Names: TypeAlias = Name | Sequence[Name]
 """One, text with commas, or a list."""
-Thing: TypeAlias = Name | Simulator | Algorithm | Reward | Task
-"""A name, or an object whose class workers can import."""
+if TYPE_CHECKING:
+    Thing: TypeAlias = Name | Simulator | Algorithm | Reward | Task
+    """A name, or an object whose class workers can import."""
+else:
+    Thing = object  # what type checkers alone look at loads no arms
 Things: TypeAlias = Thing | Sequence[Thing]
 """One, text with commas, or a list."""
 

@@ -5,16 +5,14 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, partial
 from pathlib import Path
-from typing import Any, NamedTuple, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeAlias
 
 from harness.algorithm import IN_ENVIRONMENTS, ActionSpace, Algorithm, needs_goals, why_not
 from harness.errors import UsageError, sentence
 from harness.eta.laws import require_direction
-from harness.experiment.environments.plan import kind_of_task, look_at, refuse_places, require_known, why_not_in
 from harness.measure import Measure
-from harness.motion import Discrete
 from harness.record.cell import BROUGHT, EVALUATION_HORIZON
-from harness.registry.choice import Choice, choose, split_list
+from harness.registry.choice import Choice, choose, kind_of_task, require_known, split_list
 from harness.registry.measure_functions import EPISODE, HIGHER, LOWER, SUCCESS
 from harness.registry.registry import Registry
 from harness.registry.spec import PLANNED, blamed_on, unknown_name
@@ -23,10 +21,10 @@ from harness.reward.forms import STEP
 from harness.reward.given import ARGUMENTS
 from harness.reward.needs import needs_of
 from harness.reward.steps import BEFORE, NOT_RECORDED
-from harness.robot import Robot
-from harness.robot.robot import load_robot
-from harness.simulator import require_drives
-from harness.task import Task, choose_task
+
+if TYPE_CHECKING:
+    from harness.robot import Robot
+    from harness.task import Task
 
 Given: TypeAlias = str | dict[str, Any]
 DEFAULT_BASELINE, DEFAULT_REWARDS = "baseline", ("arp", "dense")
@@ -147,10 +145,12 @@ def plan_tasks(asked: Asked, tasks: Sequence[Given], registry: Registry) -> list
     if len(kinds) > 1:
         named = ", ".join(map(str, tasks))
         raise UsageError(f"task={named}: some are tasks of an arm, some environments. Make an experiment of each kind")
-    load = cache(partial(load_robot, registry=registry))  # tasks mostly have one robot
     if kinds == {"environments"}:
         found = [_in_environment(asked, task, registry) for task in tasks]
     else:
+        from harness.robot.robot import load_robot  # here, as all of arms and of environments: a run needs one kind
+
+        load = cache(partial(load_robot, registry=registry))  # tasks mostly have one robot
         found = [_with_arm(asked, task, registry, load) for task in tasks]
     baselines = {it.baseline.label: it.task.label for it in found}
     if len(baselines) > 1:
@@ -169,8 +169,11 @@ def choose_each(registry: Registry, kind: str, given: Sequence[Given]) -> tuple[
     return tuple(dict.fromkeys(choose(registry, kind, item) for item in given))
 
 
-def _with_arm(asked: Asked, given: Given, registry: Registry, load: Callable[[str], Robot]) -> TaskPlan:
+def _with_arm(asked: Asked, given: Given, registry: Registry, load: "Callable[[str], Robot]") -> TaskPlan:
     """A task of an arm."""
+    from harness.simulator import require_drives
+    from harness.task import choose_task
+
     if asked.evaluation_horizon is not None:
         raise UsageError(OWN_HORIZON)
     if not asked.sim:
@@ -237,7 +240,7 @@ def _measures_of_arm(asked: Asked, registry: Registry) -> tuple[tuple[str, ...],
     return tuple(asked.measure or given), list(untaken.values())
 
 
-def _needs(choice: Choice, task: Task, arm: Robot, registry: Registry) -> tuple[str, ...]:
+def _needs(choice: Choice, task: "Task", arm: "Robot", registry: Registry) -> tuple[str, ...]:
     """What a reward reads of a step of the arm; nothing of one that fails, which the trial before a run tells."""
     try:
         return needs_of(choice.build(registry, "rewards"), arm.dof, task.motion(arm).action_size).fields
@@ -245,7 +248,7 @@ def _needs(choice: Choice, task: Task, arm: Robot, registry: Registry) -> tuple[
         return ()
 
 
-def _fit(algorithm: Choice, task: Choice, robot: Robot, registry: Registry, steps: int) -> Fit:
+def _fit(algorithm: Choice, task: Choice, robot: "Robot", registry: Registry, steps: int) -> Fit:
     with blamed_on(registry.get("algorithms", algorithm.name), PLANNED):
         try:
             form = task_for(algorithm, task, robot, registry)
@@ -262,6 +265,8 @@ def _fit(algorithm: Choice, task: Choice, robot: Robot, registry: Registry, step
 
 def _in_environment(asked: Asked, given: Given, registry: Registry) -> TaskPlan:
     """An environment; simulator and robot are its own."""
+    from harness.experiment.environments.plan import look_at, refuse_places, why_not_in
+
     refuse_places(asked.sim, asked.robot)
     task = choose(registry, "environments", given)
     looked = look_at(task, registry)
@@ -312,7 +317,7 @@ def table_of(choice: Choice) -> dict[str, Any]:
     return {"name": choice.name, **params}
 
 
-def task_for(algorithm: Choice, task: Choice, robot: Robot, registry: Registry) -> Choice:
+def task_for(algorithm: Choice, task: Choice, robot: "Robot", registry: Registry) -> Choice:
     """The task as it is if the algorithm takes its actions; else, for choices among continuous ones, in discrete form.
 
     The discrete form is another task, with a label of its own: ``action=discrete:action=MODE``, whose choices are
@@ -332,7 +337,7 @@ def task_for(algorithm: Choice, task: Choice, robot: Robot, registry: Registry) 
     return _discrete(task, problem, robot, registry)
 
 
-def _discrete(task: Choice, problem: str, robot: Robot, registry: Registry) -> Choice:
+def _discrete(task: Choice, problem: str, robot: "Robot", registry: Registry) -> Choice:
     params = dict(task.params)
     if not isinstance(params.get("action"), str):
         raise UsageError(f"{problem}, and it has no parameter 'action' to choose others")
@@ -346,7 +351,9 @@ def _discrete(task: Choice, problem: str, robot: Robot, registry: Registry) -> C
     raise UsageError(f"{problem}, with action={dict(form.params)['action']} too")
 
 
-def _space_of(task: Choice, robot: Robot, registry: Registry) -> ActionSpace:
+def _space_of(task: Choice, robot: "Robot", registry: Registry) -> ActionSpace:
+    from harness.motion import Discrete
+
     built = task.build(registry, "tasks")
     with blamed_on(registry.get("tasks", task.name), PLANNED):
         built.check(robot)

@@ -282,3 +282,15 @@ def _unmarked(module: ModuleType) -> list[str]:
         for name, it in vars(module).items()
         if name in HOOKS and name not in marked and isinstance(it, FunctionType) and it.__module__ == module.__name__
     ]
+
+
+def require_pillow() -> None:
+    """See whether pillow is there.
+
+    Raises:
+        UsageError: It is missing.
+    """
+    try:
+        import PIL  # noqa: F401
+    except ImportError as error:
+        raise UsageError("Pictures of the arm need pillow: pip install 'fd100-harness[video]'") from error

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float
-from harness.errors import UsageError
 from harness.record.scene import Scene
+from harness.registry.spec import require_pillow
 from harness.robot import Robot
 from harness.robot.kinematics import Chain, child_frames, link_frames
 from harness.scene.scene import scene_of
@@ -211,18 +211,6 @@ def draw_still(
     whole = np.array([[-0.3, -0.3, 0.0], [0.5, 0.3, 0.8]]) * reach
     camera = camera_for(whole, width, height)
     return draw_arm(scene, qpos, target, np.empty((0, 3)), TARGET, camera)
-
-
-def require_pillow() -> None:
-    """See whether pillow is there.
-
-    Raises:
-        UsageError: It is missing.
-    """
-    try:
-        import PIL  # noqa: F401
-    except ImportError as error:
-        raise UsageError("Pictures of the arm need pillow: pip install 'fd100-harness[video]'") from error
 
 
 def _draw_grid(pen: "ImageDraw.ImageDraw", camera: Camera) -> None:

@@ -43,6 +43,8 @@ class Entered:
     files: frozenset[str]
     hops: frozenset[tuple[str, str]]
     back: frozenset[tuple[str, str]]
+    loaded: frozenset[str]
+    """Those that were imported, entered or not."""
 
 
 def enter(arguments, folder, tops=(ROOT / "harness", ROOT / "plugins")):
@@ -67,14 +69,16 @@ def enter(arguments, folder, tops=(ROOT / "harness", ROOT / "plugins")):
     files = set()
     hops = set()
     back = set()
+    loaded = set()
     root = tops[0].parent
     for process in sorted(into.iterdir()):
         seen = json.loads(process.read_text())
-        name = {file: Path(file).relative_to(root).as_posix() for file in seen["files"]}
-        files |= set(name.values())
+        name = {file: Path(file).relative_to(root).as_posix() for file in [*seen["files"], *seen["loaded"]]}
+        files |= {name[file] for file in seen["files"]}
+        loaded |= {name[file] for file in seen["loaded"]}
         hops |= {(name[caller], name[called]) for caller, called in seen["hops"]}
         back |= {(name[caller], name[called]) for caller, called in seen["back"]}
-    return Entered(frozenset(files), frozenset(hops), frozenset(back))
+    return Entered(frozenset(files), frozenset(hops), frozenset(back), frozenset(loaded))
 
 
 def enter_harness(command, folder):

@@ -4,7 +4,7 @@ import pytest
 
 from tests.architecture import source
 from tests.architecture.__main__ import above, lowered, main, read_bounds
-from tests.architecture.entered import COMMANDS, enter, measured_by_running
+from tests.architecture.entered import COMMANDS, LEAST, enter, measured_by_running
 from tests.architecture.source import floors, import_graph
 
 
@@ -87,6 +87,26 @@ def own(tmp_path):
 RUN = "import sys; sys.path.insert(0, 'ours'); import first, never; first.main()"
 
 
+OTHERS = {
+    "arm": (("--sim", "kinematic"), ("harness/experiment/environments/", "harness/recorder/")),
+    "environment": (
+        ("--task", "gymnasium:id=Pendulum-v1", "--baseline", "none", "--reward", "own"),
+        ("harness/robot/", "harness/motion/", "harness/scene/", "harness/env/", "harness/conditions/"),
+    ),
+}
+"""By kind of world: flags of a run, and the folders that only the other kind needs."""
+
+
+@pytest.mark.parametrize("kind", OTHERS)
+def test_a_run_loads_nothing_that_only_the_other_world_needs(kind, tmp_path):
+    """Neither when it is planned, nor where it trains, nor for its report; it loads what its own world needs."""
+    flags, others = OTHERS[kind]
+    loaded = enter(["-m", "harness", "run", *flags, "--algo", "random", *LEAST, "--out", "out"], tmp_path).loaded
+    assert [file for file in sorted(loaded) if file.startswith(others)] == []
+    (own,) = (its for other, (_, its) in OTHERS.items() if other != kind)
+    assert all(any(file.startswith(folder) for file in loaded) for folder in own[:2])
+
+
 def test_files_are_entered_by_calls_of_functions(own):
     """What runs at import is no call; each pair of files counts once; a way back leads to a file that was entered."""
     entered = enter(["-c", RUN], own, [own / "ours"])
@@ -94,6 +114,7 @@ def test_files_are_entered_by_calls_of_functions(own):
     assert entered.files == {first, second, third}
     assert entered.hops == {(first, second), (second, third), (third, first)}
     assert entered.back == {(third, first)}
+    assert entered.loaded == {first, second, third, "ours/never.py"}
 
 
 def test_processes_that_a_command_starts_count(own):

@@ -25,10 +25,10 @@ from harness.record.folder import partial_folder, publish
 from harness.record.manifest import Manifest
 from harness.registry.given import Given
 from harness.registry.registry import load_registry
+from harness.registry.spec import require_pillow
 from harness.results.frames import MOST_BYTES, read_frames, write_frames
 from harness.results.pairs import shown_pair
 from harness.results.results import Results
-from harness.scene.picture import require_pillow
 from harness.text import one_line_of
 
 if TYPE_CHECKING:

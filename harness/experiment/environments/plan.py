@@ -21,8 +21,6 @@ from harness.registry.spec import PLANNED, blamed_on, unknown_name
 from harness.reward.given import weights_of
 
 Given = str | Mapping[str, Any]
-PLACES = ("tasks", "environments")
-"""The kinds of what ``--task`` may name."""
 
 
 @dataclass(frozen=True)
@@ -93,36 +91,6 @@ class Looked:
             )
         changed = weights_of(name, params, terms)
         return Choice(name, tuple(changed.items()), label_of(name, changed))
-
-
-def kind_of_task(given: Given, registry: Registry) -> str:
-    """Whether a name is that of a task or of an environment: ``"tasks"`` or ``"environments"``; the former of neither.
-
-    Raises:
-        UsageError: It is both.
-    """
-    name = str(_name_of(given))
-    kinds = [kind for kind in registry.kinds_of(name) if kind in PLACES]
-    if len(kinds) > 1:
-        claims = " and ".join(
-            f"{spec.kind[:-1]} of package {spec.package}" for spec in (registry.get(kind, name) for kind in PLACES)
-        )
-        raise UsageError(f"'{name}' is both a task and an environment: {claims}. Leave one out with HARNESS_PLUGINS")
-    return kinds[0] if kinds else "tasks"
-
-
-def require_known(task: Given, registry: Registry) -> None:
-    """Check that a task is registered.
-
-    Raises:
-        UsageError: It is not; names the environments too, of which it might have been one.
-    """
-    try:
-        registry.get("tasks", str(_name_of(task)))
-    except UsageError as error:
-        there = f" Environments: {', '.join(registry.names('environments')) or 'none'}."
-        told, asks, question = str(error).partition(" Did you mean")
-        raise UsageError(f"{told}{there}{asks}{question}") from None
 
 
 def refuse_places(sim: Sequence[Given], robot: str | None) -> None:
@@ -239,7 +207,3 @@ def _goalless(env: AnyEnv) -> str:
     except UsageError as error:
         return str(error)
     return ""
-
-
-def _name_of(given: Given) -> Any:
-    return parse(given)[0] if isinstance(given, str) else given.get("name")

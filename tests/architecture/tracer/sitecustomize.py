@@ -1,6 +1,6 @@
 """Python imports this before anything else where its folder is on PYTHONPATH: which of our files a process enters.
 
-It writes a JSON file into the folder $ENTERED_INTO when the process ends: `files`, `hops` and `back`, as
+It writes a JSON file into the folder $ENTERED_INTO when the process ends: `files`, `hops`, `back` and `loaded`, as
 `tests.architecture.entered` says. TOPS are the folders whose files are ours.
 """
 
@@ -52,7 +52,9 @@ def _enter(frame, event, argument):
 def _write():
     sys.settrace(None)
     if files:
-        told = {"files": list(files), "hops": sorted(hops), "back": sorted(back)}
+        own = (getattr(module, "__file__", None) or "" for module in list(sys.modules.values()))
+        loaded = [file for file in own if file.startswith(TOPS)]
+        told = {"files": list(files), "hops": sorted(hops), "back": sorted(back), "loaded": loaded}
         Path(os.environ["ENTERED_INTO"], f"{os.getpid()}.json").write_text(json.dumps(told))
 
 
