@@ -58,7 +58,6 @@ class Calls:
         self._tell = tell
         self._begun: list[tuple[int, int] | None] = [None] * num_envs
         self._was_seeded = [False] * num_envs
-        self._actions: list[bytes] = []
         self._marks: list[tuple[int, int, int, int]] = []
         self._know(facts)
 
@@ -74,67 +73,60 @@ class Calls:
         else:
             self._note_problem(f"its env was reset with the seed {seed!r}")
 
-    def note_step(self, env: int, action: Any, observation: Any, is_checked: bool) -> None:
-        """Note a step of an env.
+    def mark(self, env: int, row: int, observation: Any) -> None:
+        """Sum up an answer, and note what was reset before it.
+
+        It is done in some steps only, since an env that has answered otherwise once hardly ever comes back: in every
+        `CHECKED`-th step of an episode, the first one among them, and in the last one.
 
         Args:
             env: Whose step it was.
-            action: As it was given.
+            row: How many steps came before it since `take`.
             observation: The answer.
-            is_checked: Whether the answer is summed up. It is in some steps only, since an env that has answered
-                otherwise once hardly ever comes back: every `CHECKED`-th step of an episode, and the last one.
         """
-        begun = self._begun[env]
-        if begun is not None:
-            self._begun[env] = None
-            if not self._was_seeded[env]:
-                self._note_problem("its env was not reset with a seed")
-        if self._nothing:
-            self._actions.append(self._nothing)
-            return
-        if is_checked or begun is not None:
-            answer = checksum(observation) if is_checked else UNCHECKED
-            self._marks.append((len(self._actions), *(begun or NO_RESET), answer))
-        # Every step of every training comes by here: what most envs are given takes the short way.
-        if type(action) is np.ndarray and action.dtype is self._short and action.shape == self._shape:
-            self._actions.append(action.tobytes())
-        else:
-            self._actions.append(self._bytes_of(action))
+        begun, self._begun[env] = self._begun[env], None
+        if begun is not None and not self._was_seeded[env]:
+            self._note_problem("its env was not reset with a seed")
+        if not self.facts.problem:
+            self._marks.append((row, *(begun or NO_RESET), checksum(observation)))
 
-    def take(self) -> Float:
-        """The numbers of the steps that were noted since this was last asked, (steps, 3 + action_size).
+    def take(self, actions: Any) -> Float:
+        """The numbers of steps, (steps, 3 + action_size): of all that came since this was last asked.
 
         In a row stand the seed and the number of resets before the step, the answer's checksum, and the action.
+
+        Args:
+            actions: As they were given, at least one: a list, or an array of them.
         """
-        rows = np.empty((len(self._actions), 3 + self.facts.size))
+        rows = np.zeros((len(actions), 3 + self.facts.size))
         rows[:, :3] = *NO_RESET, UNCHECKED
         for row, *told in self._marks:
             rows[row, :3] = told
-        rows[:, 3:] = np.frombuffer(b"".join(self._actions), self._type).reshape(len(rows), self.facts.size)
-        self._actions, self._marks = [], []
+        self._marks = []
+        is_one = isinstance(actions, np.ndarray) or (len({*map(type, actions)}) == 1 and not np.shape(actions[0]))
+        good = sum(map(self._is_known, actions[:1])) * len(actions) if is_one else sum(map(self._is_known, actions))
+        kind = TYPES.get(self.facts.type) or np.dtype(self.facts.type or float)
+        numbers = np.asarray(actions[:good], kind).reshape(good, self.facts.size)
+        if kind.kind in "iu" and (large := (np.abs(numbers) > LARGEST_EXACT).any(1)).any():
+            self._note_problem(f"an action is beyond {LARGEST_EXACT:,}")
+            good = int(large.argmax())
+        rows[:good, 3:] = numbers[:good]
         return rows
 
-    def _bytes_of(self, action: Any) -> bytes:
-        """The bytes of an action of any type; zeros from where it cannot be noted."""
+    def _is_known(self, action: Any) -> bool:
+        """Whether an action is of the type and shape of those before it; once one is not, no other is."""
+        if self.facts.problem:
+            return False
         told = type_of_action(action)
-        if not told or told != self.facts.type:
-            self._note_type(action, told)
-        if np.shape(action) != self._shape:
-            self._note_problem(f"an action has the shape {np.shape(action)}, not {self._shape}")
-        if self._nothing:
-            return self._nothing
-        array = np.asarray(action, self._type)
-        if self._type.kind in "iu" and (np.abs(array) > LARGEST_EXACT).any():
-            self._note_problem(f"an action is beyond {LARGEST_EXACT:,}")
-        return array.tobytes()
-
-    def _note_type(self, action: Any, told: str) -> None:
         if not told:
             self._note_problem(f"an action was given as a {type(action).__qualname__}")
-        elif self.facts.type:
-            self._note_problem(f"actions were given as {self.facts.type} and as {told}")
-        else:
+        elif not self.facts.type:
             self._know(replace(self.facts, type=told))
+        elif told != self.facts.type:
+            self._note_problem(f"actions were given as {self.facts.type} and as {told}")
+        if np.shape(action) != self.facts.shape:
+            self._note_problem(f"an action has the shape {np.shape(action)}, not {self.facts.shape}")
+        return not self.facts.problem
 
     def _note_problem(self, problem: str) -> None:
         """The first one stays."""
@@ -142,10 +134,7 @@ class Calls:
             self._know(replace(self.facts, problem=problem))
 
     def _know(self, facts: ActionFacts) -> None:
-        self.facts, self._shape, self._type = facts, facts.shape, TYPES.get(facts.type) or np.dtype(facts.type or float)
-        is_exact = self._type.kind in "fb" or self._type.itemsize < 8  # such numbers, whatever they are
-        self._short = self._type if facts.type and is_exact else None
-        self._nothing = bytes(facts.size * self._type.itemsize) if facts.problem else b""
+        self.facts = facts
         self._tell(facts)
 
 

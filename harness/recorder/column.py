@@ -1,13 +1,12 @@
 """A recorded number: what the user gave for it, and how it is measured in each env."""
 
-import functools
 import hashlib
 import inspect
 import math
 import textwrap
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, is_dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -23,11 +22,11 @@ from harness.record.recording.facts import (
     Source,
     term_column,
 )
-from harness.recorder.computing import only_computes
+from harness.recorder.computing import may_wait, only_computes, reads_last
 from harness.recorder.env_facts import plain
 from harness.recorder.own_copies import own_copies
 from harness.registry.plugin_module import file_behind
-from harness.reward import Paid, Steps
+from harness.reward import Steps
 from harness.reward.forms import takes_step
 from harness.reward.given import OWN, Given, Terms, arguments, opened
 from harness.reward.terms import paid_of, require_same, sum_of
@@ -54,7 +53,7 @@ def as_number(value: object) -> float:
     return value
 
 
-@dataclass
+@dataclass(eq=False)
 class Column:
     """One recorded number.
 
@@ -65,6 +64,7 @@ class Column:
         batched: Whether it is called once with the whole batch.
         measures: Copies of `given` by env, or the one of the batch; empty if it is no function.
         is_watched: Whether it might draw random numbers, or not return.
+        waits: Whether it says the same when it is asked later.
         holds_env: Whether it has a memory and holds the env that is recorded, or a part of it.
         given_up: Whether it failed; it is NaN from then on.
         terms: Of a reward, the terms that it pays, in their order; None before it was asked.
@@ -77,6 +77,7 @@ class Column:
     batched: bool = False
     measures: list[Any] = field(default_factory=list)
     is_watched: bool = False
+    waits: bool = False
     holds_env: bool = False
     given_up: bool = False
     terms: tuple[str, ...] | None = None
@@ -99,11 +100,7 @@ class Column:
             TypeError: One is no number.
             UsageError: The terms are no terms, or others than before.
         """
-        if not self._has_terms(returned):
-            return [self.read(returned)]
-        paid = self._paid(returned)
-        terms = {name: _of_term(name, self.read, paid.terms[name]) for name in self.terms or ()}
-        return [self.read(sum_of(terms)), *terms.values()]
+        return self._numbers(returned, self.read)
 
     def batch(self, returned: Any, count: int) -> Float:
         """The same of what was returned for a step of each env: (num_envs, 1 + terms).
@@ -112,32 +109,31 @@ class Column:
             ValueError: It is of another shape.
             UsageError: The terms are no terms, or others than before.
         """
-        if not self._has_terms(returned):
-            return _of_shape(returned, count)[:, np.newaxis]
-        paid = self._paid(returned)
-        terms = {name: _of_term(name, _of_shape, paid.terms[name], count) for name in self.terms or ()}
-        return np.column_stack([sum_of(terms), *terms.values()])
+        return np.column_stack(self._numbers(returned, partial(_of_shape, count)))
 
-    def _has_terms(self, returned: Any) -> bool:
-        if isinstance(returned, dict | tuple) and self.name.startswith(FILE_REWARD):
-            return True
-        if self.terms:
-            require_same(self.terms, {})
-        return False
-
-    def _paid(self, returned: Any) -> Paid:
+    def _numbers(self, returned: Any, read: Callable[[Any], Any]) -> list[Any]:
+        if not (isinstance(returned, dict | tuple) and self.name.startswith(FILE_REWARD)):
+            if self.terms:
+                require_same(self.terms, {})
+            return [read(returned)]
         paid = paid_of(returned)
         if not paid.terms:
             raise TypeError(f"it is {returned!r}, no number")
         if self.terms is None:
             self.terms = tuple(paid.terms)
         require_same(self.terms, paid.terms)
-        return paid
+        terms = {name: _of_term(name, read, paid.terms[name]) for name in self.terms}
+        return [read(sum_of(terms)), *terms.values()]
 
     @property
     def term_columns(self) -> list[str]:
         """What the columns of its terms are called."""
         return [term_column(self.name.removeprefix(FILE_REWARD), term) for term in self.terms or ()]
+
+    @cached_property
+    def reads_info(self) -> bool:
+        """Whether its functions may look at what the env told."""
+        return not self.is_own and (self.takes_step or not self.waits or reads_last(self.given))
 
     @property
     def is_own(self) -> bool:
@@ -201,6 +197,7 @@ def _column(env: Any, prefix: str, noun: str, name: str, given: Given, copies: i
     if isinstance(given, Mapping) and prefix != FILE_REWARD:
         raise UsageError(f"{noun} is {given!r}: a measure is one number, only rewards have terms")
     column.is_watched = not all(map(only_computes, column.parts))
+    column.waits = not (column.is_watched or column.remembers) and all(map(may_wait, column.parts))
     if column.remembers:
         column.measures, column.holds_env = own_copies(column.given, column.noun, env, copies)
     else:
@@ -208,14 +205,14 @@ def _column(env: Any, prefix: str, noun: str, name: str, given: Given, copies: i
     return column
 
 
-def _of_term(name: str, read: Callable[..., Any], *value: Any) -> Any:
+def _of_term(name: str, read: Callable[[Any], Any], value: Any) -> Any:
     try:
-        return read(*value)
+        return read(value)
     except (TypeError, ValueError) as error:
         raise type(error)(f"its term '{name}': {error}") from None
 
 
-def _of_shape(values: Any, count: int) -> Float:
+def _of_shape(count: int, values: Any) -> Float:
     found = np.asarray(values, float)
     if found.shape != (count,):
         raise ValueError(f"it is an array of shape {found.shape}, not {(count,)}")
@@ -235,7 +232,7 @@ def source_of(given: Any) -> Source:
         text += f"# with {plain(given.weights)}\n" if given.weights else ""
         is_known = all(part.sha256 or isinstance(given.parts[name], str) for name, part in parts.items())
         return _hashed(text) if is_known else Source("", text[:MOST_SOURCE])
-    if isinstance(given, functools.partial):
+    if isinstance(given, partial):
         inner = source_of(given.func)
         return _hashed(f"{inner.text}# with {plain(given.args)} {plain(given.keywords)}\n") if inner.sha256 else inner
     code: Callable[..., Any] | type = given if inspect.isroutine(given) else type(given)

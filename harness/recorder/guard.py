@@ -5,13 +5,15 @@ where it does not return, it is ended.
 """
 
 import ctypes
-import math
+import operator
 import pickle
 import random
 import struct
 import sys
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache
+from itertools import starmap
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -21,77 +23,86 @@ from harness.recorder.limit import LONGEST_TRIAL, call, look_on
 from harness.recorder.sealed import Sealer, writable
 from harness.reward.given import STEP_PARTS, Untold
 
-WORDS = 624
-"""The words of a Mersenne Twister; its place among them follows or precedes them."""
+WORDS = struct.Struct("=625I")
+"""A Mersenne Twister: its words, and its place among them, which follows or precedes them."""
 GAUSS = struct.Struct("=i4xd")
 """Whether NumPy keeps a second normal number for the next call, and that number."""
 PROBE = 0.1234567890123
-Mark: TypeAlias = tuple[Any, ...]
-Read: TypeAlias = Callable[[], bytes]
+TORCH_AT, TORCH_SIZE = 80, 2544
+"""Where PyTorch's generator for the processor holds its words and what it keeps for the next call, [bytes]."""
+IN_MEMORY = sys.implementation.name == "cpython"
+
+
+@dataclass(frozen=True)
+class _Generator:
+    """One that a process shares.
+
+    Attributes:
+        name: As messages call it.
+        get: Its state.
+        put: Makes a state its own.
+    """
+
+    name: str
+    get: Callable[[], Any]
+    put: Callable[[Any], object]
+
+
+Mark: TypeAlias = list[tuple[_Generator, Any]]
 
 
 class Chance:
-    """Notes the states, says whether they were moved, and puts them back."""
-
-    def __init__(self) -> None:
-        self._numpy, self._python = _NumPy(), _Python()
+    """Notes the states of what a process draws from, says whether they were moved, and puts them back."""
 
     def mark(self) -> Mark:
         """The states."""
-        return self._numpy.mark(), self._python.mark(), _torch_states()
+        found = [_numpy(np.random.mtrand._rand._bit_generator), _python(), *map(_torch, _torch_generators())]
+        return [(generator, generator.get()) for generator in found]
 
     def moved(self, mark: Mark) -> str:
         """The one whose state is not that of `mark`, as messages name it; empty if there is none."""
-        if self._numpy.mark() != mark[0]:
-            return "numpy.random"
-        if self._python.mark() != mark[1]:
-            return "random"
-        if mark[2] and _torch_states()[: len(mark[2])] != mark[2]:
-            return "torch"
+        for generator, state in mark:
+            if generator.get() != state:
+                return generator.name
         return ""
 
     def put_back(self, mark: Mark) -> None:
         """Make the states those of `mark`."""
-        self._numpy.put_back(mark[0])
-        self._python.put_back(mark[1])
-        for generator, state in zip(_torch_generators(), mark[2], strict=False):
-            generator.set_state(sys.modules["torch"].frombuffer(bytearray(state), dtype=generator.get_state().dtype))
+        for generator, state in mark:
+            generator.put(state)
 
 
-class _NumPy:
-    """The generator behind ``numpy.random.rand`` and the like."""
-
-    def __init__(self) -> None:
-        self._shared = np.random.mtrand._rand  # what np.random.seed seeds
-        self._bits = self._shared._bit_generator
-        self._words, self._gauss = self._ways_to_read()
-
-    def mark(self) -> Any:
-        if self._words is None or self._gauss is None or self._shared._bit_generator is not self._bits:
-            return pickle.dumps(np.random.get_state(legacy=False))
-        return self._words(), self._gauss()
-
-    def put_back(self, mark: Any) -> None:
-        if isinstance(mark, bytes):
-            np.random.set_state(pickle.loads(mark))
-            return
-        words, gauss = mark
-        *key, place = struct.unpack(f"={WORDS}Ii", words)
-        np.random.set_state(("MT19937", np.array(key, np.uint32), place, *GAUSS.unpack(gauss)))
-
-    def _ways_to_read(self) -> tuple[Read | None, Read | None]:
-        """How the words and the kept normal number are read; None where that is not known to be right."""
-        if sys.implementation.name != "cpython" or not isinstance(self._bits, np.random.MT19937):
-            return None, None
-        _, key, place, has_gauss, gauss = np.random.get_state()
-        words = _reader(self._bits.ctypes.state_address, 4 * WORDS + 4)
-        offset = _gauss_offset()
-        if words() != np.asarray(key, np.uint32).tobytes() + struct.pack("=i", int(place)) or offset < 0:
-            return None, None
-        kept = _reader(id(self._shared) + offset, GAUSS.size)
-        return (words, kept) if GAUSS.unpack(kept()) == (has_gauss, gauss) else (None, None)
+def _in_memory(at: int, size: int) -> memoryview:
+    """What stands at an address, to be read and written in a fraction of the time."""
+    return memoryview((ctypes.c_ubyte * size).from_address(at)).cast("B")
 
 
+def _write(*parts: tuple[memoryview, bytes]) -> None:
+    for view, kept in parts:
+        view[:] = kept
+
+
+@cache
+def _numpy(bits: Any) -> _Generator:
+    """The generator behind ``numpy.random.rand`` and the like, which draws from `bits`."""
+    if IN_MEMORY and isinstance(bits, np.random.MT19937) and (at := _gauss_offset()) >= 0:
+        words = _in_memory(bits.ctypes.state_address, WORDS.size)
+        gauss = _in_memory(id(np.random.mtrand._rand) + at, GAUSS.size)  # of what np.random.seed seeds
+        _, key, *rest = np.random.get_state()
+        if [*WORDS.unpack(words), *GAUSS.unpack(gauss)] == [*key, *rest]:
+            return _Generator(
+                "numpy.random",
+                lambda: (words.tobytes(), gauss.tobytes()),
+                lambda state: _write((words, state[0]), (gauss, state[1])),
+            )
+    return _Generator(
+        "numpy.random",
+        lambda: pickle.dumps(np.random.get_state(legacy=False)),
+        lambda state: np.random.set_state(pickle.loads(state)),
+    )
+
+
+@cache
 def _gauss_offset() -> int:
     """Where in a ``RandomState`` the kept normal number stands, found in one of our own; -1 if it is not found."""
     probe = np.random.RandomState(0)
@@ -101,38 +112,21 @@ def _gauss_offset() -> int:
     return at if at >= 0 and GAUSS.unpack_from(whole, at) == (1, PROBE) else -1
 
 
-class _Python:
+@cache
+def _python() -> _Generator:
     """The generator behind ``random.random`` and the like."""
+    shared: Any = vars(random)["_inst"]
+    begin = object.__basicsize__
+    if IN_MEMORY and type(shared).__basicsize__ >= begin + WORDS.size:
+        words = _in_memory(id(shared) + begin, WORDS.size)
+        _, (*key, place), _ = random.getstate()
+        if WORDS.unpack(words) == (place, *key):
 
-    def __init__(self) -> None:
-        self._shared: Any = vars(random)["_inst"]
-        self._words = self._way_to_read()
+            def put(state: Any) -> None:
+                words[:], shared.gauss_next = state
 
-    def mark(self) -> Any:
-        if self._words is None:
-            return random.getstate()
-        return self._words(), self._shared.gauss_next
-
-    def put_back(self, mark: Any) -> None:
-        if len(mark) == 3:
-            random.setstate(mark)
-            return
-        place, *words = struct.unpack(f"=i{WORDS}I", mark[0])
-        random.setstate((3, (*words, place), mark[1]))
-
-    def _way_to_read(self) -> Read | None:
-        begin, size = object.__basicsize__, 4 * WORDS + 4
-        if sys.implementation.name != "cpython" or type(self._shared).__basicsize__ < begin + size:
-            return None
-        read = _reader(id(self._shared) + begin, size)
-        _, (*words, place), _ = random.getstate()
-        return read if read() == struct.pack(f"=i{WORDS}I", place, *words) else None
-
-
-def _reader(address: int, size: int) -> Read:
-    """Reads bytes that stay where they are as long as the process lives."""
-    view = memoryview((ctypes.c_ubyte * size).from_address(address)).cast("B")
-    return view.tobytes
+            return _Generator("random", lambda: (words.tobytes(), shared.gauss_next), put)
+    return _Generator("random", random.getstate, random.setstate)
 
 
 def _torch_generators() -> list[Any]:
@@ -144,11 +138,37 @@ def _torch_generators() -> list[Any]:
     return [own, *(torch.cuda.default_generators if torch.cuda.is_initialized() else ())]
 
 
-def _torch_states() -> list[bytes]:
-    return [generator.get_state().numpy().tobytes() for generator in _torch_generators()]
+@cache
+def _torch(generator: Any) -> _Generator:
+    if generator.device.type == "cpu" and _is_torch_known():
+        words = _in_memory(generator._cdata + TORCH_AT, TORCH_SIZE)
+        return _Generator("torch", words.tobytes, lambda state: _write((words, state)))
+    torch = sys.modules["torch"]
+    return _Generator(
+        "torch",
+        lambda: generator.get_state().numpy().tobytes(),
+        lambda state: generator.set_state(torch.frombuffer(bytearray(state), dtype=torch.uint8)),
+    )
+
+
+@cache
+def _is_torch_known() -> bool:
+    """Whether one of our own shows in memory what it draws, also what it had kept, and can be put back there."""
+    torch = sys.modules["torch"]
+    probe = torch.Generator()
+    if not IN_MEMORY or not hasattr(probe, "_cdata"):
+        return False
+    words, before = _in_memory(probe._cdata + TORCH_AT, TORCH_SIZE), probe.get_state()
+    seen = [words.tobytes()]
+    for _ in range(2):
+        torch.randn(1, generator=probe)
+        seen.append(words.tobytes())
+    words[:] = seen[0]
+    return len({*seen}) == len(seen) and torch.equal(probe.get_state(), before)
 
 
 Function: TypeAlias = Callable[..., Any]
+FAILURES = (Exception, SystemExit)  # whatever functions of users raise
 Asking: TypeAlias = tuple[Any, ...]
 """The arguments of a call, sealed: see `harness.reward.given.arguments`; or what a ``reset`` takes."""
 
@@ -179,43 +199,54 @@ class Guard:
         """Makes what functions are given: a copy that nobody can write into."""
         self.drew: dict[int, str] = {}
 
+    @property
+    def is_open(self) -> bool:
+        """Whether functions were given something that they can write into, so that each needs copies of its own."""
+        return self._sealer.is_open
+
     def ask(
-        self,
-        functions: Sequence[Function],
-        steps: Iterable[Asking],
-        pays: Collection[int] = (),
-        is_watched: bool = True,
+        self, functions: Sequence[Function], steps: Sequence[Asking], pays: bool = False, is_watched: bool = True
     ) -> list[Any]:
         """What each function says of its step, or `Raised`.
 
         Args:
             functions: They are asked in this order, and do not notice one another.
             steps: One for each, sealed by `seal`.
-            pays: Places of those that pay the learner: what they draw is part of the training, and nobody ends them.
-            is_watched: Whether one of them might draw, or not return: unless all of them only compute, see
-                `harness.recorder.computing.only_computes`.
+            pays: Whether they pay the learner: what they draw is part of the training, and nobody ends them.
+            is_watched: Whether one of them might draw: unless all of them only compute, see
+                `harness.recorder.computing.only_computes`. These are asked together, and ended if one does not return.
         """
-        if not is_watched and not self._sealer.is_open:
-            self.drew = {}
-            return _answers(functions, steps)
-        answers, drew = list[Any](), dict[int, str]()
+        answers, self.drew = list[Any](), dict[int, str]()
+        if not is_watched and not self.is_open:
+            while (done := len(answers)) < len(functions):
+                asked = [(function, *step) for function, step in zip(functions[done:], steps[done:], strict=True)]
+                try:
+                    self._call(answers.extend, (starmap(operator.call, asked),), pays)
+                except FAILURES as error:
+                    if isinstance(error, TimeoutError) and done < len(answers):
+                        continue  # it may have been all of them together
+                    answers.append(Raised(error))
+                    while isinstance(error, TimeoutError) and functions[done] in functions[len(answers) :][:1]:
+                        answers.append(answers[-1])
+            return answers
         # A tensor that shares its memory with an array writes into it, read-only or not.
-        own = self._sealer.own if self._sealer.is_open or "torch" in sys.modules else None
-        self.drew = drew
+        own = self._sealer.own if self.is_open or "torch" in sys.modules else tuple
         mark = self._chance.mark()
-        for place, (function, step) in enumerate(zip(functions, steps, strict=False)):
-            given = step if own is None else own(step)
+        for place, (function, step) in enumerate(zip(functions, steps, strict=True)):
             try:
-                answers.append(function(*given) if place in pays else call(function, given, self.longest))
-            except (Exception, SystemExit) as error:  # whatever functions of users raise
+                answers.append(self._call(function, own(step), pays))
+            except FAILURES as error:
                 answers.append(Raised(error))
             if moved := self._chance.moved(mark):
-                drew[place] = moved
-                if place in pays:
+                self.drew[place] = moved
+                if pays:
                     mark = self._chance.mark()
                 else:
                     self._chance.put_back(mark)
         return answers
+
+    def _call(self, function: Function, given: Sequence[Any], pays: bool) -> Any:
+        return function(*given) if pays else call(function, given, self.longest)
 
     def answer(self, function: Function, step: Asking, is_watched: bool = True) -> Any:
         """What one function says of a step.
@@ -240,11 +271,10 @@ class Guard:
             return str(error)
         if isinstance(error, HarnessError) or not isinstance(error, TypeError | ValueError | AttributeError):
             return reason_of(error)
-        given = tuple(map(writable, step))
+        given, kept = tuple(map(writable, step)), tuple(map(writable, step))
         self.ask([lambda *_: function(*given)], [step])
-        names, *both = _NAMES[len(step)], *map(_parts, (step, given))
-        for name, before, after in zip(names, *both, strict=True):
-            if not same(before, after):
+        for name, before, after in zip(_NAMES[len(step)], _parts(kept), _parts(given), strict=True):
+            if _are_apart(before, after):
                 instead = (
                     f"change a copy, `dict({name})`"
                     if name.endswith("info")
@@ -265,29 +295,9 @@ def _parts(step: Asking) -> tuple[Any, ...]:
     return step
 
 
-def _answers(functions: Sequence[Function], steps: Iterable[Asking]) -> list[Any]:
-    answers = list[Any]()
-    for function, step in zip(functions, steps, strict=False):
-        try:
-            answers.append(function(*step))
-        except (Exception, SystemExit) as error:  # whatever functions of users raise
-            answers.append(Raised(error))
-    return answers
-
-
-def same(one: Any, other: Any) -> bool:
-    """Whether two values are equal at any depth; NaN is equal to NaN. What cannot be compared counts as equal."""
+def _are_apart(one: Any, other: Any) -> bool:
+    """Whether two copies of one thing are not the same any more; what cannot be written down counts as the same."""
     try:
-        if isinstance(one, dict):
-            return one.keys() == other.keys() and all(same(one[k], other[k]) for k in one)
-        if isinstance(one, list | tuple):
-            return len(one) == len(other) and all(map(same, one, other))
-        if isinstance(one, np.ndarray):
-            return np.array_equal(one, other, equal_nan=one.dtype.kind in "fc")
-        is_plain = getattr(type(one), "__eq__", None) is object.__eq__  # it is equal to nothing else
-        if is_plain and hasattr(one, "__dict__"):
-            return type(one) is type(other) and same(vars(one), vars(other))
-        equal = pickle.dumps(one) == pickle.dumps(other) if is_plain else bool(one == other)
-        return equal or (isinstance(one, float) and math.isnan(one) and math.isnan(other))
+        return pickle.dumps(one) != pickle.dumps(other)
     except Exception:  # whatever objects of users raise
-        return True
+        return False

@@ -3,7 +3,6 @@
 import copy
 import functools
 from collections.abc import Iterator, Mapping
-from contextlib import suppress
 from enum import Enum
 from logging import Logger
 from types import CellType, FunctionType, MethodType, ModuleType
@@ -15,6 +14,7 @@ from gymnasium.envs.registration import EnvSpec
 from gymnasium.vector import VectorEnv
 
 from harness.errors import UsageError
+from harness.recorder.computing import used_by
 
 MOST_PARTS = 100_000
 """Objects that are looked at in an env or a reward; an env that holds a data set may have millions."""
@@ -126,20 +126,6 @@ def _held_by(part: Any) -> Iterator[Any]:
         yield from (part.func, *part.args, *part.keywords.values())
     elif not callable(part) or not hasattr(part, "__code__"):  # a function is not copied, whatever it uses
         yield from getattr(part, "__dict__", {}).values()
-
-
-def used_by(function: Any) -> Iterator[Any]:
-    """What a function was defined with, and what of its module it uses by a name; of a method, whose it is."""
-    if isinstance(function, MethodType):
-        yield function.__self__
-    if not isinstance(function, FunctionType):
-        return
-    yield from function.__defaults__ or ()
-    yield from (function.__kwdefaults__ or {}).values()
-    for cell in function.__closure__ or ():
-        with suppress(ValueError):  # it is empty
-            yield cell.cell_contents
-    yield from (function.__globals__[name] for name in function.__code__.co_names if name in function.__globals__)
 
 
 def _told(part: Any) -> str:

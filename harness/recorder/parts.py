@@ -8,6 +8,8 @@ from gymnasium import Space
 from gymnasium.spaces import Dict, Tuple
 from numpy.typing import NDArray
 
+from harness.recorder.sealed import ReadOnlyDict
+
 Mask = NDArray[np.bool_]
 FINAL_OBSERVATION, FINAL_INFO = "final_obs", "final_info"
 
@@ -19,9 +21,11 @@ def items_of(space: Space[Any], batch: Any) -> list[Any]:
         space: Of one env. What is no dict and no tuple there is an array of the batch, or a tuple of what envs gave.
         batch: Of all envs.
     """
+    if isinstance(batch, np.ndarray):
+        return list(batch)
     if isinstance(space, Dict):
         parts = zip(*(items_of(one, batch[key]) for key, one in space.spaces.items()), strict=True)
-        return [dict(zip(space.spaces, part, strict=True)) for part in parts]
+        return [ReadOnlyDict(zip(space.spaces, part, strict=True)) for part in parts]
     if isinstance(space, Tuple):
         return list(zip(*map(items_of, space.spaces, batch), strict=True))
     return list(batch)
@@ -48,14 +52,14 @@ def item_of(values: Any, env: int) -> Any:
     return {key: item_of(it, env) for key, it in values.items()} if isinstance(values, Mapping) else values[env]
 
 
-def info_of(infos: Mapping[str, Any], env: int) -> dict[str, Any]:
+def info_of(infos: Mapping[str, Any], env: int) -> ReadOnlyDict:
     """The info of one env, as it told it itself; `infos` is that of the batch, with a mask ``_key`` for each key."""
     told: dict[str, Any] = {}
     for key, values in infos.items():
         mask = infos.get(f"_{key}")
         if not _is_mask(key, infos) and (mask is None or mask[env]):
             told[key] = info_of(values, env) if isinstance(values, Mapping) else values[env]
-    return told
+    return ReadOnlyDict(told)
 
 
 def infos_last(infos: Mapping[str, Any]) -> Mapping[str, Any]:

@@ -6,7 +6,6 @@ import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from time import monotonic
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -28,8 +27,6 @@ from harness.text import visible
 
 Place: TypeAlias = tuple[int, int, int]
 """Env, episode, step."""
-ROWS_AT_ONCE = 256
-"""Single rows become numbers of an array together, which takes half of the time."""
 
 
 class Recorder:
@@ -37,15 +34,14 @@ class Recorder:
 
     Attributes:
         columns: The numbers of a row, in order.
-        pays: Index of the column that the learner is paid; None where it is paid by the env.
-        trained: Index of the column that the env should pay; None where the column is what the env pays, or differed.
-        looks: Whether a function measures: it is given the observations.
+        pays: The column that the learner is paid; None where it is paid by the env.
+        trained: The column that the env should pay; None where that is what the env pays, or differed.
         guard: Asks the functions.
         trial: Asks them more than once; None once that is over.
         calls: Notes what each env is told; None where its actions are not recorded.
-        with_terms: Indices of the columns that pay terms, whose numbers follow on those of all columns; None before the
-            first step, which tells them.
         undirected: See `Asked`; empty once its measure was neither 0 nor 1.
+        is_strict: Whether the user wants errors raised.
+        taken: Steps that have no row yet, `harness.recorder.taken.Taken`, of which rows are made before the end.
         next_time: Of the next step.
         next_episodes: Numbers of the next episodes, (num_envs,).
     """
@@ -68,16 +64,16 @@ class Recorder:
         recorder = "RecordVectorRewards" if isinstance(env, VectorEnv) else "RecordRewards"
         of_wrappers = tell_wrapped_pay(env, recorder, asked.pay)
         self.columns = made_columns(env, rewards, asked.behaviour, num_envs, frozenset(asked.batched))
-        index = [column.name for column in self.columns].index(f"{FILE_REWARD}{asked.trained_with}")
-        self.trained = None if asked.evaluation or asked.pay or self.columns[index].is_own else index
-        self.pays = index if asked.pay else None
-        self.looks = any(column.measures for column in self.columns)
-        self.guard = Guard()
-        self.trial: Trial | None = Trial(env, self.guard) if self.looks else None
+        (paid,) = (column for column in self.columns if column.name == f"{FILE_REWARD}{asked.trained_with}")
+        self.trained = None if asked.evaluation or asked.pay or paid.is_own else paid
+        self.pays, self.guard = paid if asked.pay else None, Guard()
+        is_asked = any(column.measures for column in self.columns)
+        self.trial: Trial | None = Trial(env, self.guard) if is_asked else None
         self._last_look: Trial | None = None
         self._drew: set[str] = set()
-        self._path, self._on_error, self._stopped = Path(asked.path), asked.on_error, False
-        self._rows: list[list[float]] = []
+        self._path, self._stopped = Path(asked.path), False
+        self.is_strict = asked.on_error == "raise"
+        self.taken: Any = None
         facts = TrainingFacts(
             rewards=tuple(rewards),
             trained_with=asked.trained_with,
@@ -111,7 +107,6 @@ class Recorder:
         for line in of_wrappers:
             self.note(line)
         self.next_time, self.next_episodes = self._writer.next_time, self._writer.next_episodes
-        self.with_terms: tuple[int, ...] | None = None
         if self.next_time:
             self._know_terms(self._writer.facts.terms)
         self._page = start_watching(self._path) if asked.watch and not asked.number else None
@@ -127,7 +122,6 @@ class Recorder:
         for column in self.columns:
             is_reward = column.name.startswith(FILE_REWARD)
             column.terms = terms.get(column.name.removeprefix(FILE_REWARD), ()) if is_reward else ()
-        self.with_terms = tuple(index for index, column in enumerate(self.columns) if column.terms)
 
     def note_seed(self, seed: Any) -> None:
         """Keep the first seed that the env was reset with."""
@@ -163,7 +157,7 @@ class Recorder:
         failure = Failure(log_column(column.name), reason, env=env, episode=episode, step=step)
         self._writer.facts = replace(self._writer.facts, failed=(*self._writer.facts.failed, failure))
         where = f"{column.noun} failed in {_told(at)}: {reason}"
-        if self.pays is not None and column is self.columns[self.pays]:
+        if column is self.pays:
             raise UsageError(f"{where}. It pays the learner, so the training cannot go on") from error
         self._tell(where, "The training goes on; from this step on it is recorded as NaN", error)
 
@@ -178,8 +172,8 @@ class Recorder:
         if column.name in self._drew:
             return
         self._drew.add(column.name)
-        pays = self.pays is not None and column is self.columns[self.pays]
-        kept = "It pays the learner, so this is part of the training" if pays else "The training does not notice"
+        is_paid = column is self.pays
+        kept = "It pays the learner, so this is part of the training" if is_paid else "The training does not notice"
         self.note(
             f"{column.noun}: it draws from {generator}, first in {_told(at)}. {kept}, but nobody can compute its "
             "numbers again. Make a generator of its own, `self.rng = numpy.random.default_rng(0)` in reset()"
@@ -281,26 +275,14 @@ class Recorder:
             try:
                 require_direction(name, "", f"give lower_is_better=[{name!r}] or higher_is_better=[{name!r}]")
             except UsageError as error:
-                if time < FIRST_STEPS or self._on_error == "raise":
+                if time < FIRST_STEPS or self.is_strict:
                     raise
                 self.note(f"{error}. The training goes on; harness report takes --measure {name}:better=lower too")
 
-    def add(self, row: list[float]) -> None:
-        """Take a row of a single env, which is the recorder's from now on. What `calls` has noted of it follows in it.
-
-        Raises:
-            StorageError: It cannot be written, and the user wants errors raised.
-        """
-        rows = self._rows
-        rows.append(row)
-        if len(rows) >= ROWS_AT_ONCE or monotonic() >= self._writer.due:
-            self._put_rows()
-
-    def _put_rows(self) -> None:
-        if self._rows:
-            rows = np.array(self._rows, np.float64)
-            self.write(rows if self.calls is None else np.hstack([rows, self.calls.take()]))
-            self._rows.clear()
+    @property
+    def due(self) -> float:
+        """When rows have to be written, by `time.monotonic`."""
+        return self._writer.due
 
     def write(self, rows: Rows) -> None:
         """Write rows.
@@ -314,7 +296,9 @@ class Recorder:
             self._writer.append(rows)
         except OSError as error:
             self._stopped = True
-            self._tell(*self._unwritten(error))
+            self._tell(
+                f"'{self._path}' cannot be written: {error.strerror or error}", "Nothing more is recorded", error
+            )
 
     def close(self) -> None:
         """Write what is left; what comes later is not recorded.
@@ -326,7 +310,8 @@ class Recorder:
             return
         was_stopped = self._stopped
         try:
-            self._put_rows()
+            if self.taken is not None:
+                self.taken.make()
             self._stopped = True
             self._writer.close()
         except OSError:
@@ -340,20 +325,17 @@ class Recorder:
             self._page.terminate()  # forks of this process may hold its standard input, which else would end it
             self._page.communicate()
 
-    def _unwritten(self, error: OSError) -> tuple[str, str, OSError]:
-        return f"'{self._path}' cannot be written: {error.strerror or error}", "Nothing more is recorded", error
-
     def _note_given_up(self, path: str | os.PathLike[str]) -> None:
         """What had failed when the recording was left stays given up."""
         failed = {failure.column for failure in self._writer.facts.failed}
-        for index, column in enumerate(self.columns):
+        for column in self.columns:
             column.given_up = log_column(column.name) in failed
-            if column.given_up and index == self.pays:
+            if column.given_up and column is self.pays:
                 self._writer.close()
                 raise UsageError(f"'{path}': {column.noun} failed before, and pays the learner: name another path")
 
     def _tell(self, problem: str, rest: str, error: BaseException | None = None) -> None:
-        if self._on_error == "raise":
+        if self.is_strict:
             kind = StorageError if isinstance(error, OSError) else UsageError
             raise kind(problem) from error
         warnings.warn(visible(f"{problem}. {rest}"), GivenUp, stacklevel=_depth_of_caller())

@@ -22,13 +22,16 @@ AS_THEY_ARE = (np.generic, str, bytes, int, float, Enum, type, gymnasium.Env, Ve
 """Kinds of objects that are handed on: nobody can write into most of them, and a copy of an env is another env."""
 
 
-class ReadOnlyDict(dict[Any, Any]):
-    """A dict for readers; a copy of it is an ordinary one."""
-
+class _ReadOnly:
     def _refuse(self, *_: Any, **__: Any) -> Never:
         raise TypeError("it is read-only: a function that looks on writes nothing into it")
 
-    __setitem__ = __delitem__ = __ior__ = pop = popitem = clear = update = setdefault = _refuse
+    __setitem__ = __delitem__ = __ior__ = __iadd__ = __imul__ = pop = popitem = clear = update = setdefault = _refuse
+    append = extend = insert = remove = sort = reverse = _refuse
+
+
+class ReadOnlyDict(_ReadOnly, dict[Any, Any]):
+    """A dict for readers; a copy of it is an ordinary one."""
 
     def __missing__(self, key: Any) -> Never:
         raise Untold(key, self)
@@ -40,14 +43,8 @@ class ReadOnlyDict(dict[Any, Any]):
         return dict, (dict(self),)
 
 
-class ReadOnlyList(list[Any]):
+class ReadOnlyList(_ReadOnly, list[Any]):
     """A list for readers; a copy of it is an ordinary one."""
-
-    def _refuse(self, *_: Any, **__: Any) -> Never:
-        raise TypeError("it is read-only: a function that looks on writes nothing into it")
-
-    __setitem__ = __delitem__ = __iadd__ = __imul__ = append = extend = insert = pop = _refuse
-    remove = clear = sort = reverse = _refuse
 
     def __deepcopy__(self, memo: dict[int, Any]) -> list[Any]:
         return [copy.deepcopy(value, memo) for value in self]

@@ -15,7 +15,7 @@ from gymnasium.wrappers.vector import (
 from harness.errors import HarnessError, UsageError
 from harness.record.recording.facts import TrainingFacts
 from harness.record.recording.recorded_training import facts_name
-from harness.recorder.own_copies import used_by
+from harness.recorder.computing import used_by
 
 NORMALISED = "NormalizeObservation"
 """The wrapper's name in recordings, `harness.recorder.env_facts`."""

@@ -41,8 +41,7 @@ def test_actions_of_few_numbers_are_recorded(subtests):
 def test_action_comes_back_as_it_was_given(action):
     """Bit for bit, and in its type: an env may compute otherwise with another one."""
     calls = _calls(np.shape(action))
-    calls.note_step(0, action, None, is_checked=False)
-    back = action_of(calls.take()[0, 3:], calls.facts)
+    back = action_of(calls.take([action])[0, 3:], calls.facts)
     assert type(back) is type(action)
     assert np.array_equal(back, action)
     assert np.asarray(back).dtype == np.asarray(action).dtype
@@ -53,17 +52,16 @@ def test_row_tells_what_was_called_before_the_step():
     calls = _calls((1,))
     for seed in (1, None, 5, None, None):
         calls.note_reset(0, seed, None)
-    for _ in range(2):
-        calls.note_step(0, np.zeros(1), None, is_checked=False)
-    assert calls.take()[:, :3].tolist() == [[5, 2, -1], [-1, 0, -1]]
-    assert len(calls.take()) == 0
+    calls.mark(0, 0, "seen")
+    assert calls.take([np.zeros(1)] * 2)[:, :3].tolist() == [[5, 2, checksum("seen")], [-1, 0, -1]]
+    assert calls.take([np.zeros(1)])[:, :3].tolist() == [[-1, 0, -1]]
 
 
 def test_answers_are_told_by_their_checksum():
     """Where they are checked."""
     calls, answer = _calls((1,)), np.arange(3.0)
-    calls.note_step(0, np.zeros(1), answer, is_checked=True)
-    assert calls.take()[0, 2] == checksum(answer) != checksum(answer + 1e-12)
+    calls.mark(0, 0, answer)
+    assert calls.take([np.zeros(1)])[0, 2] == checksum(answer) != checksum(answer + 1e-12)
 
 
 def test_checksum_takes_whatever_envs_observe():
@@ -78,9 +76,9 @@ def test_checksum_takes_whatever_envs_observe():
 PROBLEMS = {
     "options": (lambda calls: calls.note_reset(0, 1, {"low": 0}), "its env was reset with options"),
     "a seed of another kind": (lambda calls: calls.note_reset(0, "x", None), "reset with the seed 'x'"),
-    "a list": (lambda calls: calls.note_step(0, [1.0, 2.0], None, False), "an action was given as a list"),
-    "another shape": (lambda calls: calls.note_step(0, np.zeros(3), None, False), "has the shape (3,), not (2,)"),
-    "a large number": (lambda calls: calls.note_step(0, np.full(2, 2**60), None, False), "an action is beyond 9,007"),
+    "a list": (lambda calls: calls.take([[1.0, 2.0]]), "an action was given as a list"),
+    "another shape": (lambda calls: calls.take([np.zeros(3)]), "has the shape (3,), not (2,)"),
+    "a large number": (lambda calls: calls.take([np.full(2, 2**60)]), "an action is beyond 9,007"),
 }
 
 
@@ -89,16 +87,15 @@ def test_what_cannot_be_told_again_is_a_problem(call, told):
     """It is noted once, and from there on only zeros."""
     calls = _calls()
     call(calls)
-    calls.note_step(0, np.ones(2, np.float32), None, is_checked=False)
+    found = calls.take([np.ones(2, np.float32)])
     assert told in calls.facts.problem
-    assert not calls.take()[-1, 3:].any()
+    assert not found[-1, 3:].any()
 
 
 def test_actions_of_two_types_are_a_problem():
     """One of them would come back in the other's type."""
     calls = _calls()
-    for kind in ("float32", "float64"):
-        calls.note_step(0, np.ones(2, kind), None, is_checked=False)
+    calls.take([np.ones(2, "float32"), np.ones(2, "float64")])
     assert calls.facts.problem == "actions were given as float32 and as float64"
 
 
@@ -106,7 +103,7 @@ def test_env_that_was_not_seeded_is_a_problem():
     """Nobody knows what it drew."""
     calls = Calls(ActionFacts(()), 1, lambda facts: None)
     calls.note_reset(0, None, None)
-    calls.note_step(0, 1, None, is_checked=False)
+    calls.mark(0, 0, 1)
     assert calls.facts.problem == "its env was not reset with a seed"
 
 
@@ -115,5 +112,5 @@ def test_envs_of_a_batch_have_seeds_of_their_own():
     calls = _calls((), num_envs=2)
     calls.note_reset(1, None, None)
     for env in (0, 1):
-        calls.note_step(env, 1, None, is_checked=False)
-    assert calls.take()[:, :2].tolist() == [[7, 0], [7, 1]]
+        calls.mark(env, env, 1)
+    assert calls.take([1, 1])[:, :2].tolist() == [[7, 0], [7, 1]]

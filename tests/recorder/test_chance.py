@@ -5,6 +5,7 @@ import random
 import numpy as np
 import pytest
 
+from harness.recorder import guard
 from harness.recorder.guard import Chance
 
 DRAWS = {
@@ -34,23 +35,31 @@ def _now():
     return name, key.tolist(), rest, random.getstate()
 
 
+@pytest.fixture(params=[True, False])
+def in_memory(request, monkeypatch):
+    """Whether the states are read in memory, or asked for."""
+    ways = [guard._numpy, guard._python, guard._torch, guard._is_torch_known]
+    monkeypatch.setattr(guard, "IN_MEMORY", request.param)
+    for way in ways:
+        way.cache_clear()
+    yield request.param
+    for way in ways:
+        way.cache_clear()
+
+
 @pytest.mark.usefixtures("states")
-def test_draw_is_seen_and_put_back(subtests):
-    """Where the states are read in memory, and where they are asked for."""
-    for is_read in [True, False]:
-        for case, (whose, draw) in DRAWS.items():
-            with subtests.test(case, is_read=is_read):
-                chance, before = Chance(), _now()
-                assert chance._numpy._words is not None
-                assert chance._python._words is not None
-                if not is_read:
-                    chance._numpy._words = chance._python._words = None
-                mark = chance.mark()
-                assert chance.moved(mark) == ""
-                draw()
-                assert chance.moved(mark) == whose
-                chance.put_back(mark)
-                assert (chance.moved(mark), _now()) == ("", before)
+def test_draw_is_seen_and_put_back(subtests, in_memory):
+    """To the bit."""
+    for case, (whose, draw) in DRAWS.items():
+        with subtests.test(case):
+            chance, before = Chance(), _now()
+            mark = chance.mark()
+            assert [isinstance(state, bytes) for _, state in mark[:1]] == [not in_memory]
+            assert chance.moved(mark) == ""
+            draw()
+            assert chance.moved(mark) == whose
+            chance.put_back(mark)
+            assert (chance.moved(mark), _now()) == ("", before)
 
 
 def test_another_generator_in_its_place_is_seen():
@@ -68,13 +77,40 @@ def test_another_generator_in_its_place_is_seen():
         np.random.set_bit_generator(own)  # type: ignore[attr-defined]
 
 
-def test_torch_is_watched_where_it_is_imported():
+TORCH_DRAWS = {
+    "normal": lambda torch: torch.randn(1),
+    "kept normal": lambda torch: torch.randn(1),
+    "kept normal of double precision": lambda torch: torch.randn(3, dtype=torch.float64),
+    "many": lambda torch: torch.rand(5_000),
+    "as many as its words": lambda torch: torch.randint(2**31, (624,)),
+    "seed": lambda torch: torch.manual_seed(3),
+}
+
+
+@pytest.mark.usefixtures("in_memory")
+def test_torch_is_watched_where_it_is_imported(subtests):
     """Its default generator."""
     torch = pytest.importorskip("torch")
-    chance = Chance()
-    mark, before = chance.mark(), torch.get_rng_state()
-    torch.randn(1)
-    assert chance.moved(mark) == "torch"
-    chance.put_back(mark)
-    assert chance.moved(mark) == ""
-    assert torch.equal(torch.get_rng_state(), before)
+    assert guard._is_torch_known() is guard.IN_MEMORY
+    with torch.random.fork_rng():
+        for case, draw in TORCH_DRAWS.items():
+            with subtests.test(case):
+                chance = Chance()
+                mark, before = chance.mark(), torch.get_rng_state()
+                drawn = draw(torch)
+                assert chance.moved(mark) == "torch"
+                chance.put_back(mark)
+                assert chance.moved(mark) == ""
+                assert torch.equal(torch.get_rng_state(), before)
+                assert case == "seed" or torch.equal(draw(torch), drawn)
+
+
+def test_place_in_memory_that_is_another_is_not_used(monkeypatch):
+    """The mutants: a layout of torch that does not hold what it draws, or not what it keeps."""
+    pytest.importorskip("torch")
+    for name, size in (("TORCH_SIZE", 1000), ("TORCH_SIZE", 2500)):
+        guard._is_torch_known.cache_clear()
+        with monkeypatch.context() as patch:
+            patch.setattr(guard, name, size)
+            assert not guard._is_torch_known()
+    guard._is_torch_known.cache_clear()

@@ -46,5 +46,5 @@ def test_draws_are_put_back_unless_they_pay():
     random.seed(1)
     answers = guard.ask([lambda *_: random.random()] * 2, [step] * 2)
     assert (answers, guard.drew) == ([drawn[0]] * 2, {0: "random", 1: "random"})
-    guard.ask([lambda *_: random.random()] * 2, [step] * 2, pays=(0,))
+    guard.ask([lambda *_: random.random()], [step], pays=True)
     assert random.random() == drawn[1]

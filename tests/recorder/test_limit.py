@@ -16,6 +16,7 @@ import pytest
 import harness
 from harness.record import read_recording
 from harness.recorder import guard, limit
+from harness.recorder.computing import may_wait
 from harness.recorder.guard import Guard
 from harness.recorder.trial import Trial
 
@@ -214,6 +215,40 @@ def test_a_training_goes_on(function, tmp_path, monkeypatch):
     rows = read_recording(tmp_path)
     assert np.isnan(rows["reward/stuck"]).all()
     assert np.isfinite(rows["reward/own"]).all()
+
+
+def stuck_at_300(observation, action, next_observation, info):
+    """Only computes, and does not end in its 300th step."""
+    return sum([1.0 for _ in range(10**12 if next_observation[0] == 300.0 else 1)])
+
+
+def test_a_late_call_is_ended(counting, record, tmp_path):
+    """Its own step is told, and what was said before stays; a block that took long by itself goes on."""
+    assert may_wait(stuck_at_300)
+    env = record(counting(10**6), rewards={"stuck": stuck_at_300})
+    env.reset(seed=0)
+    for _ in range(260):
+        env.step(np.zeros(1, np.float32))
+    env._recorder.guard.longest = 0.1
+    with pytest.warns(UserWarning, match=r"'stuck' failed in env 0, episode 0, step 299: TimeoutError: .* 0\.1 s"):  # noqa: PT031
+        for _ in range(300):
+            env.step(np.zeros(1, np.float32))
+    env.close()
+    paid = read_recording(tmp_path / "run")["reward/stuck"]
+    assert np.isfinite(paid[:299]).all()
+    assert np.isnan(paid[299:]).all()
+
+
+def slow(observation, action, next_observation, info):
+    """Takes some milliseconds, and ends."""
+    return sum([1.0 for _ in range(20_000)])
+
+
+def test_calls_that_together_take_longer_than_one_may_are_not_ended():
+    """What was not finished is asked again."""
+    asking = Guard()
+    asking.longest = 0.1
+    assert asking.ask([slow] * 300, [(0, 0, 0, 0)] * 300, is_watched=False) == [20_000.0] * 300
 
 
 def test_the_trial_is_given_longer():

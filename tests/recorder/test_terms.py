@@ -11,6 +11,7 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv
 import harness
 from harness.errors import SchemaError, UsageError
 from harness.record import read_recording
+from harness.record.recording.recording_writer import RecordingWriter
 from harness.recorder import GivenUp, Later, Retake
 from harness.reward.terms import sum_of
 from harness.score.weighted_recordings import weighed
@@ -266,8 +267,10 @@ def test_recording_without_terms_is_written_as_before(tmp_path):
 
 def test_term_without_a_value_is_damage(tmp_path, monkeypatch):
     """The mutant: a NaN of which no failure is told."""
-    whole = harness.RecordRewards._terms_of_step
-    monkeypatch.setattr(harness.RecordRewards, "_terms_of_step", lambda self: [np.nan for _ in whole(self)])
+    write = RecordingWriter.append
+    without = np.ones(13)
+    without[6] = np.nan
+    monkeypatch.setattr(RecordingWriter, "append", lambda self, rows: write(self, rows * without))
     with pytest.raises(SchemaError, match="reward/it/a has no value in some steps, and no failure of it is told"):
         _recorded(tmp_path / "run", 3, rewards={"it": lambda step: {"a": 1.0}}).rows()
 
