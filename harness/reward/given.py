@@ -83,14 +83,6 @@ def arguments(step: Steps, is_of_step: bool) -> tuple[Any, ...]:
     return (step,) if is_of_step else (step.before.observation, step.action, step.observation, step.info)
 
 
-def of_step(function: Callable[..., Any]) -> Callable[[Steps], Any]:
-    """A function of a step that returns what an author's function returns."""
-    if takes_step(function):
-        return function
-
-    return lambda step: function(*arguments(step, False))
-
-
 def zeros_of(action: Any) -> Any:
     """An action of the same form, all zeros: what there was before the first step of an episode."""
     if isinstance(action, Mapping):
@@ -153,7 +145,8 @@ class Terms:
 def _part(given: Callable[..., Any] | str) -> Callable[[Steps], Any]:
     if isinstance(given, str):
         return lambda step: told_under(step.info, given)
-    return of_step(given)
+    is_of_step = takes_step(given)
+    return lambda step: given(*arguments(step, is_of_step))
 
 
 def opened(given: Any, noun: str) -> Any:

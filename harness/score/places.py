@@ -18,7 +18,6 @@ import re
 from collections.abc import Callable, Collection, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -36,7 +35,6 @@ ARM = (END_EFFECTOR, JOINTS, JOINTS_DEG)
 NAMES = (END_EFFECTOR, TARGET, JOINTS, JOINTS_DEG, DISTANCE, RENEWED)
 MOST_PLACE = 1_000_000
 EXAMPLE = "end_effector=0:3,target=3:6"
-NO_FIELDS: Mapping[str, Float] = MappingProxyType({})
 _PART = r"(?P<key>[^\[\]:/=,]+?)\s*(?:\[(?P<a>\d{1,9}):(?P<b>\d{1,9})\])?"
 _PLACE = re.compile(rf"{_PART}|(?P<c>\d{{1,9}}):(?P<d>\d{{1,9}})")
 
@@ -110,12 +108,11 @@ class ArmPlaces:
         """
         name = next((it for it in ARM if it in self.places), END_EFFECTOR)
         found = self._rows(name, vectors)
-        if name == END_EFFECTOR:
-            return _sized(found, name, 3)
-        if self.forward is None:
-            raise UsageError(f"{name} says where joints stand; name the robot that they belong to")
-        found = self.forward(np.deg2rad(found) if name == JOINTS_DEG else found)
-        return _sized(found, "the robot's end effector", 3)
+        if name != END_EFFECTOR:
+            if self.forward is None:
+                raise UsageError(f"{name} says where joints stand; name the robot that they belong to")
+            found = self.forward(np.deg2rad(found) if name == JOINTS_DEG else found)
+        return _sized(found, END_EFFECTOR, 3)
 
     def target(self, vectors: Any) -> Float:
         """The same of the target."""
@@ -206,10 +203,9 @@ def parse_place(text: str) -> Place:
 
 def fields_read(reward: Reward) -> tuple[str, ...]:
     """What an arm's reward reads beside distances; nothing of one that fails on made-up steps."""
-    try:
+    with suppress(UsageError):
         return fields_beside_distances(needs_of(reward).fields)
-    except UsageError:
-        return ()
+    return ()
 
 
 class ArmPay:
@@ -220,13 +216,13 @@ class ArmPay:
         self._scorer = Scorer(reward)
         self._begin = self._best = float("nan")
 
-    def begin(self, distance: float, more: Mapping[str, Float] = NO_FIELDS) -> None:
+    def begin(self, distance: float, more: Mapping[str, Float] = {}) -> None:
         """Start an episode at this distance, [m], and with these other fields that the reward reads, (1, size) each."""
         self._scorer = Scorer(self._reward)
         self._begin = self._best = float(distance)
         self._scorer.pay({"start": np.ones(1, bool), **dict.fromkeys(DISTANCES, np.full(1, self._begin)), **more})
 
-    def pay(self, after: Float, more: Mapping[str, Float] = NO_FIELDS) -> Paid:
+    def pay(self, after: Float, more: Mapping[str, Float] = {}) -> Paid:
         """What the next steps of the episode pay, (n,), by the distances after them, (n,), [m], and `more` of each.
 
         Raises:

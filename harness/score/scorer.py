@@ -11,7 +11,7 @@ from harness.errors import UsageError
 from harness.log import Log, Rows
 from harness.log.log import RECORDED, REWARD
 from harness.reward import Carry, MissingField, Paid, Reward, Sample, Steps, pay, put, take
-from harness.reward.needs import reads_of
+from harness.reward.needs import shown_needs
 from harness.reward.row_steps import (
     DISTANCES,
     FIELDS,
@@ -111,7 +111,8 @@ class Payer:
         sized = [name for name in ("qpos", "action") if name in log]
         head = next(log.pieces(sized, 1), Rows({})) if sized else Rows({})
         sizes = (head[name].shape[1] if name in head else None for name in ("qpos", "action"))
-        self._fields = there if with_all else fields_beside_distances(reads_of(reward, there, *sizes))
+        needs = None if with_all else shown_needs(reward, *sizes)
+        self._fields = there if needs is None else fields_beside_distances(needs.fields)
         for name in (it for it in self._fields if it not in there):
             told = "where a reward of the experiment reads it: train in a new folder beside this one"
             hint = f"{name} is recorded {told}" if name in NOT_RECORDED else ""
