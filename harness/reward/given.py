@@ -121,9 +121,8 @@ class Terms:
         told = {name: part(step) for name, part in self._asked().items()}
         if self.weights is None:
             return told
-        ((name, returned),) = told.items()
+        (returned,) = told.values()
         terms = paid_of(returned).terms
-        require_terms(name, self.weights, terms)
         # In double precision, as terms are recorded: so the same is paid by what was recorded of them.
         return weighted({term: np.asarray(value, np.float64)[()] for term, value in terms.items()}, self.weights)
 
@@ -179,35 +178,24 @@ def opened(given: Any, noun: str) -> Any:
     return given
 
 
-def require_terms(reward: str, named: Iterable[str], terms: Iterable[str]) -> None:
-    """See that a reward has the terms that weights name.
-
-    Raises:
-        UsageError: It has none of these names; names those that it has, and the nearest.
-    """
-    there = list(terms)
-    for name in named:
-        if name not in there:
-            has = f"It has: {', '.join(there)}{nearest(name, there)}" if there else "It pays a number without terms"
-            raise UsageError(f"Reward '{reward}' has no term '{name}' to weigh. {has}")
-
-
 def weights_of(reward: str, given: Mapping[str, Any], terms: Collection[str]) -> dict[str, float]:
     """What a user gave for the weights of a reward's terms, as numbers in the terms' order, without those that are 1.
 
     Raises:
-        UsageError: It names another term, or what it gives is no weight.
+        UsageError: It names another term, or what it gives is no weight; names the terms, and the nearest.
     """
-    require_terms(reward, given, terms)
     found: dict[str, float] = {}
-    for term in filter(given.__contains__, terms):
+    for term, weight in given.items():
+        if term not in terms:
+            has = f"It has: {', '.join(terms)}{nearest(term, terms)}" if terms else "It pays a number without terms"
+            raise UsageError(f"Reward '{reward}' has no term '{term}' to weigh. {has}")
         try:
-            found[term] = float(given[term])
+            found[term] = float(weight)
         except (TypeError, ValueError):
             found[term] = math.nan
         if not abs(found[term]) <= LARGEST_FACTOR:
             raise UsageError(
-                f"Reward '{reward}': {term}={given[term]} is no weight: give a number from -{LARGEST_FACTOR:g} to "
+                f"Reward '{reward}': {term}={weight} is no weight: give a number from -{LARGEST_FACTOR:g} to "
                 f"{LARGEST_FACTOR:g}, as in {reward}:{term}=5"
             )
-    return {term: weight for term, weight in found.items() if weight != 1.0}
+    return {term: found[term] for term in terms if found.get(term, 1.0) != 1.0}

@@ -97,8 +97,7 @@ def _misfit(text: str, log: Log, head: Rows, registry: Registry) -> str:
         payer = Payer(choice.build(registry, "rewards"), log)
     except MissingField as error:
         return f"{log.facts.path}, no column tells {error.field}, which {choice.label} reads"
-    with np.errstate(all="ignore"):  # a reward may divide by anything where it then takes another value
-        paid = payer.pay(head).total
+    paid = payer.pay(head).total
     misses = ~(np.abs(paid - recorded) <= _tolerance(paid, recorded, head))  # what it pays is finite, or a miss
     misses &= ~np.isnan(recorded)  # a training that diverged: `_require_whole` tells it
     # In these rows Dd is within what its two distances can be off.
@@ -248,16 +247,12 @@ def compare_logs(
 
 def _reward_of(group: Sequence[Log], given: str | None, registry: Registry) -> Guess:
     """The reward that paid a group: the one that pays every run of it as recorded."""
-    if given is not None:
-        choose(registry, "rewards", given)
-    guess = Guess(given) if given is not None else guess_reward(group[0], registry)
-    if guess.choice is None:
-        return guess
+    guess = Guess(choose(registry, "rewards", given).label) if given else guess_reward(group[0], registry)
     for log in filter(can_be_paid, group):
-        problem = _misfit(guess.choice, log, next(log.pieces(log.columns, HEAD)), registry)
-        if problem and given is not None:
-            raise UsageError(f"The runs were not paid by {given}: {problem}")
-        if problem:
+        head = next(log.pieces(log.columns, HEAD))
+        if guess.choice and (problem := _misfit(guess.choice, log, head, registry)):
+            if given:
+                raise UsageError(f"The runs were not paid by {given}: {problem}")
             return Guess(None, f"no one reward pays all runs of a group: {problem}")
     return guess
 
@@ -285,10 +280,10 @@ def _require_whole(sides: Sequence["ComparedRows"]) -> None:
 
 def _require_apart(baseline: Sequence[Log], proposed: Sequence[Log]) -> None:
     """Check that no file is in both groups, unless both are the same group."""
-    theirs = {log.facts.path.resolve() for log in proposed}
-    both = [log.facts.path for log in baseline if log.facts.path.resolve() in theirs]
-    if both and not len(both) == len(baseline) == len(theirs):
-        raise UsageError(f"'{both[0]}' is in both groups: let --baseline and --proposed name different files")
+    ours, theirs = ({log.facts.path.resolve(): log.facts.path for log in group} for group in (baseline, proposed))
+    for path, name in ours.items() if ours.keys() != theirs.keys() else ():
+        if path in theirs:
+            raise UsageError(f"'{name}' is in both groups: let --baseline and --proposed name different files")
 
 
 def _seeds(group: Sequence[Log]) -> list[int]:
@@ -378,9 +373,7 @@ def _paid_rows(run: Log, other: Reward | None, with_events: bool, rows: int) -> 
     column, events, payer = pay_column(run), EVENTS if with_events else (), Payer(other, run) if other else None
     for piece in run.pieces([column, *events, *(payer.columns if payer else ())], rows):
         added = np.sum([piece[name] for name in events], axis=0)
-        with np.errstate(all="ignore"):  # a reward may divide by anything where it then takes another value
-            scored = payer.pay(piece).total + added if payer else piece[column]
-        yield _Paid(piece[column] + added, scored)
+        yield _Paid(piece[column] + added, payer.pay(piece).total + added if payer else piece[column])
 
 
 def _read_groups(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from harness.reward import MissingField
-from harness.reward.given import Before, Now, Terms, Untold, opened, told_under, zeros_of
+from harness.reward.given import Before, Now, Terms, Untold, opened, told_under, weights_of, zeros_of
 from tests.refusals import refused
 
 STEP = Now._make((2.0, 3.0, {"left": 4.0}, Before._make((1.0, 0.5, {}))))
@@ -117,4 +117,4 @@ def test_weights_multiply_terms():
 def test_weight_of_no_term_is_refused():
     """With the names of the terms."""
     with refused(r"Reward 'both' has no term 'c' to weigh\. It has: aa, b"):
-        Terms({"both": lambda step: {"aa": 2.0, "b": 3.0}}, {"c": 5.0})(STEP)
+        weights_of("both", {"c": 5.0}, ("aa", "b"))
