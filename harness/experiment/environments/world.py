@@ -103,9 +103,9 @@ class EnvironmentWorld:
                 found[name] = math.fsum(values) / len(values)
         return found
 
-    def kept(self) -> tuple[TrainingState, Sequence[str]] | None:
+    def kept(self) -> tuple[TrainingState, int] | None:
         batch = self._batch
-        return (batch.state(), ()) if batch is not None and batch.can_be_kept else None
+        return (batch.state(), 0) if batch is not None and batch.can_be_kept else None
 
     def evaluate(
         self, policy: Policy, acted: Acted, episodes: int, path: Path, *, after: int = 0, seed: int | None = None
