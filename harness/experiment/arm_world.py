@@ -30,7 +30,7 @@ from harness.record.cell import Cell
 from harness.record.folder import SUFFIX, TRACE
 from harness.record.returns import PAID, mean_over_episodes, mean_return
 from harness.record.scene import write_scene
-from harness.record.trace import COLUMN, SCALARS, TERM, Recorder, Rows, TraceWriter, read_trace, terms_of
+from harness.record.trace import COLUMN, INTEGERS, TERM, Recorder, Rows, TraceWriter, read_trace, terms_of
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry
 from harness.robot import Robot
@@ -126,9 +126,7 @@ def evaluation_scalars(trace: Log, registry: Registry) -> dict[str, float]:
     return named_scalars(mean_return(trace), measure(load_metrics(registry), trace), terms)
 
 
-ENV, EPISODE, STEP = (COLUMN[name] for name in ("env", "episode", "step"))
-PAYMENTS = [COLUMN[name] for name in PAID]
-REACHED, ENDS = COLUMN["reached"], [COLUMN["terminated"], COLUMN["truncated"]]
+ADDED_UP = (*INTEGERS, "reached", "terminated", "truncated", *PAID)
 
 
 class LearningSoFar:
@@ -156,7 +154,8 @@ class LearningSoFar:
             terms: Of the reward, whose columns end each row.
         """
         self._recorder, self._now, self._terms = recorder, now, [f"{TERMS}/{name}" for name in terms]
-        self._block, self._filled = np.empty((self.BLOCK, len(SCALARS) + len(terms))), 0
+        self._columns = [*map(COLUMN.__getitem__, ADDED_UP), *range(-len(terms), 0)]
+        self._waiting, self._count = list[Rows](), 0
         # Of each episode that goes on: its pay, success, what each term paid, and whether its start was seen.
         self._open = OpenEpisodes.none(3 + len(terms))
         self._ended: deque[Float] = deque(maxlen=LAST_EPISODES)
@@ -164,15 +163,10 @@ class LearningSoFar:
 
     def append(self, rows: Rows) -> None:
         self._recorder.append(rows)
-        for first in range(0, len(rows), self.BLOCK):
-            part = rows[first : first + self.BLOCK]
-            if self._filled + len(part) > self.BLOCK:
-                self._add_up()
-            place = self._block[self._filled : self._filled + len(part)]
-            place[:, : len(SCALARS)] = part[:, : len(SCALARS)]
-            if self._terms:
-                place[:, len(SCALARS) :] = part[:, -len(self._terms) :]
-            self._filled += len(part)
+        self._waiting.append(rows[:, self._columns])
+        self._count += len(rows)
+        if self._count >= self.BLOCK:
+            self._add_up()
 
     def scalars_if_due(self, steps: int) -> Mapping[str, float]:
         """`scalars`, once in `TELL_EVERY` seconds; else nothing."""
@@ -193,13 +187,12 @@ class LearningSoFar:
         return found
 
     def _add_up(self) -> None:
-        rows = self._block[: self._filled]
-        self._filled = 0
-        paid, terms = rows[:, PAYMENTS].sum(axis=1), rows[:, len(SCALARS) :].T
-        summed = [paid, rows[:, REACHED], *terms, rows[:, STEP] == 0]
-        self._open, _, sums = self._open.after(
-            rows[:, ENV], rows[:, EPISODE], np.logical_or.reduce(rows[:, ENDS].T), summed
-        )
+        if not self._waiting:
+            return
+        env, episode, step, reached, terminated, truncated, *paid = np.concatenate(self._waiting).T
+        self._waiting, self._count = [], 0
+        summed = [np.sum(paid[: len(PAID)], axis=0), reached, *paid[len(PAID) :], step == 0]
+        self._open, _, sums = self._open.after(env, episode, np.logical_or(terminated, truncated), summed)
         sums[1] = sums[1] > 0
         *numbers, is_whole = sums
         self._ended.extend(np.array(numbers).T[is_whole > 0])

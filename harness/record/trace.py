@@ -110,10 +110,6 @@ NO_EXTRAS: Mapping[str, int] = MappingProxyType({})
 Rows = Float
 
 
-LATER = ("arms", "error", "unit", "target_moves")
-"""Left out of the file where there is nothing to tell: it stays, byte for byte, as it was before there were any."""
-
-
 @with_config(ConfigDict(strict=True))
 @dataclass(frozen=True)
 class EpisodeFacts(Plain):
@@ -147,8 +143,7 @@ class EpisodeFacts(Plain):
 
     def to_bytes(self) -> bytes:
         """For a file; `from_bytes` gives the same facts back."""
-        told = {name: value for name, value in self.to_json().items() if value is not None or name not in LATER}
-        return json.dumps(told).encode()
+        return json.dumps(self.to_json()).encode()
 
     @classmethod
     def from_bytes(cls, text: bytes) -> Self:
@@ -301,6 +296,17 @@ def require_plausible(path: Path, most: int) -> None:
                         _require_moderate(chunk.least, chunk.greatest, f"{part}: {name}")
     if not 0 < rows <= most:
         raise SchemaError(f"{path} has {rows:,} rows, 1 to {most:,} are allowed")
+
+
+def require_rows(path: Path, count: int) -> None:
+    """See that the first rows of a trace are there, so many of them; each number is read.
+
+    Raises:
+        SchemaError: They are not, or are damaged.
+    """
+    trace = read_trace(path)
+    if (found := sum(len(piece["env"]) for piece in trace.pieces(trace.names))) < count:
+        raise SchemaError(f"{path.name} has {found:,} rows, and {count:,} were written")
 
 
 def term_names(path: Path) -> tuple[str, ...]:

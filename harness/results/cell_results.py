@@ -294,6 +294,7 @@ class CellResults:
 
     @property
     def cut(self) -> int:
+        """The rows of its training."""
         return self._ask(TRACE, "rows", len)
 
     @property

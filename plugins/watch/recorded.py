@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,13 +45,8 @@ class Told(NamedTuple):
     """How many steps these are."""
 
 
-class Ended(NamedTuple):
-    """Episodes that have ended, in order."""
-
-    times: NDArray[np.int64]
-    """Of the last row of each, (episodes,)."""
-    numbers: Float
-    """The sums of each, (episodes, numbers)."""
+Ended: TypeAlias = tuple[NDArray[np.int64], Float]
+"""Episodes that have ended, in order: times of their last rows, (episodes,), and their sums, (episodes, numbers)."""
 
 
 class Episodes:
@@ -93,13 +88,14 @@ class Episodes:
 
     def ended(self, terms: int) -> Ended:
         """All so far, of a reward with so many terms."""
-        parts = [*self._ended, *self._last] or [Ended(np.empty(0, np.int64), np.empty((0, OWN + terms)))]
-        return Ended(np.concatenate([it.times for it in parts]), np.concatenate([it.numbers for it in parts]))
+        parts = [*self._ended, *self._last] or [(np.empty(0, np.int64), np.empty((0, OWN + terms)))]
+        times, numbers = map(np.concatenate, zip(*parts, strict=True))
+        return times, numbers
 
     def _after(self, told: Told) -> tuple[OpenEpisodes, Ended, int]:
         before = self._open or OpenEpisodes.none(len(told.summed))
         after, rows, sums = before.after(told.env, told.episode, told.ends, told.summed)
-        return after, Ended(told.times[rows], sums.T), told.steps
+        return after, (told.times[rows], sums.T), told.steps
 
 
 class Recorder:
@@ -189,8 +185,7 @@ class Recording:
         terms = terms_in(self.facts)
         ended = [recorder.episodes.ended(len(terms)) for recorder in self._recorders.values()]
         envs = sum(recorder.facts.num_envs for recorder in self._recorders.values())
-        ticks = np.concatenate([it.times for it in ended])
-        numbers = np.concatenate([it.numbers for it in ended])
+        ticks, numbers = map(np.concatenate, zip(*ended, strict=True))
         order = np.argsort(ticks, kind="stable")
         return Blocks.of(terms, envs * (ticks[order] + 1), numbers[order])
 

@@ -113,7 +113,7 @@ def test_batches_and_blocks_do_not_matter(episodes, num_envs, chunk, block):
     ]
     rows = np.concatenate(parts)
     learning = LearningSoFar(Kept(), now=Times())
-    learning.BLOCK, learning._block = block, learning._block[:block]
+    learning.BLOCK = block
     for first in range(0, len(rows), chunk):
         learning.append(rows[first : first + chunk])
     told = learning.scalars(len(rows))
