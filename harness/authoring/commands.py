@@ -60,7 +60,6 @@ if TYPE_CHECKING:
     from harness.experiment.environments.columns import (
         Columns as Columns,
         columns_of as columns_of,
-        weighing as weighing,
     )
     from harness.experiment.environments.plan import (
         look_at as look_at,

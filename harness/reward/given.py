@@ -20,9 +20,9 @@ import numpy as np
 
 from harness.errors import UsageError
 from harness.reward.forms import STEP, takes_step, weighted
-from harness.reward.reward import LARGEST_FACTOR
-from harness.reward.steps import BEFORE, ENVIRONMENT, Steps, nearest, steps_type
-from harness.reward.terms import paid_of
+from harness.reward.reward import LARGEST_FACTOR, Reward
+from harness.reward.steps import BEFORE, ENVIRONMENT, Steps, nearest, rows_of, steps_type
+from harness.reward.terms import Paid, paid_of, pay
 
 Given: TypeAlias = Callable[..., Any] | str | Mapping[str, Callable[..., Any] | str]
 """A function, a key of ``info``, ``"own"``, or terms by name."""
@@ -36,6 +36,13 @@ Now = steps_type((*FIELDS, BEFORE))
 """A step: the observation after it, the action, the info, and `Before`."""
 STEP_PARTS = (*(f"{STEP}.{name}" for name in FIELDS), *(f"{STEP}.{BEFORE}.{name}" for name in FIELDS))
 """The fields of both, as a function of a step reads them."""
+
+
+ARM = "arm"
+"""The key of ``info`` under which an env of an arm tells what an arm's reward is given of its step, a row for each
+environment step; and of the metadata that say that it does."""
+TASK = "task"
+"""The key of ``info``, and the term, of what the arm's task pays beside the reward."""
 
 
 class Untold(KeyError):
@@ -139,6 +146,33 @@ class Terms:
 
     def __deepcopy__(self, memo: dict[int, Any]) -> "Terms":
         return Terms({name: copy.deepcopy(part, memo) for name, part in self.parts.items()}, self.weights)
+
+
+class OfArm:
+    """An arm's reward as one of an env that tells its steps, see `ARM`. What the task pays is added, as by the env.
+
+    Attributes:
+        reward: The arm's.
+    """
+
+    def __init__(self, reward: Reward) -> None:
+        self.reward = reward
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget what was before."""
+        self._begin, self._carry = math.nan, None
+
+    def __call__(self, step: Steps) -> Any:
+        """What the step pays; of a reward with terms these, and what the task pays."""
+        arm, paid = step.info[ARM], list[Paid]()
+        for row, begin in enumerate(arm.begin_distance.tolist()):
+            if begin != self._begin:  # the first target, or the next one
+                self._begin, self._carry = begin, self.reward.initial_carry(arm.begin_distance[row : row + 1])
+            self._carry, told = pay(self.reward, self._carry, rows_of(arm, slice(row, row + 1)))
+            paid.append(told)
+        terms = {name: sum(it.terms[name][0] for it in paid) for name in paid[0].terms}
+        return {**terms, TASK: step.info[TASK]} if terms else sum(it.total[0] for it in paid) + step.info[TASK]
 
 
 def _part(given: Callable[..., Any] | str) -> Callable[[Steps], Any]:

@@ -107,7 +107,7 @@ def steps_type(fields: tuple[str, ...]) -> type[Any]:
     """
     members: dict[str, Any] = {"__slots__": (), "__getattr__": _missing, "_asdict": _told}
     members["_replace"] = lambda steps, **given: type(steps)._make({**_told(steps), **given}.values())
-    members["__getnewargs__"] = lambda steps: tuple(tuple.__iter__(steps))  # all, as who copies or pickles takes them
+    members["__reduce__"] = lambda steps: (steps_of, (_told(steps),))  # nobody finds the type by its name
     if fields[: len(Sample._fields)] == Sample._fields:
         members["__iter__"] = lambda steps: islice(tuple.__iter__(steps), len(Sample._fields))
     return type("Steps", (namedtuple("Steps", fields),), members)
