@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 
@@ -21,21 +22,23 @@ PROGRAM = (
     "signal.signal(signal.SIGINT, signal.default_int_handler); main()"
 )
 RUN = [sys.executable, "-c", PROGRAM, "run"]
-MATRIX = ["--sim", "kinematic", "--task", "fd100-reach:horizon=50", "--seeds", "1", "--evaluation-episodes", "2"]
-MATRIX += ["--jobs", "2"]
+MATRIX = ["--seeds", "1", "--evaluation-episodes", "2", "--jobs", "2"]
+ARM = ["--sim", "kinematic", "--task", "fd100-reach:horizon=50"]
+LINE = ["--plugin", str(Path(__file__).parent / "environments" / "toy.py"), "--task", "toy", "--baseline", "near"]
 CASES = {
-    "random,spg": (2000, 500, 160),
-    "sac-fast,sb3-sac,ppo": (600, 150, 40),
+    "random,spg": (ARM, 2000, 500, 160),
+    "sac-fast,sb3-sac,ppo": (ARM, 600, 150, 40),
+    "random,sac-fast": (LINE, 1600, 200, 40),
 }
-"""Algorithms; steps, steps from one checkpoint to the next, and how many kills."""
+"""Algorithms; where, steps, steps from one checkpoint to the next, and how many kills."""
 TO_ALL = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
 
 
 def _start(algorithms, folder, err):
     """A run in a session of its own: what is killed here is what we choose."""
-    steps, every, _ = CASES[algorithms]
+    where, steps, every, _ = CASES[algorithms]
     with err.open("ab") as file:
-        command = [*RUN, *MATRIX, "--algo", algorithms, "--steps", str(steps), "--checkpoint-every", str(every)]
+        command = [*RUN, *MATRIX, *where, "--algo", algorithms, "--steps", str(steps), "--checkpoint-every", str(every)]
         command += ["--out", str(folder)]
         return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=file, start_new_session=True)
 
@@ -64,7 +67,7 @@ def test_killed_runs_lose_nothing(tmp_path, algorithms):
     assert _start(algorithms, whole, err).wait() == 0
     seconds, expected = time.monotonic() - began, left_by_cells(whole)
     assert len(Store(whole).manifests()) == 2 * len(algorithms.split(","))
-    done, kills = 0, CASES[algorithms][2]
+    done, kills = 0, CASES[algorithms][-1]
     while done < kills:
         folder = tmp_path / f"killed-{done}"
         finished = False
