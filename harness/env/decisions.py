@@ -18,7 +18,7 @@ from harness.motion import Discrete, Motion, Move
 from harness.progress import TrainingState, as_state, prefixed, under
 from harness.record.trace import QVEL, TERM, Recorder
 from harness.reward import Carry, Reward, Steps, pay, replace_where
-from harness.reward.needs import Needs, shown_needs
+from harness.reward.needs import terms_of
 from harness.reward.reward import is_finite, require_finite
 from harness.reward.terms import require_same
 from harness.robot import Robot
@@ -273,7 +273,7 @@ class Decisions:
         # Asked for once: a task may be a dataclass with checks, and these are read in every step.
         self._decision_period, self._goes_on = task.decision_period, not task.ends_at_target
         self._step_reward = np.array(task.step_reward, float)  # as an array: numpy turns a float into one at every call
-        terms = (shown_needs(reward, robot.dof, motion.action_size) or Needs()).terms
+        terms = terms_of(reward, robot.dof, motion.action_size)
         asked = {QVEL: robot.dof} if QVEL in records else {}
         extras = {**extra_columns(conditions), **asked, **{f"{TERM}{name}": 1 for name in terms}}
         goal = goal_of(task, robot)
@@ -302,6 +302,7 @@ class Decisions:
         """Put the arms of `mask` at new starts with new targets."""
         self._commands.begin(mask, self._starts.draw(mask, self._commands.qpos))
         self._starts.begin(mask, self.simulation.reset(self._commands.qpos, mask))
+        self._require_measured()
         self.episodes.keep_starts(mask)
         self.events.begin(mask)
         self.shaping.restart(mask, self.episodes.begin_distance)
@@ -394,9 +395,7 @@ class Decisions:
         move = self._commands.advance(around.senses.act(episodes.action, active) if around else episodes.action)
         state, ground = self._commands.drive(self.simulation, move)
         distance = episodes.measure(state)
-        if not is_finite(episodes.matrix):
-            for name, part in episodes.parts.items():
-                self.require_finite(name, part)
+        self._require_measured()
         episodes.ground[...] = ground
         episodes.shaped[...] = self.shaping.pay(episodes.steps)
         struck = around.struck() if around else None
@@ -415,6 +414,12 @@ class Decisions:
             going_on = reached & ~(terminated | truncated)
             self._set_next_targets(going_on if active is None else going_on & active)
         return outcome
+
+    def _require_measured(self) -> None:
+        """Here, since observations are cut off at their bounds: infinity is none any more."""
+        if not is_finite(self.episodes.matrix):
+            for name, part in self.episodes.parts.items():
+                self.require_finite(name, part)
 
     def _set_next_targets(self, mask: Mask) -> None:
         self._starts.set_next(mask)

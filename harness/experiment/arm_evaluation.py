@@ -56,8 +56,7 @@ def evaluate(
     )
     try:
         sizes, extras = (env.robot.dof, env.episodes.action.shape[1]), env.episodes.extras
-        most = episodes * (1 + env.task.horizon)  # one file, since its facts are known at its end
-        with TraceWriter(path, *sizes, facts, extras, part_rows=most) as writer:
+        with TraceWriter(path, *sizes, episodes=1, facts=facts, extras=extras) as writer:
             env.recorder = meter = WorkMeter(writer, world)
             observations, _ = env.reset(seed=seed)
             running = np.ones(env.num_envs, bool)

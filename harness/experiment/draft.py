@@ -53,7 +53,7 @@ def draft_of(folder: Path, record: Kind) -> Iterator[Draft[Kind]]:
     except (Exception, SystemExit) as error:
         with (partial / LOG).open("a") as log:
             traceback.print_exc(file=log)
-        draft.note(status="failed", reason=one_line(error))
+        draft.note(status="failed", reason=one_line(error).replace(str(partial), str(folder)))
     draft.note(seconds=round(time.perf_counter() - clock, 3))
     draft.record = leave_record(folder, draft.record)
 

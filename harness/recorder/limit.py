@@ -148,6 +148,7 @@ class _Watched:
         # another thread run, none makes what the garbage collector counts. A frame that stands at a jump or at its
         # begin is the innermost one, for these call nothing: it asks for its turn there, and is given the exception
         # there, or does so before its call returns and takes the exception back.
+        # Known: `while x: pass` is ended too; a loop of little but finalizers late, for Python drops what they raise.
         if frame.f_lasti == at and run in _running:
             run.undo = undo
             _raise(*given)

@@ -5,7 +5,6 @@ its commas are its own.
 """
 
 import dataclasses
-import math
 import re
 import typing
 from collections.abc import Callable, Iterable, Mapping
@@ -19,9 +18,10 @@ import pydantic
 from harness.errors import PluginError, UsageError, sentence
 from harness.hookspecs import NOUNS
 from harness.registry.members import require_members
-from harness.registry.registry import BY_ID, Registry
+from harness.registry.registry import Registry
 from harness.registry.spec import Spec, blamed_on, did_you_mean
 from harness.reward.forms import FAILED
+from harness.reward.reward import is_finite
 from harness.text import shortened
 
 SHOWN = 100
@@ -66,7 +66,7 @@ def build(target: Any, given: Mapping[str, Any], noun: str, registry: Registry |
     except pydantic.ValidationError as error:
         raise UsageError(f"{sentence(noun)}: {_first_problem(error)}") from None
     for key, value in values_of(built).items():
-        if not _is_finite(value):
+        if not is_finite(value):
             raise UsageError(f"{sentence(noun)}: {key}={value!r}: Input should be a finite number")
     return built
 
@@ -148,12 +148,6 @@ def _fields_alone(target: Any) -> Any:
     fields = [(field.name, hints[field.name]) for field in dataclasses.fields(target) if field.init]
     settings = {"__pydantic_config__": getattr(target, "__pydantic_config__", {})}
     return dataclasses.make_dataclass("Fields", fields, namespace=settings)
-
-
-def _is_finite(value: Any) -> bool:
-    if isinstance(value, tuple | list):
-        return all(_is_finite(item) for item in value)
-    return not isinstance(value, float) or math.isfinite(value)
 
 
 def _split_tuple(hint: Any, value: Any) -> Any:
@@ -355,8 +349,6 @@ def _choose_and_build(
     name, params = parse(given) if isinstance(given, str) else _name_and_params(given)
     noun = f"{NOUNS[kind]} '{name}'"
     spec = registry.get(kind, name)
-    if name.rpartition("/")[2] not in spec.claims:  # an id that it makes
-        name, params = spec.name, {"id": name, **params}
     name, target = _recorded(spec, name), spec.load()
     if isinstance(given, str):
         params = _hand_inwards(params, {parameter.name for parameter in parameters_of(target)})
@@ -488,9 +480,7 @@ def require_known(task: Any, registry: Registry) -> None:
     except UsageError as error:
         there = f" Environments: {', '.join(registry.names('environments')) or 'none'}."
         told, asks, question = str(error).partition(" Did you mean")
-        by_id = [it.load() for it in registry.specs.get(("environments", BY_ID), ()) if it.is_built_in]
-        near = "".join(it.near(str(_name_of(task))) for it in by_id)
-        raise UsageError(f"{told}{there}{near}{asks}{question}") from None
+        raise UsageError(f"{told}{there}{asks}{question}") from None
 
 
 def _name_of(given: Any) -> Any:

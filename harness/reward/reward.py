@@ -3,8 +3,8 @@
 The gate: what is not finite reaches neither a learner nor a record.
 """
 
-import math
 from collections.abc import Mapping
+from math import hypot, isfinite, isnan
 from typing import Any, Protocol, TypeAlias
 
 import numpy as np
@@ -80,13 +80,19 @@ FEW = 8
 def is_finite(value: Any) -> bool:
     """Whether each number is: of an array, or of what dicts, tuples and lists hold at any depth. Nothing overflows."""
     if isinstance(value, np.ndarray):
+        if value.ndim == 1 and value.size <= FEW:
+            try:
+                if isfinite(hypot(*value.tolist())):
+                    return True
+            except (TypeError, OverflowError):  # of what is no number, or none of a machine
+                pass
         if value.dtype.kind != "f":
             return value.dtype.kind != "O" or is_finite(value.tolist())
-        if value.ndim == 1 and value.size <= FEW:
-            return all(map(math.isfinite, value.tolist()))
         return 0 not in np.isfinite(value).tobytes()
-    if isinstance(value, (float, np.floating)):  # a union takes thrice as long
-        return math.isfinite(value)
+    if isinstance(value, float):  # mostly; together with the next line it takes twice as long
+        return isfinite(value)
+    if isinstance(value, np.floating):
+        return bool(np.isfinite(value))
     inside = _inside(value)
     return not inside or all(map(is_finite, inside.values()))
 
@@ -105,7 +111,7 @@ def require_finite(fields: Any, step: int, where: str = "") -> None:
     while inside := _inside(fields):
         key, fields = next((key, it) for key, it in inside.items() if not is_finite(it))
         name += f"{key} "
-    raise SimulationDiverged(f"{name}was {'NaN' if math.isnan(fields) else 'infinite'} at step {step}{where}")
+    raise SimulationDiverged(f"{name}was {'NaN' if isnan(fields) else 'infinite'} at step {step}{where}")
 
 
 def _inside(value: Any) -> dict[Any, Any]:

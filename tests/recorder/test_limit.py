@@ -41,7 +41,7 @@ def _loop():
 
 def _of_condition(value=1):
     while value:
-        value += 1
+        pass
 
 
 def _inner():

@@ -4,13 +4,13 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.arrays import Float
 from harness.errors import Unscored, UsageError
 from harness.log import Rows
 from harness.log.log import ACTION, OBSERVATION
 from harness.payoff.dataset.steps import VECTORS, Payer, flat_rows, seen_after, vectors_of
 from harness.registry.registry import Registry
 from harness.reward import MissingField, Paid, Reward
+from harness.reward.reward import is_finite
 from harness.score.places import JOINTS_DEG, ArmPay, ArmPlaces, fields_read, parse_places
 
 
@@ -34,7 +34,7 @@ def of_arm(reward: Reward, places: ArmPlaces) -> Payer:
                     if "action" in needed:
                         begun["action"] = np.zeros_like(flat_rows(rows, ACTION)[:1])
                     begin = places.distances(before)
-                    is_lost = not _are_finite(begin, *begun.values())
+                    is_lost = not is_finite((begin, begun))
                     pay.begin(begin[0], begun)
                 if not seen:
                     return Paid(np.empty(0))
@@ -43,16 +43,12 @@ def of_arm(reward: Reward, places: ArmPlaces) -> Payer:
                     more["action"] = flat_rows(rows, ACTION)[:seen]
                 distances = places.distances(after)
                 found = pay.pay(distances, more)
-                is_lost = is_lost or not _are_finite(distances, *more.values())
+                is_lost = is_lost or not is_finite((distances, more))
                 return Paid(np.full(seen, np.nan)) if is_lost else found
             except MissingField as error:
                 raise Unscored(str(error)) from error
 
     return paid
-
-
-def _are_finite(*numbers: Float) -> bool:
-    return all(bool(np.isfinite(it).all()) for it in numbers)
 
 
 def places_of(text: str | None, robot: str | None, registry: Registry) -> ArmPlaces | None:

@@ -9,7 +9,8 @@ import pytest
 
 from harness.env import ReachVectorEnv, decisions
 from harness.env.arm_observation import ArmObservation
-from harness.env.decisions import Shaping
+from harness.env.decisions import Shaping, Starts
+from harness.env.episodes import Episodes
 from harness.executor import CellOptions
 from harness.experiment import check_experiment, expand, run_cell as cells
 from harness.experiment.environments import world as worlds
@@ -39,19 +40,25 @@ ALGORITHMS = {
 }
 NUMBERS = {"nan": "NaN", "inf": "infinite", "-inf": "infinite"}
 NAMES = {
+    "start": "(target|observation( at| achieved_goal)?) 0",
     "observation": r"observation( at| achieved_goal)? 0",
     "action": "action 0",
     "pay": "pay",
-    "info": "info (distance|success)",
+    "info": "(info |begin_)?(distance|success)( 0)?",
 }
 
 
 class Spoils(gymnasium.Wrapper):
-    """Gives such a number in one field of one step."""
+    """Gives such a number in one field of one step, or in the observation of each start."""
 
     def __init__(self, env, field, number, late):
         super().__init__(env)
         self.field, self.number, self.late, self.steps = field, number, late, 0
+
+    def reset(self, **asked):
+        """The start, or what is left of it."""
+        seen, info = self.env.reset(**asked)
+        return self._spoilt(seen) if self.field == "start" else seen, info
 
     def step(self, action):
         """The step, or what is left of it."""
@@ -62,22 +69,26 @@ class Spoils(gymnasium.Wrapper):
             if self.field == "info":
                 info = dict.fromkeys(info, self.number)
             if self.field == "observation":
-                seen = {key: np.full_like(it, self.number) if np.ndim(it) else it for key, it in seen.items()}
+                seen = self._spoilt(seen)
         return seen, paid, terminated, truncated, info
+
+    def _spoilt(self, seen):
+        return {key: np.full_like(it, self.number) if np.ndim(it) else it for key, it in seen.items()}
 
 
 def _spoils(monkeypatch, owner, name, number, late):
     """Let a method spoil the first number of what it is given (`step`), or returns, at one of its calls."""
     true, calls = getattr(owner, name), []
 
-    def spoilt(self, given):
+    def spoilt(self, *given):
         calls.append(1)
         if name == "step" and len(calls) == late:
-            given = np.array(given, float)
-            given[(0,) * given.ndim] = float(number)
-        found = true(self, given)
+            given = (np.array(given[0], float),)
+            given[0][(0,) * given[0].ndim] = float(number)
+        found = true(self, *given)
         if name != "step" and len(calls) == late:
-            found[(0,) * found.ndim] = float(number)
+            first = found[0] if isinstance(found, tuple) else found
+            first[(0,) * first.ndim] = float(number)
         return found
 
     monkeypatch.setattr(owner, name, spoilt)
@@ -89,10 +100,13 @@ def spoil(monkeypatch):
 
     def later(keys, field, number, late):
         if "sim" in keys:
-            owner, name = {"observation": (ArmObservation, "observe"), "pay": (Shaping, "pay")}.get(
-                field, (ReachVectorEnv, "step")
-            )
-            _spoils(monkeypatch, owner, name, number, late + (field == "observation"))  # the reset is the first
+            owner, name = {
+                "start": (Starts, "_first_target"),
+                "observation": (ArmObservation, "observe"),
+                "pay": (Shaping, "pay"),
+                "info": (Episodes, "_errors"),
+            }.get(field, (ReachVectorEnv, "step"))
+            _spoils(monkeypatch, owner, name, number, late + (field in ("observation", "info")))  # a start is the first
         elif field == "action":
             _spoils(monkeypatch, EnvironmentBatch, "step", number, late)
         else:
@@ -119,12 +133,13 @@ def run(registry, given, tmp_path):
 
 
 def _told(field, number, late, keys):
-    where = r"\d+ of episode \d+, env 0" if "sim" in keys else str(late)
+    late = 0 if field == "start" else r"\d+" if "sim" in keys else late
+    where = rf"{late} of episode \d+, env 0" if "sim" in keys else late
     return rf"SimulationDiverged: {NAMES[field]} was {NUMBERS[number]} at step {where}"
 
 
-def _can_be(field, keys):
-    return not ((field == "action" and keys is CHOICES) or (field == "info" and keys is ARM))
+def _can_be(field, keys, late):
+    return not ((field == "action" and keys is CHOICES) or (field == "start" and late > 1))
 
 
 def _is_quick(algo, number, late):
@@ -137,7 +152,7 @@ CASES = [
         marks=[pytest.mark.slow] * (not _is_quick(algo, number, late)),
     )
     for (algo, keys), field, number, late in product(ALGORITHMS.items(), NAMES, NUMBERS, (1, LATE, LAST))
-    if _can_be(field, keys)
+    if _can_be(field, keys, late)
 ]  # fmt: skip
 
 
@@ -172,12 +187,13 @@ def test_an_evaluation_has_the_same_gate(run, monkeypatch, keys, place):
 
 
 @pytest.mark.parametrize("keys", [LINE, ARM], ids=["environment", "arm"])
-def test_a_policy_that_cannot_be_read_back_is_not_done(run, monkeypatch, keys):
+def test_a_policy_that_cannot_be_read_back_is_not_done(run, monkeypatch, keys, tmp_path):
     """Whatever its learner says, and before any of it is evaluated."""
     weights = {"mean.weight": np.full((1, 2), np.nan, np.float32), "mean.bias": np.zeros(1, np.float32)}
     monkeypatch.setattr(cells._Run, "_train", lambda *_: Deterministic(weights, "relu", (-1.0,), (1.0,)))
     manifest = run("random", keys, steps=8)
-    assert "mean.weight has numbers that are not finite" in manifest.reason
+    told = f"{tmp_path / 'cell' / 'policy'} holds no readable policy: mean.weight has numbers that are not finite"
+    assert told in manifest.reason
     assert "evaluation" not in " ".join(manifest.files)
 
 
@@ -192,11 +208,12 @@ def test_a_learner_that_loses_its_numbers_fails_the_cell(run, algo):
     ("module", "keys", "field"),
     [
         *((gate, LINE, field) for field in NAMES),
-        *((decisions, ARM, field) for field in ("action", "observation", "pay")),
+        *((decisions, ARM, field) for field in NAMES),
     ],
 )
 def test_each_door_needs_its_gate(run, spoil, monkeypatch, module, keys, field):
     """Taken out of one, what it had to find is not told."""
-    monkeypatch.setattr(module, "is_finite", lambda value: True)
-    spoil(keys, field, "nan", 7)
-    assert not re.fullmatch(_told(field, "nan", 7, keys), run("random", keys, steps=20).reason)
+    monkeypatch.setattr(module, "require_finite", lambda *_: None)
+    number, late = ("inf", 1) if field == "start" else ("nan", 7)
+    spoil(keys, field, number, late)
+    assert not re.fullmatch(_told(field, number, late, keys), run("random", keys, steps=20).reason)
