@@ -20,8 +20,7 @@ from harness.goal import Situation
 from harness.motion import Motion, Setting, build_motion
 from harness.reward import LARGEST_FACTOR
 from harness.robot import Robot
-from harness.robot.inverse_kinematics import reach_position
-from harness.robot.kinematics import end_effector_position, in_mount, read_only
+from harness.robot.kinematics import end_effector_position, in_mount, reach_position, read_only
 from harness.robot.robot import FD100_REACH
 from harness.task import LONGEST_EPISODE, Targets, goal_of
 

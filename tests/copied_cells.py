@@ -16,8 +16,8 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from harness.experiment import Plan
-from harness.experiment.progress.followed import EndedCells
-from harness.files.sealed import read_keyed, seal, with_key
+from harness.experiment.followed import EndedCells
+from harness.files.plain import read_keyed, seal, with_key
 from harness.record import (
     CELLS,
     DERIVED,

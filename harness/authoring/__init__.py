@@ -35,8 +35,11 @@ if TYPE_CHECKING:
         Greedy as Greedy,
         SquashedGaussian as SquashedGaussian,
     )
-    from harness.robot.inverse_kinematics import reach_position as reach_position
-    from harness.robot.kinematics import forward as forward, link_frames as link_frames
+    from harness.robot.kinematics import (
+        forward as forward,
+        link_frames as link_frames,
+        reach_position as reach_position,
+    )
     from harness.simulator import servo_of as servo_of
 else:
     __all__, __getattr__ = face_of(__name__, __file__)

@@ -11,7 +11,7 @@ from harness.face import face_of
 
 if TYPE_CHECKING:
     from harness.authoring.closed_motion import closed_motion as closed_motion
-    from harness.env.logged_simulation import LoggedSimulation as LoggedSimulation
+    from harness.env.ideal import LoggedSimulation as LoggedSimulation
     from harness.env.vector_env import Actions as Actions, Infos as Infos
     from harness.experiment.checkpoints.checkpoint import (
         Checkpoint as Checkpoint,

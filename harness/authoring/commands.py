@@ -31,14 +31,15 @@ if TYPE_CHECKING:
         flag as flag,
     )
     from harness.cli.output import (
+        audits_of as audits_of,
         complain as complain,
         kept_when_interrupted as kept_when_interrupted,
+        pays_of as pays_of,
         say as say,
         say_json as say_json,
     )
     from harness.cli.progress import left_text as left_text
     from harness.cli.records import Records as Records
-    from harness.cli.results_shown import audits_of as audits_of, pays_of as pays_of
     from harness.cli.runnable import example_run as example_run, usable as usable
     from harness.cli.unexpected import describe_unexpected as describe_unexpected
     from harness.env import ReachVectorEnv as ReachVectorEnv
@@ -98,21 +99,23 @@ if TYPE_CHECKING:
         FINISH as FINISH,
         HOLD as HOLD,
         HOVER as HOVER,
-        NoScriptsError as NoScriptsError,
-        States as States,
-    )
-    from harness.payoff.score import (
         Finishing as Finishing,
+        NoScriptsError as NoScriptsError,
         Payoff as Payoff,
         Score as Score,
+        States as States,
         on_finishing as on_finishing,
         on_terms as on_terms,
         paid_along as paid_along,
         pay_along as pay_along,
         under_noise as under_noise,
     )
-    from harness.policy.continuous import MEAN as MEAN, STD as STD, ContinuousNetwork as ContinuousNetwork
-    from harness.policy.policy import read_folder as read_folder
+    from harness.policy.policy import (
+        MEAN as MEAN,
+        STD as STD,
+        ContinuousNetwork as ContinuousNetwork,
+        read_folder as read_folder,
+    )
     from harness.record.blocks import Block as Block, Blocks as Blocks, read_blocks as read_blocks
     from harness.record.dataset.labels import (
         UNKNOWN as UNKNOWN,

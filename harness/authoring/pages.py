@@ -49,15 +49,13 @@ if TYPE_CHECKING:
     from harness.report.page.answer import plain_text as plain_text
     from harness.report.page.page import render_page as render_page, write_page as write_page
     from harness.report.replay.section import Replay as Replay
-    from harness.report.rows.alone import (
+    from harness.report.rows.behaviour import (
         ALONE as ALONE,
         alone_grid as alone_grid,
-        setting_of as setting_of,
-        story as story,
-    )
-    from harness.report.rows.behaviour import (
         behaviour_row as behaviour_row,
         percentage as percentage,
+        setting_of as setting_of,
+        story as story,
         text_of as text_of,
     )
     from harness.report.rows.comparison import (
@@ -88,8 +86,7 @@ if TYPE_CHECKING:
         splits_of as splits_of,
         terms_of as terms_of,
     )
-    from harness.report.tables.grid import show_grid as show_grid
-    from harness.report.tables.overview import WideOrNarrow as WideOrNarrow
+    from harness.report.tables.grid import WideOrNarrow as WideOrNarrow, show_grid as show_grid
 
 else:
     __all__, __getattr__ = face_of(__name__, __file__)

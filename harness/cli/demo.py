@@ -94,11 +94,10 @@ class _HereAndNow:
 def _show(results: "Results") -> None:
     from rich.text import Text
 
-    from harness.cli.results_shown import make_table_and_page
+    from harness.cli.output import make_table_and_page
     from harness.record.store import REPORT
     from harness.report.rows.ratios import format_number
-    from harness.report.tables.grid import show
-    from harness.report.tables.overview import comparison_lines
+    from harness.report.tables.grid import comparison_lines, show
 
     show(comparison_lines(results.combinations))
     (comparison,) = results.combinations

@@ -12,10 +12,9 @@ from harness.cli.datasets import names_dataset
 from harness.cli.flags import inputs, logs
 from harness.cli.flags.inputs import require_fit
 from harness.cli.flags.shared import REWARDS, AsJson, CurveKind, PluginFiles, flag
-from harness.cli.output import complain, say, say_json
+from harness.cli.output import complain, say, say_json, show_results
 from harness.cli.recordings import holds_recordings, is_experiment, told_of_logs
 from harness.cli.records import records_in
-from harness.cli.results_shown import show_results
 from harness.errors import UsageError
 from harness.text import command_text
 

@@ -16,7 +16,7 @@ def merge(
     out: Annotated[Path, flag("DIR", "A new folder, or the folder of an experiment that the cells are added to.")],
 ) -> int:
     """Put the cells of several experiments' folders into one, as if one run had done them. Changes no other folder."""
-    from harness.cli.results_shown import make_table_and_page
+    from harness.cli.output import make_table_and_page
     from harness.record.merge import merge as put_together
     from harness.record.store import CELLS
     from harness.results import load_results

@@ -1,4 +1,4 @@
-"""Lines for the terminal: no name in a file sends it a command, nor does what libraries say by themselves."""
+"""What commands print: lines, results, and what they write beside them."""
 
 import logging
 import sys
@@ -7,10 +7,20 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, TextIO
+from typing import TYPE_CHECKING, Any, TextIO
 
-from harness.errors import one_line
+from harness.cli.records import load_records
+from harness.errors import UsageError, one_line
 from harness.text import one_line_of, print_visible, visible
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from harness.payoff.rollout import Rollout, UnderNoise
+    from harness.record.cell import Cell
+    from harness.registry.registry import Registry
+    from harness.report.rows.returns import Audits, Payoffs
+    from harness.results import Results
 
 
 def say(line: str, err: bool = False) -> None:
@@ -77,3 +87,192 @@ def kept_when_interrupted(kept: str, folder: Path) -> Iterator[None]:
     except KeyboardInterrupt:
         say(f"harness: interrupted: {kept} in '{folder}'. The same command goes on with the rest", err=True)
         raise
+
+
+def show_results(
+    results: "Results",
+    command: str,
+    *,
+    as_json: bool = False,
+    html: Path | None = None,
+    details: bool = False,
+    summary: Path | None = None,
+) -> int:
+    """Write and print what is asked for; by default the overview.
+
+    Args:
+        results: What to show.
+        command: The command that shows everything behind the overview.
+        as_json: Whether to print JSON.
+        html: Where to write the page.
+        details: Whether to print everything that the overview rests on.
+        summary: The folder for committed records.
+
+    Returns:
+        The exit status: 1 if something is damaged.
+
+    Raises:
+        UsageError: Something cannot be written.
+    """
+    for name, reason in results.not_measured.items():  # its values are missing, and nothing else
+        complain(f"metric {name}: n/a ({reason})")
+    if html is not None:
+        write_page_of(results, html)
+        say(f"Report: {html}", err=True)
+    if summary is not None:
+        load_records().write(results, summary)
+        say(f"Summary: {summary}", err=True)
+    if as_json:
+        from harness.report.document import report_text
+
+        say(report_text(results))
+    elif details or (html is None and summary is None):
+        _print_tables(results, details, command)
+    for line in results.damaged_recordings:
+        complain(f"damaged: {line}")
+    return 1 if results.damaged_recordings else 0
+
+
+def write_page_of(results: "Results", html: Path) -> None:
+    """Write the page.
+
+    Raises:
+        UsageError: The extra ``report`` is missing, or the page cannot be written.
+    """
+    from harness.files.plain import note_made
+    from harness.report.page.html import write_html
+
+    write_html(results, html, audits_of(results))
+    if results.is_experiment and html.absolute().parent == results.folder.absolute():
+        note_made(html)  # as the folder's SHA256SUMS tells
+
+
+def _print_tables(results: "Results", details: bool, command: str) -> None:
+    """The overview, or all there is; in both what commands of plugins have to say."""
+    from harness.report.tables.comparison import comparison_table
+    from harness.report.tables.grid import overview_table, ranking_table, show
+    from harness.section import shown_sections
+
+    sections = shown_sections(results)
+    show(comparison_table(results) if details else overview_table(results, command))
+    ranking = ranking_table(results, details)
+    if ranking is not None:
+        show(ranking)
+    for section in sections.values():
+        show(section.table())
+
+
+def make_table_and_page(results: "Results", err: bool = False) -> None:
+    """Write ``results.parquet`` and ``report.html``, and say where they are.
+
+    Args:
+        results: The experiment.
+        err: Say it on standard error: standard output is for something else.
+
+    Raises:
+        StorageError: The folder cannot be written.
+    """
+    from harness.record.out_folder import storage_errors
+    from harness.record.store import REPORT
+
+    with storage_errors(results.folder):
+        results.write_table()
+    say(f"Results: {results.folder}", err)
+    try:
+        with storage_errors(results.folder):
+            _draw_frames(results)
+            write_page_of(results, results.folder / REPORT)
+        say(f"Report:  {results.folder / REPORT}", err)
+    except UsageError as error:  # the extra is missing: the results are there all the same
+        say(f"No {REPORT}: {error}", err)
+
+
+def _draw_frames(results: "Results") -> None:
+    """Have environments draw episodes of the policies that are compared, for the page."""
+    if results.in_environment:
+        from harness.experiment.environments.frames import draw_frames
+        from harness.experiment.workers.workers import core_count
+
+        draw_frames(results, core_count())
+
+
+EPISODES = 20
+"""The episodes of each scripted policy: half a second for a robot and task, and the answer no longer changes."""
+GAMMA = 0.95
+"""The discount that ``harness audit`` has too."""
+NOISE = 0.05
+"""The noise on every action that ``harness audit`` tries too."""
+
+
+def audits_of(results: "Results") -> "Audits":
+    """By robot, task and reward; a reward that cannot be asked says why."""
+    return pays_of([manifest.cell for manifest in results.done], results.registry)
+
+
+def pays_of(cells: "Sequence[Cell]", registry: "Registry") -> "Audits":
+    """The same of the rewards that cells of an arm train by; others are left out."""
+    asked = {
+        (cell.robot, cell.task.label, cell.reward.label): cell
+        for cell in cells
+        if cell.task.name in registry.names("tasks")
+    }
+    rollouts: dict[tuple[str, str, float], tuple[Rollout, ...] | str] = {}
+
+    def record(cell: "Cell", noise: float) -> "tuple[Rollout, ...] | str":
+        place = (cell.robot, cell.task.label, noise)
+        if place not in rollouts:
+            rollouts[place] = _record(cell, registry, noise)
+        return rollouts[place]
+
+    return {key: _ask(cell, registry, record) for key, cell in asked.items()}
+
+
+def _record(cell: "Cell", registry: "Registry", noise: float) -> "tuple[Rollout, ...] | str":
+    """What the scripted policies do; or why they cannot."""
+    from harness.env.ideal import IdealSimulator
+    from harness.errors import reason_of
+    from harness.payoff.rollout import record_rollouts
+    from harness.robot.robot import load_robot
+
+    try:
+        task = cell.task.build(registry, "tasks")
+        return record_rollouts(IdealSimulator(), load_robot(cell.robot, registry), task, EPISODES, noise)
+    except (Exception, SystemExit) as error:  # not installed, not without an engine, or whatever a plugin raises
+        return reason_of(error)
+
+
+def _ask(cell: "Cell", registry: "Registry", record: "Callable[[Cell, float], tuple[Rollout, ...] | str]") -> "Payoffs":
+    """What the cell's reward pays in these rollouts."""
+    from harness.errors import reason_of
+    from harness.payoff.rollout import finishing_of, on_finishing, on_terms, score_rollout, under_noise
+    from harness.report.rows.returns import Payoffs
+
+    rollouts = record(cell, 0.0)
+    if isinstance(rollouts, str):
+        return Payoffs((f"Not known: {rollouts}",), {}, {})
+    try:
+        reward = cell.reward.build(registry, "rewards")
+        found = finishing_of([score_rollout(reward, rollout) for rollout in rollouts], GAMMA)
+        noisy = record(cell, NOISE) if found.undiscounted or found.discounted else ""
+        disturbed = [score_rollout(reward, rollout) for rollout in noisy if not isinstance(rollout, str)]
+        reason = _on_noise(under_noise(found, finishing_of(disturbed, GAMMA))) if disturbed else ""
+    except (Exception, SystemExit) as error:
+        return Payoffs((f"Not known: {reason_of(error)}",), {}, {})
+    return Payoffs(
+        (on_finishing(found), *filter(None, [reason]), *on_terms(found)),
+        {payoff.policy: payoff.total for payoff in found.payoffs},
+        {payoff.policy: payoff.success for payoff in found.payoffs},
+    )
+
+
+def _on_noise(noisy: "UnderNoise") -> str:
+    """Why a learner finishes all the same, or may not."""
+    from harness.text import number
+
+    pay = f"{noisy.policy} earns {number(noisy.earns)}, finish {number(noisy.finish_earns)}"
+    if noisy.is_robust:
+        return f"A learner may well find that: with noise on its actions ({NOISE:g}) {pay}."
+    return (
+        f"A learner may finish all the same, for the behaviour is fragile: with noise on its actions ({NOISE:g}), as "
+        f"while it explores, {pay}."
+    )

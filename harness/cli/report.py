@@ -14,10 +14,9 @@ from harness.cli.datasets import names_dataset
 from harness.cli.flags import inputs, logs
 from harness.cli.flags.inputs import require_fit
 from harness.cli.flags.shared import AsJson, CurveKind, FailOn, MetricNames, Names, PluginFiles, flag
-from harness.cli.output import complain, say
+from harness.cli.output import complain, say, show_results
 from harness.cli.recordings import holds_recordings, is_experiment, require_one_folder, told_of_logs
 from harness.cli.records import Records, records_in
-from harness.cli.results_shown import show_results
 from harness.errors import UsageError
 from harness.text import command_text
 

@@ -397,7 +397,7 @@ def parse_time(text: str | None) -> float:
 
 def show_run(results: "Results", as_json: bool) -> None:
     """The comparison on standard output; what was written too, unless JSON is to stand there alone."""
-    from harness.cli.results_shown import make_table_and_page, show_results
+    from harness.cli.output import make_table_and_page, show_results
 
     details = command_text("harness", "report", results.folder, "--details") + results.report_flags
     show_results(results, details, as_json=as_json)

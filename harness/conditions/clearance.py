@@ -15,8 +15,7 @@ from harness.conditions.conditions import Conditions
 from harness.conditions.obstacles import CENTER, EDGES, NUMBERS, RADIUS, distance_from, parse_obstacles, there
 from harness.robot import Robot
 from harness.robot.ground_clearance import build_solids
-from harness.robot.inverse_kinematics import reach_position
-from harness.robot.kinematics import link_frames, read_only
+from harness.robot.kinematics import link_frames, reach_position, read_only
 from harness.robot.shapes import Shape
 
 ROUNDS = 200

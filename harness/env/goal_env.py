@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from harness.arrays import Float
 from harness.conditions import conditions_of
 from harness.env.arm_observation import ArmObservation
-from harness.env.events import GROUND
+from harness.env.decisions import GROUND
 from harness.env.vector_env import Action, Given, ReachEnv
 from harness.errors import UsageError
 from harness.registry.choice import build_defaults, choose

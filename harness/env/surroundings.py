@@ -16,7 +16,7 @@ from harness.env.random_streams import Seed
 from harness.motion import Motion
 from harness.progress import TrainingState, as_state, prefixed, under
 from harness.robot import Robot
-from harness.robot.inverse_kinematics import reach_position
+from harness.robot.kinematics import reach_position
 from harness.simulator import Simulation, Simulator, State
 
 MOST_IDLE = 16

@@ -12,8 +12,7 @@ from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
 from harness.arrays import Float, Float32, Mask
-from harness.env.decisions import Decisions
-from harness.env.events import REACHED
+from harness.env.decisions import REACHED, Decisions
 from harness.env.random_streams import Seed
 from harness.errors import UsageError
 from harness.motion import Discrete, Motion

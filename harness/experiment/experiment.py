@@ -14,11 +14,10 @@ from typing import Any, Unpack
 from harness.errors import UsageError
 from harness.executor import Event, Executor, Job, OnEvent
 from harness.experiment.changed import Sources, changed_cells, refuse_changed
+from harness.experiment.followed import EndedCells, Followed, OnTrouble, Trackers, Tracking, build_trackers
 from harness.experiment.looks import refuse_other_looks
 from harness.experiment.objects import name_objects
 from harness.experiment.plan import Experiment, Plan, check_experiment, expand
-from harness.experiment.progress.followed import EndedCells, Followed
-from harness.experiment.progress.trackers import OnTrouble, Trackers, Tracking, build_trackers
 from harness.experiment.run_options import DEFAULTS, RunArguments, RunOptions
 from harness.experiment.trials.tried_plan import try_plan
 from harness.record.cell import Cell

@@ -14,7 +14,7 @@ from harness.errors import UsageError
 from harness.eta.curve import KINDS, Kind
 from harness.executor import CellOptions, Executor, Limits
 from harness.experiment.changed import CHANGED, Changed
-from harness.experiment.progress.trackers import Given
+from harness.experiment.followed import Given
 from harness.experiment.workers.workers import worker_count
 from harness.registry.choice import choose
 from harness.registry.registry import Registry

@@ -15,8 +15,8 @@ from harness.files.bounded import (
     whole_files,
     write_whole,
 )
-from harness.files.plain import Plain
-from harness.files.sealed import (
+from harness.files.plain import (
+    Plain,
     changed_since_made,
     forget_made,
     making,

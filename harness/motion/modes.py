@@ -7,8 +7,7 @@ from pydantic.dataclasses import dataclass
 
 from harness.errors import UsageError
 from harness.motion.discrete import Discrete
-from harness.motion.joints import MoveJAbsoluteMode, MoveJMode, SetJointsMode
-from harness.motion.motion import Motion, Setting
+from harness.motion.motion import Motion, MoveJAbsoluteMode, MoveJMode, SetJointsMode, Setting
 from harness.motion.tip import MoveAMode, MoveLMode
 from harness.registry.choice import build, parse
 from harness.registry.spec import did_you_mean

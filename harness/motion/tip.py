@@ -11,8 +11,7 @@ from pydantic.dataclasses import dataclass as checked_dataclass
 
 from harness.arrays import Float, Mask
 from harness.errors import UsageError
-from harness.motion.limits import JointLimits, stopping_speed
-from harness.motion.motion import Move, Setting
+from harness.motion.motion import JointLimits, Move, Setting, stopping_speed
 from harness.robot import Robot
 from harness.robot.kinematics import child_frames, forward, position_jacobian_of, tip_position
 

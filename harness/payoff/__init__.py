@@ -12,15 +12,13 @@ if TYPE_CHECKING:
     from harness.payoff.rollout import (
         SCRIPTS as SCRIPTS,
         Rollout as Rollout,
-        plan_actions as plan_actions,
-        record_rollouts as record_rollouts,
-    )
-    from harness.payoff.score import (
         discounted_sum as discounted_sum,
         finishing_of as finishing_of,
         never_paid as never_paid,
         pay_distances as pay_distances,
         payoff_of as payoff_of,
+        plan_actions as plan_actions,
+        record_rollouts as record_rollouts,
         score_rollout as score_rollout,
         steps_along as steps_along,
         temptations as temptations,

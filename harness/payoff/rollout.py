@@ -1,26 +1,30 @@
-"""Recorded rollouts of the scripted policies: the same starts and targets for all."""
+"""What scripted movements do, what a reward pays them, and whether reaching the target pays best."""
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from functools import cached_property
 from types import MappingProxyType
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
-from harness.arrays import Float, Float32, Mask
+from harness.arrays import Float, Float32, Mask, read_only
 from harness.env import ReachVectorEnv
-from harness.errors import UsageError
+from harness.errors import SimulationDiverged, UsageError
 from harness.experiment.arm_evaluation import EVALUATION_SEED
+from harness.log.log import sums_from
 from harness.motion import JointLimits, MoveJ
-from harness.reward import Array, Carry, Steps
-from harness.reward.steps import ARM_BEFORE
+from harness.reward import LARGEST_PAID, Array, Carry, Paid, Reward, Steps, pay
+from harness.reward.steps import ARM_BEFORE, DISTANCE, step_between
+from harness.reward.terms import require_one_each, require_same
 from harness.robot import Robot
-from harness.robot.inverse_kinematics import reach_position
+from harness.robot.kinematics import reach_position
 from harness.simulator import Simulator
 from harness.task import Task, goal_of
+from harness.text import number
 
 FINISH, HOVER, CREEP, OSCILLATE, HOLD, RANDOM = SCRIPTS = ("finish", "hover", "creep", "oscillate", "hold", "random")
 
@@ -238,7 +242,7 @@ def _record(env: ReachVectorEnv, script: str, noise: float) -> Rollout:
         if not running.any():
             break
     return Rollout(
-        script, {name: np.stack([of[name] for of in states]) for name in ARM_BEFORE}, *_stacked(rows), reached
+        script, {name: np.stack([of[name] for of in states]) for name in ARM_BEFORE}, *_stacked_ends(rows), reached
     )
 
 
@@ -247,6 +251,297 @@ def _state(env: ReachVectorEnv) -> dict[str, NDArray[Any]]:
     return {name: getattr(env.episodes, name).copy() for name in ARM_BEFORE}
 
 
-def _stacked(rows: list[tuple[Any, Any]]) -> tuple[Float, Mask]:
+def _stacked_ends(rows: list[tuple[Any, Any]]) -> tuple[Float, Mask]:
     events, running = zip(*rows, strict=True)
     return np.stack(events), np.stack(running)
+
+
+def steps_along(states: States) -> Iterator[Steps]:
+    """The steps of episodes that go through these states; as the env tracks them."""
+    distances = states[DISTANCE]
+    best = np.minimum.accumulate(distances, axis=0)
+    rows = [{name: values[row] for name, values in states.items()} for row in range(len(distances))]
+    for step in range(1, len(distances)):
+        count = np.full(distances.shape[1], float(step))
+        yield step_between(rows[step - 1], rows[step], distances[0], best[step - 1], count)
+
+
+def paid_along(reward: Reward, states: States) -> Iterator[tuple[Carry, Steps, Paid]]:
+    """What is remembered before each step of episodes that go through these states, the step, and what it is paid.
+
+    Raises:
+        UsageError: The reward reads what the states do not have, pays no number an arm, or its terms change.
+    """
+    states = {name: read_only(values) for name, values in states.items()}  # other rewards are paid by them too
+    carry, names = reward.initial_carry(states[DISTANCE][0]), None
+    for step in steps_along(states):
+        with np.errstate(all="ignore"):  # a reward may divide by anything where it then takes another value
+            remembered, paid = pay(reward, carry, step)
+        require_one_each(paid, len(step.begin_distance))
+        names = tuple(paid.terms) if names is None else names
+        require_same(names, paid.terms)
+        yield carry, step, paid
+        carry = remembered
+
+
+def pay_along(reward: Reward, states: States) -> Paid:
+    """Shaped reward of every step and its terms, (steps, n); may hold NaN and infinities. See `paid_along`."""
+    totals, terms = zip(*(paid for _, _, paid in paid_along(reward, states)), strict=True)
+    return Paid(_stacked(totals), {name: _stacked([of[name] for of in terms]) for name in terms[0]})
+
+
+def pay_distances(reward: Reward, distances: Float) -> Float:
+    """What a reward pays for made-up distances, (steps + 1, n), [m]; as `pay_along`."""
+    total: Float = pay_along(reward, {DISTANCE: distances}).total
+    return total
+
+
+def discounted_sum(values: Float, gamma: float) -> Float:
+    """Sum over steps of gamma^t values(t), t from 0; (steps, n) to (n,)."""
+    steps, count = values.shape
+    return sums_from(np.arange(count) * steps, values.T.ravel(), gamma)
+
+
+@dataclass(frozen=True, eq=False)
+class Score:
+    """A rollout as one reward pays it.
+
+    Attributes:
+        rollout: What was done.
+        values: Shaped reward, (steps, n); 0 after an episode's end.
+        terms: What each of its terms paid, the same.
+    """
+
+    rollout: Rollout
+    values: Float
+    terms: Mapping[str, Float]
+
+    @cached_property
+    def paid(self) -> Float:
+        """Shaped reward and event terms, (steps, n)."""
+        return self.values + self.rollout.events
+
+
+def score_rollout(reward: Reward, rollout: Rollout) -> Score:
+    """What the reward would have paid during the rollout.
+
+    Raises:
+        SimulationDiverged: It pays something that is not finite, or so much that nothing can be counted with it.
+        UsageError: It reads what no step of an arm has, or its terms are none.
+    """
+    paid = pay_along(reward, rollout.states)
+    *terms, values = (np.where(rollout.running, of, 0.0) for of in (*paid.terms.values(), paid.total))
+    for name, of in zip((*(f"the term '{name}'" for name in paid.terms), "the reward"), (*terms, values), strict=True):
+        wrong = ~(np.abs(of) <= LARGEST_PAID)
+        if wrong.any():
+            step, episode = np.argwhere(wrong)[0]
+            told = f"more than {LARGEST_PAID:g}" if np.isfinite(of[step, episode]) else "a number that is not finite"
+            raise SimulationDiverged(f"{name} pays '{rollout.script}' {told} at step {step + 1}")
+    return Score(rollout, values, dict(zip(paid.terms, terms, strict=True)))
+
+
+def _stacked(values: Any) -> Float:
+    return np.stack([np.asarray(value, np.float64) for value in values])
+
+
+SLACK = 1e-9
+"""Returns that differ by no more than this share of the largest are equal."""
+
+
+MARGIN = 0.05
+"""With noise on the actions something else has to earn more than finishing by this share of all that is earned."""
+
+
+@dataclass(frozen=True)
+class Payoff:
+    """Means over the episodes of one script.
+
+    Attributes:
+        policy: The script.
+        success: Share of episodes that ended at the target.
+        steps: Length of an episode.
+        shaped: Sum of the shaped reward of an episode.
+        total: The same with the event terms.
+        shaped_discounted: The sum of gamma^t times the shaped reward.
+        total_discounted: The same with the event terms.
+        terms: The sum of what each term of the reward paid in an episode, in their order; none if it has none.
+    """
+
+    policy: str
+    success: float
+    steps: float
+    shaped: float
+    total: float
+    shaped_discounted: float
+    total_discounted: float
+    terms: Mapping[str, float]
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data; a reward without terms has none there."""
+        return {name: value for name, value in asdict(self).items() if name != "terms" or value}
+
+
+@dataclass(frozen=True)
+class Temptation:
+    """A policy that does not finish and earns more than the one that does, event terms included.
+
+    Attributes:
+        policy: The script.
+        gamma: Discount per step.
+        earns: Its mean return.
+        finish_earns: That of ``finish``.
+        share: Of the episodes in which it earns more.
+    """
+
+    policy: str
+    gamma: float
+    earns: float
+    finish_earns: float
+    share: float
+
+    @property
+    def margin(self) -> float:
+        """By how much it earns more."""
+        return self.earns - self.finish_earns
+
+
+@dataclass(frozen=True)
+class Finishing:
+    """What a reward pays the scripted policies, and whether finishing is what pays.
+
+    Attributes:
+        gamma: Discount of the discounted figures.
+        payoffs: One of each scripted policy, the best return first.
+        undiscounted: What pays more than finishing, without discount.
+        discounted: The same with it.
+        holding_pays: Whether standing still at the start does.
+        steps: How many steps the policies took in all.
+        never_paid: The terms that paid nothing in any of them.
+    """
+
+    gamma: float
+    payoffs: tuple[Payoff, ...]
+    undiscounted: tuple[Temptation, ...]
+    discounted: tuple[Temptation, ...]
+    holding_pays: bool
+    steps: int
+    never_paid: tuple[str, ...]
+
+
+class UnderNoise(NamedTuple):
+    """What pays more than finishing, while every action is disturbed."""
+
+    policy: str
+    earns: float
+    """Its mean return; discounted where it pays more with a discount alone."""
+    finish_earns: float
+    is_robust: bool
+    """Whether it still earns more, by more than a margin."""
+
+
+def under_noise(of: Finishing, disturbed: Finishing) -> UnderNoise:
+    """Whether what pays more than finishing still does while actions are disturbed.
+
+    Args:
+        of: What the scripts earn; something earns more than finishing.
+        disturbed: What they earn with noise on their actions.
+    """
+    plain, noisy = (
+        {it.policy: it.total if of.undiscounted else it.total_discounted for it in found.payoffs}
+        for found in (of, disturbed)
+    )
+    margin = MARGIN * (max(plain.values()) - min(plain.values()))
+    best = max((it.policy for it in of.undiscounted or of.discounted), key=noisy.__getitem__)
+    return UnderNoise(best, noisy[best], noisy[FINISH], noisy[best] > noisy[FINISH] + margin)
+
+
+def finishing_of(scores: Sequence[Score], gamma: float) -> Finishing:
+    """What a reward pays for.
+
+    Args:
+        scores: What it paid in one rollout of each script.
+        gamma: The learner's discount per step, in (0, 1].
+    """
+    payoffs = [payoff_of(score, gamma) for score in scores]
+    return Finishing(
+        gamma,
+        tuple(sorted(payoffs, key=lambda payoff: -payoff.total)),
+        tuple(temptations(scores, 1.0)),
+        tuple(temptations(scores, gamma)),
+        holding_pays(payoffs),
+        sum(int(score.rollout.running.sum()) for score in scores),
+        never_paid(scores),
+    )
+
+
+def payoff_of(score: Score, gamma: float) -> Payoff:
+    """The means of a scored rollout."""
+    rollout = score.rollout
+    return Payoff(
+        rollout.script,
+        float(rollout.reached.mean()),
+        float(rollout.steps.mean()),
+        shaped=_mean_return(score.values, 1.0),
+        total=_mean_return(score.paid, 1.0),
+        shaped_discounted=_mean_return(score.values, gamma),
+        total_discounted=_mean_return(score.paid, gamma),
+        terms={name: _mean_return(values, 1.0) for name, values in score.terms.items()},
+    )
+
+
+def never_paid(scores: Sequence[Score]) -> tuple[str, ...]:
+    """The terms of a reward that paid 0 in every step of every script."""
+    return tuple(name for name in scores[0].terms if not any(score.terms[name].any() for score in scores))
+
+
+def temptations(scores: Sequence[Score], gamma: float) -> list[Temptation]:
+    """The scripts that reach the target less often than ``finish`` and earn more, the best first."""
+    returns = {score.rollout.script: discounted_sum(score.paid, gamma) for score in scores}
+    success = {score.rollout.script: score.rollout.reached.mean() for score in scores}
+    finish = returns[FINISH]
+    slack = SLACK * max(np.abs(values).mean() for values in returns.values())
+    found = [
+        Temptation(name, gamma, float(earned.mean()), float(finish.mean()), float((earned > finish + slack).mean()))
+        for name, earned in returns.items()
+        if success[name] < success[FINISH] and earned.mean() > finish.mean() + slack
+    ]
+    return sorted(found, key=lambda temptation: -temptation.margin)
+
+
+def holding_pays(payoffs: Sequence[Payoff]) -> bool:
+    """Whether the shaped reward of standing still at the start adds up to more than nothing, discounted or not."""
+    largest = max(max(abs(payoff.shaped), abs(payoff.shaped_discounted)) for payoff in payoffs)
+    hold = next(payoff for payoff in payoffs if payoff.policy == HOLD)
+    return max(hold.shaped, hold.shaped_discounted) > 1e-3 * largest
+
+
+def _mean_return(values: Float, gamma: float) -> float:
+    return float(discounted_sum(values, gamma).mean())
+
+
+def on_finishing(of: Finishing) -> str:
+    """Whether finishing is what pays; rests on the discounted return, which is what a learner is after."""
+    rate, plain, discounted = f"discounted by {of.gamma:g}", of.undiscounted, of.discounted
+    if plain and discounted:
+        told = f"{_compare(plain[0])}; {rate} {_compare(discounted[0])}"
+        return f"Not finishing pays more than finishing: {told}."
+    if discounted:
+        return f"Not finishing pays more than finishing: {rate} {_compare(discounted[0])}; without discount less."
+    if plain:
+        return f"Finishing pays most {rate}; without discount it does not: {_compare(plain[0])}."
+    finish = next(payoff for payoff in of.payoffs if payoff.policy == FINISH)
+    others = [payoff for payoff in of.payoffs if payoff.success < finish.success]
+    beside = f", {others[0].policy} {number(others[0].total)}" if others else ""
+    return f"Finishing pays most: finish earns {number(finish.total)} per episode{beside}."
+
+
+def on_terms(of: Finishing) -> list[str]:
+    """A line for each term that paid nothing in all these steps of the scripted policies."""
+    return [f"The term '{name}' never paid in {of.steps:,} steps." for name in of.never_paid]
+
+
+def _compare(temptation: Temptation) -> str:
+    return (
+        f"{temptation.policy} earns {number(temptation.earns)} per episode, finish {number(temptation.finish_earns)}"
+        f" (more in {temptation.share:.0%} of the episodes)"
+    )

@@ -8,15 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float32
-from harness.policy.continuous import Network, require_sound
-from harness.policy.policy import Policy, scatter
+from harness.policy.policy import Network, Policy, require_sound, scatter
 
 
 @dataclass(frozen=True, eq=False)
 class UniformChoice(Policy):
     """Every choice equally often, whatever is observed; of observations of any size.
 
-    Without a generator a choice still is a function of its observation; see `harness.policy.continuous.Uniform`.
+    Without a generator a choice still is a function of its observation; see `harness.policy.policy.Uniform`.
 
     Attributes:
         choices: How many there are.

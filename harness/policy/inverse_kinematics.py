@@ -9,12 +9,10 @@ from typing import Any, ClassVar, Self, cast
 import numpy as np
 
 from harness.arrays import Float, Float32
-from harness.motion.limits import JointLimits
-from harness.policy.continuous import LARGEST, Uniform
-from harness.policy.policy import Policy
+from harness.motion.motion import JointLimits
+from harness.policy.policy import LARGEST, Policy, Uniform
 from harness.robot import Robot
-from harness.robot.inverse_kinematics import reach_pose, reach_position
-from harness.robot.kinematics import Chain, chain_length, rotation_of_axes
+from harness.robot.kinematics import Chain, chain_length, reach_pose, reach_position, rotation_of_axes
 from harness.robot.urdf import JointKind
 
 MODES = ("movej", "movej-absolute", "set-joints")
@@ -155,7 +153,7 @@ class InverseKinematics(Policy):
 
 @dataclass(frozen=True, eq=False)
 class KnownArm:
-    """What a search for joint positions has to know of an arm; see `harness.robot.inverse_kinematics.Arm`."""
+    """What a search for joint positions has to know of an arm; see `harness.robot.kinematics.Arm`."""
 
     chain: Chain
     lower: Float

@@ -6,9 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from harness.errors import HarnessError, SchemaError
-from harness.policy.continuous import Deterministic, Gaussian, SquashedGaussian, Uniform
 from harness.policy.discrete import Categorical, Greedy, UniformChoice
-from harness.policy.policy import Policy, read_folder
+from harness.policy.policy import Deterministic, Gaussian, Policy, SquashedGaussian, Uniform, read_folder
 from harness.text import one_line_of
 
 

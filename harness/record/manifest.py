@@ -12,8 +12,7 @@ from pydantic import with_config
 
 from harness.errors import SchemaError
 from harness.files.bounded import digest_of, files_in, is_partial, reading, write_whole
-from harness.files.plain import Plain
-from harness.files.sealed import SUMS, read_sealed, seal
+from harness.files.plain import SUMS, Plain, read_sealed, seal
 from harness.record.cell import Cell
 from harness.record.earlier import whole_manifest
 from harness.record.file_forms import EXACT, Digests, Environment, Line, Moment, Seconds, Status, Whole, read_form

@@ -12,7 +12,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, with_config
 import harness.record.file_forms as forms
 from harness.errors import SchemaError, UsageError, one_line
 from harness.files.bounded import reading, write_whole
-from harness.files.sealed import read_sealed, seal, unseal
+from harness.files.plain import read_sealed, seal, unseal
 from harness.record.cell import Cell
 from harness.record.terms import FIRST, Terms
 from harness.registry.toml_file import MOST_DEPTH, depth_of, read_toml

@@ -52,8 +52,7 @@ from pydantic import ConfigDict, with_config
 from harness.arrays import Float
 from harness.errors import SchemaError, SimulationDiverged
 from harness.files.bounded import reading
-from harness.files.footer import read_chunks
-from harness.files.parquet import open_parquet, require_room, table_of
+from harness.files.parquet import open_parquet, read_chunks, require_room, table_of
 from harness.files.plain import Plain
 from harness.log import Log, LogFacts, in_memory
 from harness.log.log import ROWS, Columns

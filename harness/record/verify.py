@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from harness.errors import NewerFormat, SchemaError, UsageError
 from harness.files.bounded import files_in, is_partial, write_whole
-from harness.files.sealed import SUMS, changed_since_made, forget_made, is_whole, read_sums
+from harness.files.plain import SUMS, changed_since_made, forget_made, is_whole, read_sums
 from harness.record.added import owners
 from harness.record.folder import DERIVED, SCORES
 from harness.record.manifest import REMEDY, added_files, read_manifest, require_files, whole_cell

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.errors import UsageError, one_line
-from harness.files.sealed import making
+from harness.files.plain import making
 from harness.log import Log, Rows, in_memory
 from harness.log.log import BEHAVIOUR, REWARD
 from harness.record.recording.facts import ActionFacts, TrainingFacts, facts_of, file_column, term_column

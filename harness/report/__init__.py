@@ -28,17 +28,16 @@ if TYPE_CHECKING:
         question as question,
         what_decides as what_decides,
     )
-    from harness.report.rows.payoff import Payoffs as Payoffs
     from harness.report.rows.ratios import (
         SPLIT as SPLIT,
         Grid as Grid,
         format_number as format_number,
         scales_text as scales_text,
     )
-    from harness.report.rows.returns import return_grid as return_grid, terms_grid as terms_grid
+    from harness.report.rows.returns import Payoffs as Payoffs, return_grid as return_grid, terms_grid as terms_grid
     from harness.report.tables.comparison import comparison_table as comparison_table
     from harness.report.tables.eta import eta_table as eta_table
-    from harness.report.tables.overview import overview_table as overview_table, ranking_table as ranking_table
+    from harness.report.tables.grid import overview_table as overview_table, ranking_table as ranking_table
     from harness.report.tables.score import score_table as score_table
 else:
     __all__, __getattr__ = face_of(__name__, __file__)

@@ -14,9 +14,8 @@ from harness.eta.headline import DECIDING, SUCCESS, UNMEASURED, Answer, Headline
 from harness.eta.index import Ratio
 from harness.eta.judgement import Verdict, lead_of
 from harness.eta.manner import DETERMINISTIC, LAST, OWN_AND_OTHER, STOCHASTIC, TRAINING, WHOLE
-from harness.eta.paid_at_random import PaidAtRandom
 from harness.eta.rescaling import Rescaling
-from harness.eta.return_split import ReturnSplit
+from harness.eta.return_split import PaidAtRandom, ReturnSplit
 from harness.eta.splits import Decomposition, Names, Pair, Splits, no_splits, splits_to_json
 from harness.eta.swaps import corrected_where_known
 from harness.eta.verdict.ruling import Ruling

@@ -10,7 +10,7 @@ from pydantic import Field, with_config
 
 from harness.errors import SchemaError
 from harness.files.bounded import parse_json, reading
-from harness.files.sealed import is_whole, read_keyed
+from harness.files.plain import is_whole, read_keyed
 from harness.record.file_forms import EXACT, Line, Whole, read_form
 from harness.record.folder import DERIVED, EVALUATION_RECORDING, POLICY
 from harness.record.manifest import Manifest

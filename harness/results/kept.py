@@ -25,7 +25,7 @@ import numpy as np
 import pyarrow as pa
 
 from harness.files.bounded import digest_of
-from harness.files.sealed import read_keyed, write_keyed
+from harness.files.plain import read_keyed, write_keyed
 from harness.record.folder import DERIVED
 from harness.registry.sources import digest_of_modules
 

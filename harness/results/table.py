@@ -8,7 +8,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from harness.files.bounded import whole_file
-from harness.files.sealed import making
+from harness.files.plain import making
 from harness.record.manifest import Manifest
 from harness.record.store import RESULTS
 from harness.results.comparison import Comparison

@@ -9,7 +9,6 @@ from harness.robot.robot import Robot as Robot
 if TYPE_CHECKING:
     from harness.robot.energy import read_bodies as read_bodies
     from harness.robot.ground_clearance import Solids as Solids, build_solids as build_solids
-    from harness.robot.inverse_kinematics import reach_pose as reach_pose, reach_position as reach_position
     from harness.robot.joint_limits import Servo as Servo
     from harness.robot.kinematics import (
         Chain as Chain,
@@ -17,6 +16,8 @@ if TYPE_CHECKING:
         end_effector_position as end_effector_position,
         forward as forward,
         link_frames as link_frames,
+        reach_pose as reach_pose,
+        reach_position as reach_position,
         rotation_of_axes as rotation_of_axes,
     )
     from harness.robot.meshes import read_mesh as read_mesh

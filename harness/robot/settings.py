@@ -39,7 +39,7 @@ ARGUMENTS = "arguments"
 RANGE_KEYS: Mapping[Motion, str] = {"turning": "range_deg", "sliding": "range_m"}
 """The same, with two values per joint."""
 BASE, TOOL, FIXED, CHAIN, MESHES = "base", "tool", "fixed", "chain", "meshes"
-"""What the arm stands on and holds, and where it begins and ends; see `harness.robot.arrangement`."""
+"""What the arm stands on and holds, and where it begins and ends; see `harness.robot.robot`."""
 KEYS = (
     *TEXT_KEYS,
     *(BASE, TOOL, FIXED, CHAIN, MESHES),

@@ -10,7 +10,7 @@ from harness.arrays import Float
 from harness.errors import UsageError, reason_of
 from harness.files.bounded import reading, whole_file
 from harness.files.parquet import open_parquet, require_room
-from harness.files.sealed import changed_since_made, note_made
+from harness.files.plain import changed_since_made, note_made
 from harness.log import Log
 from harness.log.log import REWARD, START
 from harness.record.cell_log import cell_of

@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from harness.errors import UsageError
-from harness.files.sealed import making
+from harness.files.plain import making
 from harness.log import Log, in_memory
 from harness.log.log import REWARD
 from harness.record.cell import Cell

@@ -12,8 +12,7 @@ from harness.arrays import Float
 from harness.goal import Goal, Situation
 from harness.reach import Positive, ReachTask
 from harness.robot import Robot
-from harness.robot.inverse_kinematics import reach_position
-from harness.robot.kinematics import axes_of_rotation, forward, rotation_between, rotation_of_axes
+from harness.robot.kinematics import axes_of_rotation, forward, reach_position, rotation_between, rotation_of_axes
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,7 @@ from harness.errors import UsageError
 from harness.motion import Motion, Setting, build_motion
 from harness.reach import Pay
 from harness.robot import Robot
-from harness.robot.inverse_kinematics import reach_position
-from harness.robot.kinematics import forward
+from harness.robot.kinematics import forward, reach_position
 from harness.task import LONGEST_EPISODE, Targets
 
 Positive = Annotated[float, Field(gt=0)]

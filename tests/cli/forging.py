@@ -11,7 +11,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from harness.files.bounded import digest_of
-from harness.files.sealed import FIRST_LINE, note_made, seal
+from harness.files.plain import FIRST_LINE, note_made, seal
 from harness.record import Cell
 
 Forge = Callable[[Path], object]

@@ -1,6 +1,6 @@
 """What the rewards of an experiment pay for, asked for its page."""
 
-from harness.cli.results_shown import audits_of
+from harness.cli.output import audits_of
 from tests.report.conftest import build_results
 
 

@@ -5,8 +5,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from harness.files.footer import read_chunks
-from harness.files.parquet import require_room
+from harness.files.parquet import read_chunks, require_room
 
 ROWS = 1_000
 

@@ -9,7 +9,7 @@ import pytest
 from harness.eta import GroupCurve
 from harness.payoff.dataset.paid_dataset import Fingerprint
 from harness.policy import kinds
-from harness.policy.continuous import ACTIVATIONS
+from harness.policy.policy import ACTIVATIONS
 from harness.record import manifest
 from harness.record.dataset.labels import SuccessRule
 from harness.record.recording import recorded_training

@@ -11,7 +11,7 @@ import harness
 from harness.env import ReachVectorEnv
 from harness.progress import Progress
 from harness.reach import ReachTask
-from harness.robot.inverse_kinematics import reach_position
+from harness.robot.kinematics import reach_position
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.kit.trainings import NegativeDistance
 from harness_plugins.sb3.callback import ProgressCallback

@@ -31,7 +31,7 @@ from harness.policy import (
     every_kind,
     load_policy,
 )
-from harness.policy.continuous import ACTIVATIONS
+from harness.policy.policy import ACTIVATIONS
 
 Make = Callable[..., Network]
 

@@ -4,7 +4,7 @@
 the trace (`harness.experiment.checkpoints.trace_parts`) and the rows of replay buffers
 (`harness.experiment.checkpoints.checkpoint`), which stand in files of their own and only grow, it is all that the
 rest of the training depends on: what the algorithm says that it needs, and the state of the env. Of the physics it
-holds what the arms were told since their last resets: that is done again (`harness.env.logged_simulation`).
+holds what the arms were told since their last resets: that is done again (`harness.env.ideal`).
 """
 
 import hashlib

@@ -11,8 +11,7 @@ from typing_extensions import TypedDict
 
 from harness.eta.manner import Acted
 from harness.files.bounded import reading
-from harness.files.plain import Plain
-from harness.files.sealed import read_sealed, seal
+from harness.files.plain import Plain, read_sealed, seal
 from harness.log import Failed, Log, LogFacts
 from harness.log.log import BEHAVIOUR, REWARD
 from harness.record.file_forms import EXACT, Digest, Line, Name, Number, Whole, read_form

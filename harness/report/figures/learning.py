@@ -1,12 +1,18 @@
-"""The figure of learning: a measure of behaviour over environment steps, under both rewards and by random actions."""
+"""Figures of what was learned: curves, performance profiles, ways to the target."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
-from harness.report.figures.chart import Area, Axis, Chart, Dots, Line, Shape, linear_axis, share_axis
+import numpy as np
+
+from harness.arrays import Float
+from harness.eta.behaviour_change import Change, performance_profile
+from harness.eta.headline import count_seeds
+from harness.report.figures.chart import GAP, Area, Axis, Chart, Dots, Line, Mark, Shape, linear_axis, share_axis
 from harness.report.rows.behaviour import percentage
 from harness.report.rows.ratios import Text
 from harness.results.comparison import Comparison
 from harness.results.learning import Learning, LearningCurve, Point
+from harness.results.trajectories import Trajectories, Trajectory
 
 STYLES: tuple[tuple[str, Shape], ...] = (("baseline", "circle"), ("proposed", "diamond"))
 """Colour and shape of the curves of either reward; one that stands alone looks as the proposed one."""
@@ -115,3 +121,107 @@ def _dots(points: list[Point], colour: str, shape: Shape, text: Text) -> Dots:
 def _means(points: list[Point]) -> tuple[list[float], list[float]]:
     known = [(float(point.steps), point.value.mean) for point in points if point.value.mean is not None]
     return [steps for steps, _ in known], [mean for _, mean in known]
+
+
+LEVELS = 101
+
+
+def draw_profile(change: Change) -> Chart:
+    """Both profiles of a share such as the success rate, as steps; of at least a seed of each reward."""
+    lines = (("baseline", 0, ""), ("proposed", 1, "7 4"))
+    name = change.name.replace("_", " ")
+    return Chart(
+        share_axis(f"{name} of a seed, at least"),
+        share_axis("share of the seeds"),
+        tuple(_steps(change.values[side], who, dash) for who, side, dash in lines),
+    )
+
+
+def _steps(values: Sequence[float], who: str, dash: str) -> Line:
+    """A line that is level from one place to the next, and falls there."""
+    at = np.linspace(0.0, 1.0, LEVELS)
+    shares = performance_profile(values, at - 1e-9).round(4)
+    x, y = np.repeat(at.round(3), 2)[1:].tolist(), np.repeat(shares, 2)[:-1].tolist()
+    return Line(x, y, who, who, 2.5, dash=dash, in_legend=True)
+
+
+def describe_profile(change: Change) -> str:
+    """The same in words, for those who cannot see it."""
+    worst = [min(values) for values in change.values]
+    told = f"{worst[0]:.0%} under the baseline, {worst[1]:.0%} under the proposed reward"
+    counts = " against ".join(map(count_seeds, dict.fromkeys(change.counts)))
+    return f"{counts}. The worst seed: {told}."
+
+
+PLACES = 30
+"""The most points of one path. Of an episode with thousands of steps, only some steps are drawn."""
+VIEWS = ((0, 1, "seen from above"), (0, 2, "seen from the side"))
+"""The two projections: which coordinates are drawn, and what it is called."""
+
+
+def draw_trajectories(trajectories: Trajectories) -> tuple[tuple[Chart, ...], tuple[Chart, ...]]:
+    """The baseline's paths and the proposed reward's, a chart for each projection, on equal axes."""
+    axes = _axes([*trajectories.baseline, *trajectories.proposed])
+    sides = ((trajectories.baseline, "baseline"), (trajectories.proposed, "proposed"))
+    baseline, proposed = (
+        tuple(
+            Chart(axes[across], axes[up], tuple(_marks(paths, [across, up], colour)), is_square=True)
+            for across, up, _ in VIEWS
+        )
+        for paths, colour in sides
+    )
+    return baseline, proposed
+
+
+def describe_trajectories(seed: int, paths: Sequence[Trajectory]) -> str:
+    """The same in words: whose paths these are, and how many reach the target."""
+    reached = sum(path.reached for path in paths)
+    return f"Seed {seed}: {reached} of the first {len(paths)} evaluation episodes reach the target."
+
+
+def _marks(paths: Sequence[Trajectory], columns: list[int], colour: str) -> Iterator[Mark]:
+    """The marks of the paths. Marks that do not occur are left out of the legend."""
+    reached, missed = ([path for path in paths if path.reached is wanted] for wanted in (True, False))
+    if missed:
+        yield Line(*_lines(missed, columns), "random", "missed", 1.5, dash="2 3", in_legend=True)
+    if reached:
+        yield Line(*_lines(reached, columns), colour, "reached", 1.5, in_legend=True)
+    ends = [path.points[-1] for path in missed]
+    if missed:
+        yield Dots(*_spots(ends, columns), "random", shape="cross", size=3.0, legend="missed: its end")
+    if paths:
+        yield Dots(*_spots([path.points[0] for path in paths], columns), "ink", size=2.5, legend="start")
+        targets = [path.target for path in paths]
+        yield Dots(*_spots(targets, columns), "ink", shape="diamond", is_open=True, size=3.0, legend="target")
+
+
+def _lines(paths: Iterable[Trajectory], columns: list[int]) -> tuple[list[float], list[float]]:
+    """All paths as one line with gaps."""
+    across: list[float] = []
+    up: list[float] = []
+    for path in paths:
+        x, y = _spots(_thinned(path.points), columns)
+        across += [*x, GAP]
+        up += [*y, GAP]
+    return across, up
+
+
+def _spots(points: Iterable[Float], columns: list[int]) -> tuple[list[float], list[float]]:
+    spots = np.stack(list(points))[:, columns]
+    return spots[:, 0].tolist(), spots[:, 1].tolist()
+
+
+def _thinned(points: Float) -> Float:
+    """At most `PLACES` points, evenly spaced, with the first and the last."""
+    kept = np.linspace(0, len(points) - 1, min(len(points), PLACES)).round().astype(int)
+    thinned: Float = points[kept]
+    return thinned
+
+
+def _axes(paths: Sequence[Trajectory]) -> list[Axis]:
+    """The axes. A metre is equally long on all of them, so that directions and lengths look right."""
+    points = np.concatenate([np.vstack([path.points, path.target]) for path in paths])
+    low, high = points.min(axis=0), points.max(axis=0)
+    middle, half = (low + high) / 2, 0.55 * float((high - low).max()) or 0.05
+    named = zip(middle.tolist(), "xyz", strict=True)
+    return [linear_axis(at - half, at + half, f"{axis} [m]", 5) for at, axis in named]

@@ -12,31 +12,45 @@ from harness.report.figures.accumulated import draw_both, panels_of
 from harness.report.figures.chart import Chart
 from harness.report.figures.draw import draw_chart
 from harness.report.figures.learning import (
+    VIEWS,
     describe_curves,
     describe_learning,
+    describe_profile,
+    describe_trajectories,
     draw_curves,
     draw_learning,
+    draw_profile,
+    draw_trajectories,
     learning_heading,
     learning_names,
 )
-from harness.report.figures.profile import describe_profile, draw_profile
 from harness.report.figures.split import describe_split, describe_sum, draw_split, draw_strip, draw_sum
-from harness.report.figures.trajectories import VIEWS, describe_trajectories, draw_trajectories
 from harness.report.page.answer import Card, card_of
 from harness.report.replay.section import BASELINE, PROPOSED, EpisodeLinks, Link, Still
-from harness.report.rows.alone import alone_grid, setting_of, story
 from harness.report.rows.behaviour import (
+    alone_grid,
     along_grid,
     behaviour_grids,
     percentage,
     seeds_grid,
+    setting_of,
     shown_changes,
+    story,
     text_of,
 )
 from harness.report.rows.comparison import BETWEEN, basis_text, claims_text, compared_text, rewards_text
-from harness.report.rows.payoff import Audits, Story, payoff_story
 from harness.report.rows.ratios import Grid, format_number, scales_text, step_text
-from harness.report.rows.returns import READING, changed_text, number_grids, returns_grid, terms_grid, terms_of
+from harness.report.rows.returns import (
+    READING,
+    Audits,
+    Story,
+    changed_text,
+    number_grids,
+    payoff_story,
+    returns_grid,
+    terms_grid,
+    terms_of,
+)
 from harness.results import Results
 from harness.results.alone import Alone, Stages
 from harness.results.comparison import Comparison

@@ -18,7 +18,7 @@ from harness.report.page.answer import Card, Matrix, comparisons_csv, groups_of,
 from harness.report.page.comparison import Section, alone_section, comparison_section
 from harness.report.page.page import render_page, write_page
 from harness.report.replay.section import Link, Replay, links_of, replay_of
-from harness.report.rows.alone import ALONE, beside, setting_of
+from harness.report.rows.behaviour import ALONE, beside, setting_of
 from harness.report.rows.comparison import (
     BETWEEN,
     CHOOSING,
@@ -36,7 +36,6 @@ from harness.report.rows.comparison import (
     until_decided,
     what_decides,
 )
-from harness.report.rows.payoff import EXPLANATION as PAYOFFS, TITLE as PAYOFF_TITLE, Audits
 from harness.report.rows.ranking import (
     AGREEMENT,
     CHOICE,
@@ -50,9 +49,12 @@ from harness.report.rows.returns import (
     EXPLANATION as RETURNS,
     INDICES,
     PAY,
+    PAYOFF_TITLE,
+    PAYOFFS,
     TERMS,
     TERMS_TITLE,
     TITLE as RETURN_TITLE,
+    Audits,
     matrix_title,
     never_texts,
     return_grid,

@@ -1,5 +1,6 @@
-"""Measures of behaviour as text: what the terminal, the page and the summary share."""
+"""Measures of behaviour as text, compared or of one reward alone: what terminal, page and summary share."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -8,10 +9,13 @@ from harness.eta.headline import count_seeds
 from harness.eta.index import NOTHING
 from harness.eta.manner import DETERMINISTIC, STOCHASTIC
 from harness.eta.swaps import p_text
-from harness.report.rows.comparison import EPISODES, count_of
-from harness.report.rows.ratios import Grid, Text, format_number
+from harness.record.plan_file import EXPERIMENT
+from harness.report.rows.comparison import BETWEEN, EPISODES, count_of
+from harness.report.rows.ratios import Grid, Text, format_number, value_rows
+from harness.results import Results
+from harness.results.alone import Alone, Stages
 from harness.results.comparison import Comparison, StepChange
-from harness.text import shortened
+from harness.text import command_text, shortened
 
 SAME_STEPS = "0, same steps"
 """In place of an interval where both robots take the same steps: nothing is estimated."""
@@ -164,3 +168,55 @@ def _difference(change: Change, is_share: bool) -> str:
 def percentage(value: float | None) -> str:
     """A share as a percentage."""
     return NOTHING if value is None else f"{value:.1%}"
+
+
+ALONE_HEADINGS = ("an episode", "start", "end", "evaluation", "random")
+ALONE = (
+    "Means over trainings. Start and end are the first and the last tenth of the episodes of each training, evaluation "
+    "those of the final policies. Nothing is compared: whether another reward would teach more, or the same, cannot be "
+    "seen here."
+)
+
+
+def size_text(alone: Alone) -> str:
+    """How many trainings there are, and how long they are."""
+    count = len(alone.seeds)
+    if count == 1:
+        return f"1 training, {alone.group.steps:,} steps"
+    return f"{count} trainings, {alone.group.steps:,} steps each"
+
+
+def setting_of(alone: Alone) -> str:
+    """Where the trainings took place, how many there are, and how long they are."""
+    return BETWEEN.join((size_text(alone), alone.group.title))
+
+
+def alone_grid(alone: Alone, most: int | None = None) -> Grid:
+    """The pay, then a row for each measure; of `most` measures at most, or of all, each with its interval below it."""
+    rows: list[tuple[str, ...]] = []
+    for stages in (alone.paid, *alone.behaviour[:most]):
+        values = (stages.start, stages.end, stages.evaluation, stages.random)
+        told = value_rows(measure_name(stages.measure), values, text_of(stages.measure))
+        rows += told[:1] if most else told
+    return Grid(ALONE_HEADINGS, rows, [])
+
+
+def story(alone: Alone) -> str:
+    """Pay against behaviour over the training, in a sentence; empty where it is not known."""
+    told = {"pay of an episode": alone.paid, **{measure_name(it.measure): it for it in alone.behaviour[:1]}}
+    ways = [f"the {name} {_way(it)}" for name, it in told.items() if it.start.mean is not None]
+    return f"Over the trainings: {'; '.join(ways)}." if ways else ""
+
+
+def beside(results: Results, alone: Sequence[Alone]) -> str:
+    """The command that trains another reward beside one that stands alone; empty where no experiment made it."""
+    if not alone or results.is_temporary or not results.is_experiment:
+        return ""
+    place = results.folder / EXPERIMENT
+    command = command_text("harness", "run", place, "--reward", "OTHER", "--out", results.folder)
+    return f"{command}{results.plugin_flags}"
+
+
+def _way(stages: Stages) -> str:
+    text = text_of(stages.measure)
+    return f"from {text(stages.start.mean)} to {text(stages.end.mean)}"

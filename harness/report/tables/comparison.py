@@ -29,8 +29,7 @@ from harness.report.rows.returns import (
     terms_grid,
     terms_of,
 )
-from harness.report.tables.grid import show_grid, show_titled
-from harness.report.tables.overview import alone_lines, interim_lines, pooled_lines, said_lines
+from harness.report.tables.grid import alone_lines, interim_lines, pooled_lines, said_lines, show_grid, show_titled
 from harness.results import Results
 from harness.results.comparison import Comparison
 

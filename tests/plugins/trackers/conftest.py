@@ -2,7 +2,7 @@
 
 import pytest
 
-from harness.experiment.progress.trackers import tracked_cell
+from harness.experiment.followed import tracked_cell
 
 
 @pytest.fixture

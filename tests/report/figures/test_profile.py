@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from harness.report.figures.profile import describe_profile, draw_profile
+from harness.report.figures.learning import describe_profile, draw_profile
 from tests.results import told
 from tests.results.told import SUCCESS
 

@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from harness.report import Line
-from harness.report.figures.trajectories import describe_trajectories, draw_trajectories
+from harness.report.figures.learning import describe_trajectories, draw_trajectories
 from harness.results import Trajectories, Trajectory
 
 HIT = Trajectory(np.array([[0.0, 1.0, 2.0], [0.123456, 1.5, 2.5]]), np.array([0.1, 1.5, 2.5]), reached=True)

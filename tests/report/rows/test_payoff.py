@@ -1,7 +1,7 @@
 """What the rewards pay for, beside what the robot did."""
 
 from harness.report import Payoffs, write_html
-from harness.report.rows.payoff import payoff_story
+from harness.report.rows.returns import payoff_story
 
 TEMPTED = Payoffs(
     ("Not finishing pays more than finishing.",), {"finish": 1.0, "creep": 9.0}, {"finish": 1.0, "creep": 0.0}

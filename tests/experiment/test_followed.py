@@ -3,8 +3,7 @@
 import pytest
 
 from harness.executor import Event
-from harness.experiment.progress.followed import WRITE_EVERY, EndedCells, Followed
-from harness.experiment.progress.trackers import Trackers, Tracking
+from harness.experiment.followed import WRITE_EVERY, EndedCells, Followed, Trackers, Tracking
 from harness.progress import RETURN, SUCCESS
 from harness.record import Store
 from harness.record.running import read_running

@@ -4,7 +4,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from harness.experiment import check_experiment, expand
-from harness.experiment.progress.followed import EVERY, TableSoFar
+from harness.experiment.followed import EVERY, TableSoFar
 from harness.record import RESULTS, Store, read_manifest
 from harness.record.verify import verify
 from harness.results.cell_results import CellResults, Cells
