@@ -61,7 +61,6 @@ if TYPE_CHECKING:
     from harness.experiment.environments.columns import (
         Columns as Columns,
         columns_of as columns_of,
-        weighing as weighing,
     )
     from harness.experiment.environments.plan import (
         look_at as look_at,
@@ -116,7 +115,6 @@ if TYPE_CHECKING:
         ContinuousNetwork as ContinuousNetwork,
         read_folder as read_folder,
     )
-    from harness.record.blocks import Block as Block, Blocks as Blocks, read_blocks as read_blocks
     from harness.record.dataset.labels import (
         UNKNOWN as UNKNOWN,
         SuccessRule as SuccessRule,
@@ -135,7 +133,7 @@ if TYPE_CHECKING:
         Status as Status,
         read_form as read_form,
     )
-    from harness.record.folder import TRAINING_RECORDING as TRAINING_RECORDING
+    from harness.record.folder import TRAINING_RECORDING as TRAINING_RECORDING, parts_of as parts_of
     from harness.record.manifest import (
         Ending as Ending,
         now as now,
@@ -168,10 +166,10 @@ if TYPE_CHECKING:
         recorder_numbers as recorder_numbers,
         recordings_in as recordings_in,
     )
-    from harness.record.returns import mean_return as mean_return
+    from harness.record.returns import PAID as PAID, mean_return as mean_return
     from harness.record.scene import Scene as Scene, read_scene as read_scene, write_scene as write_scene
     from harness.record.status import FolderStatus as FolderStatus, read_status as read_status
-    from harness.record.trace import TERM as TERM, terms_of as terms_of
+    from harness.record.trace import TERM as TERM, term_names as term_names, trace_part as trace_part
     from harness.recorder.column import Column as Column, made_columns as made_columns, source_of as source_of
     from harness.recorder.env_facts import versions_of as versions_of
     from harness.recorder.guard import Guard as Guard, Raised as Raised

@@ -17,7 +17,7 @@ from harness.motion import Discrete, Motion, Move
 from harness.progress import TrainingState, as_state, prefixed, under
 from harness.record.trace import QVEL, TERM, Recorder
 from harness.reward import Carry, Reward, Steps, pay, replace_where
-from harness.reward.needs import terms_of
+from harness.reward.needs import Needs, shown_needs
 from harness.reward.reward import is_finite, require_finite
 from harness.reward.terms import require_same
 from harness.robot import Robot
@@ -358,7 +358,7 @@ class Decisions:
         # Asked for once: a task may be a dataclass with checks, and these are read in every step.
         self._decision_period, self._goes_on = task.decision_period, not task.ends_at_target
         self._step_reward = np.array(task.step_reward, float)  # as an array: numpy turns a float into one at every call
-        terms = terms_of(reward, robot.dof, motion.action_size)
+        terms = (shown_needs(reward, robot.dof, motion.action_size) or Needs()).terms
         asked = {QVEL: robot.dof} if QVEL in records else {}
         extras = {**extra_columns(conditions), **asked, **{f"{TERM}{name}": 1 for name in terms}}
         goal = goal_of(task, robot)

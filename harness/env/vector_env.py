@@ -18,10 +18,12 @@ from harness.errors import UsageError
 from harness.motion import Discrete, Motion
 from harness.progress import TrainingState
 from harness.record.cell import Cell
-from harness.record.trace import Recorder
+from harness.record.trace import COLUMN, Recorder
 from harness.registry.choice import Choice, choose
 from harness.registry.registry import Registry, load_registry
-from harness.reward import Reward
+from harness.reward import Reward, Steps
+from harness.reward.given import ARM, TASK
+from harness.reward.steps import joined, map_steps
 from harness.robot import Robot
 from harness.robot.robot import load_robot
 from harness.simulator import Simulation, Simulator
@@ -293,12 +295,18 @@ def make_env(
 
 
 Action = NDArray[Any]
+PRICES = [COLUMN[name] for name in ("reward_ground", "reward_target", "reward_step")]
+"""What the task pays, in a row."""
 
 
 class ReachEnv(gymnasium.Env[Float32, Action]):
-    """A `ReachVectorEnv` of one env, without its leading axis."""
+    """A `ReachVectorEnv` of one env, without its leading axis.
 
-    metadata = {"render_modes": ["rgb_array"], "render_fps": 10}  # noqa: RUF012 (Gymnasium declares it so)
+    The info of a step also holds, under `ARM`, what an arm's reward is given, a row for each environment step; under
+    `TASK` what the task paid beside the reward.
+    """
+
+    metadata = {"render_modes": ["rgb_array"], "render_fps": 10, ARM: True}  # noqa: RUF012 (Gymnasium declares it so)
 
     def __init__(
         self,
@@ -318,6 +326,14 @@ class ReachEnv(gymnasium.Env[Float32, Action]):
         self.observation_space = self.vector_env.single_observation_space
         self.action_space = self.vector_env.single_action_space
         self.render_mode = render_mode
+        self.vector_env.recorder = self
+        self._taken, self._paid = list[Steps](), 0.0
+
+    def append(self, rows: Float) -> None:
+        """Note an environment step while the env still tells what was before it; it calls this, as of any recorder."""
+        if rows[0, COLUMN["step"]]:
+            self._taken.append(map_steps(np.copy, self.vector_env.episodes.steps))
+            self._paid += rows[0, PRICES].sum().item()
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -329,8 +345,10 @@ class ReachEnv(gymnasium.Env[Float32, Action]):
 
     def step(self, action: Action) -> tuple[Float32, float, bool, bool, dict[str, Any]]:
         """One control period; see `ReachVectorEnv.step`."""
+        self._taken, self._paid = [], 0.0
         observations, rewards, terminated, truncated, infos = self.vector_env.step(np.asarray(action)[None])
-        return observations[0], float(rewards[0]), bool(terminated[0]), bool(truncated[0]), _first(infos)
+        told = {**_first(infos), ARM: joined(self._taken), TASK: self._paid}
+        return observations[0], float(rewards[0]), bool(terminated[0]), bool(truncated[0]), told
 
     def render(self) -> NDArray[np.uint8] | None:
         """One RGB frame, (480, 640, 3), in the render mode ``rgb_array``."""

@@ -56,7 +56,8 @@ def evaluate(
     )
     try:
         sizes, extras = (env.robot.dof, env.episodes.action.shape[1]), env.episodes.extras
-        with TraceWriter(path, *sizes, episodes=1, facts=facts, extras=extras) as writer:
+        most = episodes * (1 + env.task.horizon)  # one file, since its facts are known at its end
+        with TraceWriter(path, *sizes, facts, extras, part_rows=most) as writer:
             env.recorder = meter = WorkMeter(writer, world)
             observations, _ = env.reset(seed=seed)
             running = np.ones(env.num_envs, bool)

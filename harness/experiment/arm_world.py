@@ -19,7 +19,6 @@ from harness.eta.manner import Acted
 from harness.executor import NO_SCALARS
 from harness.experiment.arm_evaluation import facts_of, record_evaluation
 from harness.experiment.checkpoints.checkpoint import Attempt
-from harness.experiment.checkpoints.trace_parts import TraceParts
 from harness.experiment.provenance import describe_environment
 from harness.experiment.trials.tried import Tried
 from harness.experiment.workers.order import TELL_EVERY, Beat, Report, named_scalars
@@ -27,12 +26,11 @@ from harness.log import Log
 from harness.log.log import OpenEpisodes
 from harness.policy import Policy
 from harness.progress import LAST_EPISODES, RETURN, SPEED, SUCCESS, TERMS, TrainingState
-from harness.record.blocks import BEHAVIOUR, OWN, Blocks, read_blocks
 from harness.record.cell import Cell
 from harness.record.folder import SUFFIX, TRACE
 from harness.record.returns import PAID, mean_over_episodes, mean_return
 from harness.record.scene import write_scene
-from harness.record.trace import COLUMN, SCALARS, TERM, Recorder, Rows, read_trace, terms_of
+from harness.record.trace import COLUMN, INTEGERS, TERM, Recorder, Rows, TraceWriter, read_trace, terms_of
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry
 from harness.robot import Robot
@@ -50,8 +48,7 @@ class ArmWorld:
         self._cell, self._registry, self._beat = cell, registry, Beat(report)
         self._env: ReachVectorEnv
         self._learning: LearningSoFar | None = None
-        self._parts: TraceParts | None = None
-        self._folder: Path | None = None
+        self._writer: TraceWriter | None = None
 
     @cached_property
     def runs_on(self) -> Mapping[str, Any]:
@@ -80,29 +77,22 @@ class ArmWorld:
         env, path = self._env, attempt.folder / TRACE
         try:
             sizes, facts = (env.robot.dof, env.episodes.action.shape[1]), facts_of(env.task, env.robot)
-            with TraceParts(path, *sizes, facts, attempt.parts, env.episodes.extras) as self._parts:
+            with TraceWriter(path, *sizes, facts, env.episodes.extras, after=attempt.rows) as self._writer:
+                self._writer.keep()  # who looks finds it, and the next attempt too
                 terms = [name.removeprefix(TERM) for name in env.episodes.extras if name.startswith(TERM)]
-                before = read_blocks(attempt.folder) if attempt.begun_from else None
-                self._folder = attempt.folder
-                env.recorder = self._learning = LearningSoFar(self._parts, attempt.begun_from, before, terms=terms)
+                env.recorder = self._learning = LearningSoFar(self._writer, attempt.begun_from, terms=terms)
                 yield env
         finally:
             env.close()
 
     def learned(self, steps: int, *, if_due: bool = False) -> Mapping[str, float]:
-        if self._learning is None or self._folder is None:
+        if self._learning is None:
             return NO_SCALARS
-        told = self._learning.scalars_if_due(steps) if if_due else self._learning.scalars(steps)
-        if told:
-            self._learning.blocks.write(self._folder)
-        return told
+        return self._learning.scalars_if_due(steps) if if_due else self._learning.scalars(steps)
 
-    def kept(self) -> tuple[TrainingState, Sequence[str]] | None:
-        """See `CellWorld`: the trace so far is finished, as a part."""
-        if self._parts is None:
-            return None
-        self._parts.cut()
-        return self._env.state(), self._parts.digests
+    def kept(self) -> tuple[TrainingState, int] | None:
+        """See `CellWorld`: the rows of the trace."""
+        return None if self._writer is None else (self._env.state(), self._writer.keep())
 
     def evaluate(
         self, policy: Policy, acted: Acted, episodes: int, path: Path, *, after: int = 0, seed: int | None = None
@@ -136,9 +126,7 @@ def evaluation_scalars(trace: Log, registry: Registry) -> dict[str, float]:
     return named_scalars(mean_return(trace), measure(load_metrics(registry), trace), terms)
 
 
-ENV, EPISODE, STEP = (COLUMN[name] for name in ("env", "episode", "step"))
-PAYMENTS = [COLUMN[name] for name in PAID]
-REACHED, ENDS = COLUMN["reached"], [COLUMN["terminated"], COLUMN["truncated"]]
+ADDED_UP = (*INTEGERS, "reached", "terminated", "truncated", *PAID)
 
 
 class LearningSoFar:
@@ -146,9 +134,6 @@ class LearningSoFar:
 
     A step costs a copy of its rows. They are added up when somebody asks, or when there are `BLOCK` of them.
     Episodes that were under way when a killed training went on are left out.
-
-    Attributes:
-        blocks: What all episodes came to, as far as rows were added up.
     """
 
     BLOCK = 4096
@@ -157,7 +142,6 @@ class LearningSoFar:
         self,
         recorder: Recorder,
         begun_from: int = 0,
-        before: Blocks | None = None,
         now: Callable[[], float] = time.monotonic,
         terms: Sequence[str] = (),
     ) -> None:
@@ -166,29 +150,23 @@ class LearningSoFar:
         Args:
             recorder: Gets the rows.
             begun_from: Environment steps that were done before.
-            before: What the episodes of these steps came to.
             now: The time, [s].
             terms: Of the reward, whose columns end each row.
         """
         self._recorder, self._now, self._terms = recorder, now, [f"{TERMS}/{name}" for name in terms]
-        self._block, self._filled = np.empty((self.BLOCK, len(SCALARS) + len(terms))), 0
-        # Of each episode that goes on: its numbers as `Blocks` has them, and whether its start was seen.
-        self._open = OpenEpisodes.none(OWN + len(terms) + 1)
+        self._columns = [*map(COLUMN.__getitem__, ADDED_UP), *range(-len(terms), 0)]
+        self._waiting, self._count = list[Rows](), 0
+        # Of each episode that goes on: its pay, success, what each term paid, and whether its start was seen.
+        self._open = OpenEpisodes.none(3 + len(terms))
         self._ended: deque[Float] = deque(maxlen=LAST_EPISODES)
-        self._steps, self._told, self._taken = begun_from, now(), begun_from
-        self.blocks = before.until(begun_from) if before and before.terms == tuple(terms) else Blocks.none(terms)
+        self._steps, self._told = begun_from, now()
 
     def append(self, rows: Rows) -> None:
         self._recorder.append(rows)
-        for first in range(0, len(rows), self.BLOCK):
-            part = rows[first : first + self.BLOCK]
-            if self._filled + len(part) > self.BLOCK:
-                self._add_up()
-            place = self._block[self._filled : self._filled + len(part)]
-            place[:, : len(SCALARS)] = part[:, : len(SCALARS)]
-            if self._terms:
-                place[:, len(SCALARS) :] = part[:, -len(self._terms) :]
-            self._filled += len(part)
+        self._waiting.append(rows[:, self._columns])
+        self._count += len(rows)
+        if self._count >= self.BLOCK:
+            self._add_up()
 
     def scalars_if_due(self, steps: int) -> Mapping[str, float]:
         """`scalars`, once in `TELL_EVERY` seconds; else nothing."""
@@ -209,17 +187,12 @@ class LearningSoFar:
         return found
 
     def _add_up(self) -> None:
-        rows = self._block[: self._filled]
-        self._filled = 0
-        paid, terms = rows[:, PAYMENTS].sum(axis=1), rows[:, len(SCALARS) :].T
-        summed = [paid, rows[:, REACHED], *terms, rows[:, STEP] == 0]
-        self._open, ends, sums = self._open.after(
-            rows[:, ENV], rows[:, EPISODE], np.logical_or.reduce(rows[:, ENDS].T), summed
-        )
-        steps = self._taken + np.cumsum(rows[:, STEP] > 0)  # a start is no step
-        self._taken = int(steps[-1]) if len(steps) else self._taken
-        sums[BEHAVIOUR] = sums[BEHAVIOUR] > 0
+        if not self._waiting:
+            return
+        env, episode, step, reached, terminated, truncated, *paid = np.concatenate(self._waiting).T
+        self._waiting, self._count = [], 0
+        summed = [np.sum(paid[: len(PAID)], axis=0), reached, *paid[len(PAID) :], step == 0]
+        self._open, _, sums = self._open.after(env, episode, np.logical_or(terminated, truncated), summed)
+        sums[1] = sums[1] > 0
         *numbers, is_whole = sums
-        ended = np.array(numbers).T[is_whole > 0]
-        self._ended.extend(ended)
-        self.blocks = self.blocks.followed_by(steps[ends[is_whole > 0]], ended)
+        self._ended.extend(np.array(numbers).T[is_whole > 0])

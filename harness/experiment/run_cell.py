@@ -15,14 +15,12 @@ from harness.algorithm import Algorithm
 from harness.eta.manner import ACTED_AT_RANDOM, OWN_AND_OTHER
 from harness.executor import CellOptions, Word
 from harness.experiment.checkpoints.checkpoint import Attempt, Checkpoint, begin_attempt, discard_rings, store
-from harness.experiment.checkpoints.trace_parts import discard_parts
 from harness.experiment.draft import Draft, draft_of
 from harness.experiment.workers.order import Report
 from harness.experiment.world import CellWorld, world_of
 from harness.files.plain import Plain
 from harness.policy import Policy, load_policy
 from harness.progress import Progress, TrainingState
-from harness.record.blocks import BLOCKS
 from harness.record.cell import Cell
 from harness.record.folder import (
     CHECKPOINT,
@@ -31,7 +29,6 @@ from harness.record.folder import (
     LOG,
     POLICY,
     RANDOM,
-    TRACE,
     evaluation_files,
     recording_of,
 )
@@ -145,10 +142,10 @@ class CellProgress(Progress):
         kept = self._world.kept() if self._is_due(steps) else None
         if kept is None:
             return
-        (env, parts), attempt = kept, self._attempt
+        (env, rows), attempt = kept, self._attempt
         seconds = attempt.seconds - self._evaluations.seconds
         stored = store(attempt.folder, make(), env, self._rings)
-        Checkpoint(steps, attempt.origin, parts=tuple(parts), seconds=seconds, **stored).write(attempt.folder)
+        Checkpoint(steps, attempt.origin, rows=rows, seconds=seconds, **stored).write(attempt.folder)
         self._last, self._since, self._rings = steps, time.perf_counter(), stored["rings"]
 
     def restored(self) -> TrainingState | None:
@@ -184,10 +181,8 @@ def run_cell(cell: Cell, folder: Path, report: Report, options: CellOptions = DE
             _Run(cell, load_registry(given=options.plugins), report, options).leave(draft)
         finally:
             draft.note(peak_memory=peak_memory())
-            for name in (CHECKPOINT, BLOCKS):
-                (draft.partial / name).unlink(missing_ok=True)
+            (draft.partial / CHECKPOINT).unlink(missing_ok=True)
             discard_rings(draft.partial)
-            discard_parts(draft.partial / TRACE)
     return draft.record
 
 

@@ -298,6 +298,7 @@ def _in_environment(asked: Asked, given: Given, registry: Registry) -> TaskPlan:
         defaults=IN_ENVIRONMENTS,
         horizon=asked.evaluation_horizon or EVALUATION_HORIZON,
         warnings=() if looked.measures else (UNMEASURED,),
+        records=tuple(dict.fromkeys(it.label for it in (baseline, *rewards) if it.name not in looked.rewards)),
         measure=tuple(asked.measure),
     )
 

@@ -53,8 +53,8 @@ class CellWorld(Protocol):
     def learned(self, steps: int, *, if_due: bool = False) -> Mapping[str, float]:
         """What the last episodes came to, by the names of `harness.progress`; nothing between two times to tell it."""
 
-    def kept(self) -> tuple[TrainingState, Sequence[str]] | None:
-        """For a checkpoint: the state of the training env, and digests of what was recorded before.
+    def kept(self) -> tuple[TrainingState, int] | None:
+        """For a checkpoint: the state of the training env, and how many rows were recorded that it does not tell.
 
         None if it cannot be kept.
         """

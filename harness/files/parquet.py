@@ -169,7 +169,9 @@ def table_of(rows: Float, schema: pa.Schema) -> pa.Table:
 
 def write_packed(table: pa.Table, path: Path) -> None:
     """Write numbers of which hardly one is told twice. A reader can see that no bit of a page is another."""
-    encodings = {field.name: ENCODINGS[field.type] for field in table.schema if field.type in ENCODINGS}
+    lists = {f"{it.name}.list.element": it.type.value_type for it in table.schema if hasattr(it.type, "value_type")}
+    kinds = {**{it.name: it.type for it in table.schema}, **lists}
+    encodings = {name: ENCODINGS[kind] for name, kind in kinds.items() if kind in ENCODINGS}
     pq.write_table(
         table, path, compression="zstd", use_dictionary=False, column_encoding=encodings, write_page_checksum=True
     )

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Annotated, Any, NamedTuple
 
-from pydantic import Field, StringConstraints, with_config
+from pydantic import Field, with_config
 
 from harness.eta.manner import OWN_AND_OTHER, Manner
 from harness.files.plain import Plain
@@ -32,8 +32,6 @@ DISCOUNT = "gamma"
 LATER = {"evaluate_every": 0, "deterministic": True, "evaluation_horizon": EVALUATION_HORIZON, "records": []}
 """Fields that the first version did not have. At these values they are left out, and ids stay what they were."""
 
-Kept = Annotated[str, StringConstraints(pattern="^qvel$")]
-
 
 @with_config(EXACT)
 @dataclass(frozen=True)
@@ -55,7 +53,8 @@ class Cell(Plain):
         evaluation_horizon: In an environment: environment steps after which an episode of an evaluation is cut. A task
             of an arm has a horizon of its own.
         records: What its traces keep beside the usual columns, ``qvel``, because a reward or a measure of the
-            experiment reads it. It changes nothing of the training, and cells that differ in it alone are the same.
+            experiment reads it; in an environment of an arm, its rewards that the experiment compares. It changes
+            nothing of the training, and cells that differ in it alone are the same.
     """
 
     simulator: Chosen
@@ -69,7 +68,7 @@ class Cell(Plain):
     evaluate_every: Whole = 0
     deterministic: bool = True
     evaluation_horizon: Count = EVALUATION_HORIZON
-    records: Annotated[tuple[Kept, ...], Field(max_length=1)] = field(default=(), compare=False)
+    records: Annotated[tuple[Name, ...], Field(max_length=1_000)] = field(default=(), compare=False)
 
     @cached_property
     def id(self) -> str:

@@ -10,7 +10,7 @@ import pyarrow.parquet as pq
 from harness.log import Log
 from harness.log.log import RECORDED, REWARD, START, TIME
 from harness.record.cell import Cell
-from harness.record.folder import MANIFEST, RANDOM, SUFFIX, TRACE
+from harness.record.folder import MANIFEST, RANDOM, SUFFIX, TRACE, begun_by
 from harness.record.manifest import read_manifest
 from harness.record.returns import EVENTS
 from harness.record.trace import COLUMN, FORMAT_KEY, SCALARS, TERM, TraceWriter, read_trace
@@ -28,8 +28,8 @@ class CellLog:
     """
 
     def recognises(self, path: Path, head: bytes) -> bool:
-        """A Parquet file that says that it is a trace."""
-        if head.startswith(b"PAR1") and path.suffix == SUFFIX:
+        """A Parquet file that says that it is a trace, and is no later part of another one."""
+        if head.startswith(b"PAR1") and path.suffix == SUFFIX and not path.with_name(begun_by(path.name)).is_file():
             with suppress(Exception):  # whatever a damaged file does to its reader
                 return FORMAT_KEY in (pq.read_schema(path).metadata or {})
         return False

@@ -1,6 +1,8 @@
 """The folder that a cell leaves: names of its files, and how it comes to be there all at once."""
 
 import shutil
+from collections.abc import Callable
+from itertools import count, takewhile
 from pathlib import Path
 
 from harness.files.bounded import digest_of, sync
@@ -38,6 +40,21 @@ def digests_in(folder: Path) -> dict[str, str]:
     """SHA-256 of every file in a folder but its manifest, by its path there; links are left out."""
     paths = [path for path in sorted(folder.rglob("*")) if path.is_file() and not path.is_symlink()]
     return {str(path.relative_to(folder).as_posix()): digest_of(path) for path in paths if path != folder / MANIFEST}
+
+
+def part_path(trace: Path, number: int) -> Path:
+    """The file of a part of a trace, by its number: that of the first one has the name of the trace."""
+    return trace.with_name(f"{trace.stem}-{number:05}{trace.suffix}") if number else trace
+
+
+def parts_of(trace: Path, is_there: Callable[[Path], bool] = Path.exists) -> list[Path]:
+    """The files of a trace, in order: the first one, and those after it that are there."""
+    return [trace, *takewhile(is_there, (part_path(trace, number) for number in count(1)))]
+
+
+def begun_by(part: str) -> str:
+    """The trace that a file of this name would be a later part of."""
+    return f"{part.rpartition('-')[0]}{SUFFIX}"
 
 
 def recording_of(trace: str) -> str:

@@ -16,7 +16,7 @@ from harness.files.plain import SUMS, Plain, read_sealed, seal
 from harness.record.cell import Cell
 from harness.record.earlier import whole_manifest
 from harness.record.file_forms import EXACT, Digests, Environment, Line, Moment, Seconds, Status, Whole, read_form
-from harness.record.folder import EVALUATIONS, LOG, MANIFEST, POLICY, SCORES, TENSORBOARD, digests_in
+from harness.record.folder import EVALUATIONS, LOG, MANIFEST, POLICY, SCORES, TENSORBOARD, begun_by, digests_in
 
 SEALED_SINCE = 2
 """The first format of manifests, those of added folders included, that names the digests of its folder's files."""
@@ -158,10 +158,10 @@ def whole_cell(folder: Path) -> Manifest:
         if manifest.cell.id != folder.name:
             raise SchemaError(f"{folder} holds another cell, {manifest.cell.id}")
         require_files(folder, manifest)
-        # A reader takes all that lies in the folder of a recording.
+        # A reader takes all that lies in the folder of a recording, and all parts of a trace.
         recordings = {PurePosixPath(name).parent for name in manifest.files} - {*map(PurePosixPath, NO_RECORDINGS)}
-        for name in added_files(folder, manifest) if recordings else ():
-            if PurePosixPath(name).parent in recordings:
+        for name in added_files(folder, manifest):
+            if PurePosixPath(name).parent in recordings or begun_by(name) in manifest.files:
                 raise SchemaError(f"{folder / name} was added to what was recorded")
     except OSError as error:
         raise SchemaError(f"{folder} cannot be read: {error.strerror}") from error

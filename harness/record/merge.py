@@ -20,6 +20,7 @@ from harness.record.folder import (
     TRAINING_RECORDING,
     partial_folder,
     publish,
+    recording_of,
 )
 from harness.record.manifest import Manifest, require_files
 from harness.record.out_folder import refuse_links, storage_errors
@@ -110,11 +111,14 @@ def _choose_cell(cell: Cell, stores: Iterable[Store], left_out: list[tuple[Path,
 
 
 def _digests_of_steps(manifest: Manifest) -> dict[str, str]:
-    """SHA-256 of the files that hold a cell's steps: the trace, or in an environment all parts of both recordings.
+    """SHA-256 of the files that hold a cell's steps: all parts of the trace, or in an environment of both recordings.
 
     The facts beside the steps of a recording do not count: they name versions, which may differ between machines.
     """
-    recorded = (TRACE, *(f"{recording}/{STEPS}" for recording in (TRAINING_RECORDING, EVALUATION_RECORDING)))
+    recorded = (
+        recording_of(TRACE),
+        *(f"{recording}/{STEPS}" for recording in (TRAINING_RECORDING, EVALUATION_RECORDING)),
+    )
     return {name: digest for name, digest in manifest.files.items() if name.startswith(recorded)}
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.log import Log
-from harness.log.log import episode_sums
+from harness.log.log import Columns, episode_sums
 from harness.record.trace import NUMBERS
 
 EVENTS = tuple(name for name in NUMBERS if name.startswith("reward_"))
@@ -15,7 +15,7 @@ PAID = ("reward", *EVENTS)
 """The columns whose sum is what an episode was paid: the shaped reward and the event terms."""
 
 
-def paid_in(trace: Log, columns: Sequence[str] = PAID) -> Float:
+def paid_in(trace: Log | Columns, columns: Sequence[str] = PAID) -> Float:
     """What these columns paid together in each row, (rows,)."""
     paid: Float = np.sum([trace[name] for name in columns], axis=0)
     return paid

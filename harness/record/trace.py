@@ -1,5 +1,7 @@
 """What a cell leaves: one row per environment step, and one per episode start, in Parquet.
 
+A trace is a file; one with more rows than a part (`harness.record.parts`) has others beside it, see `part_path`.
+
 ==================  ===========================================================================================
 env                 number of the env in the batch
 episode             counted from 0 in each env
@@ -52,16 +54,18 @@ from pydantic import ConfigDict, with_config
 from harness.arrays import Float
 from harness.errors import SchemaError, SimulationDiverged
 from harness.files.bounded import reading
-from harness.files.parquet import open_parquet, read_chunks, require_room, table_of
+from harness.files.parquet import MOST_NUMBERS, open_parquet, read_chunks, require_room
 from harness.files.plain import Plain
 from harness.log import Log, LogFacts, in_memory
-from harness.log.log import ROWS, Columns
+from harness.log.log import ROWS, Columns, joined
 from harness.record.file_forms import read_form
+from harness.record.folder import part_path, parts_of
+from harness.record.parts import PART_ROWS, RowsWriter
 from harness.reward import LARGEST_PAID
 from harness.text import shortened
 
-FORMAT = 2
-"""Format 1 has no `held` and no `terminated`: both events ended an episode."""
+FORMAT = 3
+"""Format 1 has no `held` and no `terminated`: both events ended an episode. Format 2 is always one file."""
 FORMAT_KEY = b"harness.trace"
 FACTS_KEY = b"harness.facts"
 """The key of the `EpisodeFacts`; a file of an earlier version has none."""
@@ -105,10 +109,6 @@ NO_EXTRAS: Mapping[str, int] = MappingProxyType({})
 Rows = Float
 
 
-LATER = ("arms", "error", "unit", "target_moves")
-"""Left out of the file where there is nothing to tell: it stays, byte for byte, as it was before there were any."""
-
-
 @with_config(ConfigDict(strict=True))
 @dataclass(frozen=True)
 class EpisodeFacts(Plain):
@@ -142,8 +142,7 @@ class EpisodeFacts(Plain):
 
     def to_bytes(self) -> bytes:
         """For a file; `from_bytes` gives the same facts back."""
-        told = {name: value for name, value in self.to_json().items() if value is not None or name not in LATER}
-        return json.dumps(told).encode()
+        return json.dumps(self.to_json()).encode()
 
     @classmethod
     def from_bytes(cls, text: bytes) -> Self:
@@ -186,86 +185,77 @@ class Recorder(Protocol):
         """Take a batch of rows, (n, width), which belong to the caller: keep copies."""
 
 
-class TraceWriter:
-    """A `Recorder` that writes rows to a Parquet file, a block at a time; all are exact in float64.
+class TraceWriter(RowsWriter):
+    """A `Recorder` that writes rows into a trace.
 
     Attributes:
-        facts: Written when the file is finished.
+        facts: Written with the next part.
     """
-
-    BLOCK = 16_384
 
     def __init__(
         self,
         path: Path,
         dof: int,
         action_size: int,
-        episodes: int | None = None,
         facts: EpisodeFacts = NOTHING_KNOWN,
         extras: Mapping[str, int] = NO_EXTRAS,
+        part_rows: int = 0,
+        after: int = 0,
     ) -> None:
-        """Start the file.
+        """Start the trace, or go on with it.
 
         Args:
             path: The file to write.
             dof: Length of qpos.
             action_size: Length of the action.
-            episodes: Keep the first so many episodes of each env only; all if None.
             facts: What is known of the episodes.
             extras: Those of `EXTRAS` that a row has, in their order, and the width of each.
+            part_rows: As many rows as there will be at most, where all is to be one file.
+            after: Go on behind so many rows, which are there; those behind them are forgotten.
+
+        Raises:
+            SchemaError: They are damaged.
         """
+        super().__init__(path.parent, lambda part: part_path(path, part).name)
         self.facts = facts
-        self._episodes = episodes
         widths = {**dict.fromkeys(SCALARS, 1), "qpos": dof, "action": action_size, **extras}
         self._names = [name for name, width in widths.items() for _ in range(width)]
-        self._block = np.empty((self.BLOCK, len(self._names)))
-        self._filled = 0
         number = pa.float64()
         kinds = {name: pa.list_(number, n) if name in LISTS else KINDS.get(name, number) for name, n in widths.items()}
-        self.schema = pa.schema(kinds, metadata={FORMAT_KEY: str(FORMAT).encode()})
-        self._file = pq.ParquetWriter(path, self.schema, compression="zstd")
-
-    def append(self, rows: Rows) -> None:
-        """Copy a batch of rows, (n, width)."""
-        while len(rows):  # blocks are full, however the rows come: a file is that of its rows alone
-            taken = rows[: self.BLOCK - self._filled]
-            self._block[self._filled : self._filled + len(taken)] = taken
-            self._filled += len(taken)
-            rows = rows[len(taken) :]
-            if self._filled == self.BLOCK:
-                self._flush()
+        self._make_room(pa.schema(kinds), part_rows)
+        if after:
+            self._go_on(after, lambda part: trace_part(part, [*kinds]).values())
+            for part in parts_of(path)[self._part + 1 :]:
+                part.unlink()
 
     def close(self) -> None:
-        """Write what is left and finish the file.
+        """Write what is left.
 
         Raises:
             SimulationDiverged: A number is not finite, or too large to count with: the simulator's, or the reward's.
         """
-        try:
-            self._flush()
-        finally:
-            self._file.add_key_value_metadata({FACTS_KEY: self.facts.to_bytes()})
-            self._file.close()
+        self._write()
 
-    def __enter__(self) -> "TraceWriter":
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _flush(self) -> None:
+    def _write(self) -> None:
+        """The rows before a number that no reader takes stay."""
+        self._schema = self._schema.with_metadata({FORMAT_KEY: str(FORMAT), FACTS_KEY: self.facts.to_bytes()})
         rows = self._block[: self._filled]
-        if self._episodes is not None:
-            rows = rows[rows[:, COLUMN["episode"]] < self._episodes]
         bad = np.argwhere(~(np.abs(rows) <= LARGEST_PAID))  # a comparison with what is no number is false
-        if len(bad):
-            row, column = bad[0]
-            where = ", ".join(f"{key} {rows[row, COLUMN[key]]:.0f}" for key in INTEGERS)
-            told = f"{rows[row, column]:g}, no number within {LARGEST_PAID:g},"
-            raise SimulationDiverged(f"{self._names[column]} is {told} at {where}")
-        if len(rows):
-            self._file.write_table(table_of(rows, self.schema))
-        self._filled = 0
+        if not len(bad):
+            super()._write()
+            return
+        row, column = bad[0]
+        self._filled = int(row)
+        super()._write()
+        where = ", ".join(f"{key} {rows[row, COLUMN[key]]:.0f}" for key in INTEGERS)
+        told = f"{rows[row, column]:g}, no number within {LARGEST_PAID:g},"
+        raise SimulationDiverged(f"{self._names[column]} is {told} at {where}")
 
 
 def terms_of(trace: Log, begin: str = TERM) -> dict[str, NDArray[Any]]:
@@ -285,24 +275,37 @@ def _with_nothing_touched(trace: Log, rows: int) -> Log:
 
 
 def require_plausible(path: Path, most: int) -> None:
-    """See from the end of a trace, without its rows, whether a cell can have left it.
+    """See from the end of a trace's files, without its rows, whether a cell can have left it.
 
     Args:
-        path: The file.
+        path: The trace.
         most: Rows that it may have; it has at least one.
 
     Raises:
         SchemaError: It has another number of rows, or holds a number that is too large; or as `read_trace`.
     """
-    with reading(path, "trace"), open_parquet(path, TRACE_BYTES) as file:
-        metadata = file.metadata
-        if not 0 < metadata.num_rows <= most:
-            raise SchemaError(f"{path} has {metadata.num_rows:,} rows, 1 to {most:,} are allowed")
-        columns = [metadata.schema.column(place).path for place in range(metadata.num_columns)]
-        for group in read_chunks(path):
-            for name, chunk in zip(columns, group, strict=True):
-                if chunk.least is not None and chunk.greatest is not None:
-                    _require_moderate(chunk.least, chunk.greatest, f"{path}: {name}")
+    rows = 0
+    for part in parts_of(path):
+        with reading(part, "trace"), open_parquet(part, TRACE_BYTES) as file:
+            rows += file.metadata.num_rows
+            columns = [file.metadata.schema.column(place).path for place in range(file.metadata.num_columns)]
+            for group in read_chunks(part):
+                for name, chunk in zip(columns, group, strict=True):
+                    if chunk.least is not None and chunk.greatest is not None:
+                        _require_moderate(chunk.least, chunk.greatest, f"{part}: {name}")
+    if not 0 < rows <= most:
+        raise SchemaError(f"{path} has {rows:,} rows, 1 to {most:,} are allowed")
+
+
+def require_rows(path: Path, count: int) -> None:
+    """See that the first rows of a trace are there, so many of them; each number is read.
+
+    Raises:
+        SchemaError: They are not, or are damaged.
+    """
+    trace = read_trace(path)
+    if (found := sum(len(piece["env"]) for piece in trace.pieces(trace.names))) < count:
+        raise SchemaError(f"{path.name} has {found:,} rows, and {count:,} were written")
 
 
 def term_names(path: Path) -> tuple[str, ...]:
@@ -315,53 +318,89 @@ def term_names(path: Path) -> tuple[str, ...]:
 
 
 def read_trace(path: Path) -> Log:
-    """A trace. Each column is read when it is asked for.
+    """A trace, one that is being written too: as far as it was written. Each column is read when it is asked for.
 
     Raises:
         SchemaError: The file is damaged, is no trace or was written by a newer version. A column that is damaged raises
             it when it is read, and so does every column of a file that was replaced by then.
     """
+    paths = parts_of(path)
+    parts = [_opened(part, MOST_NUMBERS // len(paths)) for part in paths]
+    last, told = parts[-1].path, parts[-1].metadata.metadata
+    for part in parts[:-1]:
+        if part.metadata.num_rows != PART_ROWS or part.metadata.metadata != told:
+            raise SchemaError(f"{part.path} is no part of the trace that ends with {last.name}")
+    with reading(last, "trace"):
+        episodes = EpisodeFacts.from_bytes(told[FACTS_KEY]) if FACTS_KEY in told else NOTHING_KNOWN
+    facts = TraceFacts(path=path, format=f"trace, format {told[FORMAT_KEY].decode()}", episodes=episodes)
+    trace = Log(facts, parts[-1].names, partial(_tables, parts))
+    return trace if OBSTACLE in trace else _with_nothing_touched(trace, sum(it.metadata.num_rows for it in parts))
+
+
+def trace_part(path: Path, names: Sequence[str]) -> Columns:
+    """Columns of one file of a trace, all its rows as they are now.
+
+    Raises:
+        SchemaError: It is damaged, or no trace that this version reads.
+    """
     with reading(path, "trace"), open_parquet(path, TRACE_BYTES) as file:
-        opened, metadata, there = _identity(path), file.metadata, file.schema_arrow.names
-        told = metadata.metadata or {}
-        version = told.get(FORMAT_KEY, b"none").decode()
-        if version not in map(str, range(1, FORMAT + 1)):
-            raise SchemaError(f"{path} is a trace of format {shortened(version, 20)}, this version reads 1 to {FORMAT}")
-        lacking = SINCE_2 if version == "1" else ()
-        known = tuple(filter(_is_known, there))
-        _require_columns(file.schema_arrow, lacking, path)
-        require_room(path, file, known)
-        facts = EpisodeFacts.from_bytes(told[FACTS_KEY]) if FACTS_KEY in told else NOTHING_KNOWN
-        read = partial(_tables, path, opened, metadata)
-        trace = Log(TraceFacts(path=path, format=f"trace, format {version}", episodes=facts), known, read)
-        if lacking:
-            ended = trace["ground"] | trace["reached"]
-            trace = trace.add({"terminated": ended, "held": np.zeros_like(ended)})
-        return trace if OBSTACLE in known else _with_nothing_touched(trace, metadata.num_rows)
+        _require_trace(file, path, MOST_NUMBERS)
+        return joined([*_rows(file, path, names)])
 
 
-def part_of(path: Path, number: int) -> Path:
-    """A part of the trace `path`, counted from 0."""
-    return path.with_name(f"{path.stem}.{number}")
+@dataclass(frozen=True)
+class _Part:
+    """A file of a trace as it was when it was opened; `identity` is what one that takes its place has otherwise."""
+
+    path: Path
+    identity: tuple[int, int, int]
+    metadata: pq.FileMetaData
+    names: tuple[str, ...]
+
+
+def _opened(path: Path, most: int) -> _Part:
+    with reading(path, "trace"), open_parquet(path, TRACE_BYTES) as file:
+        return _Part(path, _identity(path), file.metadata, _require_trace(file, path, most))
+
+
+def _require_trace(file: pq.ParquetFile, path: Path, most: int) -> tuple[str, ...]:
+    """See that a file is of a trace; gives the columns that it has, or that follow from others."""
+    version = (file.metadata.metadata or {}).get(FORMAT_KEY, b"none").decode()
+    if version not in map(str, range(1, FORMAT + 1)):
+        raise SchemaError(f"{path} is a trace of format {shortened(version, 20)}, this version reads 1 to {FORMAT}")
+    lacking = SINCE_2 if version == "1" else ()
+    _require_columns(file.schema_arrow, lacking, path)
+    known = tuple(filter(_is_known, file.schema_arrow.names))
+    require_room(path, file, known, most)
+    return known + lacking
 
 
 def _identity(path: Path) -> tuple[int, int, int]:
-    """What a file that takes the place of another has otherwise."""
     told = path.stat()
     return told.st_ino, told.st_size, told.st_mtime_ns
 
 
-def _tables(
-    path: Path, opened: tuple[int, int, int], metadata: pq.FileMetaData, names: Sequence[str]
-) -> Iterator[Columns]:
-    """The rows of some columns; the end of the file is not read again."""
-    with reading(path, "trace"), pq.ParquetFile(path, metadata=metadata) as file:
-        if _identity(path) != opened:  # its end says where the rows of the other one stood
-            raise SchemaError(f"{path} was replaced since it was opened: type the command again")
-        batches = file.iter_batches(ROWS, columns=names, use_threads=False)
-        tables = (pa.Table.from_batches([batch]) for batch in batches) if metadata.num_rows else [file.read(names)]
-        for table in tables:
-            yield {name: to_numpy(table.column(name), f"{path}: {name}") for name in names}
+def _tables(parts: Sequence[_Part], names: Sequence[str]) -> Iterator[Columns]:
+    """The rows of some columns; the end of a file is not read again."""
+    for part in parts:
+        given: dict[str, Any] = {"metadata": part.metadata, "page_checksum_verification": True}
+        with reading(part.path, "trace"), pq.ParquetFile(part.path, **given) as file:
+            if _identity(part.path) != part.identity:  # its end says where the rows of the other one stood
+                raise SchemaError(f"{part.path} was replaced since it was opened: type the command again")
+            yield from _rows(file, part.path, names)
+
+
+def _rows(file: pq.ParquetFile, path: Path, names: Sequence[str]) -> Iterator[Columns]:
+    lacking = [name for name in names if name in SINCE_2 and name not in file.schema_arrow.names]
+    asked = [*dict.fromkeys((*(name for name in names if name not in lacking), *(ENDS_OF_1 if lacking else ())))]
+    batches = file.iter_batches(ROWS, columns=asked, use_threads=False)
+    tables = (pa.Table.from_batches([batch]) for batch in batches) if file.metadata.num_rows else [file.read(asked)]
+    for table in tables:
+        rows = {name: to_numpy(table.column(name), f"{path}: {name}") for name in asked}
+        if lacking:
+            ended = rows["ground"] | rows["reached"]
+            rows |= {"terminated": ended, "held": np.zeros_like(ended)}
+        yield {name: rows[name] for name in names}
 
 
 def _is_known(column: str) -> bool:

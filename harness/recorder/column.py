@@ -25,10 +25,13 @@ from harness.record.recording.facts import (
 from harness.recorder.computing import may_wait, only_computes, reads_last
 from harness.recorder.env_facts import plain
 from harness.recorder.own_copies import own_copies
+from harness.registry.choice import choose, parse
+from harness.registry.members import missing_members
 from harness.registry.plugin_module import file_behind
+from harness.registry.registry import load_registry
 from harness.reward import Steps
-from harness.reward.forms import takes_step
-from harness.reward.given import OWN, Given, Terms, arguments, opened
+from harness.reward.forms import FAILED, FUNCTION, STEP, reward_class, takes_alone, takes_step
+from harness.reward.given import ARM, OWN, Given, OfArm, Terms, arguments, opened
 from harness.reward.terms import paid_of, require_same, sum_of
 
 
@@ -187,10 +190,26 @@ def made_columns(
     ]
 
 
+def for_env(env: Any, given: Any) -> Any:
+    """What was given for a reward, as it pays the steps of an env: in one of an arm also an arm's reward, or its name.
+
+    A function of a step is an arm's where it can pay a step of an arm.
+    """
+    if not getattr(env, "metadata", {}).get(ARM):
+        return given
+    if isinstance(given, str):
+        registry = load_registry()
+        if parse(given)[0] in registry.names("rewards"):
+            given = choose(registry, "rewards", given).build(registry, "rewards")
+    elif takes_alone(given, STEP) and not getattr(reward_class(given), FAILED):
+        given = reward_class(given)()
+    return given if missing_members("rewards", given) else OfArm(given)
+
+
 def _column(env: Any, prefix: str, noun: str, name: str, given: Given, copies: int, batched: bool) -> Column:
     if not isinstance(name, str) or not name.isprintable() or not 0 < len(name) <= MOST_NAMES:
         raise UsageError(f"{noun} {name!r}: a name is a text that can be printed, such as 'v1'")
-    noun = f"{noun} {name!r}"
+    noun, given = f"{noun} {name!r}", for_env(env, given) if prefix == FILE_REWARD and not batched else given
     column = Column(f"{prefix}{name}", noun, opened(given, noun), batched)
     if isinstance(given, str):
         return column
@@ -232,16 +251,18 @@ def source_of(given: Any) -> Source:
         text += f"# with {plain(given.weights)}\n" if given.weights else ""
         is_known = all(part.sha256 or isinstance(given.parts[name], str) for name, part in parts.items())
         return _hashed(text) if is_known else Source("", text[:MOST_SOURCE])
+    if isinstance(given, OfArm):
+        given = given.reward
     if isinstance(given, partial):
         inner = source_of(given.func)
         return _hashed(f"{inner.text}# with {plain(given.args)} {plain(given.keywords)}\n") if inner.sha256 else inner
-    code: Callable[..., Any] | type = given if inspect.isroutine(given) else type(given)
+    code: Callable[..., Any] | type = given if inspect.isroutine(given) else getattr(given, FUNCTION, type(given))
     file = file_behind(code)
     try:
         text = textwrap.dedent(inspect.getsource(code)) if file is None else file.text
     except (OSError, TypeError):  # typed into a shell, or compiled
         return Source("", "")
-    if is_dataclass(code):
+    if is_dataclass(given):
         text += f"# with {plain(vars(given))}\n"
     return _hashed(text)
 

@@ -13,8 +13,9 @@ from gymnasium.vector import VectorEnv
 
 from harness.errors import StorageError, UsageError, reason_of
 from harness.eta.laws import may_be_flag, require_direction
+from harness.record.parts import Rows
 from harness.record.recording.facts import FILE_REWARD, ActionFacts, Failure, TrainingFacts, log_column
-from harness.record.recording.recording_writer import RecordingWriter, Rows
+from harness.record.recording.recording_writer import RecordingWriter
 from harness.recorder.calls import Calls, checksum
 from harness.recorder.column import Column, made_columns, source_of
 from harness.recorder.env_facts import Asked, env_facts, normalises, versions_of

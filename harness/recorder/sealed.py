@@ -85,7 +85,7 @@ class Sealer:
 
     def _seal_other(self, value: Any) -> Any:
         if isinstance(value, tuple):
-            parts = map(self.seal, value)
+            parts = map(self.seal, tuple.__iter__(value))  # an arm's step itself goes through its distances alone
             return value._make(parts) if hasattr(value, "_make") else tuple(parts)
         if type(value) is np.ndarray:  # of objects
             copied = np.empty_like(value)
@@ -104,7 +104,7 @@ class Sealer:
 def writable(value: Any) -> Any:
     """A copy that can be written into, also of something sealed; what cannot be copied itself."""
     if isinstance(value, tuple) and hasattr(value, "_make"):  # a step: each of its parts for itself
-        return value._make(map(writable, value))
+        return value._make(map(writable, tuple.__iter__(value)))
     try:
         return copy.deepcopy(value)
     except Exception:  # whatever objects of users raise

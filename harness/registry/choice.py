@@ -18,7 +18,7 @@ import pydantic
 from harness.errors import PluginError, UsageError, sentence
 from harness.hookspecs import NOUNS
 from harness.registry.members import require_members
-from harness.registry.registry import Registry
+from harness.registry.registry import BY_ID, Registry
 from harness.registry.spec import Spec, blamed_on, did_you_mean
 from harness.reward.forms import FAILED
 from harness.reward.reward import is_finite
@@ -349,6 +349,8 @@ def _choose_and_build(
     name, params = parse(given) if isinstance(given, str) else _name_and_params(given)
     noun = f"{NOUNS[kind]} '{name}'"
     spec = registry.get(kind, name)
+    if name.rpartition("/")[2] not in spec.claims:  # an id that it makes
+        name, params = spec.name, {"id": name, **params}
     name, target = _recorded(spec, name), spec.load()
     if isinstance(given, str):
         params = _hand_inwards(params, {parameter.name for parameter in parameters_of(target)})
@@ -480,7 +482,9 @@ def require_known(task: Any, registry: Registry) -> None:
     except UsageError as error:
         there = f" Environments: {', '.join(registry.names('environments')) or 'none'}."
         told, asks, question = str(error).partition(" Did you mean")
-        raise UsageError(f"{told}{there}{asks}{question}") from None
+        by_id = [it.load() for it in registry.specs.get(("environments", BY_ID), ()) if it.is_built_in]
+        near = "".join(it.near(str(_name_of(task))) for it in by_id)
+        raise UsageError(f"{told}{there}{near}{asks}{question}") from None
 
 
 def _name_of(given: Any) -> Any:

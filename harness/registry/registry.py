@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 MENTIONED = 2
 """Plugins that did not load, in the message about a name that is not there."""
 
+BY_ID = "gymnasium"
+"""The name of the environment that an id of Gymnasium is short for."""
+_ID = re.compile(r"-v\d+$")
 _NAME = re.compile(r"[a-z0-9][a-z0-9_-]*")
 _TARGET = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_]\w*")
 
@@ -121,7 +124,9 @@ class Registry:
         """Who claims a name, or a qualified one."""
         distribution, _, bare = name.rpartition("/")
         specs = self.specs.get((kind, bare), [])
-        return [it for it in specs if not distribution or canonical(it.distribution) == canonical(distribution)]
+        found = [it for it in specs if not distribution or canonical(it.distribution) == canonical(distribution)]
+        by_id = self.specs.get((kind, BY_ID), []) if not found and _ID.search(name) else []
+        return found or [it for it in by_id if it.is_built_in and it.load().knows(name)]
 
     def all_specs(self) -> Iterator[Spec]:
         """Whatever was registered."""

@@ -204,9 +204,9 @@ def _as_class(kind: str, target: Any) -> Any:
 
         return measure_class(target) if is_measure_function(target) else target
     if kind == "rewards":
-        from harness.reward.forms import is_function_of_steps, reward_class
+        from harness.reward.forms import STEP, reward_class, takes_alone
 
-        return reward_class(target) if is_function_of_steps(target) else target
+        return reward_class(target) if takes_alone(target, STEP) else target
     return target
 
 

@@ -30,7 +30,7 @@ from harness.registry.measure_functions import (
 from harness.registry.members import MEMBERS, missing_members
 from harness.registry.plugin_module import import_file, public_classes
 from harness.registry.spec import Spec
-from harness.reward.forms import STEP, is_function_of_steps, takes_step
+from harness.reward.forms import STEP, takes_alone, takes_step
 from harness.reward.given import ARGUMENTS, takes_arguments
 
 PLUGIN_METHODS = frozenset(
@@ -126,7 +126,7 @@ def functions_of_file(file: PluginFile, module: ModuleType) -> list[StepFunction
             said[it].better,
             said[it].bounds,
             _summary(getattr(module, it)),
-            is_function_of_steps(getattr(module, it)),
+            takes_alone(getattr(module, it), STEP),
             it in of_episodes,
         )
         for name, it in zip(names, attributes, strict=True)

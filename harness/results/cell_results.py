@@ -18,7 +18,7 @@ from harness.log import Log
 from harness.log.log import episode_sums
 from harness.measure import Measure
 from harness.record.cell import Cell
-from harness.record.folder import EVALUATION, EVALUATIONS, RANDOM, SUFFIX, TRACE, evaluation_files
+from harness.record.folder import EVALUATION, EVALUATIONS, RANDOM, SUFFIX, TRACE, evaluation_files, parts_of
 from harness.record.manifest import Manifest
 from harness.record.returns import EVENTS, PAID, mean_over_episodes, mean_return, paid_in
 from harness.record.store import Store
@@ -155,7 +155,7 @@ class CellResults:
                 require_plausible(self._files / name, self._most(name))
             return True
 
-        self._kept.told("is plausible", [self._kept.digest(name) for name in there], look)
+        self._kept.told("is plausible", [it for name in there for it in self._digests(name)], look)
 
     def keep(self, compared: Iterable[Choice], scoring: Iterable[Choice]) -> None:
         """Compute what a report will ask of the cell, and keep it.
@@ -249,13 +249,7 @@ class CellResults:
     @cached_property
     def _episodes(self) -> Episodes:
         """The finished episodes of the training: what its own reward paid, and whether they reached the target."""
-
-        def make(trace: Log) -> Float:
-            reached, paid = (episode_sums(trace[name], trace.episodes) for name in ("reached", "reward"))
-            last = np.array([rows[-1] for rows in trace.episodes], np.int64)
-            return np.array([last, reached > 0, paid])[:, np.argsort(last)].ravel()
-
-        last, reached, paid = self._ask(TRACE, "learned", make).reshape(3, -1)
+        last, reached, paid = self._ask(TRACE, "learned", learned).reshape(3, -1)
         return Episodes(last.astype(np.int64), {self.reward: paid}, {SUCCESS: reached}, {})
 
     def stretch(self, begin: int, end: int) -> Part:
@@ -300,6 +294,7 @@ class CellResults:
 
     @property
     def cut(self) -> int:
+        """The rows of its training."""
         return self._ask(TRACE, "rows", len)
 
     @property
@@ -449,7 +444,12 @@ class CellResults:
             return make(self._read[file])
 
         with self:
-            return self._kept.told(f"{file} {what}", [self._kept.digest(file), code], read)
+            return self._kept.told(f"{file} {what}", [*self._digests(file), code], read)
+
+    def _digests(self, file: str) -> list[str]:
+        """SHA-256 of the parts of a trace."""
+        parts = parts_of(self._files / file)
+        return [self._kept.digest(part.relative_to(self._files).as_posix()) for part in parts]
 
     def _paid(self, trace: Log, reward: InstalledReward) -> Paid:
         return reward.pay(trace.load(SCORED), self.cell.reward)
@@ -478,6 +478,13 @@ class CellResults:
 
     def _is_there(self, name: str) -> bool:
         return name in self.manifest.files and (self._files / name).is_file()
+
+
+def learned(trace: Log) -> Float:
+    """Last row of each episode, whether it reached the target, what the reward paid: one after the other, in order."""
+    reached, paid = (episode_sums(trace[name], trace.episodes) for name in ("reached", "reward"))
+    last = np.array([rows[-1] for rows in trace.episodes], np.int64)
+    return np.array([last, reached > 0, paid])[:, np.argsort(last)].ravel()
 
 
 def _measured(metric: Measure, part: str, trace: Log) -> float | None:

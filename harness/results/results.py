@@ -20,7 +20,7 @@ from harness.eta.laws import Account, counted, is_left_out
 from harness.log import Log
 from harness.measure import Measure
 from harness.record.cell import Cell
-from harness.record.folder import TRACE
+from harness.record.folder import TRACE, begun_by, partial_folder
 from harness.record.manifest import Manifest
 from harness.record.plan_file import StoredPlan
 from harness.record.store import Store
@@ -42,6 +42,7 @@ from harness.results.return_matrix import ReturnMatrix
 from harness.results.table import Numbers, cell_to_json, comparison_rows, metric_columns, table_of, write_table
 from harness.results.terms_paid import TermsPaid, terms_of
 from harness.results.trainings import Match, Trained, Trainings
+from harness.results.under_way import told_so_far
 
 FORMAT = 2
 """The version of what reports say as JSON; docs/json.md explains it."""
@@ -143,8 +144,10 @@ class Results(ABC):
         """What a done cell's own reward paid, every row of its training, (rows,)."""
 
     def _examine(self, cell: Cell) -> Manifest:
-        """What there is to say of a cell."""
-        return self.store.examine(cell)
+        """What there is to say of a cell; of one that is not done, what it has recorded so far."""
+        found = self.store.examine(cell)
+        told = told_so_far(cell, partial_folder(self.store.cell_folder(cell))) if found.status == "pending" else ""
+        return replace(found, reason=told) if told else found
 
     # The cells
 
@@ -208,8 +211,13 @@ class Results(ABC):
     @cached_property
     def equal(self) -> dict[Group, tuple[tuple[Key, ...], ...]]:
         """Trainings of an arm that left the same trace, bit for bit, by their group."""
+
+        def parts(cell: Cell) -> str:
+            digests = self.manifest(cell).files.items()
+            return " ".join(digest for name, digest in digests if TRACE in (name, begun_by(name)))
+
         traces = {
-            group: {(cell.reward.label, cell.seed): self.manifest(cell).files.get(TRACE, "") for cell in cells}
+            group: {(cell.reward.label, cell.seed): parts(cell) for cell in cells}
             for group, cells in self.groups.items()
         }
         return {group: equal for group, of in traces.items() if (equal := equal_trainings(of))}

@@ -26,18 +26,11 @@ STEP = "step"
 FUNCTION = "_function"
 FAILED = "failed"
 """The attribute of a reward's class that says why the function failed on made-up steps; empty if it did not."""
-PLAIN = {1.0}
-"""Weights that change nothing."""
 MEMBERS = ("needs", FAILED, "initial_carry", FUNCTION)
 """What a reward has beside its parameters."""
 Weight = Annotated[
     float, Field(ge=-LARGEST_FACTOR, le=LARGEST_FACTOR, description="weight of the term: what it pays is times this")
 ]
-
-
-def is_function_of_steps(found: Any) -> bool:
-    """Whether something is a plain function whose one argument without a default is called ``step``."""
-    return takes_alone(found, STEP)
 
 
 def takes_alone(found: Any, argument: str) -> bool:
@@ -70,7 +63,17 @@ def reward_class(function: Callable[[Steps], Any]) -> type[Reward]:
     Args:
         function: It returns what the steps are paid, or a dict of terms, or (total, dict).
     """
-    plain = dataclasses.make_dataclass("Plain", [], frozen=True, namespace=_members(function, _call_plain(function)))
+
+    def call(self: Any, carry: Carry, steps: Steps) -> tuple[Carry, Any]:
+        weights, returned = vars(self), function(steps)
+        if {*weights.values()} <= {1.0}:
+            return carry, returned
+        terms = weighted(paid_of(returned).terms, weights)
+        return carry, Paid(sum_of(terms), terms)
+
+    members: dict[str, Any] = {"__doc__": function.__doc__, FUNCTION: staticmethod(function), "__call__": call}
+    members["initial_carry"] = lambda self, begin_distance: ()
+    plain = dataclasses.make_dataclass("Plain", [], frozen=True, namespace=members)
     needs, failed = Needs(), ""
     try:
         needs = needs_of(plain())
@@ -81,8 +84,7 @@ def reward_class(function: Callable[[Steps], Any]) -> type[Reward]:
         for name in needs.terms
         if name.isidentifier() and not keyword.iskeyword(name) and name not in MEMBERS
     ]
-    call = _call_weighted(function) if needs.terms else _call_plain(function)
-    members = {**_members(function, call), "needs": frozenset(needs.fields), FAILED: failed}
+    members |= {"needs": frozenset(needs.fields), FAILED: failed}
     made: type[Reward] = dataclasses.make_dataclass(function.__name__, fields, frozen=True, namespace=members)
     made.__module__, made.__qualname__ = function.__module__, function.__qualname__
     return made
@@ -98,26 +100,3 @@ def weighted(terms: Mapping[str, Any], weights: Mapping[str, float]) -> dict[str
     return {
         name: value if (weight := weights.get(name, 1.0)) == 1.0 else weight * value for name, value in terms.items()
     }
-
-
-def _members(function: Callable[..., Any], call: Callable[..., Any]) -> dict[str, Any]:
-    own = {"__doc__": function.__doc__, FUNCTION: staticmethod(function)}
-    return {**own, "initial_carry": lambda self, begin_distance: (), "__call__": call}
-
-
-def _call_plain(function: Callable[..., Any]) -> Callable[..., Any]:
-    def call(self: Any, carry: Carry, steps: Steps) -> tuple[Carry, Any]:
-        return carry, function(steps)
-
-    return call
-
-
-def _call_weighted(function: Callable[..., Any]) -> Callable[..., Any]:
-    def call(self: Any, carry: Carry, steps: Steps) -> tuple[Carry, Any]:
-        weights, returned = vars(self), function(steps)
-        if set(weights.values()) <= PLAIN:
-            return carry, returned
-        terms = weighted(paid_of(returned).terms, weights)
-        return carry, Paid(sum_of(terms), terms)
-
-    return call

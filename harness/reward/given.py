@@ -20,9 +20,9 @@ import numpy as np
 
 from harness.errors import UsageError
 from harness.reward.forms import STEP, takes_step, weighted
-from harness.reward.reward import LARGEST_FACTOR
-from harness.reward.steps import BEFORE, ENVIRONMENT, Steps, nearest, steps_type
-from harness.reward.terms import paid_of
+from harness.reward.reward import LARGEST_FACTOR, Reward
+from harness.reward.steps import BEFORE, ENVIRONMENT, Steps, nearest, rows_of, steps_type
+from harness.reward.terms import Paid, paid_of, pay
 
 Given: TypeAlias = Callable[..., Any] | str | Mapping[str, Callable[..., Any] | str]
 """A function, a key of ``info``, ``"own"``, or terms by name."""
@@ -36,6 +36,13 @@ Now = steps_type((*FIELDS, BEFORE))
 """A step: the observation after it, the action, the info, and `Before`."""
 STEP_PARTS = (*(f"{STEP}.{name}" for name in FIELDS), *(f"{STEP}.{BEFORE}.{name}" for name in FIELDS))
 """The fields of both, as a function of a step reads them."""
+
+
+ARM = "arm"
+"""The key of ``info`` under which an env of an arm tells what an arm's reward is given of its step, a row for each
+environment step; and of the metadata that say that it does."""
+TASK = "task"
+"""The key of ``info``, and the term, of what the arm's task pays beside the reward."""
 
 
 class Untold(KeyError):
@@ -83,14 +90,6 @@ def arguments(step: Steps, is_of_step: bool) -> tuple[Any, ...]:
     return (step,) if is_of_step else (step.before.observation, step.action, step.observation, step.info)
 
 
-def of_step(function: Callable[..., Any]) -> Callable[[Steps], Any]:
-    """A function of a step that returns what an author's function returns."""
-    if takes_step(function):
-        return function
-
-    return lambda step: function(*arguments(step, False))
-
-
 def zeros_of(action: Any) -> Any:
     """An action of the same form, all zeros: what there was before the first step of an episode."""
     if isinstance(action, Mapping):
@@ -129,9 +128,8 @@ class Terms:
         told = {name: part(step) for name, part in self._asked().items()}
         if self.weights is None:
             return told
-        ((name, returned),) = told.items()
+        (returned,) = told.values()
         terms = paid_of(returned).terms
-        require_terms(name, self.weights, terms)
         # In double precision, as terms are recorded: so the same is paid by what was recorded of them.
         return weighted({term: np.asarray(value, np.float64)[()] for term, value in terms.items()}, self.weights)
 
@@ -150,10 +148,38 @@ class Terms:
         return Terms({name: copy.deepcopy(part, memo) for name, part in self.parts.items()}, self.weights)
 
 
+class OfArm:
+    """An arm's reward as one of an env that tells its steps, see `ARM`. What the task pays is added, as by the env.
+
+    Attributes:
+        reward: The arm's.
+    """
+
+    def __init__(self, reward: Reward) -> None:
+        self.reward = reward
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget what was before."""
+        self._begin, self._carry = math.nan, None
+
+    def __call__(self, step: Steps) -> Any:
+        """What the step pays; of a reward with terms these, and what the task pays."""
+        arm, paid = step.info[ARM], list[Paid]()
+        for row, begin in enumerate(arm.begin_distance.tolist()):
+            if begin != self._begin:  # the first target, or the next one
+                self._begin, self._carry = begin, self.reward.initial_carry(arm.begin_distance[row : row + 1])
+            self._carry, told = pay(self.reward, self._carry, rows_of(arm, slice(row, row + 1)))
+            paid.append(told)
+        terms = {name: sum(it.terms[name][0] for it in paid) for name in paid[0].terms}
+        return {**terms, TASK: step.info[TASK]} if terms else sum(it.total[0] for it in paid) + step.info[TASK]
+
+
 def _part(given: Callable[..., Any] | str) -> Callable[[Steps], Any]:
     if isinstance(given, str):
         return lambda step: told_under(step.info, given)
-    return of_step(given)
+    is_of_step = takes_step(given)
+    return lambda step: given(*arguments(step, is_of_step))
 
 
 def opened(given: Any, noun: str) -> Any:
@@ -186,35 +212,24 @@ def opened(given: Any, noun: str) -> Any:
     return given
 
 
-def require_terms(reward: str, named: Iterable[str], terms: Iterable[str]) -> None:
-    """See that a reward has the terms that weights name.
-
-    Raises:
-        UsageError: It has none of these names; names those that it has, and the nearest.
-    """
-    there = list(terms)
-    for name in named:
-        if name not in there:
-            has = f"It has: {', '.join(there)}{nearest(name, there)}" if there else "It pays a number without terms"
-            raise UsageError(f"Reward '{reward}' has no term '{name}' to weigh. {has}")
-
-
 def weights_of(reward: str, given: Mapping[str, Any], terms: Collection[str]) -> dict[str, float]:
     """What a user gave for the weights of a reward's terms, as numbers in the terms' order, without those that are 1.
 
     Raises:
-        UsageError: It names another term, or what it gives is no weight.
+        UsageError: It names another term, or what it gives is no weight; names the terms, and the nearest.
     """
-    require_terms(reward, given, terms)
     found: dict[str, float] = {}
-    for term in filter(given.__contains__, terms):
+    for term, weight in given.items():
+        if term not in terms:
+            has = f"It has: {', '.join(terms)}{nearest(term, terms)}" if terms else "It pays a number without terms"
+            raise UsageError(f"Reward '{reward}' has no term '{term}' to weigh. {has}")
         try:
-            found[term] = float(given[term])
+            found[term] = float(weight)
         except (TypeError, ValueError):
             found[term] = math.nan
         if not abs(found[term]) <= LARGEST_FACTOR:
             raise UsageError(
-                f"Reward '{reward}': {term}={given[term]} is no weight: give a number from -{LARGEST_FACTOR:g} to "
+                f"Reward '{reward}': {term}={weight} is no weight: give a number from -{LARGEST_FACTOR:g} to "
                 f"{LARGEST_FACTOR:g}, as in {reward}:{term}=5"
             )
-    return {term: weight for term, weight in found.items() if weight != 1.0}
+    return {term: found[term] for term in terms if found.get(term, 1.0) != 1.0}

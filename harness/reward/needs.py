@@ -1,6 +1,6 @@
 """What a reward reads and what terms it pays, found by one call on made-up steps that note what they are asked for."""
 
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache, partial
 from typing import Any, TypeVar
@@ -10,7 +10,7 @@ import numpy as np
 from harness.arrays import read_only
 from harness.errors import HarnessError, UsageError, one_line
 from harness.reward.reward import Reward
-from harness.reward.steps import ARM_BEFORE, BEFORE, MissingField, Sample, Steps, map_steps, steps_of
+from harness.reward.steps import BEFORE, MissingField, Steps, map_steps, step_between
 from harness.reward.terms import Paid, pay, require_one_each
 
 ROWS = 2
@@ -89,42 +89,31 @@ def of_made_up(call: Callable[[Steps], Answer], dof: int | None = None, action_s
     Raises:
         UsageError: It fails with every number of joints, or reads what a step of an arm does not have.
     """
-    sizes = SIZES if dof is None else (dof,)
-    failed: Exception | None = None
-    for size in sizes:
+    failed = list[Exception]()
+    for size in SIZES if dof is None else (dof,):
         try:
             return call(made_up(size, action_size or size))
         except HarnessError:
             raise
         except Exception as error:  # whatever a stranger's function raises
-            failed = failed or error
-    assert failed is not None
-    raise UsageError(f"It fails on made-up steps of {ROWS} arms: {one_line(failed)}") from failed
+            failed.append(error)
+    raise UsageError(f"It fails on made-up steps of {ROWS} arms: {one_line(failed[0])}") from failed[0]
 
 
-def reads_of(
-    reward: Reward, there: Collection[str], dof: int | None = None, action_size: int | None = None
-) -> tuple[str, ...]:
-    """What a reward reads, as `needs_of`; all that is there, of one that fails on made-up steps.
+def shown_needs(reward: Reward, dof: int | None = None, action_size: int | None = None) -> Needs | None:
+    """The same as `needs_of`; None of a reward that fails on made-up steps, which its first real step will say.
 
     So does code that JAX compiled, which takes arrays alone and not what notes that they are read.
+
+    Raises:
+        MissingField: It reads what a step of an arm does not have.
     """
     try:
-        return needs_of(reward, dof, action_size).fields
+        return needs_of(reward, dof, action_size)
     except MissingField:
         raise
     except UsageError:
-        return (*there, *(f"{BEFORE}.{name}" for name in there))
-
-
-def terms_of(reward: Reward, dof: int, action_size: int) -> tuple[str, ...]:
-    """The terms of a reward, as `needs_of`; none of one that fails, which its first real step will say."""
-    try:
-        return needs_of(reward, dof, action_size).terms
-    except MissingField:
-        raise
-    except UsageError:
-        return ()
+        return None
 
 
 def call_noted(reward: Reward, steps: Steps) -> tuple[set[str], Paid]:
@@ -141,13 +130,9 @@ def call_noted(reward: Reward, steps: Steps) -> tuple[set[str], Paid]:
 def made_up(dof: int, action_size: int) -> Steps:
     """`ROWS` steps of an arm, every field with plausible numbers: one step nears the target, one leaves it."""
     rng = np.random.default_rng(0)
-    distance = np.array([0.3, 0.45])
-    six = Sample(
-        np.array([0.5, 0.5]), np.array([0.4, 0.4]), np.array([0.4, 0.4]), distance, distance - 0.4, np.array([3.0, 4.0])
-    )
-    now = _arm(rng, dof, action_size, distance)
+    now = _arm(rng, dof, action_size, np.array([0.3, 0.45]))
     before = {**_arm(rng, dof, action_size, np.array([0.4, 0.4])), "target": now["target"]}
-    steps = steps_of({**six._asdict(), **now, BEFORE: steps_of({name: before[name] for name in ARM_BEFORE})})
+    steps = step_between(before, now, np.array([0.5, 0.5]), before["distance"], np.array([3.0, 4.0]))
     return map_steps(read_only, steps)  # kept for the next reward, and an env's cannot be written into either
 
 

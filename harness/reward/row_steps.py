@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Mask, read_only
-from harness.reward.steps import BEFORE, Sample, Steps, joined, rows_of, steps_of
+from harness.reward.steps import Steps, joined, rows_of, step_between
 
 TOUCHED = ("reached", "terminated", "truncated")
 """Columns of a trace that tell where a new target was set inside an episode."""
@@ -40,7 +40,7 @@ def part_of(rows: Rows, which: NDArray[np.int64] | slice) -> Rows:
     return {name: column[which] for name, column in rows.items()}
 
 
-def steps_of_rows(rows: Rows, last: Rows = MappingProxyType({})) -> tuple[Steps, Mask, Rows]:
+def steps_of_rows(rows: Rows, last: Rows | None = None) -> tuple[Steps, Mask, Rows]:
     """The next rows of a run as steps; which of them begin an episode or have a new target, (rows,); the last of them.
 
     Args:
@@ -59,10 +59,10 @@ def steps_of_rows(rows: Rows, last: Rows = MappingProxyType({})) -> tuple[Steps,
     restart: Mask = start | (begin != before.pop("begin_distance")) | before.pop("touched", np.False_)
     row = np.arange(len(start), dtype=np.float64)
     step = row - np.maximum.accumulate(np.where(start, row, -1.0 - last["step"]))
-    six = Sample(begin, best, np.where(restart, begin, before["distance"]), distance, distance - best, step)
-    steps = {**six._asdict(), **{name: rows[name] for name in FIELDS if name in rows}, BEFORE: steps_of(before)}
+    after = {"distance": distance, **{name: rows[name] for name in FIELDS if name in rows}}
+    steps = step_between(before, after, begin, best, step, np.where(restart, begin, before["distance"]))
     ends = {name: column[-1:].copy() for name, column in {**rows, "step": step}.items()}
-    return steps_of(steps), restart, ends
+    return steps, restart, ends
 
 
 def has_field(run: Recorded, name: str) -> bool:

@@ -6,7 +6,7 @@ Which fields there are depends on where the steps come from. One that is not the
 
 import difflib
 from collections import namedtuple
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from itertools import islice
@@ -95,21 +95,8 @@ class Sample(NamedTuple):
         return _missing(self, name)
 
 
-def _values(steps: Any) -> tuple[Any, ...]:
-    """All of them, as who copies or pickles steps takes them."""
-    return tuple(tuple.__iter__(steps))
-
-
 def _told(steps: Any) -> dict[str, Any]:
-    return dict(zip(steps._fields, _values(steps), strict=True))
-
-
-def _replaced(steps: Any, **given: Any) -> Any:
-    return type(steps)._make({**_told(steps), **given}.values())
-
-
-def _distances(steps: Any) -> Iterator[Any]:
-    return islice(tuple.__iter__(steps), len(Sample._fields))
+    return dict(zip(steps._fields, tuple.__iter__(steps), strict=True))
 
 
 @cache
@@ -118,10 +105,11 @@ def steps_type(fields: tuple[str, ...]) -> type[Any]:
 
     Who unpacks a step of an arm gets the distances of `Sample`, which were all that a reward once knew.
     """
-    members: dict[str, Any] = {"__slots__": (), "__getattr__": _missing, "_asdict": _told, "_replace": _replaced}
-    members["__getnewargs__"] = _values
+    members: dict[str, Any] = {"__slots__": (), "__getattr__": _missing, "_asdict": _told}
+    members["_replace"] = lambda steps, **given: type(steps)._make({**_told(steps), **given}.values())
+    members["__reduce__"] = lambda steps: (steps_of, (_told(steps),))  # nobody finds the type by its name
     if fields[: len(Sample._fields)] == Sample._fields:
-        members["__iter__"] = _distances
+        members["__iter__"] = lambda steps: islice(tuple.__iter__(steps), len(Sample._fields))
     return type("Steps", (namedtuple("Steps", fields),), members)
 
 
@@ -130,7 +118,9 @@ def steps_of(fields: Mapping[str, Any]) -> Steps:
     return steps_type(tuple(fields))._make(fields.values())
 
 
-def step_between(state: Mapping[str, Any], after: Mapping[str, Any], begin: Any, best: Any, step: Any) -> Steps:
+def step_between(
+    state: Mapping[str, Any], after: Mapping[str, Any], begin: Any, best: Any, step: Any, previous: Any = None
+) -> Steps:
     """The step from one state to another, of n episodes.
 
     Args:
@@ -139,9 +129,10 @@ def step_between(state: Mapping[str, Any], after: Mapping[str, Any], begin: Any,
         begin: Begin distances, (n,), [m].
         best: The smallest distances until the state, (n,), [m].
         step: Numbers of the step, counted from 1, (n,).
+        previous: Distances to its target before the step, (n,), [m]; None where it is that of the state.
     """
-    distance = after[DISTANCE]
-    six = Sample(begin, best, state[DISTANCE], distance, distance - best, step)
+    distance, previous = after[DISTANCE], state[DISTANCE] if previous is None else previous
+    six = Sample(begin, best, previous, distance, distance - best, step)
     return steps_of({**six._asdict(), **after, BEFORE: steps_of(state)})
 
 

@@ -143,10 +143,8 @@ def _is_sum(total: Any, found: Any, terms: Mapping[str, Any]) -> bool:
     if any(hasattr(it, "__array_namespace__") and not isinstance(it, np.ndarray | np.generic) for it in (total, found)):
         return True
     told, summed = np.asarray(total, float), np.asarray(found, float)
-    if np.allclose(told, summed, rtol=1e-5, atol=1e-6, equal_nan=True):
-        return True
     rounding = 1e-6 * sum(np.abs(np.asarray(value, float)) for value in terms.values())
-    return bool(np.all(np.abs(told - summed) <= 1e-6 + 1e-5 * np.abs(summed) + rounding))
+    return bool(np.isclose(told, summed, rtol=1e-5, atol=1e-6 + rounding, equal_nan=True).all())
 
 
 def _first(value: Any) -> str:

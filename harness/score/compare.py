@@ -1,7 +1,7 @@
 """Compares two groups of recorded runs: their indices, eta_N, eta_P, and how much of each is only a change of ruler."""
 
 import hashlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import zip_longest
 from typing import Any, NamedTuple
@@ -97,8 +97,7 @@ def _misfit(text: str, log: Log, head: Rows, registry: Registry) -> str:
         payer = Payer(choice.build(registry, "rewards"), log)
     except MissingField as error:
         return f"{log.facts.path}, no column tells {error.field}, which {choice.label} reads"
-    with np.errstate(all="ignore"):  # a reward may divide by anything where it then takes another value
-        paid = payer.pay(head).total
+    paid = payer.pay(head).total
     misses = ~(np.abs(paid - recorded) <= _tolerance(paid, recorded, head))  # what it pays is finite, or a miss
     misses &= ~np.isnan(recorded)  # a training that diverged: `_require_whole` tells it
     # In these rows Dd is within what its two distances can be off.
@@ -228,13 +227,16 @@ def compare_logs(
     known = [claim for claim in claims if claim is not None]
     if len(known) == len(claims):  # they are made together
         found = found.with_corrected(*corrected_p(known))
-    names = ("baseline", "proposed")
+
+    def each(told: Iterable[Any]) -> dict[str, Any]:
+        return dict(zip(("baseline", "proposed"), told, strict=True))
+
     return ComparedRuns(
         found,
         curves,
-        {name: guess.choice for name, guess in zip(names, guesses, strict=True)},
-        {name: len(group) for name, group in zip(names, groups, strict=True)},
-        {name: side.left_out for name, side in zip(names, sides, strict=True)},
+        each(it.choice for it in guesses),
+        each(map(len, groups)),
+        each(side.left_out for side in sides),
         with_events,
         tuple(_notes_of(sides, copied, is_same)),
     )
@@ -245,16 +247,12 @@ def compare_logs(
 
 def _reward_of(group: Sequence[Log], given: str | None, registry: Registry) -> Guess:
     """The reward that paid a group: the one that pays every run of it as recorded."""
-    if given is not None:
-        choose(registry, "rewards", given)
-    guess = Guess(given) if given is not None else guess_reward(group[0], registry)
-    if guess.choice is None:
-        return guess
+    guess = Guess(choose(registry, "rewards", given).label) if given else guess_reward(group[0], registry)
     for log in filter(can_be_paid, group):
-        problem = _misfit(guess.choice, log, next(log.pieces(log.columns, HEAD)), registry)
-        if problem and given is not None:
-            raise UsageError(f"The runs were not paid by {given}: {problem}")
-        if problem:
+        head = next(log.pieces(log.columns, HEAD))
+        if guess.choice and (problem := _misfit(guess.choice, log, head, registry)):
+            if given:
+                raise UsageError(f"The runs were not paid by {given}: {problem}")
             return Guess(None, f"no one reward pays all runs of a group: {problem}")
     return guess
 
@@ -282,10 +280,10 @@ def _require_whole(sides: Sequence["ComparedRows"]) -> None:
 
 def _require_apart(baseline: Sequence[Log], proposed: Sequence[Log]) -> None:
     """Check that no file is in both groups, unless both are the same group."""
-    theirs = {log.facts.path.resolve() for log in proposed}
-    both = [log.facts.path for log in baseline if log.facts.path.resolve() in theirs]
-    if both and not len(both) == len(baseline) == len(theirs):
-        raise UsageError(f"'{both[0]}' is in both groups: let --baseline and --proposed name different files")
+    ours, theirs = ({log.facts.path.resolve(): log.facts.path for log in group} for group in (baseline, proposed))
+    for path, name in ours.items() if ours.keys() != theirs.keys() else ():
+        if path in theirs:
+            raise UsageError(f"'{name}' is in both groups: let --baseline and --proposed name different files")
 
 
 def _seeds(group: Sequence[Log]) -> list[int]:
@@ -340,24 +338,20 @@ class ComparedRows:
         """How many rows stand behind the shortest run of both groups."""
         return sum(self.rows.values()) - len(self.rows) * self.own.index.steps
 
-    def add(self, pieces: Sequence[_Paid | None], steps: int) -> None:
+    def add(self, pieces: Sequence[_Paid], steps: int) -> None:
         """Take the next piece of each run, of which `steps` rows are compared."""
-        there = [(run, piece) for run, piece in zip(self.rows, pieces, strict=True) if piece is not None]
-        for run, piece in there:
+        for run, piece in zip(self.rows, pieces, strict=True):
             if (lost := np.isnan(piece.own)).any():
                 self.torn.setdefault(run, self.rows[run] + int(np.argmax(lost)))
             self.rows[run] += len(piece.own)
             self._digests[run].update(piece.own[:steps].tobytes())
             if len(self._paid[run]) <= FEW:
                 self._paid[run].update(np.unique(piece.own[:steps][:ROWS_SEEN]).tolist())
-        if steps:
-            self.own.add(np.stack([piece.own[:steps] for _, piece in there]))
-        if steps and self.other is not None:
-            scored = np.stack([piece.other[:steps] for _, piece in there])
-            if np.isfinite(scored).all():
-                self.other.add(scored)
-            else:
-                self.other = None
+        self.own.add(np.stack([piece.own[:steps] for piece in pieces]))
+        if self.other is not None:
+            scored = np.stack([piece.other[:steps] for piece in pieces])
+            self.other.add(scored)
+            self.other = self.other if np.isfinite(scored).all() else None
 
     @property
     def alike(self) -> dict[str, list[Log]]:
@@ -379,9 +373,7 @@ def _paid_rows(run: Log, other: Reward | None, with_events: bool, rows: int) -> 
     column, events, payer = pay_column(run), EVENTS if with_events else (), Payer(other, run) if other else None
     for piece in run.pieces([column, *events, *(payer.columns if payer else ())], rows):
         added = np.sum([piece[name] for name in events], axis=0)
-        with np.errstate(all="ignore"):  # a reward may divide by anything where it then takes another value
-            scored = payer.pay(piece).total + added if payer else piece[column]
-        yield _Paid(piece[column] + added, scored)
+        yield _Paid(piece[column] + added, payer.pay(piece).total + added if payer else piece[column])
 
 
 def _read_groups(
@@ -395,8 +387,8 @@ def _read_groups(
     sides = [ComparedRows(group, kind, other is not None) for group, other in both]
     rows = max(1, min(ROWS, HELD // sum(map(len, groups))))
     runs = [_paid_rows(run, other, with_events, rows) for group, other in both for run in group]
-    for pieces in zip_longest(*runs):
-        steps = min(0 if piece is None else len(piece.own) for piece in pieces)
+    for pieces in zip_longest(*runs, fillvalue=_Paid(np.empty(0), np.empty(0))):
+        steps = min(len(piece.own) for piece in pieces)
         for side, of in zip(sides, (pieces[: len(groups[0])], pieces[len(groups[0]) :]), strict=True):
             side.add(of, steps)
     return sides
@@ -414,7 +406,7 @@ def _notes_of(sides: Sequence[ComparedRows], copied: Sequence[Sequence[Log]], is
     for run in (run for group in groups for run in group):
         yield from (f"'{run.facts.path}': {note}" for note in run.facts.notes)
     rows = {run.facts.path: rows for side in sides for run, rows in side.rows.items()}
-    shortest = min(rows, key=lambda path: rows[path])
+    shortest = min(rows, key=rows.__getitem__)
     if max(rows.values()) > rows[shortest]:
         told = f"All runs are cut to the {rows[shortest]:,} steps of the shortest, '{shortest}'"
         yield f"{told}; the longest has {max(rows.values()):,}"

@@ -2,7 +2,7 @@
 
 import glob
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from pathlib import Path
 
 from harness.errors import SchemaError, UsageError
@@ -85,17 +85,13 @@ def _trace_of(path: Path) -> Log:
         metadata = pq.read_metadata(path)
         schema = metadata.schema.to_arrow_schema()
     if FORMAT_KEY not in (schema.metadata or {}):
-        raise SchemaError(f"{path} is a Parquet file, and no trace: {_what_it_has(schema.names)}")
+        told = f"export its rewards as CSV with a column 'reward'; there is: {shown_names(schema.names)}"
+        if {"episode_index", "frame_index"} <= {*schema.names}:
+            told = "it is a part of a LeRobot data set: harness audit lerobot:FOLDER"
+        raise SchemaError(f"{path} is a Parquet file, and no trace: {told}")
     if not metadata.num_rows:
         raise UsageError(f"{path} has no rows")
     return cell_log(path)
-
-
-def _what_it_has(names: Sequence[str]) -> str:
-    """What a Parquet file of others is, and what to do with it."""
-    if {"episode_index", "frame_index"} <= set(names):
-        return "it is a part of a LeRobot data set: harness audit lerobot:FOLDER"
-    return f"export its rewards as CSV with a column 'reward'; there is: {shown_names(names)}"
 
 
 def _only_log(path: Path, name: str, registry: Registry) -> Log:

@@ -18,7 +18,6 @@ import re
 from collections.abc import Callable, Collection, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -30,13 +29,17 @@ from harness.reward.needs import needs_of
 from harness.reward.row_steps import DISTANCES
 from harness.score.scorer import Scorer, fields_beside_distances
 
-END_EFFECTOR, TARGET, JOINTS, JOINTS_DEG = "end_effector", "target", "joints", "joints_deg"
-DISTANCE, RENEWED = "distance", "renewed"
+NAMES = END_EFFECTOR, TARGET, JOINTS, JOINTS_DEG, DISTANCE, RENEWED = (
+    "end_effector",
+    "target",
+    "joints",
+    "joints_deg",
+    "distance",
+    "renewed",
+)
 ARM = (END_EFFECTOR, JOINTS, JOINTS_DEG)
-NAMES = (END_EFFECTOR, TARGET, JOINTS, JOINTS_DEG, DISTANCE, RENEWED)
 MOST_PLACE = 1_000_000
 EXAMPLE = "end_effector=0:3,target=3:6"
-NO_FIELDS: Mapping[str, Float] = MappingProxyType({})
 _PART = r"(?P<key>[^\[\]:/=,]+?)\s*(?:\[(?P<a>\d{1,9}):(?P<b>\d{1,9})\])?"
 _PLACE = re.compile(rf"{_PART}|(?P<c>\d{{1,9}}):(?P<d>\d{{1,9}})")
 
@@ -49,12 +52,14 @@ class Place:
     """Some numbers of a vector.
 
     Attributes:
+        text: As a user typed it.
         key: The part that they stand in, of a vector that is a table of parts; empty if it is none.
         start: The first of them, counted from 0.
         stop: Behind the last; None for all that follow.
         constant: Numbers that stand in no vector; empty if they do.
     """
 
+    text: str
     key: str = ""
     start: int = 0
     stop: int | None = None
@@ -66,27 +71,19 @@ class Place:
         Raises:
             UsageError: The vectors have no such part, or too few numbers.
         """
+        parts = vectors if isinstance(vectors, Mapping) else {"": vectors}
         if self.constant:
-            part = next(iter(vectors.values())) if isinstance(vectors, Mapping) else vectors
-            return np.broadcast_to(np.asarray(self.constant), (len(part), len(self.constant)))
-        part = vectors
-        if isinstance(vectors, Mapping):
-            if self.key not in vectors:
-                raise UsageError(f"{self} names no part of a vector that has {', '.join(map(str, vectors))}")
-            part = vectors[self.key]
-        elif self.key:
-            raise UsageError(f"{self} names a part of a vector that has none: write numbers, such as 0:3")
+            return np.broadcast_to(self.constant, (len(next(iter(parts.values()))), len(self.constant)))
+        if self.key not in parts:
+            told = f"no part of a vector that has {', '.join(map(str, parts))}"
+            none = "a part of a vector that has none: write numbers, such as 0:3"
+            raise UsageError(f"{self.text} names {none if '' in parts else told}")
+        part = parts[self.key]
         flat = np.asarray(part, np.float64).reshape(len(part), -1)
         stop = flat.shape[1] if self.stop is None else self.stop
         if stop > flat.shape[1] or self.start >= stop:
-            raise UsageError(f"{self} is beyond the {flat.shape[1]} numbers that there are")
+            raise UsageError(f"{self.text} is beyond the {flat.shape[1]} numbers that there are")
         return flat[:, self.start : stop]
-
-    def __str__(self) -> str:
-        if self.constant:
-            return "/".join(f"{it:g}" for it in self.constant)
-        numbers = "" if self.stop is None else f"{self.start}:{self.stop}"
-        return f"{self.key}[{numbers}]" if self.key and numbers else self.key or numbers
 
 
 @dataclass(frozen=True)
@@ -110,12 +107,11 @@ class ArmPlaces:
         """
         name = next((it for it in ARM if it in self.places), END_EFFECTOR)
         found = self._rows(name, vectors)
-        if name == END_EFFECTOR:
-            return _sized(found, name, 3)
-        if self.forward is None:
-            raise UsageError(f"{name} says where joints stand; name the robot that they belong to")
-        found = self.forward(np.deg2rad(found) if name == JOINTS_DEG else found)
-        return _sized(found, "the robot's end effector", 3)
+        if name != END_EFFECTOR:
+            if self.forward is None:
+                raise UsageError(f"{name} says where joints stand; name the robot that they belong to")
+            found = self.forward(np.deg2rad(found) if name == JOINTS_DEG else found)
+        return _sized(found, END_EFFECTOR, 3)
 
     def target(self, vectors: Any) -> Float:
         """The same of the target."""
@@ -191,13 +187,13 @@ def parse_place(text: str) -> Place:
     with suppress(ValueError):
         numbers = tuple(map(float, text.split("/")))
         if len(numbers) == 3 and np.isfinite(numbers).all():
-            return Place(constant=numbers)
+            return Place(text, constant=numbers)
     if match := _PLACE.fullmatch(text):
         key, start, stop = match["key"] or "", match["a"] or match["c"], match["b"] or match["d"]
         if start is None:
-            return Place(key)
+            return Place(text, key)
         if int(start) < int(stop) <= MOST_PLACE:
-            return Place(key, int(start), int(stop))
+            return Place(text, key, int(start), int(stop))
     raise UsageError(
         f"'{text}' is no place: write 0:3, where the first number is below the second, {MOST_PLACE:,} at most; "
         "a part's name, or name[0:3]; or three numbers in metres, 0.3/0.1/0.2"
@@ -206,10 +202,9 @@ def parse_place(text: str) -> Place:
 
 def fields_read(reward: Reward) -> tuple[str, ...]:
     """What an arm's reward reads beside distances; nothing of one that fails on made-up steps."""
-    try:
+    with suppress(UsageError):
         return fields_beside_distances(needs_of(reward).fields)
-    except UsageError:
-        return ()
+    return ()
 
 
 class ArmPay:
@@ -220,13 +215,13 @@ class ArmPay:
         self._scorer = Scorer(reward)
         self._begin = self._best = float("nan")
 
-    def begin(self, distance: float, more: Mapping[str, Float] = NO_FIELDS) -> None:
+    def begin(self, distance: float, more: Mapping[str, Float] = {}) -> None:
         """Start an episode at this distance, [m], and with these other fields that the reward reads, (1, size) each."""
         self._scorer = Scorer(self._reward)
         self._begin = self._best = float(distance)
         self._scorer.pay({"start": np.ones(1, bool), **dict.fromkeys(DISTANCES, np.full(1, self._begin)), **more})
 
-    def pay(self, after: Float, more: Mapping[str, Float] = NO_FIELDS) -> Paid:
+    def pay(self, after: Float, more: Mapping[str, Float] = {}) -> Paid:
         """What the next steps of the episode pay, (n,), by the distances after them, (n,), [m], and `more` of each.
 
         Raises:

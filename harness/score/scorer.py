@@ -11,7 +11,7 @@ from harness.errors import UsageError
 from harness.log import Log, Rows
 from harness.log.log import RECORDED, REWARD
 from harness.reward import Carry, MissingField, Paid, Reward, Sample, Steps, pay, put, take
-from harness.reward.needs import reads_of
+from harness.reward.needs import shown_needs
 from harness.reward.row_steps import (
     DISTANCES,
     FIELDS,
@@ -109,9 +109,10 @@ class Payer:
         """
         there = tuple(name for name in FIELDS if has_field(log, name))
         sized = [name for name in ("qpos", "action") if name in log]
-        head = next(log.pieces(sized, 1), Rows({})) if sized else Rows({})
+        head = next(log.pieces(sized, 1), Rows({}))
         sizes = (head[name].shape[1] if name in head else None for name in ("qpos", "action"))
-        self._fields = there if with_all else fields_beside_distances(reads_of(reward, there, *sizes))
+        needs = None if with_all else shown_needs(reward, *sizes)
+        self._fields = there if needs is None else fields_beside_distances(needs.fields)
         for name in (it for it in self._fields if it not in there):
             told = "where a reward of the experiment reads it: train in a new folder beside this one"
             hint = f"{name} is recorded {told}" if name in NOT_RECORDED else ""
@@ -133,10 +134,11 @@ class Payer:
             MissingField: The reward reads what is not recorded.
         """
         rows, env = field_rows(piece, self._fields), piece["env"]
-        if (env == env[0]).all():
-            return self._scorers[int(env[0])].pay(rows)
-        runs = (is_whole and stretches_of(piece)) or [np.flatnonzero(env == number) for number in np.unique(env)]
-        return _placed(((run, self._scorers[int(env[run[0]])].pay(part_of(rows, run))) for run in runs), len(env))
+        with np.errstate(all="ignore"):  # a reward may divide by anything where it then takes another value
+            if (env == env[0]).all():
+                return self._scorers[int(env[0])].pay(rows)
+            runs = (is_whole and stretches_of(piece)) or [np.flatnonzero(env == number) for number in np.unique(env)]
+            return _placed(((run, self._scorers[int(env[run[0]])].pay(part_of(rows, run))) for run in runs), len(env))
 
 
 def pay_column(log: Log) -> str:

@@ -1,5 +1,6 @@
 """Any environment that Gymnasium knows by an id."""
 
+import difflib
 import json
 from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, ClassVar
@@ -65,6 +66,17 @@ class AnyGymnasium:
     def examples() -> Mapping[str, Sequence[str]]:
         """See `harness.environment.examples_of`: an env of each family that Gymnasium knows."""
         return {f"id={name}": modules for name, modules in EXAMPLES.items()}
+
+    @staticmethod
+    def knows(name: str) -> bool:
+        """Whether a name is an id of Gymnasium, which is then short for this environment."""
+        return name in gymnasium.registry
+
+    @staticmethod
+    def near(name: str) -> str:
+        """The ids that are nearest to a name, to add to a message; empty if none is near."""
+        found = difflib.get_close_matches(name, gymnasium.registry)
+        return f" Ids of Gymnasium: {', '.join(found)}." if found else ""
 
     def make(self) -> AnyEnv:
         require_allowed(self.id)

@@ -10,11 +10,9 @@ import numpy as np
 from scipy.special import stdtr
 
 from harness.arrays import Float
-from harness.authoring.commands import Block
 from harness.eta import Better
 
-MOST = 64
-"""Blocks of a training, at most."""
+from .blocks import MOST, Block
 
 ERROR = 0.05
 """At most this share of trainings in which pay does not rise or behaviour does not fall ever has a hint.

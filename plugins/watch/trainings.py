@@ -8,11 +8,8 @@ from typing import Literal, Protocol, TypeAlias
 
 from harness.authoring.commands import (
     TRAINING_RECORDING,
-    Block,
-    Blocks,
     FolderStatus,
     left_text,
-    read_blocks,
     read_status,
     recordings_in,
 )
@@ -20,8 +17,9 @@ from harness.errors import HarnessError, SchemaError, UsageError, one_line
 from harness.eta import Better, direction_of
 from harness.record import TRACE, Cell, Store, partial_folder
 
+from .blocks import Block, Blocks
 from .hint import is_flag
-from .recorded import Recording, blocks_of_trace, measure_of
+from .recorded import Recording, Trace, measure_of
 
 State: TypeAlias = Literal["running", "done", "stopped", "failed"]
 MOST = 24
@@ -117,12 +115,13 @@ def source_of(folder: Path) -> Source:
 
 
 class ExperimentSource:
-    """An experiment: cells of an arm tell blocks while they run, those in environments leave recordings."""
+    """An experiment: cells of an arm leave traces, those in environments recordings."""
 
     def __init__(self, folder: Path) -> None:
         self.folder, self._store = folder, Store(folder)
         self._ended: dict[str, Training] = {}
         self._recordings: dict[Path, Recording] = {}
+        self._traces: dict[Path, Trace] = {}
         self._may_end_early = bool(self._store.read_plan().terms.looks)
 
     def look(self) -> Shown:
@@ -154,13 +153,15 @@ class ExperimentSource:
         return made
 
     def _arm(self, plain: Training, folder: Path) -> Training:
-        """The training of an arm, by what its cell tells while it trains, and afterwards by its trace."""
-        plain = replace(plain, measure="success", is_share=True, better="higher")
+        """The training of an arm, by its trace."""
+        plain, path = replace(plain, measure="success", is_share=True, better="higher"), folder / TRACE
+        if not path.exists():  # nothing is written yet
+            return plain
         try:
-            blocks = blocks_of_trace(folder / TRACE) if plain.state == "done" else read_blocks(folder)
+            trace = self._traces[path] = self._traces.get(path) or Trace(path)
+            return plain.with_blocks(trace.look())
         except SchemaError as error:
             return replace(plain, note=one_line(error))
-        return plain if blocks is None else plain.with_blocks(blocks)
 
     def _recorded(self, plain: Training, folder: Path) -> Training:
         """In an environment: the recording that the cell writes."""

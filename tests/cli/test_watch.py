@@ -9,7 +9,7 @@ import pytest
 from harness.record import Store, read_trace
 from harness.record.returns import mean_return
 from harness_plugins.audit.search.certificate import write_certificate
-from harness_plugins.watch.recorded import blocks_of_trace
+from harness_plugins.watch.recorded import Trace
 from harness_plugins.watch.trainings import source_of
 from harness_plugins.watch.watch import HOST, Pages, open_server, pages_of
 from tests.plugins.audit.search.certified import certificate_of
@@ -201,21 +201,21 @@ def test_a_run_serves_its_page(harness, quick, monkeypatch, tmp_path):
 
 
 def test_a_done_training_is_told_by_its_trace(experiment):
-    """What episodes were paid on average; what it told while it trained is gone."""
+    """What episodes were paid on average."""
     for cell in (experiment / "cells").iterdir():
-        blocks = blocks_of_trace(cell / "evaluation.parquet")  # the training is shorter than an episode
+        path = cell / "evaluation.parquet"  # the training is shorter than an episode
+        blocks = Trace(path).look()
         pay = np.average(blocks.means[:, 0], weights=blocks.episodes)
-        assert pay == pytest.approx(mean_return(read_trace(cell / "evaluation.parquet")))
-        assert not (cell / "blocks.json").exists()
+        assert pay == pytest.approx(mean_return(read_trace(path)))
 
 
-def test_a_running_training_is_told_by_its_blocks(experiment):
-    """As long as a run uses the folder; of one that was killed they are shown as they were."""
+def test_a_running_training_is_told_by_its_trace(experiment):
+    """As long as a run uses the folder; of one that was killed the rows are shown that it had written."""
     (cell, *_) = sorted((experiment / "cells").iterdir())
     partial = cell.with_name(f".{cell.name}.partial")
     cell.rename(partial)
     (partial / "manifest.json").unlink()
-    blocks_of_trace(partial / "trace.parquet").write(partial)
+    (partial / "evaluation.parquet").replace(partial / "trace.parquet")
     (experiment / "running.json").write_text(json.dumps({cell.name: {"started": 0.0, "steps": 7}}))
     source = source_of(experiment)
     assert "1 stopped. No run is using the folder" in source.look().news
@@ -223,4 +223,5 @@ def test_a_running_training_is_told_by_its_blocks(experiment):
         shown = source.look()
     (running,) = [it for it in shown.trainings if it.state == "running"]
     assert (running.steps, running.asked) == (7, 12)
+    assert running.blocks
     assert "1 running." in shown.news

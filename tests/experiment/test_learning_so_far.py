@@ -113,7 +113,7 @@ def test_batches_and_blocks_do_not_matter(episodes, num_envs, chunk, block):
     ]
     rows = np.concatenate(parts)
     learning = LearningSoFar(Kept(), now=Times())
-    learning.BLOCK, learning._block = block, learning._block[:block]
+    learning.BLOCK = block
     for first in range(0, len(rows), chunk):
         learning.append(rows[first : first + chunk])
     told = learning.scalars(len(rows))
@@ -139,20 +139,3 @@ def test_without_terms_there_are_no_names_of_them(times):
     learning = LearningSoFar(Kept(), now=times)
     learning.append(episode(0))
     assert not [name for name in learning.scalars(3) if name.startswith("Reward Terms")]
-
-
-def test_blocks_tell_every_episode(times):
-    """In the order in which they end, with the steps by then, however rows come; a training that goes on adds to it."""
-    rows = np.concatenate([episode(number, paid=float(number), reached=number % 2 == 1) for number in range(5)])
-    for size in (1, 3, 100):
-        learning = LearningSoFar(Kept(), now=times)
-        for begin in range(0, len(rows), size):
-            learning.append(rows[begin : begin + size])
-            learning.scalars(begin + 1)
-        assert learning.blocks.steps.tolist() == [3, 6, 9, 12, 15]
-        assert learning.blocks.means.tolist() == [[3.0 * number, number % 2] for number in range(5)]
-    later = LearningSoFar(Kept(), 12, learning.blocks, times)
-    later.append(episode(4, paid=9.0))
-    later.scalars(16)
-    assert later.blocks.steps.tolist() == [3, 6, 9, 12, 15]
-    assert later.blocks.means[-1].tolist() == [27.0, 0.0]

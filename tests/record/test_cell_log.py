@@ -31,6 +31,7 @@ def test_time_counts_on_over_pieces(tmp_path):
     rows[:, SCALARS.index("step")] = np.arange(70_000)
     with TraceWriter(tmp_path / TRACE, 2, 2) as writer:
         writer.append(rows)
+    assert [CellLog().recognises(it, b"PAR1") for it in sorted(tmp_path.iterdir())] == [False, True]  # its second part
     (log,) = CellLog().read(tmp_path / TRACE)
     assert [piece["time"][-1] for piece in log.pieces(["time"])] == [65_535, 69_999]
 

@@ -44,11 +44,6 @@ def test_facts_of_a_newer_version_are_left_out():
     assert EpisodeFacts.from_bytes(b'{"horizon": 7, "wind": 3.0}') == EpisodeFacts(horizon=7)
 
 
-def test_facts_without_a_goal_are_written_as_before():
-    """Byte for byte: a trace of a reach is what it was before there were goals."""
-    assert EpisodeFacts(7, 0.5).to_bytes() == b'{"horizon": 7, "control_period": 0.5, "ik_steps": null, "work": null}'
-
-
 @pytest.mark.parametrize(
     "facts",
     [

@@ -116,6 +116,7 @@ DAMAGES = {
     "missing": (TRACE, Path.unlink, "is missing"),
     "a link": (TRACE, _link, "is a link"),
     "a pipe": (TRACE, _pipe, "is missing"),
+    "a part more": ("trace-00001.parquet", lambda path: path.write_bytes(b"rows"), "was added to what was recorded"),
     "changed log": (LOG, lambda path: path.write_text("Said\n"), "is not what was written"),
     "cut manifest": (MANIFEST, lambda path: path.write_bytes(path.read_bytes()[:50]), "is no readable manifest"),
     "manifest without digests": (MANIFEST, _name_no_files, "files"),

@@ -1,7 +1,8 @@
 """The trace: what is written is read again, in blocks of any size; what is no trace is refused."""
 
 import re
-from functools import partial
+import shutil
+import threading
 
 import numpy as np
 import pyarrow as pa
@@ -10,13 +11,13 @@ import pytest
 
 import harness.record.trace
 from harness.errors import SchemaError, SimulationDiverged
-from harness.files.parquet import require_room
-from harness.record import COLUMN, SCALARS, TraceWriter, read_trace
-from harness.record.trace import require_plausible
+from harness.record import COLUMN, SCALARS, EpisodeFacts, TraceWriter, read_trace
+from harness.record.parts import PART_ROWS
+from harness.record.trace import require_plausible, trace_part
 
 DOF, ACTION_SIZE = 3, 2
 WIDTH = len(SCALARS) + DOF + ACTION_SIZE
-BLOCK = TraceWriter.BLOCK
+BLOCK = PART_ROWS
 INTEGERS, FLAGS = ("env", "episode", "step"), ("ground", "reached", "held", "terminated", "truncated")
 
 
@@ -31,9 +32,9 @@ def make_rows(count, first=0):
     return rows
 
 
-def write(path, *batches, episodes=None):
+def write(path, *batches):
     """The trace of some batches of rows, read again."""
-    with TraceWriter(path, DOF, ACTION_SIZE, episodes) as writer:
+    with TraceWriter(path, DOF, ACTION_SIZE) as writer:
         for batch in batches:
             writer.append(batch)
     return read_trace(path)
@@ -81,13 +82,6 @@ def test_blocks_do_not_show(path, sizes):
     trace = write(path, *(make_rows(size, start) for size, start in zip(sizes, starts, strict=True)))
     np.testing.assert_array_equal(trace["env"], np.arange(sum(sizes)))
     np.testing.assert_array_equal(trace["distance"], make_rows(sum(sizes))[:, COLUMN["distance"]])
-
-
-def test_only_the_first_episodes_are_kept(path):
-    """With `episodes` the rows of later ones are left out, also when a block holds nothing else."""
-    rows = make_rows(3 * BLOCK)
-    rows[:, COLUMN["episode"]] = np.arange(len(rows)) // 10
-    np.testing.assert_array_equal(write(path, rows, episodes=2)["env"], np.arange(20))
 
 
 def test_trace_without_rows_is_a_trace(path):
@@ -179,7 +173,7 @@ def _zeroed(path):
 
 
 REFUSED = {
-    "a newer format": lambda path: _told(path, {b"harness.trace": b"3"}),
+    "a newer format": lambda path: _told(path, {b"harness.trace": b"4"}),
     "a format that never was": lambda path: _told(path, {b"harness.trace": b"0"}),
     "no format": lambda path: _told(path, {b"harness.trace": b"new"}),
     "somebody else's": lambda path: _told(path, {}),
@@ -227,6 +221,38 @@ def test_extra_columns_stand_behind_the_others(path):
 def test_rows_times_columns_are_bounded_before_they_are_read(path, monkeypatch):
     """A file of a mebibyte may tell of 24 gigabytes."""
     write(path, make_rows(3))
-    monkeypatch.setattr(harness.record.trace, "require_room", partial(require_room, most=10))
+    monkeypatch.setattr(harness.record.trace, "MOST_NUMBERS", 10)
     with pytest.raises(SchemaError, match=r"it has 3 rows of \d+ numbers, 10 are allowed"):
         read_trace(path)
+
+
+def test_whoever_reads_while_it_grows_sees_a_whole_trace(path):
+    """However often, and in the middle of anything: the rows from the first on, never fewer than before."""
+    writer, seen = TraceWriter(path, DOF, ACTION_SIZE), [0]
+
+    def grow():
+        for number in range(400):
+            writer.append(make_rows(1, number))
+            writer.keep()
+
+    writer.keep()
+    growing = threading.Thread(target=grow)
+    growing.start()
+    while growing.is_alive():
+        found = trace_part(path, ["env", "qpos"])
+        np.testing.assert_array_equal(found["env"], np.arange(len(found["env"])))
+        assert seen[-1] <= len(found["env"]) == len(found["qpos"])
+        seen.append(len(found["env"]))
+    assert len({*seen}) > 2
+
+
+def test_part_of_another_trace_is_refused(tmp_path):
+    """One that is not full, or of which something else is known."""
+    for name, rows, horizon in (("one", PART_ROWS + 1, 5), ("other", PART_ROWS + 1, 6), ("short", 9, 5)):
+        with TraceWriter(tmp_path / f"{name}.parquet", DOF, ACTION_SIZE, EpisodeFacts(horizon)) as writer:
+            writer.append(make_rows(rows))
+    read_trace(tmp_path / "one.parquet")
+    for name in ("other", "short"):
+        shutil.copy(tmp_path / "one-00001.parquet", tmp_path / f"{name}-00001.parquet")
+        with pytest.raises(SchemaError, match=rf"{name}\.parquet is no part of the trace that ends with {name}-00001"):
+            read_trace(tmp_path / f"{name}.parquet")

@@ -321,7 +321,7 @@ def test_envs_of_one_training_record_beside_one_another(record, tmp_path):
 
 def test_recording_can_be_read_while_it_goes_on(record, tmp_path, monkeypatch):
     """As far as it was written, which is every few seconds."""
-    monkeypatch.setattr("harness.record.recording.recording_writer.WRITE_EVERY", 0.0)
+    monkeypatch.setattr("harness.record.parts.WRITE_EVERY", 0.0)
     env = record()
     for steps in (0, 2):
         _act(env, steps)
@@ -354,9 +354,9 @@ def test_full_disk_ends_the_recording_and_not_the_training(record, tmp_path, mon
     def refuse(*given):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("harness.record.recording.recording_writer.WRITE_EVERY", 0.0)
+    monkeypatch.setattr("harness.record.parts.WRITE_EVERY", 0.0)
     env = record()
-    monkeypatch.setattr("harness.record.recording.recording_writer.write_packed", refuse)
+    monkeypatch.setattr("harness.record.parts.write_packed", refuse)
     with pytest.warns(
         UserWarning, match=r"cannot be written: No space left on device\. Nothing more is recorded"
     ) as told:

@@ -6,7 +6,9 @@ import shutil
 from collections.abc import Mapping
 from dataclasses import replace
 from html import unescape
-from io import BytesIO, StringIO
+from io import StringIO
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
@@ -251,10 +253,10 @@ def _write_trace(path, episodes, paid=None):
 @functools.lru_cache(maxsize=512)
 def _parquet(rows, shape):
     """The content of a trace's file, written once: most experiments here have the same runs."""
-    with BytesIO() as file:
-        with TraceWriter(file, dof=1, action_size=1) as writer:  # Arrow writes into a file as it does to a path
+    with TemporaryDirectory() as folder:
+        with TraceWriter(Path(folder) / TRACE, dof=1, action_size=1) as writer:
             writer.append(np.frombuffer(rows).reshape(shape))
-        return file.getvalue()
+        return (Path(folder) / TRACE).read_bytes()
 
 
 def _trace(rows):

@@ -9,8 +9,8 @@ from numpy.testing import assert_array_equal
 from harness.errors import UsageError
 from harness.registry import choose, load_registry
 from harness.reward import pay
-from harness.reward.forms import FAILED, is_function_of_steps, reward_class
-from harness.reward.needs import Needs, made_up, needs_of, terms_of
+from harness.reward.forms import FAILED, STEP, reward_class, takes_alone
+from harness.reward.needs import Needs, made_up, needs_of, shown_needs
 from harness_plugins.kit.trainings import NegativeDistance
 from tests.refusals import refused
 
@@ -111,9 +111,9 @@ def test_terms_of_a_reward_that_fails_are_told_by_its_first_real_step():
         def __call__(self, carry, steps):
             return carry, steps.speedy
 
-    assert terms_of(Fails(), 6, 6) == ()
+    assert shown_needs(Fails(), 6, 6) is None
     with refused("'speedy'"):
-        terms_of(Misses(), 6, 6)
+        shown_needs(Misses(), 6, 6)
 
 
 def _helper(x):
@@ -133,7 +133,7 @@ def test_a_function_of_steps_has_an_argument_of_that_name(subtests):
         ("own", False),
     ]:
         with subtests.test(found=found):
-            assert is_function_of_steps(found) is is_one
+            assert takes_alone(found, STEP) is is_one
 
 
 def test_a_term_without_a_name_of_a_parameter_has_no_weight():

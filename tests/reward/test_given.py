@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from harness.reward import MissingField
-from harness.reward.given import Before, Now, Terms, Untold, of_step, opened, told_under, zeros_of
+from harness.reward.given import Before, Now, Terms, Untold, opened, told_under, weights_of, zeros_of
 from tests.refusals import refused
 
 STEP = Now._make((2.0, 3.0, {"left": 4.0}, Before._make((1.0, 0.5, {}))))
@@ -27,7 +27,7 @@ def four(observation, action, next_observation, info):
 
 def test_four_arguments_are_those_of_the_step():
     """The observation before it, the action, the observation after it and the info."""
-    assert of_step(four)(STEP) == (1.0, 3.0, 2.0, 4.0)
+    assert Terms({"it": four})(STEP) == {"it": (1.0, 3.0, 2.0, 4.0)}
 
 
 @pytest.mark.parametrize(
@@ -36,12 +36,12 @@ def test_four_arguments_are_those_of_the_step():
 )
 def test_what_takes_a_step_is_given_it(given):
     """A function, a partial one, an object, one with a default."""
-    assert of_step(given)(STEP) == 3.0
+    assert Terms({"it": given})(STEP) == {"it": 3.0}
 
 
 def test_function_of_any_number_of_arguments_is_given_four():
     """Whatever it calls them."""
-    assert len(of_step(lambda *step: step)(STEP)) == 4
+    assert len(Terms({"it": lambda *step: step})(STEP)["it"]) == 4
 
 
 @pytest.mark.parametrize("read", [lambda step: step.distance, lambda step: step.before.distance])
@@ -117,4 +117,4 @@ def test_weights_multiply_terms():
 def test_weight_of_no_term_is_refused():
     """With the names of the terms."""
     with refused(r"Reward 'both' has no term 'c' to weigh\. It has: aa, b"):
-        Terms({"both": lambda step: {"aa": 2.0, "b": 3.0}}, {"c": 5.0})(STEP)
+        weights_of("both", {"c": 5.0}, ("aa", "b"))

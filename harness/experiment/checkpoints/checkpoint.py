@@ -1,10 +1,10 @@
 """Where a training that was killed goes on: one file in the partial folder of its cell, replaced by the next one.
 
-``checkpoint.safetensors`` holds arrays and, as text, a JSON object. Reading it runs no code. With the finished parts of
-the trace (`harness.experiment.checkpoints.trace_parts`) and the rows of replay buffers
-(`harness.experiment.checkpoints.checkpoint`), which stand in files of their own and only grow, it is all that the
-rest of the training depends on: what the algorithm says that it needs, and the state of the env. Of the physics it
-holds what the arms were told since their last resets: that is done again (`harness.env.ideal`).
+``checkpoint.safetensors`` holds arrays and, as text, a JSON object. Reading it runs no code. With the rows of the trace
+(`harness.record.trace`) and of replay buffers (`harness.experiment.checkpoints.checkpoint`), which stand in files of
+their own and only grow, it is all that the rest of the training depends on: what the algorithm says that it needs, and
+the state of the env. Of the physics it holds what the arms were told since their last resets: that is done again
+(`harness.env.ideal`).
 """
 
 import hashlib
@@ -23,12 +23,12 @@ import safetensors.numpy
 from numpy.typing import NDArray
 
 from harness.errors import SchemaError
-from harness.experiment.checkpoints.trace_parts import require_parts
-from harness.files.bounded import digest_of, is_partial, is_plain, whole_file, write_whole
+from harness.files.bounded import digest_of, files_in, is_partial, is_plain, whole_file, write_whole
 from harness.progress import Ring, TrainingState, prefixed, under
 from harness.record.cell import Cell
 from harness.record.folder import CHECKPOINT, LOG, TRACE
 from harness.record.manifest import write_log
+from harness.record.trace import require_rows
 
 
 class RingPart(NamedTuple):
@@ -132,7 +132,7 @@ def discard_rings(folder: Path, but: Iterable[StoredRing] = ()) -> None:
             path.unlink()
 
 
-FORMAT = 2
+FORMAT = 3
 ABOUT = "harness.checkpoint"
 ALGORITHM, ENV = "algorithm/", "env/"
 
@@ -147,7 +147,7 @@ class Checkpoint:
         algorithm: What the algorithm needs to go on, but for its rings.
         env: What the env needs.
         rings: Where the algorithm's rings are, by name, and those of the env, by their names behind `ENV`.
-        parts: SHA-256 of each finished part of the trace.
+        rows: Of the trace; 0 where the env records it anew when it goes on.
         seconds: What the training took so far.
     """
 
@@ -156,7 +156,7 @@ class Checkpoint:
     algorithm: TrainingState
     env: TrainingState
     rings: Mapping[str, StoredRing] = field(default_factory=dict)
-    parts: tuple[str, ...] = ()
+    rows: int = 0
     seconds: float = 0.0
 
     def write(self, folder: Path) -> None:
@@ -168,7 +168,7 @@ class Checkpoint:
             "steps": self.steps,
             "origin": self.origin,
             "rings": {name: asdict(ring) for name, ring in self.rings.items()},
-            "parts": self.parts,
+            "rows": self.rows,
             "seconds": self.seconds,
         }
         text = json.dumps({**about, "digest": _digest(about, arrays)})
@@ -215,7 +215,7 @@ def read_checkpoint(folder: Path, origin: Mapping[str, Any]) -> Checkpoint:
         origin: The cell, and what it is to run on now.
 
     Raises:
-        SchemaError: It is damaged, of a newer format or of another origin, or a part of the trace is.
+        SchemaError: It is damaged, of another format or of another origin, or the trace is.
     """
     try:
         with safetensors.safe_open(folder / CHECKPOINT, framework="numpy") as file:
@@ -229,10 +229,11 @@ def read_checkpoint(folder: Path, origin: Mapping[str, Any]) -> Checkpoint:
         if about["origin"] != json.loads(json.dumps(origin)):
             raise SchemaError("the sources, the versions or the commit have changed since")
         rings = {name: StoredRing.from_json(ring) for name, ring in about["rings"].items()}
-        require_parts(folder / TRACE, about["parts"])
+        if about["rows"]:
+            require_rows(folder / TRACE, about["rows"])
         require_rings(folder, rings.values())
         algorithm, env = (under(prefix, arrays) for prefix in (ALGORITHM, ENV))
-        return Checkpoint(about["steps"], origin, algorithm, env, rings, tuple(about["parts"]), about["seconds"])
+        return Checkpoint(about["steps"], origin, algorithm, env, rings, about["rows"], about["seconds"])
     except (OSError, ValueError, KeyError, TypeError, safetensors.SafetensorError) as error:
         raise SchemaError(f"it cannot be read: {error!r}") from error
 
@@ -276,9 +277,9 @@ class Attempt:
         return self.checkpoint.steps if self.checkpoint else 0
 
     @property
-    def parts(self) -> tuple[str, ...]:
-        """SHA-256 of each part of the trace that was finished before."""
-        return self.checkpoint.parts if self.checkpoint else ()
+    def rows(self) -> int:
+        """Rows of the trace that were written before."""
+        return self.checkpoint.rows if self.checkpoint else 0
 
     @property
     def seconds(self) -> float:
@@ -311,8 +312,8 @@ def begin_attempt(
     if not checkpoint:
         for path in _left_behind(folder):
             shutil.rmtree(path) if path.is_dir() else path.unlink()
-    for path in filter(is_partial, folder.iterdir()):
-        path.unlink()  # a checkpoint that was half written
+    for path in filter(is_partial, files_in(folder)):
+        path.unlink()  # was half written
     discard_rings(folder, but=checkpoint.rings.values() if checkpoint else ())
     return Attempt(folder, origin, every, checkpoint, note)
 

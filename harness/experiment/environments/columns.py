@@ -1,7 +1,8 @@
 """What is recorded of an env: the environment's own rewards and measures, and those that the user gave as files."""
 
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
 
 from harness.environment import (
     SUCCESS,
@@ -14,11 +15,15 @@ from harness.environment import (
 )
 from harness.errors import UsageError
 from harness.eta.interval import UNBOUNDED, Bounds
+from harness.recorder.column import for_env
+from harness.registry.choice import Choice
 from harness.registry.measure_functions import EPISODE
 from harness.registry.registry import Registry
+from harness.registry.spec import unknown_name
 from harness.registry.step_functions import StepFunction
+from harness.reward import Steps
 from harness.reward.forms import STEP
-from harness.reward.given import Given, Terms, opened
+from harness.reward.given import ARM, Given, OfArm, Terms, opened
 
 
 @dataclass(frozen=True)
@@ -40,16 +45,47 @@ class Columns:
     bounds: Mapping[str, Bounds] = field(default_factory=dict)
 
 
-def columns_of(environment: Environment, env: AnyEnv, registry: Registry) -> Columns:
-    """What is recorded of one env of an environment.
+def closest_distance(step: Steps) -> float:
+    """How near the episode of an arm has come to its target, [m]."""
+    return float(min(step.info[ARM].previous_best[0], *step.info[ARM].distance))
+
+
+def ground_hits(step: Steps) -> bool:
+    """Whether the step of an arm touched the ground."""
+    return bool(step.info[ARM].ground.any())
+
+
+ARM_MEASURES: Mapping[str, Given] = MappingProxyType(
+    {
+        SUCCESS: "is_success",
+        "final_distance": "distance",
+        "closest_distance": closest_distance,
+        "ground_hits": ground_hits,
+    }
+)
+"""Measures of an arm that the last step of an episode tells. Of all but success less is better."""
+
+
+def columns_of(
+    environment: Environment | None, env: AnyEnv, registry: Registry, named: Iterable[Choice] = ()
+) -> Columns:
+    """What is recorded of one env of an environment: this is where the name of a reward gets its meaning there.
 
     The measure called ``success`` decides, else the first one that the user gave, else the environment's first.
+
+    Args:
+        environment: The environment; None where only functions of files are asked.
+        env: The env. One of an arm is measured as an arm, and an arm's rewards can pay it.
+        registry: The plugins.
+        named: Rewards to have beside those of the environment and of files: with weights of their terms, or an arm's.
 
     Raises:
         UsageError: The environment has no reward, or two of these have one name.
     """
     rewards, measures = registry.functions_of("reward"), registry.functions_of("measure")
-    own, own_behaviour = rewards_of(environment, env), dict(environment.behaviour(env))
+    own, own_behaviour = (rewards_of(environment, env), environment.behaviour(env)) if environment else ({}, {})
+    of_arm = ARM_MEASURES if env.metadata.get(ARM) else {}
+    own_behaviour = {**of_arm, **own_behaviour}
     _require_other_names(rewards, own)
     _require_other_names(measures, own_behaviour)
     for it in measures.values():
@@ -59,11 +95,12 @@ def columns_of(environment: Environment, env: AnyEnv, registry: Registry) -> Col
                 f"measured of an arm alone. In an environment write {it.name}({STEP}): the last step counts"
             )
     behaviour = {**_made(measures), **own_behaviour}
+    given = {name: for_env(env, it) for name, it in {**own, **_made(rewards)}.items()}
     return Columns(
-        {**own, **_made(rewards)},
+        {**given, **{it.label: _named(it, given, env, registry) for it in named}},
         {**{name: behaviour[name] for name in behaviour if name == SUCCESS}, **behaviour},
-        {*lower_is_better(environment), *(it.name for it in measures.values() if it.better == "lower")},
-        {*higher_is_better(environment), *(it.name for it in measures.values() if it.better == "higher")},
+        {*of_arm.keys() - {SUCCESS}, *lower_is_better(environment), *_better(measures, "lower")},
+        {*higher_is_better(environment), *_better(measures, "higher")},
         {
             **bounds_of(environment),
             **{it.name: it.bounds for it in measures.values() if it.bounds != UNBOUNDED},
@@ -71,16 +108,22 @@ def columns_of(environment: Environment, env: AnyEnv, registry: Registry) -> Col
     )
 
 
-def weighing(columns: Columns, name: str, label: str, weights: Mapping[str, float]) -> Columns:
-    """The same, and a reward of the name `label` that pays the terms of one of its rewards times weights."""
-    if not weights:
-        return columns
-    weighted = Terms({name: opened(columns.rewards[name], f"reward {name!r}")}, weights)
-    return replace(columns, rewards={**columns.rewards, label: weighted})
+def _named(choice: Choice, given: Mapping[str, Given], env: AnyEnv, registry: Registry) -> Given:
+    """A reward of the environment, perhaps with weights of its terms; else the arm's of that name."""
+    if choice.name not in given:
+        if not env.metadata.get(ARM):
+            raise UsageError(unknown_name("reward", choice.name, given))
+        return OfArm(choice.build(registry, "rewards"))
+    own, weights = given[choice.name], dict(choice.params)
+    return Terms({choice.name: opened(own, f"reward {choice.name!r}")}, weights) if weights else own
 
 
 def _made(functions: Mapping[str, StepFunction]) -> dict[str, Given]:
     return {name: it.make() for name, it in functions.items()}
+
+
+def _better(measures: Mapping[str, StepFunction], direction: str) -> list[str]:
+    return [name for name, it in measures.items() if it.better == direction]
 
 
 def _require_other_names(given: Mapping[str, StepFunction], own: Mapping[str, Given]) -> None:

@@ -1,8 +1,9 @@
 """Recorded trainings paid by rewards that were written later: those of an experiment's cells, or wherever they lie."""
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 
 import gymnasium
@@ -23,7 +24,7 @@ from harness.recorder.column import source_of
 from harness.recorder.env_facts import env_facts
 from harness.recorder.retake import Later, Retake
 from harness.recorder.sealed import Walk
-from harness.registry.choice import Choice, choose
+from harness.registry.choice import Choice, choose, parse
 from harness.registry.registry import Registry
 from harness.registry.spec import blamed_on, unknown_name
 from harness.reward.given import Given
@@ -138,24 +139,14 @@ class PayAgain:
     ) -> tuple[Callable[[], AnyEnv], Callable[[AnyEnv], Columns]]:
         """How an env like the recorded one is made, and what is recorded of it."""
         if task is None:
-            return lambda: _env_of(path, facts), self._functions
+            return lambda: _env_of(path, facts), lambda env: columns_of(None, env, self.registry, self._of_arm.values())
         environment: Environment = task.build(self.registry, "environments")
 
         def make() -> AnyEnv:
             with blamed_on(self.registry.get("environments", task.name), "an env was made"):
                 return environment.make()
 
-        return make, lambda env: columns_of(environment, env, self.registry)
-
-    def _functions(self, env: AnyEnv) -> Columns:
-        """The functions of plugin files alone."""
-        rewards, measures = self.registry.functions_of("reward"), self.registry.functions_of("measure")
-        return Columns(
-            {name: it.make() for name, it in rewards.items()},
-            {name: it.make() for name, it in measures.items()},
-            {name for name, it in measures.items() if it.better == "lower"},
-            {name for name, it in measures.items() if it.better == "higher"},
-        )
+        return make, lambda env: columns_of(environment, env, self.registry, self._of_arm.values())
 
     def _missing(self, facts: TrainingFacts, columns: Columns) -> Later:
         """What is asked for and the recording does not have: at all, by other code, or not to its end."""
@@ -166,18 +157,26 @@ class PayAgain:
             [it for it in self._asked if _is_missing(facts, f"{BEHAVIOUR}{it}", measures.get(it))],
         )
 
+    @cached_property
+    def _of_arm(self) -> Mapping[str, Choice]:
+        """Those of the names that are of an arm's rewards and of no function."""
+        functions, known = {it.name for it in self.registry.functions}, self.registry.typed_names("rewards")
+        asked = [name for name in self.names if parse(name)[0] in known and name not in functions]
+        return {name: choose(self.registry, "rewards", name) for name in asked}
+
     @property
     def _asked(self) -> Sequence[str]:
-        return self.names or [it.name for it in self.registry.functions]
+        labels = [self._of_arm[name].label if name in self._of_arm else name for name in self.names]
+        return labels or [it.name for it in self.registry.functions]
 
     def _refuse_unknown(self, path: Path, task: Choice | None) -> None:
         """Raise UsageError if a name is none of a function, and none of the environment of a recording."""
-        if not set(self.names).difference(it.name for it in self.registry.functions):
+        if not set(self._asked).difference(it.name for it in self.registry.functions):
             return
         make, columns = self._made_by(facts_of(read_recording(path)), task, path)
         with closing(make()) as env:
             known = columns(env)
-        for name in self.names:
+        for name in self._asked:
             if name not in {*known.rewards, *known.behaviour}:
                 raise UsageError(unknown_name("reward or measure", name, {*known.rewards, *known.behaviour}))
 

@@ -1,8 +1,8 @@
 """Looks at an environment before anything runs: its rewards, and which algorithms can train in it."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 from harness.algorithm import ActionSpace, Algorithm, needs_arm, needs_goals
@@ -15,10 +15,10 @@ from harness.experiment.environments.spaces import flat_observations, goal_colum
 from harness.log.log import SUCCESS
 from harness.recorder.column import made_columns
 from harness.recorder.trial import FIRST_STEPS
-from harness.registry.choice import Choice, label_of, parse
+from harness.registry.choice import Choice, choose, label_of, parse
 from harness.registry.registry import Registry
 from harness.registry.spec import PLANNED, blamed_on, unknown_name
-from harness.reward.given import weights_of
+from harness.reward.given import ARM, weights_of
 
 Given = str | Mapping[str, Any]
 
@@ -36,9 +36,9 @@ class Looked:
         unusable: Why no algorithm can train in it; empty if some can.
         goal_rewards: Names of the rewards that are functions of goals alone.
         goalless: Why no reward can be paid again for other goals; empty if observations tell of goals.
-        terms_of: The terms that a reward pays, learned by one step of the env.
-        why_no_reward: Why a name is that of a function in a file and of no reward; empty if it is no such name.
-        require_direction: Raises UsageError if nobody says which values of a measure are better, and it is no flag.
+        is_arm: Whether its env tells the steps of an arm, so that an arm's rewards pay them too.
+        environment: The environment.
+        registry: The plugins.
     """
 
     label: str
@@ -46,12 +46,12 @@ class Looked:
     measures: tuple[str, ...]
     baseline: str
     actions: ActionSpace | None
-    unusable: str = ""
-    goal_rewards: frozenset[str] = frozenset()
-    goalless: str = ""
-    terms_of: Callable[[str], tuple[str, ...]] = field(default=lambda name: (), compare=False)
-    why_no_reward: Callable[[str], str] = field(default=lambda name: "", compare=False)
-    require_direction: Callable[[str], None] = field(default=lambda name: None, compare=False)
+    unusable: str
+    goal_rewards: frozenset[str]
+    goalless: str
+    is_arm: bool
+    environment: Environment
+    registry: Registry
 
     def why_not_in_hindsight(self, reward: str) -> str:
         """Why steps that are paid by a reward cannot be paid again for other goals; empty if they can."""
@@ -79,11 +79,13 @@ class Looked:
     def _reward(self, given: Given) -> Choice:
         """One of the rewards, or one with the weights of its terms, ``gentle:effort=5``."""
         name, params = parse(given) if isinstance(given, str) else (str(given.get("name")), {**given})
+        if name not in self.rewards and self.is_arm:
+            return choose(self.registry, "rewards", given)
         if name not in self.rewards:
-            own = self.why_no_reward(name)
+            own = self.registry.why_no_reward(name)
             raise UsageError(f"{self.label}: {own or unknown_name('reward', name, self.rewards)}")
         params.pop("name", None)
-        terms = self.terms_of(name) if params else ()
+        terms = self._terms_of(name) if params else ()
         if params and not terms:
             raise UsageError(
                 f"Reward '{name}' of '{self.label}' takes no parameters, since it pays no terms that could be weighed: "
@@ -91,6 +93,37 @@ class Looked:
             )
         changed = weights_of(name, params, terms)
         return Choice(name, tuple(changed.items()), label_of(name, changed))
+
+    def require_direction(self, name: str) -> None:
+        """Raise UsageError if nobody says what is better of a measure, and random actions show that it is no flag."""
+        given = self.registry.functions_of("measure").get(name)
+        where = (
+            f"in '{given.file.path}'" if given else f"in the environment; gymnasium takes lower={name} or higher={name}"
+        )
+        how = f"write lower_is_better = ['{name}'] or higher_is_better = ['{name}'] {where}"
+        with closing(self.environment.make()) as env:
+            columns = columns_of(self.environment, env, self.registry)
+            if direction_of(name, columns.lower_is_better, columns.higher_is_better, is_flag=name == SUCCESS):
+                return
+            (column,) = made_columns(env, {}, {name: columns.behaviour[name]}, 1, frozenset())
+            for step in random_steps(env, 0, FIRST_STEPS, [column]):
+                try:
+                    (value,) = column.numbers(value_of(column, step))
+                except (Exception, SystemExit):  # the trial tells what fails; an episode's end may tell a key of info
+                    continue
+                require_direction(name, "higher" if may_be_flag(value) else "", how)
+
+    def _terms_of(self, name: str) -> tuple[str, ...]:
+        """The terms that a reward pays for a step of random actions."""
+        with closing(self.environment.make()) as env:
+            given = columns_of(self.environment, env, self.registry).rewards[name]
+            (column,) = made_columns(env, {name: given}, {}, 1, frozenset())
+            for step in random_steps(env, 0, 1, [column]):
+                try:
+                    column.numbers(value_of(column, step))
+                except (Exception, SystemExit) as error:  # whatever rewards of users raise
+                    raise UsageError(f"Reward '{name}' fails in its first step: {reason_of(error)}") from error
+            return column.terms or ()
 
 
 def refuse_places(sim: Sequence[Given], robot: str | None) -> None:
@@ -138,41 +171,10 @@ def look_at(task: Choice, registry: Registry) -> Looked:
             unusable,
             in_hindsight,
             _goalless(env),
-            lambda name: _terms_of(environment, name, registry),
-            registry.why_no_reward,
-            lambda name: _require_direction(environment, name, registry),
+            bool(env.metadata.get(ARM)),
+            environment,
+            registry,
         )
-
-
-def _require_direction(environment: Environment, name: str, registry: Registry) -> None:
-    """Raise UsageError if it is not known of a measure what is better, and random actions show that it is no flag."""
-    given = registry.functions_of("measure").get(name)
-    where = f"in '{given.file.path}'" if given else f"in the environment; gymnasium takes lower={name} or higher={name}"
-    how = f"write lower_is_better = ['{name}'] or higher_is_better = ['{name}'] {where}"
-    with closing(environment.make()) as env:
-        columns = columns_of(environment, env, registry)
-        if direction_of(name, columns.lower_is_better, columns.higher_is_better, is_flag=name == SUCCESS):
-            return
-        (column,) = made_columns(env, {}, {name: columns.behaviour[name]}, 1, frozenset())
-        for step in random_steps(env, 0, FIRST_STEPS, [column]):
-            try:
-                (value,) = column.numbers(value_of(column, step))
-            except (Exception, SystemExit):  # the trial tells what fails; the end of an episode may tell a key of info
-                continue
-            require_direction(name, "higher" if may_be_flag(value) else "", how)
-
-
-def _terms_of(environment: Environment, name: str, registry: Registry) -> tuple[str, ...]:
-    """The terms that a reward pays for a step of random actions."""
-    with closing(environment.make()) as env:
-        given = columns_of(environment, env, registry).rewards[name]
-        (column,) = made_columns(env, {name: given}, {}, 1, frozenset())
-        for step in random_steps(env, 0, 1, [column]):
-            try:
-                column.numbers(value_of(column, step))
-            except (Exception, SystemExit) as error:  # whatever rewards of users raise
-                raise UsageError(f"Reward '{name}' fails in its first step: {reason_of(error)}") from error
-        return column.terms or ()
 
 
 def why_not_in(looked: Looked, algorithm: Choice, reward: str, registry: Registry, steps: int) -> str:

@@ -18,7 +18,7 @@ from harness.eta.manner import ACTED_AT_RANDOM, DETERMINISTIC, Acted
 from harness.executor import NO_SCALARS, Word
 from harness.experiment.checkpoints.checkpoint import Attempt
 from harness.experiment.environments.batch import EnvironmentBatch
-from harness.experiment.environments.columns import columns_of, weighing
+from harness.experiment.environments.columns import columns_of
 from harness.experiment.environments.spaces import Acting
 from harness.experiment.provenance import describe_environment
 from harness.experiment.trials.tried import Tried
@@ -38,7 +38,7 @@ from harness.record.recording.recorded_training import (
 from harness.recorder.evaluate_policy import FIRST_SEED, evaluate_policy
 from harness.recorder.gate import Gate
 from harness.recorder.record_rewards import RecordRewards
-from harness.registry.choice import Choice
+from harness.registry.choice import Choice, choose
 from harness.registry.registry import Registry
 from harness.registry.spec import blamed_on
 from harness.results.recordings.episodes import cut_text, episodes_of
@@ -103,9 +103,9 @@ class EnvironmentWorld:
                 found[name] = math.fsum(values) / len(values)
         return found
 
-    def kept(self) -> tuple[TrainingState, Sequence[str]] | None:
+    def kept(self) -> tuple[TrainingState, int] | None:
         batch = self._batch
-        return (batch.state(), ()) if batch is not None and batch.can_be_kept else None
+        return (batch.state(), 0) if batch is not None and batch.can_be_kept else None
 
     def evaluate(
         self, policy: Policy, acted: Acted, episodes: int, path: Path, *, after: int = 0, seed: int | None = None
@@ -137,7 +137,7 @@ class EnvironmentWorld:
         """See `CellWorld`: every reward, every measure and every key of info."""
         from harness.experiment.trials.environment_trial import try_environment
 
-        return try_environment(self._cell.task, self._registry, without, tell)
+        return try_environment(self._cell.task, self._registry, without, tell, rewards)
 
     def scalars(self, path: Path) -> dict[str, float]:
         """See `CellWorld`: what the reward paid, and all measures."""
@@ -180,9 +180,10 @@ class EnvironmentWorld:
     def _columns(self, env: AnyEnv) -> Mapping[str, Any]:
         """What a recording says about an env."""
         with self._blamed("its rewards were named"):
-            reward, columns = self._cell.reward, columns_of(self._environment, env, self._registry)
-            weighted = weighing(columns, reward.name, reward.label, dict(reward.params))
-            return {"trained_with": reward.label, "learners": self._learners, **vars(weighted)}
+            reward, registry = self._cell.reward, self._registry
+            named = [*(choose(registry, "rewards", it) for it in self._cell.records), reward]
+            columns = columns_of(self._environment, env, registry, named)
+            return {"trained_with": reward.label, "learners": self._learners, **vars(columns)}
 
     def _blamed(self, doing: str) -> Any:
         return blamed_on(self._registry.get("environments", self._cell.task.name), doing)

@@ -2,7 +2,7 @@
 
 import time
 from collections import defaultdict
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from contextlib import closing
 from itertools import islice
 from typing import Any, TypeAlias
@@ -40,7 +40,9 @@ Tell: TypeAlias = Callable[[str], None]
 Rows: TypeAlias = list[list[float]]
 
 
-def try_environment(task: Choice, registry: Registry, without: Collection[str], tell: Tell) -> Tried:
+def try_environment(
+    task: Choice, registry: Registry, without: Collection[str], tell: Tell, rewards: Sequence[Choice] = ()
+) -> Tried:
     """Try everything that is recorded of an environment.
 
     Args:
@@ -48,9 +50,10 @@ def try_environment(task: Choice, registry: Registry, without: Collection[str], 
         registry: The plugins.
         without: Names of columns that are not asked.
         tell: Told what is asked next.
+        rewards: To have beside those that it always has.
     """
     environment: Environment = task.build(registry, "environments")
-    trial = _Trial(without, tell)
+    trial = _Trial(rewards, without, tell)
     try:
         notes = trial.run(environment, registry)
     except Exception as error:  # whatever people's envs raise; those of rewards are caught
@@ -61,8 +64,8 @@ def try_environment(task: Choice, registry: Registry, without: Collection[str], 
 class _Trial:
     """Asks columns, each until it fails."""
 
-    def __init__(self, without: Collection[str], tell: Tell) -> None:
-        self._without, self._tell = without, tell
+    def __init__(self, rewards: Sequence[Choice], without: Collection[str], tell: Tell) -> None:
+        self._rewards, self._without, self._tell = rewards, without, tell
         self.faults: list[Fault] = []
         self._columns: list[Column] = []
         self._seen: dict[str, None] = {}
@@ -74,7 +77,7 @@ class _Trial:
         """Try all of it; returns what there is to know beside the faults."""
         self._tell("")
         with closing(environment.make()) as env:
-            found = columns_of(environment, env, registry)
+            found = columns_of(environment, env, registry, self._rewards)
             made = made_columns(env, found.rewards, found.behaviour, 1, frozenset())
             self._columns = [column for column in made if column.name not in self._without]
             self._missing = {column.name for column in self._columns if column.key is not None}

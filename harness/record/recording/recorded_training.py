@@ -18,11 +18,10 @@ from harness.files.bounded import reading
 from harness.files.parquet import MOST_NUMBERS, open_parquet, require_room
 from harness.log import Log
 from harness.log.log import REWARD, TIME, Columns, Rows, joined
+from harness.record.parts import PART_ROWS
 from harness.record.recording.facts import TrainingFacts, facts_of, file_column, log_column
 from harness.record.recording.scores import read_scores, scores_name, with_scores
 
-PART_ROWS = 65_536
-"""The rows of every part but a recorder's last."""
 PART_BYTES, MOST_PARTS, MOST_RECORDERS = 2**31, 100_000, 10_000
 """Most that is read of a recording."""
 

@@ -1,8 +1,7 @@
 """Writes the folder of a recorded training while it goes on: a part at a time, the last one anew every few seconds."""
 
 import os
-import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -10,16 +9,13 @@ from pathlib import Path
 import numpy as np
 from filelock import FileLock, Timeout
 
-from harness.arrays import Float
 from harness.errors import UsageError
-from harness.files.bounded import whole_files
-from harness.files.parquet import table_of, write_packed
 from harness.log import Log
+from harness.record.parts import RowsWriter
 from harness.record.recording.facts import TrainingFacts, facts_of
 from harness.record.recording.recorded_training import (
     FLAGS,
     INTEGERS,
-    PART_ROWS,
     TICK,
     facts_name,
     part_name,
@@ -28,21 +24,14 @@ from harness.record.recording.recorded_training import (
     read_recorder,
 )
 
-Rows = Float | Sequence[Sequence[float]]
-WRITE_EVERY, SOONEST = 4.0, 2.0
-"""A training that is killed loses the steps of so many seconds at most, [s]; who watches it sees them as soon."""
-LARGEST_SHARE = 0.005
-"""Writing takes this share of the time at most where it is done more often than every `WRITE_EVERY`."""
 
-
-class RecordingWriter:
+class RecordingWriter(RowsWriter):
     """Writes the steps of one recorder; the columns of a row stand in the order of `part_schema`.
 
     Attributes:
         facts: Written with the next part; replace them to tell more.
         next_time: The time of the next row: 0, or what follows on the rows of a recording that goes on.
         next_episodes: (num_envs,), the same of each env's episode.
-        due: When the newest part is written again, by `time.monotonic`.
     """
 
     def __init__(self, folder: Path, facts: TrainingFacts, number: int = 0, resume: bool = False) -> None:
@@ -61,12 +50,12 @@ class RecordingWriter:
             OSError: The folder cannot be written.
         """
         folder.mkdir(parents=True, exist_ok=True)
-        self.folder, self.number, self.facts = folder, number, facts
+        super().__init__(folder, partial(part_name, number))
+        self.number, self.facts = number, facts
         self._written_facts: TrainingFacts | None = None
         self._lock = FileLock(folder / f"recording-{number}.lock")
         self._process = os.getpid()
-        self._part = self._filled = self.next_time = 0
-        self.due = 0.0
+        self.next_time = 0
         self.next_episodes = np.zeros(facts.num_envs, np.int64)
         try:
             self._lock.acquire(timeout=0)
@@ -77,9 +66,9 @@ class RecordingWriter:
             ) from None
         try:
             if not (folder / facts_name(number)).exists():
-                self._make_room()
+                self._make_room(part_schema(facts))
             elif resume:
-                self._go_on()
+                self._resume()
             else:
                 raise UsageError(
                     f"'{folder}' holds a recording already: name another path, or go on with it by resume=True. "
@@ -90,27 +79,10 @@ class RecordingWriter:
             self._lock.release()
             raise
 
-    def append(self, rows: Rows) -> None:
-        """Take rows, (n, columns), which may be used again.
-
-        Raises:
-            OSError: They cannot be written.
-        """
-        while len(rows):
-            taken = rows[: PART_ROWS - self._filled]
-            self._block[self._filled : self._filled + len(taken)] = taken
-            self._filled += len(taken)
-            rows = rows[len(taken) :]
-            if self._filled == PART_ROWS:
-                self._write()
-                self._part, self._filled = self._part + 1, 0
-        if time.monotonic() >= self.due:
-            self._write()
-
     def learn_terms(self, terms: Mapping[str, tuple[str, ...]]) -> None:
         """Make room for the terms of rewards, by name, before the first row; later ones have the same."""
         self.facts = replace(self.facts, terms=terms)
-        self._make_room()
+        self._make_room(part_schema(self.facts))
 
     @property
     def is_open(self) -> bool:
@@ -131,43 +103,29 @@ class RecordingWriter:
         finally:
             self._lock.release()
 
-    def _make_room(self) -> None:
-        """For the rows of a part; a recording of an older version, which goes on, has the columns that it had."""
-        self._schema = part_schema(self.facts)
-        self._block = np.empty((PART_ROWS, len(self._schema)))
-
-    def _go_on(self) -> None:
+    def _resume(self) -> None:
+        """Go on with what is there; a recording of an older version has the columns that it had."""
         before = TrainingFacts.read(self.folder / facts_name(self.number))
         _require_same_training(self.folder, before, self.facts)
         now, asked = self.facts, self.facts.asked or before.asked  # whoever goes on may ask for more
         better = now if now.lower_is_better or now.higher_is_better else before  # and say what nobody had said
         lower, higher = better.lower_is_better, better.higher_is_better
         self.facts = replace(before, closed=False, asked=asked, lower_is_better=lower, higher_is_better=higher)
-        self._make_room()
+        self._make_room(schema := part_schema(self.facts))
         earlier = read_recorder(self.folder, self.number).rows((TICK, "env", "episode"))
         if len(earlier):
             self.next_time = int(earlier[TICK][-1]) + 1
             np.maximum.at(self.next_episodes, earlier["env"], earlier["episode"] + 1)
-            self._part, self._filled = divmod(len(earlier), PART_ROWS)
-        if self._filled:
-            table = read_part(self.folder / part_name(self.number, self._part), self._schema)
-            self._block[: self._filled] = np.stack([column.to_numpy() for column in table.columns], axis=1)
+            self._go_on(len(earlier), lambda path: [it.to_numpy() for it in read_part(path, schema).columns])
+
+    def _files(self) -> dict[str, Callable[[Path], None]]:
+        """The facts first: no reader finds NaN of which they do not tell."""
+        files = super()._files() if self._filled else {}
+        return files if self.facts is self._written_facts else {facts_name(self.number): self.facts.write, **files}
 
     def _write(self) -> None:
-        """The facts first: no reader finds NaN of which they do not tell."""
-        files, begun = dict[str, Callable[[Path], None]](), time.thread_time()
-        if self.facts is not self._written_facts:
-            files[facts_name(self.number)] = self.facts.write
-        if self._filled:
-            steps = table_of(self._block[: self._filled], self._schema)
-            files[part_name(self.number, self._part)] = partial(write_packed, steps)
-        # Without steps nothing would be lost, and beginning a training does not wait for the disk.
-        with whole_files(self.folder, [*files], is_lasting=self._filled > 0) as partials:
-            for path, write in zip(partials, files.values(), strict=True):
-                write(path)
+        super()._write()
         self._written_facts = self.facts
-        took = time.thread_time() - begun
-        self.due = time.monotonic() + min(WRITE_EVERY, max(SOONEST, took / LARGEST_SHARE))
 
 
 def write_recording(folder: Path, log: Log) -> None:

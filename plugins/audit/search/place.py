@@ -18,7 +18,6 @@ from harness.authoring.commands import (
     usable,
     versions_behind,
     versions_of,
-    weighing,
 )
 from harness.env import IdealSimulator, World as Arm
 from harness.environment import AnyEnv, Environment
@@ -172,7 +171,7 @@ def world_at(place: Place, registry: Registry) -> World:
         environment: Environment = place.task.build(registry, "environments")
 
         def columns(env: AnyEnv) -> Columns:
-            return weighing(columns_of(environment, env, registry), chosen.name, chosen.label, dict(chosen.params))
+            return columns_of(environment, env, registry, [chosen])
 
         with blamed_at(place, registry):
             return EnvironmentWorld(
@@ -200,9 +199,8 @@ def runs_on(place: Place, registry: Registry) -> dict[str, dict[str, Any]]:
     if place.is_environment:
         environment: Environment = place.task.build(registry, "environments")
         with blamed_on(specs["environments"], "an env was made"), closing(environment.make()) as env:
-            columns, reward = columns_of(environment, env, registry), place.reward
-            given = weighing(columns, reward.name, reward.label, dict(reward.params)).rewards.get(reward.label)
-            sources["reward"] = source_of(given).sha256 if given is not None else ""
+            columns = columns_of(environment, env, registry, [place.reward])
+            sources["reward"] = source_of(columns.rewards[place.reward.label]).sha256
             versions |= versions_of(env, ENGINES)
     else:
         sources["robot"] = load_robot(place.robot, registry).digest

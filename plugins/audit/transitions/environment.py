@@ -2,7 +2,7 @@
 
 from contextlib import closing
 
-from harness.authoring.commands import blamed_on, columns_of, look_at, weighing
+from harness.authoring.commands import blamed_on, columns_of, look_at
 from harness.environment import Environment
 from harness.registry import Choice, Registry, split_list
 
@@ -36,9 +36,7 @@ def audit_environment(
     baseline, choices = looked.rewards_asked(against, split_list(rewards) if rewards else None)
     environment: Environment = task.build(registry, "environments")
     with blamed_on(registry.get("environments", task.name), "it was audited"), closing(environment.make()) as env:
-        columns = columns_of(environment, env, registry)
-        for choice in (baseline, *choices):
-            columns = weighing(columns, choice.name, choice.label, dict(choice.params))
+        columns = columns_of(environment, env, registry, (baseline, *choices))
         named = dict.fromkeys(choice.label for choice in (baseline, *choices))
         given = {name: columns.rewards[name] for name in named}
         return audit_rewards(

@@ -27,7 +27,7 @@ def test_first_attempt_begins_at_the_start(make_cell, tmp_path):
     """With nothing to say, and with the log that the worker has opened already."""
     (tmp_path / LOG).write_text("warming up\n")
     attempt = _begin(make_cell(), tmp_path)
-    assert (attempt.begun_from, attempt.parts, attempt.note, attempt.every) == (0, (), "", 100)
+    assert (attempt.begun_from, attempt.rows, attempt.note, attempt.every) == (0, 0, "", 100)
     assert (tmp_path / LOG).read_text() == "warming up\n"
 
 

@@ -1,11 +1,8 @@
 """A cell whose process is killed goes on from its last checkpoint, to the same end."""
 
 import json
-from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
-import pyarrow.parquet as pq
 import pytest
 import safetensors.numpy
 from numpy.random import default_rng
@@ -16,9 +13,7 @@ from harness.errors import SchemaError
 from harness.executor import CellOptions
 from harness.experiment import ExperimentRun, run_cell as cell_progress
 from harness.experiment.checkpoints.checkpoint import Checkpoint, read_checkpoint
-from harness.experiment.checkpoints.trace_parts import TraceParts, discard_parts, part_of, require_parts
 from harness.experiment.run_cell import run_cell
-from harness.files.bounded import digest_of
 from harness.policy import WEIGHTS
 from harness.record import (
     EVALUATION,
@@ -30,9 +25,9 @@ from harness.record import (
     TraceWriter,
     partial_folder,
     read_manifest,
-    read_trace,
 )
-from harness.record.trace import episode_facts
+from harness.record.parts import PART_ROWS
+from harness.record.trace import require_rows
 from harness.registry import Choice
 from harness_plugins.executors.processes import Processes
 from harness_plugins.kit.trainings import WatchedEnv
@@ -127,7 +122,7 @@ def test_cell_without_a_checkpoint_starts_over_and_says_so(toys, train_in_a_proc
     """An algorithm that writes none loses what it had done, and log and manifest tell."""
     waiting = Choice("wander", (("note", str(tmp_path / "note")), ("then", "wait")), "wander")
     train_in_a_process(make_cell(algorithm=waiting), tmp_path / "cell", 1, until=12)
-    assert (partial_folder(tmp_path / "cell") / f"{Path(TRACE).stem}.0").exists()
+    assert (partial_folder(tmp_path / "cell") / TRACE).exists()
     manifest = run_cell(make_cell(), tmp_path / "cell", lambda steps: None, CellOptions(1))
     assert (manifest.status, manifest.resumed_from) == ("done", 0)
     assert manifest.note == "started over: no checkpoint was left"
@@ -157,7 +152,7 @@ def test_checkpoint_comes_back(tmp_path):
         _checkpoint(steps=steps, algorithm=algorithm, seconds=1.5).write(tmp_path)
     assert [path.name for path in tmp_path.iterdir()] == ["checkpoint.safetensors"]
     back = read_checkpoint(tmp_path, ORIGIN)
-    assert (back.steps, back.seconds, back.parts, int(back.env["count"])) == (7, 1.5, (), 5)
+    assert (back.steps, back.seconds, back.rows, int(back.env["count"])) == (7, 1.5, 0, 5)
     for name, array in algorithm.items():
         assert (back.algorithm[name].dtype, back.algorithm[name].shape) == (array.dtype, array.shape)
         assert_array_equal(back.algorithm[name], array)
@@ -178,7 +173,7 @@ def test_checkpoint_that_cannot_be_read_is_refused(tmp_path):
     safetensors.numpy.save_file(
         {}, tmp_path / "checkpoint.safetensors", {"harness.checkpoint": json.dumps({"format": 99})}
     )
-    with pytest.raises(SchemaError, match="it has format 99, this version reads 2"):
+    with pytest.raises(SchemaError, match="it has format 99, this version reads 3"):
         read_checkpoint(tmp_path, ORIGIN)
 
 
@@ -194,57 +189,52 @@ def test_every_flipped_byte_is_found(tmp_path):
             read_checkpoint(tmp_path, ORIGIN)
 
 
-# ------------------------------------------------------------------------------------------------- trace in parts
+# ------------------------------------------------------------------------------------------------- rows of the trace
 
 
-def _rows(parts, first, count):
-    width = len(parts._writer._block[0])
-    parts.append(np.outer(np.arange(first, first + count), np.ones(width)))
+TRACED = default_rng(0).random((3 * PART_ROWS + 100, len(SCALARS) + 4)).round(2)
 
 
-def test_parts_become_one_trace(tmp_path):
-    """The rows of all parts, in order; a part that was begun anew counts once."""
-    path = tmp_path / TRACE
-    with TraceParts(path, 2, 2, FACTS) as parts:
-        _rows(parts, 0, 3)
-        parts.cut()
-        _rows(parts, 3, 2)
-    with TraceParts(path, 2, 2, FACTS, parts.digests) as again:
-        _rows(again, 3, 4)
-    assert pq.read_table(path)["step"].to_pylist() == [0, 1, 2, 3, 4, 5, 6]
-    assert episode_facts(read_trace(path)) == FACTS
-    discard_parts(path)
-    assert list(tmp_path.iterdir()) == [path]
-
-
-def test_trace_is_the_same_file_in_however_many_parts(tmp_path):
-    """Byte for byte, wherever it was cut and however the rows came."""
-    rows = default_rng(0).random((3 * TraceWriter.BLOCK + 100, len(SCALARS) + 4)).round(2)
+@pytest.mark.parametrize("kept", [1, 3, PART_ROWS - 1, PART_ROWS, PART_ROWS + 1, 2 * PART_ROWS, 3 * PART_ROWS + 100])
+def test_trace_that_goes_on_is_that_of_nobody_killed(tmp_path, kept):
+    """Every file, byte for byte; rows behind those that were kept are forgotten, and so are parts."""
     contents = []
-    for cuts, batch in (((), 7), ((1, 5_000, 30_000), 1000), (range(700, 49_000, 700), 33)):
-        path = tmp_path / str(batch) / TRACE
+    for stops in ((), (kept, min(kept + PART_ROWS, len(TRACED)))):
+        path = tmp_path / str(len(stops)) / TRACE
         path.parent.mkdir()
-        with TraceParts(path, 2, 2, FACTS) as parts:
-            for first, end in pairwise([0, *cuts, len(rows)]):
-                for start in range(first, end, batch):
-                    parts.append(rows[start : min(start + batch, end)])
-                if end < len(rows):
-                    parts.cut()
-        contents.append(path.read_bytes())
-    assert contents[0] == contents[1] == contents[2]
+        if stops:
+            before = TraceWriter(path, 2, 2, FACTS)
+            before.append(TRACED[: stops[0]])
+            assert before.keep() == kept
+            before.append(TRACED[stops[0] : stops[1]])
+            before.keep()
+            require_rows(path, kept)
+        with TraceWriter(path, 2, 2, FACTS, after=kept if stops else 0) as writer:
+            for begin in range(kept if stops else 0, len(TRACED), 999):
+                writer.append(TRACED[begin : begin + 999])
+        contents.append({part.name: part.read_bytes() for part in path.parent.iterdir()})
+    assert len(contents[0]) == 4
+    assert contents[0] == contents[1]
 
 
-def test_part_that_is_not_as_it_was_finished_is_noticed(tmp_path):
+def test_rows_that_are_not_as_they_were_written_are_noticed(tmp_path):
     """A byte that changed, or a file that is gone."""
-    part = part_of(tmp_path / TRACE, 0)
-    part.write_bytes(b"rows")
-    digests = [digest_of(part)]
-    require_parts(tmp_path / TRACE, digests)
-    part.write_bytes(b"rows!")
-    with pytest.raises(SchemaError, match=r"trace\.0 is missing or damaged"):
-        require_parts(tmp_path / TRACE, digests)
-    with pytest.raises(SchemaError, match=r"trace\.1 is missing or damaged"):
-        require_parts(tmp_path / TRACE, [digest_of(part), "gone"])
+    path = tmp_path / TRACE
+    with TraceWriter(path, 2, 2, FACTS) as writer:
+        writer.append(TRACED[: PART_ROWS + 9])
+    require_rows(path, PART_ROWS + 9)
+    later = path.with_name("trace-00001.parquet")
+    for part in (path, later):
+        whole = part.read_bytes()
+        flipped = bytearray(whole)
+        flipped[len(whole) // 3] ^= 1
+        part.write_bytes(flipped)
+        with pytest.raises(SchemaError):
+            require_rows(path, PART_ROWS + 9)
+        part.write_bytes(whole)
+    later.unlink()
+    with pytest.raises(SchemaError, match=r"has 65,536 rows, and 65,545 were written"):
+        require_rows(path, PART_ROWS + 9)
 
 
 # ------------------------------------------------------------------------------------------------- what is restored

@@ -10,10 +10,10 @@ from tests.recorder.conftest import Counting
 @pytest.fixture(autouse=True)
 def written_at_once(monkeypatch):
     """Every step is on the disk when it has been taken, and a part is full after 16."""
-    monkeypatch.setattr("harness.record.recording.recording_writer.SOONEST", 0.0)
-    monkeypatch.setattr("harness.record.recording.recording_writer.LARGEST_SHARE", 1e9)
-    for module in ("recording_writer", "recorded_training"):
-        monkeypatch.setattr(f"harness.record.recording.{module}.PART_ROWS", 16)
+    monkeypatch.setattr("harness.record.parts.SOONEST", 0.0)
+    monkeypatch.setattr("harness.record.parts.LARGEST_SHARE", 1e9)
+    for module in ("parts", "recording.recorded_training"):
+        monkeypatch.setattr(f"harness.record.{module}.PART_ROWS", 16)
 
 
 @pytest.fixture

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from harness.record.blocks import Block
 from harness_plugins.watch import cards
+from harness_plugins.watch.blocks import Block
 from harness_plugins.watch.cards import curves_of, rows_of
 from harness_plugins.watch.trainings import Training
 from harness_plugins.watch.watch import drawn

@@ -8,7 +8,7 @@ import pytest
 from numpy.random import default_rng
 from scipy import stats
 
-from harness.record.blocks import Block, Blocks
+from harness_plugins.watch.blocks import Block, Blocks
 from harness_plugins.watch.hint import _pairs, _Series, hint_of
 from tests.plugins.watch.cases.make import KEPT
 from tests.plugins.watch.cases.nulls import NULLS, count_hints
@@ -27,7 +27,7 @@ def rng():
 def blocks_of(pay, behaviour, steps=None):
     """Of episodes."""
     numbers = np.column_stack([pay, behaviour]).astype(float)
-    return Blocks.none().followed_by(100 * np.arange(1, len(numbers) + 1) if steps is None else steps, numbers).listed
+    return Blocks.of((), 100 * np.arange(1, len(numbers) + 1) if steps is None else steps, numbers).listed
 
 
 def hacked(rng, falls=0.6):

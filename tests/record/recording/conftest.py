@@ -4,5 +4,5 @@ import pytest
 @pytest.fixture
 def small_parts(monkeypatch):
     """Parts of seven steps."""
-    for module in ("recorded_training", "recording_writer"):
-        monkeypatch.setattr(f"harness.record.recording.{module}.PART_ROWS", 7)
+    for module in ("parts", "recording.recorded_training"):
+        monkeypatch.setattr(f"harness.record.{module}.PART_ROWS", 7)

@@ -10,7 +10,7 @@ from numpy.random import default_rng
 from scipy import stats
 from scipy.signal import lfilter
 
-from harness.record.blocks import Blocks
+from harness_plugins.watch.blocks import Blocks
 from harness_plugins.watch.hint import hint_of
 
 EPISODES = 500
@@ -50,10 +50,9 @@ NULLS = {
 
 def has_hint(pay, behaviour):
     """Whether a look after any block shows a hint."""
-    blocks = Blocks.none()
     numbers, steps = np.column_stack([pay, behaviour]), 100 * np.arange(1, len(pay) + 1)
     for begin in range(0, len(pay), 2):
-        blocks = blocks.followed_by(steps[begin : begin + 2], numbers[begin : begin + 2])
+        blocks = Blocks.of((), steps[: begin + 2], numbers[: begin + 2])
         if blocks.episodes[-1] == blocks.episodes[0] and hint_of(blocks.listed, better="higher"):
             return True
     return False
