@@ -72,7 +72,7 @@ def announce_all(envs: Sequence[AnyEnv], actions: Sequence[Any]) -> None:
             announce(action)
 
 
-def lower_is_better(environment: Environment | None) -> frozenset[str]:
+def lower_is_better(environment: Environment) -> frozenset[str]:
     """Names of the measures of which less is better; none if the environment does not name any.
 
     A measure that is not 0 or 1 and stands neither here nor in `higher_is_better` decides nothing: its numbers are
@@ -81,12 +81,12 @@ def lower_is_better(environment: Environment | None) -> frozenset[str]:
     return frozenset(getattr(environment, "lower_is_better", ()))
 
 
-def higher_is_better(environment: Environment | None) -> frozenset[str]:
+def higher_is_better(environment: Environment) -> frozenset[str]:
     """Names of the measures of which more is better; none if the environment does not name any."""
     return frozenset(getattr(environment, "higher_is_better", ()))
 
 
-def bounds_of(environment: Environment | None) -> dict[str, Bounds]:
+def bounds_of(environment: Environment) -> dict[str, Bounds]:
     """The least and the greatest value of each measure for which the environment names them; either may be infinite.
 
     No interval in a report leaves them. A measure that is 0 or 1 in every episode needs none.

@@ -273,7 +273,9 @@ def _in_environment(asked: Asked, given: Given, registry: Registry) -> TaskPlan:
     for name in asked.measure:
         if name not in looked.measures:
             told = f"{looked.label}: {unknown_name('measure', name, looked.measures)}"
-            raise UsageError(f"{told} A key of info becomes a measure by --task gymnasium:id=...,tells={name}")
+            key = f"A key of info becomes a measure by --task gymnasium:id=...,tells={name}"
+            path = f"'{name}' needs the whole path, which an arm's own run records: --task fd100-reach --sim NAME"
+            raise UsageError(f"{told} {path if name in registry.names('metrics') else key}")
     for name in (*asked.measure, *looked.measures)[:1]:
         looked.require_direction(name)
     baseline, rewards = looked.rewards_asked(asked.baseline, asked.reward)

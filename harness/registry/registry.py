@@ -178,8 +178,8 @@ class Registry:
         function = self.functions_of("reward").get(name) if kind == "rewards" else None
         if function is not None:
             return (
-                f" {function.told} pays in environments: --task gymnasium:id=... . The reward of an arm is a function "
-                "of step, or a frozen dataclass with initial_carry"
+                f" {function.told} pays in environments, the arm's own among them: --task harness/Reach-v0, which "
+                "takes no --sim. In its other runs write a function of step, or a frozen dataclass with initial_carry"
             )
         called = next((it for it in self.functions if it.attribute == name and kind == "rewards"), None)
         if called is not None:

@@ -75,7 +75,7 @@ class AnyGymnasium:
     @staticmethod
     def near(name: str) -> str:
         """The ids that are nearest to a name, to add to a message; empty if none is near."""
-        found = difflib.get_close_matches(name, gymnasium.registry)
+        found = [] if name in gymnasium.registry else difflib.get_close_matches(name, gymnasium.registry)
         return f" Ids of Gymnasium: {', '.join(found)}." if found else ""
 
     def make(self) -> AnyEnv:
@@ -83,7 +83,8 @@ class AnyGymnasium:
         try:
             return gymnasium.make(self.id, **self._arguments())
         except (gymnasium.error.Error, ImportError, TypeError) as error:
-            raise UsageError(f"gymnasium.make('{self.id}') fails: {error}{_remedy(self.id, error)}") from error
+            more = f"{_remedy(self.id, error)}{self.near(self.id)}"
+            raise UsageError(f"gymnasium.make('{self.id}') fails: {error}{more}") from error
 
     def rewards(self, env: AnyEnv) -> Mapping[str, Given]:
         return {OWN: OWN, **{key: key for key in _split(self.pays)}}

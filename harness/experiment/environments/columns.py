@@ -66,15 +66,13 @@ ARM_MEASURES: Mapping[str, Given] = MappingProxyType(
 """Measures of an arm that the last step of an episode tells. Of all but success less is better."""
 
 
-def columns_of(
-    environment: Environment | None, env: AnyEnv, registry: Registry, named: Iterable[Choice] = ()
-) -> Columns:
+def columns_of(environment: Environment, env: AnyEnv, registry: Registry, named: Iterable[Choice] = ()) -> Columns:
     """What is recorded of one env of an environment: this is where the name of a reward gets its meaning there.
 
     The measure called ``success`` decides, else the first one that the user gave, else the environment's first.
 
     Args:
-        environment: The environment; None where only functions of files are asked.
+        environment: The environment.
         env: The env. One of an arm is measured as an arm, and an arm's rewards can pay it.
         registry: The plugins.
         named: Rewards to have beside those of the environment and of files: with weights of their terms, or an arm's.
@@ -83,9 +81,8 @@ def columns_of(
         UsageError: The environment has no reward, or two of these have one name.
     """
     rewards, measures = registry.functions_of("reward"), registry.functions_of("measure")
-    own, own_behaviour = (rewards_of(environment, env), environment.behaviour(env)) if environment else ({}, {})
     of_arm = ARM_MEASURES if env.metadata.get(ARM) else {}
-    own_behaviour = {**of_arm, **own_behaviour}
+    own, own_behaviour = rewards_of(environment, env), {**of_arm, **environment.behaviour(env)}
     _require_other_names(rewards, own)
     _require_other_names(measures, own_behaviour)
     for it in measures.values():

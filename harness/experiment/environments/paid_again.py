@@ -25,7 +25,7 @@ from harness.recorder.env_facts import env_facts
 from harness.recorder.retake import Later, Retake
 from harness.recorder.sealed import Walk
 from harness.registry.choice import Choice, choose, parse
-from harness.registry.registry import Registry
+from harness.registry.registry import BY_ID, Registry
 from harness.registry.spec import blamed_on, unknown_name
 from harness.reward.given import Given
 from harness.score.weighted_recordings import recordings_of
@@ -138,13 +138,12 @@ class PayAgain:
         self, facts: TrainingFacts, task: Choice | None, path: Path
     ) -> tuple[Callable[[], AnyEnv], Callable[[AnyEnv], Columns]]:
         """How an env like the recorded one is made, and what is recorded of it."""
-        if task is None:
-            return lambda: _env_of(path, facts), lambda env: columns_of(None, env, self.registry, self._of_arm.values())
-        environment: Environment = task.build(self.registry, "environments")
+        place = task or Choice(BY_ID, ((ID, str(facts.spec.get(ID))),))
+        environment: Environment = place.build(self.registry, "environments")
 
         def make() -> AnyEnv:
-            with blamed_on(self.registry.get("environments", task.name), "an env was made"):
-                return environment.make()
+            with blamed_on(self.registry.get("environments", place.name), "an env was made"):
+                return environment.make() if task else _env_of(path, facts)
 
         return make, lambda env: columns_of(environment, env, self.registry, self._of_arm.values())
 

@@ -17,6 +17,8 @@ from harness.record import TraceWriter, read_recording, read_trace
 from harness.registry import Choice, build_defaults, choose, load_registry, read_given
 from harness.results import load_results
 from harness.score.scorer import pay_log
+from harness_plugins.audit.search.place import Place, world_at
+from harness_plugins.audit.transitions.environment import audit_environment
 from tests.refusals import refused
 
 REGISTRY = load_registry()
@@ -157,6 +159,35 @@ def test_what_is_compared_changes_no_id():
     assert more.cells[0].records == ("arp", "dense")
 
 
+def test_every_door_pays_alike(tmp_path):
+    """The recorder, an experiment, an audit and a search give one reward one meaning: here its pay of random steps."""
+    chosen = choose(REGISTRY, "rewards", "aarp")
+    task = choose(REGISTRY, "environments", f"harness/Reach-v0:made_with=simulator=kinematic+task={TASKS[0]}")
+    environment = task.build(REGISTRY, "environments")
+    with closing(environment.make()) as env:
+        given = columns_of(environment, env, REGISTRY, [chosen]).rewards["aarp"]
+        asked = {"own": "own", "name": "aarp", "object": chosen.build(REGISTRY, "rewards"), "door": given}
+        with harness.RecordRewards(env, tmp_path / "live", trained_with="own", rewards=asked) as recorded:
+            _act(recorded)
+    live = read_recording(tmp_path / "live").load()
+    for name in ("object", "door"):
+        assert_array_equal(live[f"reward/{name}"], live["reward/name"])
+    place = Place(task, chosen)
+    with closing(world_at(place, REGISTRY)) as world:
+        world.space.seed(3)
+        shown = world.show(5, np.array([world.space.sample() for _ in range(40)]))
+    assert_array_equal(shown.paid, live["reward/name"][: len(shown.paid)])
+    audit = audit_environment(task, REGISTRY, "aarp,arp:k2=3", None, 0.9, 1)
+    assert audit.rewards == ("own", "aarp", "arp:k2=3")
+
+
+def test_a_measure_that_needs_the_path_is_refused():
+    """With where it is measured."""
+    asked = {"task": "harness/Reach-v0:made_with=simulator=kinematic", "algo": "random", "steps": 60}
+    with refused(r"No measure 'spl'.*needs the whole path.*--task fd100-reach --sim NAME"):
+        expand(check_experiment({**asked, "measure": ["spl"]}), REGISTRY)
+
+
 def test_other_environments_have_no_rewards_of_an_arm():
     """Their steps tell no distance."""
     with refused("gymnasium:id=Pendulum-v1: No reward 'arp'. There is: own"):
@@ -203,6 +234,8 @@ def register_environments(register):
 
 
 def test_an_unknown_id_is_answered_with_the_nearest():
-    """Among the names of tasks and environments."""
+    """Among the names of tasks and environments, and as a parameter."""
+    with refused(r"'Pendlum-v1'.*Ids of Gymnasium: Pendulum-v1, .*"):
+        choose(REGISTRY, "environments", "gymnasium:id=Pendlum-v1").build(REGISTRY, "environments").make()
     with refused(r"No task 'Pendlum-v1'.*Ids of Gymnasium: Pendulum-v1, .*"):
         expand(check_experiment({"task": "Pendlum-v1", "algo": "random", "sim": "kinematic"}), REGISTRY)
