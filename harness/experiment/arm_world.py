@@ -1,6 +1,5 @@
 """An arm in a simulator, as a cell trains in it; see `harness.experiment.world.CellWorld`."""
 
-import time
 from collections import deque
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -10,23 +9,21 @@ from typing import Any
 
 import numpy as np
 
-from harness.algorithm import Algorithm, TrainingEnv
+from harness.algorithm import Algorithm
 from harness.arrays import Float
 from harness.env import ReachVectorEnv
 from harness.env.solid_probes import require_solids
 from harness.env.vector_env import World, build_world
 from harness.eta.manner import Acted
-from harness.executor import NO_SCALARS
 from harness.experiment.arm_evaluation import facts_of, record_evaluation
 from harness.experiment.checkpoints.checkpoint import Attempt
-from harness.experiment.provenance import describe_environment
 from harness.experiment.trials.tried import Tried
-from harness.experiment.workers.order import TELL_EVERY, Beat, Report, named_scalars
+from harness.experiment.workers.order import named_scalars
+from harness.experiment.world import CellWorld
 from harness.log import Log
 from harness.log.log import OpenEpisodes
 from harness.policy import Policy
-from harness.progress import LAST_EPISODES, RETURN, SPEED, SUCCESS, TERMS, TrainingState
-from harness.record.cell import Cell
+from harness.progress import LAST_EPISODES, RETURN, SUCCESS, TERMS
 from harness.record.folder import SUFFIX, TRACE
 from harness.record.returns import PAID, mean_over_episodes, mean_return
 from harness.record.scene import write_scene
@@ -38,24 +35,16 @@ from harness.robot.robot import load_robot
 from harness.scene.scene import scene_of
 
 
-class ArmWorld:
+class ArmWorld(CellWorld):
     """Leaves traces."""
 
     suffix = SUFFIX
-
-    def __init__(self, cell: Cell, registry: Registry, report: Report) -> None:
-        """Build nothing yet; see `harness.experiment.world.world_of`."""
-        self._cell, self._registry, self._beat = cell, registry, Beat(report)
-        self._env: ReachVectorEnv
-        self._learning: LearningSoFar | None = None
-        self._writer: TraceWriter | None = None
+    _env: ReachVectorEnv
+    _learning: "LearningSoFar"
+    _writer: TraceWriter
 
     @cached_property
-    def runs_on(self) -> Mapping[str, Any]:
-        return describe_environment(self._cell, self._robot, self._registry)
-
-    @cached_property
-    def _robot(self) -> Robot:
+    def _robot(self) -> Robot:  # type: ignore[override]
         return load_robot(self._cell.robot, self._registry)
 
     @cached_property
@@ -65,34 +54,30 @@ class ArmWorld:
     def build(self, algorithm: Algorithm) -> Mapping[str, Any]:
         """See `CellWorld`: what the task measures, if that is no distance. The env is opened, to be restored."""
         require_solids(self._cell.simulator.label, self._world.simulator, self._robot, self._registry)
-        self._env = self._world.open(algorithm.num_envs, resumable=True)
+        self._algorithm = algorithm
+        self._batch = self._open()
         goal = self._env.episodes.goal
         return {} if goal is None else {"error": goal.error, "unit": goal.unit}
 
-    def restore(self, state: TrainingState) -> None:
-        self._env.restore(state)
+    def _open(self) -> ReachVectorEnv:
+        self._env = self._world.open(self._algorithm.num_envs, resumable=True)
+        return self._env
 
     @contextmanager
-    def training(self, attempt: Attempt) -> Iterator[TrainingEnv]:
+    def _recorded(self, attempt: Attempt) -> Iterator[None]:
         env, path = self._env, attempt.folder / TRACE
-        try:
-            sizes, facts = (env.robot.dof, env.episodes.action.shape[1]), facts_of(env.task, env.robot)
-            with TraceWriter(path, *sizes, facts, env.episodes.extras, after=attempt.rows) as self._writer:
-                self._writer.keep()  # who looks finds it, and the next attempt too
-                terms = [name.removeprefix(TERM) for name in env.episodes.extras if name.startswith(TERM)]
-                env.recorder = self._learning = LearningSoFar(self._writer, attempt.begun_from, terms=terms)
-                yield env
-        finally:
-            env.close()
+        sizes, facts = (env.robot.dof, env.episodes.action.shape[1]), facts_of(env.task, env.robot)
+        with TraceWriter(path, *sizes, facts, env.episodes.extras, after=attempt.rows) as self._writer:
+            self._writer.keep()  # who looks finds it, and the next attempt too
+            terms = [name.removeprefix(TERM) for name in env.episodes.extras if name.startswith(TERM)]
+            env.recorder = self._learning = LearningSoFar(self._writer, terms)
+            yield
 
-    def learned(self, steps: int, *, if_due: bool = False) -> Mapping[str, float]:
-        if self._learning is None:
-            return NO_SCALARS
-        return self._learning.scalars_if_due(steps) if if_due else self._learning.scalars(steps)
+    def _last_episodes(self) -> Mapping[str, float]:
+        return self._learning.means()
 
-    def kept(self) -> tuple[TrainingState, int] | None:
-        """See `CellWorld`: the rows of the trace."""
-        return None if self._writer is None else (self._env.state(), self._writer.keep())
+    def _keep(self) -> int:
+        return self._writer.keep()
 
     def evaluate(
         self, policy: Policy, acted: Acted, episodes: int, path: Path, *, after: int = 0, seed: int | None = None
@@ -138,28 +123,19 @@ class LearningSoFar:
 
     BLOCK = 4096
 
-    def __init__(
-        self,
-        recorder: Recorder,
-        begun_from: int = 0,
-        now: Callable[[], float] = time.monotonic,
-        terms: Sequence[str] = (),
-    ) -> None:
+    def __init__(self, recorder: Recorder, terms: Sequence[str] = ()) -> None:
         """Start before any episode has ended.
 
         Args:
             recorder: Gets the rows.
-            begun_from: Environment steps that were done before.
-            now: The time, [s].
             terms: Of the reward, whose columns end each row.
         """
-        self._recorder, self._now, self._terms = recorder, now, [f"{TERMS}/{name}" for name in terms]
+        self._recorder, self._terms = recorder, [f"{TERMS}/{name}" for name in terms]
         self._columns = [*map(COLUMN.__getitem__, ADDED_UP), *range(-len(terms), 0)]
         self._waiting, self._count = list[Rows](), 0
         # Of each episode that goes on: its pay, success, what each term paid, and whether its start was seen.
         self._open = OpenEpisodes.none(3 + len(terms))
         self._ended: deque[Float] = deque(maxlen=LAST_EPISODES)
-        self._steps, self._told = begun_from, now()
 
     def append(self, rows: Rows) -> None:
         self._recorder.append(rows)
@@ -168,23 +144,12 @@ class LearningSoFar:
         if self._count >= self.BLOCK:
             self._add_up()
 
-    def scalars_if_due(self, steps: int) -> Mapping[str, float]:
-        """`scalars`, once in `TELL_EVERY` seconds; else nothing."""
-        return self.scalars(steps) if self._now() >= self._told + TELL_EVERY else NO_SCALARS
-
-    def scalars(self, steps: int) -> dict[str, float]:
-        """The scalars after `steps`, by the names of `harness.progress`; empty if they were reported before."""
-        if steps == self._steps:
-            return {}
+    def means(self) -> dict[str, float]:
+        """Means over these episodes, by the names of `harness.progress`; empty before one has ended."""
         self._add_up()
-        now = self._now()
-        found = {}
-        if now > self._told:
-            found[SPEED] = (steps - self._steps) / (now - self._told)
-        self._steps, self._told = steps, now
-        if self._ended:
-            found |= zip([RETURN, SUCCESS, *self._terms], np.mean(self._ended, axis=0).tolist(), strict=True)
-        return found
+        if not self._ended:
+            return {}
+        return dict(zip([RETURN, SUCCESS, *self._terms], np.mean(self._ended, axis=0).tolist(), strict=True))
 
     def _add_up(self) -> None:
         if not self._waiting:

@@ -17,7 +17,7 @@ from harness.executor import CellOptions, Word
 from harness.experiment.checkpoints.checkpoint import Attempt, Checkpoint, begin_attempt, discard_rings, store
 from harness.experiment.draft import Draft, draft_of
 from harness.experiment.workers.order import Report
-from harness.experiment.world import CellWorld, world_of
+from harness.experiment.world import CellWorld
 from harness.files.plain import Plain
 from harness.policy import Policy, load_policy
 from harness.progress import Progress, TrainingState
@@ -34,6 +34,24 @@ from harness.record.folder import (
 )
 from harness.record.manifest import Manifest
 from harness.registry.registry import Registry, load_registry
+
+
+def world_of(cell: Cell, registry: Registry, folder: Path, report: Report) -> CellWorld:
+    """The world of a cell. It imports what such a cell needs, and no more.
+
+    Args:
+        cell: The cell.
+        registry: The plugins.
+        folder: Where its recordings are written.
+        report: Told that something goes on.
+    """
+    if cell.is_in_environment:
+        from harness.experiment.environments.world import EnvironmentWorld
+
+        return EnvironmentWorld(cell, registry, folder, report)
+    from harness.experiment.arm_world import ArmWorld
+
+    return ArmWorld(cell, registry, folder, report)
 
 
 class CellEvaluations:

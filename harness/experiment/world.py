@@ -1,15 +1,20 @@
-"""The interface of what a cell trains in: an arm in a simulator, or an environment of anybody."""
+"""What a cell trains in: an arm in a simulator, or an environment of anybody."""
 
-from collections.abc import Callable, Collection, Mapping, Sequence
-from contextlib import AbstractContextManager
+import time
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, closing, contextmanager, nullcontext
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from harness.algorithm import Algorithm, TrainingEnv
+from harness.executor import NO_SCALARS
 from harness.experiment.checkpoints.checkpoint import Attempt
-from harness.experiment.workers.order import Report
+from harness.experiment.provenance import describe_environment
+from harness.experiment.workers.order import TELL_EVERY, Beat, Report
 from harness.policy import Policy
-from harness.progress import TrainingState
+from harness.progress import SPEED, TrainingState
 from harness.record.cell import Cell
 from harness.registry.registry import Registry
 
@@ -17,22 +22,52 @@ if TYPE_CHECKING:
     from harness.eta.manner import Acted
     from harness.experiment.trials.tried import Tried
     from harness.registry.choice import Choice
+    from harness.robot import Robot
 
 
-class CellWorld(Protocol):
+class Batch(TrainingEnv, Protocol):
+    """Envs that a checkpoint can keep."""
+
+    def state(self) -> TrainingState | None:
+        """Everything that `restore` needs, between two steps; None if it is not known."""
+
+    def restore(self, state: TrainingState) -> None:
+        """Go on from the state that envs of the same kind returned.
+
+        Raises:
+            SchemaError: They cannot be brought there.
+        """
+
+    def close(self) -> None:
+        """Close all envs."""
+
+
+class CellWorld(ABC):
     """Where one cell trains, and where its policies are evaluated.
 
     It is built once. The training env stands where `restore` left it, or at its beginning.
+
+    Attributes:
+        suffix: What the names of recorded evaluations end with: ``.parquet``, or nothing if they are folders.
     """
 
-    @property
-    def suffix(self) -> str:
-        """What the names of recorded evaluations end with: ``.parquet``, or nothing if they are folders."""
+    suffix = ""
+    _robot: "Robot | None" = None
 
-    @property
+    def __init__(self, cell: Cell, registry: Registry, folder: Path, report: Report) -> None:
+        """Make nothing yet; see `world_of`."""
+        self._cell, self._registry, self._folder = cell, registry, folder
+        self._report, self._beat = report, Beat(report)
+        self._algorithm: Algorithm
+        self._batch: Batch | None = None
+        self._told, self._steps = time.monotonic(), 0
+
+    @cached_property
     def runs_on(self) -> Mapping[str, Any]:
         """Versions, machine and sources; see `harness.experiment.provenance.describe_environment`."""
+        return describe_environment(self._cell, self._robot, self._registry)
 
+    @abstractmethod
     def build(self, algorithm: Algorithm) -> Mapping[str, Any]:
         """Build what the cell names, for an algorithm that trains on so many envs.
 
@@ -46,19 +81,40 @@ class CellWorld(Protocol):
         Raises:
             SchemaError: It cannot be brought there.
         """
+        batch, self._batch = self._batch or self._open(), None
+        try:
+            batch.restore(state)
+        except BaseException:
+            batch.close()
+            raise
+        self._batch = batch
 
-    def training(self, attempt: Attempt) -> AbstractContextManager[TrainingEnv]:
+    @contextmanager
+    def training(self, attempt: Attempt) -> Iterator[TrainingEnv]:
         """The training env. It records every step until the block ends."""
+        batch = self._batch = self._batch or self._open()
+        self._told, self._steps = time.monotonic(), attempt.begun_from
+        with closing(batch), self._recorded(attempt):
+            yield batch
 
     def learned(self, steps: int, *, if_due: bool = False) -> Mapping[str, float]:
         """What the last episodes came to, by the names of `harness.progress`; nothing between two times to tell it."""
+        now = time.monotonic()
+        if steps == self._steps or (if_due and now < self._told + TELL_EVERY):
+            return NO_SCALARS
+        speed = {SPEED: (steps - self._steps) / (now - self._told)} if now > self._told else {}
+        self._told, self._steps = now, steps
+        return {**speed, **self._last_episodes()}
 
     def kept(self) -> tuple[TrainingState, int] | None:
-        """For a checkpoint: the state of the training env, and how many rows were recorded that it does not tell.
+        """For a checkpoint: the state of the training env, and how many rows were recorded before.
 
         None if it cannot be kept.
         """
+        state = self._batch.state() if self._batch else None
+        return None if state is None else (state, self._keep())
 
+    @abstractmethod
     def evaluate(
         self, policy: Policy, acted: "Acted", episodes: int, path: Path, *, after: int = 0, seed: int | None = None
     ) -> None:
@@ -74,6 +130,7 @@ class CellWorld(Protocol):
             seed: Of the starts and targets; None for those of every evaluation. Others choose among policies.
         """
 
+    @abstractmethod
     def try_out(self, rewards: "Sequence[Choice]", without: Collection[str], tell: Callable[[str], None]) -> "Tried":
         """Ask rewards and measures, and whatever else is recorded, in an episode of random actions.
 
@@ -83,26 +140,26 @@ class CellWorld(Protocol):
             tell: Told which is asked next.
         """
 
+    @abstractmethod
     def scalars(self, path: Path) -> dict[str, float]:
         """What a recorded evaluation came to, by the names that trackers show."""
 
+    @abstractmethod
     def finish(self, folder: Path) -> Sequence[str]:
         """Leave what else belongs to a cell, and say what there is to know of it, a line each."""
 
+    @abstractmethod
+    def _open(self) -> Batch:
+        """The envs of a training."""
 
-def world_of(cell: Cell, registry: Registry, folder: Path, report: Report) -> CellWorld:
-    """The world of a cell. It imports what such a cell needs, and no more.
+    @abstractmethod
+    def _last_episodes(self) -> Mapping[str, float]:
+        """What the last episodes of the training came to."""
 
-    Args:
-        cell: The cell.
-        registry: The plugins.
-        folder: Where its recordings are written.
-        report: Told that something goes on.
-    """
-    if cell.is_in_environment:
-        from harness.experiment.environments.world import EnvironmentWorld
+    def _recorded(self, attempt: Attempt) -> AbstractContextManager[object]:
+        """Record what the opened envs do until the block ends, where they do not do so themselves."""
+        return nullcontext()
 
-        return EnvironmentWorld(cell, registry, folder, report)
-    from harness.experiment.arm_world import ArmWorld
-
-    return ArmWorld(cell, registry, report)
+    def _keep(self) -> int:
+        """Have what was recorded so far on the disk; returns how many rows, 0 where they are recorded anew."""
+        return 0

@@ -44,17 +44,25 @@ class EnvironmentBatch(VectorEnv[Float32, Actions, Any]):
 
     metadata: dict[str, Any] = {"autoreset_mode": AutoresetMode.SAME_STEP}  # noqa: RUF012 # Gymnasium's own
 
-    def __init__(self, envs: Sequence[RecordRewards[Any, Any]], pay: GoalReward | None = None) -> None:
+    def __init__(
+        self,
+        envs: Sequence[RecordRewards[Any, Any]],
+        pay: GoalReward | None = None,
+        seed: int = 0,
+        tell: Callable[[int], None] = lambda steps: None,
+    ) -> None:
         """Take envs of one kind.
 
         Args:
             envs: They pay the reward that is trained with.
             pay: The same reward as a function of goals, if it is one.
+            seed: That `restore` resets them with.
+            tell: Told by it now and then how many environment steps were done.
 
         Raises:
             UsageError: An algorithm cannot train on such envs.
         """
-        self._envs, self.num_envs = envs, len(envs)
+        self._envs, self.num_envs, self._seed, self._tell = envs, len(envs), seed, tell
         self._unwrapped = [env.unwrapped for env in envs]
         self._space, actions = envs[0].observation_space, envs[0].action_space
         self.single_observation_space = flat = flat_observations(self._space)
@@ -115,34 +123,24 @@ class EnvironmentBatch(VectorEnv[Float32, Actions, Any]):
             infos |= {"final_obs": final, "_final_obs": ended}
         return observations, paid, terminated, truncated, infos
 
-    @property
-    def can_be_kept(self) -> bool:
-        """Whether `state` is enough to bring new envs to where these are."""
-        return self._log.is_complete
+    def state(self) -> TrainingState | None:
+        """What was done since the first reset, which had a seed; None where that is not all."""
+        return self._log.state() if self._log.is_complete else None
 
-    def state(self) -> TrainingState:
-        """What was done since the first reset, which had a seed; for `do_again`."""
-        return self._log.state()
-
-    def do_again(self, state: TrainingState, seed: int, tell: Callable[[int], None]) -> None:
+    def restore(self, state: TrainingState) -> None:
         """Bring new envs to the state of others by giving them the same calls.
-
-        Args:
-            state: Of the others.
-            seed: That they were reset with.
-            tell: Told now and then how many environment steps were done.
 
         Raises:
             SchemaError: They answer otherwise than the others did, or raise an error.
         """
         try:
-            self.reset(seed=seed)
+            self.reset(seed=self._seed)
             for actions in actions_of(state):
                 if actions is None:
                     self.reset()
                 else:
                     self.step(actions)
-                    tell(self.environment_steps)
+                    self._tell(self.environment_steps)
         except Exception as error:  # whatever people's envs raise
             raise SchemaError(f"the environment fails when the same actions are repeated: {one_line(error)}") from error
         self._log.require_same(state)

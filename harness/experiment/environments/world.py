@@ -3,30 +3,27 @@
 import importlib
 import math
 import shutil
-import time
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from contextlib import closing, contextmanager
+from contextlib import closing
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from harness.algorithm import Algorithm, TrainingEnv, needs_goals
+from harness.algorithm import Algorithm, needs_goals
 from harness.environment import AnyEnv, Environment, envs_together, goal_rewards
 from harness.eta.manner import ACTED_AT_RANDOM, DETERMINISTIC, Acted
-from harness.executor import NO_SCALARS, Word
-from harness.experiment.checkpoints.checkpoint import Attempt
+from harness.executor import Word
 from harness.experiment.environments.batch import EnvironmentBatch
 from harness.experiment.environments.columns import columns_of
 from harness.experiment.environments.spaces import Acting
-from harness.experiment.provenance import describe_environment
 from harness.experiment.trials.tried import Tried
-from harness.experiment.workers.order import TELL_EVERY, Beat, Report, named_scalars
+from harness.experiment.workers.order import named_scalars
+from harness.experiment.world import CellWorld
 from harness.log import Log
 from harness.policy import Policy
-from harness.progress import RETURN, SPEED, SUCCESS, TrainingState
-from harness.record.cell import Cell
+from harness.progress import RETURN, SUCCESS
 from harness.record.folder import EVALUATIONS, TRAINING_RECORDING
 from harness.record.recording.facts import TrainingFacts
 from harness.record.recording.recorded_training import (
@@ -39,7 +36,6 @@ from harness.recorder.evaluate_policy import FIRST_SEED, evaluate_policy
 from harness.recorder.gate import Gate
 from harness.recorder.record_rewards import RecordRewards
 from harness.registry.choice import Choice, choose
-from harness.registry.registry import Registry
 from harness.registry.spec import blamed_on
 from harness.results.recordings.episodes import cut_text, episodes_of
 from harness.results.recordings.recording_results import terms_in
@@ -47,65 +43,18 @@ from harness.results.recordings.recording_results import terms_in
 NO_END = "no episode of the training ended: give the environment a time limit"
 
 
-class EnvironmentWorld:
+class EnvironmentWorld(CellWorld):
     """Leaves recordings."""
 
-    suffix = ""
-
-    def __init__(self, cell: Cell, registry: Registry, folder: Path, report: Report) -> None:
-        """Make nothing yet; see `harness.experiment.world.world_of`."""
-        self._cell, self._registry, self._folder, self._report = cell, registry, folder, report
-        self._algorithm: Algorithm
-        self._batch: EnvironmentBatch | None = None
-        self._told, self._steps = time.monotonic(), 0
-        report(Word(0))  # envs may take long to be made
-
-    @cached_property
-    def runs_on(self) -> Mapping[str, Any]:
-        return describe_environment(self._cell, None, self._registry)
+    _envs: EnvironmentBatch
 
     def build(self, algorithm: Algorithm) -> Mapping[str, Any]:
         """See `CellWorld`. Envs are made when the training begins or goes on."""
+        self._report(Word(0))  # libraries and envs may take long
         self._algorithm = algorithm
         for library in self._learners:
             importlib.import_module(library)
         return {}
-
-    def restore(self, state: TrainingState) -> None:
-        """See `CellWorld`: new envs are told all that others were told before, and record it anew."""
-        for path in self._folder.iterdir():
-            if path.is_dir() and path.name != EVALUATIONS:  # of these the policies are gone
-                shutil.rmtree(path)
-        batch, (seed, _) = self._open(), np.random.SeedSequence(self._cell.seed).generate_state(2).tolist()
-        try:
-            batch.do_again(state, seed, Beat(self._report))
-        except BaseException:
-            batch.close()
-            raise
-        self._batch = batch
-
-    @contextmanager
-    def training(self, attempt: Attempt) -> Iterator[TrainingEnv]:
-        self._batch = self._batch or self._open()
-        self._told, self._steps = time.monotonic(), self._batch.environment_steps
-        with closing(self._batch) as batch:
-            yield batch
-
-    def learned(self, steps: int, *, if_due: bool = False) -> Mapping[str, float]:
-        now, batch, found = time.monotonic(), self._batch, dict[str, float]()
-        if batch is None or (if_due and now < self._told + TELL_EVERY):
-            return NO_SCALARS
-        if now > self._told:
-            found[SPEED] = (batch.environment_steps - self._steps) / (now - self._told)
-        self._told, self._steps = now, batch.environment_steps
-        for name, values in ((RETURN, batch.returns), (SUCCESS, batch.successes)):
-            if values:
-                found[name] = math.fsum(values) / len(values)
-        return found
-
-    def kept(self) -> tuple[TrainingState, int] | None:
-        batch = self._batch
-        return (batch.state(), 0) if batch is not None and batch.can_be_kept else None
 
     def evaluate(
         self, policy: Policy, acted: Acted, episodes: int, path: Path, *, after: int = 0, seed: int | None = None
@@ -120,8 +69,14 @@ class EnvironmentWorld:
         with self._blamed("an env was made"):
             made = self._environment.make()
         with closing(made) as env:
+            acting, now = Acting(env, policy, rng), after or self._cell.steps
+
+            def act(observation: Any) -> Any:
+                self._beat(now)  # every step is progress
+                return acting(observation)
+
             evaluate_policy(
-                _beating(Acting(env, policy, rng), Beat(self._report), after or self._cell.steps),
+                act,
                 Gate(env, " of an evaluation"),
                 path,
                 seed=self._cell.seed,
@@ -144,7 +99,7 @@ class EnvironmentWorld:
         return evaluation_scalars(read_recording(path), self._cell.reward.label)
 
     def finish(self, folder: Path) -> Sequence[str]:
-        ended = [] if self._batch is None or self._batch.returns else [NO_END]
+        ended = [] if self._envs.returns else [NO_END]
         recorded = sorted(recordings_in(folder), key=lambda path: path.name != TRAINING_RECORDING)
         return (*ended, *self._cuts(recorded), *_given_up(recorded))
 
@@ -156,16 +111,25 @@ class EnvironmentWorld:
                 yield cut_text(facts.cut, self._cell.evaluation_episodes, facts.horizon)
 
     def _open(self) -> EnvironmentBatch:
-        """Envs that record, each under its number, and pay the cell's reward."""
+        """Envs that record, each under its number, and pay the cell's reward; what others recorded before is gone."""
+        for path in self._folder.iterdir():
+            if path.is_dir() and path.name != EVALUATIONS:  # of these the policies are gone
+                shutil.rmtree(path)
         with self._blamed("envs were made"):
             made = envs_together(self._environment, self._algorithm.num_envs)
-        envs = [self._recorded(env, number) for number, env in enumerate(made)]
-        if not needs_goals(self._algorithm):
-            return EnvironmentBatch(envs)
-        with self._blamed("its rewards were named"):
-            return EnvironmentBatch(envs, goal_rewards(self._environment, made[0])[self._cell.reward.name])
+        envs, pay = [self._recording(env, number) for number, env in enumerate(made)], None
+        if needs_goals(self._algorithm):
+            with self._blamed("its rewards were named"):
+                pay = goal_rewards(self._environment, made[0])[self._cell.reward.name]
+        seed, _ = np.random.SeedSequence(self._cell.seed).generate_state(2).tolist()
+        self._envs = EnvironmentBatch(envs, pay, seed, self._beat)
+        return self._envs
 
-    def _recorded(self, env: AnyEnv, number: int) -> RecordRewards[Any, Any]:
+    def _last_episodes(self) -> Mapping[str, float]:
+        told = (RETURN, self._envs.returns), (SUCCESS, self._envs.successes)
+        return {name: math.fsum(values) / len(values) for name, values in told if values}
+
+    def _recording(self, env: AnyEnv, number: int) -> RecordRewards[Any, Any]:
         path, where = self._folder / TRAINING_RECORDING, f" of env {number}" * (self._algorithm.num_envs > 1)
         return RecordRewards(
             Gate(env, where),
@@ -197,16 +161,6 @@ class EnvironmentWorld:
     def _learners(self) -> tuple[str, ...]:
         """The libraries that the algorithm needs, whose versions a recording tells; other imports do not matter."""
         return self._registry.get("algorithms", self._cell.algorithm.name).modules
-
-
-def _beating(act: Callable[[Any], Any], beat: Beat, steps: int) -> Callable[[Any], Any]:
-    """The same, and it reports now and then that the evaluation goes on: every step is progress."""
-
-    def acting(observation: Any) -> Any:
-        beat(steps)
-        return act(observation)
-
-    return acting
 
 
 def _given_up(recorded: Sequence[Path]) -> list[str]:

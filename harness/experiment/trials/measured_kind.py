@@ -12,9 +12,10 @@ from harness.algorithm import Algorithm
 from harness.executor import Limits, Word
 from harness.experiment.checkpoints.checkpoint import Attempt
 from harness.experiment.environments.paid_again import HORIZON
+from harness.experiment.run_cell import world_of
 from harness.experiment.workers.order import Order, Report
 from harness.experiment.workers.workers import News, run_orders
-from harness.experiment.world import CellWorld, world_of
+from harness.experiment.world import CellWorld
 from harness.files.plain import Plain
 from harness.policy import Policy
 from harness.progress import Progress

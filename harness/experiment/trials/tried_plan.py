@@ -11,11 +11,11 @@ from typing import Any, ClassVar
 from harness.errors import HarnessError, UsageError, one_line
 from harness.executor import Limits
 from harness.experiment.plan import Plan
+from harness.experiment.run_cell import world_of
 from harness.experiment.task_plan import table_of
 from harness.experiment.trials.tried import Fault, Tried, fault_of
 from harness.experiment.workers.order import Order, Report
 from harness.experiment.workers.workers import News, Offspring, Pool
-from harness.experiment.world import world_of
 from harness.files.plain import Plain
 from harness.record.cell import Cell
 from harness.record.folder import LOG, partial_folder, publish

@@ -1,80 +1,34 @@
-"""What a search begins from: scripts, policies of people, what trainings have done."""
+"""What a search begins from beside scripts: policies of people, what trainings have done."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from gymnasium.spaces import Discrete
 
-from harness.arrays import Ints
 from harness.authoring.commands import TRAINING_RECORDING, facts_of, flat_observation, import_file, recordings_in
-from harness.env import kinematics_policy, why_not_kinematics
 from harness.errors import UsageError, reason_of
 from harness.log import ACTION, BEHAVIOUR, REWARD, SUCCESS
-from harness.motion import MoveJ
-from harness.payoff import SCRIPTS, plan_actions
 from harness.policy import CARD, Policy, load_policy
 from harness.record import POLICY, Store, read_recording
 from harness.registry import read_given
-from harness.task import goal_of
 
-from .arm_world import ArmWorld
-from .world import Act, Actions, World
+from .world import Act, Beginning, World
 
 MOST_POLICIES, MOST_SEQUENCES = 12, 8
 """The most policies of a folder, and the most episodes of a recording: the best paid, the last ones, successes."""
 
 
-@dataclass(frozen=True, eq=False)
-class Beginning:
-    """A behaviour to begin from: actions or a policy.
-
-    Attributes:
-        made_by: What it comes from, in words: ``script creep``.
-        actions: Of one episode, of any length; None for a policy.
-        act: A policy; None for actions.
-        start: The start that the actions were made for; None for any.
-    """
-
-    made_by: str
-    actions: Actions | None = None
-    act: Act | None = None
-    start: int | None = None
-
-
-def scripts_of(world: ArmWorld, starts: Ints) -> list[Beginning]:
-    """The scripted movements of an arm from each start, but the random one; and what its own kinematics do.
-
-    None where a task asks for more than points, or its actions are of another kind: scripts move joints.
-    """
-    arm, found = world.arm, list[Beginning]()
-    if not why_not_kinematics(arm.task, arm.robot):
-        found.append(Beginning("inverse kinematics", act=acting(world, kinematics_policy(arm.task, arm.robot))))
-    if goal_of(arm.task, arm.robot) is not None or not isinstance(arm.task.motion(arm.robot), MoveJ):
-        return found
-    qpos, target = world.places(starts)
-    for script in SCRIPTS[:-1]:
-        planned = plan_actions(script, arm.robot, arm.task, qpos, target, np.random.default_rng(0))
-        decided = planned[:: arm.task.decision_period].swapaxes(0, 1)
-        found += [Beginning(f"script {script}", it, start=int(at)) for it, at in zip(decided, starts, strict=True)]
-    return found
-
-
-def policies_of(world: World, policies: Mapping[str, Act]) -> list[Beginning]:
-    """Policies that somebody wrote, by name: from an observation, as the env gives it, to an action.
+def policy_of(world: World, name: str, policy: Act) -> Beginning:
+    """A policy that somebody wrote: from an observation, as the env gives it, to an action.
 
     Raises:
-        UsageError: One cannot be called.
+        UsageError: It cannot be called.
     """
-    found = list[Beginning]()
-    for name, policy in policies.items():
-        noun = f"policies: {name!r}"
-        if not callable(policy):
-            raise UsageError(f"{noun} is {policy!r}: give a function from an observation to an action")
-        found.append(Beginning(f"policy {name}", act=_checked(world, policy, noun)))
-    return found
+    noun = f"policies: {name!r}"
+    if not callable(policy):
+        raise UsageError(f"{noun} is {policy!r}: give a function from an observation to an action")
+    return Beginning(f"policy {name}", act=_checked(world, policy, noun))
 
 
 def policy_named(world: World, text: str) -> Beginning:

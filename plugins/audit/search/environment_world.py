@@ -1,20 +1,19 @@
 """Anybody's environment as a search plays it: begun by ``reset(seed)``, moved by ``step``, paid by one reward."""
 
 import itertools
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from copy import deepcopy
-from dataclasses import replace
 from functools import cached_property
 from math import isfinite, nan
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any
 
 import gymnasium
 import numpy as np
-from gymnasium.spaces import Box, Discrete, flatten
+from gymnasium.spaces import Box, Discrete
 from gymnasium.wrappers import TimeLimit
 
-from harness.arrays import Float, Ints, Mask
+from harness.arrays import Float, Mask
 from harness.authoring.commands import (
     Before,
     Column,
@@ -34,11 +33,11 @@ from harness.authoring.commands import (
 )
 from harness.environment import AnyEnv
 from harness.errors import UsageError, reason_of
-from harness.log import SUCCESS, episode_sum
+from harness.log import SUCCESS
 from harness.registry import unknown_name
 
 from ..transitions.audit_rewards import opened_env
-from .world import Act, Actions, Outcomes, Shown, Space, since
+from .world import Shown, Space, Step, World
 
 CUT_AT = 500
 """Steps of an episode that nothing else ends."""
@@ -46,32 +45,13 @@ TOLD_BY_INFO = ("is_success", SUCCESS)
 """Keys under which envs tell success."""
 SAME = 4
 """So many actions are tried over and over to see whether an env ends episodes by itself."""
-TRIED = 3
-"""Episodes of random actions that are played first: to see which measures are flags, and whether they are repeated."""
-REWARD = "reward"
-Choose: TypeAlias = Callable[[int, Any], Any]
-"""From the number of a step, from 0, and the observation before it to an action."""
 
 
-class _Played(NamedTuple):
-    """One episode: the actions as `World` has them, and by step what it paid, with terms, and what measures told."""
-
-    start: int
-    actions: list[Any]
-    paid: list[list[float]]
-    told: list[list[float]]
-    seen: list[Any]
-    ended: str
-    info: Mapping[str, Any]
-
-
-class EnvironmentWorld:
+class EnvironmentWorld(World):
     """One reward in one env; see `World`.
 
     Boxes of actions that have other shapes than one row are flat here. What ``info`` does not tell in a step is NaN.
     """
-
-    together = 1
 
     def __init__(
         self,
@@ -99,244 +79,166 @@ class EnvironmentWorld:
         Raises:
             UsageError: Its actions cannot be searched, a name is not known, or the reward or a measure fails.
         """
-        self.name, self.reward, self.gamma, self.taken = name, reward, gamma, 0
-        self._make, self._columns, self._is_new, self._env = make, columns, is_new, make()
-        self.space, self.observes = _flat_space(self._env, name), self._env.observation_space
+        self.name, self.reward, self.gamma = name, reward, gamma
+        self._make, self._columns, self._is_new, env = make, columns, is_new, make()
+        self.space, self.observes = _flat_space(env, name), env.observation_space
         flat_observations(self.observes)
         self._goals: tuple[slice, slice] | None = None  # where achieved and desired goals stand in flat observations
         with suppress(UsageError):
             self._goals = goal_columns(self.observes)
-        limit = horizon or _limit_of(self._env)
+        limit = horizon or _limit_of(env)
         self.horizon = limit or CUT_AT
         self._rule, self._more = parse_success(success), dict[str, str]()
-        given = columns(self._env)
+        given = columns(env)
         higher, lower = dict.fromkeys(given.higher_is_better, 1), dict.fromkeys(given.lower_is_better, -1)
         self._direction_of = {**higher, **lower}
         if self._rule.key and self._rule.key not in given.behaviour:
             self._more = {self._rule.key: self._rule.key}
-        self._asked = self._asking(self._env)
-        self._tried = self._try(self._asked)
-        self.notes: Sequence[str] = self._find_success()
+        self._drew = False
+        self._asked: _Asked | None = None
+        self._ask(env)
+        tried = self.at_random()
+        self.notes = self._find_success(tried)
         if not limit:
-            self.horizon = self._own_limit() or CUT_AT
+            self.horizon = self._own_limit(tried) or CUT_AT
             if self.horizon == CUT_AT:
                 self.notes = (*self.notes, f"Nothing limits its episodes: they are cut after {CUT_AT} steps.")
+        self.taken = 0
 
-    def _own_limit(self) -> int:
+    @property
+    def success(self) -> str:  # type: ignore[override]
+        """What tells success, as a user types it; empty if nothing does."""
+        return self._rule.text
+
+    @cached_property
+    def directions(self) -> Mapping[str, int]:  # type: ignore[override]
+        """Those of the measures of which somebody said it, 1 where more is better; and what success says."""
+        found = {name: self._direction_of[name] for name in self.measures if name in self._direction_of}
+        return {**found, self._rule.key: -1 if self._rule.sign.startswith("<") else 1} if self._rule.key else found
+
+    @cached_property
+    def is_repeated(self) -> bool:
+        """Whether the same comes again, and neither the reward nor a measure drew at random; see `World`."""
+        return super().is_repeated and not (self._drew or self.open().drew)
+
+    def open(self, count: int = 1) -> "_Asked":
+        """The env, which plays one episode at a time; see `World`."""
+        if self._asked is None:
+            self._ask(self._make())
+        assert self._asked is not None
+        return self._asked
+
+    def close(self) -> None:
+        """Close the env, unless it is somebody else's."""
+        if self._is_new and self._asked is not None:
+            self._drew |= self._asked.drew
+            self._asked.close()
+            self._asked = None
+
+    @property
+    def terms(self) -> Sequence[str]:  # type: ignore[override]
+        """The names of the terms of the reward; none if it has none."""
+        return self.open().columns[0].terms or ()
+
+    def successes(self, told: Float) -> Mask:
+        """By the rule that tells success; see `World`."""
+        if not self._rule.key:
+            return np.zeros(len(told), bool)
+        values = told[:, self.measures.index(self._rule.key)]
+        found: Mask = self._rule.of_steps(values, self._rule.key) == 1 if self._rule.sign else values > 0.0
+        return found
+
+    def nearest(self, shown: Shown) -> tuple[float, Sequence[Float]]:
+        """By a measure that tells it, else by observed goals; see `World`."""
+        directions, key, space, seen = self.directions, self._rule.key, self.observes, shown.observed
+        trail: Any = (
+            np.asarray(seen, np.float32).reshape(len(seen), -1)
+            if isinstance(space, Box)
+            else np.stack([flat_observation(space, it) for it in seen])
+        )
+        name = key if self._rule.sign else next((it for it in directions if it != key), "")
+        if name:
+            return float(np.fmax.reduce(shown.measures[name] * directions[name])), (trail,)
+        if self._goals is None:
+            return nan, (trail,)
+        achieved, desired = self._goals
+        return -float(np.linalg.norm(trail[1:, achieved] - trail[1:, desired], axis=1).min()), (trail,)
+
+    def _ask(self, env: AnyEnv) -> None:
+        """Ask the reward and all measures about the steps of an env."""
+        columns = self._columns(env)
+        if self.reward not in columns.rewards:
+            raise UsageError(unknown_name("reward", self.reward, columns.rewards))
+        behaviour = {**columns.behaviour, **self._more}
+        self.measures = tuple(behaviour)
+        made = made_columns(env, {self.reward: columns.rewards[self.reward]}, behaviour, 1, frozenset())
+        self._asked = _Asked(env, made, self.space)
+
+    def _own_limit(self, tried: Sequence[Shown]) -> int:
         """After how many steps an env ends episodes that says so nowhere; 0 where none tells.
 
         The longest ones, of random actions or of the same action over and over, are truncated then. Or, as envs say
         ``terminated`` there too, most are as long as the longest.
         """
-        space, played = self.space, list(self._tried)
+        space, played = self.space, list(tried)
         same = (
             space.start + np.arange(space.n)[:SAME]
             if isinstance(space, Discrete)
             else [np.clip(np.zeros(space.shape), space.low, space.high)]
         )
         for start, action in itertools.product(range(2), same):
-            played.append(self._episode(self._asked, start, lambda *_, action=action: action))
-        longest = [it for it in played if len(it.actions) == max(len(it.actions) for it in played)]
+            played += self.episodes(np.array([start]), lambda *_, action=action: [action])
+        longest = [it for it in played if len(it.paid) == max(len(it.paid) for it in played)]
         is_truncated = len(longest) > 1 and all(it.ended == "truncated" for it in longest)
         is_limit = is_truncated or len(longest) > max(2, len(played) / 2)
-        return len(longest[0].actions) if is_limit else 0
+        return len(longest[0].paid) if is_limit else 0
 
-    @property
-    def success(self) -> str:
-        """What tells success, as a user types it; empty if nothing does."""
-        return self._rule.text
-
-    @cached_property
-    def directions(self) -> Mapping[str, int]:
-        """Those of the measures of which somebody said it, 1 where more is better; and what success says."""
-        found = {name: self._direction_of[name] for name in self._asked.measures if name in self._direction_of}
-        return {**found, self._rule.key: -1 if self._rule.sign.startswith("<") else 1} if self._rule.key else found
-
-    @cached_property
-    def is_repeated(self) -> bool:
-        """Whether the same comes again in this env, in another order, and in a new one if one can be made."""
-        again = self._try(self._asked, reversed(range(TRIED)))[::-1]
-        if not self._is_new:
-            return not self._asked.drew and all(map(self._is_same, self._tried, again))
-        env = self._make()
-        try:
-            anew = self._try(self._asking(env))
-        finally:
-            env.close()
-        pairs = [*zip(self._tried, again, strict=True), *zip(self._tried, anew, strict=True)]
-        return not self._asked.drew and all(self._is_same(one, other) for one, other in pairs)
-
-    def play(self, starts: Ints, actions: Actions) -> Outcomes:
-        """Play n episodes of given actions; see `World`."""
-        return self._outcomes([
-            self._counted(start, lambda step, _, given=given: given[step])  # type: ignore[misc]
-            for start, given in zip(starts.tolist(), actions, strict=True)
-        ])  # fmt: skip
-
-    def act(self, starts: Ints, policy: Act) -> tuple[Outcomes, list[Actions]]:
-        """Play n episodes of a policy; see `World`."""
-        played = [self._counted(start, lambda _, seen: policy(seen)) for start in starts.tolist()]
-        return self._outcomes(played), [np.array(it.actions, self.space.dtype) for it in played]
-
-    def show(self, start: int, actions: Actions) -> Shown:
-        """Play one episode and keep everything; see `World`."""
-        return self._shown(self._counted(start, lambda step, _: actions[step], len(actions)))
-
-    def watch(self, start: int, policy: Act) -> Shown:
-        """Play one episode of a policy and keep everything; see `World`."""
-        return self._shown(self._counted(start, lambda _, seen: policy(seen)))
-
-    def _shown(self, played: _Played) -> Shown:
-        paid, told = np.array(played.paid), np.array(played.told)
-        terms = {name: paid[:, 1 + k] for k, name in enumerate(self._asked.columns[0].terms or ())}
-        return Shown(
-            played.start,
-            np.array(played.actions, self.space.dtype),
-            paid[:, 0],
-            terms or {REWARD: paid[:, 0]},
-            self._successes(told),
-            {name: told[:, k] for k, name in enumerate(self._asked.measures)},
-            played.ended,
-            tuple(played.seen),
-        )
-
-    def close(self) -> None:
-        """Close the env, unless it is somebody else's."""
-        if self._is_new:
-            self._env.close()
-
-    def _asking(self, env: AnyEnv) -> "_Asked":
-        columns = self._columns(env)
-        if self.reward not in columns.rewards:
-            raise UsageError(unknown_name("reward", self.reward, columns.rewards))
-        return _Asked(env, replace(columns, behaviour={**columns.behaviour, **self._more}), self.reward)
-
-    def _try(self, asked: "_Asked", starts: Iterable[int] = range(TRIED)) -> list[_Played]:
-        """Episodes of random actions."""
-        played = []
-        for start in starts:
-            self.space.seed(start)
-            played.append(self._episode(asked, start, lambda *_: self.space.sample()))
-        return played
-
-    def _find_success(self) -> tuple[str, ...]:
+    def _find_success(self, tried: Sequence[Shown]) -> tuple[str, ...]:
         """Find what tells success if the user did not say; returns what there is to tell of it."""
-        told = np.concatenate([np.array(it.told).reshape(len(it.told), -1) for it in self._tried])
-        names, info = self._asked.measures, self._tried[0].info
+        told = {name: np.concatenate([it.measures[name] for it in tried]) for name in self.measures}
+        asked = self.open()
         if self._rule.key:
-            if self._more and np.isnan(told[:, names.index(self._rule.key)]).all():
-                there = {*names, *info} - {self._rule.key}
+            if self._more and np.isnan(told[self._rule.key]).all():
+                there = {*told, *asked.info} - {self._rule.key}
                 raise UsageError(f"success '{self._rule.text}': {unknown_name('measure', self._rule.key, there)}")
             return ()
-        flags = [name for name, values in zip(names, told.T, strict=True) if _is_flag(values)]
-        found = SUCCESS if SUCCESS in names else next((it for it in flags if self._direction_of.get(it) != -1), "")
+        flags = (name for name, values in told.items() if _is_flag(values) and self._direction_of.get(name) != -1)
+        found = SUCCESS if SUCCESS in told else next(flags, "")
         if found:
             self._rule = parse_success(found)
             return () if found == SUCCESS else (f"{found}, which is 0 or 1, is taken for success.",)
+        info = asked.info
         key = next((it for it in TOLD_BY_INFO if it in info and _is_flag(np.array([info[it]], float))), "")
         if not key:
             return ()
         self._rule, self._more = parse_success(key), {key: key}
-        self._asked = self._asking(self._env)
-        self._tried = self._try(self._asked)
+        self._ask(asked.env)
         return (f"No measure says what success is: {key} is taken, which the environment tells in info.",)
-
-    def _counted(self, start: int, choose: Choose, most: int | None = None) -> _Played:
-        played = self._episode(self._asked, start, choose, most)
-        self.taken += len(played.actions)
-        return played
-
-    def _episode(self, asked: "_Asked", start: int, choose: Choose, most: int | None = None) -> _Played:
-        """Play an episode of at most so many steps."""
-        env, space = asked.env, self.space
-        is_discrete, kind = isinstance(space, Discrete), space.dtype
-        observation, info = env.reset(seed=start)
-        seen, actions, paid, told = [asked.begin(start, observation, info)], list[Any](), list[Any](), list[Any]()
-        ended = ""
-        for step in range(min(self.horizon, most or self.horizon)):
-            chosen = choose(step, observation)
-            action = int(chosen) if is_discrete else np.array(chosen, kind).reshape(env.action_space.shape)
-            actions.append(action if is_discrete else action.ravel().copy())  # type: ignore[union-attr]
-            observation, pays, terminated, truncated, info = env.step(action)
-            ended = "terminated" if terminated else "truncated" if truncated else ""
-            kept, numbers, measures = asked.tell(action, observation, pays, info)
-            seen.append(kept)
-            paid.append(numbers)
-            told.append(measures)
-            if ended:
-                break
-        return _Played(start, actions, paid, told, seen, ended or "cut", info)
-
-    def _outcomes(self, played: Sequence[_Played]) -> Outcomes:
-        told = [np.array(it.told).reshape(len(it.told), -1) for it in played]
-        paid = [np.array([row[0] for row in it.paid]) for it in played]
-        success = [self._successes(values) for values in told]
-        last, trails = np.array([values[-1] for values in told]), [_flat(self.observes, it.seen) for it in played]
-        return Outcomes(
-            np.array([len(it.actions) for it in played]),
-            np.array([episode_sum(values) for values in paid]),
-            np.array([episode_sum(values, self.gamma) for values in paid]),
-            np.array([flags[-1] for flags in success]),
-            np.array([since(flags) if flags[-1] else self.horizon for flags in success]),
-            np.array([flags.mean() for flags in success]),
-            np.array([self._nearest(*it) for it in zip(told, trails, strict=True)]),
-            {name: last[:, k] for k, name in enumerate(self._asked.measures)},
-            trails,
-        )
-
-    def _successes(self, told: Float) -> Mask:
-        """Whether each step was a success, (steps,), from what measures told, (steps, measures)."""
-        if not self._rule.key:
-            return np.zeros(len(told), bool)
-        values = told[:, self._asked.measures.index(self._rule.key)]
-        found: Mask = self._rule.of_steps(values, self._rule.key) == 1 if self._rule.sign else values > 0.0
-        return found
-
-    def _nearest(self, told: Float, trail: Float) -> float:
-        """How near an episode came to success; larger is nearer. Without a measure that tells it, to observed goals."""
-        directions, key = self.directions, self._rule.key
-        name = key if self._rule.sign else next((it for it in directions if it != key), "")
-        if name:
-            return float(np.fmax.reduce(told[:, self._asked.measures.index(name)] * directions[name]))
-        if self._goals is None:
-            return nan
-        achieved, desired = self._goals
-        return -float(np.linalg.norm(trail[1:, achieved] - trail[1:, desired], axis=1).min())
-
-    def _is_same(self, one: _Played, other: _Played) -> bool:
-        """Whether two episodes are the same, bit for bit."""
-        if (one.ended, len(one.actions)) != (other.ended, len(other.actions)):
-            return False
-        numbers = [np.array(getattr(it, name)).tobytes() for name in ("actions", "paid", "told") for it in (one, other)]
-        return numbers[::2] == numbers[1::2] and all(
-            np.asarray(flatten(self.observes, a)).tobytes() == np.asarray(flatten(self.observes, b)).tobytes()
-            for a, b in zip(one.seen, other.seen, strict=True)
-        )
 
 
 class _Asked:
-    """Asks a reward and measures about the steps of one env, as `harness.RecordRewards` does.
+    """One env, and a reward and measures that are asked about its steps, as `harness.RecordRewards` does; see `Batch`.
 
     Attributes:
         env: That env.
         columns: The reward's, then those of the measures.
-        measures: Their names.
-        drew: Whether one of them drew from a generator that the whole process shares.
+        info: What it told last.
+        drew: Whether a reward or a measure drew from a generator that the whole process shares.
     """
 
-    def __init__(self, env: AnyEnv, columns: Columns, reward: str) -> None:
-        self.env = env
-        self.columns = made_columns(env, {reward: columns.rewards[reward]}, columns.behaviour, 1, frozenset())
-        self.measures, self.drew = tuple(columns.behaviour), False
+    def __init__(self, env: AnyEnv, columns: Sequence[Column], space: Space) -> None:
+        self.env, self.columns, self._space = env, columns, space
+        self.info: Mapping[str, Any] = {}
+        self.drew = False
         self._functions = [it.measures[0] for it in self.columns if it.measures]
         self._of_step = [it.takes_step for it in self.columns if it.measures]
         self._is_watched = any(it.is_watched for it in self.columns)
         self._guard, self._place = Guard(), (0, 0)
         self._before: tuple[Any, ...] = ()
 
-    def begin(self, start: int, observation: Any, info: Any) -> Any:
-        """Begin an episode; returns a copy of the observation."""
-        seal = self._guard.seal
+    def reset(self, starts: list[int]) -> tuple[Any, Any]:
+        seal, (start,) = self._guard.seal, starts
+        observation, info = self.env.reset(seed=start)
         self._place, self._before = (start, 0), (seal(observation), None, seal(info))
         for column in self.columns:
             if column.remembers:
@@ -344,9 +246,22 @@ class _Asked:
                     self._guard.answer(column.measures[0].reset, ())
                 except Exception as error:  # whatever rewards of users raise
                     raise UsageError(f"{column.noun}: its reset() fails: {reason_of(error)}") from error
-        return self._before[0]
+        return [observation], self._before[:1]
 
-    def tell(self, action: Any, observation: Any, pays: Any, info: Any) -> tuple[Any, list[float], list[float]]:
+    def step(self, actions: Any) -> Step:
+        chosen, env, space = actions[0], self.env, self._space
+        is_discrete = isinstance(space, Discrete)
+        action = int(chosen) if is_discrete else np.array(chosen, space.dtype).reshape(env.action_space.shape)
+        taken = action if is_discrete else action.ravel().copy()  # type: ignore[union-attr]
+        observation, pays, terminated, truncated, self.info = env.step(action)
+        kept, paid, told = self._tell(action, observation, pays, self.info)
+        ended = {0: "terminated" if terminated else "truncated"} if terminated or truncated else {}
+        return Step([taken], [observation], [kept], [paid], [told], ended)
+
+    def close(self) -> None:
+        self.env.close()
+
+    def _tell(self, action: Any, observation: Any, pays: Any, info: Any) -> tuple[Any, list[float], list[float]]:
         """A copy of the observation; what the reward pays for the step, followed by its terms; what measures tell."""
         seal, (start, step) = self._guard.seal, self._place
         kept, self._place = seal(observation), (start, step + 1)
@@ -417,13 +332,6 @@ def _is_flag(values: Float) -> bool:
     """Whether values, (steps,), of which some may be untold, are 0 or 1."""
     told = values[~np.isnan(values)]
     return len(told) > 0 and bool(np.isin(told, (0.0, 1.0)).all())
-
-
-def _flat(space: gymnasium.Space[Any], seen: Sequence[Any]) -> Any:
-    """Observations in rows, (n, size)."""
-    if isinstance(space, Box):
-        return np.asarray(seen, np.float32).reshape(len(seen), -1)
-    return np.stack([flat_observation(space, it) for it in seen])
 
 
 def of_env(

@@ -74,17 +74,13 @@ def find_in(
         policies: By name, functions of an observation that the search begins from too.
         elsewhere: By the name of another simulator, makes the same world there; it is closed again.
     """
-    from .arm_world import ArmWorld
-    from .beginnings import Beginning, of_folder, policies_of, policy_named, scripts_of
+    from .beginnings import of_folder, policy_named, policy_of
     from .search import search
 
-    starts, scripts = asked.draw_starts(), list[Beginning]()
-    if isinstance(world, ArmWorld):
-        starts = world.distinct(starts)
-        scripts = scripts_of(world, np.array(starts))
+    starts = world.distinct(asked.draw_starts())
     begun = [
-        *scripts,
-        *policies_of(world, policies or {}),
+        *world.scripts(starts),
+        *(policy_of(world, name, policy) for name, policy in (policies or {}).items()),
         *(policy_named(world, text) for text in asked.policies),
         *(beginning for folder in asked.folders for beginning in of_folder(world, folder)),
     ]

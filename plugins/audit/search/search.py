@@ -11,14 +11,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from .beginnings import Beginning
 from .behaviour import Searched
 from .held_out import search_by_chance
 from .kept import Kept
 from .linear import search_linear
 from .sequences import Evolution, evolve
 from .table import TABLE, search_tables
-from .world import World
+from .world import Beginning, World
 
 SEQUENCES, POLICIES = "sequences", "linear policies"
 """The families, as `Searched.how` names them."""

@@ -1,17 +1,21 @@
 """Where a search plays: an arm's task or anybody's environment, begun by a seed, moved by actions, paid by one reward.
 
-A search knows nothing else of either. It needs ``reset(seed)`` and ``step`` alone.
+A `World` opens batches of episodes and plays them, whatever moves there. A search knows nothing else of it.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Protocol, TypeAlias
+from functools import cached_property
+from typing import Any, NamedTuple, Protocol, TypeAlias
 
 import gymnasium
 import numpy as np
+from gymnasium.spaces import flatten
 from numpy.typing import NDArray
 
 from harness.arrays import Float, Ints, Mask
+from harness.log import episode_sum
 
 Actions: TypeAlias = NDArray[Any]
 """Those of one episode: (steps, action_size) inside the box, or (steps,) of choices."""
@@ -22,6 +26,9 @@ Data: TypeAlias = Mapping[str, Any]
 """Plain data, as JSON has it: a policy, by its kind; a part of a certificate."""
 Act: TypeAlias = Callable[[Any], Any]
 """A policy: from an observation, as the world gives it, to one action."""
+REWARD = "reward"
+TRIED = 3
+"""Episodes of random actions that show whether a world repeats itself."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +72,7 @@ class Shown:
         measures: By name, the value at each step, (steps,).
         ended: ``"terminated"``, ``"truncated"``, or ``"cut"`` at the world's horizon.
         observed: What a policy was given before each step, and what it would be given after the last one, as the
-            world gives it, (steps + 1); none where a world keeps none.
+            world gives it, (steps + 1).
         drawn: What an arm is drawn from, at the start and after each step: ``time``, [s], ``qpos``,
             ``target``, world frame, [m], and ``distance``, (steps + 1, size); empty of an environment.
     """
@@ -81,12 +88,63 @@ class Shown:
     drawn: Mapping[str, Float] = field(default_factory=dict)
 
 
+@dataclass(frozen=True, eq=False)
+class Beginning:
+    """A behaviour to begin from: actions or a policy.
+
+    Attributes:
+        made_by: What it comes from, in words: ``script creep``.
+        actions: Of one episode, of any length; None for a policy.
+        act: A policy; None for actions.
+        start: The start that the actions were made for; None for any.
+    """
+
+    made_by: str
+    actions: Actions | None = None
+    act: Act | None = None
+    start: int | None = None
+
+
 def since(flags: Mask) -> int:
     """The step, from 1, from which on all are True; one more than there are if the last one is not."""
     return int(len(flags) - np.append(flags[::-1], False).argmin() + 1)
 
 
-class World(Protocol):
+class Step(NamedTuple):
+    """One step of n episodes side by side; of those that have ended it says nothing."""
+
+    taken: Any
+    """The actions as they were taken, (n, ...)."""
+    observed: Any
+    """What a policy is given next, (n)."""
+    kept: Any
+    """Copies of that, (n)."""
+    paid: Any
+    """What was paid, and by term, (n, 1 + terms)."""
+    told: Any
+    """What was measured, (n, measures or more)."""
+    ended: Mapping[int, str]
+    """The episodes that end with it: ``"terminated"`` or ``"truncated"``."""
+
+
+class Batch(Protocol):
+    """Episodes side by side."""
+
+    def reset(self, starts: list[int]) -> tuple[Any, Any]:
+        """Begin one with each seed; returns the fields `observed` and `kept` of a `Step`."""
+
+    def step(self, actions: Any) -> Step:
+        """Take an action in each; what ended rests."""
+
+    def close(self) -> None:
+        """Close what moves there."""
+
+
+Choose: TypeAlias = Callable[[int, Any, Mapping[int, Any]], Any]
+"""From the number of a step, from 0, what is observed before it, and the episodes that have ended, to actions."""
+
+
+class World(ABC):
     """One reward in one task or environment. Everything that it does is repeated by the same calls."""
 
     name: str
@@ -97,32 +155,62 @@ class World(Protocol):
     """The learner's discount per step, in (0, 1]."""
     horizon: int
     """The most steps of an episode."""
-    notes: Sequence[str]
+    space: Space
+    """The space of one action."""
+    observes: gymnasium.Space[Any]
+    """The space of what policies are given."""
+    success: str
+    """What tells success, as a user types it: ``success``, ``height>0.9``; empty if nothing does."""
+    directions: Mapping[str, int]
+    """By name, of the measures of which that is known: 1 where more is better, -1 where less is."""
+    measures: Sequence[str]
+    """The names of what is measured."""
+    terms: Sequence[str]
+    """The names of the terms of the reward; none if it has none."""
+    notes: Sequence[str] = ()
     """Sentences that a reader of the answer has to know: what was taken for success, where episodes are cut."""
-    together: int
+    together = 1
     """How many episodes are played side by side in hardly more time than one."""
-    taken: int
+    period = 1
+    """How many steps a decision counts."""
+    taken = 0
     """Steps taken so far; a search's budget is counted in these."""
 
-    @property
-    def space(self) -> Space:
-        """The space of one action."""
+    @abstractmethod
+    def open(self, count: int) -> Batch:
+        """A batch of so many episodes, at most `together`; the one that was opened before if it is open."""
 
-    @property
-    def observes(self) -> gymnasium.Space[Any]:
-        """The space of what policies are given."""
+    @abstractmethod
+    def close(self) -> None:
+        """Close all that was opened."""
 
-    @property
-    def success(self) -> str:
-        """What tells success, as a user types it: ``success``, ``height>0.9``; empty if nothing does."""
+    @abstractmethod
+    def successes(self, told: Float) -> Mask:
+        """Whether each step of an episode was a success, (steps,), by what was measured, (steps, ...)."""
 
-    @property
-    def directions(self) -> Mapping[str, int]:
-        """By name, of the measures of which that is known: 1 where more is better, -1 where less is."""
+    @abstractmethod
+    def nearest(self, shown: Shown) -> tuple[float, Sequence[Float]]:
+        """How near an episode came to success; and its observations, flat, unless that tells enough."""
 
-    @property
+    def distinct(self, starts: Sequence[int]) -> tuple[int, ...]:
+        """Those starts that differ."""
+        return tuple(starts)
+
+    def scripts(self, starts: Sequence[int]) -> Sequence[Beginning]:
+        """What a search begins from here, whoever asks: movements that somebody planned from each start."""
+        return ()
+
+    @cached_property
     def is_repeated(self) -> bool:
-        """Whether the same start and actions bring the same steps and the same pay, bit for bit; it was tried."""
+        """Whether the same start and actions bring the same steps and the same pay, bit for bit.
+
+        It is tried: in another order, and in what is opened anew.
+        """
+        taken, first, again = self.taken, self.at_random(), self.at_random(reversed(range(TRIED)))[::-1]
+        self.close()
+        pairs = [*zip(first, again, strict=True), *zip(first, self.at_random(), strict=True)]
+        self.taken = taken
+        return all(self._is_same(one, other) for one, other in pairs)
 
     def play(self, starts: Ints, actions: Actions) -> Outcomes:
         """Play n episodes of given actions.
@@ -131,15 +219,87 @@ class World(Protocol):
             starts: The seed of each one's reset, (n,).
             actions: (n, horizon, action_size), or (n, horizon) of choices.
         """
+        return self._outcomes([
+            it
+            for some in self._parts(starts)
+            for it in self.episodes(starts[some], lambda step, *_, some=some: actions[some, step])
+        ])  # fmt: skip
 
     def act(self, starts: Ints, policy: Act) -> tuple[Outcomes, list[Actions]]:
         """Play n episodes of a policy; also returns the actions that it took, of each episode."""
+        choose = self._following(policy)
+        shown = [it for some in self._parts(starts) for it in self.episodes(starts[some], choose)]
+        return self._outcomes(shown), [it.actions for it in shown]
 
     def show(self, start: int, actions: Actions) -> Shown:
         """Play one episode and keep everything."""
+        return self.episodes(np.array([start]), lambda step, *_: actions[step : step + 1], len(actions))[0]
 
     def watch(self, start: int, policy: Act) -> Shown:
-        """Play one episode of a policy and keep everything, what it observed too; tables are learnt of this."""
+        """Play one episode of a policy; tables are learnt of this."""
+        return self.episodes(np.array([start]), self._following(policy))[0]
 
-    def close(self) -> None:
-        """Close what it plays in."""
+    def at_random(self, starts: Iterable[int] = range(TRIED)) -> list[Shown]:
+        """An episode of random actions from each start, drawn by its seed."""
+        shown = []
+        for start in starts:
+            self.space.seed(start)
+            shown += self.episodes(np.array([start]), lambda *_: [self.space.sample()])
+        return shown
+
+    def episodes(self, starts: Ints, choose: Choose, most: int | None = None) -> list[Shown]:
+        """Play episodes side by side, of at most so many steps."""
+        batch, ended, steps = self.open(len(starts)), dict[int, tuple[int, str]](), list[Step]()
+        observed, begun = batch.reset(starts.tolist())
+        for step in range(min(self.horizon, most or self.horizon)):
+            now = batch.step(choose(step, observed, ended))
+            steps.append(now)
+            observed = now.observed
+            if now.ended:
+                ended = {**{k: (step + 1, how) for k, how in now.ended.items()}, **ended}
+                if len(ended) == len(starts):
+                    break
+        taken = np.array([it.taken for it in steps])
+        paid, told = (np.array([getattr(it, name) for it in steps], np.float64) for name in ("paid", "told"))
+        shown = []
+        for k, start in enumerate(starts.tolist()):
+            length, how = ended.get(k, (len(steps), "cut"))
+            self.taken += length * self.period
+            of, saw = paid[:length, k], told[:length, k]
+            terms = {name: of[:, 1 + at] for at, name in enumerate(self.terms)} or {REWARD: of[:, 0]}
+            measures = {name: saw[:, at] for at, name in enumerate(self.measures)}
+            seen = [begun[k], *(it.kept[k] for it in steps[:length])]
+            shown.append(
+                Shown(start, taken[:length, k], of[:, 0], terms, self.successes(saw), measures, how, tuple(seen))
+            )
+        return shown
+
+    def _following(self, policy: Act) -> Choose:
+        still = np.zeros(self.space.shape or (), self.space.dtype)
+        return lambda _, seen, ended: [still if k in ended else policy(it) for k, it in enumerate(seen)]
+
+    def _parts(self, starts: Ints) -> list[slice]:
+        return [slice(at, min(at + self.together, len(starts))) for at in range(0, len(starts), self.together)]
+
+    def _outcomes(self, shown: Sequence[Shown]) -> Outcomes:
+        near = [self.nearest(it) for it in shown]
+        return Outcomes(
+            np.array([len(it.paid) for it in shown]),
+            np.array([episode_sum(it.paid) for it in shown]),
+            np.array([episode_sum(it.paid, self.gamma) for it in shown]),
+            np.array([it.success[-1] for it in shown]),
+            np.array([since(it.success) if it.success[-1] else self.horizon for it in shown]),
+            np.array([it.success.mean() for it in shown]),
+            np.array([nearest for nearest, _ in near]),
+            {name: np.array([it.measures[name][-1] for it in shown]) for name in self.measures},
+            [trail for _, trails in near for trail in trails],
+        )
+
+    def _is_same(self, one: Shown, other: Shown) -> bool:
+        """Whether two episodes are the same, bit for bit."""
+        parts = [
+            [it.ended, *(of.tobytes() for of in (it.actions, it.paid, *it.terms.values(), *it.measures.values()))]
+            + [np.asarray(flatten(self.observes, seen)).tobytes() for seen in it.observed]
+            for it in (one, other)
+        ]
+        return parts[0] == parts[1]

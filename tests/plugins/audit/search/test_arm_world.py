@@ -17,7 +17,6 @@ from harness.log import episode_sum
 from harness.reach import ReachTask
 from harness.registry import choose, load_registry
 from harness_plugins.audit.search.arm_world import ArmWorld
-from harness_plugins.audit.search.beginnings import scripts_of
 from harness_plugins.audit.search.place import places_on_task, world_at
 from harness_plugins.kit import IdealSimulator
 
@@ -140,7 +139,7 @@ def test_episodes_do_not_depend_on_those_beside_them():
 def test_success_is_reaching():
     """The script that finishes succeeds in the step in which it ends, and the one that holds never does."""
     world = world_of(ReachTask(horizon=60))
-    by_script = {it.made_by: it for it in scripts_of(world, np.array([0])) if it.actions is not None}
+    by_script = {it.made_by: it for it in world.scripts([0]) if it.actions is not None}
     made = np.stack([by_script[f"script {name}"].actions for name in ("finish", "hold")])
     outcomes = world.play(np.zeros(2, int), made)
     assert outcomes.success.tolist() == [True, False]
@@ -152,7 +151,7 @@ def test_success_is_reaching():
 def test_a_task_that_goes_on_is_done_from_the_first_target_on():
     """The share of its steps from then on, and how many it reached."""
     world = world_of(Onward(horizon=40, epsilon=0.2))
-    (policy,) = [it.act for it in scripts_of(world, np.array([0])) if it.act is not None]
+    (policy,) = [it.act for it in world.scripts([0]) if it.act is not None]
     outcomes, taken = world.act(np.array([0]), policy)
     shown = world.show(0, taken[0])
     first = int(np.argmax(shown.measures["targets"] > 0)) + 1

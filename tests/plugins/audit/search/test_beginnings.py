@@ -10,7 +10,7 @@ from harness.env import World as Arm, kinematics_policy
 from harness.payoff.rollout import Unpaid
 from harness.reach import ReachTask
 from harness_plugins.audit.search.arm_world import ArmWorld
-from harness_plugins.audit.search.beginnings import of_folder, policy_named, scripts_of
+from harness_plugins.audit.search.beginnings import of_folder, policy_named
 from harness_plugins.audit.search.environment_world import of_env
 from harness_plugins.kit import IdealSimulator
 from tests.plugins.audit.search.test_arm_world import ROBOT
@@ -38,7 +38,7 @@ def kinds(begun):
 def test_scripts_are_made_for_each_start():
     """Five movements; the one that finishes does so from where it was made for, and what kinematics say does too."""
     world = arm()
-    begun = scripts_of(world, STARTS)
+    begun = world.scripts(STARTS)
     names = [f"script {it}" for it in ("finish", "hover", "creep", "oscillate", "hold")]
     assert kinds(begun) == ["inverse kinematics", *names]
     finish = [it for it in begun if it.made_by == "script finish"]
@@ -50,7 +50,7 @@ def test_scripts_are_made_for_each_start():
 @pytest.mark.parametrize("action", ["movel", "discrete"])
 def test_other_actions_have_no_scripts(action):
     """Scripts move joints."""
-    assert scripts_of(arm(action=action), STARTS) == []
+    assert arm(action=action).scripts(STARTS) == []
 
 
 def test_a_function_in_a_file_is_a_policy(tmp_path):
