@@ -49,29 +49,27 @@ if TYPE_CHECKING:
     from harness.report.page.answer import plain_text as plain_text
     from harness.report.page.page import render_page as render_page, write_page as write_page
     from harness.report.replay.section import Replay as Replay
-    from harness.report.rows.behaviour import (
-        ALONE as ALONE,
-        alone_grid as alone_grid,
-        behaviour_row as behaviour_row,
-        percentage as percentage,
-        setting_of as setting_of,
-        story as story,
-        text_of as text_of,
-    )
     from harness.report.rows.comparison import (
+        ALONE as ALONE,
         CHOOSING as CHOOSING,
         CHOOSING_TITLE as CHOOSING_TITLE,
         POOLED as POOLED,
         POOLED_TITLE as POOLED_TITLE,
+        alone_grid as alone_grid,
+        behaviour_row as behaviour_row,
         compared_text as compared_text,
         count_cells as count_cells,
         interim_line as interim_line,
         interim_text as interim_text,
+        percentage as percentage,
         pooled_answers as pooled_answers,
         remarks_on_cells as remarks_on_cells,
         rewards_text as rewards_text,
         seeds_text as seeds_text,
+        setting_of as setting_of,
+        story as story,
         tell_apart as tell_apart,
+        text_of as text_of,
         word_of as word_of,
     )
     from harness.report.rows.ratios import (

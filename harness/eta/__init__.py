@@ -20,6 +20,7 @@ if TYPE_CHECKING:
         Answer as Answer,
         number_sentence as number_sentence,
         return_sentence as return_sentence,
+        split_returns as split_returns,
     )
     from harness.eta.index import (
         Index as Index,
@@ -49,7 +50,6 @@ if TYPE_CHECKING:
         transplant as transplant,
     )
     from harness.eta.rescaling import Rescaling as Rescaling, line_of as line_of, rescaling_of as rescaling_of
-    from harness.eta.return_split import split_returns as split_returns
     from harness.eta.splits import (
         BB as BB,
         BK as BK,

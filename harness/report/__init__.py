@@ -20,9 +20,10 @@ if TYPE_CHECKING:
     from harness.report.page.html import write_html as write_html
     from harness.report.page.page import typeset as typeset
     from harness.report.replay.section import replay_of as replay_of
-    from harness.report.rows.behaviour import along_grid as along_grid, behaviour_grids as behaviour_grids
     from harness.report.rows.comparison import (
+        along_grid as along_grid,
         basis_text as basis_text,
+        behaviour_grids as behaviour_grids,
         beside_answer as beside_answer,
         choosing_told as choosing_told,
         question as question,

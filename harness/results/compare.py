@@ -10,10 +10,10 @@ from harness.errors import Unscored, UsageError
 from harness.eta.behaviour_change import Change, Quantity, change_of
 from harness.eta.curve import GroupCurve
 from harness.eta.decomposition import decompose
+from harness.eta.headline import PaidAtRandom, ReturnSplit, paid_at_random, split_returns
 from harness.eta.interval import SHARE
 from harness.eta.laws import ends_of
 from harness.eta.manner import DETERMINISTIC, EVALUATION, LAST, LEARNING, OWN_AND_OTHER, STOCHASTIC, TRAINING
-from harness.eta.return_split import PaidAtRandom, ReturnSplit, paid_at_random, split_returns
 from harness.eta.splits import BB, BK, KB, KK, Decomposition, Pair
 from harness.eta.swaps import Swaps, swaps_of
 from harness.record.manifest import Manifest

@@ -10,12 +10,21 @@ from typing import Any, Literal, NamedTuple
 from harness.arrays import Float
 from harness.eta.behaviour_change import NO_WORD, Change, with_intervals
 from harness.eta.curve import GroupCurve
-from harness.eta.headline import DECIDING, SUCCESS, UNMEASURED, Answer, Headline, number_sentence, return_sentence
+from harness.eta.headline import (
+    DECIDING,
+    SUCCESS,
+    UNMEASURED,
+    Answer,
+    Headline,
+    PaidAtRandom,
+    ReturnSplit,
+    number_sentence,
+    return_sentence,
+)
 from harness.eta.index import Ratio
 from harness.eta.judgement import Verdict, lead_of
 from harness.eta.manner import DETERMINISTIC, LAST, OWN_AND_OTHER, STOCHASTIC, TRAINING, WHOLE
 from harness.eta.rescaling import Rescaling
-from harness.eta.return_split import PaidAtRandom, ReturnSplit
 from harness.eta.splits import Decomposition, Names, Pair, Splits, no_splits, splits_to_json
 from harness.eta.swaps import corrected_where_known
 from harness.eta.verdict.ruling import Ruling

@@ -5,10 +5,9 @@ from html import escape
 from typing import Literal, NamedTuple, TypeAlias
 
 from harness.eta.behaviour_change import Change
-from harness.eta.headline import SHORT, count_seeds, format_number, key_of, signed
+from harness.eta.headline import SHORT, ReturnSplit, count_seeds, format_number, key_of, signed
 from harness.eta.index import NEAR_ZERO, NOTHING, Ratio
 from harness.eta.manner import TRAINING, WHOLE
-from harness.eta.return_split import ReturnSplit
 from harness.eta.splits import BB, KK
 from harness.results.comparison import Comparison
 from harness.text import visible

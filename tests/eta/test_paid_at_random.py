@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.random import default_rng
 
-from harness.eta.return_split import paid_at_random
+from harness.eta.headline import paid_at_random
 
 DRAWS = 2_000
 SPARE = 0.016
@@ -100,7 +100,7 @@ def test_a_wrong_claim_is_made_in_few_cases(subtests):
 
 def test_a_looser_level_is_noticed(monkeypatch):
     """By the same simulation."""
-    monkeypatch.setattr("harness.eta.return_split.LEVEL", 0.12)
+    monkeypatch.setattr("harness.eta.headline.LEVEL", 0.12)
     assert _wrong(_bell, 6, 0.01) > 0.05 + SPARE
 
 

@@ -8,7 +8,7 @@ from harness.arrays import Float
 from harness.eta.behaviour_change import Change, performance_profile
 from harness.eta.headline import count_seeds
 from harness.report.figures.chart import GAP, Area, Axis, Chart, Dots, Line, Mark, Shape, linear_axis, share_axis
-from harness.report.rows.behaviour import percentage
+from harness.report.rows.comparison import percentage
 from harness.report.rows.ratios import Text
 from harness.results.comparison import Comparison
 from harness.results.learning import Learning, LearningCurve, Point

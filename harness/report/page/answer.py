@@ -17,8 +17,16 @@ from harness.eta.power import range_text
 from harness.eta.splits import BB, KK, Names
 from harness.eta.verdict.ruling import Ruling
 from harness.report.figures.split import draw_interval, draw_part, draw_trainings
-from harness.report.rows.behaviour import behaviour_row, percentage, text_of
-from harness.report.rows.comparison import badge_of, beside_answer, symbol_of, tell_apart, word_of
+from harness.report.rows.comparison import (
+    badge_of,
+    behaviour_row,
+    beside_answer,
+    percentage,
+    symbol_of,
+    tell_apart,
+    text_of,
+    word_of,
+)
 from harness.report.rows.ratios import format_number, interval_text, ratio_text
 from harness.report.rows.returns import PaySentence, pay_of
 from harness.results.comparison import Comparison, Group, pools_of

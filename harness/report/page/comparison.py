@@ -27,18 +27,22 @@ from harness.report.figures.learning import (
 from harness.report.figures.split import describe_split, describe_sum, draw_split, draw_strip, draw_sum
 from harness.report.page.answer import Card, card_of
 from harness.report.replay.section import BASELINE, PROPOSED, EpisodeLinks, Link, Still
-from harness.report.rows.behaviour import (
+from harness.report.rows.comparison import (
+    BETWEEN,
     alone_grid,
     along_grid,
+    basis_text,
     behaviour_grids,
+    claims_text,
+    compared_text,
     percentage,
+    rewards_text,
     seeds_grid,
     setting_of,
     shown_changes,
     story,
     text_of,
 )
-from harness.report.rows.comparison import BETWEEN, basis_text, claims_text, compared_text, rewards_text
 from harness.report.rows.ratios import Grid, format_number, scales_text, step_text
 from harness.report.rows.returns import (
     READING,

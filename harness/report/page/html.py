@@ -18,14 +18,15 @@ from harness.report.page.answer import Card, Matrix, comparisons_csv, groups_of,
 from harness.report.page.comparison import Section, alone_section, comparison_section
 from harness.report.page.page import render_page, write_page
 from harness.report.replay.section import Link, Replay, links_of, replay_of
-from harness.report.rows.behaviour import ALONE, beside, setting_of
 from harness.report.rows.comparison import (
+    ALONE,
     BETWEEN,
     CHOOSING,
     CHOOSING_TITLE,
     LEGEND,
     POOLED,
     ChoosingTold,
+    beside,
     choosing_told,
     count_cells,
     grown_text,
@@ -33,6 +34,7 @@ from harness.report.rows.comparison import (
     joined_text,
     question,
     remarks_on_cells,
+    setting_of,
     until_decided,
     what_decides,
 )

@@ -18,7 +18,7 @@ from harness.eta.behaviour_change import Change
 from harness.eta.headline import SUCCESS
 from harness.record.scene import Scene, SceneJoint
 from harness.report.figures.chart import SIDES, light_colours
-from harness.report.rows.behaviour import text_of
+from harness.report.rows.comparison import text_of
 from harness.results.comparison import Comparison
 from harness.results.pairs import Pairs
 from harness.results.replay import Episode, Outcome, Show, Side

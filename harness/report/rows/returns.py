@@ -5,9 +5,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from harness.eta.curve import Kind
-from harness.eta.headline import format_number, signed
+from harness.eta.headline import ReturnSplit, format_number, signed
 from harness.eta.index import NOTHING, SeedMean
-from harness.eta.return_split import ReturnSplit
 from harness.eta.splits import BB, KK, Split, Splits, SumSplit
 from harness.registry.choice import parse
 from harness.report.rows.ratios import (

@@ -3,11 +3,12 @@
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from harness.report.rows.behaviour import along_grid, behaviour_grids
 from harness.report.rows.comparison import (
     NO_REWARD,
     advice,
+    along_grid,
     basis_text,
+    behaviour_grids,
     beside_answer,
     claims_text,
     compared_text,

@@ -11,14 +11,16 @@ from rich.segment import Segment
 from rich.table import Table
 from rich.text import Text
 
-from harness.report.rows.behaviour import ALONE, alone_grid, beside, size_text, story
 from harness.report.rows.comparison import (
+    ALONE,
     CHOOSING,
     CHOOSING_TITLE,
     POOLED_TITLE,
     STYLES,
     advice,
+    alone_grid,
     basis_text,
+    beside,
     beside_answer,
     choosing_told,
     count_cells,
@@ -26,6 +28,8 @@ from harness.report.rows.comparison import (
     pooled_answers,
     question,
     remarks_on_cells,
+    size_text,
+    story,
 )
 from harness.report.rows.ranking import AGREEMENT, CHOICE, EXPLANATION, TITLE, task_rows
 from harness.report.rows.ratios import Grid, split_grid
