@@ -363,7 +363,7 @@ class TableSoFar:
             return None
         if self._cells:
             found = self._cells.add(manifest)
-            _ = found.policy
+            _ = found.measured
             return lambda: found.numbers
         told = numbers_in_environment(self._store.folder, self._store.cell_folder(manifest.cell))
         return lambda: told

@@ -54,13 +54,11 @@ def by_term(terms: Mapping[str, Float], episodes: Sequence[NDArray[np.int64]], s
         steps: How many of the rows are steps, and no start of an episode.
     """
     ordered = sorted(episodes, key=lambda rows: int(rows[-1]))
-    return ByTerm({name: _means(values, ordered) for name, values in terms.items()}, steps)
+    part = part_of(len(ordered))
 
+    def means(values: Float) -> TermMeans:
+        sums = episode_sums(values, ordered)
+        start, end, whole = (float(it.mean()) if len(it) else None for it in (sums[:part], sums[-part:], sums))
+        return TermMeans(start, end, whole, bool((values != 0.0).any()))
 
-def _means(values: Float, episodes: Sequence[NDArray[np.int64]]) -> TermMeans:
-    pays = bool((values != 0.0).any())
-    if not episodes:
-        return TermMeans(None, None, None, pays)
-    sums = episode_sums(values, episodes)
-    part = part_of(len(sums))
-    return TermMeans(float(sums[:part].mean()), float(sums[-part:].mean()), float(sums.mean()), pays)
+    return ByTerm({name: means(values) for name, values in terms.items()}, steps)

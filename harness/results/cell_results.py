@@ -36,9 +36,9 @@ from harness.registry.choice import Choice
 from harness.registry.registry import Registry
 from harness.results.by_term import ByTerm, by_term, part_of
 from harness.results.kept import Kept
-from harness.results.measured import Measured, Moment, Values, value_of
+from harness.results.measured import Values, value_of
 from harness.results.metrics import Unmeasurable, load_metrics, with_fingerprints
-from harness.results.recordings.episodes import Episodes, Part
+from harness.results.recordings.episodes import Did, Episodes, Part
 from harness.results.table import RANDOM as AT_RANDOM, Numbers
 from harness.reward import Paid
 from harness.score.installed_reward import InstalledReward
@@ -113,8 +113,8 @@ class Cells:
         return self._floors.get(cell.floor)
 
 
-class CellResults:
-    """A done cell of an arm as a training, which answers what a `harness.results.recordings.runs.Run` does.
+class CellResults(Did):
+    """A done cell of an arm as a training. Its pay is asked as that of a `harness.results.recordings.runs.Run`.
 
     Every method raises SchemaError if a file that it has to read is damaged, or written by a newer version. In a `with`
     block, columns that one method has read are kept for the others.
@@ -131,7 +131,7 @@ class CellResults:
         self._kept = Kept(cells.store.folder, done.cell.id, self._files, done.files)
         self._read: dict[str, Log] = {}
         self._asking = 0
-        self._reasons: dict[str, str] = {}
+        self.reasons: dict[str, str] = {}
 
     def __enter__(self) -> Self:
         self._asking += 1
@@ -179,11 +179,11 @@ class CellResults:
         ]
         with self:
             self.require_plausible()
-            _ = self.policy, self.longest
+            _ = self._manners, self.longest
             if self.has_floor:
-                _ = self.floor
+                _ = self.acted_at_random
             if self.cell.evaluate_every:
-                _ = self.moments
+                _ = self._evaluated
             self._keep_own()
             for job in jobs:
                 with suppress(Unscored):  # the report says so
@@ -192,7 +192,7 @@ class CellResults:
     # What was measured
 
     @cached_property
-    def policy(self) -> Measured:
+    def _manners(self) -> Mapping[str, Part]:
         """Every metric of the policy in both manners, and of the training."""
         own, other = OWN_AND_OTHER[self.cell.deterministic]
         files = {own: EVALUATION, other: f"{other}{SUFFIX}", TRAINING: TRACE}
@@ -205,13 +205,12 @@ class CellResults:
             }
             if self._read:
                 self._keep_own()  # columns are there now
-        return Measured(did, counts, {}, self._reasons)
+        return {manner: Part(counts[manner], {}, values, self.reasons) for manner, values in did.items()}
 
     @property
-    def measured(self) -> Measured:
-        """The same with the metrics of random actions; the cell that acts at random may end later."""
-        owner = self.floor_cell
-        return self.policy._replace(random=owner.floor if owner else dict.fromkeys(self._cells.metrics))
+    def _floor(self) -> Values:
+        owner = self.floor_cell  # it may end later
+        return owner.acted_at_random if owner else dict.fromkeys(self._cells.metrics)
 
     @property
     def numbers(self) -> Numbers:
@@ -226,7 +225,7 @@ class CellResults:
         return self._is_there(RANDOM)
 
     @cached_property
-    def floor(self) -> Values:
+    def acted_at_random(self) -> Values:
         """Every metric of the random actions that the cell evaluated."""
         with self:
             return self._measure(RANDOM)
@@ -237,40 +236,31 @@ class CellResults:
         return self if self.has_floor else self._cells.at_random(self.cell)
 
     @cached_property
-    def moments(self) -> Sequence[Moment]:
+    def _evaluated(self) -> Mapping[int, Part]:
         named = {steps: f"{EVALUATIONS}/{path.name}" for steps, path in evaluation_files(self._files).items()}
         files = {**{steps: name for steps, name in named.items() if self._is_there(name)}, self.cell.steps: EVALUATION}
         with self:
-            return tuple(Moment(steps, self._measure(file)) for steps, file in files.items())
-
-    def reason(self, name: str, manner: str) -> str:
-        return self.measured.reasons.get(name, "")
+            return {steps: Part(0, {}, self._measure(file), {}) for steps, file in files.items()}
 
     @cached_property
-    def _episodes(self) -> Episodes:
+    def episodes(self) -> Episodes:  # type: ignore[override]  # read when it is asked for
         """The finished episodes of the training: what its own reward paid, and whether they reached the target."""
         last, reached, paid = self._ask(TRACE, "learned", learned).reshape(3, -1)
         return Episodes(last.astype(np.int64), {self.reward: paid}, {SUCCESS: reached}, {})
-
-    def stretch(self, begin: int, end: int) -> Part:
-        """See `Run`: success and pay."""
-        return self._episodes.part(begin, end)
-
-    def on_the_way(self, every: int) -> Mapping[int, Part]:
-        return {}
 
     def ends(self) -> tuple[Part, Part, Part]:
         with self:
             start, end = (
                 part._replace(behaviour=self._measure(TRACE, of))
-                for of, part in zip((START, END), self._episodes.ends, strict=True)
+                for of, part in zip((START, END), self.episodes.ends, strict=True)
             )
             pay = self.recorded_return("return")
         evaluated = Part(next(iter(self.measured.episodes.values())), {self.reward: pay}, self.measured.own, {})
         return start, end, evaluated
 
+    @cached_property
     def motion(self) -> str:
-        """A digest of every joint position in the final evaluation: equal where policies take the same steps."""
+        """A digest of every joint position in the final evaluation."""
 
         def make(trace: Log) -> str:
             positions = trace["qpos"]
@@ -292,9 +282,9 @@ class CellResults:
         steps, seconds = self._ask(EVALUATION, "longest", make)
         return steps, seconds
 
-    @property
-    def cut(self) -> int:
-        """The rows of its training."""
+    @cached_property
+    def cut(self) -> int:  # type: ignore[override]
+        """Rows of its training."""
         return self._ask(TRACE, "rows", len)
 
     @property
@@ -325,9 +315,12 @@ class CellResults:
             raise Unscored(f"reward {self.reward} now pays its recorded steps differently: it has changed")
         return own
 
-    def returned(self, by: Any, manner: str) -> float:
-        """See `Run`: its events left out."""
-        return self._known(self.evaluation_return(by.unchanged(EVALUATION)))
+    def returned(self, by: Any, manner: str = "", *, with_events: bool = False) -> float:
+        """See `Run`: in its evaluation; with events its own reward's, as it was recorded."""
+        value = self.recorded_return("paid") if with_events else self.evaluation_return(by.unchanged(EVALUATION))
+        if value is None:
+            raise Unscored(f"no episode ended in the evaluation of seed {self.seed}")
+        return value
 
     def evaluation_return(self, reward: InstalledReward) -> float | None:
         """What a reward pays for an episode of the final evaluation, mean; None without a finished one.
@@ -338,15 +331,6 @@ class CellResults:
         return self._ask(
             EVALUATION, "return", lambda trace: mean_over_episodes(self._paid(trace, reward).total, trace), reward
         )
-
-    def final_pay(self) -> float:
-        """See `Run`: its events included."""
-        return self._known(self.recorded_return("paid"))
-
-    def _known(self, value: float | None) -> float:
-        if value is None:
-            raise Unscored(f"no episode ended in the evaluation of seed {self.seed}")
-        return value
 
     def recorded_return(self, of: str, file: str = EVALUATION) -> float | None:
         """What an episode in a file was paid, mean; None without a finished one.
@@ -418,10 +402,10 @@ class CellResults:
         """Compute what a report asks of the cell beside metrics and what rewards pay again, if that is not kept."""
         _ = self.cut, self.recorded
         if not self.cell.evaluate_every:
-            _ = self._episodes
+            _ = self.episodes
         self.recorded_return("events")
         self.recorded_return("paid")
-        self.motion()
+        _ = self.motion
 
     def _ask(
         self, file: str, what: str, make: Callable[[Log], Told], by: InstalledReward | None = None, code: str = ""
@@ -467,7 +451,7 @@ class CellResults:
                     raise Unmeasured(metric.reason)
                 values[name] = self._ask(file, f"{part}{name}", make, code=fingerprint)
             except Unmeasured as error:
-                self._reasons.setdefault(name, str(error))
+                self.reasons.setdefault(name, str(error))
         return values
 
     def _most(self, file: str) -> int:

@@ -194,9 +194,8 @@ class _Comparer:
         sides = dict(zip((self._match.proposed, self._match.baseline), reversed(self._match.sides), strict=True))
         for reward in dict.fromkeys((self._match.baseline, self._match.proposed)):
             with suppress(Unscored):
-                paid, at_random = [it.final_pay() for it in sides[reward]], sides[reward][0].random_pay()
-                found = paid_at_random(reward, paid, at_random)
-                if found is not None:
+                paid = [it.returned(it, with_events=True) for it in sides[reward]]
+                if found := paid_at_random(reward, paid, sides[reward][0].random_pay()):
                     yield found
 
     def changes(self) -> tuple[Change, ...]:

@@ -99,7 +99,7 @@ class Match:
             return False
         both = list(zip(*self.sides, strict=True))
         is_alike = all(one.measured.manners == other.measured.manners for one, other in both)
-        return is_alike and all(one.motion() == other.motion() != "" for one, other in both)
+        return is_alike and all(one.motion == other.motion != "" for one, other in both)
 
     def of(self, who: str) -> list[Trained]:
         """The trainings of one side with the seeds that both have, ``baseline`` or ``proposed``."""
@@ -250,12 +250,12 @@ class Trainings:
 
     def learned(self, reward: str, members: Sequence[Trained]) -> LearningCurve:
         """What trainings by a reward came to, over their steps: in evaluations that all have, else in stretches."""
-        every = self.group.evaluate_every
+        every = self.group.evaluate_every if self.read else 0
         found = [it.on_the_way(every) if every else {} for it in members]
         dues = sorted(set.intersection(*map(set, found)))
         steps = self.read.steps if self.read else self.group.steps
         parts = [(due, [of[due] for of in found]) for due in dues] or [
-            (end, [it.stretch(begin, end) for it in members]) for begin, end in stretches(steps)
+            (end, [it.episodes.part(begin, end) for it in members]) for begin, end in stretches(steps)
         ]
         measures = [self.quantity(name, WHOLE, 1) for name in self.names] if self.read else [LEARNED]
         points = {

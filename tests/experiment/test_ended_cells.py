@@ -37,7 +37,7 @@ def test_metric_that_raises_stops_no_run(toys, run_here, tmp_path, monkeypatch):
     def fail(self):
         raise ZeroDivisionError("a metric's own fault")
 
-    monkeypatch.setattr(CellResults, "policy", property(fail))
+    monkeypatch.setattr(CellResults, "_manners", property(fail))
     results = run_here(expand(check_experiment(GIVEN), toys), tmp_path / "out")
     assert len(results.done) == 3
     with pytest.raises(ZeroDivisionError):

@@ -126,8 +126,8 @@ def test_cell_is_measured_once(table, plan, monkeypatch):
     """Its row is kept for the next tables."""
     so_far, _, store = table
     asked = []
-    measured = CellResults.policy.func
-    monkeypatch.setattr(CellResults.policy, "func", lambda of: (asked.append(of.cell.id), measured(of))[1])
+    measured = CellResults._manners.func
+    monkeypatch.setattr(CellResults._manners, "func", lambda of: (asked.append(of.cell.id), measured(of))[1])
     so_far.add(read_manifest(store.cell_folder(plan.cells[0])))
     so_far.write()
     so_far.add(read_manifest(store.cell_folder(plan.cells[1])))

@@ -1,7 +1,10 @@
 """A training by its finished episodes, whatever log it comes from."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
+from types import MappingProxyType
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -15,6 +18,7 @@ from harness.log import Log
 from harness.log.log import BEHAVIOUR, REWARD, SINCE, TIME, OpenEpisodes, episode_rows
 from harness.record.recording.facts import TrainingFacts, facts_of
 from harness.results.by_term import part_of
+from harness.results.measured import Measured, Moment, Values
 
 UNKNOWN = "not a number in some episodes"
 ENDS = ("terminated", "truncated")
@@ -162,6 +166,77 @@ class Points(Episodes):
         if over is None or self.beside.fewest(over) >= LEAST_POINTS:
             return super().end(steps)
         return self._part(0, np.mean, f"fewer than {LEAST_POINTS} points of a curve stand in its last fifth")
+
+
+class Did(ABC):
+    """What one training did, whatever was kept of it: that gives values, and here stands what they come to.
+
+    Attributes:
+        cut: How many of its steps are compared.
+        episodes: All that ended.
+        reasons: Why a measure failed, whatever the manner.
+    """
+
+    cut: int
+    episodes: Episodes
+    reasons: Mapping[str, str] = MappingProxyType({})
+
+    @property
+    @abstractmethod
+    def _manners(self) -> Mapping[str, Part]:
+        """What its policy did; what says most about its final policy comes first."""
+
+    @property
+    @abstractmethod
+    def _evaluated(self) -> Mapping[int, Part]:
+        """Its evaluations by the steps before them, in order."""
+
+    @property
+    @abstractmethod
+    def _floor(self) -> Values:
+        """What random actions did, by measure."""
+
+    @property
+    def motion(self) -> str:
+        """A digest of all that its final policy did in its evaluation: equal where policies take the same steps.
+
+        Empty where none is known, as of a recording, which need not hold the actions.
+        """
+        return ""
+
+    @cached_property
+    def _acted(self) -> Measured:
+        did = {manner: dict(part.behaviour) for manner, part in self._manners.items()}
+        return Measured(did, {manner: part.episodes for manner, part in self._manners.items()}, {}, self.reasons)
+
+    @property
+    def measured(self) -> Measured:
+        """Every measure, by manner."""
+        return self._acted._replace(random=self._floor)
+
+    @cached_property
+    def moments(self) -> tuple[Moment, ...]:
+        """Its evaluations, the one after the training last."""
+        return tuple(Moment(after, part.behaviour) for after, part in self._evaluated.items())
+
+    def reason(self, name: str, manner: str) -> str:
+        """Why a measure has no value; empty if it has one."""
+        part = self._manners.get(manner)
+        lacks = part is not None and part.behaviour.get(name) is None
+        return self.reasons.get(name, "") or (self._why(name, part) if lacks else "")
+
+    def on_the_way(self, every: int) -> Mapping[int, Part]:
+        """Its evaluations by the step at which they were due; empty where the training itself tells how it learned."""
+        if len(self._evaluated) < 2 or self.cut not in self._evaluated:
+            return {}
+        return {it if it == self.cut else it // every * every: part for it, part in self._evaluated.items()}
+
+    def ends(self) -> tuple[Part, Part, Part | None]:
+        """Its first episodes, its last ones, and those of its evaluation, where there is one."""
+        return *self.episodes.ends, self._evaluated.get(self.cut)
+
+    def _why(self, name: str, part: Part | None) -> str:
+        return ""
 
 
 def episodes_of(log: Log) -> Episodes:

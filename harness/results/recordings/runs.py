@@ -25,8 +25,8 @@ from harness.registry.choice import Choice
 from harness.results.by_term import ByTerm
 from harness.results.comparison import Group
 from harness.results.logs.told import RETURN, Deciding
-from harness.results.measured import Counted, Measured, Moment
-from harness.results.recordings.episodes import Episodes, Part, episodes_of
+from harness.results.measured import Counted, Values
+from harness.results.recordings.episodes import Did, Episodes, Part, episodes_of
 from harness.results.recordings.recording_results import (
     Likeness,
     RecordingResults,
@@ -65,7 +65,7 @@ class LogPay:
 
 
 @dataclass(frozen=True, eq=False)
-class Run:
+class Run(Did):
     """One training, its steps left in their files.
 
     Attributes:
@@ -129,49 +129,24 @@ class Run:
         }
 
     @cached_property
-    def _parts(self) -> dict[str, Part]:
+    def _manners(self) -> Mapping[str, Part]:
         return self.parts(self.cut)
+
+    @cached_property
+    def _evaluated(self) -> Mapping[int, Part]:
+        last = {} if self.evaluation is None else {self.cut: self.evaluation.whole}
+        return {**{it.facts.after: it.whole for it in self.before}, **last}
+
+    @property
+    def _floor(self) -> Values:
+        return dict(self.random.whole.behaviour) if self.random else {}
 
     @property
     def whole(self) -> Part:
         """All of its episodes."""
         return self.episodes.whole
 
-    # What a `harness.results.cell_results.CellResults` says too, for `harness.results.trainings`
-
-    @cached_property
-    def measured(self) -> Measured:
-        """Every measure, by manner; what says most about the final policy comes first."""
-        did = {manner: dict(part.behaviour) for manner, part in self._parts.items()}
-        floor = dict(self.random.whole.behaviour) if self.random else {}
-        return Measured(did, {manner: part.episodes for manner, part in self._parts.items()}, floor)
-
-    @property
-    def moments(self) -> tuple[Moment, ...]:
-        """Its evaluations, the one after the training last."""
-        evaluations = {it.facts.after: it for it in self.before}
-        if self.evaluation is not None:
-            evaluations[self.cut] = self.evaluation
-        return tuple(Moment(after, it.whole.behaviour) for after, it in evaluations.items())
-
-    def reason(self, name: str, manner: str) -> str:
-        """Why a measure has no value; empty if it has one."""
-        part = self._parts.get(manner)
-        return "" if part is None or part.behaviour.get(name) is not None else self._why(name, part)
-
-    def stretch(self, begin: int, end: int) -> Part:
-        """The episodes that ended in these steps."""
-        return self.episodes.part(begin, end)
-
-    def on_the_way(self, every: int) -> Mapping[int, Part]:
-        """Its evaluations by the step at which they were due; empty where the training itself tells how it learned."""
-        if not self.before or self.evaluation is None:
-            return {}
-        return {**{it.facts.after // every * every: it.whole for it in self.before}, self.cut: self.evaluation.whole}
-
-    def ends(self) -> tuple[Part, Part, Part | None]:
-        """Its first episodes, its last ones, and those of its evaluation, where there is one."""
-        return *self.episodes.ends, self.evaluation.whole if self.evaluation else None
+    # What it was paid
 
     def paid(self, by: Any) -> Float:
         """What the reward of a training pays for each of its steps, (rows,)."""
@@ -179,22 +154,15 @@ class Run:
             raise Unscored(UNKNOWN)
         return self.recorded.paid_by(by.reward)
 
-    def returned(self, by: Any, manner: str) -> float:
-        """What that reward pays one of its episodes of one manner."""
+    def returned(self, by: Any, manner: str = EVALUATION, *, with_events: bool = False) -> float:
+        """What the reward of a training pays one of its episodes of one manner, with all that is known of the pay."""
         if self.apart:
             raise Unscored(self.apart)
-        part = self._parts[manner]
-        value = part.returns.get(by.reward)
+        part = self._manners.get(manner)
+        value = part and part.returns.get(by.reward)
         if value is None:
             raise Unscored(self._why(by.reward, part))
         return value
-
-    def final_pay(self) -> float:
-        """What its own reward paid an episode of its evaluation, with all that the training maximised."""
-        paid = None if self.evaluation is None else self.evaluation.whole.returns.get(self.reward)
-        if paid is None:
-            raise Unscored(UNKNOWN)
-        return paid
 
     def random_pay(self) -> Float:
         """What its reward pays random actions, (episodes,)."""
@@ -215,12 +183,8 @@ class Run:
         of = {"training": self, "evaluation": self.evaluation, "random": self.random}[part]
         return None if of is None else of.recorded.terms_paid(by.reward)
 
-    def motion(self) -> str:
-        """A digest of all that its final policy did in its evaluation: none, a recording need not hold the actions."""
-        return ""
-
-    def _why(self, name: str, part: Part) -> str:
-        return f"{name} in '{self.path}': {part.reasons.get(name, 'not recorded')}"
+    def _why(self, name: str, part: Part | None) -> str:
+        return f"{name} in '{self.path}': {part.reasons.get(name, 'not recorded') if part else 'not evaluated'}"
 
 
 def run_of(log: Log, seed: int, steps: int = 0, digest: str = "") -> Run:
