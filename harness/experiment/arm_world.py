@@ -139,7 +139,7 @@ class LearningSoFar:
 
     def append(self, rows: Rows) -> None:
         self._recorder.append(rows)
-        self._waiting.append(rows[:, self._columns])
+        self._waiting.append(rows.take(self._columns, axis=1))
         self._count += len(rows)
         if self._count >= self.BLOCK:
             self._add_up()
