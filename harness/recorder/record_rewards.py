@@ -16,7 +16,7 @@ from harness.recorder.calls import action_facts
 from harness.recorder.env_facts import LEARNERS, Asked, OnError
 from harness.recorder.recorder import Recorder
 from harness.recorder.sealed import CONSTANT
-from harness.recorder.taken import NAN, Taken
+from harness.recorder.taken import Taken
 from harness.reward.given import Given
 
 Observation = TypeVar("Observation")
@@ -177,10 +177,10 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         return observation, paid, terminated, truncated, info
 
     def _kept(self, paid: Any) -> Any:
-        """A copy of what the env pays; NaN if it is no number but several."""
+        """A copy of what the env pays; 0 if it is no number but several."""
         if np.ndim(paid):
             self._recorder.give_up_pay(paid, (0, self._episode, self._step - 1))
-            return NAN
+            return 0.0
         return copy.copy(paid)
 
     def close(self) -> None:

@@ -17,7 +17,7 @@ from harness.recorder.calls import action_facts
 from harness.recorder.env_facts import Asked, OnError
 from harness.recorder.parts import FINAL_OBSERVATION, Mask, infos_last, infos_of_step, item_of, joined, with_items
 from harness.recorder.recorder import Recorder
-from harness.recorder.taken import NAN, Taken
+from harness.recorder.taken import Taken
 from harness.reward.given import Given
 
 Array = NDArray[Any]
@@ -132,7 +132,7 @@ class RecordVectorRewards(VectorWrapper[Any, Any, Any, Any, Any]):
         ended = ends[0] | ends[1]
         if pay.shape != ended.shape:
             self._recorder.give_up_pay(pay, (0, int(self._episodes[0]), int(self._steps[0])))
-            pay = np.full(ended.shape, NAN)
+            pay = np.zeros(ended.shape)
         after, told, has_ended, started = observations, infos_last(infos), bool(ended.any()), self._rests
         live = ~started if started.any() else slice(None)
         if self._mode == AutoresetMode.SAME_STEP:

@@ -6,6 +6,8 @@ be asked so late, and say the same.
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from math import isfinite
 from time import monotonic
 from typing import Any, NamedTuple
 
@@ -13,7 +15,7 @@ import numpy as np
 from gymnasium import Space
 
 from harness.arrays import Float
-from harness.errors import reason_of
+from harness.errors import SimulationDiverged, reason_of
 from harness.recorder.calls import CHECKED, Calls
 from harness.recorder.column import Column
 from harness.recorder.computing import bound
@@ -23,6 +25,7 @@ from harness.recorder.recorder import Place, Recorder, differs
 from harness.recorder.sealed import ReadOnlyDict
 from harness.recorder.trial import FIRST_STEPS
 from harness.reward.given import Before, Now, Untold, told_under, zeros_of
+from harness.reward.reward import is_finite, require_finite
 
 ROWS_AT_ONCE = 256
 KEYS = 4
@@ -99,10 +102,10 @@ class Taken:
         """
         self._recorder, self._guard, self.columns = recorder, recorder.guard, recorder.columns
         self._num_envs, self._spaces = num_envs, spaces
-        self._looks = any(not column.is_own for column in self.columns)
         self.time, self._due, self._at = recorder.next_time, 0.0, (0, 0, 0)
         self.paid: Any = NAN
         self.last: list[float] = []
+        self._are_finite = True  # all numbers of the steps so far
         self._seen, self._actions = Seen(self._guard.seal), Seen(self._guard.seal)
         self._told: list[Any] = []  # beside each observation that was seen what the env told with it
         self._bound: dict[Column, list[Any]] = {}
@@ -133,9 +136,9 @@ class Taken:
 
     def start(self, observation: Any, told: Mapping[str, Any]) -> None:
         """Keep what there is before the next step, if it is not what came after the last one."""
-        if self._looks:
-            self._seen.add(observation)
-            self._told.append(self._guard.seal(told))
+        self._seen.add(observation)
+        self._told.append(self._guard.seal(told) if self.reads else NOTHING)
+        self._check_info(told)
 
     @property
     def told_last(self) -> Mapping[str, Any]:
@@ -171,14 +174,15 @@ class Taken:
             ended: Whether it ended an episode.
         """
         self._actions.add(action)
-        if self._looks:
-            self._befores.append(len(self._told) - 1)
-            self._seen.add(observation)
-            self._told.append(self._guard.seal(info) if info and self.reads else NOTHING)
+        self._befores.append(len(self._told) - 1)
+        self._seen.add(observation)
+        self._told.append(self._guard.seal(info) if info and self.reads else NOTHING)
         recorder, calls = self._recorder, self._recorder.calls
         if calls is not None and (self._spaces is not None or ended or not tick[2] % CHECKED):
             self._mark(calls, tick, observation)
         self._ticks.append(tick)
+        if info:
+            self._check_info(info)
         self._count += 1 if self._spaces is None else len(tick[0])
         if self._at_once:
             self.paid = np.zeros(self._num_envs)
@@ -336,10 +340,9 @@ class Taken:
             rows: Of these.
             steps: What a function was called with; about a batch at once, or about each env.
         """
-        is_array = isinstance(values, np.ndarray)
-        if not is_array and len(values) > 1 and not column.terms and NUMBERS.issuperset(map(type, values)):
-            values, is_array = np.array(values, np.float64), True
-        if is_array and (values.ndim == 2 or not column.terms) and np.isfinite(values).all():
+        if len(values) > 1 and not column.terms:
+            values = _packed(values)
+        if isinstance(values, np.ndarray) and (values.ndim == 2 or not column.terms) and np.isfinite(values).all():
             return values.reshape(len(values), -1)
         found: list[list[float]] = []
         for row, value in enumerate(values):
@@ -364,6 +367,7 @@ class Taken:
             return
         rows, count = self._rows(0), len(self._ticks)
         try:
+            self._check(rows.paid)
             for column, known in self._bound.items():
                 if column in self._later and not column.given_up and bound(column.parts) != known:
                     reason = "a name that it reads was given another value, so two rewards would stand under one name"
@@ -378,6 +382,34 @@ class Taken:
             self._seen.forget()
             del self._told[:-1]
             self._due = self._recorder.due
+
+    def _check_info(self, info: Mapping[str, Any]) -> None:
+        """See at once whether what was told is finite: it may not be kept."""
+        with suppress(TypeError, OverflowError):  # not only numbers, or large ones
+            if isfinite(sum(info.values())):
+                return
+        if self._are_finite and not is_finite(info):
+            self._note({"info": info}, self.tried)
+
+    def _check(self, paid: Any) -> None:
+        """See whether the other numbers of steps are."""
+        count = len(self._ticks)
+        seen, actions = self._seen.last(len(self._told)), self._actions.last(count)
+        if not self._are_finite or all(is_finite(_packed(it)) for it in (seen, actions, paid)):
+            return
+        for number, (place, tick) in enumerate(zip(self._befores, self._ticks, strict=True)):
+            fields = {"observation": seen[place + 1], "action": actions[number], "pay": tick[3]}
+            for step, told in ((number, {"observation": seen[place]}), (number + 1, fields)):
+                if self._are_finite and not is_finite(told):
+                    self._note(told, self.tried - count + step)
+
+    def _note(self, fields: Mapping[str, Any], step: int) -> None:
+        """Tell the first number that is not: the training goes on, whose learner may be meant to see it."""
+        self._are_finite = False
+        try:
+            require_finite(fields, step, "" if self._spaces is None else " (the first number behind a name: which env)")
+        except SimulationDiverged as error:
+            self._recorder.note(f"{error}. The training goes on: a learner may turn all of its weights to NaN by that")
 
     def _write(self, rows: Rows, found: Mapping[Column, Any]) -> None:
         recorder, columns, count = self._recorder, self.columns, len(rows.paid)
@@ -407,6 +439,12 @@ class Taken:
                 actions = self._flat([*actions], 0)
             made = np.hstack([made, recorder.calls.take(actions)])
         recorder.write(made)
+
+
+def _packed(values: Any) -> Any:
+    """An array of them where they are plain numbers."""
+    is_plain = not isinstance(values, np.ndarray) and NUMBERS.issuperset(map(type, values))
+    return np.array(values, np.float64) if is_plain else values
 
 
 def _returned(column: Column, numbers: Float) -> Any:

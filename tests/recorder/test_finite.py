@@ -1,0 +1,95 @@
+"""In somebody's own script what is not finite is noted once, and ends nothing."""
+
+import warnings
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.vector import AutoresetMode, SyncVectorEnv
+
+import harness
+from harness.record import read_recording
+from harness.recorder import GivenUp, Noted, taken
+
+LAST = 300
+BAD = {"NaN": np.nan, "infinite": np.inf}
+MODES = (None, *AutoresetMode)
+
+
+class Spoilt(gymnasium.Env):
+    """One number is not finite, from a step on."""
+
+    observation_space = gymnasium.spaces.Box(-9, 9, (2,), np.float32)
+    action_space = gymnasium.spaces.Box(-9, 9, (1,), np.float32)
+
+    def __init__(self, field, at, bad):
+        self.field, self.at, self.bad, self.steps = field, at, bad, 0
+
+    def told(self):
+        """What there is now."""
+        number = {it: self.bad if it == self.field and self.steps >= self.at else 0.0 for it in ("observation", "info")}
+        return np.array([0.0, number["observation"]], np.float32), {"x": number["info"], "name": "told"}
+
+    def reset(self, *, seed=None, options=None):
+        """Begin."""
+        super().reset(seed=seed)
+        return self.told()
+
+    def step(self, action):
+        """Go on."""
+        self.steps += 1
+        observation, info = self.told()
+        pay = self.bad if self.field == "pay" and self.steps >= self.at else 0.5
+        return observation, pay, self.steps % 50 == 0, False, info
+
+
+def notes_of(tmp_path, mode, field, at, bad):
+    """What is warned of, and what the recording says; `LAST` steps are taken whatever happens."""
+    rewards = {"still": lambda o, a, n, i: 1.0}
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        if mode is None:
+            env = harness.RecordRewards(Spoilt(field, at, bad), tmp_path / "run", trained_with="own", rewards=rewards)
+        else:
+            envs = SyncVectorEnv([lambda: Spoilt("", 0, 0), lambda: Spoilt(field, at, bad)], autoreset_mode=mode)
+            env = harness.RecordVectorRewards(envs, tmp_path / "run", trained_with="own", rewards=rewards)
+        env.reset(seed=0)
+        for step in range(1, LAST + 1):
+            action = np.zeros(env.action_space.shape, np.float32)
+            action[-1] = bad if field == "action" and step >= at else 0.0
+            _, _, terminated, _, _ = env.step(action)
+            if np.any(terminated) and mode in (None, AutoresetMode.DISABLED):
+                env.reset(options=None if mode is None else {"reset_mask": np.array(terminated)})
+        env.close()
+    found = read_recording(tmp_path / "run")
+    assert len(found) >= LAST
+    assert np.isfinite(found["reward/still"]).all()
+    assert {it.category for it in told} <= {Noted, GivenUp}
+    return [str(it.message) for it in told if it.category is Noted], list(found.facts.notes)
+
+
+@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize("field", ["observation", "action", "pay", "info"])
+def test_first_number_that_is_not_finite_is_noted_once(field, mode, tmp_path, subtests):
+    """With its field and step, in every way of starting episodes, in the first steps and later."""
+    for name, bad in BAD.items():
+        for at in (1, 150, LAST - 10):
+            with subtests.test(name, at=at):
+                warned, noted = notes_of(tmp_path / name / str(at), mode, field, at, bad)
+                assert warned == noted
+                (line,) = noted
+                assert line.startswith(field)
+                assert f"was {name} at step " in line
+                if mode is None:
+                    assert f"at step {at}. The training goes on" in line
+
+
+def test_what_is_finite_is_not_noted(tmp_path):
+    """Nor are numbers whose sum is not."""
+    assert notes_of(tmp_path, None, "info", 1, 1e308) == ([], [])
+
+
+def test_a_recorder_that_does_not_look_notes_nothing(tmp_path, monkeypatch):
+    """The mutant."""
+    monkeypatch.setattr(taken, "is_finite", lambda value: True)
+    assert notes_of(tmp_path, None, "observation", 1, np.nan) == ([], [])
