@@ -62,10 +62,15 @@ if TYPE_CHECKING:
         Columns as Columns,
         columns_of as columns_of,
     )
+    from harness.experiment.environments.frames import strip_of as strip_of
     from harness.experiment.environments.plan import (
         look_at as look_at,
     )
-    from harness.experiment.environments.played_again import PlayedAgain as PlayedAgain
+    from harness.experiment.environments.played_again import (
+        PlayedAgain as PlayedAgain,
+        let_draw as let_draw,
+        picture_of as picture_of,
+    )
     from harness.experiment.environments.spaces import (
         flat_observation as flat_observation,
         flat_observations as flat_observations,

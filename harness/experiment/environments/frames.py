@@ -134,17 +134,17 @@ def _draw(played: PlayedAgain, episode: int) -> bytes:
     played.skip(episode)
     pictures = played.play(episode, clock)
     steps = [int(step) for step in clock if int(step) in pictures]
-    strip = _strip([pictures[step] for step in steps])
+    strip, _ = strip_of([pictures[step] for step in steps], (WIDTH, HEIGHT), MOST_BYTES)
     if not strip:
         return _told(reason=f"the pictures take more than {MOST_BYTES:,} bytes")
     return _told(episode=episode, steps=steps, told=played.told(rows), outcome=played.outcome(rows)) + strip
 
 
-def _strip(pictures: Sequence["Image.Image"]) -> bytes:
-    """All pictures side by side, as WebP; empty if they would be too large."""
+def strip_of(pictures: Sequence["Image.Image"], size: tuple[int, int], most: int) -> tuple[bytes, tuple[int, int]]:
+    """All pictures side by side, as WebP, empty if they would take more than `most` bytes; and the size of each."""
     from PIL import Image, ImageOps
 
-    small = [ImageOps.contain(picture.convert("RGB"), (WIDTH, HEIGHT)) for picture in pictures]
+    small = [ImageOps.contain(picture.convert("RGB"), size) for picture in pictures]
     width, height = small[0].size
     whole = Image.new("RGB", (width * len(small), height))
     for number, picture in enumerate(small):
@@ -152,9 +152,9 @@ def _strip(pictures: Sequence["Image.Image"]) -> bytes:
     for quality in QUALITIES:
         file = io.BytesIO()
         whole.save(file, "WEBP", quality=quality, method=4)
-        if file.tell() <= MOST_BYTES:
-            return file.getvalue()
-    return b""
+        if file.tell() <= most:
+            return file.getvalue(), (width, height)
+    return b"", (width, height)
 
 
 def _told(**facts: Any) -> bytes:

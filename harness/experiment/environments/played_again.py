@@ -57,7 +57,7 @@ class PlayedAgain:
         with blamed_on(registry.get("environments", cell.task.name), "an env was made"):
             environment: Environment = cell.task.build(registry, "environments")
             self._env = environment.make()
-        _let_draw(self._env, cell)
+        let_draw(self._env, cell.task.label)
         self._act = Acting(self._env, policy, None if cell.deterministic else np.random.default_rng(FIRST_SEED))
 
     def close(self) -> None:
@@ -80,12 +80,12 @@ class PlayedAgain:
         length = len(self.episodes[number])
         wanted = {min(int(step), length) for step in clock}
         observation, _ = self._env.reset(seed=FIRST_SEED + number)
-        pictures, step, ended = {0: self._draw()}, 0, False
+        pictures, step, ended = {0: picture_of(self._env, self.cell.task.label)}, 0, False
         while not ended and step < length:
             observation, _, terminated, truncated, _ = self._env.step(self._act(observation))
             step, ended = step + 1, bool(terminated or truncated)
             if step in wanted:
-                pictures[step] = self._draw()
+                pictures[step] = picture_of(self._env, self.cell.task.label)
         was_cut = length == facts_of(self._recorded).horizon
         if step < length or not (ended or was_cut):
             raise UsageError(
@@ -109,29 +109,38 @@ class PlayedAgain:
             return SUCCESS if self._recorded[f"{BEHAVIOUR}{SUCCESS}"][rows[-1]] else f"no {SUCCESS}"
         return "ended" if self._recorded["terminated"][rows[-1]] else "time-out"
 
-    def _draw(self) -> "Image.Image":
-        from PIL import Image
 
-        try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")  # of libraries that are tried in vain; an exception follows
-                drawn: Any = self._env.render()
-        except Exception as error:  # an env of anybody, and the graphics driver under it
-            raise UsageError(
-                f"{self.cell.task.label} cannot draw here: {one_line_of(str(error))}. Without a screen set "
-                "MUJOCO_GL=egl, or MUJOCO_GL=osmesa; harness doctor says what works"
-            ) from error
-        if not isinstance(drawn, np.ndarray) or drawn.ndim != 3:
-            raise UsageError(f"{self.cell.task.label} draws no picture: its render() gave {type(drawn).__name__}")
-        return Image.fromarray(drawn)
+def picture_of(env: AnyEnv, name: str) -> "Image.Image":
+    """What an env draws now.
+
+    Raises:
+        UsageError: It draws nothing; says which one, by name.
+    """
+    from PIL import Image
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of libraries that are tried in vain; an exception follows
+            drawn: Any = env.render()
+    except Exception as error:  # an env of anybody, and the graphics driver under it
+        raise UsageError(
+            f"{name} cannot draw here: {one_line_of(str(error))}. Without a screen set "
+            "MUJOCO_GL=egl, or MUJOCO_GL=osmesa; harness doctor says what works"
+        ) from error
+    if not isinstance(drawn, np.ndarray) or drawn.ndim != 3:
+        raise UsageError(f"{name} draws no picture: its render() gave {type(drawn).__name__}")
+    return Image.fromarray(drawn)
 
 
-def _let_draw(env: AnyEnv, cell: Cell) -> None:
-    """Have the env draw into arrays.
+def let_draw(env: AnyEnv, name: str) -> None:
+    """Have an env draw into arrays.
 
     An environment's `make` takes no render mode, for training needs none. It is set afterwards: envs look at it when
     they draw.
+
+    Raises:
+        UsageError: It cannot; says which one, by name.
     """
     if DRAWN not in env.metadata.get("render_modes", ()):
-        raise UsageError(f"{cell.task.label} cannot be drawn: its env has no render mode '{DRAWN}'")
+        raise UsageError(f"{name} cannot be drawn: its env has no render mode '{DRAWN}'")
     env.unwrapped.render_mode = DRAWN

@@ -1,10 +1,8 @@
 """Films of behaviours in an environment: pictures that the env draws, side by side in one file."""
 
 import base64
-import io
 import multiprocessing
 import time
-import warnings
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -15,9 +13,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import gymnasium
 import numpy as np
 
-from harness.authoring.commands import require_pillow
+from harness.authoring.commands import let_draw, picture_of, require_pillow, strip_of
 from harness.environment import AnyEnv
-from harness.errors import HarnessError, UsageError, reason_of
+from harness.errors import HarnessError, reason_of
 from harness.registry import Registry, given_from_json, given_to_json, load_registry
 from harness.text import one_line_of
 
@@ -27,16 +25,12 @@ from .world import Actions, Data, Shown
 if TYPE_CHECKING:
     from PIL import Image
 
-DRAWN = "rgb_array"
-"""The render mode whose pictures are arrays."""
 PICTURES = 60
 """The most pictures of a behaviour."""
 SIZE = (200, 200)
 """The most pixels of a picture."""
 MOST_BYTES = 230_000
 """The most bytes of a behaviour's pictures: a page of three stays below 1 MB."""
-QUALITIES = (80, 60, 40, 20, 5)
-"""Qualities of WebP; the first one that is small enough is taken."""
 SCREEN = "harness doctor says what is missing; without a screen MuJoCo needs MUJOCO_GL=egl"
 PATIENCE = 120.0
 """Seconds in which the pictures of all behaviours of a reward have to be drawn."""
@@ -110,58 +104,33 @@ def draw_film(place: Data, given: Sequence[Data], start: int, actions: Actions, 
     try:
         require_pillow()
         with closing(at.task.build(registry, "environments").make()) as env:
-            if DRAWN not in env.metadata.get("render_modes", ()):
-                raise UsageError(f"the env has no render mode '{DRAWN}'")
-            env.unwrapped.render_mode = DRAWN  # envs look at it when they draw
-            return _strip(_pictures(env, start, actions, clock))
+            let_draw(env, at.name)
+            return _strip(_pictures(env, at.name, start, actions, clock))
     except HarnessError as error:
         return Film(f"There is no film: {one_line_of(str(error))}")
     except Exception as error:  # an env of anybody
         return Film(f"There is no film: {one_line_of(reason_of(error))}")
 
 
-def _pictures(env: AnyEnv, start: int, actions: Actions, clock: Sequence[int]) -> "dict[int, Image.Image]":
+def _pictures(env: AnyEnv, name: str, start: int, actions: Actions, clock: Sequence[int]) -> "dict[int, Image.Image]":
     """Pictures by step, those of the clock and the last one."""
     space: Any = env.action_space
     env.reset(seed=start)
-    found = {0: _draw(env)}
+    found = {0: picture_of(env, name)}
     for step, action in enumerate(actions, 1):
         is_choice = isinstance(space, gymnasium.spaces.Discrete)
         env.step(int(action) if is_choice else np.array(action, space.dtype).reshape(space.shape))
         if step in clock or step == len(actions):
-            found[step] = _draw(env)
+            found[step] = picture_of(env, name)
     return found
-
-
-def _draw(env: AnyEnv) -> "Image.Image":
-    from PIL import Image
-
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of libraries that are tried in vain; an exception follows
-        try:
-            drawn: Any = env.render()
-        except Exception as error:  # an env of anybody, and the graphics driver under it
-            raise UsageError(f"the env cannot draw here: {one_line_of(str(error))}. {SCREEN}") from error
-    if not isinstance(drawn, np.ndarray) or drawn.ndim != 3:
-        raise UsageError(f"the env draws no picture: its render() gave {type(drawn).__name__}")
-    return Image.fromarray(drawn)
 
 
 def _strip(pictures: "Mapping[int, Image.Image]") -> Film:
     """All pictures side by side; fewer of them, if they would take too much."""
-    from PIL import Image, ImageOps
-
     steps = sorted(pictures)
-    small = {step: ImageOps.contain(pictures[step].convert("RGB"), SIZE) for step in steps}
-    width, height = small[0].size
     while len(steps) > 1:
-        whole = Image.new("RGB", (width * len(steps), height))
-        for place, step in enumerate(steps):
-            whole.paste(small[step], (place * width, 0))
-        for quality in QUALITIES:
-            file = io.BytesIO()
-            whole.save(file, "WEBP", quality=quality, method=4)
-            if file.tell() <= MOST_BYTES:
-                return Film("", tuple(steps), (width, height), file.getvalue())
+        strip, size = strip_of([pictures[step] for step in steps], SIZE, MOST_BYTES)
+        if strip:
+            return Film("", tuple(steps), size, strip)
         steps = [*steps[:-1:2], steps[-1]] if len(steps) > 2 else steps[:1]
     return Film(f"There is no film: its pictures take more than {MOST_BYTES:,} bytes.")
