@@ -295,8 +295,8 @@ def make_env(
 
 
 Action = NDArray[Any]
-PRICES = [COLUMN[name] for name in ("reward_ground", "reward_target", "reward_step")]
-"""What the task pays, in a row."""
+PRICES = slice(COLUMN["reward_ground"], COLUMN["reward_step"] + 1)
+"""What the task pays, in a row: for the ground, for the target, and for the step."""
 
 
 class ReachEnv(gymnasium.Env[Float32, Action]):
@@ -332,7 +332,7 @@ class ReachEnv(gymnasium.Env[Float32, Action]):
     def append(self, rows: Float) -> None:
         """Note an environment step while the env still tells what was before it; it calls this, as of any recorder."""
         if rows[0, COLUMN["step"]]:
-            self._taken.append(map_steps(np.copy, self.vector_env.episodes.steps))
+            self._taken.append(map_steps(np.ndarray.copy, self.vector_env.episodes.steps))
             self._paid += rows[0, PRICES].sum().item()
 
     def reset(
@@ -347,7 +347,8 @@ class ReachEnv(gymnasium.Env[Float32, Action]):
         """One control period; see `ReachVectorEnv.step`."""
         self._taken, self._paid = [], 0.0
         observations, rewards, terminated, truncated, infos = self.vector_env.step(np.asarray(action)[None])
-        told = {**_first(infos), ARM: joined(self._taken), TASK: self._paid}
+        taken = joined(self._taken) if self._taken[1:] else self._taken[0]
+        told = {**_first(infos), ARM: taken, TASK: self._paid}
         return observations[0], float(rewards[0]), bool(terminated[0]), bool(truncated[0]), told
 
     def render(self) -> NDArray[np.uint8] | None:
