@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Mask, read_only
-from harness.reward.steps import Steps, joined, rows_of, step_between
+from harness.reward.steps import Steps, rows_of, step_between
 
 TOUCHED = ("reached", "terminated", "truncated")
 """Columns of a trace that tell where a new target was set inside an episode."""
@@ -23,8 +23,9 @@ FIELDS: Mapping[str, tuple[str, ...]] = MappingProxyType(
 """The columns of each field of `harness.reward.steps.ARM` that a trace has beside the distances."""
 Rows: TypeAlias = Mapping[str, NDArray[Any]]
 """Consecutive rows of one run, (rows, ...) each: ``start``, whether the row is an episode's start, which is paid
-nothing; `DISTANCES`; those of `FIELDS` that are recorded and wanted; and ``touched``, whether the target was reached
-and the next one set after the row. Without it a new target shows only in a new begin distance."""
+nothing; `DISTANCES`; those of `FIELDS` that are recorded and wanted; ``touched``, whether the target was reached and
+the next one set after the row, without which a new target shows only in a new begin distance; and in rows of several
+envs, one env after the other, ``first``, whether the row is the first one of another env."""
 
 
 class Recorded(Protocol):
@@ -51,14 +52,19 @@ def steps_of_rows(rows: Rows, last: Rows | None = None) -> tuple[Steps, Mask, Ro
     rows = {name: read_only(column) for name, column in rows.items()}  # other rewards read them too
     start, begin, best, distance = (rows[name] for name in ("start", *DISTANCES))
     before = {
-        name: read_only(np.concatenate([last.get(name, column[:1]), column[:-1]]))
+        name: np.concatenate([last.get(name, column[:1]), column[:-1]])
         for name, column in rows.items()
-        if name not in ("start", "previous_best")
+        if name not in ("start", "previous_best", "first")
     }
+    first = rows.get("first", np.zeros(1, bool))
+    if first.any():
+        for name, column in before.items():
+            column[first] = np.nan if name in DISTANCES else rows[name][first]
+    before = {name: read_only(column) for name, column in before.items()}
     # The next target may be as far away as the last one was at first. Earlier distances belong to the old one.
     restart: Mask = start | (begin != before.pop("begin_distance")) | before.pop("touched", np.False_)
     row = np.arange(len(start), dtype=np.float64)
-    step = row - np.maximum.accumulate(np.where(start, row, -1.0 - last["step"]))
+    step = row - np.maximum.accumulate(np.where(start, row, np.where(first, row, -last["step"]) - 1.0))
     after = {"distance": distance, **{name: rows[name] for name in FIELDS if name in rows}}
     steps = step_between(before, after, begin, best, step, np.where(restart, begin, before["distance"]))
     ends = {name: column[-1:].copy() for name, column in {**rows, "step": step}.items()}
@@ -72,7 +78,8 @@ def has_field(run: Recorded, name: str) -> bool:
 
 def field_rows(run: Recorded, fields: Collection[str]) -> Rows:
     """The rows that steps are made of, with those of `FIELDS` that are asked for and recorded."""
-    rows = {"start": _starts(run), **{name: run[name] for name in DISTANCES}}
+    start = run["start"] if "start" in run else run["step"] == 0
+    rows = {"start": start, **{name: run[name] for name in DISTANCES}}
     if all(name in run for name in TOUCHED):
         rows["touched"] = run["reached"] & ~(run["terminated"] | run["truncated"])
     for name in FIELDS:
@@ -89,29 +96,14 @@ def steps_of_run(run: Recorded, fields: Collection[str]) -> Steps:
         run: The run.
         fields: Which of `FIELDS` steps have beside the distances, where they are recorded.
     """
-    rows, stretches = field_rows(run, fields), stretches_of(run)
-    if stretches is None:
-        return steps_of_rows(rows)[0]
-    steps = joined([steps_of_rows(part_of(rows, stretch))[0] for stretch in stretches])
-    return rows_of(steps, np.argsort(np.concatenate(stretches)))
+    rows, order = by_env(field_rows(run, fields), run["env"])
+    steps = steps_of_rows(rows)[0]
+    return steps if order is None else rows_of(steps, np.argsort(order))
 
 
-def stretches_of(run: Recorded) -> list[NDArray[np.int64]] | None:
-    """Row numbers of each stretch of rows that follow one another; None where all rows do, in their order.
-
-    A new one begins at an env that does not begin with a start row. Rows after a start row do not depend on rows before
-    it, so several envs can be one stretch. For the 100 envs of an evaluation a reward then takes a fifth of the time of
-    100 stretches, and less if it has a memory.
-    """
-    env = run["env"]
+def by_env(rows: Rows, env: NDArray[Any]) -> tuple[Rows, NDArray[np.int64] | None]:
+    """All rows of a run, one env after the other, and the number that each had before; None if that is its own."""
     if (env[1:] == env[:-1]).all():
-        return None
+        return rows, None
     order = np.argsort(env, kind="stable")
-    is_next = np.diff(env[order]) != 0
-    return np.split(order, np.flatnonzero(is_next & ~_starts(run)[order][1:]) + 1)
-
-
-def _starts(run: Recorded) -> Mask:
-    """Which rows are starts: as the run says it, or by a step of 0."""
-    start: Mask = run["start"] if "start" in run else run["step"] == 0
-    return start
+    return {**part_of(rows, order), "first": np.diff(env[order], prepend=env[order[0]]) != 0}, order

@@ -31,19 +31,19 @@ class MissingField(UsageError, AttributeError):
         field: Its name.
     """
 
-    def __init__(self, field: str, there: Iterable[str], where: str = "", told: str = "") -> None:
+    def __init__(self, field: str, there: Iterable[str], where: str = "A step", told: str = "") -> None:
         """Say what there is.
 
         Args:
             field: What was asked for, ``joint_speed`` or ``before.joint_speed``.
             there: Names of the fields that there are.
-            where: What the steps are of, to begin the message with; ``A step`` without it.
+            where: What the steps are of, to begin the message with.
             told: A last sentence.
         """
         self.field, names = field, list(there)
         guess = nearest(field.rpartition(".")[2], names)
         super().__init__(
-            f"{where or 'A step'} has no '{field}'. It has: {', '.join(names)}.{guess.lstrip('.')}{told and f' {told}'}"
+            f"{where} has no '{field}'. It has: {', '.join(names)}.{guess.lstrip('.')}{told and f' {told}'}"
         )
 
 

@@ -294,8 +294,7 @@ def _seeds(group: Sequence[Log]) -> list[int]:
 
 def _in_order_of_seeds(group: Sequence[Log]) -> list[Log]:
     """The logs by seed if all seeds are known, else as given."""
-    seeds = _seeds(group)
-    return [group[place] for place in np.argsort(seeds, kind="stable")] if seeds else list(group)
+    return sorted(group, key=lambda log: log.facts.seed or 0) if _seeds(group) else list(group)
 
 
 HELD = 250_000

@@ -62,8 +62,7 @@ def roles_in(names: Sequence[str]) -> dict[str, str]:
         names: Of all columns, as in the header.
     """
     spelled = {name.strip().lower(): name for name in reversed(names)}
-    found = {role: next((it for it in of if it in spelled), None) for role, of in ROLES.items()}
-    return {role: spelled[name] for role, name in found.items() if name is not None}
+    return {role: spelled[it] for role, of in ROLES.items() for it in reversed(of) if it in spelled}
 
 
 class Fault(NamedTuple):
@@ -119,13 +118,14 @@ def is_of_episodes(table: TextTable, name: str) -> bool:
 
 def labels_of(table: TextTable, names: Iterable[str]) -> list[str]:
     """Those of some columns in which one of few words stands in every row, and not the same in all."""
-    found = []
-    for name in names:
-        words = {cell.strip() for cell in table.cells[name]}
-        is_text = all(word[:1].isalpha() and word.lower() not in NO_WORDS for word in words)
-        if is_text and 1 < len(words) < min(len(table), MOST_WORDS + 1) and not SAYS_NOTHING.search(name.lower()):
-            found.append(name)
-    return found
+    words = {name: {cell.strip() for cell in table.cells[name]} for name in names}
+    return [
+        name
+        for name, of in words.items()
+        if 1 < len(of) < min(len(table), MOST_WORDS + 1)
+        and all(word[:1].isalpha() and word.lower() not in NO_WORDS for word in of)
+        and not SAYS_NOTHING.search(name.lower())
+    ]
 
 
 def split(table: TextTable, names: Sequence[str]) -> list[tuple[tuple[str, ...], Ints]]:

@@ -1,8 +1,9 @@
 """Pays a recorded run again under any reward, exactly as the learner would have been paid."""
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from functools import partial
+from typing import TypeAlias
 
 import numpy as np
 
@@ -17,11 +18,11 @@ from harness.reward.row_steps import (
     FIELDS,
     TOUCHED,
     Rows as StepRows,
+    by_env,
     field_rows,
     has_field,
     part_of,
     steps_of_rows,
-    stretches_of,
 )
 from harness.reward.steps import BEFORE, NOT_RECORDED, rows_of
 
@@ -30,6 +31,8 @@ SCORED = ("env", "step", *DISTANCES, *TOUCHED)
 
 PIECE = 2**18
 """Rows of a log are read so many at a time."""
+Part: TypeAlias = tuple[Ints | slice, Paid]
+"""Numbers of some rows, and what they are paid."""
 BLOCK = 65_536
 """Rows are scored so many at a time: the columns of a block stay in the processor's cache."""
 
@@ -48,8 +51,8 @@ class Scorer:
         Raises:
             MissingField: The reward reads what is not recorded.
         """
-        blocks = range(0, len(rows["start"]), BLOCK)
-        return joined([self._pay_block(part_of(rows, slice(first, first + BLOCK))) for first in blocks])
+        blocks = (slice(first, first + BLOCK) for first in range(0, len(rows["start"]), BLOCK))
+        return _placed(((block, self._pay_block(part_of(rows, block))) for block in blocks), len(rows["start"]))
 
     def _pay_block(self, rows: StepRows) -> Paid:
         steps, restart, self._last = steps_of_rows(rows, self._last)
@@ -62,7 +65,7 @@ class Scorer:
         total, *terms = (np.where(start, 0.0, np.asarray(it, np.float64)) for it in values)
         return Paid(total, dict(zip(paid.terms, terms, strict=True)))
 
-    def _pay_in_order(self, start: Mask, restart: Mask, steps: Steps) -> Iterator[tuple[Ints, Paid]]:
+    def _pay_in_order(self, start: Mask, restart: Mask, steps: Steps) -> Iterator[Part]:
         """Score a reward that remembers earlier rows: all targets of the block side by side, step by step."""
         row = np.union1d(0, np.flatnonzero(restart))  # the first row begins a stretch too
         ends = np.append(row[1:], len(start))
@@ -79,7 +82,7 @@ class Scorer:
         self._carry = take(carry, np.array([len(ends) - 1]))
 
 
-def _placed(parts: Iterable[tuple[Ints, Paid]], rows: int) -> Paid:
+def _placed(parts: Iterable[Part], rows: int) -> Paid:
     """What all rows are paid, of parts that tell it of some of them; 0 where none does."""
     total, terms = np.zeros(rows), dict[str, Float]()
     for where, paid in parts:
@@ -135,9 +138,11 @@ class Payer:
         """
         rows, env = field_rows(piece, self._fields), piece["env"]
         with np.errstate(all="ignore"):  # a reward may divide by anything where it then takes another value
-            if (env == env[0]).all():
-                return self._scorers[int(env[0])].pay(rows)
-            runs = (is_whole and stretches_of(piece)) or [np.flatnonzero(env == number) for number in np.unique(env)]
+            if is_whole or (env == env[0]).all():
+                rows, order = by_env(rows, env)
+                paid = self._scorers[int(env[0])].pay(rows)
+                return paid if order is None else _placed([(order, paid)], len(env))
+            runs = (np.flatnonzero(env == number) for number in np.unique(env))
             return _placed(((run, self._scorers[int(env[run[0]])].pay(part_of(rows, run))) for run in runs), len(env))
 
 
@@ -148,10 +153,10 @@ def pay_column(log: Log) -> str:
         UsageError: It has none.
     """
     names = ("reward", *(f"{REWARD}{name}" for name in (RECORDED, log.facts.trained_with, *log.rewards)))
-    found = next((name for name in names if name in log), None)
-    if found is None:
-        raise UsageError(f"{log.facts.path} does not tell what a step was paid")
-    return found
+    for name in names:
+        if name in log:
+            return name
+    raise UsageError(f"{log.facts.path} does not tell what a step was paid")
 
 
 def can_be_paid(log: Log) -> bool:
@@ -170,7 +175,8 @@ def pay_log(reward: Reward, log: Log, *, with_all: bool = False) -> Paid:
     payer = Payer(reward, log, with_all=with_all)
     try:
         pieces = log.pieces([*DISTANCES, *payer.columns], PIECE)
-        return joined([payer.pay(it, is_whole=it.first == 0 and len(it) < PIECE) for it in pieces])
+        paid = ((slice(it.first, it.first + len(it)), payer.pay(it, is_whole=len(it) == len(log))) for it in pieces)
+        return _placed(paid, len(log))
     except MissingField:
         if payer.has_all:
             raise
@@ -181,11 +187,3 @@ def fields_beside_distances(needs: Iterable[str]) -> tuple[str, ...]:
     """Which of `FIELDS` are among what a reward reads; for one of the step before its own name."""
     read = {name.removeprefix(f"{BEFORE}.") for name in needs}
     return tuple(name for name in FIELDS if name in read)
-
-
-def joined(parts: Sequence[Paid]) -> Paid:
-    """What steps are paid, of parts one after the other."""
-    if len(parts) <= 1:
-        return parts[0] if parts else Paid(np.empty(0), {})
-    terms = {name: np.concatenate([part.terms[name] for part in parts]) for name in parts[0].terms}
-    return Paid(np.concatenate([part.total for part in parts]), terms)
