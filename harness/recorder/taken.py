@@ -385,8 +385,8 @@ class Taken:
 
     def _check_info(self, info: Mapping[str, Any]) -> None:
         """See at once whether what was told is finite: it may not be kept."""
-        with suppress(TypeError, OverflowError):  # not only numbers, or large ones
-            if isfinite(sum(info.values())):
+        with suppress(OverflowError):  # a large whole number
+            if NUMBERS.issuperset(map(type, info.values())) and isfinite(sum(info.values())):
                 return
         if self._are_finite and not is_finite(info):
             self._note({"info": info}, self.tried)

@@ -22,13 +22,15 @@ class Spoilt(gymnasium.Env):
     observation_space = gymnasium.spaces.Box(-9, 9, (2,), np.float32)
     action_space = gymnasium.spaces.Box(-9, 9, (1,), np.float32)
 
+    more = {"name": "told", "tip": np.zeros(3)}  # noqa: RUF012
+
     def __init__(self, field, at, bad):
         self.field, self.at, self.bad, self.steps = field, at, bad, 0
 
     def told(self):
         """What there is now."""
         number = {it: self.bad if it == self.field and self.steps >= self.at else 0.0 for it in ("observation", "info")}
-        return np.array([0.0, number["observation"]], np.float32), {"x": number["info"], "name": "told"}
+        return np.array([0.0, number["observation"]], np.float32), {"x": number["info"], **self.more}
 
     def reset(self, *, seed=None, options=None):
         """Begin."""
@@ -84,8 +86,9 @@ def test_first_number_that_is_not_finite_is_noted_once(field, mode, tmp_path, su
                     assert f"at step {at}. The training goes on" in line
 
 
-def test_what_is_finite_is_not_noted(tmp_path):
+def test_what_is_finite_is_not_noted(tmp_path, monkeypatch):
     """Nor are numbers whose sum is not."""
+    monkeypatch.setattr(Spoilt, "more", {"y": 1e308})
     assert notes_of(tmp_path, None, "info", 1, 1e308) == ([], [])
 
 
