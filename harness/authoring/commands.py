@@ -57,7 +57,6 @@ if TYPE_CHECKING:
     from harness.eta.manner import ACTED_AT_RANDOM as ACTED_AT_RANDOM
     from harness.eta.rescaling import PayLine as PayLine, rounded as rounded
     from harness.experiment.arm_evaluation import record_evaluation as record_evaluation
-    from harness.experiment.draft import draft_of as draft_of, leave_record as leave_record
     from harness.experiment.environments.columns import (
         Columns as Columns,
         columns_of as columns_of,
@@ -84,6 +83,7 @@ if TYPE_CHECKING:
         source_commit as source_commit,
         versions_behind as versions_behind,
     )
+    from harness.experiment.run_cell import draft_of as draft_of, leave_record as leave_record
     from harness.experiment.workers.order import Report as Report
     from harness.experiment.workers.workers import News as News, run_orders as run_orders, worker_count as worker_count
     from harness.files.bounded import (

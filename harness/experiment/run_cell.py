@@ -4,20 +4,22 @@ import shutil
 import sys
 import time
 import traceback
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import ClassVar
+from typing import Any, ClassVar, Generic, Self, TypeVar
 
 import numpy as np
 
 from harness.algorithm import Algorithm
+from harness.errors import one_line
 from harness.eta.manner import ACTED_AT_RANDOM, OWN_AND_OTHER
 from harness.executor import CellOptions, Word
 from harness.experiment.checkpoints.checkpoint import Attempt, Checkpoint, begin_attempt, discard_rings, store
-from harness.experiment.draft import Draft, draft_of
 from harness.experiment.workers.order import Report
 from harness.experiment.world import CellWorld
+from harness.files.bounded import whole_file
 from harness.files.plain import Plain
 from harness.policy import Policy, load_policy
 from harness.progress import Progress, TrainingState
@@ -30,10 +32,83 @@ from harness.record.folder import (
     POLICY,
     RANDOM,
     evaluation_files,
+    partial_folder,
+    publish,
     recording_of,
 )
-from harness.record.manifest import Manifest
+from harness.record.manifest import Ending, Manifest, now
 from harness.registry.registry import Registry, load_registry
+
+Kind = TypeVar("Kind", bound=Ending)
+
+
+class Draft(Generic[Kind]):
+    """The record of work that is not yet done.
+
+    Attributes:
+        partial: Where the folder grows until it is complete.
+        record: What will be written about it.
+    """
+
+    def __init__(self, partial: Path, record: Kind) -> None:
+        self.partial, self.record = partial, record
+
+    def note(self, **fields: Any) -> Self:
+        """Put fields into the record; they stay there if the work fails later."""
+        self.record = replace(self.record, **fields)
+        return self
+
+
+@contextmanager
+def draft_of(folder: Path, record: Kind) -> Iterator[Draft[Kind]]:
+    """Work on a folder: it is written beside its final name and renamed when the block ends.
+
+    What the block raises ends up in the record, as the reason of a failure, and in the log: a plugin may raise
+    anything, and it costs this folder alone.
+
+    Args:
+        folder: To leave; replaced if it exists.
+        record: What there is to say of it if the work is done; start and duration are filled in.
+    """
+    clock = time.perf_counter()
+    partial = own_partial(folder)
+    draft = Draft(partial, replace(record, started=now()))
+    try:
+        yield draft
+    except (Exception, SystemExit) as error:
+        with (partial / LOG).open("a") as log:
+            traceback.print_exc(file=log)
+        draft.note(status="failed", reason=one_line(error).replace(str(partial), str(folder)))
+    draft.note(seconds=round(time.perf_counter() - clock, 3))
+    draft.record = leave_record(folder, draft.record)
+
+
+def leave_record(folder: Path, record: Kind) -> Kind:
+    """Write a record into the partial folder of `folder`, with whatever is in it already, and complete it.
+
+    Returns:
+        What was written: the record with the digests of the files.
+    """
+    partial = partial_folder(folder)
+    partial.mkdir(parents=True, exist_ok=True)
+    written = record.write(partial)
+    publish(partial, folder)
+    return written
+
+
+def own_partial(folder: Path) -> Path:
+    """The partial folder of a folder, made if need be, in which what is written changes no file elsewhere.
+
+    An earlier attempt may have left files in it, and logs are appended to. Where one has a second name, as in a copy
+    that was made of hard links, a copy of its own takes its place.
+    """
+    partial = partial_folder(folder)
+    partial.mkdir(parents=True, exist_ok=True)
+    for path in partial.rglob("*"):
+        if path.is_file() and path.stat().st_nlink > 1:
+            with whole_file(path) as copy:
+                shutil.copyfile(path, copy)
+    return partial
 
 
 def world_of(cell: Cell, registry: Registry, folder: Path, report: Report) -> CellWorld:

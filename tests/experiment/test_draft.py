@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from harness.experiment.draft import draft_of
+from harness.experiment.run_cell import draft_of
 from harness.record import LOG, MANIFEST, Manifest, partial_folder, read_manifest
 
 

@@ -2,7 +2,7 @@
 
 import os
 
-from harness.experiment.draft import own_partial
+from harness.experiment.run_cell import own_partial
 
 
 def test_a_log_with_a_second_name_is_copied(tmp_path):

@@ -18,7 +18,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import IO
 
-from harness.experiment.draft import own_partial
+from harness.experiment.run_cell import own_partial
 from harness.experiment.workers.order import Order, read_order
 from harness.record.folder import LOG
 from harness.record.manifest import write_log
