@@ -1,7 +1,6 @@
 """An arm's task as a search plays it: all episodes of a call at once, paid as a training is."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any
@@ -18,7 +17,7 @@ from harness.motion import MoveJ
 from harness.payoff import SCRIPTS, plan_actions
 from harness.task import goal_of
 
-from .world import REWARD, Actions, Beginning, Shown, Space, Step, World
+from .world import REWARD, Beginning, Shown, Space, Step, World
 
 DISTANCE, CLOSEST, GROUND, TARGETS = "distance", "closest", "ground", "targets"
 EVENTS = "events"
@@ -100,13 +99,11 @@ class ArmWorld(World):
         """By the smallest distance; see `World`."""
         return -float(shown.measures[CLOSEST][-1]), ()
 
-    def show(self, start: int, actions: Actions) -> Shown:
-        """Play one episode and keep what an arm is drawn from, too; see `World`."""
-        shown, rows = super().show(start, actions), np.array(self.open(1).drawn)
+    def drawn(self) -> Mapping[str, Float]:
+        """What its one arm is drawn from; see `World`."""
+        rows, dof = np.array(self.open(1).drawn), self.arm.robot.dof
         time = np.arange(len(rows), dtype=np.float64) * (self.arm.task.control_period * self.period)
-        dof = self.arm.robot.dof
-        drawn = dict(zip(DRAWN, np.split(rows, [dof, dof + 3], axis=1), strict=True))
-        return replace(shown, drawn={"time": time[:, np.newaxis], **drawn})
+        return {"time": time[:, np.newaxis], **dict(zip(DRAWN, np.split(rows, [dof, dof + 3], axis=1), strict=True))}
 
     def distinct(self, starts: Sequence[int]) -> tuple[int, ...]:
         """Those starts that differ: a task may begin all its episodes alike."""

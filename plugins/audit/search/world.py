@@ -5,7 +5,7 @@ A `World` opens batches of episodes and plays them, whatever moves there. A sear
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, NamedTuple, Protocol, TypeAlias
 
@@ -233,7 +233,12 @@ class World(ABC):
 
     def show(self, start: int, actions: Actions) -> Shown:
         """Play one episode and keep everything."""
-        return self.episodes(np.array([start]), lambda step, *_: actions[step : step + 1], len(actions))[0]
+        (shown,) = self.episodes(np.array([start]), lambda step, *_: actions[step : step + 1], len(actions))
+        return replace(shown, drawn=self.drawn())
+
+    def drawn(self) -> Mapping[str, Float]:
+        """What an arm that was played alone last is drawn from; see `Shown`."""
+        return {}
 
     def watch(self, start: int, policy: Act) -> Shown:
         """Play one episode of a policy; tables are learnt of this."""
