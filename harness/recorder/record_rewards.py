@@ -4,6 +4,7 @@ import copy
 import os
 import weakref
 from collections.abc import Callable, Collection, Mapping
+from math import isfinite
 from typing import Any, SupportsFloat, TypeVar
 
 import gymnasium
@@ -16,7 +17,7 @@ from harness.recorder.calls import action_facts
 from harness.recorder.env_facts import LEARNERS, Asked, OnError
 from harness.recorder.recorder import Recorder
 from harness.recorder.sealed import CONSTANT
-from harness.recorder.taken import Taken
+from harness.recorder.taken import NUMBERS, Taken
 from harness.reward.given import Given
 
 Observation = TypeVar("Observation")
@@ -172,7 +173,12 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         pay = paid if type(paid) in CONSTANT else self._kept(paid)
         tick = 0, self._episode, step, pay, terminated, truncated
         self._taken.take(tick, action, observation, info, terminated or truncated)
-        if self._recorder.pays is not None:
+        pays = self._recorder.pays
+        if pays is not None and pays.is_own:
+            if not (type(pay) in NUMBERS and isfinite(pay)):
+                self._taken.make()  # which raises, unless it is a number of another kind
+            paid = float(pay)
+        elif pays is not None:
             paid = float(self._taken.paid[0])
         return observation, paid, terminated, truncated, info
 

@@ -122,6 +122,8 @@ class Taken:
         self._each = self.tried < FIRST_STEPS or self._recorder.is_strict
         is_soon = self._each or self._guard.is_open
         pays = self._recorder.pays
+        if pays is not None and pays.is_own and self._spaces is None:
+            pays = None  # what one env pays itself is known without asking
         self._at_once = [it for it in left if it is pays or (it.measures and (is_soon or not it.waits))]
         self._later = [it for it in left if it not in self._at_once]
         self.reads = any(it.reads_info for it in left)
@@ -299,7 +301,7 @@ class Taken:
                 if not recorder.try_again(column, steps[0], answer, rows.place(0)):
                     continue
             found[column] = numbers
-            if column is recorder.pays:
+            if column is recorder.pays and column in self._at_once:
                 self.paid[list(rows.envs)] = [it[0] for it in numbers]
         return found
 

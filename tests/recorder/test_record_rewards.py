@@ -382,6 +382,21 @@ def test_process_that_ends_leaves_its_steps(tmp_path):
     assert (len(found), found.facts.closed) == (7, True)
 
 
+@pytest.mark.filterwarnings("ignore:pay was NaN")
+def test_own_pay_that_is_no_number_ends_the_training_in_its_step(record, counting):
+    """Rows are made later, and what the learner is paid is looked at before it gets it."""
+
+    class Lost(counting):
+        def step(self, action):
+            seen, paid, *rest = super().step(action)
+            return seen, np.nan if self.count == 150 else paid, *rest
+
+    env = record(env=Lost(length=200), pay=True)
+    _act(env, 149)
+    with pytest.raises(UsageError, match=r"step 149: .* It pays the learner, so the training cannot go on"):
+        env.step(env.action_space.sample())
+
+
 def test_killed_recording_goes_on(record, tmp_path):
     """Nothing that a kill leaves stands in the way."""
     import shutil
