@@ -20,7 +20,7 @@ LEARNERS = {
     "random, 2 envs": RANDOM,
     "sb3-sac": f"sb3-sac:{SMALL}",
     "her, 2 envs": f"her:{SMALL},num_envs=2",
-    "ppo": "ppo:net_arch=8,batch_size=8,rollout=32",
+    "ppo": "ppo:net_arch=8,batch_size=8,rollout=32,num_envs=1",
     "spg": "spg:net_arch=8,decisions=9,num_envs=2,restart=3",
     "dqn": f"dqn:{SMALL}",
 }
