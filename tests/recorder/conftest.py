@@ -6,9 +6,12 @@ import gymnasium
 import numpy as np
 import pytest
 from gymnasium.spaces import Box
-from gymnasium.vector import AutoresetMode
+from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 import harness
+
+MODES = (None, *AutoresetMode)
+"""One env, or a batch in each way of starting episodes."""
 
 
 class Counting(gymnasium.Env[Any, Any]):
@@ -59,21 +62,26 @@ def record(counting, tmp_path):
     return make
 
 
-@pytest.fixture
-def step_two():
-    """Steps through a batch of two envs, in any way of starting episodes, closes it, and returns what each env did."""
+def recorder(makes, mode, path, **given):
+    """The envs as a recorded batch that starts episodes in this way; without a way, the first one, recorded alone."""
+    given = {"trained_with": "own", "rewards": {}, **given}
+    if mode is None:
+        return harness.RecordRewards(makes[0](), path, **given)
+    return harness.RecordVectorRewards(SyncVectorEnv(makes, autoreset_mode=mode), path, **given)
 
-    def step(env, actions, mode):
-        env.reset(seed=0)
-        ended, taken = np.zeros(2, bool), [[], []]
-        for action in actions:
-            for number in np.flatnonzero(~ended if mode == AutoresetMode.NEXT_STEP else [True, True]):
-                taken[number].append(float(action[number, 0]))
-            _, _, terminated, truncated, _ = env.step(action)
-            ended = terminated | truncated
-            if mode == AutoresetMode.DISABLED and ended.any():
-                env.reset(options={"reset_mask": ended.copy()})
-        env.close()
-        return taken
 
-    return step
+def take(env, actions, mode):
+    """Steps through an env, or through a batch in any way of starting episodes, and closes it.
+
+    Returns whether each env was stepped in each call, and not only reset.
+    """
+    env.reset(seed=0)
+    ended, stepped = np.zeros(1 if mode is None else env.num_envs, bool), []
+    for action in actions:
+        stepped.append(~ended | (mode != AutoresetMode.NEXT_STEP))
+        _, _, terminated, truncated, _ = env.step(action)
+        ended = np.atleast_1d(terminated) | truncated
+        if ended.any() and mode in (None, AutoresetMode.DISABLED):
+            env.reset(options=mode and {"reset_mask": ended})
+    env.close()
+    return np.array(stepped)

@@ -187,14 +187,6 @@ def test_bounds_of_measures_are_recorded(evaluated, tmp_path):
     assert json.loads((tmp_path / "it" / "recording-0.json").read_text())["bounds"]["left"] == [0.0, None]
 
 
-def test_a_batch_records_bounds_too(tmp_path):
-    """As one env does."""
-    envs = gymnasium.make_vec("CartPole-v1", num_envs=2, vectorization_mode="sync")
-    measures = {"behaviour": {"place": lambda before, action, after, info: after[0]}, "bounds": {"place": (-5.0, 5.0)}}
-    harness.RecordVectorRewards(envs, tmp_path, trained_with="own", rewards={}, **measures).close()
-    assert read_recording(tmp_path).facts.bounds == {"place": (-5.0, 5.0)}
-
-
 def test_the_folder_gets_its_name_when_all_episodes_are_there(counting, tmp_path):
     """Until then it grows beside it, and says how many were asked for; the next evaluation takes its place."""
     path, seen = tmp_path / "evaluation", []

@@ -5,15 +5,13 @@ import warnings
 import gymnasium
 import numpy as np
 import pytest
-from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
-import harness
 from harness.record import read_recording
 from harness.recorder import GivenUp, Noted, taken
+from tests.recorder.conftest import MODES, recorder, take
 
 LAST = 300
 BAD = {"NaN": np.nan, "infinite": np.inf}
-MODES = (None, *AutoresetMode)
 
 
 class Spoilt(gymnasium.Env):
@@ -48,21 +46,13 @@ class Spoilt(gymnasium.Env):
 def notes_of(tmp_path, mode, field, at, bad):
     """What is warned of, and what the recording says; `LAST` steps are taken whatever happens."""
     rewards = {"still": lambda o, a, n, i: 1.0}
+    makes = [lambda: Spoilt("", 0, 0), lambda: Spoilt(field, at, bad)][mode is None :]
+    actions = np.zeros((LAST, 1) if mode is None else (LAST, 2, 1), np.float32)
+    if field == "action":
+        actions[at - 1 :, -1] = bad
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")
-        if mode is None:
-            env = harness.RecordRewards(Spoilt(field, at, bad), tmp_path / "run", trained_with="own", rewards=rewards)
-        else:
-            envs = SyncVectorEnv([lambda: Spoilt("", 0, 0), lambda: Spoilt(field, at, bad)], autoreset_mode=mode)
-            env = harness.RecordVectorRewards(envs, tmp_path / "run", trained_with="own", rewards=rewards)
-        env.reset(seed=0)
-        for step in range(1, LAST + 1):
-            action = np.zeros(env.action_space.shape, np.float32)
-            action[-1] = bad if field == "action" and step >= at else 0.0
-            _, _, terminated, _, _ = env.step(action)
-            if np.any(terminated) and mode in (None, AutoresetMode.DISABLED):
-                env.reset(options=None if mode is None else {"reset_mask": np.array(terminated)})
-        env.close()
+        take(recorder(makes, mode, tmp_path / "run", rewards=rewards), actions, mode)
     found = read_recording(tmp_path / "run")
     assert len(found) >= LAST
     assert np.isfinite(found["reward/still"]).all()

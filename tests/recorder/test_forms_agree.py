@@ -20,11 +20,11 @@ from gymnasium.spaces import (
     Text,
     Tuple,
 )
-from gymnasium.vector import AutoresetMode, SyncVectorEnv
+from gymnasium.vector import SyncVectorEnv
 from gymnasium.vector.utils import iterate
 
-import harness
 from harness.record import read_recording
+from tests.recorder.conftest import MODES, recorder, take
 
 LENGTHS = (3, 2)
 BOX = Box(-99, 99, (2,), np.float32)
@@ -81,7 +81,7 @@ class Line(gymnasium.Env[Any, Any]):
         ends = self.count == self.length
         info = {"x": float(self.count), "deep": {"x": 0.5 * self.count, **({"goal": 9.0} if ends else {})}}
         info |= {"goal": 4.0} if ends else {"on": 1.0}
-        return self._see(self.count), 0.0, ends and self.length == 3, ends and self.length == 2, info
+        return self._see(self.count), float(self.count), ends and self.length == 3, ends and self.length == 2, info
 
 
 class Step(NamedTuple):
@@ -93,6 +93,7 @@ class Step(NamedTuple):
     info: Any
     acted: float
     told: Any
+    columns: dict[str, float]
 
 
 def walked(space, length, actions):
@@ -101,8 +102,9 @@ def walked(space, length, actions):
     for action in actions:
         if seen is None:
             (seen, told), acted = env.reset(), 0.0
-        after, _, terminated, truncated, info = env.step(action)
-        steps.append(Step(seen, action, after, info, acted, told))
+        after, pay, terminated, truncated, info = env.step(action)
+        place = {"episode": env.starts - 1, "step": env.count - 1, "terminated": terminated, "truncated": truncated}
+        steps.append(Step(seen, action, after, info, acted, told, {**place, "reward/own": pay}))
         seen, told, acted = (None, None, None) if terminated or truncated else (after, info, action)
     return steps
 
@@ -125,7 +127,7 @@ def _goal(info):
 
 
 def forms(space):
-    """By name: how a reward is given, and what it is to say of a `Step`."""
+    """By name: how a reward is given, or none for one of its terms, and what it is to say of a `Step`."""
     several = SyncVectorEnv([lambda: Line(space, 1)] * len(LENGTHS)).observation_space
 
     def each(batch):
@@ -150,13 +152,21 @@ def forms(space):
         return look(step.before.observation) + 10 * float(step.action[0]) + 100 * look(step.observation)
 
     def before_one(step):
-        return before(Step(step.before.observation, 0, 0, {}, float(step.before.action[0]), step.before.info))
+        return before(Step(step.before.observation, 0, 0, {}, float(step.before.action[0]), step.before.info, {}))
 
     def told(it):
         return it.info["x"] + _goal(it.info)
 
     def deep(it):
         return it.info["deep"]["x"]
+
+    class SumOfAll:
+        def reset(self, mask):
+            self.sums = np.where(mask, 0.0, getattr(self, "sums", 0.0))
+
+        def __call__(self, step):
+            self.sums = self.sums + step.info["x"] + 10 * each(step.before.observation)
+            return self.sums
 
     return {
         "four": (lambda o, a, n, i: look(o) + 10 * float(a[0]) + 100 * look(n), seen),
@@ -176,7 +186,16 @@ def forms(space):
             lambda step: {"a": look(step.observation), "b": step.info["deep"]["x"]},
             lambda it: look(it.after) + deep(it),
         ),
+        "terms/a": (None, lambda it: look(it.after)),
+        "terms/b": (None, deep),
         "memory": (Sum(), None),
+        "all memory": (SumOfAll(), None),
+        "all terms": (
+            lambda step: {"a": each(step.observation), "b": step.info["x"]},
+            lambda it: look(it.after) + it.info["x"],
+        ),
+        "all terms/a": (None, lambda it: look(it.after)),
+        "all terms/b": (None, lambda it: it.info["x"]),
         "all": (lambda o, a, n, i: each(o) + 10 * a[:, 0] + 100 * each(n), seen),
         "all of step": (
             lambda step: each(step.observation) + step.info["x"] + goals(step.info),
@@ -194,39 +213,35 @@ def _summed(steps):
     return sums
 
 
-def record(space, mode, count, path, step_two):
-    """The recording, and the actions that each env took."""
-    given = {name: it[0] for name, it in forms(space).items()}
-    kept = {"trained_with": "own", "lower_is_better": ["end"], "behaviour": {"end": "goal"}}
-    actions = np.linspace(-1, 1, 2 * count, dtype=np.float32).reshape(count, 2, 1)
-    if mode is None:
-        rewards = {name: it for name, it in given.items() if not name.startswith("all")}
-        env: Any = harness.RecordRewards(Line(space, LENGTHS[0]), path, rewards=rewards, **kept)
-        env.reset(seed=0)
-        for action in actions[:, 0]:
-            if any(env.step(action)[2:4]):
-                env.reset()
-        env.close()
-        return read_recording(path), [actions[:, 0, 0].tolist()]
-    made = SyncVectorEnv([lambda length=length: Line(space, length) for length in LENGTHS], autoreset_mode=mode)
-    batched = [name for name in given if name.startswith("all")]
-    env = harness.RecordVectorRewards(made, path, rewards=given, batched=batched, **kept)
-    taken = step_two(env, actions, mode)
-    return read_recording(path), taken
-
-
 @pytest.mark.parametrize("count", [18, 115])
-@pytest.mark.parametrize("mode", [None, *AutoresetMode], ids=lambda mode: mode.name if mode else "one env")
+@pytest.mark.parametrize("mode", MODES, ids=lambda mode: mode.name if mode else "one env")
 @pytest.mark.parametrize("space", SPACES)
-def test_every_form_says_what_one_env_alone_tells(space, mode, count, tmp_path, step_two):
+def test_every_form_says_what_one_env_alone_tells(space, mode, count, tmp_path):
     """Of the first steps and of later ones, of the last step of an episode and of the first one."""
-    found, taken = record(space, mode, count, tmp_path, step_two)
-    assert found.facts.failures == ()
-    for env, actions in enumerate(taken):
-        steps, rows = walked(space, LENGTHS[env], actions), found["env"] == env
-        for name, (_, right) in forms(space).items():
-            if mode is None and name.startswith("all"):
-                continue
+    asked = {name: it for name, it in forms(space).items() if mode or not name.startswith("all")}
+    given = {name: it for name, (it, _) in asked.items() if it}
+    kept = {"lower_is_better": ["end"], "behaviour": {"end": "goal"}, "bounds": {"end": (0.0, 10.0)}}
+    batched = {"batched": [name for name in given if name.startswith("all")]} if mode else {}
+    actions = np.linspace(-1, 1, 2 * count, dtype=np.float32).reshape(count, 2, 1)
+    env = recorder(
+        [lambda length=length: Line(space, length) for length in LENGTHS],
+        mode,
+        tmp_path,
+        rewards=given,
+        **kept,
+        **batched,
+    )
+    stepped = take(env, actions if mode else actions[:, 0], mode)
+    found = read_recording(tmp_path)
+    facts = found.facts
+    assert (facts.failures, facts.notes, facts.bounds, facts.seed) == ((), (), kept["bounds"], 0)
+    assert facts.num_envs == len(stepped[0])
+    for env, ticks in enumerate(map(np.flatnonzero, stepped.T)):
+        steps, rows = walked(space, LENGTHS[env], actions[ticks, env, 0].tolist()), found["env"] == env
+        assert np.array_equal(found["tick"][rows], ticks)
+        for name in steps[0].columns:
+            assert np.array_equal(found[name][rows], [it.columns[name] for it in steps]), name
+        for name, (_, right) in asked.items():
             expected = _summed(steps) if right is None else [right(it) for it in steps]
             np.testing.assert_allclose(found[f"reward/{name}"][rows], expected, rtol=1e-6, err_msg=name)
         ends = [it.info.get("goal", np.nan) for it in steps]

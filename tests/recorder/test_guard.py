@@ -1,7 +1,5 @@
 """How functions that look on are asked."""
 
-import random
-
 import numpy as np
 
 from harness.recorder.guard import Guard
@@ -35,16 +33,3 @@ def test_other_errors_stay_what_they_are():
         raise ValueError("read-only")
 
     assert guard.reason(fails, _step(guard, np.ones(1)), ValueError("read-only")) == "ValueError: read-only"
-
-
-def test_draws_are_put_back_unless_they_pay():
-    """And each is named by its place."""
-    guard = Guard()
-    step = _step(guard, np.ones(1))
-    random.seed(1)
-    drawn = [random.random() for _ in range(2)]
-    random.seed(1)
-    answers = guard.ask([lambda *_: random.random()] * 2, [step] * 2)
-    assert (answers, guard.drew) == ([drawn[0]] * 2, {0: "random", 1: "random"})
-    guard.ask([lambda *_: random.random()], [step], pays=True)
-    assert random.random() == drawn[1]

@@ -5,13 +5,12 @@ import random
 import gymnasium
 import numpy as np
 import pytest
-from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
-import harness
 from harness.record import read_recording
 from harness.recorder.column import Column
 from harness.recorder.computing import bound, may_wait, only_computes
 from harness.recorder.taken import ROWS_AT_ONCE
+from tests.recorder.conftest import MODES, recorder, take
 
 REWARDS, TOGETHER, STEPS = 500, 50, 450
 WEIGHT, OTHER = 0.5, (0.25, 2.0)
@@ -78,19 +77,9 @@ class Walk(gymnasium.Env):
 
 def record(rewards, path, mode):
     """All columns, of one env or of a batch."""
-    if mode is None:
-        env = harness.RecordRewards(Walk(), path, trained_with="own", rewards=rewards)
-    else:
-        made = SyncVectorEnv([Walk] * 2, autoreset_mode=mode)
-        env = harness.RecordVectorRewards(made, path, trained_with="own", rewards=rewards)
-    env.reset(seed=0)
+    env = recorder([Walk] * 2, mode, path, rewards=rewards)
     env.action_space.seed(0)
-    for _ in range(STEPS):
-        _, _, terminated, truncated, _ = env.step(env.action_space.sample())
-        ended = np.array(terminated) | np.array(truncated)
-        if ended.any() and mode in (None, AutoresetMode.DISABLED):
-            env.reset(options={"reset_mask": ended} if mode else None)
-    env.close()
+    take(env, [env.action_space.sample() for _ in range(STEPS)], mode)
     found = read_recording(path)
     return found.facts.failures, {name: np.asarray(found[name]) for name in found.names}
 
@@ -101,8 +90,7 @@ def test_late_is_what_it_is_at_once(first, tmp_path, monkeypatch):
     rewards = {str(number): drawn(number) for number in range(first, first + TOGETHER)}
     assert all(map(only_computes, rewards.values()))
     assert all(map(may_wait, rewards.values()))
-    modes = (None, *AutoresetMode)
-    mode = modes[first // TOGETHER % len(modes)]
+    mode = MODES[first // TOGETHER % len(MODES)]
     failed, late = record(rewards, tmp_path / "late", mode)
     monkeypatch.setattr(Column, "waits", property(lambda self: False, lambda self, value: None), raising=False)
     failed_at_once, at_once = record(rewards, tmp_path / "at once", mode)

@@ -1,64 +1,22 @@
 """`harness.RecordVectorRewards`: what it records is what single envs record, in each way of starting episodes."""
 
-from typing import Any
-
 import gymnasium
 import numpy as np
 import pytest
+from gymnasium.spaces import Dict, Discrete
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
+from gymnasium.wrappers import TransformAction
 
 import harness
 from harness.errors import UsageError
 from harness.record import read_recording
+from tests.recorder.conftest import take
 
 LENGTHS = (3, 2)
 CALLS = 9
-MODES = [AutoresetMode.SAME_STEP, AutoresetMode.NEXT_STEP, AutoresetMode.DISABLED]
 
 
-class Remembering:
-    """Sums what happens in an episode."""
-
-    def __init__(self) -> None:
-        self.sum = np.nan
-
-    def reset(self):
-        """Begin."""
-        self.sum = 0.0
-
-    def __call__(self, before, action, after, info):
-        """Both observations, the action and the info are in it."""
-        seen = [*map(float, (before[0], after[0], action[0])), info["left"], "final" in info]
-        self.sum += float(np.dot([100, 10, 1, 0.001, 0.0001], seen))
-        return self.sum
-
-
-class RememberingBatch:
-    """The same of all envs at once, of what a batch has of it."""
-
-    def __init__(self) -> None:
-        self.sums = np.full(len(LENGTHS), np.nan)
-
-    def reset(self, mask):
-        """Begin in some envs."""
-        self.sums[mask] = 0
-
-    def __call__(self, before, actions, after, infos):
-        """Observations and actions."""
-        self.sums += 100 * before[:, 0] + 10 * after[:, 0] + actions[:, 0]
-        return self.sums
-
-
-GIVEN = {
-    "trained_with": "own",
-    "rewards": {"sum": Remembering()},
-    "behaviour": {"left": "left", "final": "final"},
-    "lower_is_better": ["left"],
-}
-
-
-def _action(env, call):
-    return 0.01 * env + 0.1 * (call % 7)
+GIVEN = {"trained_with": "own", "rewards": {}}
 
 
 @pytest.fixture
@@ -73,72 +31,20 @@ def make_batch(counting):
     return make
 
 
-def _act(envs, mode, calls=CALLS):
-    """Take steps in all envs; those that have to be told to start an episode are told."""
-    envs.reset(seed=3)
-    for call in range(calls):
-        actions = np.array([[_action(env, call)] for env in range(len(LENGTHS))], np.float32)
-        _, _, terminated, truncated, _ = envs.step(actions)
-        ended = terminated | truncated
-        if mode == AutoresetMode.DISABLED and ended.any():
-            envs.reset(options={"reset_mask": ended})
-
-
 @pytest.fixture
 def recorded(make_batch, tmp_path):
     """What is recorded of such a batch."""
 
-    def record(mode=AutoresetMode.SAME_STEP, calls=CALLS, **given):
-        envs = harness.RecordVectorRewards(make_batch(mode), tmp_path / "batch", **{"trained_with": "own", **given})
-        _act(envs, mode, calls)
-        envs.close()
+    def record(calls=CALLS, **given):
+        mode = AutoresetMode.SAME_STEP
+        envs = harness.RecordVectorRewards(make_batch(mode), tmp_path / "batch", **{**GIVEN, **given})
+        take(envs, np.zeros((calls, 2, 1), np.float32), mode)
         return read_recording(tmp_path / "batch")
 
     return record
 
 
-def _single(counting, path, env, calls):
-    """What one env alone records, of the actions of these calls."""
-    alone = harness.RecordRewards(counting(LENGTHS[env]), path, **GIVEN)
-    alone.reset()
-    for call in calls:
-        if alone.step(np.array([_action(env, call)], np.float32))[2]:
-            alone.reset()
-    alone.close()
-    return read_recording(path)
-
-
-@pytest.mark.parametrize("mode", MODES)
-def test_batch_records_what_its_envs_record_alone(counting, recorded, tmp_path, mode):
-    """Every column of every env, with the last observation and info of an episode that ended."""
-    found = recorded(mode, **GIVEN)
-    assert (found.facts.num_envs, found.facts.seed, found.facts.closed) == (2, 3, True)
-    for env, length in enumerate(LENGTHS):
-        rows = found["env"] == env
-        only_reset = range(length, CALLS, length + 1) if mode == AutoresetMode.NEXT_STEP else ()
-        calls = [call for call in range(CALLS) if call not in only_reset]
-        alone = _single(counting, tmp_path / str(env), env, calls)
-        assert found["tick"][rows].tolist() == calls
-        for name in ("episode", "step", "terminated", "truncated"):
-            assert np.array_equal(found[name][rows], alone[name]), name
-        for name in ("own", "sum"):
-            assert np.array_equal(found[f"reward/{name}"][rows], alone[f"reward/{name}"]), name
-        for name in ("left", "final"):
-            assert np.array_equal(found[f"behaviour/{name}"][rows], alone[f"behaviour/{name}"], equal_nan=True), name
-
-
-@pytest.mark.parametrize("mode", MODES)
-def test_batched_reward_is_that_of_single_envs(recorded, mode):
-    """Called once for all envs, with the observations of the step, and restarted in those that start an episode."""
-    rewards = {"all": RememberingBatch(), "each": lambda *given: given[1][0] + 10 * given[2][0] + 100 * given[0][0]}
-    found = recorded(mode, rewards=rewards, batched=["all"], behaviour={})
-    for env in range(len(LENGTHS)):
-        for episode in range(3):
-            rows = (found["env"] == env) & (found["episode"] == episode)
-            np.testing.assert_allclose(found["reward/all"][rows], np.cumsum(found["reward/each"][rows]), rtol=1e-6)
-
-
-@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize("mode", AutoresetMode)
 def test_envs_are_left_as_they_are(make_batch, tmp_path, mode):
     """The same observations, payments, ends and infos."""
     bare, recorded = make_batch(mode), harness.RecordVectorRewards(make_batch(mode), tmp_path, **GIVEN)
@@ -151,44 +57,18 @@ def test_envs_are_left_as_they_are(make_batch, tmp_path, mode):
     recorded.close()
 
 
-def test_observations_of_several_parts(tmp_path):
-    """A reward of one env is given that env's dict, at an episode's end the last one."""
-
-    class Parts(gymnasium.Env[Any, Any]):
-        observation_space = gymnasium.spaces.Dict(
-            {"a": gymnasium.spaces.Box(0, 9, (2,)), "b": gymnasium.spaces.Tuple([gymnasium.spaces.Discrete(9)])}
-        )
-        action_space = gymnasium.spaces.Dict({"go": gymnasium.spaces.Discrete(2)})
-        count = 0
-
-        def reset(self, *, seed=None, options=None):
-            super().reset(seed=seed)
-            self.count = 0
-            return self._seen(), {}
-
-        def step(self, action):
-            self.count += 1
-            return self._seen(), 0.0, self.count == 2, False, {"nested": {"deep": self.count}}
-
-        def _seen(self):
-            return {"a": np.full(2, self.count, np.float32), "b": (self.count,)}
-
-    def seen(before, action, after, info):
-        return 1000 * action["go"] + 100 * info["nested"]["deep"] + 10 * after["a"][1] + after["b"][0] - before["b"][0]
-
-    envs = harness.RecordVectorRewards(
-        SyncVectorEnv([Parts, Parts], autoreset_mode=AutoresetMode.SAME_STEP),
-        tmp_path,
-        trained_with="own",
-        rewards={"seen": seen},
+def test_actions_of_several_parts(counting, tmp_path):
+    """A reward of one env is given that env's part of each."""
+    space = Dict({"go": Discrete(2)})
+    envs = SyncVectorEnv([lambda: TransformAction(counting(fresh=True), lambda it: it, space)] * 2)
+    rewards = {"went": lambda before, action, after, info: action["go"]}
+    take(
+        harness.RecordVectorRewards(envs, tmp_path, trained_with="own", rewards=rewards),
+        [{"go": np.array([0, 1])}] * 3,
+        AutoresetMode.NEXT_STEP,
     )
-    envs.reset(seed=0)
-    for _ in range(3):
-        envs.step({"go": np.array([0, 1])})
-    envs.close()
     found = read_recording(tmp_path)
-    assert found["reward/seen"][found["env"] == 0].tolist() == [111, 221, 111]
-    assert found["reward/seen"][found["env"] == 1].tolist() == [1111, 1221, 1111]
+    assert np.array_equal(found["reward/went"], found["env"])
 
 
 def test_batch_that_tells_of_the_last_step_itself(tmp_path):
@@ -244,14 +124,6 @@ def test_reward_that_fails_is_given_up_with_env_and_step(recorded, given, batche
     )
     assert np.isnan(found["reward/bad"]).tolist() == [row >= bad[0] for row in range(2 * CALLS)]
     assert not np.isnan(found["reward/own"]).any()
-
-
-def test_envs_that_pay_something_else_are_told(recorded):
-    """With the first env and step."""
-    rewards = {"mine": lambda before, action, after, info: float(after[0]) + (after[0] == 3)}
-    with pytest.warns(UserWarning, match="env 0, episode 0, step 2: the env paid 3, 'mine' 4") as told:
-        recorded(trained_with="mine", rewards=rewards)
-    assert len(told) == 1
 
 
 def test_batch_goes_on(recorded):

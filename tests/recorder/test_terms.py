@@ -1,12 +1,10 @@
 """Functions of a step as rewards of any env, and the terms that they pay."""
 
 import warnings
-from typing import Any
 
 import gymnasium
 import numpy as np
 import pytest
-from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 import harness
 from harness.errors import SchemaError, UsageError
@@ -16,6 +14,7 @@ from harness.recorder import GivenUp, Later, Retake
 from harness.reward.terms import sum_of
 from harness.score.weighted_recordings import weighed
 from tests.record.recording.told import terms_of
+from tests.recorder.conftest import MODES, Counting, recorder, take
 
 
 def gentle(step):
@@ -40,13 +39,6 @@ def _act(env, steps, seed=0):
     for _ in range(steps):
         if any(env.step(env.action_space.sample())[2:4]):
             env.reset()
-
-
-def _act_batch(env, steps):
-    env.action_space.seed(0)
-    env.reset(seed=0)
-    for _ in range(steps):
-        env.step(env.action_space.sample())
 
 
 def _recorded(folder, steps, name="Pendulum-v1", **given):
@@ -88,40 +80,12 @@ def test_training_with_terms_pays_their_sum(tmp_path):
     assert np.array_equal(sum_of(terms_of(found, "gentle")), found["reward/gentle"])
 
 
-def test_before_the_first_step_there_are_zeros_and_the_info_of_the_reset(counting, record):
-    """Afterwards the observation, the action and the info of the step before."""
-    seen = []
-
-    def look(step):
-        before = step.before
-        seen.append((before.observation[0], before.action.tolist(), dict(before.info).get("left"), step.info["left"]))
-        return 0.0
-
-    env = record(counting(2), rewards={"look": look})
-    for _ in range(2):
-        env.reset()
-        env.step(np.array([0.5], np.float32)), env.step(np.array([0.25], np.float32))
-    asked = list(dict.fromkeys((one[0], tuple(one[1]), *one[2:]) for one in seen))
-    assert asked == [(0.0, (0.0,), None, 1), (1.0, (0.5,), 1, 0)]
-
-
-def test_choice_before_the_first_step_is_0(tmp_path):
-    """Of a Discrete action."""
-    seen = []
-    _recorded(tmp_path / "run", 1, "CartPole-v1", rewards={"look": lambda step: seen.append(step.before.action) or 0.0})
-    assert seen[0] == 0
-    assert isinstance(seen[0], int | np.integer)
-
-
 FAILS = {
     "a field that is not there": (lambda step: step.distance, 0, "has no 'distance'. It has: observation, action"),
     "a key that is not there": (lambda step: step.info["lost"], 0, "info has no 'lost'; it has 'left'"),
-    "a key, of four arguments": (lambda o, a, n, i: i["lefd"], 0, "Did you mean 'left'?"),
-    "an empty dict": (lambda step: {}, 0, "A dict of terms is empty"),
     "a total that is not the sum": (lambda step: (5.0, {"a": 1.0, "b": 2.0}), 0, "The total 5 is not the sum"),
     "a term that is no number": (lambda step: {"a": "x"}, 0, ""),
     "a term that is not finite": (lambda step: {"a": 1.0, "b": float("nan")}, 0, "its term 'b': it is nan"),
-    "a name that is none": (lambda step: {"a/b": 1.0}, 0, "is no name of a term"),
     "a lost term": (
         lambda step: {"a": 1.0, **({"b": 2.0} if step.observation[0] < 2 else {})},
         1,
@@ -142,22 +106,14 @@ FAILS = {
 
 
 @pytest.mark.parametrize(("reward", "at", "told"), FAILS.values(), ids=FAILS)
-@pytest.mark.parametrize("vector", [False, True])
-def test_what_is_wrong_with_a_reward_is_told_by_name(counting, tmp_path, reward, at, told, vector):
+@pytest.mark.parametrize("mode", MODES[:2])
+def test_what_is_wrong_with_a_reward_is_told_by_name(tmp_path, reward, at, told, mode):
     """It is NaN from that step on, with all of its terms, and the others go on."""
-    given = {"trained_with": "own", "rewards": {"it": reward, "fine": lambda step: {"c": 1.0}}}
-    if vector:
-        env = harness.RecordVectorRewards(
-            SyncVectorEnv([lambda: counting(3, fresh=True)] * 2), tmp_path / "run", **given
-        )
-    else:
-        env = harness.RecordRewards(counting(3), tmp_path / "run", **given)
-    env.reset(seed=0)
+    rewards = {"it": reward, "fine": lambda step: {"c": 1.0}}
+    env = recorder([lambda: Counting(3, fresh=True)] * 2, mode, tmp_path / "run", rewards=rewards)
     with warnings.catch_warnings(record=True) as seen:
         warnings.simplefilter("always")
-        for _ in range(3):
-            env.step(np.ones_like(env.action_space.sample()))
-    env.close()
+        take(env, [np.ones_like(env.action_space.sample())] * 3, mode)
     assert f"reward 'it' failed in env 0, episode 0, step {at}" in str(seen[0].message)
     assert [it.category for it in seen] == [GivenUp]
     found = read_recording(tmp_path / "run")
@@ -208,33 +164,21 @@ def test_terms_may_be_given_by_name(counting, record, tmp_path):
     assert found.facts.sources["reward/it"].text.startswith("# left\ninfo key 'left'\n# count\n")
 
 
-class Parts(gymnasium.Env[Any, Any]):
+class Parts(Counting):
     """Tells what its reward is made of, and after two steps only how much it is."""
-
-    observation_space = action_space = gymnasium.spaces.Box(-1.0, 1.0, (1,))
-
-    def reset(self, **given):
-        """Count from 0."""
-        super().reset(**given)
-        self.count = 0
-        return np.zeros(1, np.float32), {}
 
     def step(self, action):
         """Count on."""
-        self.count += 1
-        told = {"near": 1.0, "far": 2.0} if self.count < 3 else 5.0
-        return np.zeros(1, np.float32), 3.0, False, self.count == 5, {"parts": told}
+        seen, paid, *ended, _ = super().step(action)
+        return seen, paid, *ended, {"parts": {"near": 1.0, "far": 2.0} if paid < 3 else 5.0}
 
 
-@pytest.mark.parametrize("is_batch", [False, True])
-def test_key_that_told_terms_has_to_tell_them_in_every_step(is_batch, tmp_path):
+@pytest.mark.parametrize("mode", MODES[:2])
+def test_key_that_told_terms_has_to_tell_them_in_every_step(mode, tmp_path):
     """The terms of the step before are not those of a step that told a number."""
-    asked = {"trained_with": "own", "rewards": {"own": "own", "it": "parts"}}
-    one = harness.RecordRewards(Parts(), tmp_path / "run", **asked) if not is_batch else None
-    env = one or harness.RecordVectorRewards(SyncVectorEnv([Parts]), tmp_path / "run", **asked)
+    env = recorder([lambda: Parts(5, fresh=True)], mode, tmp_path / "run", rewards={"it": "parts"})
     with pytest.warns(GivenUp, match="step 2: It paid the terms near, far at first, and now none"):
-        _act_batch(env, 5) if is_batch else _act(env, 5)
-    env.close()
+        take(env, [np.zeros_like(env.action_space.sample())] * 5, mode)
     found = read_recording(tmp_path / "run")
     assert np.array_equal(found["reward/it"], [3.0, 3.0, np.nan, np.nan, np.nan], equal_nan=True)
     assert np.array_equal(found["reward/it/far"], [2.0, 2.0, np.nan, np.nan, np.nan], equal_nan=True)
@@ -280,50 +224,6 @@ def test_recorders_of_one_training_have_the_same_terms(tmp_path):
     for number in range(2):
         found = _recorded(tmp_path / "run", 20 * (1 - number), rewards={"gentle": gentle}, number=number)
     assert (len(found), [*found.terms_of("gentle")]) == (20, ["upright", "effort", "jerk"])
-
-
-@pytest.mark.parametrize("mode", [AutoresetMode.SAME_STEP, AutoresetMode.NEXT_STEP, AutoresetMode.DISABLED])
-def test_batch_records_what_single_envs_do(counting, tmp_path, mode, step_two):
-    """Of what is now and what was before, in each way of starting episodes, asked one by one and at once."""
-
-    def each(step):
-        told = step.before.info.get("left", -1.0)
-        return {
-            "seen": 10.0 * step.before.observation[0] + step.observation[0],
-            "acted": step.action[0] + 0.1 * step.before.action[0],
-            "told": float(told),
-        }
-
-    def whole(step):
-        return {
-            "seen": 10.0 * step.before.observation[:, 0] + step.observation[:, 0],
-            "acted": step.action[:, 0] + 0.1 * step.before.action[:, 0],
-        }
-
-    lengths, actions = (3, 2), np.arange(1.0, 25.0, dtype=np.float32).reshape(12, 2, 1) / 25
-    env = harness.RecordVectorRewards(
-        SyncVectorEnv([lambda length=length: counting(length, fresh=True) for length in lengths], autoreset_mode=mode),
-        tmp_path / "batch", trained_with="own", rewards={"each": each, "whole": whole}, batched=["whole"],
-    )  # fmt: skip
-    taken = step_two(env, actions, mode)
-    found = read_recording(tmp_path / "batch")
-    for number, length in enumerate(lengths):
-        single = harness.RecordRewards(
-            counting(length), tmp_path / f"single{number}", trained_with="own", rewards={"each": each}
-        )
-        single.reset()
-        for value in taken[number]:
-            if single.step(np.array([value], np.float32))[2]:
-                single.reset()
-        single.close()
-        alone, rows = read_recording(tmp_path / f"single{number}"), found["env"] == number
-        for term, values in terms_of(alone, "each").items():
-            assert found[f"reward/each/{term}"][rows].tolist() == values.tolist(), term
-        for term in found.terms_of("whole"):
-            assert found[f"reward/whole/{term}"][rows] == pytest.approx(alone[f"reward/each/{term}"], abs=1e-6)
-        assert np.array_equal(
-            sum_of({name: it[rows] for name, it in terms_of(found, "whole").items()}), found["reward/whole"][rows]
-        )
 
 
 def test_terms_are_paid_again(tmp_path):

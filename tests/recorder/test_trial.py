@@ -234,31 +234,6 @@ def test_memory_that_shows_late_is_told_at_the_end(counting, tmp_path):
     assert np.isfinite(found["reward/stages"]).all()
 
 
-@pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("mode", list(gymnasium.vector.AutoresetMode)[:2])
-def test_batched_memory_is_right_over_many_episodes(counting, tmp_path, mode):
-    """An env that was only reset has no number that could be compared."""
-
-    class Both:
-        def reset(self, mask):
-            self.total = np.where(mask, 0.0, getattr(self, "total", np.zeros(2)))
-
-        def __call__(self, observation, action, next_observation, info):
-            self.total = self.total + next_observation[:, 0]
-            return self.total
-
-    envs = gymnasium.vector.SyncVectorEnv([lambda: counting(3), lambda: counting(5)], autoreset_mode=mode)
-    rewards = {"both": Both(), "plain": lambda s, a, n, i: n[:, 0]}
-    recorded = harness.RecordVectorRewards(
-        envs, tmp_path / "run", trained_with="own", rewards={"own": "own", **rewards}, batched=rewards
-    )
-    recorded.reset(seed=0)
-    for _ in range(120):
-        recorded.step(np.stack([ACTION, ACTION]))
-    recorded.close()
-    assert not read_recording(tmp_path / "run").facts.failures
-
-
 def test_memory_in_a_batch_is_found_in_its_first_step(tmp_path):
     """One function for all envs remembers what others did."""
     envs = gymnasium.make_vec("CartPole-v1", num_envs=3, vectorization_mode="sync")
