@@ -103,10 +103,8 @@ def test_unequal_budgets_are_no_difference(harness, tmp_path):
 @pytest.mark.parametrize(
     ("files", "folder", "command"),
     [
-        (["it/0.csv", "it/1.csv"], "it", "are of 1 reward, `it` 2; two are compared. Name them, --baseline"),
         (["it/a0.csv", "it/b0.csv", "it/c0.csv"], "it", "are of 3 rewards, `a` 1, `b` 1, `c` 1; two are compared"),
         (["it/0.csv"], "it/0.csv", "harness eta --baseline it/0.csv --proposed 'OTHER/*.csv' compares their pay"),
-        ([], "minari:a/b-v0", "is a data set, which holds no trainings to compare: harness audit minari:a/b-v0"),
     ],
 )
 def test_what_is_no_folder_of_trainings_is_told_the_command(harness, tmp_path, files, folder, command):

@@ -64,19 +64,6 @@ def test_eta_of_a_folder_and_of_patterns_say_the_same(harness, monitors):
     assert folder["combinations"] == patterns["combinations"]
 
 
-def test_labels_from_outside_decide(harness, tmp_path):
-    """A person watched the policies: what they say of each training is tested like any success."""
-    lines = ["run,success"]
-    for reward in ("base", "prop"):
-        for seed in range(5):
-            write_monitor(tmp_path / reward / f"{seed}.monitor.csv", np.arange(9.0) + seed + ord(reward[0]), [10] * 9)
-            lines.append(f"{reward}/{seed},{int(reward == 'prop')}")
-    (tmp_path / "labels.csv").write_text("\n".join(lines))
-    (found,) = harness("report . --labels labels.csv --json").json["combinations"]
-    (change,) = [it for it in found["behaviour"] if it["manner"] == "in evaluations"]
-    assert (found["headline"]["answer"], change["baseline"], change["proposed"]) == ("helps", 0.0, 1.0)
-
-
 def test_labels_of_episodes_may_lie_among_the_logs(harness, tmp_path):
     """A table of runs, episodes and success looks like a log; it is the one that was named as labels."""
     lines = ["run,episode,success"]

@@ -73,17 +73,6 @@ def test_a_report_writes_what_it_keeps_alone(ran, tmp_path):
     assert not [line for line in heard if not line.split(maxsplit=1)[1].startswith("derived")]
 
 
-def test_a_lock_that_is_a_link_is_not_followed(ran, tmp_path):
-    """Whoever laid it there may have chosen any file."""
-    shutil.copytree(ran, tmp_path / "it")
-    precious = tmp_path / "precious"
-    precious.write_text("mine")
-    (tmp_path / "it" / ".lock").unlink()
-    (tmp_path / "it" / ".lock").symlink_to(precious)
-    changes(tmp_path / "it", "status", str(tmp_path / "it"))
-    assert precious.read_text() == "mine"
-
-
 def test_two_folders_are_read_in_place(ran, tmp_path):
     """Nothing of them is changed, and nothing is left in the folder for temporary files."""
     shutil.copytree(ran, tmp_path / "other")

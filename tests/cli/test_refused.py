@@ -197,19 +197,15 @@ AMONG = {
     },
     "eta runs": {
         "--baseline 'base/*.csv'": "--baseline base/*.csv: no training was taught by it. There are: ",
-        "--with-events": "--with-events does not go with a folder of recorded trainings",
         "--plot page.png": "--plot writes .html, not 'page.png'",
-        "--plugin own.py": "--plugin does not go with a folder of recorded trainings",
     },
     "eta logs": {
-        "--with-events": "--with-events does not go with",
         "--baseline base --baseline prop": "one reward of a folder is the baseline",
     },
     "eta": {"k2": "are of 1 reward, `k2` 2; two are compared. Name them, --baseline", "odd": "Seen: 1 .xyz"},
     "report logs": {
         "--baseline nobody": "There are: base, prop",
         "--sort '{seed}'": "needs {reward} once",
-        "--summary s": "--summary does not go with logs of trainings",
         "--measure speed": "the logs tell success, return, length",
         "--per-step ,": "--per-step base=N,prop=N does",
         "--measure success --measure length": "one measure of the logs decides",
@@ -218,12 +214,8 @@ AMONG = {
         "--as evaluations": "holds no recorded training and no log that is read. Seen: 4 .csv",
     },
     "report": {
-        "runs --summary here": "--summary does not go with a folder of recorded trainings",
         "runs runs": "'runs' holds recorded trainings: name one folder that all of them lie in",
         "minari:m lerobot:l": "One data set is reported at a time",
-        "minari:m --pairs": "--pairs does not go with a data set",
-        "minari:m --sort {reward}": "--sort does not go with a data set",
-        "minari:m --ends length=0,9": "--ends does not go with a data set",
         "damaged": "0.monitor.csv",
         "odd": "Seen: 1 .xyz",
         "mine --summary mine": "is the folder of an experiment: name another",
@@ -232,10 +224,8 @@ AMONG = {
     "score": {
         "mine": "No reward is named",
         "mine --reward arpp": "Did you mean 'arp'?",
-        "'mine/cells/*/trace.parquet' --all": "--all does not go with files, only with an experiment",
         "'mine/cells/*/trace.parquet' --reward arp --out one": "Several files of one name",
         "linked --reward dense": "linked/cells/other' is a link; nothing is written",
-        "minari:m --all": "--all does not go with a data set",
         "minari:m lerobot:l": "One data set is scored at a time",
     },
     "transfer": {

@@ -38,11 +38,6 @@ def test_json_is_all_that_goes_to_standard_output(harness, experiment):
     assert answer.err == ""
 
 
-def test_the_table_is_the_default(harness, experiment):
-    """Without a flag the table goes to standard output."""
-    assert "An episode is paid" in harness("report mine").out
-
-
 def test_details_are_all_there_is(harness, experiment):
     """The overview is the short form."""
     overview, details = (harness("report mine", *flags).out for flags in ((), ("--details",)))
@@ -106,12 +101,6 @@ def test_a_run_reads_per_step_curves_too(harness, quick):
     assert "0 of" not in harness("run --reward arp --seeds 1 --curve per-step --out mine", *quick).err
     of_kinds = [harness("report mine --details", *flags).out for flags in (("--curve", "per-step"), ())]
     assert len(set(of_kinds)) == 2
-
-
-def test_html_goes_where_it_is_told(harness, experiment, tmp_path):
-    """`--html FILE` writes the page."""
-    assert harness("report mine --html page.html").status == 0
-    assert "<html" in (tmp_path / "page.html").read_text()
 
 
 def test_evaluations_of_other_programs_have_a_page(harness, tmp_path):

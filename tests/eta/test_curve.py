@@ -70,41 +70,6 @@ def test_index_agrees_with_a_plain_computation(runs, kind):
 
 # The published computation, step by step
 
-CURVES = {
-    "positive, negative, positive": ([1, -1, -2, 3, 4], Index(1, 3, 5, -3.0, 8.0)),
-    "zero is not negative": ([0, -1, 0, 5], Index(1, 2, 4, -1.0, 5.0)),
-    "negative again": ([-1, 2, -3, 4], Index(0, 1, 4, -4.0, 6.0)),
-    "never negative": ([0, 1, 2], Index(None, None, 3, 0.0, 3.0)),
-    "never back": ([1, -1, -2], Index(1, None, 3, -3.0, 1.0)),
-    "negative at the end": ([1, 2, -1], Index(2, None, 3, -1.0, 3.0)),
-    "always negative": ([-1, -2], Index(0, None, 2, -3.0, 0.0)),
-    "one step": ([-2], Index(0, None, 1, -2.0, 0.0)),
-    "all zero": ([0, 0], Index(None, None, 2, 0.0, 0.0)),
-    "per step: up to and with the cross-over": ([1, -1, -2, 3, 4, -5], Index(1, 3, 6, 1.0, -1.0)),
-    "per step: zero is a cross-over": ([-1, 0, 5], Index(0, 1, 3, -1.0, 5.0)),
-    "per step: never back": ([1, -1, -2], Index(1, None, 3, -2.0, 0.0)),
-    "per step: never negative": ([0, 1, 2], Index(None, None, 3, 0.0, 3.0)),
-    "per step: all zero": ([0, 0], Index(None, None, 2, 0.0, 0.0)),
-}
-
-
-@pytest.mark.parametrize("row", CURVES)
-def test_index_of_a_curve(row):
-    """First negative step from 0, first later step that is not, sums of all negative and of all positive values.
-
-    Read per step, literally, the curve is the reward itself, split at the cross-over.
-    """
-    values, index = CURVES[row]
-    is_per_step = row.startswith("per step")
-    found = group_of([values], "per-step") if is_per_step else group_of([np.diff(values, prepend=0.0)])
-    assert found.index == index
-
-
-def test_curve_is_the_mean_over_runs():
-    """At each step, over the running sums of the runs, which are cut to the shortest."""
-    assert_array_equal(group_of([[0, 1, -3], [2, -1, 0, 9]]).runs, [[0.0, 1.0, -2.0], [2.0, 1.0, 1.0]])
-    assert group_of([[-4, 4, 1], [2, 2, -1]]).index == Index(0, 1, 3, -1.0, 4.0)
-
 
 @pytest.mark.parametrize("who", ["baseline", "proposed"])
 def test_published_table(who):

@@ -19,7 +19,6 @@ from harness.eta import (
     Ratio,
     curve_of,
     decompose,
-    no_splits,
     p_of,
     swaps_of,
 )
@@ -182,15 +181,6 @@ def test_parts_of_a_worked_example():
     assert (total.change.mean, total.ruler.mean, total.behaviour.mean) == (22.0, 12.0, 10.0)
 
 
-def test_groups_show_their_own_indices():
-    """Baseline and proposed are the indices of each training under its own reward."""
-    curves = curves_of(*([[-1.0, 1.0 + extra]] for extra in range(4)))
-    found = decompose(curves)
-    assert (found.baseline, found.proposed) == (curves[BB].index, curves[KK].index)
-    assert (found.eta_n, found.eta_p) == (found.negative.eta, found.positive.eta)
-    assert found.splits == {"eta_N": found.negative, "eta_P": found.positive}
-
-
 # The sum, split by differences
 
 
@@ -235,25 +225,6 @@ def test_json_is_strict(scored, kind, paired, scale):
     for split in splits_of(found):
         for part in ratios_of(split):
             assert part.note or None not in (part.value, part.low, part.high)
-
-
-def test_json_has_the_promised_keys():
-    """What `harness eta --json` promises is there, and what is added is named here."""
-    found = decompose(curves_of(*[dip_and_climb(5)] * 4))
-    data = found.to_json()
-    assert set(data) == {"baseline", "proposed", "eta_N", "eta_P", "total"}
-    assert data["total"] == {name: getattr(found.total, name).to_json() for name in ("change", "ruler", "behaviour")}
-    for name in ("eta_N", "eta_P"):
-        ratios = {"eta", "per_seed", "ruler", "behaviour", "interaction", "noise"}
-        assert set(data[name]) == ratios | {"paths", "p", "p_corrected", "flags"}
-        assert all(set(data[name][part]) == {"value", "low", "high", "note"} for part in ratios)
-        assert [set(path) for path in data[name]["paths"]] == [{"ruler", "behaviour"}] * 2
-
-
-def test_nothing_to_compare_has_the_reason_everywhere():
-    """As plain data too."""
-    for split in no_splits("no seed is done").values():
-        assert {(part.value, part.note) for part in ratios_of(split)} == {(None, "no seed is done")}
 
 
 def test_corrected_p_values_are_put_beside_the_others():

@@ -1,6 +1,5 @@
 """The answers and their whole sentences: every wording there is, read as a person reads it."""
 
-import json
 import re
 from dataclasses import replace
 
@@ -125,14 +124,6 @@ def test_success_while_training_alone_may_say_that_it_learns_slower():
     assert "mine learns slower, decided by success while training; whether the end differs" in found.robot
 
 
-def test_the_first_measure_that_passes_decided():
-    """Of those of the end, where they tell."""
-    assert told(moved(7.0, 9.0, TIME, p=0.001), moved(0.5, 0.9, p=0.2)).decided_by == "time_to_target"
-    found = ruled(moved(0.4, 0.6, SPEED, p=0.001), moved(0.5, 0.9, p=0.03))
-    assert found.decided_by == "success_rate"
-    assert "decided by success; it also learns faster. One training more" in found.robot
-
-
 def test_a_difference_below_its_margin_is_not_little_beside_one_beyond_it():
     """Though its measure decided."""
     assert "by little" not in told(BETTER, moved(2.01, 1.90, TIME, p=0.001)).robot
@@ -194,23 +185,7 @@ def test_a_few_perfect_trainings_are_not_certain():
     assert "but 6 with base and 4 with mine cannot rule out that up to 39% and 53% fail." in odd.robot
 
 
-def test_the_same_steps_of_policies_that_fail():
-    """They are counted by those that learned."""
-    lost = Verdict(NAMES, [change([0.0] * 3, [0.0] * 3)], Ruling(), same_steps=True).headline("number")
-    assert "0 of 3 trainings learned with either reward" in lost.robot
-    assert lost.robot.endswith("Train longer, or with another algorithm.")
-
-
 # No answer
-
-
-def test_a_plan_is_told_as_a_condition():
-    """For the difference that was seen."""
-    success = change(about(0.5, width=0.1), about(0.6, width=0.2), p=0.4)
-    found = told(success, asked=28)
-    seen = seeds_to_tell(0.1, success.spread, SEEDS, 1 - 0.05 / 28, 0.6)
-    assert (found.answer, found.seeds_to_decide) == (Answer.CANNOT_TELL, seen)
-    assert f"If what was seen is true, {seen[0]:,} to {seen[1]:,} trainings of" in found.robot
 
 
 def test_a_plan_counts_the_unseen_training_of_either_reward():
@@ -363,14 +338,6 @@ def test_headline_is_whole_sentences(seeds):
     for said in (found.robot, found.number):
         assert said.endswith(".")
         assert not re.search(r"\n|\.\.|  |None|nan", said)
-
-
-def test_json_is_plain():
-    """Both answers."""
-    found = told(change(about(0.5, width=0.1), about(0.52, width=0.2)), asked=28)
-    data = json.loads(json.dumps(found.to_json()))
-    assert set(data) == {"answer", "behaviour", "number", "decided_by", "seeds_to_decide"}
-    assert (data["answer"], data["seeds_to_decide"]) == ("cannot tell", list(found.seeds_to_decide))
 
 
 def test_one_measure_that_tells_is_enough():

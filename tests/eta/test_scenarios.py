@@ -7,15 +7,10 @@ from numpy.testing import assert_allclose
 
 from harness.eta import BB, KK
 from tests.eta.scenarios import (
-    EPISODES,
     FALLS_FIRST,
-    RATES,
     SHALLOW,
-    Family,
     falling_curves,
-    family_values,
     true_sums,
-    unchanged,
 )
 
 
@@ -37,26 +32,3 @@ def test_spread_of_the_depth_is_near_the_recorded_one():
     runs = (curves[BB][0], curves[KK][0])
     depths = np.log([np.quantile(-np.minimum(run, 0.0).sum(axis=1), [0.16, 0.84]) for run in runs])
     assert_allclose(np.diff(depths)[:, 0] / 2, [1.3, 1.9], rtol=0.15)
-
-
-@pytest.mark.parametrize("scenario", [FALLS_FIRST, SHALLOW])
-def test_unchanged_reward_has_etas_of_one(scenario):
-    """Both rewards' population curves are the same but for the draw."""
-    sums = true_sums(unchanged(scenario), rng(), 20_000)
-    assert_allclose(sums[KK], sums[BB], rtol=0.05)
-
-
-@pytest.mark.parametrize("name", list(RATES))
-def test_rates_have_their_mean_and_lie_on_the_lattice(name):
-    """Whole numbers of successes, of EPISODES each."""
-    drawn = RATES[name].draw(rng(), (20_000,))
-    assert drawn.mean() == pytest.approx(RATES[name].mean, abs=0.005)
-    assert_allclose(drawn * EPISODES, np.round(drawn * EPISODES), atol=1e-9)
-
-
-def test_families_without_effect_have_equal_means():
-    """Within 5 standard errors."""
-    baseline, proposed = family_values(Family(groups=1), rng(), 10_000)
-    difference = (proposed - baseline)[:, :1]
-    errors = difference.std(axis=2) / np.sqrt(difference.shape[2])
-    assert (np.abs(difference.mean(axis=2)) < 5.0 * errors).all()

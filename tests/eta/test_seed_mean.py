@@ -60,11 +60,3 @@ def test_interval_of_a_share_is_one_of_shares(values):
     share, number = mean_over_seeds(values, bounds=SHARE), mean_over_seeds(values)
     assert 0.0 <= share.low < share.mean < share.high <= 1.0
     assert number.low < 0.0 or number.high > 1.0
-
-
-def test_bounds_cut_an_interval():
-    """Three distances leave room below 0, where no distance is."""
-    free, bound = mean_over_seeds([0.1, 0.0, 0.2]), mean_over_seeds([0.1, 0.0, 0.2], bounds=(0.0, np.inf))
-    assert free.low is not None
-    assert free.low < 0.0
-    assert (bound.low, bound.high) == (0.0, free.high)

@@ -7,7 +7,6 @@ those of the documentation, widened by three standard errors of the simulation.
 import csv
 import itertools
 from collections import defaultdict
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import NamedTuple
@@ -22,10 +21,7 @@ from harness.eta import (
     BK,
     KB,
     KK,
-    Change,
     GroupCurve,
-    Quantity,
-    Split,
     Swaps,
     change_of,
     corrected_p,
@@ -35,7 +31,7 @@ from harness.eta import (
     swaps_of,
 )
 from harness.eta.swaps import label_shares
-from tests.eta.headlines import CLAIM, DECIDED, SUCCESS, TIME, headline_of
+from tests.eta.headlines import SUCCESS, TIME
 from tests.eta.scenarios import (
     CHUNK,
     FALLS_FIRST,
@@ -313,70 +309,6 @@ def test_ways_that_are_the_same_in_every_report_err_as_rarely(seeds):
 
 
 # The whole verdict
-
-
-def null_experiment(rng, curves, experiment, swaps):
-    """All claims of a comparison of a reward with itself: both etas, success, time, and eight more metrics."""
-    seeds = len(swaps.seeds)
-    groups = {BB: grouped(curves[BB][experiment][:, ::4])}
-    groups[KK] = grouped(curves[KK][experiment][:, ::4])
-    found = decompose(groups, signs=swaps.signs)
-    rates = RATES["skewed"].draw(rng, (2, seeds))
-    metrics = [(SUCCESS, rates), (TIME, rates * lognormal_steps(rng, (2, seeds)) + (1.0 - rates) * 100.0)]
-    shared = rng.normal(size=(2, seeds))
-    for number in range(8):
-        values = 0.7 * shared + 0.7 * rng.normal(size=(2, seeds))
-        metrics.append((Quantity(f"metric_{number}", "", "lower", "deterministic"), np.exp(0.5 * values)))
-    changes = [
-        change_of(measure, dict(enumerate(one.tolist())), dict(enumerate(other.tolist())), swaps)
-        for measure, (one, other) in metrics
-    ]
-    return [found.negative, found.positive, *changes]
-
-
-def corrected(family):
-    """All claims of an experiment, as they are corrected together."""
-    claims = [claim for comparison in family for claim in comparison]
-    p_values = iter(corrected_p([claim.outcomes for claim in claims if claim.outcomes is not None]))
-    return [[replace(claim, corrected=next(p_values)) for claim in comparison] for comparison in family]
-
-
-def claims_something(comparison, claims):
-    """Whether any word, answer or corrected p-value of a comparison says that there is a difference."""
-    splits = [claim for claim in comparison if isinstance(claim, Split)]
-    changes = [claim for claim in comparison if isinstance(claim, Change)]
-    runs = grouped(np.cumsum(np.ones((2, 4)), axis=1))
-    decomposition = replace(decompose({BB: runs, KK: runs}), negative=splits[0], positive=splits[1])
-    headline = headline_of(decomposition, changes, claims)
-    said = headline.robot.replace("Whether mine helps or hurts", "") + headline.number
-    spoken = CLAIM.search(said) or headline.answer in DECIDED
-    shown = any(claim.corrected is not None and claim.corrected <= LEVEL for claim in comparison)
-    return bool(spoken) or shown or any(change.direction for change in changes)
-
-
-def wrong_verdicts(seeds, experiments):
-    """Share of experiments of three comparisons, without any difference, in which anything is claimed."""
-    rng, wrong, comparisons = default_rng(seeds), 0, 3
-    for _ in range(experiments):
-        swaps = some_swaps(seeds, rng)
-        curves = falling_curves(unchanged(SHALLOW), rng, comparisons, seeds)
-        family = corrected([null_experiment(rng, curves, which, swaps) for which in range(comparisons)])
-        wrong += any(claims_something(comparison, sum(map(len, family))) for comparison in family)
-    return wrong / experiments
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seeds", SEEDS)
-def test_verdict_without_a_difference_claims_nothing(seeds):
-    """In 95 % of experiments at least, whatever their number of claims."""
-    experiments = 400 if seeds > 5 else 100
-    wrong = wrong_verdicts(seeds, experiments)
-    assert is_kept(f"{seeds:3} any claim", wrong, LEVEL, experiments)
-
-
-def test_verdict_of_some_experiments_claims_nothing():
-    """A few of six seeds: a gross mistake shows at once."""
-    assert wrong_verdicts(6, 40) <= 0.2
 
 
 METRICS = ("closest_distance", "final_distance", "ground_hits", "path_ratio", "smoothness", "success_rate")

@@ -28,11 +28,6 @@ def test_return_has_all_that_was_paid(trace):
     assert mean_return(trace) == 7.0
 
 
-def test_return_of_the_events_alone(trace):
-    """Without the shaped reward: -1.5 and 9.5."""
-    assert mean_return(trace, ("reward_ground", "reward_target", "reward_step")) == 4.0
-
-
 def test_no_finished_episode_has_no_return(trace):
     """None, not NaN."""
     unfinished = trace.part(slice(4, None))

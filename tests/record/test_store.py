@@ -161,15 +161,6 @@ def test_what_a_newer_version_wrote_is_not_written_over(create, cell, tmp_path, 
     assert (tmp_path / PLAN).read_text() == plan
 
 
-def test_skipped_cells_are_recorded_with_their_reason(create, make_cell):
-    """A combination that cannot work is in the plan and has a manifest that says why."""
-    odd = make_cell(seed=9)
-    store = create(0, skipped=((odd, "takes discrete actions"),))
-    assert store.read_plan().cells == (make_cell(), odd)
-    (item,) = store.manifests()
-    assert (item.cell, item.status, item.reason) == (odd, "skipped", "takes discrete actions")
-
-
 def test_cell_is_what_its_manifest_says(create, cell):
     """A failed cell is run again, a done one is not."""
     store = create(0)
@@ -225,13 +216,6 @@ def test_second_run_in_one_folder_is_refused(create, tmp_path):
     assert _seeds(tmp_path) == [0]
     with Store.open(tmp_path).locked():
         assert (tmp_path / ".lock").exists()
-
-
-def test_null_control_is_read_as_it_was_planned(create, tmp_path):
-    """By each seed the other one; JSON has no numbers as keys."""
-    plan = create(0, 7, 8, 15, control={0: 8, 7: 15}).read_plan()
-    assert json.loads((tmp_path / PLAN).read_text())["control"] == [[0, 8], [7, 15]]
-    assert (plan.baseline, plan.a_a, plan.control) == ("baseline", True, {0: 8, 7: 15})
 
 
 def test_plan_of_version_0_1_has_no_control(create, cell, tmp_path):

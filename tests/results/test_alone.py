@@ -16,13 +16,6 @@ def _results(tmp_path_factory):
     return load_results(ran, plugins=[ran.parent / GENTLE])
 
 
-def test_nothing_is_compared(results):
-    """There is one reward, and its trainings are told."""
-    (alone,) = results.alone
-    assert results.combinations == ()
-    assert (alone.reward, alone.seeds) == ("gentle", (0, 1, 2))
-
-
 def test_pay_at_the_start_is_that_of_the_first_tenth_of_the_episodes(results):
     """Worked out apart, from the traces."""
     means = []
@@ -42,19 +35,8 @@ def test_measures_have_every_stage(results):
     assert all(value is not None and value > 0.0 for value in told)
 
 
-def test_terms_are_those_of_the_reward_alone(results):
-    """Beside no baseline."""
-    (found,) = results.terms
-    assert (found.baseline, found.is_compared, found.never) == ("", False, ("dock",))
-
-
 def test_json_has_all_of_it(results):
     """Plain data, without a number that JSON does not have."""
     told = json.loads(json.dumps(results.alone[0].to_json(), allow_nan=False))
     assert set(told) >= {"reward", "seeds", "return", "behaviour", "learning"}
     assert len(told["learning"]["success_rate"]) == 20
-
-
-def test_two_rewards_are_not_alone(ran):
-    """They are compared."""
-    assert load_results(ran).alone == ()

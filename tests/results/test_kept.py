@@ -46,19 +46,6 @@ def made_again(open_kept, made_of="x"):
     return [number.calls, rewards.calls]
 
 
-def test_made_once(open_kept):
-    """And found from then on."""
-    assert made_again(open_kept) == [1, 1]
-    assert made_again(open_kept) == [0, 0]
-
-
-def test_what_follows_from_something_else_is_made_again(open_kept):
-    """Another file, another plugin: another digest."""
-    made_again(open_kept, "x")
-    assert made_again(open_kept, "y") == [1, 1]
-    assert made_again(open_kept, "y") == [0, 0]
-
-
 def test_rewards_of_before_are_removed(open_kept, folder):
     """A folder does not fill with what nobody asks for any more."""
     made_again(open_kept, "x")
@@ -89,22 +76,6 @@ def test_files_of_another_cell_are_not_believed(open_kept, folder, tmp_path):
     made_again(open_kept)
     folder.rename(folder.with_name("other"))
     assert made_again(lambda: Kept(tmp_path, "other", tmp_path / "other", {})) == [1, 1]
-
-
-def test_folder_that_allows_no_writing_keeps_nothing(open_kept, tmp_path):
-    """And nothing fails: here a file stands where the folder would be."""
-    (tmp_path / "derived").write_text("")
-    assert made_again(open_kept) == [1, 1]
-    assert made_again(open_kept) == [1, 1]
-
-
-def test_link_is_not_followed(open_kept, folder, tmp_path):
-    """A stranger's folder may point anywhere: nothing is written there."""
-    elsewhere = tmp_path / "elsewhere"
-    elsewhere.mkdir()
-    (tmp_path / "derived").symlink_to(elsewhere, target_is_directory=True)
-    made_again(open_kept)
-    assert list(elsewhere.iterdir()) == []
 
 
 @pytest.mark.parametrize("number", [None, 3, 0.1, True, float("inf"), np.float64(0.3)])

@@ -37,14 +37,6 @@ def _paid(*given):
     return found
 
 
-def test_stages_are_means_over_trainings(group):
-    """Each with its interval."""
-    own = [_trained(seed, 10.0 + seed, 20.0 + seed) for seed in (0.0, 1.0, 2.0)]
-    (term,) = _paid(group, ("gentle", ""), own).terms
-    assert (term.start.mean, term.end.mean, term.evaluation.mean) == (1.0, 11.0, 21.0)
-    assert term.start.low == pytest.approx(1.0 - 4.302653 / np.sqrt(3.0))
-
-
 def test_behaviour_is_what_the_term_pays_one_side_more(group):
     """Of the evaluations, whatever the trainings were paid."""
     own, others = ([_trained(0.0, 0.0, base + seed) for seed in (0.0, 1.0, 2.0)] for base in (5.0, 2.0))

@@ -70,13 +70,6 @@ def test_an_arm_helps_by_time_where_its_limit_is_known(both, made, period):
     assert found.headline.decided_by == ("time_to_target" if period else None)
 
 
-def test_metric_that_is_not_defined_is_none(both, made):
-    """Steps to the target of policies that never reach it: no number, rather than NaN."""
-    changes = only(made(both(1), lambda cell: {"trained": [False]})).measured.changes
-    steps = next(change for change in changes if change.name == "steps_to_target")
-    assert (steps.baseline, steps.proposed, steps.random) == (None, None, None)
-
-
 def test_seed_that_is_done_under_one_reward_is_left_out(experiment, make_cell):
     """Seeds are compared in pairs: the baseline's third run does not count while the proposed one failed."""
     fail(experiment.store, make_cell(seed=2, reward=ARP), "no luck")
@@ -131,13 +124,6 @@ def test_every_proposal_of_every_group_is_compared(both, made):
     ]
 
 
-def test_numbers_of_evaluation_episodes_are_not_mixed(both, made):
-    """Evaluations of other length are another group, in the same folder."""
-    cells = [cell for count in (2, 4) for cell in both(1, evaluation_episodes=count)]
-    found = made(cells, lambda cell: {"trained": [True] * cell.evaluation_episodes}).combinations
-    assert [(it.group.evaluation_episodes, it.measured.episodes["deterministic"]) for it in found] == [(2, 2), (4, 4)]
-
-
 # The null control
 
 
@@ -163,12 +149,6 @@ def test_null_control_compares_a_seed_with_another_one(controlled):
     # Seeds 6 to 11 repeat the runs of 0 to 5 here: as good a training gives 1 everywhere.
     assert [control.number.splits[name].eta.value for name in ("eta_N", "eta_P")] == [1.0, 1.0]
     assert asked.number.decomposition.positive.noise.note == "the baseline trained again with other seeds"
-
-
-def test_noise_floor_without_a_control_is_of_halves(experiment):
-    """Of the experiment's own runs; three are too few."""
-    note = only(experiment).number.decomposition.positive.noise.note
-    assert note == "3 runs of the baseline: halves of them need at least 4"
 
 
 def test_null_control_is_a_family_of_its_own(controlled):
@@ -267,12 +247,6 @@ def test_how_fast_was_learned_is_compared(learned):
     assert (steps.baseline, steps.proposed) == (12.0, 5.0)
 
 
-def test_nothing_along_the_budget_without_evaluations(experiment):
-    """Nor how fast was learned."""
-    measured = only(experiment).measured
-    assert measured.along == measured.changes_of("while learning") == ()
-
-
 # Several claims
 
 
@@ -310,13 +284,6 @@ def test_all_claims_of_all_combinations_are_one_family(both, make_cell, made):
     assert found != [*_corrected_apart(one), *_corrected_apart(two)]
     assert one.answer.claims == two.answer.claims == len(found)
     assert two.decisive.p == pytest.approx(2 / math.comb(14, 7))  # the likeliest two of all ways to deal labels
-
-
-def test_one_seed_claims_nothing(both, made):
-    """There is no way to deal its labels that says something: no p-value, before or after correction."""
-    combination = only(made(both(1), lambda cell: {"distances": [1.0, 1.5, 0.5]}))
-    assert combination.answer.claims == 0
-    assert {change.corrected for change in combination.measured.changes} == {None}
 
 
 def test_combinations_with_different_seeds_are_swapped_together(both, made):

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from harness.eta import Answer, Quantity, Ruling
+from harness.eta import Answer, Ruling
 from harness.report.page.answer import card_of, groups_of, pool_cards
 
 HELPED = {"arp": lambda seed: (5, 6, 7, 8), "baseline": lambda seed: (8, 9)}
@@ -47,16 +47,6 @@ def _ruled(comparison, ruling):
     return replace(comparison, answer=replace(comparison.answer, ruling=ruling))
 
 
-def test_a_measure_whose_ends_are_not_known_has_a_flag_to_type(helped):
-    """Whatever its interval leaves out."""
-    (success, *_), ruling = helped.decisive_changes, Ruling(0.01, 0.01, (0.01,), (1,), (False,))
-    score = replace(success, measure=Quantity("success_rate", "", "higher", success.measure.manner))
-    found = _ruled(replace(helped, measured=replace(helped.measured, changes=(score,))), ruling)
-    card = card_of(found, "arp")
-    assert (card.answer, card.badge) == ("AHEAD SO FAR", "ahead")
-    assert "--ends success_rate=LEAST,GREATEST says it." in card.sure
-
-
 def test_only_what_a_test_decided_is_coloured(helped, one):
     """Green or red is a claim."""
     assert 'class="dot better"' in card_of(helped, "arp").rows[0].figure
@@ -69,13 +59,6 @@ def test_parts_of_the_pay_have_their_colours(build):
     parts = card_of(combination, "arp").parts
     assert [part.kind for part in parts] == ["ruler", "behaviour"]
     assert all(f'class="bar {part.kind}"' in part.figure for part in parts)
-
-
-def test_a_mixed_answer_rests_on_all_measures_that_are_plain(helped):
-    """And has no p."""
-    mixed = _ruled(helped, replace(helped.answer.ruling, signs=(1, -1), beyond=(True, True)))
-    told = "Decided by success and success while training, from 6 trainings of each reward. One training more"
-    assert card_of(mixed, "arp").sure.startswith(told)
 
 
 def test_a_plan_that_is_not_trained_to_its_end_has_no_colour(helped):

@@ -48,12 +48,6 @@ def test_interval_of_a_share_is_in_percentage_points(one):
     assert low == -high < -10.0
 
 
-def test_one_seed_has_no_interval_and_no_p(build):
-    """Nor a result."""
-    for row in rows_of(only(build(seeds=1, reached={"arp": lambda seed: (5,)}))):
-        assert (row[3], *row[6:]) == ("n/a", "n/a", "")
-
-
 def test_number_without_unit_above_one_is_no_percentage(one):
     """A metric without a unit is shown as a percentage only while it is a share."""
     combination = one

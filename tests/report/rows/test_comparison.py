@@ -130,15 +130,6 @@ def test_reward_that_cannot_score_leaves_no_split(build):
         assert "No reward 'gone'" in note
 
 
-def test_one_seed_has_no_interval_and_no_p(build):
-    """With one seed there are ratios and nothing to hold them against, and a note says why."""
-    splits = only(build(seeds=1)).number.splits
-    ratios, parts = ratio_grid(splits), split_grid(splits)
-    assert ratios.notes[0] == "eta_N, eta_P: one seed: no interval below 3 seeds"
-    assert {row[2] for row in ratios.rows + parts.rows} == {"n/a"}
-    assert {row[5] for row in ratios.rows} == {"n/a"}
-
-
 def test_change_of_the_sum_is_a_sum(build):
     """I_N + I_P: ruler and behaviour add up to the change, each with its interval."""
     total = only(build(proposed={"arp": (5, 34)})).number.decomposition.total

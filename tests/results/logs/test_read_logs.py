@@ -5,18 +5,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
-from numpy.random import default_rng
 
 from harness.errors import SchemaError, UsageError
 from harness.log import LogFacts, in_memory
-from harness.registry import load_registry
-from harness.results import Deciding, Told, load_results
+from harness.results import Deciding
 from harness.results.logs.read_logs import runs_of
 from harness.results.logs.trainings import Sorted, Training
-from tests.eta.scenarios import is_kept
 
 LENGTHS = (("base", 20), ("arp", 10))
-NAMES = [f"m{number}" for number in range(11)]
 PAY, SUCCESS = "reward/recorded", "behaviour/success"
 
 
@@ -117,27 +113,6 @@ def test_returns_decide_where_one_reward_paid_all():
     found = runs(*pair(), deciding=Deciding("return"))
     assert (found.measures, found.offered) == (("return", "length"), ("length",))
     assert found.members["base", 0].whole.behaviour["return"] == pytest.approx(4.5)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("fails", [0.0, 0.1])
-def test_the_best_of_all_measures_is_seldom_said_to_differ(tmp_path, fails):
-    """Eleven that nobody gave a direction, of which the one that differs most is named after they were written."""
-    experiments, count, rng, registry, wrong = 400, 10, default_rng(1), load_registry(), 0
-    for _ in range(experiments):
-        values = np.where(rng.random((2, count, 11)) < fails, 0.0, rng.normal(20.0, 1.0, (2, count, 11)))
-        for reward, seed in np.ndindex(2, count):
-            head = f'#{{"t_start": {1e9 + 1e5 * (2 * seed + reward)}}}\nr,l,t,{",".join(NAMES)}\n'
-            told = ",".join(map(str, values[reward, seed]))
-            rows = "".join(f"{reward + seed},10,{row},{told}\n" for row in range(10))
-            (tmp_path / "ab"[reward]).mkdir(exist_ok=True)
-            (tmp_path / "ab"[reward] / f"{seed}.monitor.csv").write_text(head + rows)
-        one, other = values
-        error = np.sqrt(one.var(axis=0, ddof=1) + other.var(axis=0, ddof=1))
-        best = NAMES[int(np.abs((other - one).mean(axis=0) / error).argmax())]
-        found = load_results(tmp_path, told=Told(deciding=Deciding(best, "higher")), registry=registry)
-        wrong += found.combinations[0].headline.answer != "cannot tell"
-    assert is_kept(f"the best of 11, {fails} fail", wrong / experiments, 0.055, experiments)
 
 
 @pytest.mark.parametrize(

@@ -37,15 +37,6 @@ def test_one_manner_alone_decides(tmp_path, acted):
     assert run.other is None
 
 
-def test_an_experiment_among_recordings_is_named(tmp_path):
-    """Whatever reads all of them refuses it, the audit too."""
-    record(tmp_path / "loose", "plain", 0, [0.1])
-    (tmp_path / "theirs").mkdir()
-    (tmp_path / "theirs" / "plan.json").touch()
-    with pytest.raises(UsageError, match=r"holds whole experiments, not only recorded trainings: '.*theirs'"):
-        read_all(tmp_path)
-
-
 def test_an_experiment_itself_is_read(tmp_path):
     """Its own plan lies in the folder, not below it."""
     record(tmp_path / "cells" / "one", "plain", 0, [0.1])

@@ -1,4 +1,3 @@
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -43,14 +42,6 @@ def read_of(results):
 def notes_of(study):
     """All other notes."""
     return [note for note in read_of(study).notes if not note.startswith(ALIKE)]
-
-
-def test_a_reward_helps_by_a_corrected_test(study_folder):
-    """All six seeds end with success under one reward and with none under the other."""
-    (comparison,) = load_study(study_folder).combinations
-    assert comparison.headline.answer.value == "helps"
-    assert comparison.headline.decided_by == "success"
-    assert comparison.decisive.corrected == pytest.approx(2 / math.comb(12, 6))
 
 
 def test_without_evaluations_the_verdict_says_that_it_rests_on_training(study_folder):
@@ -108,52 +99,15 @@ def test_measure_that_is_not_recorded_is_refused(study_folder):
         _ = load_study(study_folder, metrics="leg").combinations
 
 
-def test_returns_are_means_over_episodes_then_over_seeds(study_folder):
-    """Of the last fifth: those of its episodes alone."""
-    split = load_study(study_folder).combinations[0].number.returns[LAST]
-    arms = [np.linspace(0.0, 0.4 + 0.01 * seed, 40)[-8:].mean() for seed in range(6)]
-    assert split.returns["baseline", "baseline"].mean == pytest.approx(np.mean([PULLS * (arm + 1.0) for arm in arms]))
-    assert (
-        split.returns["proposed", "proposed"].low
-        < split.returns["proposed", "proposed"].mean
-        < split.returns["proposed", "proposed"].high
-    )
-
-
 def test_an_unfinished_episode_does_not_count(study_of):
     """A training that is cut in the middle of an episode has the mean of those before."""
     assert read_of(study_of()).members["plain", 0].parts(PULLS * 2 + 3)[TRAINING].episodes == 2
-
-
-@pytest.mark.parametrize("shift", [-3.0, 0.0])
-def test_a_ratio_takes_positive_returns(study_of, shift):
-    """Otherwise the reason stands in its place, the difference is split all the same, and words tell that."""
-    pays = {"plain": lambda arm: arm + shift, "thrice": lambda arm: 3.0 * arm + shift}
-    (comparison,) = study_of(pays=pays).combinations
-    split = comparison.number.returns[TRAINING]
-    assert (split.ratio.eta.value is None) == (shift < 0.0)
-    assert split.total.change.mean == pytest.approx(split.total.ruler.mean + split.total.behaviour.mean)
-    if shift:
-        assert "is not above 0" in split.ratio.eta.note
-        assert "Rescaling alone (the ruler)" in comparison.number.sentence(comparison.names)
 
 
 def test_signs_of_the_summed_curve_decide_which_indices_there_are(study_of):
     """A sum that is always negative has I_N alone."""
     (comparison,) = study_of(pays={"plain": lambda arm: arm - 2.0, "thrice": lambda arm: arm - 4.0}).combinations
     assert list(comparison.number.index_splits) == ["eta_N"]
-
-
-def test_more_rewards_are_compared_with_the_first_one(tmp_path):
-    """Each against it, and all hints are corrected together."""
-    pays = {**PAYS, "half": lambda arm: arm / 2.0}
-    for reward in pays:
-        for seed in range(2):
-            record(tmp_path / f"{reward}-{seed}", reward, seed, RISING, pays=pays)
-    study = load_study(tmp_path)
-    assert [it.names for it in study.combinations] == [("plain", "thrice"), ("plain", "half")]
-    assert len(paid_in(study, TRAINING)) == 9
-    assert len({it.answer.claims for it in study.combinations}) == 1
 
 
 def test_studies_of_one_experiment_are_one_family(tmp_path):
@@ -176,13 +130,6 @@ def test_studies_of_one_experiment_are_one_family(tmp_path):
     assert all(of_all >= of_one for of_one, of_all in hints)
 
 
-def test_a_reward_that_taught_nobody_pays_all_the_same(study_of):
-    """It is a row of the full table, and no comparison."""
-    study = study_of(pays={**PAYS, "other": lambda arm: arm})
-    assert len(study.combinations) == 1
-    assert ("other", "plain") in paid_in(study, TRAINING)
-
-
 def test_measures_are_as_they_were_recorded(study_of):
     """Of one less may be better; one of zeros and ones is a share, whose interval knows of the episodes."""
     (comparison,) = study_of(lower_is_better=("arm",)).combinations
@@ -196,16 +143,6 @@ def test_without_behaviour_rewards_alone_decide_nothing(study_of):
     assert headline.answer.value == "cannot tell"
     assert headline.robot.startswith("How the robot behaves was not measured")
     assert "times as much" in headline.number
-
-
-def test_one_seed_has_values_and_no_interval(study_of):
-    """And nothing can be told from it."""
-    (comparison,) = study_of(seeds=1).combinations
-    ratio = comparison.number.returns[TRAINING].ratio
-    assert (ratio.eta.low, ratio.p) == (None, None)
-    assert ratio.eta.value is not None
-    assert "one seed: no interval below 3 seeds" in ratio.eta.notes
-    assert comparison.headline.answer.value == "cannot tell"
 
 
 def test_longer_trainings_are_cut_to_the_shortest(study_of):
