@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from harness.recorder.column import as_number, source_of
+from harness.reward.given import opened
 
 
 def scaled(factor, observation, action, next_observation, info):
@@ -75,3 +76,9 @@ def test_parameters_that_are_objects_tell_no_address():
 def test_code_that_python_cannot_tell_is_empty():
     """As of a built-in, or of what was typed into a shell."""
     assert source_of(max).text == source_of(eval("lambda o, a, n, i: 0.0")).text == ""
+
+
+def test_code_of_terms_by_name_is_that_of_each():
+    """Beside its name."""
+    terms = opened({"left": "left", "scaled": functools.partial(scaled, 2.0)}, "reward 'it'")
+    assert source_of(terms).text.startswith("# left\ninfo key 'left'\n# scaled\ndef scaled(")

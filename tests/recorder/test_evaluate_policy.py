@@ -159,14 +159,6 @@ def test_what_is_not_asked_for_is_not_in_the_file(counting, tmp_path):
     assert {"horizon", "cut", "bounds", "pay"}.isdisjoint(json.loads((tmp_path / "recording-0.json").read_text()))
 
 
-def test_a_learner_is_told_of_a_cut(counting, tmp_path):
-    """As of any other truncation."""
-    env = harness.RecordRewards(counting(length=10**6), tmp_path, horizon=2, **GIVEN)
-    env.reset()
-    assert [env.step(still(None))[2:4] for _ in range(2)] == [(False, False), (False, True)]
-    env.close()
-
-
 def test_a_recording_that_goes_on_keeps_its_horizon(counting, tmp_path):
     """Cut episodes are counted on; another horizon would be another recording."""
     for _ in range(2):

@@ -189,6 +189,7 @@ def forms(space):
         "terms/a": (None, lambda it: look(it.after)),
         "terms/b": (None, deep),
         "memory": (Sum(), None),
+        "named memory": ({"a": Sum(), "b": lambda o, a, n, i: 0.0}, None),
         "all memory": (SumOfAll(), None),
         "all terms": (
             lambda step: {"a": each(step.observation), "b": step.info["x"]},

@@ -80,19 +80,6 @@ def test_env_is_left_as_it_is(record, counting):
     assert recorded.np_random.random() == bare.np_random.random()
 
 
-def test_reward_cannot_change_what_the_learner_sees(record):
-    """One that writes into an observation is given up, and told what to write instead."""
-
-    def spoil(observation, action, next_observation, info):
-        next_observation[:] = 99
-        return 0.0
-
-    env = record(rewards={"spoil": spoil})
-    env.reset()
-    with pytest.warns(UserWarning, match="reward 'spoil' failed .* it writes into its next_observation"):
-        assert env.step(ACTION)[0].tolist() == [1]
-
-
 @pytest.mark.filterwarnings("ignore::UserWarning:gymnasium")
 def test_check_env_passes(record):
     """With a registered env; the spec is the env's own, of which `make` makes an env that is not recorded."""

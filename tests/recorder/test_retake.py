@@ -11,6 +11,7 @@ import harness
 from harness.errors import UsageError
 from harness.record import read_recording
 from harness.recorder import Later, Retake
+from tests.recorder.conftest import recorder, take
 
 
 def low(observation, action, next_observation, info):
@@ -92,19 +93,13 @@ def test_envs_of_a_batch_are_paid_one_by_one(tmp_path, mode):
     """Each env went on by itself, however the batch starts episodes."""
 
     def record(path, **given):
-        envs = gymnasium.make_vec(
-            "CartPole-v1", num_envs=3, vectorization_mode="sync", vector_kwargs={"autoreset_mode": mode}
-        )
-        recorded = harness.RecordVectorRewards(envs, path, trained_with="own", **given)
-        recorded.reset(seed=5)
-        recorded.action_space.seed(1)
-        for _ in range(60):
-            recorded.step(recorded.action_space.sample())
-        recorded.close()
+        envs = recorder([lambda: gymnasium.make("CartPole-v1")] * 3, mode, path, **given)
+        envs.action_space.seed(1)
+        take(envs, [envs.action_space.sample() for _ in range(90)], mode)
         return read_recording(path)
 
     at_once = record(tmp_path / "at-once", rewards=REWARDS, behaviour=MEASURES, higher_is_better=["worst"])
-    record(tmp_path / "later", rewards={})
+    record(tmp_path / "later")
     _retake("CartPole-v1").score(tmp_path / "later")
     later = read_recording(tmp_path / "later")
     assert later["episode"].max() > 1

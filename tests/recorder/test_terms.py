@@ -140,30 +140,6 @@ def test_function_that_writes_into_a_step_is_told_what_it_writes_into(record):
         env.step(np.ones(1, np.float32))
 
 
-def test_terms_may_be_given_by_name(counting, record, tmp_path):
-    """Keys of info and functions of both forms; one with a memory is restarted."""
-
-    class Count:
-        def reset(self):
-            self.count = 0
-
-        def __call__(self, step):
-            self.count += 1
-            return float(self.count)
-
-    terms = {"left": "left", "count": Count(), "went": lambda o, a, n, i: float(n[0] - o[0])}
-    env = record(counting(3), rewards={"it": terms})
-    _act(env, 6)
-    env.close()
-    found = read_recording(tmp_path / "run")
-    assert {name: values.tolist() for name, values in terms_of(found, "it").items()} == {
-        "left": [2.0, 1.0, 0.0] * 2,
-        "count": [1.0, 2.0, 3.0] * 2,
-        "went": [1.0] * 6,
-    }
-    assert found.facts.sources["reward/it"].text.startswith("# left\ninfo key 'left'\n# count\n")
-
-
 class Parts(Counting):
     """Tells what its reward is made of, and after two steps only how much it is."""
 

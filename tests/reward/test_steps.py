@@ -1,7 +1,5 @@
 """Steps: named fields, and a refusal by name of what is not there."""
 
-import copy
-
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
@@ -9,7 +7,7 @@ from numpy.testing import assert_array_equal
 from harness.errors import UsageError
 from harness.reward import MissingField, Sample
 from harness.reward.needs import made_up
-from harness.reward.steps import ARM, ARM_BEFORE, BEFORE, rows_of, steps_of
+from harness.reward.steps import ARM, ARM_BEFORE, BEFORE
 
 
 def test_a_step_of_an_arm_has_what_the_table_says():
@@ -57,18 +55,3 @@ def test_a_replaced_field_leaves_the_others():
     other = steps._replace(distance=steps.distance + 1.0)
     assert other.qvel is steps.qvel
     assert_array_equal(other.distance, steps.distance + 1.0)
-
-
-def test_rows_are_taken_of_what_was_before_too():
-    """Of every field."""
-    steps = rows_of(made_up(6, 6), np.array([1]))
-    assert steps.qpos.shape == (1, 6)
-    assert_array_equal(steps.before.action, made_up(6, 6).before.action[1:])
-
-
-def test_steps_can_be_copied():
-    """What asks a reward twice keeps copies."""
-    steps = steps_of({"observation": np.ones(3), BEFORE: steps_of({"observation": np.zeros(3)})})
-    again = copy.deepcopy(steps)
-    assert_array_equal(again.before.observation, np.zeros(3))
-    assert again.observation is not steps.observation

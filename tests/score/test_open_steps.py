@@ -271,7 +271,6 @@ ROW = "0,1,1,1,0,0"
             ["a,reward", '1,"1,234.5"'],
             "line 2, column 'reward': '1,234.5' is no finite number: write decimal points",
         ),
-        (["a,reward", "1,1 234"], "line 2, column 'reward': '1 234' is no finite number: write decimal points"),
         (
             ["a,reward", "1,2", "1,1,234.5"],
             "line 3, column 3: cells in the line: 3, in the header: 2; a comma inside",
@@ -290,13 +289,11 @@ ROW = "0,1,1,1,0,0"
         ([FULL, ROW, ",1,,1,,1"], "line 3, column 'prevBest': the cell is empty"),
         ([FULL, ROW, ",1,1,nan,,1"], "line 3, column 'distance': 'nan' is no finite number"),
         ([FULL, ROW, "later,1,1,1,,1"], "line 3, column 't': 'later' is no finite number"),
-        ([FULL, ROW, "inf,1,1,1,,1"], "line 3, column 't': 'inf' is no finite number"),
         (
             ["beginDistance,delta_distance,distance,reward", "1,,1,1"],
             "line 2, column 'delta_distance': the cell is empty",
         ),
         (["reward", *["1"] * 400_000, "x"], "line 400002, column 'reward': 'x' is no finite number"),
-        (["a,reward", *["1,2"] * 400_000, "1,-inf"], "line 400002, column 'reward': '-inf' is no finite number"),
         (["reward" + ",a" * 1_000, "1" * 1_001], "line 1: 1,001 columns, 1,000 are allowed"),
         (["reward", "1" * 300_000], "a line has more than 262,144 characters"),
         (["reward," + "a" * 300_000, "1,2"], "a line has more than 262,144 characters"),

@@ -1,6 +1,5 @@
 """Which reward paid a recording: told from its rows, to the digits that they have."""
 
-import random
 from importlib.metadata import entry_points
 
 import numpy as np
@@ -11,8 +10,7 @@ from harness.hookspecs import PROJECT
 from harness.registry import Choice, load_registry
 from harness.score import compare_logs, guess_reward
 from harness.score.open_steps import open_steps
-
-HEADER = "t,beginDistance,prevBest,distance,delta_distance,reward"
+from tests.score.conftest import HEADER, arp, write_run
 
 
 @pytest.fixture
@@ -21,30 +19,9 @@ def registry():
     return load_registry()
 
 
-def arp(k1, k2):
-    """What ARP pays for beginDistance, best distance before the step, and distance."""
-    return lambda begin, before, distance: -k1 * (distance - before) if distance > before else k2 * (begin - distance)
-
-
-def write_run(path, pay, seed=0, rows=400, program="K2", reach=0.5):
-    """Episodes of an arm that moves at random, in the words of either program, 7 digits a number."""
-    rng, lines, step = random.Random(seed), [HEADER], 0
-    begin = before = 1.110047
-    for _ in range(400):
-        if step == 0:
-            before, distance, reward = begin, begin, 0.0
-        else:
-            distance = begin * (1.0 - reach) + begin * reach * 1.4 * rng.random() if rng.random() < 0.4 else distance
-            reward = pay(begin, before, distance)
-        after = min(before, distance)
-        numbers = (begin, after, distance, distance - before, reward)
-        if program == "base line":
-            numbers = (begin, before, distance, reward if step == 0 else None, reward)
-        texts = ["" if number is None else f"{number:.7g}".upper() for number in numbers]
-        lines.append(",".join([str(step) if program == "K2" else "", *texts]))
-        before = after
-        step = 0 if rng.random() < 0.05 else step + 1
-    path.write_text("\n".join(lines) + "\n")
+def run_of(path, pay, program="K2", pace=0.2):
+    """400 rows of an arm that is paid so."""
+    write_run(path, pay, 0, 400, program, pace)
     return open_steps(path)
 
 
@@ -52,19 +29,19 @@ def write_run(path, pay, seed=0, rows=400, program="K2", reach=0.5):
 @pytest.mark.parametrize(
     ("pay", "choice"),
     [
-        (arp(1.0, 1.0), "baseline"),
-        (arp(1.0, 1.5), "arp:k1=1,k2=1.5"),
-        (arp(1.0, 2.0), "arp:k1=1,k2=2"),
-        (arp(0.25, 1.11), "arp:k1=0.25,k2=1.11"),
-        (arp(30.0, 12.5), "arp:k1=30,k2=12.5"),
+        (arp(1.0), "baseline"),
+        (arp(1.5), "arp:k1=1,k2=1.5"),
+        (arp(2.0), "arp:k1=1,k2=2"),
+        (arp(1.11, 0.25), "arp:k1=0.25,k2=1.11"),
+        (arp(12.5, 30.0), "arp:k1=30,k2=12.5"),
         (lambda begin, before, distance: -distance, "dense"),
     ],
     ids=["baseline", "K2 = 1.5", "K2 = 2", "both gains", "large gains", "dense"],
 )
-@pytest.mark.parametrize("reach", [0.9, 0.05])
-def test_the_reward_is_told_from_its_rows(tmp_path, registry, program, pay, choice, reach):
+@pytest.mark.parametrize("pace", [0.2, 0.02])
+def test_the_reward_is_told_from_its_rows(tmp_path, registry, program, pay, choice, pace):
     """In either program's files, whatever the gains, and also if the arm hardly came closer."""
-    recording = write_run(tmp_path / "run.csv", pay, program=program, reach=reach)
+    recording = run_of(tmp_path / "run.csv", pay, program, pace)
     assert guess_reward(recording, registry) == (choice, "")
 
 
@@ -79,7 +56,7 @@ def misfit(recording, text, registry):
 
 def test_digits_that_printing_cut_are_no_other_reward(tmp_path, registry):
     """A gain that differs in the fourth digit is another reward; one in the ninth is the same."""
-    recording = write_run(tmp_path / "run.csv", arp(1.0, 1.5))
+    recording = run_of(tmp_path / "run.csv", arp(1.5))
     assert not misfit(recording, "arp:k2=1.500000001", registry)
     assert "arp:k2=1.501 pays" in misfit(recording, "arp:k2=1.501", registry)
 
@@ -87,7 +64,7 @@ def test_digits_that_printing_cut_are_no_other_reward(tmp_path, registry):
 def test_a_sign_that_printing_cut_is_forgiven_once_in_a_while(tmp_path, registry):
     """Two distances that print alike may have differed: the row is paid as one step away, the run is still told."""
     path = tmp_path / "run.csv"
-    write_run(path, arp(1.0, 1.0), program="base line")
+    run_of(path, arp(1.0), "base line")
     odd = ",1.110047,0.5,0.5,,-1.192093E-07\n"
     text = path.read_text()
     path.write_text(text + odd)
@@ -106,7 +83,7 @@ def test_a_sign_that_printing_cut_is_forgiven_once_in_a_while(tmp_path, registry
 )
 def test_a_reward_that_cannot_be_told_has_a_reason(tmp_path, registry, pay, reason):
     """There is no nearest reward: none fits, or one does; zeros are what several may pay."""
-    recording = write_run(tmp_path / "run.csv", pay)
+    recording = run_of(tmp_path / "run.csv", pay)
     choice, told = guess_reward(recording, registry)
     assert choice is None
     assert reason.format(recording.facts.path) in told
@@ -130,7 +107,7 @@ def test_a_misfit_names_file_line_and_both_values(tmp_path, registry):
 
 def test_a_reward_that_nobody_registered_cannot_be_checked(tmp_path, registry):
     """A wrong name is the user's error, not a misfit."""
-    told = misfit(write_run(tmp_path / "run.csv", arp(1.0, 1.0)), "arpp", registry)
+    told = misfit(run_of(tmp_path / "run.csv", arp(1.0)), "arpp", registry)
     assert told.startswith("No reward 'arpp'")
 
 
@@ -174,5 +151,5 @@ def register_rewards(register):
 """
     registry = load_registry([*entry_points(group=PROJECT), write_plugin(source, "broken-reward")])
     assert "aa-broken" in registry.names("rewards")
-    recording = write_run(tmp_path / "run.csv", lambda begin, before, distance: -distance)
+    recording = run_of(tmp_path / "run.csv", lambda begin, before, distance: -distance)
     assert guess_reward(recording, registry).choice == "dense"

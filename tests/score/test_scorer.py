@@ -183,8 +183,12 @@ def record_tour_under(reward):
         return read_trace(path).load()
 
 
-def test_targets_that_do_not_end_the_episode_are_scored_as_they_were_paid(subtests):
-    """Bit for bit, though distances and memory restart inside the episode, also at the same begin distance."""
+def test_targets_that_do_not_end_the_episode_are_scored_as_they_were_paid(tmp_path, subtests):
+    """Bit for bit, though distances and memory restart inside the episode, also at the same begin distance.
+
+    So is a recording of it, which is read a piece at a time.
+    """
+    path = tmp_path / "trace.parquet"
     for text in CHOICES:
         with subtests.test(text=text):
             trace = record_tour(text)
@@ -193,19 +197,8 @@ def test_targets_that_do_not_end_the_episode_are_scored_as_they_were_paid(subtes
             assert len(after) > 30
             assert (trace["begin_distance"][after] == trace["begin_distance"][after - ENVS]).any()
             np.testing.assert_array_equal(score(reward_of(text), trace), trace["reward"])
-
-
-def test_recording_of_next_targets_is_scored_as_it_was_paid(tmp_path_factory, subtests):
-    """A recording is read a piece at a time, and scored bit for bit as the trace that it is."""
-    for text in CHOICES:
-        with subtests.test(text=text):
-            tmp_path = tmp_path_factory.mktemp("case")
-            trace, path = record_tour(text), tmp_path / "trace.parquet"
-            columns = {
-                name: trace[name]
-                for name in ("env", "step", *DISTANCES, "reward", "reached", "terminated", "truncated")
-            }
-            table = pa.table(columns)
+            names = ("env", "step", *DISTANCES, "reward", "reached", "terminated", "truncated")
+            table = pa.table({name: trace[name] for name in names})
             pq.write_table(table.replace_schema_metadata({FORMAT_KEY: str(FORMAT).encode()}), path)
             log = cell_log(path)
             payer = Payer(reward_of(text), log)
@@ -250,25 +243,16 @@ def test_trace_is_left_alone():
         np.testing.assert_array_equal(trace[name], column)
 
 
-def test_envs_do_not_depend_on_one_another():
-    """The rows of one env get the same alone as among the others."""
-    trace = record("aarp")
-    for env in range(ENVS):
-        alone = Scorer(reward_of("aarp")).pay(rows_of(trace, env)).total
-        np.testing.assert_array_equal(alone, trace["reward"][trace["env"] == env])
-
-
-def test_envs_that_begin_inside_an_episode_do_not_depend_on_one_another(subtests):
-    """Whatever the rows of the env before end with."""
-    for column in Sample._fields:
-        with subtests.test(column=column):
-            trace = record("baseline")
-            cut = trace.part(slice(2 * ENVS, None))
-            runs = [rows_of(cut, env) for env in range(ENVS)]
-            assert not all(rows["start"][0] for rows in runs[1:])
-            scored = score(Shows(column), cut)
+def test_envs_do_not_depend_on_one_another(subtests):
+    """The rows of one env get the same alone, also if they begin inside an episode, whatever those before end with."""
+    cut = record("baseline").part(slice(2 * ENVS, None))
+    runs = [rows_of(cut, env) for env in range(ENVS)]
+    assert not all(rows["start"][0] for rows in runs[1:])
+    for reward in (*map(Shows, Sample._fields), Remembers()):
+        with subtests.test(reward=reward):
+            scored = score(reward, cut)
             for env, rows in enumerate(runs):
-                np.testing.assert_array_equal(scored[cut["env"] == env], Scorer(Shows(column)).pay(rows).total)
+                np.testing.assert_array_equal(scored[cut["env"] == env], Scorer(reward).pay(rows).total)
 
 
 def test_envs_are_scored_together():

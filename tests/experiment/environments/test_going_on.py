@@ -1,5 +1,6 @@
 """Cells in an environment that are killed go on from their last checkpoint, to the same end."""
 
+import functools
 import shutil
 
 import pytest
@@ -109,42 +110,31 @@ def test_a_cell_that_is_killed_in_its_evaluation_goes_on(registry, given, tmp_pa
     assert _files(killed) == _files(whole)
 
 
-def test_an_env_that_does_not_keep_to_its_seed_starts_over(registry, given, tmp_path, monkeypatch):
-    """What it does again is compared with what it did; the note says why the cell was begun anew."""
-    cell = _cell(registry)
-    _leave(cell, tmp_path / "killed", given)
-    made = registry.get("environments", "goal_toy").load().make
-
-    def moved(self):
-        env = made(self)
-        step = env.step
-        env.step = lambda action: step(0.99 * action)
-        return env
-
-    monkeypatch.setattr(registry.get("environments", "goal_toy").load(), "make", moved)
-    manifest = _go_on(cell, tmp_path / "killed", given)
-    assert (manifest.status, manifest.resumed_from) == ("done", 0)
-    assert "did something else" in manifest.note
-
-
-def test_an_env_that_fails_when_it_does_it_again_starts_over(registry, given, tmp_path, monkeypatch):
-    """Once: it is not that cell's fault."""
+@pytest.mark.parametrize(
+    ("answer", "told"),
+    [
+        (lambda step, action: step(0.99 * action), "did something else"),
+        (lambda step, action: 1 / 0, "are repeated: ZeroDivisionError"),
+    ],
+)
+def test_an_env_that_does_not_do_it_again_starts_over(registry, given, tmp_path, monkeypatch, answer, told):
+    """What it does is compared with what it did; the note says why the cell was begun anew, which may go well."""
     cell = _cell(registry)
     _leave(cell, tmp_path / "killed", given)
     toy, made = registry.get("environments", "goal_toy").load(), []
     make = toy.make
 
-    def fails_at_first(self):
+    def other_at_first(self):
         env = make(self)
         made.append(env)
         if len(made) == 1:
-            env.step = lambda action: 1 / 0
+            env.step = functools.partial(answer, env.step)
         return env
 
-    monkeypatch.setattr(toy, "make", fails_at_first)
+    monkeypatch.setattr(toy, "make", other_at_first)
     manifest = _go_on(cell, tmp_path / "killed", given)
-    assert manifest.status == "done"
-    assert "are repeated: ZeroDivisionError" in manifest.note
+    assert (manifest.status, manifest.resumed_from) == ("done", 0)
+    assert told in manifest.note
 
 
 def test_nothing_of_a_checkpoint_is_left(registry, given, tmp_path):
