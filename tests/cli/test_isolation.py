@@ -3,8 +3,6 @@
 import pyarrow.parquet as pq
 import pytest
 
-from harness.log import Log
-
 HOOKS = """
 import harness
 
@@ -159,8 +157,3 @@ def test_reward_that_raises_fails_its_own_cells(harness, odd, quick):
     cells = {cell["reward"]: cell for cell in answer.json["cells"]}
     assert (cells["baseline"]["status"], cells["ill"]["status"]) == ("done", "failed")
     assert cells["ill"]["reason"] == "KeyError: 'no_such'"
-
-
-def test_trace_has_no_such():
-    """What the metric above stumbles over."""
-    assert not hasattr(Log, "no_such")

@@ -3,13 +3,10 @@ import shutil
 import threading
 from http.client import HTTPConnection
 
-import numpy as np
 import pytest
 
-from harness.record import Store, read_trace
-from harness.record.returns import mean_return
+from harness.record import Store
 from harness_plugins.audit.search.certificate import write_certificate
-from harness_plugins.watch.recorded import Trace
 from harness_plugins.watch.trainings import source_of
 from harness_plugins.watch.watch import HOST, Pages, open_server, pages_of
 from tests.plugins.audit.search.certified import certificate_of
@@ -198,15 +195,6 @@ def test_a_run_serves_its_page(harness, quick, monkeypatch, tmp_path):
     assert "harness watch watched" in answer.err
     with pytest.raises(ConnectionRefusedError):
         look(answer.err.partition("Live page: ")[2].partition("\n")[0])
-
-
-def test_a_done_training_is_told_by_its_trace(experiment):
-    """What episodes were paid on average."""
-    for cell in (experiment / "cells").iterdir():
-        path = cell / "evaluation.parquet"  # the training is shorter than an episode
-        blocks = Trace(path).look()
-        pay = np.average(blocks.means[:, 0], weights=blocks.episodes)
-        assert pay == pytest.approx(mean_return(read_trace(path)))
 
 
 def test_a_running_training_is_told_by_its_trace(experiment):

@@ -70,13 +70,6 @@ def test_folder_is_made_with_what_is_in_it(tmp_path):
     assert (tmp_path / "deep" / "down" / "cells").is_dir()
 
 
-def test_folder_below_a_file_cannot_be_made(tmp_path):
-    """The message names what is in the way."""
-    (tmp_path / "file").touch()
-    with pytest.raises(UsageError, match=r"cannot be written: '.*file' allows no writing here"):
-        make_folder(tmp_path / "file" / "inner")
-
-
 def test_second_process_waits_if_it_is_told_to(holder, tmp_path):
     """It says so once, and has the folder when the first one lets go."""
     told = []

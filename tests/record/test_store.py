@@ -161,14 +161,6 @@ def test_what_a_newer_version_wrote_is_not_written_over(create, cell, tmp_path, 
     assert (tmp_path / PLAN).read_text() == plan
 
 
-def test_cell_is_what_its_manifest_says(create, cell):
-    """A failed cell is run again, a done one is not."""
-    store = create(0)
-    for status in ("done", "failed", "skipped"):
-        _finish(store, cell, status=status)
-        assert store.examine(cell).status == status
-
-
 def test_partial_folder_is_no_result(create, cell, make_cell, tmp_path):
     """Not even with a manifest: its cell was killed before its folder got its name. What has ended stays."""
     store, other = create(0), make_cell(seed=1)
@@ -216,14 +208,6 @@ def test_second_run_in_one_folder_is_refused(create, tmp_path):
     assert _seeds(tmp_path) == [0]
     with Store.open(tmp_path).locked():
         assert (tmp_path / ".lock").exists()
-
-
-def test_plan_of_version_0_1_has_no_control(create, cell, tmp_path):
-    """It compared the baseline's runs with the very same runs."""
-    store = create(0)
-    (tmp_path / PLAN).write_text(json.dumps({"baseline": "base", "a_a": True, "cells": [cell.to_json()]}))
-    plan = store.read_plan()
-    assert (plan.baseline, plan.a_a, plan.control, plan.cells) == ("base", True, {}, (cell,))
 
 
 def test_done_cell_is_never_touched(create, cell):

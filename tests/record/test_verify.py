@@ -62,17 +62,6 @@ def test_folder_of_another_cell_is_damage(ran, first):
     assert problem.what.endswith(f"holds another cell, {first.name}")
 
 
-def test_damaged_cell_is_set_aside_and_done_again(ran, first, run_again):
-    """Nothing is thrown away; the same run then gives the same rows."""
-    before = (first / TRACE).read_bytes()
-    (first / TRACE).write_bytes(b"PAR1")
-    repair(ran)
-    assert (ran / "damaged" / f"{first.name}-0" / TRACE).read_bytes() == b"PAR1"
-    assert verify(ran) == []
-    run_again()
-    assert (first / TRACE).read_bytes() == before
-
-
 def test_damaged_cell_is_replaced_by_the_next_run(ran, first, run_again):
     """Without any repair."""
     before = (first / TRACE).read_bytes()

@@ -51,12 +51,6 @@ def test_recordings_have_a_row_each(loose):
     assert {"return_plain", "behaviour_success"} <= set(table.columns)
 
 
-def test_a_folder_of_nothing_is_refused(tmp_path):
-    """With what to name."""
-    with pytest.raises(UsageError, match="is no experiment"):
-        load_results(tmp_path)
-
-
 def test_recordings_beside_a_whole_experiment_are_refused(loose, make_cell, make_plan):
     """Its cells would be left out, or lose their baseline: it is named, and nothing is written."""
     create_store(loose / "arm", make_plan(make_cell()))

@@ -24,15 +24,6 @@ def changed(found, *changes, **fields):
     return replace(found, measured=replace(found.measured, changes=changes, **fields))
 
 
-def test_one_comparison_is_one_question():
-    """Its p is its own."""
-    (found,) = with_verdicts([of_success("dense", 0.9)])
-    assert found.answer.ruling.asked == 1
-    assert found.answer.ruling.corrected == found.answer.ruling.p
-    assert found.headline.answer == "helps"
-    assert found.answer.pool is None
-
-
 def test_the_order_of_the_comparisons_stays():
     """Whatever is asked together."""
     asked = [of_success(name, 0.5, place) for name in ("dense", "arp") for place in PLACES[:2]]
@@ -77,14 +68,6 @@ def test_a_comparison_without_values_is_no_question():
     found = with_verdicts([of_success("dense", 0.9), changed(of_success("arp", 0.5))])
     assert found[0].answer.ruling.asked == 1
     assert not found[1].answer.ruling.is_decided
-
-
-def test_two_measures_are_one_question():
-    """The larger statistic decides; one that does not pass says nothing."""
-    values = {"success_rate": rates(0.9, 0.9), "time_to_target": 3.0 + rates(0.9, 0.1, seed=1)}
-    (found,) = with_verdicts([comparison("dense", values)])
-    assert found.headline.answer == "helps"
-    assert found.headline.decided_by == "time_to_target"
 
 
 def test_places_with_other_units_are_put_together_relative_to_the_baseline():
@@ -134,15 +117,6 @@ def test_what_does_not_decide_is_a_hint():
     assert found.answer.claims == 1
 
 
-@pytest.mark.parametrize(("mean", "answer"), [(0.8, "learns faster"), (0.0, "learns slower")])
-def test_success_while_training_decides_with_the_others(mean, answer):
-    """One question of two measures, at 5 %: the final policies are alike."""
-    speed = rates(0.3, mean, seed=5)
-    (found,) = with_verdicts([comparison("dense", {"success_rate": rates(0.5, 0.5)}, speed=speed)])
-    assert (found.answer.ruling.confidence, len(found.answer.ruling.of_measures)) == (0.95, 2)
-    assert found.headline.answer == answer
-
-
 def test_success_over_the_training_that_decides_anyway_counts_once():
     """Recordings without evaluations have nothing else."""
     found = comparison("dense", {"success_rate": rates(0.5, 0.9)}, speed=rates(0.3, 0.8))
@@ -160,14 +134,6 @@ def test_a_measure_without_a_value_in_some_training_does_not_decide():
     (alone,) = with_verdicts([changed(found, short, deciding=("time_to_target",))])
     assert alone.headline.answer == "cannot tell"
     assert "has no value in 1 of 21 trainings with dense" in alone.headline.robot
-
-
-def test_trainings_without_a_partner_count():
-    """Ten of the baseline against five."""
-    ten, five = rates(0.5, 0.5, 10)[0], rates(0.5, 0.7, 5)[1]
-    (found,) = with_verdicts([changed(of_success("dense", 0.7), change(SUCCESS, (ten, five), range(10)))])
-    assert found.decisive.counts == (10, 5)
-    assert found.answer.ruling.p == pytest.approx(1 / 3003)
 
 
 def test_before_all_trainings_of_a_plan_ended_nothing_is_tested():

@@ -89,14 +89,6 @@ def test_wide_behaviour_is_not_cut(build):
     assert len(re.findall(r" 0\.010\b", text)) >= len(changes)
 
 
-def test_combination_says_what_was_compared(build):
-    """A block names the simulator, the algorithm, both rewards and the seeds."""
-    text = printed(build(seeds=2))
-    assert "mujoco · sac · fd100 · fd100-reach" in text
-    assert "arp against baseline" in text
-    assert "2 seeds (0, 1) compared" in text
-
-
 def test_answer_comes_first(build):
     """The robot, then the number, in words; then behaviour, the etas, their parts, and the indices."""
     results = build()
@@ -128,19 +120,6 @@ def test_ruler_and_behaviour_are_explained_once(build):
     text = squeezed(printed(results))
     assert text.count(SPLIT) == text.count(what_decides(results)) == 1
     assert SPLIT not in squeezed(printed(build(proposed={"gone": (9, 30)})))
-
-
-def test_command_for_more_seeds_stands_under_the_answer(build):
-    """Where more seeds would tell."""
-    results = build()
-    (combination,) = results.combinations
-    combination.__dict__["headline"] = replace(combination.headline, seeds_to_decide=(8, 20))
-    text = printed(results, width=2000)
-    assert (
-        text.index(combination.headline.robot)
-        < text.index("For an answer with the fewest trainings: harness run ")
-        < text.index("The number")
-    )
 
 
 def test_no_finished_pair_is_said(build):

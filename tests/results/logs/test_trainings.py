@@ -3,7 +3,7 @@ import pytest
 
 from harness.errors import UsageError
 from harness.log import LogFacts, in_memory
-from harness.results import require_several, sort_files, sort_logs
+from harness.results import require_several, sort_logs
 from tests.results.logs.conftest import sorts_of
 
 
@@ -150,20 +150,3 @@ def test_trainings_without_a_seed_are_numbered(monitor, sort):
     found = sort("{reward}/*")
     assert keys(found) == [("base", 0, 1), ("base", 1, 1)]
     assert found.notes == ("2 of 2 trainings tell no seed: numbered in the order of their names",)
-
-
-def test_the_baseline_can_be_named(monitor, sort):
-    """By its name; one that is not there is answered with those that are."""
-    for name in ("base", "arp"):
-        for seed in range(2):
-            monitor(f"{name}/{seed}.monitor.csv", [len(name), seed, 1], started=1e6 * seed)
-    assert sort(baseline="arp").rewards == ("arp", "base")
-    with pytest.raises(UsageError, match="There are: arp, base"):
-        sort(baseline="arpp")
-
-
-def test_files_are_sorted_by_their_names_alone(tmp_path):
-    """Nothing is read; where names say no reward, it has the folder's name."""
-    files = [tmp_path / name for name in ("base/0.csv", "base/1.csv", "arp/0.csv")]
-    assert {name: len(of) for name, of in sort_files(tmp_path, files).items()} == {"base": 2, "arp": 1}
-    assert [*sort_files(tmp_path, [tmp_path / "0.csv", tmp_path / "1.csv"])] == [tmp_path.name]

@@ -56,20 +56,6 @@ def test_numbers_that_never_change_tell_nothing(training):
     assert likeness_of(training.add(zeros)).digest == ""
 
 
-def test_a_copy_of_a_reward_is_told(tmp_path):
-    """It taught the same, and pays the same."""
-    pays = {"plain": lambda arms: arms + 1.0, "copy": lambda arms: arms + 1.0, "square": lambda arms: arms**2}
-    for seed in range(2):
-        for reward in ("plain", "copy"):
-            record(tmp_path / f"{reward}-{seed}", reward, seed, ARMS + 0.01 * seed, pays=pays)
-    study = load_study(tmp_path)
-    assert study.notes == (
-        "The trainings by copy and plain are equal bit for bit, with seeds 0 and 1: between them there is nothing to "
-        "compare",
-        "copy pays the same as plain, in all 400 steps, for which plain paid 40 different numbers",
-    )
-
-
 def test_each_reward_is_told_once(tmp_path):
     """By the first one that it is but for its scale."""
     pays = {"plain": lambda a: a, "twice": lambda a: 2.0 * a, "square": lambda a: a**2, "less": lambda a: 1.0 - a}
@@ -77,19 +63,6 @@ def test_each_reward_is_told_once(tmp_path):
         record(tmp_path / reward, reward, 0, ARMS + shift, pays=pays)
     twice, less = load_study(tmp_path).notes
     assert (twice.split(",")[0], less.split(",")[0]) == ("twice is 2 x plain", "less is -1 x plain + 1")
-
-
-def test_two_seeds_that_gave_one_run_are_told(tmp_path):
-    """Tests take them for two."""
-    for reward, shift in (("plain", 0.0), ("thrice", 0.1)):
-        for seed in range(2):
-            record(tmp_path / f"{reward}-{seed}", reward, seed, ARMS + shift)
-    equal = [note for note in load_study(tmp_path).notes if "equal bit for bit" in note]
-    assert equal == [
-        f"The trainings by {reward} with seed 0 and by {reward} with seed 1 are equal bit for bit. They count as "
-        "several, but are one"
-        for reward in ("plain", "thrice")
-    ]
 
 
 def test_a_reward_that_is_not_known_everywhere_is_compared_where_it_is(tmp_path):
