@@ -56,8 +56,7 @@ def record(counting, tmp_path):
     """A recorded env, in the folder ``run``; ``own`` trains unless something else is said."""
 
     def make(env=None, path="run", **given):
-        given = {"trained_with": "own", "rewards": {}, **given}
-        return harness.RecordRewards(env or counting(), tmp_path / path, **given)
+        return recorder([lambda: env or counting()], None, tmp_path / path, **given)
 
     return make
 

@@ -78,6 +78,10 @@ PROBLEMS = {
     "a seed of another kind": (lambda calls: calls.note_reset(0, "x", None), "reset with the seed 'x'"),
     "a list": (lambda calls: calls.take([[1.0, 2.0]]), "an action was given as a list"),
     "another shape": (lambda calls: calls.take([np.zeros(3)]), "has the shape (3,), not (2,)"),
+    "two types": (
+        lambda calls: calls.take([np.ones(2, "float32"), np.ones(2, "float64")]),
+        "actions were given as float32 and as float64",
+    ),
     "a large number": (lambda calls: calls.take([np.full(2, 2**60)]), "an action is beyond 9,007"),
 }
 
@@ -90,13 +94,6 @@ def test_what_cannot_be_told_again_is_a_problem(call, told):
     found = calls.take([np.ones(2, np.float32)])
     assert told in calls.facts.problem
     assert not found[-1, 3:].any()
-
-
-def test_actions_of_two_types_are_a_problem():
-    """One of them would come back in the other's type."""
-    calls = _calls()
-    calls.take([np.ones(2, "float32"), np.ones(2, "float64")])
-    assert calls.facts.problem == "actions were given as float32 and as float64"
 
 
 def test_env_that_was_not_seeded_is_a_problem():

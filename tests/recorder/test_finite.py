@@ -2,45 +2,33 @@
 
 import warnings
 
-import gymnasium
 import numpy as np
 import pytest
 
 from harness.record import read_recording
 from harness.recorder import GivenUp, Noted, taken
-from tests.recorder.conftest import MODES, recorder, take
+from tests.recorder.conftest import MODES, Counting, recorder, take
 
 LAST = 300
 BAD = {"NaN": np.nan, "infinite": np.inf}
 
 
-class Spoilt(gymnasium.Env):
+class Spoilt(Counting):
     """One number is not finite, from a step on."""
-
-    observation_space = gymnasium.spaces.Box(-9, 9, (2,), np.float32)
-    action_space = gymnasium.spaces.Box(-9, 9, (1,), np.float32)
 
     more = {"name": "told", "tip": np.zeros(3)}  # noqa: RUF012
 
     def __init__(self, field, at, bad):
+        super().__init__(50, fresh=True)
         self.field, self.at, self.bad, self.steps = field, at, bad, 0
-
-    def told(self):
-        """What there is now."""
-        number = {it: self.bad if it == self.field and self.steps >= self.at else 0.0 for it in ("observation", "info")}
-        return np.array([0.0, number["observation"]], np.float32), {"x": number["info"], **self.more}
-
-    def reset(self, *, seed=None, options=None):
-        """Begin."""
-        super().reset(seed=seed)
-        return self.told()
 
     def step(self, action):
         """Go on."""
+        seen, paid, *ended, _ = super().step(action)
         self.steps += 1
-        observation, info = self.told()
-        pay = self.bad if self.field == "pay" and self.steps >= self.at else 0.5
-        return observation, pay, self.steps % 50 == 0, False, info
+        spoilt = {self.field: self.bad} if self.steps >= self.at else {}
+        info = {"x": spoilt.get("info", 0.0), **self.more}
+        return seen + np.float32(spoilt.get("observation", 0.0)), spoilt.get("pay", paid), *ended, info
 
 
 def notes_of(tmp_path, mode, field, at, bad):

@@ -40,7 +40,6 @@ SPACES = {
     "discrete": (Discrete(9), int),
     "several": (Tuple([MultiDiscrete([9, 9]), MultiBinary(2)]), lambda k: (np.array([k, 1]), np.int8([k % 2, 1]))),
     "dict": (Dict({"a": BOX, "b": Dict({"c": Discrete(9)})}), lambda k: {"a": pair(k), "b": {"c": k}}),
-    "tuple": (Tuple([Discrete(9), BOX]), lambda k: (k, pair(k))),
     "text": (Dict({"a": BOX, "t": Text(10)}), lambda k: {"a": pair(k), "t": "t" * (1 + k)}),
     "sequence": (Sequence(BOX), lambda k: (pair(k),) * (1 + k % 3)),
     "graph": (Graph(BOX, None), lambda k: GraphInstance(np.full((1 + k % 2, 2), k, np.float32), None, None)),

@@ -141,16 +141,3 @@ def test_what_may_say_otherwise_later_does_not_wait(function):
     """Others may write into what it reads, or see what it does."""
     assert not (only_computes(function) and may_wait(function))
     assert SCALE in bound([scaled])
-
-
-def test_late_failure_is_told_with_its_own_step(counting, record, tmp_path):
-    """At most 255 rows later; the rows before it stay."""
-    env = record(counting(10**6), rewards={"late": lambda o, a, n, i: 1.0 / int(n[0] != 300)})
-    env.reset(seed=0)
-    with pytest.warns(UserWarning, match="'late' failed in env 0, episode 0, step 299"):  # noqa: PT031
-        for _ in range(299 + ROWS_AT_ONCE):
-            env.step(np.zeros(1, np.float32))
-    env.close()
-    found = read_recording(tmp_path / "run")["reward/late"]
-    assert np.isfinite(found[:299]).all()
-    assert np.isnan(found[299:]).all()

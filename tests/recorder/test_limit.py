@@ -9,16 +9,15 @@ import time
 import types
 from pathlib import Path
 
-import gymnasium
 import numpy as np
 import pytest
 
-import harness
 from harness.record import read_recording
 from harness.recorder import guard, limit
 from harness.recorder.computing import may_wait
 from harness.recorder.guard import Guard
 from harness.recorder.trial import Trial
+from tests.recorder.conftest import take
 
 pytestmark = pytest.mark.skipif(not limit.ENDS, reason="calls are only told here")
 SLOW_MODULE = """
@@ -197,24 +196,15 @@ def test_a_limit_around_another_ends_the_outer_call():
 
 
 @pytest.mark.parametrize("function", [_loop, _caught, _swallowed])
-def test_a_training_goes_on(function, tmp_path, monkeypatch):
+def test_a_training_goes_on(function, record, tmp_path, monkeypatch):
     """The reward is given up by name; what pays is recorded."""
     monkeypatch.setattr(guard, "LONGEST_TRIAL", 0.1)
-    env = harness.RecordRewards(
-        gymnasium.make("Pendulum-v1", max_episode_steps=5),
-        tmp_path,
-        trained_with="own",
-        rewards={"stuck": lambda *_: function()},
-    )
-    env.reset(seed=0)
+    env = record(rewards={"stuck": lambda *_: function()})
     with pytest.warns(UserWarning, match="'stuck'.*TimeoutError: it has not returned after 0.1 s of computing"):
-        env.step(env.action_space.sample())
-    for _ in range(4):
-        env.step(env.action_space.sample())
-    env.close()
-    rows = read_recording(tmp_path)
+        take(env, np.zeros((5, 1), np.float32), None)
+    rows = read_recording(tmp_path / "run")
     assert np.isnan(rows["reward/stuck"]).all()
-    assert np.isfinite(rows["reward/own"]).all()
+    assert rows["reward/own"].tolist() == [1, 2, 3, 1, 2]
 
 
 def stuck_at_300(observation, action, next_observation, info):

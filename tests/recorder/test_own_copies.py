@@ -10,6 +10,7 @@ import pytest
 import harness
 from harness.errors import UsageError
 from harness.record import read_recording
+from tests.recorder.conftest import recorder, take
 
 ACTION = np.array([0.5], np.float32)
 
@@ -31,11 +32,7 @@ class Holds:
 
 
 def _record(env, reward, path):
-    recorded = harness.RecordRewards(env, path, trained_with="own", rewards={"holds": reward})
-    recorded.reset(seed=0)
-    for _ in range(3):
-        recorded.step(ACTION)
-    recorded.close()
+    take(recorder([lambda: env], None, path, rewards={"holds": reward}), [ACTION] * 3, None)
     return read_recording(path)["reward/holds"].tolist()
 
 

@@ -108,7 +108,6 @@ def _fail_in_batch(before, actions, after, infos):
     [
         (_fail_in_second_env, (), "ValueError: at the end of the shorter"),
         (_fail_in_batch, ("bad",), "ValueError: it is nan"),
-        ("other", (), "info has no 'other'; it has 'left', 'words'"),
         ("words", (), "it is 'none', no number"),
         (lambda *given: 0.0, ("bad",), r"an array of shape \(\), not \(2,\)"),
     ],

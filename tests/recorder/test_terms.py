@@ -33,18 +33,10 @@ def eureka(observation, action, next_observation, info):
     return sum(terms.values()), terms
 
 
-def _act(env, steps, seed=0):
-    env.action_space.seed(seed)
-    env.reset(seed=seed)
-    for _ in range(steps):
-        if any(env.step(env.action_space.sample())[2:4]):
-            env.reset()
-
-
-def _recorded(folder, steps, name="Pendulum-v1", **given):
-    env = harness.RecordRewards(gymnasium.make(name), folder, **{"trained_with": "own", "rewards": {}, **given})
-    _act(env, steps)
-    env.close()
+def _recorded(folder, steps, **given):
+    env = recorder([lambda: gymnasium.make("Pendulum-v1")], None, folder, **given)
+    env.action_space.seed(0)
+    take(env, [env.action_space.sample() for _ in range(steps)], None)
     return read_recording(folder)
 
 
@@ -83,7 +75,6 @@ def test_training_with_terms_pays_their_sum(tmp_path):
 FAILS = {
     "a field that is not there": (lambda step: step.distance, 0, "has no 'distance'. It has: observation, action"),
     "a key that is not there": (lambda step: step.info["lost"], 0, "info has no 'lost'; it has 'left'"),
-    "a total that is not the sum": (lambda step: (5.0, {"a": 1.0, "b": 2.0}), 0, "The total 5 is not the sum"),
     "a term that is no number": (lambda step: {"a": "x"}, 0, ""),
     "a term that is not finite": (lambda step: {"a": 1.0, "b": float("nan")}, 0, "its term 'b': it is nan"),
     "a lost term": (
@@ -91,7 +82,6 @@ FAILS = {
         1,
         "the terms a, b at first, and now a",
     ),
-    "another term": (lambda step: {"a" if step.observation[0] < 2 else "b": 1.0}, 1, "and now b"),
     "a number in place of terms": (
         lambda step: {"a": 1.0} if step.observation[0] < 2 else 1.0,
         1,

@@ -10,6 +10,7 @@ import harness
 from harness.errors import UsageError
 from harness.record import read_recording
 from harness.recorder import GivenUp, Noted
+from tests.recorder.conftest import recorder, take
 
 MEMORY = {}
 GENERATOR = np.random.default_rng(0)
@@ -73,15 +74,15 @@ def noisy(observation, action, next_observation, info):
     return float(GENERATOR.random())
 
 
-class NoReset:
-    """An object that counts, and cannot be restarted."""
+class Change:
+    """The change since the call before, without ``reset()``: the first answer is 0, asked once or twice."""
 
-    count = 0
+    last = None
 
     def __call__(self, observation, action, next_observation, info):
-        """How often it was called."""
-        self.count += 1
-        return float(self.count)
+        """The change."""
+        last, self.last = self.last, float(next_observation[0])
+        return 0.0 if last is None else self.last - last
 
 
 class Shared:
@@ -153,16 +154,11 @@ class Curriculum(Sums):
 
 
 def _record(rewards, path, env, steps=7, **given):
-    recorded = harness.RecordRewards(env, path, **{"trained_with": "own", "rewards": rewards, **given})
-    recorded.reset(seed=0)
-    for _ in range(steps):
-        if any(recorded.step(ACTION)[2:4]):
-            recorded.reset()
-    recorded.close()
+    take(recorder([lambda: env], None, path, rewards=rewards, **given), [ACTION] * steps, None)
     return read_recording(path)
 
 
-WRONG = {"counts": counts, "best": best, "jumps": jumps, "noisy": noisy, "no reset": NoReset(), "shared": Shared()}
+WRONG = {"counts": counts, "best": best, "jumps": jumps, "noisy": noisy, "no reset": Change(), "shared": Shared()}
 WRONG |= {"beside": Beside(), "first": since_first, "default": since_default, "attribute": since_attribute}
 WRONG |= {"of a step": lambda step: counts(step.observation, None, None, None)}
 DRAWN = np.random.default_rng(3).normal(size=2)
@@ -201,17 +197,6 @@ def test_trial_ends_with_the_recording(counting, tmp_path):
     """In the middle of the first episode."""
     with pytest.warns(GivenUp, match="reward 'best' failed"):
         _record({"best": best}, tmp_path / "run", counting(99), 3)
-
-
-class Change:
-    """The change since the call before, without ``reset()``: the first answer is 0, asked once or twice."""
-
-    last = None
-
-    def __call__(self, observation, action, next_observation, info):
-        """The change."""
-        last, self.last = self.last, float(next_observation[0])
-        return 0.0 if last is None else self.last - last
 
 
 def test_first_episode_of_one_step_is_not_all_that_is_tried(counting, tmp_path):

@@ -6,13 +6,14 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
-from gymnasium.vector import SyncVectorEnv, VectorWrapper
+from gymnasium.vector import AutoresetMode, SyncVectorEnv, VectorWrapper
 from gymnasium.wrappers import NormalizeObservation, NormalizeReward, TransformReward
 
 import harness
 from harness.errors import UsageError
 from harness.record import read_recording
 from harness.recorder import Noted
+from tests.recorder.conftest import take
 
 ACTION = np.array([0.5], np.float32)
 REWARDS = {"own": "own", "raw": lambda s, a, n, i: float(n[0])}
@@ -147,12 +148,9 @@ def test_env_that_pays_vectors_is_told_in_one_line(counting, tmp_path, is_batch,
         env: Any = harness.RecordVectorRewards(inner, tmp_path, trained_with=trained_with, rewards=rewards)
     else:
         env = harness.RecordRewards(Vectors(counting(9)), tmp_path, trained_with=trained_with, rewards=rewards)
-    env.reset(seed=0)
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")
-        for _ in range(3):
-            env.step(np.zeros_like(env.action_space.sample()))
-        env.close()
+        take(env, [np.zeros_like(env.action_space.sample())] * 3, AutoresetMode.NEXT_STEP if is_batch else None)
     assert "the env pays 2 numbers a step, and a reward is one" in str(told[0].message)
     assert len(told) == 1
     found = read_recording(tmp_path)

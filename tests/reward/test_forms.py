@@ -151,7 +151,6 @@ def test_a_term_without_a_name_of_a_parameter_has_no_weight():
     ("returned", "told"),
     [
         (lambda step: -(step.action**2), r"values of shape \(2, 6\) for 2 arms: return one number an arm"),
-        (lambda step: -step.distance[:, None], r"values of shape \(2, 1\) for 2 arms"),
         (lambda step: (step.distance, step.distance), r"values of shape \(2, 2\) for 2 arms"),
         (lambda step: None, "None for 2 arms"),
         (lambda step: -1.0, "-1.0 for 2 arms"),

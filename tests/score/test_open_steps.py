@@ -287,7 +287,6 @@ ROW = "0,1,1,1,0,0"
         (["a,reward"], " has no rows"),
         ([FULL, ROW, "1,1,1,,0,1"], "line 3, column 'distance': the cell is empty"),
         ([FULL, ROW, ",1,,1,,1"], "line 3, column 'prevBest': the cell is empty"),
-        ([FULL, ROW, ",1,1,nan,,1"], "line 3, column 'distance': 'nan' is no finite number"),
         ([FULL, ROW, "later,1,1,1,,1"], "line 3, column 't': 'later' is no finite number"),
         (
             ["beginDistance,delta_distance,distance,reward", "1,,1,1"],

@@ -14,13 +14,6 @@ from tests.refusals import refused
 ROWS = np.arange(12.0).reshape(2, 6)
 
 
-def pay_episode(reward, end_effector, target):
-    """What an arm's reward pays each step of an episode, by positions before each step and after the last."""
-    pay, far = ArmPay(reward), np.linalg.norm(end_effector - target, axis=1)
-    pay.begin(far[0])
-    return pay.pay(far[1:]).total
-
-
 @pytest.mark.parametrize(
     ("text", "given", "tips", "targets"),
     [
@@ -90,6 +83,4 @@ def test_an_episode_is_paid_as_an_env_pays_it(name, far, cut):
     pay = ArmPay(reward)
     pay.begin(far[0])
     parts = [pay.pay(np.array(part)).total for part in (far[1 : 1 + cut], far[1 + cut :]) if part]
-    end_effector = np.outer(far, [1.0, 0.0, 0.0])
-    assert pay_episode(reward, end_effector, 0.0 * end_effector) == pytest.approx(expected)
     assert np.concatenate(parts) == pytest.approx(expected)

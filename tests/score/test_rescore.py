@@ -6,8 +6,7 @@ from harness import load_robot
 from harness.env import ReachVectorEnv
 from harness.reach import ReachTask
 from harness.record import TraceWriter
-from harness.registry import choose, load_registry
-from harness.registry.given import read_given
+from harness.registry import choose, load_registry, read_given
 from harness.score.open_steps import open_steps
 from harness.score.rescore import rescore
 from harness_plugins.kit import IdealSimulator

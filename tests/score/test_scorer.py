@@ -22,7 +22,7 @@ from harness.registry import choose, load_registry
 from harness.reward import Sample
 from harness.reward.needs import ROWS
 from harness.reward.row_steps import DISTANCES, part_of
-from harness.robot.kinematics import reach_position
+from harness.robot import reach_position
 from harness.score import Payer, Scorer, pay_log
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.tasks.unity import Arp2021

@@ -16,7 +16,7 @@ from harness.experiment.environments.paid_again import PayAgain
 from harness.record import TraceWriter, read_recording, read_trace
 from harness.registry import Choice, build_defaults, choose, load_registry, read_given
 from harness.results import load_results
-from harness.score.scorer import pay_log
+from harness.score import pay_log
 from harness_plugins.audit.search.place import Place, world_at
 from harness_plugins.audit.transitions.environment import audit_environment
 from tests.refusals import refused

@@ -424,13 +424,6 @@ def report(say):
     return run
 
 
-def test_the_report_is_printed(folder, report):
-    """The cells, and a line for each comparison."""
-    text = report(folder)
-    assert "random · toy · against near" in text
-    assert re.search(r"An episode is paid \S+ with right and \S+ with near: a change of", " ".join(text.split()))
-
-
 def test_the_report_is_a_page(folder, tmp_path, report):
     """That of recorded trainings."""
     report(folder, "--html", tmp_path / "page.html")

@@ -7,10 +7,8 @@ import gymnasium
 import numpy as np
 import pytest
 
-from harness.env import ReachVectorEnv, decisions
-from harness.env.arm_observation import ArmObservation
+from harness.env import ArmObservation, Episodes, ReachVectorEnv, decisions
 from harness.env.decisions import Shaping, Starts
-from harness.env.episodes import Episodes
 from harness.executor import CellOptions
 from harness.experiment import check_experiment, expand, run_cell as cells
 from harness.experiment.environments import world as worlds
@@ -204,13 +202,8 @@ def test_a_learner_that_loses_its_numbers_fails_the_cell(run, algo):
     assert "action 0 was NaN" in run(algo, LINE).reason
 
 
-@pytest.mark.parametrize(
-    ("module", "keys", "field"),
-    [
-        *((gate, LINE, field) for field in NAMES),
-        *((decisions, ARM, field) for field in NAMES),
-    ],
-)
+@pytest.mark.parametrize("field", NAMES)
+@pytest.mark.parametrize(("module", "keys"), [(gate, LINE), (decisions, ARM)])
 def test_each_door_needs_its_gate(run, spoil, monkeypatch, module, keys, field):
     """Taken out of one, what it had to find is not told."""
     monkeypatch.setattr(module, "require_finite", lambda *_: None)

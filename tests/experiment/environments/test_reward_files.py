@@ -154,20 +154,15 @@ def test_crash_costs_only_the_cells_that_it_pays(trained):
         assert not np.isnan(training["reward/calm"]).any()
 
 
-def test_first_measure_of_the_file_decides(trained):
-    """None is called success; the file says of which less is better."""
-    results = load_results(trained)
-    assert (results.combinations[0].measured.deciding, results.measures) == (("height",), ("height", "effort"))
-    assert {it.measure.better for it in results.combinations[0].measured.changes if it.name == "effort"} == {"lower"}
-
-
-def test_named_measure_decides(files, tmp_path):
-    """Of the same cells, without training them again."""
+def test_first_measure_of_the_file_decides_or_the_named_one(files, tmp_path):
+    """None is called success. The same cells are not trained again; the file says of which less is better."""
     given = {"task": PENDULUM, "algo": "random", "seeds": 2, "steps": 200, "evaluation_episodes": 1, "jobs": 1}
     plugins = [files / "calm.py", files / "behaviour.py"]
-    for measure, deciding in (((), "height"), (["effort"], "effort")):
+    for measure, measures in (((), ("height", "effort")), (["effort"], ("effort", "height"))):
         results = harness.run(**given, plugins=plugins, measure=measure, out=tmp_path / "runs")
-        assert results.combinations[0].measured.deciding == (deciding,)
+        measured = results.combinations[0].measured
+        assert (measured.deciding, results.measures) == (measures[:1], measures)
+        assert {it.measure.better for it in measured.changes if it.name == "effort"} == {"lower"}
     assert len(Store.open(tmp_path / "runs").read_plan().cells) == 4
 
 
