@@ -3,18 +3,15 @@
 import json
 import os
 import shutil
-from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from harness.files.bounded import digest_of
+from harness.files import digest_of
 from harness.files.plain import FIRST_LINE, note_made, seal
 from harness.record import Cell
 
-Forge = Callable[[Path], object]
 ESCAPE = "\x1b]0;owned\x07\x1b[2J\u202e"
 """What a terminal would obey."""
 CANARY = "canary"

@@ -46,7 +46,7 @@ def test_problems_as_json(harness, experiment, tmp_path):
 
 def test_second_run_may_refuse_to_wait(harness, experiment, quick, tmp_path):
     """`--no-wait`: one line, exit status 2, nothing written."""
-    from harness.record.store import Store
+    from harness.record import Store
 
     before = (tmp_path / "mine" / "plan.json").read_bytes()
     with Store(tmp_path / "mine").locked():

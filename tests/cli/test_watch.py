@@ -6,7 +6,7 @@ from http.client import HTTPConnection
 import pytest
 
 from harness.record import Store
-from harness_plugins.audit.search.certificate import write_certificate
+from harness_plugins.audit import write_certificate
 from harness_plugins.watch.trainings import source_of
 from harness_plugins.watch.watch import HOST, Pages, open_server, pages_of
 from tests.plugins.audit.search.certified import certificate_of

@@ -112,10 +112,8 @@ def test_p_value_is_that_of_swapped_names(pairs):
     assert found.outcomes == pytest.approx(outcomes)
 
 
-def test_p_value_by_hand():
-    """All six seeds agree: 2 of 64 ways. Nothing differs: all ways. One pair has none."""
-    assert change([0.0] * 6, [1.0, 0.9, 0.8] * 2).p == 2 / 64
-    assert change([0.5] * 6, [0.5] * 6).p == 1.0
+def test_one_pair_has_no_p_value():
+    """Its names can be swapped in one way alone."""
     assert change([0.0], [1.0]).p is None
 
 

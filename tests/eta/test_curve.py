@@ -83,15 +83,6 @@ def test_published_table(who):
     assert group_of([np.diff(curve, prepend=0.0)]).index.to_json() == {**published, "total": total}
 
 
-@given(SQUARES, ANY_KIND, st.sampled_from([2.0, 1024.0, 2.0**-20]))
-def test_scaling_a_group_scales_its_sums_exactly(rewards, kind, scale):
-    """The ruler shows in both sums and nowhere else; a power of two rounds nothing."""
-    one, scaled = curve_of(list(rewards), kind).index, curve_of(list(scale * rewards), kind).index
-    assert scaled == Index(
-        one.first_negative, one.crossover, one.steps, scale * one.negative_sum, scale * one.positive_sum
-    )
-
-
 # Groups without much in them
 
 

@@ -137,24 +137,6 @@ def test_so_far_says_what_would_undo_it_and_what_would_tell():
     assert "corrected p" not in told(BETTER).robot
 
 
-def test_without_known_ends_so_far_asks_for_them():
-    """With the flag to type, in place of a number of trainings."""
-    score = Quantity("score", "", "higher", "deterministic")
-    found = so_far(moved(100.0, 110.0, score, p=0.01))
-    assert "How low and how high score can go is not known" in found.robot
-    assert "--ends score=LEAST,GREATEST says it." in found.robot
-    assert found.seeds_to_decide is None
-    assert "--ends score=LEAST,GREATEST" in ruled(moved(100.0, 110.0, score, p=0.2)).robot
-
-
-def test_a_measure_that_was_chosen_afterwards_is_told_as_one_of_all():
-    """Of those that could have been."""
-    assert (
-        "Success was named after the trainings, so p and the interval allow for all 11 measures"
-        in so_far(BETTER, offered=10).robot
-    )
-
-
 def test_trainings_need_not_be_as_many():
     """Both numbers stand there."""
     assert "; 10 trainings with base, 5 with mine. " in told(change(about(7.0), about(5.0, 5), TIME, p=0.01)).robot

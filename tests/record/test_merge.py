@@ -12,7 +12,7 @@ from harness.experiment import check_experiment, expand
 from harness.record import EXPERIMENT, MANIFEST, PLAN, REPORT, RESULTS, TRACE, Store, Terms, read_manifest
 from harness.record.merge import merge
 from harness.record.verify import verify
-from harness.report.document import report_text
+from harness.report import report_text
 from harness.results import load_results
 from tests.stores import create_store
 

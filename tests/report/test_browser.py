@@ -93,14 +93,11 @@ def test_no_label_of_a_figure_is_cut(show, single, width):
     assert cut == []
 
 
-def test_page_of_a_matrix_is_small_and_quick(show, matrix, single):
-    """3 MB, 4 screens and 8 sheets of paper; painted in a second."""
+def test_page_of_a_matrix_is_small(show, matrix):
+    """3 MB, 4 screens and 8 sheets of paper."""
     assert size_of(matrix) < 3e6
-    assert size_of(single) < 3e6
     page = show(matrix)
     assert page.evaluate("document.documentElement.scrollHeight") <= 4 * 900
-    page.wait_for_function("() => performance.getEntriesByName('first-contentful-paint').length > 0")
-    assert page.evaluate("performance.getEntriesByName('first-contentful-paint')[0].startTime") < 1_000.0
     assert printed_pages(page) <= 8
 
 

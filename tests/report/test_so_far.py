@@ -5,9 +5,8 @@ import re
 
 import pytest
 
-from harness.report import comparison_table, overview_table, write_html
+from harness.report import comparison_table, overview_table, what_decides, write_html
 from harness.report.page.html import PROMISE
-from harness.report.rows.comparison import what_decides
 from tests.report.conftest import printed, squeezed, words_of
 
 AHEAD = {"arp": lambda seed: (5, 6, 7, 8), "baseline": lambda seed: (7, 8, 9)}

@@ -6,7 +6,7 @@ import pytest
 from harness.errors import UsageError
 from harness.registry import load_registry
 from harness.results import Results, load_results
-from harness_plugins.transfer.jobs import plan_transfers
+from harness_plugins.transfer import plan_transfers
 from tests.results.recordings.conftest import PAYS, record
 from tests.stores import create_store
 

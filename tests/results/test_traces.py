@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from harness.eta import corrected_p, curve_of
-from harness.record.trace import EpisodeFacts
+from harness.record import EpisodeFacts
 from harness.registry import Choice, load_registry
 from harness.results import load_results
 from tests.results.folders import ARP, ARP_RUNS, BASELINE, BASELINE_RUNS, fail, load_without, only, paid

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 import scipy.stats
 from hypothesis import given, strategies as st
-from numpy.random import default_rng
 
 from harness.eta import Question
 from tests.eta.scenarios import values_of
@@ -95,12 +94,6 @@ def test_seeds_of_single_places_are_no_seeds_of_the_others():
     assert question.layout.strata == ((0, 4, 4), (1, 4, 4))
 
 
-def test_a_shift_changes_nothing():
-    """Statistics are about differences."""
-    values = values_of(5, 2, 2)
-    assert Question.of(values + 7.0).statistics() == pytest.approx(Question.of(values).statistics())
-
-
 def test_a_place_without_spread_has_an_error_all_the_same():
     """A thousandth of the pooled standard deviation: no statistic is infinite."""
     values = np.zeros((2, 5, 1, 1))
@@ -128,18 +121,6 @@ def test_a_training_that_is_missing_takes_none_of_the_other_reward_with_it():
     assert question.statistics()[0, 0] == pytest.approx(theirs.statistic)
     assert question.differences[0, 0] == pytest.approx(kept.mean() - values[0].mean())
     assert question.means == pytest.approx((values[0].mean(), kept.mean()))
-
-
-@given(st.integers(2, 7), st.integers(2, 7), st.integers(1, 3), st.integers(0, 1000))
-def test_rows_are_not_paired(baselines, proposed, places, seed):
-    """Where the trainings of a side stand changes nothing."""
-    values = with_counts(values_of(7, places, 2, effect=0.7, seed=seed), baselines, proposed)
-    rng, mixed = default_rng(seed), values.copy()
-    for side in (0, 1):
-        mixed[side] = values[side, rng.permutation(7)]
-    one, other = Question.of(values), Question.of(mixed)
-    assert one.statistics()[0] == pytest.approx(other.statistics()[0])
-    assert one.bounds(0, 0.95) == pytest.approx(other.bounds(0, 0.95))
 
 
 def test_trainings_that_only_one_side_has_keep_their_label_and_count():
