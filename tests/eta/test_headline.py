@@ -24,7 +24,6 @@ from harness.eta import (
     swaps_of,
 )
 from harness.eta.power import seeds_to_tell
-from harness.eta.verdict.looks import luck_in
 from tests.eta.headlines import CLAIM, DECIDED, NAMES, PAIRS, SPEED, SUCCESS, TIME, change, headline_of, ruling_of
 
 SEEDS = 10
@@ -123,18 +122,6 @@ def test_success_while_training_alone_may_say_that_it_learns_slower():
 def test_a_difference_below_its_margin_is_not_little_beside_one_beyond_it():
     """Though its measure decided."""
     assert "by little" not in told(BETTER, moved(2.01, 1.90, TIME, p=0.001)).robot
-
-
-def test_so_far_says_what_would_undo_it_and_what_would_tell():
-    """Failures that so few trainings do not rule out, how many would tell, and luck; else no p stands there."""
-    found = so_far(moved(0.8, 0.9, p=0.01), grown=(4, 5, 6), looks=4)
-    assert "mine is ahead in these trainings (corrected p 0.010). This is look 4 at the folder: by luck" in found.robot
-    assert f" {100 * luck_in((4, 5, 6, 10)):.0f} in 100 get such a word by then." in found.robot
-    assert "if 1 in 9 with mine ended as badly as can be, both would be equal, and 10 trainings do not" in found.robot
-    assert found.robot.endswith("trainings of each reward, in one place or spread over several, would tell.")
-    behind = so_far(moved(0.9, 0.5, p=0.01)).robot
-    assert "mine is behind in these trainings (corrected p 0.010). Of new trainings that says little yet: one" in behind
-    assert "corrected p" not in told(BETTER).robot
 
 
 def test_trainings_need_not_be_as_many():
