@@ -84,7 +84,8 @@ if TYPE_CHECKING:
         splits_of as splits_of,
         terms_of as terms_of,
     )
-    from harness.report.tables.grid import WideOrNarrow as WideOrNarrow, show_grid as show_grid
+    from harness.report.tables.comparison import WideOrNarrow as WideOrNarrow
+    from harness.report.tables.grid import show_grid as show_grid
 
 else:
     __all__, __getattr__ = face_of(__name__, __file__)

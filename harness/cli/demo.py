@@ -97,7 +97,8 @@ def _show(results: "Results") -> None:
     from harness.cli.output import make_table_and_page
     from harness.record.store import REPORT
     from harness.report.rows.ratios import format_number
-    from harness.report.tables.grid import comparison_lines, show
+    from harness.report.tables.comparison import comparison_lines
+    from harness.report.tables.grid import show
 
     show(comparison_lines(results.combinations))
     (comparison,) = results.combinations

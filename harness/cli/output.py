@@ -149,8 +149,8 @@ def write_page_of(results: "Results", html: Path) -> None:
 
 def _print_tables(results: "Results", details: bool, command: str) -> None:
     """The overview, or all there is; in both what commands of plugins have to say."""
-    from harness.report.tables.comparison import comparison_table
-    from harness.report.tables.grid import overview_table, ranking_table, show
+    from harness.report.tables.comparison import comparison_table, overview_table, ranking_table
+    from harness.report.tables.grid import show
     from harness.section import shown_sections
 
     sections = shown_sections(results)

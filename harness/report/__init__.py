@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from harness.report.page.html import write_html as write_html
     from harness.report.page.page import typeset as typeset
     from harness.report.replay.section import replay_of as replay_of
+    from harness.report.rows import Grid as Grid
     from harness.report.rows.comparison import (
         along_grid as along_grid,
         basis_text as basis_text,
@@ -31,14 +32,16 @@ if TYPE_CHECKING:
     )
     from harness.report.rows.ratios import (
         SPLIT as SPLIT,
-        Grid as Grid,
         format_number as format_number,
         scales_text as scales_text,
     )
     from harness.report.rows.returns import Payoffs as Payoffs, return_grid as return_grid, terms_grid as terms_grid
-    from harness.report.tables.comparison import comparison_table as comparison_table
+    from harness.report.tables.comparison import (
+        comparison_table as comparison_table,
+        overview_table as overview_table,
+        ranking_table as ranking_table,
+    )
     from harness.report.tables.eta import eta_table as eta_table
-    from harness.report.tables.grid import overview_table as overview_table, ranking_table as ranking_table
     from harness.report.tables.score import score_table as score_table
 else:
     __all__, __getattr__ = face_of(__name__, __file__)

@@ -19,10 +19,11 @@ SCRIPT = f"""
 import sys, gymnasium, harness, numpy as np
 from pathlib import Path
 from harness.record import read_recording
-from harness.record.recording import recorded_training, recording_writer
+from harness.record import parts
+from harness.record.recording import recorded_training
 
-recorded_training.PART_ROWS = recording_writer.PART_ROWS = {PART}
-recording_writer.WRITE_EVERY = 0.02
+recorded_training.PART_ROWS = parts.PART_ROWS = {PART}
+parts.WRITE_EVERY = parts.SOONEST = 0.02
 folder = Path(sys.argv[1])
 there = read_recording(folder)["episode"] if recorded_training.is_recording(folder) else np.empty(0, int)
 rewards = {{"turn": lambda step: float(step.observation[0]), "speed": lambda step: abs(float(step.observation[2]))}}

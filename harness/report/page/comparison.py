@@ -27,6 +27,7 @@ from harness.report.figures.learning import (
 from harness.report.figures.split import describe_split, describe_sum, draw_split, draw_strip, draw_sum
 from harness.report.page.answer import Card, card_of
 from harness.report.replay.section import BASELINE, PROPOSED, EpisodeLinks, Link, Still
+from harness.report.rows import Grid
 from harness.report.rows.comparison import (
     BETWEEN,
     alone_grid,
@@ -43,7 +44,7 @@ from harness.report.rows.comparison import (
     story,
     text_of,
 )
-from harness.report.rows.ratios import Grid, format_number, scales_text, step_text
+from harness.report.rows.ratios import format_number, scales_text, step_text
 from harness.report.rows.returns import (
     READING,
     Audits,

@@ -18,6 +18,7 @@ from harness.report.page.answer import Card, Matrix, comparisons_csv, groups_of,
 from harness.report.page.comparison import Section, alone_section, comparison_section
 from harness.report.page.page import render_page, write_page
 from harness.report.replay.section import Link, Replay, links_of, replay_of
+from harness.report.rows import Grid
 from harness.report.rows.comparison import (
     ALONE,
     BETWEEN,
@@ -46,7 +47,7 @@ from harness.report.rows.ranking import (
     TaskRows,
     task_rows,
 )
-from harness.report.rows.ratios import PATHS, SPLIT, TOTAL, Grid
+from harness.report.rows.ratios import PATHS, SPLIT, TOTAL
 from harness.report.rows.returns import (
     EXPLANATION as RETURNS,
     INDICES,

@@ -14,7 +14,8 @@ from harness.eta.manner import DETERMINISTIC, EVALUATION, LAST_FIFTH, STOCHASTIC
 from harness.eta.swaps import p_text
 from harness.record.file_forms import Status
 from harness.record.plan_file import EXPERIMENT
-from harness.report.rows.ratios import Grid, Text, format_number, value_rows
+from harness.report.rows import Grid
+from harness.report.rows.ratios import Text, format_number, value_rows
 from harness.results import Results
 from harness.results.alone import Alone, Stages
 from harness.results.choosing import Choosing

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from harness.eta.index import NOTHING
 from harness.eta.ranking import Agreement, Answer, Transplant
-from harness.report.rows.ratios import Grid
+from harness.report.rows import Grid
 from harness.results.overview import ARROW
 from harness.results.ranking import ROUNDING, Kind, PlacePair, TaskRanking
 

@@ -1,13 +1,14 @@
 """Ratios of two rewards and their parts, as text and small grids that the terminal and the page share."""
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from typing import NamedTuple, TypeAlias
+from typing import TypeAlias
 
 from harness.eta.curve import Kind
 from harness.eta.headline import format_number as format_number  # noqa: PLC0414 -- with the other texts of numbers here
 from harness.eta.index import NEAR_ZERO, NOTHING, Index, Ratio, SeedMean
 from harness.eta.splits import Decomposition, Split, SplitPath, Splits, SumSplit
 from harness.eta.swaps import p_text
+from harness.report.rows import Grid
 
 SCALES = "Each reward pays on its own scale, so that pay does not say how the {subject} behaves."
 SPLIT = (
@@ -29,16 +30,6 @@ BETTER = {"eta_N": "below 1", "eta_P": "above 1"}
 
 Text: TypeAlias = Callable[[float | None], str]
 """A function that writes a value as text."""
-
-
-class Grid(NamedTuple):
-    """A small table, ready to print: a name in the first column, then values; notes below."""
-
-    headings: tuple[str, ...]
-    rows: list[tuple[str, ...]]
-    notes: list[str]
-    title: str = ""
-    """The title above the grid. As the heading of the names it would wrap."""
 
 
 def scales_text(subject: str) -> str:

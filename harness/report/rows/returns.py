@@ -9,8 +9,8 @@ from harness.eta.headline import ReturnSplit, format_number, signed
 from harness.eta.index import NOTHING, SeedMean
 from harness.eta.splits import BB, KK, Split, Splits, SumSplit
 from harness.registry.choice import parse
+from harness.report.rows import Grid
 from harness.report.rows.ratios import (
-    Grid,
     index_grid,
     is_drawable,
     lines_of,

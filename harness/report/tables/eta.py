@@ -3,7 +3,8 @@
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from harness.report.rows.ratios import Grid, index_grid, scales_text, split_grids, sum_grid
+from harness.report.rows import Grid
+from harness.report.rows.ratios import index_grid, scales_text, split_grids, sum_grid
 from harness.report.tables.grid import show_grid
 from harness.score.compare import ComparedRuns
 

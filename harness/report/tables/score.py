@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from rich.console import Group, RenderableType
 
 from harness.eta.index import NOTHING
+from harness.report.rows import Grid
 from harness.report.rows.comparison import SHOWN
-from harness.report.rows.ratios import Grid
 from harness.report.tables.grid import show_titled
 from harness.results.score_matrix import ScoreMatrix
 from harness.text import shortened
