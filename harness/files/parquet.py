@@ -4,6 +4,7 @@ import struct
 import sys
 from collections import Counter
 from collections.abc import Collection, Iterator
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -38,7 +39,7 @@ class Chunk(NamedTuple):
     greatest: float | None
 
 
-def read_chunks(path: Path) -> list[list[Chunk]]:
+def read_chunks(path: Path) -> tuple[tuple[Chunk, ...], ...]:
     """The columns of each group of rows, in the file's order.
 
     Args:
@@ -48,6 +49,13 @@ def read_chunks(path: Path) -> list[list[Chunk]]:
         OSError: See `open_regular`.
         ValueError: It does not end as a Parquet file does.
     """
+    told = path.stat()
+    return _read_chunks(path, (told.st_ino, told.st_size, told.st_mtime_ns))
+
+
+@lru_cache(maxsize=4096)
+def _read_chunks(path: Path, found: tuple[int, int, int]) -> tuple[tuple[Chunk, ...], ...]:
+    """Those of a file that had this number, size and time: a report opens each file several times."""
     with open_regular(path, sys.maxsize) as file:
         end = file.seek(0, 2)
         file.seek(max(0, end - 8))
@@ -58,8 +66,8 @@ def read_chunks(path: Path) -> list[list[Chunk]]:
         file.seek(end - 8 - length)
         footer = file.read(length)
     try:
-        told, _ = _struct(footer, 0, 0)
-        return [[_chunk(each[3]) for each in group[1]] for group in told[4]]
+        content, _ = _struct(footer, 0, 0)
+        return tuple(tuple(_chunk(each[3]) for each in group[1]) for group in content[4])
     except (IndexError, KeyError, TypeError, AttributeError, struct.error) as wrong:
         raise ValueError("its end, which tells of its columns, is damaged") from wrong
 
