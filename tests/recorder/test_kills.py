@@ -87,7 +87,7 @@ def test_a_killed_recorder_loses_no_part(run, tmp_path, kills):
             assert parts.items() <= left.items()
             assert len(found) >= max(told, default=0)
             parts, rows = left, found.rows().columns
-            at = rows["episode"] * STEPS + rows["step"]
+            at = (rows["episode"] * STEPS + rows["step"]).astype(int)  # of no row a float
             for name in names:
                 assert rows[name].tobytes() == expected[name][at].tobytes()
         assert set(np.unique(rows["episode"])) == set(range(EPISODES))
