@@ -325,6 +325,8 @@ class Taken:
         try:
             if column.is_watched or self._guard.is_open:
                 (answer,) = self._guard.ask(column.measures, [step], True)
+                for generator in self._guard.drew.values():
+                    self._recorder.note_draw(column, generator, self._ticks[-1][:3])
             else:
                 answer = column.measures[0](*step)
             numbers = [column.numbers(answer)]

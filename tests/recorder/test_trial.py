@@ -296,6 +296,12 @@ def test_draw_in_a_late_step_does_not_reach_the_training(counting, tmp_path):
     assert found.facts.notes[0].startswith("reward 'late': it draws")
 
 
+def test_late_draw_of_a_reward_that_pays_is_named_too(counting, tmp_path):
+    """It is asked alone by then."""
+    with pytest.warns(Noted, match="first in env 0, episode 0, step 999. It pays the learner"):
+        _record({"late": _late}, tmp_path / "run", counting(2_000), 1_001, trained_with="late", pay=True)
+
+
 def test_draw_of_a_reward_that_pays_is_part_of_the_training(counting, tmp_path):
     """It is named, and drawn once for each step."""
     paid = {"drawn": lambda s, a, n, i: random.random()}
