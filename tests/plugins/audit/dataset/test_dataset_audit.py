@@ -14,13 +14,12 @@ from harness.payoff.dataset.rewards import Recorded
 from harness.record.dataset.labels import FAILURE, SUCCESS, UNKNOWN
 from harness.reward.forms import reward_class
 from harness.reward.terms import sum_of
-from harness.score.places import parse_places
+from harness.score import ArmPay, parse_places
 from harness_plugins.audit import audit_dataset
 from harness_plugins.datasets import dataset as sizes
 from tests.payoff.conftest import named
 from tests.record.dataset.written import episode, opened, write_lerobot, write_minari
 from tests.refusals import refused
-from tests.score.test_places import pay_episode
 
 RANKS, AGAINST, CANNOT_TELL = "RANKS AS SUCCESS DOES", "RANKS AGAINST IT", "CANNOT TELL"
 PLACES = "end_effector=0:3,target=3:6"
@@ -70,6 +69,13 @@ def pay(dataset, places=None, **rewards):
     """Functions, and rewards of an arm by a map, are paid to a data set."""
     asked = {name: step_by_step(name, it) if callable(it) and places is None else it for name, it in rewards.items()}
     return pay_dataset(opened(dataset), asked, places)
+
+
+def pay_episode(reward, end_effector, target):
+    """What an arm's reward pays each step of an episode, by positions before each step and after the last."""
+    arm, far = ArmPay(reward), np.linalg.norm(end_effector - target, axis=1)
+    arm.begin(far[0])
+    return arm.pay(far[1:]).total
 
 
 def test_a_reward_that_ranks_as_success_does_is_told(reached):
