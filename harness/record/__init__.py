@@ -18,7 +18,7 @@ if TYPE_CHECKING:
         partial_folder as partial_folder,
     )
     from harness.record.manifest import Manifest as Manifest, read_manifest as read_manifest
-    from harness.record.plan_file import EXPERIMENT as EXPERIMENT, PLAN as PLAN
+    from harness.record.plan_file import EXPERIMENT as EXPERIMENT, PLAN as PLAN, read_plan as read_plan
     from harness.record.recording.facts import TrainingFacts as TrainingFacts
     from harness.record.recording.recorded_training import read_recording as read_recording
     from harness.record.returns import paid_in as paid_in

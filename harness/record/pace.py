@@ -6,6 +6,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from typing import NamedTuple, TypeAlias
 
 from harness.record.cell import Cell
@@ -55,10 +56,14 @@ def time_left(
         return None
     besides = [(kind_of(it.cell), max(it.seconds - it.training_seconds, 0.0), 1) for it in ended]
 
+    @cache
+    def costs(kind: Kind) -> tuple[float, float]:
+        return _mean(measured, kind, now), _mean(besides, kind)
+
     def rest(it: Begun) -> float:
-        kind = kind_of(it.cell)
-        per_step = _mean(measured, kind, now) if it.per_step is None else it.per_step
-        return (it.cell.steps - it.steps) * per_step + max(_mean(besides, kind) - it.since, 0.0)
+        known, after = costs(kind_of(it.cell))
+        per_step = known if it.per_step is None else it.per_step
+        return (it.cell.steps - it.steps) * per_step + max(after - it.since, 0.0)
 
     return makespan([rest(it) for it in begun], [rest(Begun(cell, 0, None)) for cell in waiting], at_once)
 

@@ -9,6 +9,7 @@ from typing import Any, Self
 from harness.record.cell import Cell
 from harness.record.manifest import Manifest, read_manifest
 from harness.record.pace import Begun, time_left
+from harness.record.plan_file import StoredPlan, read_plan
 from harness.record.running import Running, read_running
 from harness.record.store import Store
 
@@ -91,10 +92,21 @@ class FolderStatus:
         }
 
 
-def read_status(folder: Path, now: Callable[[], float] = time.time) -> FolderStatus:
+def read_status(
+    folder: Path,
+    now: Callable[[], float] = time.time,
+    plan_in: Callable[[Path], StoredPlan] = read_plan,
+    manifest_in: Callable[[Path], Manifest] = read_manifest,
+) -> FolderStatus:
     """How far the experiment in a folder has come. Changes nothing, and waits for nobody.
 
     Files are not compared with what was written, which `harness.record.verify` does: that would take long.
+
+    Args:
+        folder: The experiment's.
+        now: The time.
+        plan_in: Reads its plan; who looks often need not read it each time.
+        manifest_in: The same of the manifest in a cell's folder.
 
     Raises:
         UsageError: The folder is no experiment's.
@@ -102,14 +114,18 @@ def read_status(folder: Path, now: Callable[[], float] = time.time) -> FolderSta
     """
     store = Store.open(folder)
     is_in_use, running = store.is_in_use(), read_running(folder)
-    cells = [_progress(cell, store, is_in_use, running.get(cell.id)) for cell in store.read_plan().cells]
+    cells = [
+        _progress(cell, store, is_in_use, running.get(cell.id), manifest_in) for cell in store.read_plan(plan_in).cells
+    ]
     return FolderStatus(folder, is_in_use, cells, now())
 
 
-def _progress(cell: Cell, store: Store, is_in_use: bool, running: Running | None) -> Progress:
+def _progress(
+    cell: Cell, store: Store, is_in_use: bool, running: Running | None, manifest_in: Callable[[Path], Manifest]
+) -> Progress:
     if running is not None:
         return Progress(cell, "running" if is_in_use else "interrupted", running=running)
-    found = store.examine(cell, read_manifest)
+    found = store.examine(cell, manifest_in)
     return Progress(cell, found.status, found.reason, took=found if found.status == "done" else None)
 
 

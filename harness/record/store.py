@@ -105,15 +105,18 @@ class Store:
         for cell, reason in plan.skipped:
             self.record(cell, "skipped", reason)
 
-    def read_plan(self) -> StoredPlan:
+    def read_plan(self, read: Callable[[Path], StoredPlan] = read_plan) -> StoredPlan:
         """What was asked for; where ``plan.json`` is damaged, as far as the cells tell.
+
+        Args:
+            read: Gives the plan in a folder.
 
         Raises:
             NewerFormat: A newer version wrote it.
             SchemaError: The cells do not tell either.
         """
         try:
-            return read_plan(self.folder)
+            return read(self.folder)
         except NewerFormat:
             raise
         except SchemaError as error:

@@ -1,6 +1,7 @@
 """``harness watch``. What reads and serves is imported when it is called: ``--help`` does not wait for it."""
 
 from pathlib import Path
+from time import sleep
 from typing import Annotated
 
 import typer
@@ -30,22 +31,20 @@ def watch(
 
     Of a search for cheats: the behaviours that it found.
     """
-    from .watch import address_of, open_server, pages_of
+    from .watch import pages_of, served
 
-    pages = pages_of(folder)
-    page = pages.page(is_live=html is None)  # what is wrong with the folder is said here
     if html is not None:
-        write_page(page, html, "--html")
+        write_page(pages_of(folder).page(is_live=False), html, "--html")
         say(f"Written: {html}", err=True)
         return
-    with open_server(pages, port) as server:
-        address = address_of(server)
+    with served(folder, port) as address:
         say(f"Live page: {address} (Ctrl+C ends it)", err=True)
         if browser:
             import webbrowser
 
             webbrowser.open(address)
-        server.serve_forever()
+        while True:
+            sleep(3600.0)  # until Ctrl+C, which no wait without an end hears on Windows
 
 
 vars(watch)["examples"] = (

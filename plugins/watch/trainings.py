@@ -1,10 +1,11 @@
 """What a live page shows of trainings, read from the folder of an experiment or of recordings. Nothing is written."""
 
+import os
 import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Literal, Protocol, TypeAlias
+from typing import Generic, Literal, Protocol, TypeAlias, TypeVar
 
 from harness.authoring.commands import (
     TRAINING_RECORDING,
@@ -15,12 +16,13 @@ from harness.authoring.commands import (
 )
 from harness.errors import HarnessError, SchemaError, UsageError, one_line
 from harness.eta import Better, direction_of
-from harness.record import TRACE, Cell, Store, partial_folder
+from harness.record import MANIFEST, PLAN, TRACE, Cell, Store, partial_folder, read_manifest, read_plan
 
 from .blocks import Block, Blocks
 from .hint import is_flag
 from .recorded import Recording, Trace, measure_of
 
+T = TypeVar("T")
 State: TypeAlias = Literal["running", "done", "stopped", "failed"]
 MOST = 24
 """The most trainings that are drawn: those that run, and the newest others."""
@@ -114,18 +116,39 @@ def source_of(folder: Path) -> Source:
     return RecordingsSource(folder)
 
 
+class Remembered(Generic[T]):
+    """What a file in a folder says, read again where it is another one."""
+
+    def __init__(self, name: str, read: Callable[[Path], T]) -> None:
+        self._name, self._read = name, read
+        self._known: dict[Path, tuple[tuple[int, ...], T]] = {}
+
+    def __call__(self, folder: Path) -> T:
+        """What `read` gives of the folder."""
+        try:
+            found = os.stat(folder / self._name)
+        except OSError:
+            return self._read(folder)  # says what is wrong
+        seen = found.st_ino, found.st_size, found.st_mtime_ns
+        known = self._known.get(folder)
+        if known is None or known[0] != seen:
+            known = self._known[folder] = seen, self._read(folder)
+        return known[1]
+
+
 class ExperimentSource:
     """An experiment: cells of an arm leave traces, those in environments recordings."""
 
     def __init__(self, folder: Path) -> None:
         self.folder, self._store = folder, Store(folder)
+        self._plans, self._manifests = Remembered(PLAN, read_plan), Remembered(MANIFEST, read_manifest)
         self._ended: dict[str, Training] = {}
         self._recordings: dict[Path, Recording] = {}
         self._traces: dict[Path, Trace] = {}
         self._may_end_early = bool(self._store.read_plan().terms.looks)
 
     def look(self) -> Shown:
-        status = read_status(self.folder)
+        status = read_status(self.folder, plan_in=self._plans, manifest_in=self._manifests)
         begun = [it for it in status.cells if it.status in STATES]
         drawn = set(newest(range(len(begun)), [STATES[it.status] == "running" for it in begun]))
         trainings = []

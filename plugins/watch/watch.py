@@ -1,38 +1,35 @@
 """The page of trainings in the browser, while they go on."""
 
 import json
-import sys
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
-from threading import Lock, Thread
 from typing import TYPE_CHECKING
 
-from harness.authoring.commands import complain, describe_unexpected, line_names, overview_of, overview_row
+from harness.authoring.commands import line_names, overview_of, overview_row
 from harness.authoring.pages import render_page
-from harness.errors import HarnessError, UsageError, one_line
+from harness.errors import UsageError
 from harness.record import Store
 from harness.registry import load_registry
 from harness.report import question, replay_of
 from harness.results import Results, load_results, shows_of
 
 from .cards import rows_of
+from .serving import Kept, serving
 from .trainings import ExperimentSource, Shown, Training, source_of
 
 if TYPE_CHECKING:
-    from http.server import ThreadingHTTPServer
-
     from harness.authoring.pages import Replay
 
 HERE = Path(__file__).parent
-HOST = "127.0.0.1"
-"""Nobody else on the network sees the page."""
+SOON = 0.5
+"""Seconds for which a page waits for its results; later it asks for them."""
+REST = 4.0
+"""Making results takes at most a fifth of the time: so many times as long they are kept."""
 CERTIFICATES = "watch--certificates"
 """Under this name a plugin registers what makes the page of certificates."""
-PATIENCE = 60.0
-"""Seconds to wait for a client that asks nothing."""
 
 
 def pages_of(path: Path) -> "Pages | CertificatePages":
@@ -76,7 +73,7 @@ class CertificatePages:
 
 
 class Pages:
-    """What there is to be served, made when somebody asks; results anew when trainings have ended since."""
+    """What there is to be served, one look for all who ask; results anew when trainings have ended since."""
 
     def __init__(self, folder: Path) -> None:
         """Read nothing yet.
@@ -84,61 +81,65 @@ class Pages:
         Raises:
             UsageError: The folder holds neither an experiment nor a recording.
         """
-        self._source, self._lock = source_of(folder), Lock()
-        self._shown: tuple[Shown, str] | None = None
-        self._results = -1, Told("", None)
+        source = source_of(folder)
+        self._folder, self._look, self._results = folder, Kept(source.look), Kept(self._read, REST)
+        self._cards: tuple[tuple[tuple[Training, ...], int], str] = ((), 0), ""
+        # Of loose recordings ``harness report`` tells.
+        self._told = Told(-isinstance(source, ExperimentSource), f"Trainings in {folder.resolve().name}")
 
     def live(self) -> str:
-        """What the page asks for every second, as JSON: the parts that are shown anew, by their names."""
-        with self._lock:
-            shown = self._source.look()
-            news, left = (escape(text) for text in (shown.news, shown.left))
-            told = {"news": news, "left": left, "trainings": self._drawn(shown), "done": shown.done}
-            return json.dumps(told)
+        """What the page asks for every second, as JSON: the parts that are shown anew, by their names.
+
+        And of how many trainings that ended there are results; newer ones are begun here.
+        """
+        shown = self._look().result()
+        if shown.done != self._told.done:
+            self._results()
+        news, left = (escape(text) for text in (shown.news, shown.left))
+        return json.dumps({"news": news, "left": left, "trainings": self._drawn(shown), "done": self._told.done})
 
     def results(self) -> str:
         """What follows from trainings that have ended, as JSON."""
-        with self._lock:
-            told = self._told(self._source.look().done)
-        replay = told.replay
-        parts = {"script": replay.script, "style": replay.style} if replay else {"script": "", "style": ""}
-        return json.dumps({"answers": told.answers, "replay": told.replay_part, **parts})
+        told = self._results().result()
+        parts = {"done": told.done, "title": told.title, "answers": told.answers, "replay": told.replay_part}
+        return json.dumps({**parts, **{name: getattr(told.replay, name, "") for name in ("script", "style")}})
 
     def page(self, is_live: bool = True) -> str:
         """The page as HTML.
 
         Args:
-            is_live: Whether it asks for what is new; a file cannot.
+            is_live: Whether it asks for what is new, results that take longer than `SOON` too; a file cannot.
 
         Raises:
             HarnessError: The folder cannot be read.
         """
-        with self._lock:
-            shown = self._source.look()
-            told = self._told(shown.done)
-            return render_page(
-                HERE / "watch.html.j2",
-                "The page",
-                title=told.title or f"Trainings in {self._source.folder.resolve().name}",
-                shown=shown,
-                trainings=self._drawn(shown),
-                answers=told.answers,
-                replay=told.replay,
-                replay_part=told.replay_part,
-                is_live=is_live,
-            )
+        shown = self._look().result()
+        try:
+            told = self._results().result(SOON if is_live else None)
+        except TimeoutError:
+            told = self._told
+        return render_page(
+            HERE / "watch.html.j2",
+            "The page",
+            told=told,
+            shown=shown,
+            trainings=self._drawn(shown),
+            is_live=is_live,
+        )
 
     def _drawn(self, shown: Shown) -> str:
         """The cards, drawn again when something is new."""
-        if self._shown is None or self._shown[0] != shown:
-            self._shown = shown, drawn(shown.trainings, shown.others)
-        return self._shown[1]
+        there = shown.trainings, shown.others
+        if self._cards[0] != there:
+            self._cards = there, drawn(*there)
+        return self._cards[1]
 
-    def _told(self, done: int) -> "Told":
-        """The results, read again when trainings have ended since; of loose recordings ``harness report`` tells."""
-        if self._results[0] != done and isinstance(self._source, ExperimentSource):
-            self._results = done, told_by(load_results(self._source.folder))
-        return self._results[1]
+    def _read(self) -> "Told":
+        """The results, read again when trainings have ended since."""
+        done = self._look().result().done
+        if done != self._told.done:
+            self._told = told_by(load_results(self._folder), done, self._told.title)
+        return self._told
 
 
 def drawn(trainings: Sequence[Training], others: int) -> str:
@@ -156,14 +157,16 @@ class Told:
     """What results tell a page.
 
     Attributes:
+        done: How many trainings had ended; -1 before anything was read.
+        title: The question, or before there is one what is shown.
         answers: The comparisons so far, as HTML; empty before there is one.
         replay: Episodes of trainings that have ended; None before one has.
-        title: The question.
     """
 
-    answers: str
-    replay: "Replay | None"
-    title: str = ""
+    done: int
+    title: str
+    answers: str = ""
+    replay: "Replay | None" = None
 
     @property
     def replay_part(self) -> str:
@@ -171,71 +174,36 @@ class Told:
         return f"<p>{escape(self.replay.explanation)}</p>{self.replay.html}" if self.replay else ""
 
 
-def told_by(results: Results) -> Told:
+def told_by(results: Results, done: int, title: str) -> Told:
     """What results tell.
+
+    Args:
+        results: Of a folder.
+        done: How many trainings had ended.
+        title: Where there is no question.
 
     Raises:
         UsageError: A library of the extra ``report`` is missing.
         SchemaError: A file is damaged or written by a newer version.
     """
     answers = render_page(HERE / "results.html.j2", "The page", answers=_answers(results))
-    return Told(answers, replay_of(shows_of(results)), question(results))
+    return Told(done, question(results) or title, answers, replay_of(shows_of(results)))
 
 
-def open_server(pages: Pages | CertificatePages, port: int) -> "ThreadingHTTPServer":
-    """A server of `pages` on this machine alone.
+def served(folder: Path, port: int = 0) -> AbstractContextManager[str]:
+    """Serve the pages of a folder, beside whatever goes on in this process; gives the address.
 
     Raises:
-        UsageError: The port is taken.
+        HarnessError: The folder cannot be read, or the port is taken.
     """
-    from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
-
-    routes: dict[str, tuple[str, Callable[[], str]]] = {
-        "/": ("text/html; charset=utf-8", pages.page),
+    pages = pages_of(folder)
+    pages.page()  # what is wrong with the folder is said here
+    routes = {
+        "/": ("text/html", pages.page),
         "/live": ("application/json", pages.live),
         "/results": ("application/json", pages.results),
     }
-
-    class Server(ThreadingHTTPServer):
-        """A server whose clients may leave at any time."""
-
-        def handle_error(self, request: object, client_address: object) -> None:
-            """Say in a line what nobody foresaw; a client that left, as a browser does, is foreseen."""
-            error = sys.exception()
-            if isinstance(error, Exception) and not isinstance(error, ConnectionError | TimeoutError):
-                complain(describe_unexpected(error))
-
-    class Handler(BaseHTTPRequestHandler):
-        """Answers the addresses of the page."""
-
-        timeout = PATIENCE
-
-        def do_GET(self) -> None:
-            """Answer with the page, or with what is new."""
-            route = routes.get(self.path)
-            name = self.headers.get("Host", "").rpartition(":")[0]
-            if route is None or name not in {HOST, "localhost"}:  # no page of elsewhere asks by another name
-                self.send_error(404)
-                return
-            kind, make = route
-            try:
-                text = make()
-            except (HarnessError, OSError) as error:  # the folder may be gone by now
-                self.send_error(500, explain=one_line(error))  # in the body: the status line is Latin-1
-                return
-            self.send_response(200)
-            self.send_header("Content-Type", kind)
-            self.send_header("Cache-Control", "no-store")
-            self.end_headers()
-            self.wfile.write(text.encode(errors="backslashreplace"))
-
-        def log_message(self, format: str, *values: object) -> None:  # noqa: A002
-            """Say nothing: the terminal is the user's."""
-
-    try:
-        return Server((HOST, port), Handler)
-    except OSError as error:
-        raise UsageError(f"--port {port} cannot be had: {error.strerror}. Give another, or leave it out") from error
+    return serving(routes, port)
 
 
 def _answers(results: Results) -> tuple[tuple[str, ...], list[tuple[str, ...]]] | None:
@@ -246,25 +214,3 @@ def _answers(results: Results) -> tuple[tuple[str, ...], list[tuple[str, ...]]] 
     overview, names = overview_of(combinations), line_names(combinations)
     rows = [overview_row(name, it, True, overview) for name, it in zip(names, combinations, strict=True)]
     return overview.headings, rows
-
-
-@contextmanager
-def served(folder: Path) -> Iterator[str]:
-    """Serve the page of an experiment beside a run that goes on in this process; gives the address.
-
-    Raises:
-        UsageError: No port is free.
-    """
-    with open_server(Pages(folder), 0) as server:
-        thread = Thread(target=server.serve_forever, daemon=True)
-        thread.start()
-        try:
-            yield address_of(server)
-        finally:
-            server.shutdown()
-            thread.join()
-
-
-def address_of(server: "ThreadingHTTPServer") -> str:
-    """Where a browser finds it."""
-    return f"http://{HOST}:{server.server_port}/"

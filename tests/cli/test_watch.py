@@ -1,14 +1,21 @@
 import json
 import shutil
+import socket
 import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
+from functools import partial
 from http.client import HTTPConnection
 
 import pytest
 
 from harness.record import Store
 from harness_plugins.audit import write_certificate
-from harness_plugins.watch.trainings import source_of
-from harness_plugins.watch.watch import HOST, Pages, open_server, pages_of
+from harness_plugins.watch import trainings
+from harness_plugins.watch.serving import HOST, serving
+from harness_plugins.watch.trainings import ExperimentSource, source_of
+from harness_plugins.watch.watch import pages_of, served
 from tests.plugins.audit.search.certified import certificate_of
 from tests.refusals import refused
 
@@ -22,28 +29,38 @@ def experiment(finished, tmp_path):
     return tmp_path / finished(seeds=1)
 
 
+@pytest.fixture(autouse=True)
+def looked_each_time(monkeypatch):
+    """What was made is made again for the next who asks."""
+    monkeypatch.setattr("harness_plugins.watch.serving.EVERY", 0.0)
+    monkeypatch.setattr("harness_plugins.watch.watch.REST", 0.0)
+
+
 @pytest.fixture
 def get(experiment):
     """Ask the server of the experiment for a path; gets status and text."""
-    with open_server(Pages(experiment), 0) as server:
-        thread = threading.Thread(target=server.serve_forever)
-        thread.start()
+    with served(experiment) as address:
+        yield partial(answer_of, address)
 
-        def ask(path, host=None):
-            connection = HTTPConnection(HOST, server.server_port)
-            connection.request("GET", path, headers={"Host": host or f"{HOST}:{server.server_port}"})
-            answer = connection.getresponse()
-            text = answer.read().decode()
-            connection.close()
-            return answer.status, text
 
-        yield ask
-        server.shutdown()
-        thread.join()
+def answer_of(address, path="/", host=None):
+    """Status and text of what a server gives."""
+    connection = HTTPConnection(HOST, port_of(address), timeout=60)
+    connection.request("GET", path, headers={"Host": host} if host else {})
+    answer = connection.getresponse()
+    text = answer.read().decode()
+    connection.close()
+    return answer.status, text
+
+
+def port_of(address):
+    """The port of an address."""
+    return int(address.rstrip("/").rpartition(":")[2])
 
 
 def test_the_page_shows_the_episodes(get):
-    """With the replay and how many cells are done."""
+    """With the replay and how many cells are done, once results were read; a page does not wait long for them."""
+    get("/results")
     status, text = get("/")
     assert status == 200
     assert 'id="replay-player"' in text
@@ -51,13 +68,21 @@ def test_the_page_shows_the_episodes(get):
 
 
 def test_the_page_tells_when_more_cells_ended(get, experiment):
-    """What it asks for every second is another when a cell's folder is there."""
+    """What it asks for every second is another when a cell's folder is there, and again when results of it are."""
+    get("/results")
     before = json.loads(get("/live")[1])
     shutil.rmtree(next((experiment / "cells").iterdir()))
-    after = json.loads(get("/live")[1])
-    assert (before["done"], after["done"]) == (ALL, ALL - 1)
-    assert f"{ALL - 1} of {ALL} trainings done, 1 waiting." in after["news"]
+    assert f"{ALL - 1} of {ALL} trainings done, 1 waiting." in json.loads(get("/live")[1])["news"]
+    get("/results")
+    assert (before["done"], json.loads(get("/live")[1])["done"]) == (ALL, ALL - 1)
     assert f"{ALL - 1} of {ALL} trainings done" in get("/")[1]
+
+
+def test_results_are_read_without_being_asked_for(get):
+    """Whoever looks has them read; until they are there a page is told of none."""
+    deadline = time.monotonic() + 60
+    while json.loads(get("/live")[1])["done"] != ALL:
+        assert time.monotonic() < deadline
 
 
 def test_results_are_asked_for_when_trainings_ended(get):
@@ -99,39 +124,67 @@ def test_nothing_else_is_served(get):
 
 def test_a_taken_port_is_refused(experiment):
     """The message says what to do."""
-    pages = Pages(experiment)
-    with open_server(pages, 0) as server, refused("Give another"):
-        open_server(pages, server.server_port)
+    with served(experiment) as address, refused("Give another"), served(experiment, port_of(address)):
+        pass
 
 
 def test_a_folder_in_another_alphabet_is_named(experiment, tmp_path):
     """Where it cannot be read any more: the page says so, though no status line can."""
-    experiment.rename(tmp_path / "опыт")
-    pages = Pages(tmp_path / "опыт")
-    shutil.rmtree(tmp_path / "опыт")
-    with open_server(pages, 0) as server:
-        thread = threading.Thread(target=server.handle_request)
-        thread.start()
-        connection = HTTPConnection(HOST, server.server_port, timeout=60)
-        connection.request("GET", "/")
-        answer = connection.getresponse()
-        told = answer.read().decode()
-        connection.close()
-        thread.join()
-    assert answer.status == 500
+    folder = experiment.rename(tmp_path / "опыт")
+    with served(folder) as address:
+        shutil.rmtree(folder)
+        status, told = answer_of(address)
+    assert status == 500
     assert "опыт" in told
 
 
-@pytest.mark.parametrize(("error", "lines"), [(ConnectionResetError(), 0), (BrokenPipeError(), 0), (KeyError("x"), 1)])
-def test_a_client_that_leaves_is_no_error(experiment, capsys, error, lines):
-    """A browser does that whenever a page is closed: nothing is printed; of what nobody foresaw a line."""
-    with open_server(Pages(experiment), 0) as server:
-        try:
-            raise error
-        except Exception:
-            server.handle_error(None, None)
-    out, err = capsys.readouterr()
-    assert (out, err.count("\n")) == ("", lines)
+def test_twenty_browsers_have_one_look(experiment, monkeypatch):
+    """However often they ask within a second; nothing of a cell is read again that is what it was."""
+    monkeypatch.setattr("harness_plugins.watch.serving.EVERY", 60.0)
+    looks, look = [], ExperimentSource.look
+    monkeypatch.setattr(ExperimentSource, "look", lambda source: looks.append(source) or look(source))
+    with served(experiment) as address, ThreadPoolExecutor(20) as browsers:
+        told = {*browsers.map(partial(answer_of, address), ["/live"] * 60)}
+    assert [status for status, _ in told] == [200]
+    assert len(looks) == 1
+
+
+def test_a_look_reads_what_changed(experiment, monkeypatch):
+    """No manifest that is the one it was, nor the plan; one that was written anew is read."""
+    read, reader = [], trainings.read_manifest
+    monkeypatch.setattr(trainings, "read_manifest", lambda folder: read.append(folder.name) or reader(folder))
+    source = source_of(experiment)
+    assert source.look() == source.look()
+    assert len(read) == ALL
+    manifest = next((experiment / "cells").iterdir()) / "manifest.json"
+    manifest.write_text("{}")
+    assert "1 damaged" in source.look().news
+    assert len(read) == ALL + 1
+
+
+def test_who_is_slow_holds_no_thread():
+    """One that does not finish its question, or does not read the answer; others are served meanwhile."""
+    routes = {"/": ("text/html", lambda: "x" * 2**25), "/live": ("application/json", lambda: "{}")}
+    with serving(routes, 0) as address, ExitStack() as slow:
+        before = threading.active_count()
+        for asked in (b"GET / HTTP/1.1\r\nHost: localhost:1\r\n\r\n", b"GET / HT") * 10:
+            client = slow.enter_context(socket.create_connection((HOST, port_of(address))))
+            client.sendall(asked)
+            assert client.recv(1) if asked.endswith(b"\n") else True
+        assert answer_of(address, "/live") == (200, "{}")
+        assert threading.active_count() == before
+
+
+@pytest.mark.parametrize(("stays", "lines"), [(False, 0), (True, 1)])
+def test_what_nobody_foresaw_is_a_line(capsys, stays, lines):
+    """A client that leaves is no error: a browser does that whenever a page is closed."""
+    routes = {"/": ("text/html", lambda: {}["x"] if stays else "x" * 2**25), "/live": ("text/html", lambda: "{}")}
+    with serving(routes, 0) as address, socket.create_connection((HOST, port_of(address))) as client:
+        client.sendall(b"GET / HTTP/1.1\r\nHost: localhost:1\r\n\r\n")
+        client.recv(1)
+        client.close()
+        assert answer_of(address, "/live") == (200, "{}")
+    assert capsys.readouterr().err.count("\n") == lines
 
 
 def test_a_folder_that_is_gone_is_called_gone(get, experiment):
@@ -182,10 +235,7 @@ def test_a_run_serves_its_page(harness, quick, monkeypatch, tmp_path):
     seen = []
 
     def look(address):
-        connection = HTTPConnection(HOST, int(address.rstrip("/").rpartition(":")[2]), timeout=60)
-        connection.request("GET", "/live")
-        seen.append(json.loads(connection.getresponse().read()))
-        connection.close()
+        seen.append(json.loads(answer_of(address, "/live")[1]))
 
     monkeypatch.setattr("webbrowser.open", look)
     answer = harness("run --reward arp --seeds 1 --out watched --watch", *quick)

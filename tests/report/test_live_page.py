@@ -1,13 +1,12 @@
 """The live page as a browser shows it, while a training is recorded."""
 
-import threading
 import time
 
 import numpy as np
 import pytest
 
 import harness
-from harness_plugins.watch.watch import Pages, open_server
+from harness_plugins.watch.watch import served
 from tests.recorder.conftest import Counting
 
 pytestmark = pytest.mark.slow
@@ -30,12 +29,8 @@ def env(tmp_path):
 def address(env, tmp_path):
     """The address of the page."""
     step(env, 90)
-    with open_server(Pages(tmp_path / "runs"), 0) as server:
-        thread = threading.Thread(target=server.serve_forever)
-        thread.start()
-        yield f"http://127.0.0.1:{server.server_port}/"
-        server.shutdown()
-        thread.join()
+    with served(tmp_path / "runs") as address:
+        yield address
 
 
 def step(env, count):

@@ -1,7 +1,6 @@
 """The replay in a browser: Chromium, without a screen."""
 
 import re
-import threading
 
 import pytest
 from numpy.testing import assert_allclose
@@ -10,7 +9,7 @@ from harness.report import write_html
 from harness.results import shows_of
 from harness.robot import end_effector_position
 from harness.scene.picture import chain_of
-from harness_plugins.watch.watch import Pages, open_server
+from harness_plugins.watch.watch import served
 from tests.report.conftest import NO_WEBGL
 
 pytestmark = pytest.mark.slow
@@ -181,12 +180,7 @@ def test_nobody_is_kept_out(show, barriers, address, scheme):
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_nobody_is_kept_out_of_the_watch_page(show, barriers, recorded, scheme):
     """Axe finds nothing serious on what ``harness watch`` serves."""
-    with open_server(Pages(recorded.folder), 0) as server:
-        thread = threading.Thread(target=server.serve_forever)
-        thread.start()
-        page = show(f"http://127.0.0.1:{server.server_port}/", scheme=scheme)
+    with served(recorded.folder) as address:
+        page = show(address, scheme=scheme)
         page.wait_for_selector(f"{VIEWS}[data-tip]")
-        found = barriers(page)
-        server.shutdown()
-        thread.join()
-    assert found == []
+        assert barriers(page) == []
