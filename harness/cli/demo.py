@@ -64,12 +64,13 @@ def demo(
     from harness.experiment.experiment import prepare
     from harness.experiment.plan import check_experiment
     from harness.experiment.run_options import RunOptions
+    from harness.record.store import Store
     from harness.report.tables.grid import show
 
-    if out is not None and out.is_dir() and any(out.iterdir()):
-        raise UsageError(f"--out '{out}' is not empty: name a new or empty folder")
     folder = out or Path(tempfile.mkdtemp(prefix="harness-demo-"))
     ready = prepare(check_experiment(ASKED), RunOptions(out=folder))
+    if Store.is_experiment(folder) and not {*ready.store.read_plan().cells} <= {*ready.plan.cells}:
+        raise UsageError(f"--out '{folder}' holds another experiment: name a new or empty folder, or one of the demo")
     show(Text(BEFORE))
     results = replace(ready, executor=_HereAndNow()).run()
     for failed in results.failed:

@@ -1,5 +1,6 @@
 """``harness demo`` as a newcomer types it."""
 
+import shutil
 import subprocess
 import sys
 
@@ -40,3 +41,22 @@ def test_the_demo_says_no_difference(harness):
     out = harness("demo --out mine").out
     assert "arp  NO DIFFERENCE" in out
     assert "CANNOT TELL " not in out.partition("NO DIFFERENCE stands there")[0]
+
+
+def test_a_demo_that_was_killed_goes_on(harness, tmp_path):
+    """The same command does what is missing, and says the same; cells that were done stay."""
+    first = harness("demo --out mine")
+    gone, *kept = sorted((tmp_path / "mine/cells").iterdir())
+    shutil.rmtree(gone)
+    (tmp_path / "mine/report.html").unlink()
+    before = [path.stat().st_ino for path in kept]
+    assert harness("demo --out mine") == first
+    assert [path.stat().st_ino for path in kept] == before
+    assert gone.is_dir()
+
+
+def test_the_demo_joins_no_other_experiment(harness, finished):
+    """One of the user is left as it is."""
+    answer = harness("demo --out", finished(seeds=1))
+    assert answer.status == 2
+    assert "holds another experiment" in answer.err

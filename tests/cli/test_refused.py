@@ -140,7 +140,7 @@ REFUSED = {
         "'nowhere*.csv' --reward arp": "No file matches 'nowhere*.csv'",
         "m.csv --places end_effector=0:3,target=3:6": "--places does not go with files, only with a data set",
     },
-    "demo": {"--out there": "--out 'there' is not empty: name a new or empty folder"},
+    "demo": {"--out there": "--out 'there' holds something else than an experiment: name a new or empty folder"},
     "merge": {"missing --out all": "No folder 'missing'"},
     "report": {"there": "'there' is no experiment, and holds no recorded training"},
     "status": {"nowhere": "No folder 'nowhere'"},
