@@ -1,6 +1,7 @@
 """Finds done cells that were made by other plugins than those installed now, so that they are not mixed unnoticed."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from functools import cache
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 
 from harness.errors import UsageError
@@ -45,39 +46,6 @@ class Change(NamedTuple):
         return f"{self.name} ({self.then[:SHOWN_DIGITS]}, now {self.now[:SHOWN_DIGITS]})"
 
 
-class _Installed:
-    """Hashes of the plugins that are installed now; each is computed once, when a cell asks for it."""
-
-    def __init__(self, registry: Registry) -> None:
-        self._registry = registry
-        self._hashes: dict[tuple[str, str], str] = {}
-        self._robots: dict[str, Robot] = {}
-
-    def changes(self, cell: Cell, recorded: Sources) -> Iterator[Change]:
-        """The plugins that made a cell and have changed since. A plugin without a recorded hash is left out."""
-        for kind, name in cell.plugins.items():
-            if kind in recorded and recorded[kind] != (now := self._hash(kind, name, cell)):
-                yield Change(name, recorded[kind], now)
-        functions = function_digests(cell, self._registry)
-        for name in (name for name in recorded if name not in KINDS):
-            if recorded[name] != (now := functions.get(name, GONE)):
-                yield Change(name, recorded[name], now)
-
-    def _hash(self, kind: str, name: str, cell: Cell) -> str:
-        if kind == "robots":
-            return robot_digest(cell, self._robot(name))
-        if (kind, name) not in self._hashes:
-            self._hashes[kind, name] = source_hash(self._registry.get(kind, name).load())
-        return self._hashes[kind, name]
-
-    def _robot(self, name: str) -> "Robot":
-        if name not in self._robots:
-            from harness.robot.robot import load_robot  # here, since an environment has none
-
-            self._robots[name] = load_robot(name, self._registry)
-        return self._robots[name]
-
-
 def changed_cells(done: Mapping[Cell, Sources], registry: Registry) -> dict[Cell, tuple[Change, ...]]:
     """The done cells that were made by other plugins than those installed now, each with what changed.
 
@@ -88,9 +56,29 @@ def changed_cells(done: Mapping[Cell, Sources], registry: Registry) -> dict[Cell
     Raises:
         UsageError: A plugin is not installed, or a robot is not there.
     """
-    installed = _Installed(registry)
-    found = {cell: tuple(installed.changes(cell, recorded)) for cell, recorded in done.items()}
-    return {cell: changes for cell, changes in found.items() if changes}
+
+    @cache
+    def robot(name: str) -> "Robot":
+        from harness.robot.robot import load_robot  # here, since an environment has none
+
+        return load_robot(name, registry)
+
+    @cache
+    def source(kind: str, name: str) -> str:
+        return source_hash(registry.get(kind, name).load())
+
+    def changes(cell: Cell, recorded: Sources) -> Iterator[Change]:
+        """The plugins that made a cell and have changed since. A plugin without a recorded hash is left out."""
+        for kind, name in cell.plugins.items():
+            if kind in recorded:
+                now = robot_digest(cell, robot(name)) if kind == "robots" else source(kind, name)
+                yield Change(name, recorded[kind], now)
+        functions = function_digests(cell, registry)
+        for name in (name for name in recorded if name not in KINDS):
+            yield Change(name, recorded[name], functions.get(name, GONE))
+
+    found = {cell: tuple(it for it in changes(cell, told) if it.then != it.now) for cell, told in done.items()}
+    return {cell: of_cell for cell, of_cell in found.items() if of_cell}
 
 
 def refuse_changed(changed: Mapping[Cell, Sequence[Change]], remedy: str = REMEDY) -> None:
@@ -103,14 +91,10 @@ def refuse_changed(changed: Mapping[Cell, Sequence[Change]], remedy: str = REMED
     Raises:
         UsageError: There is one; names the plugins, and what can be chosen.
     """
-    if changed:
-        raise UsageError(f"{_told(changed)}: {remedy}")
-
-
-def _told(changed: Mapping[Cell, Sequence[Change]]) -> str:
-    """How many cells were made by other plugins, and by which."""
+    if not changed:
+        return
     noun = "done cell was" if len(changed) == 1 else "done cells were"
     changes = list(dict.fromkeys(change for of_cell in changed.values() for change in of_cell))
     named = ", ".join(change.text for change in changes[:NAMED])
     more = f" and {len(changes) - NAMED} more" if len(changes) > NAMED else ""
-    return f"{len(changed)} {noun} made by another {named}{more}"
+    raise UsageError(f"{len(changed)} {noun} made by another {named}{more}: {remedy}")

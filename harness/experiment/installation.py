@@ -9,13 +9,14 @@ from pathlib import Path
 from typing import ClassVar, Final
 
 from harness.errors import HarnessError, UsageError, one_line
-from harness.experiment.provenance import specs_of, versions_behind
+from harness.experiment.provenance import blas_kernel, specs_of, versions_behind
 from harness.experiment.workers.order import Order, Report
-from harness.experiment.workers.workers import News, run_orders
+from harness.experiment.workers.workers import run_orders
 from harness.files.plain import Plain
 from harness.hookspecs import NOUNS
 from harness.record.cell import Cell
 from harness.record.folder import partial_folder, publish
+from harness.record.manifest import KERNEL
 from harness.registry.given import Given
 from harness.registry.registry import Registry, load_registry
 from harness.registry.sources import digest_of_modules, source_hash
@@ -28,7 +29,7 @@ PROBLEM: Final = "problem"
 
 
 def describe_installation(cells: Iterable[Cell], registry: Registry) -> dict[str, str]:
-    """Versions of Python and of the distributions behind some cells, digests of the sources and the robots.
+    """Versions of Python and of the distributions behind some cells, kernel, digests of the sources and the robots.
 
     Raises:
         UsageError: A plugin, a library or a robot of the cells is not there.
@@ -43,6 +44,7 @@ def describe_installation(cells: Iterable[Cell], registry: Registry) -> dict[str
     digests = {"source of harness": digest_of_modules(["harness"]), **plugins, **robots}
     return {
         "python": platform.python_version(),
+        KERNEL: blas_kernel(),
         **versions_behind(specs.values()),
         **{name: digest[:DIGITS] for name, digest in digests.items() if digest},
     }
@@ -64,13 +66,13 @@ def describe_workers(cells: Iterable[Cell], plugins: Sequence[Given] = ()) -> di
         UsageError: A plugin, a library or a robot of the cells is not there, or the process cannot start.
     """
     reasons: list[str] = []
-
-    def hear(news: News) -> None:
-        reasons.append(news.reason)
-
     with tempfile.TemporaryDirectory(prefix="harness-") as place:
         folder = Path(place) / "answer"
-        run_orders([Order(folder, Describe(tuple(cells), tuple(plugins)), fresh=True)], 1, hear)
+        run_orders(
+            [Order(folder, Describe(tuple(cells), tuple(plugins)), fresh=True)],
+            1,
+            lambda news: reasons.append(news.reason),
+        )
         if any(reasons):
             raise UsageError("".join(reasons))
         told: dict[str, str] = json.loads((folder / ANSWER).read_text(encoding="utf-8"))

@@ -10,6 +10,8 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from threadpoolctl import threadpool_info
+
 from harness.errors import UsageError
 from harness.hookspecs import KINDS
 from harness.record.cell import Cell
@@ -41,8 +43,7 @@ def describe_environment(
         kinds: Those of the cell's choices that made it.
     """
     specs = specs_of(cell, registry, kinds)
-    hashes = {kind: source_hash(spec.load()) for kind, spec in specs.items()}
-    digests = {kind: digest for kind, digest in hashes.items() if digest}
+    digests = {kind: digest for kind, spec in specs.items() if (digest := source_hash(spec.load()))}
     engine = {}
     if "simulators" in specs:
         from harness.simulator import family_of  # here, since an environment has none
@@ -101,9 +102,7 @@ def versions_behind(specs: Iterable[Spec]) -> dict[str, str]:
     specs = list(specs)
     required = {module for spec in specs for module in spec.modules if is_installed(module)}
     behind = {*map(distribution_of, required), *(spec.distribution for spec in specs)}
-    names = dict.fromkeys([*CORE, *sorted(behind)])
-    versions = {name: version_of(name) for name in names}
-    return {name: version for name, version in versions.items() if version}
+    return {name: version for name in dict.fromkeys([*CORE, *sorted(behind)]) if (version := version_of(name))}
 
 
 def specs_of(cell: Cell, registry: Registry, kinds: Collection[str] = KINDS) -> dict[str, Spec]:
@@ -124,7 +123,16 @@ def describe_machine() -> dict[str, Any]:
         "cpu": cpu.get("model name") or platform.processor() or platform.machine(),
         "cpu_flags": sorted(cpu.get("flags", "").split()),
         "cores": os.cpu_count(),
+        "kernel": blas_kernel(),
     }
+
+
+def blas_kernel() -> str:
+    """The kernel by which numpy's OpenBLAS computes, such as ``Haswell``; empty if numpy has another library.
+
+    OpenBLAS takes one by the CPU, or as ``OPENBLAS_CORETYPE`` says. Each adds in another order, so bits differ.
+    """
+    return next((it["architecture"] for it in threadpool_info() if it["internal_api"] == "openblas"), "")
 
 
 @lru_cache(maxsize=1)  # what a process runs, it loaded before; a cell would wait for git

@@ -309,7 +309,9 @@ class _Run:
         algorithm: Algorithm = cell.algorithm.build(registry, "algorithms")
         draft.note(**world.build(algorithm))
         attempt = begin_attempt(cell, draft.partial, world.runs_on, self.options.checkpoint_every, world.restore)
-        draft.note(resumed_from=attempt.begun_from, note=attempt.note)
+        machine = {**world.runs_on["machine"], "kernel": attempt.origin["kernel"]}
+        ran_on = {**world.runs_on, "machine": machine}
+        draft.note(environment=ran_on, resumed_from=attempt.begun_from, note=attempt.note)
         self.report(Word(attempt.begun_from))
         evaluations = CellEvaluations(cell, world, attempt, self.options.tracked, self.report)
         policy = self._train(algorithm, world, attempt, evaluations)

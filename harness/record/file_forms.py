@@ -105,6 +105,7 @@ class MachineForm(TypedDict, total=False):
     system: Line
     cpu: Line
     cpu_flags: list[Name]
+    kernel: Line
     cores: int | None
 
 

@@ -30,6 +30,8 @@ NO_RECORDINGS = (".", EVALUATIONS, POLICY)
 """Folders of a cell, its own included, whose files are no recording."""
 PAID_LATER = "scores"
 """What the names of files begin with that `harness score` adds to a cell."""
+KERNEL = "kernel of OpenBLAS"
+"""What people read for what `harness.experiment.provenance.blas_kernel` tells."""
 
 
 @with_config(EXACT)

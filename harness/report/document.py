@@ -55,7 +55,7 @@ def _facts(manifest: Manifest) -> dict[str, str]:
     facts = {
         "command": environment.get("command"),
         "commit": environment.get("commit"),
-        **{name: machine.get(name) for name in ("system", "cpu", "cores")},
+        **{name: machine.get(name) for name in ("system", "cpu", "kernel", "cores")},
         "engine": environment.get("engine"),
         **environment.get("versions", {}),
         **{f"source of {manifest.cell.plugins.get(kind, kind)}": digest[:12] for kind, digest in sources.items()},

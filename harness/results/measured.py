@@ -15,7 +15,7 @@ from harness.files.plain import Plain
 from harness.hookspecs import NOUNS
 from harness.log import Log
 from harness.measure import Measure
-from harness.record.manifest import SHOWN_DIGITS, Manifest
+from harness.record.manifest import KERNEL, SHOWN_DIGITS, Manifest
 
 Values: TypeAlias = dict[str, float | None]
 """Values by metric. A value is None if it is not defined, or if the metric fails."""
@@ -148,12 +148,13 @@ def learning_values(moments: Sequence[Moment], budget: int, success: str = SUCCE
 
 @dataclass(frozen=True)
 class Mixture(Plain):
-    """A plugin whose source files were not the same for all cells of one comparison.
+    """A plugin, a library or a kernel that was not the same for all cells of one comparison.
 
     Attributes:
-        kind: Of the plugin.
-        name: Of the plugin, or the path of a robot's files.
-        cells: How many cells each version made, by the SHA-256 of its files. The version that made most comes first.
+        kind: Of the plugin; ``versions`` of a library, ``machine`` of a kernel.
+        name: Of the plugin or the library, or the path of a robot's files.
+        cells: How many cells each version made, by the SHA-256 of its files, the version's number or the kernel's
+            name. The version that made most comes first.
     """
 
     kind: str
@@ -163,23 +164,28 @@ class Mixture(Plain):
     @property
     def text(self) -> str:
         """One sentence."""
-        (main, _), *others = self.cells.items()
-        hashes = ", ".join(digest[:SHOWN_DIGITS] for digest, _ in others)
-        other, total = sum(count for _, count in others), sum(self.cells.values())
+        main, *others = (it[:SHOWN_DIGITS] if self.kind in NOUNS else it for it in self.cells)
+        total = sum(self.cells.values())
+        other = total - next(iter(self.cells.values()))
         return (
             f"{other} of {total} cells {'was' if other == 1 else 'were'} made by another {self.name} "
-            f"({hashes}; the others {main[:SHOWN_DIGITS]}): they are not the same {NOUNS[self.kind]}"
+            f"({', '.join(others)}; the others {main}): they are not the same {NOUNS.get(self.kind, self.name)}"
         )
 
 
 def mixtures_of(manifests: Iterable[Manifest]) -> tuple[Mixture, ...]:
-    """The mixtures among the done cells of one comparison. A cell without a recorded hash is left out."""
+    """The mixtures among done cells. A cell of which a version is not recorded is left out there."""
     started: dict[tuple[str, str], dict[str, list[str]]] = {}
     for manifest in manifests:
-        recorded = manifest.environment.get("sources", {})
-        for kind, name in manifest.cell.plugins.items():
-            if kind in recorded:
-                started.setdefault((kind, name), {}).setdefault(recorded[kind], []).append(manifest.started)
+        told, made = manifest.environment, manifest.cell.plugins
+        recorded = {
+            **{(kind, made[kind]): it for kind, it in told.get("sources", {}).items() if kind in made},
+            **{("versions", name): it for name, it in told.get("versions", {}).items()},
+            ("machine", KERNEL): told.get("machine", {}).get("kernel"),
+        }
+        for which, version in recorded.items():
+            if version:
+                started.setdefault(which, {}).setdefault(version, []).append(manifest.started)
     found = list[Mixture]()
     for (kind, name), versions in started.items():
         # Of two versions that made as many, the newer one comes first.

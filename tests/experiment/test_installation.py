@@ -17,7 +17,9 @@ def test_versions_sources_and_robots_are_told(toys, make_cell):
     told = describe_installation([make_cell(), make_cell(seed=1)], toys)
     assert told["python"] == platform.python_version()
     assert told["toy-arm"] == "1.0"
-    assert {"numpy", "source of harness", "source of algorithm 'wander'", "robot 'fd100'"} <= set(told)
+    assert {"numpy", "kernel of OpenBLAS", "source of harness", "source of algorithm 'wander'", "robot 'fd100'"} <= set(
+        told
+    )
     assert "source of algorithm 'sweep'" not in told
 
 

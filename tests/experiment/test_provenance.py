@@ -3,15 +3,23 @@
 import json
 import re
 import subprocess
+import sys
 from hashlib import sha256
 from importlib.metadata import version
 from pathlib import Path
+from platform import machine
 
 import numpy as np
 import pytest
 
 from harness import load_robot
-from harness.experiment.provenance import describe_environment, describe_machine, source_commit, versions_behind
+from harness.experiment.provenance import (
+    blas_kernel,
+    describe_environment,
+    describe_machine,
+    source_commit,
+    versions_behind,
+)
 from harness.registry import Choice, Spec, load_registry
 from harness_plugins.rewards import arp
 
@@ -87,6 +95,14 @@ def test_machine_names_its_cpu():
     machine = describe_machine()
     assert machine["cpu"]
     assert machine["cores"] >= 1
+
+
+@pytest.mark.skipif(not blas_kernel() or machine() not in ("x86_64", "AMD64"), reason="numpy has no such kernels")
+def test_kernel_is_the_one_that_computes(monkeypatch):
+    """Not the one that the CPU would have got."""
+    monkeypatch.setenv("OPENBLAS_CORETYPE", "Nehalem")
+    code = "from harness.experiment.provenance import describe_machine; print(describe_machine()['kernel'])"
+    assert subprocess.check_output([sys.executable, "-c", code], text=True) == "Nehalem\n"
 
 
 def test_sources_are_hashes_of_the_files(make_cell, toys):

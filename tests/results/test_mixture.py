@@ -41,6 +41,18 @@ def test_two_rewards_have_two_sources(make_cell):
     assert _found(make_cell, None, {"algorithms": NEW}) == ()
 
 
+@pytest.mark.parametrize(
+    ("part", "name", "told"), [("versions", "numpy", "numpy"), ("machine", "kernel", "kernel of OpenBLAS")]
+)
+def test_libraries_and_kernels_are_compared(make_cell, part, name, told):
+    """Those that are recorded: version 0.3 told no kernel, and numpy may have none of OpenBLAS."""
+    versions = ("SkylakeX", "SkylakeX", "Haswell and then SkylakeX", "")
+    told_of = [{part: {name: it}} for it in versions]
+    (found,) = mixtures_of(Manifest(make_cell(), status="done", environment=it) for it in [*told_of, {}])
+    other = f"1 of 3 cells was made by another {told} (Haswell and then SkylakeX; the others SkylakeX)"
+    assert found.text == f"{other}: they are not the same {told}"
+
+
 def test_mixture_is_one_sentence():
     """With the first digits of every other version's hash, and what is not the same."""
     assert Mixture("algorithms", "cem", {NEW: 6, OLD: 2}).text == (

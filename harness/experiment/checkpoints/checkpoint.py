@@ -27,7 +27,7 @@ from harness.files.bounded import digest_of, files_in, is_partial, is_plain, who
 from harness.progress import Ring, TrainingState, prefixed, under
 from harness.record.cell import Cell
 from harness.record.folder import CHECKPOINT, LOG, TRACE
-from harness.record.manifest import write_log
+from harness.record.manifest import KERNEL, write_log
 from harness.record.trace import require_rows
 
 
@@ -135,6 +135,7 @@ def discard_rings(folder: Path, but: Iterable[StoredRing] = ()) -> None:
 FORMAT = 3
 ABOUT = "harness.checkpoint"
 ALGORITHM, ENV = "algorithm/", "env/"
+THEN = " and then "
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,7 +144,8 @@ class Checkpoint:
 
     Attributes:
         steps: Environment steps that were done.
-        origin: The cell, and what it ran on: it goes on only where these are the same.
+        origin: The cell, and what it ran on: it goes on only where these are the same, but for the ``kernel``, where
+            all stand that it ran on; see `harness.experiment.provenance.blas_kernel`.
         algorithm: What the algorithm needs to go on, but for its rings.
         env: What the env needs.
         rings: Where the algorithm's rings are, by name, and those of the env, by their names behind `ENV`.
@@ -226,14 +228,14 @@ def read_checkpoint(folder: Path, origin: Mapping[str, Any]) -> Checkpoint:
         if about.pop("digest") != _digest(about, arrays):
             raise SchemaError("it is damaged")
         # Through JSON, as what it is compared with went.
-        if about["origin"] != json.loads(json.dumps(origin)):
+        if {**about["origin"], "kernel": ""} != {**json.loads(json.dumps(origin)), "kernel": ""}:
             raise SchemaError("the sources, the versions or the commit have changed since")
         rings = {name: StoredRing.from_json(ring) for name, ring in about["rings"].items()}
         if about["rows"]:
             require_rows(folder / TRACE, about["rows"])
         require_rings(folder, rings.values())
         algorithm, env = (under(prefix, arrays) for prefix in (ALGORITHM, ENV))
-        return Checkpoint(about["steps"], origin, algorithm, env, rings, about["rows"], about["seconds"])
+        return Checkpoint(about["steps"], about["origin"], algorithm, env, rings, about["rows"], about["seconds"])
     except (OSError, ValueError, KeyError, TypeError, safetensors.SafetensorError) as error:
         raise SchemaError(f"it cannot be read: {error!r}") from error
 
@@ -304,10 +306,14 @@ def begin_attempt(
         restore: Of the env that the cell is trained on.
     """
     origin = {"cell": cell.id, **{key: environment[key] for key in ("versions", "commit", "sources")}}
-    checkpoint, note = None, ""
+    checkpoint, note, kernel = None, "", environment["machine"]["kernel"]
     if _left_behind(folder):
         checkpoint, reason = _usable_checkpoint(folder, origin, restore)
         note = f"went on after {checkpoint.steps} steps" if checkpoint else f"started over: {reason}"
+        before = checkpoint.origin.get("kernel", "") if checkpoint else ""
+        kernel = before if before.endswith(kernel) else f"{before}{THEN}{kernel}".removeprefix(THEN)
+        if THEN in kernel:
+            note += f", on the {KERNEL} {kernel}: no kernel alone gives these bytes"
         write_log(folder / LOG, f"an earlier process was killed; this one {note}")
     if not checkpoint:
         for path in _left_behind(folder):
@@ -315,7 +321,7 @@ def begin_attempt(
     for path in filter(is_partial, files_in(folder)):
         path.unlink()  # was half written
     discard_rings(folder, but=checkpoint.rings.values() if checkpoint else ())
-    return Attempt(folder, origin, every, checkpoint, note)
+    return Attempt(folder, {**origin, "kernel": kernel}, every, checkpoint, note)
 
 
 def _usable_checkpoint(folder: Path, origin: Mapping[str, Any], restore: Restore) -> tuple[Checkpoint | None, str]:

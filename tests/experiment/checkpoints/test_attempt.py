@@ -3,16 +3,21 @@
 import time
 
 import numpy as np
+import pytest
 
 from harness.errors import SchemaError
 from harness.experiment.checkpoints.checkpoint import Checkpoint, begin_attempt
 from harness.record import LOG
 
-ENVIRONMENT = {"versions": {"numpy": "2"}, "commit": "", "sources": {"rewards": "abc"}, "command": "harness run"}
+ENVIRONMENT = {
+    "versions": {"numpy": "2"}, "machine": {"kernel": "Haswell"}, "commit": "", "sources": {"rewards": "abc"},
+    "command": "harness run",
+}  # fmt: skip
 
 
 def _origin(cell):
-    return {"cell": cell.id, **{key: ENVIRONMENT[key] for key in ("versions", "commit", "sources")}}
+    told = {key: ENVIRONMENT[key] for key in ("versions", "commit", "sources")}
+    return {"cell": cell.id, **told, "kernel": "Haswell"}
 
 
 def _leave_checkpoint(folder, cell, seconds=0.0):
@@ -40,6 +45,16 @@ def test_next_attempt_goes_on_from_the_checkpoint(make_cell, tmp_path):
     assert (tmp_path / "checkpoint.safetensors").exists()
     time.sleep(0.01)
     assert 1000.01 <= attempt.seconds < 1100.0
+
+
+@pytest.mark.parametrize("before", ["SkylakeX", "SkylakeX and then Haswell"])
+def test_checkpoint_of_another_kernel_is_gone_on_from_and_told(make_cell, tmp_path, before):
+    """The note and the log name both, as long as the training lasts: neither kernel gives such bytes."""
+    Checkpoint(7, {**_origin(make_cell()), "kernel": before}, {}, {}).write(tmp_path)
+    attempt = _begin(make_cell(), tmp_path)
+    assert (attempt.begun_from, attempt.origin["kernel"]) == (7, "SkylakeX and then Haswell")
+    assert attempt.note.startswith("went on after 7 steps, on the kernel of OpenBLAS SkylakeX and then Haswell: ")
+    assert attempt.note in (tmp_path / LOG).read_text()
 
 
 def test_checkpoint_that_the_simulator_does_not_come_back_to_is_of_no_use(make_cell, tmp_path):

@@ -11,7 +11,7 @@ from numpy.testing import assert_array_equal
 from harness.authoring.generator_state import pack_generator, restore_generator
 from harness.errors import SchemaError
 from harness.executor import CellOptions
-from harness.experiment import ExperimentRun, run_cell as cell_progress
+from harness.experiment import ExperimentRun, provenance, run_cell as cell_progress
 from harness.experiment.checkpoints.checkpoint import Checkpoint, read_checkpoint
 from harness.experiment.run_cell import run_cell
 from harness.policy import WEIGHTS
@@ -116,6 +116,16 @@ def test_checkpoints_change_nothing(toys, make_cell, tmp_path, name):
         assert run_cell(cell, folder, lambda steps: None, CellOptions(every)).status == "done"
         contents.append((_contents(folder), {path.name for path in folder.iterdir()}))
     assert contents[0] == contents[1]
+
+
+def test_kernels_that_trained_a_cell_are_recorded(toys, train_in_a_process, make_cell, tmp_path, monkeypatch):
+    """In the manifest too, in their order."""
+    cell, kernel = make_cell(**RANDOM), provenance.blas_kernel()
+    train_in_a_process(cell, tmp_path / "killed", 500, 1300)
+    monkeypatch.setattr(provenance, "blas_kernel", lambda: "of another CPU")
+    manifest = run_cell(cell, tmp_path / "killed", lambda steps: None, CellOptions(500))
+    assert manifest.environment["machine"]["kernel"] == f"{kernel} and then of another CPU"
+    assert "of another CPU: no kernel alone gives these bytes" in manifest.note
 
 
 def test_cell_without_a_checkpoint_starts_over_and_says_so(toys, train_in_a_process, make_cell, tmp_path):
