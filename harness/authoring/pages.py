@@ -86,6 +86,7 @@ if TYPE_CHECKING:
     )
     from harness.report.tables.comparison import WideOrNarrow as WideOrNarrow
     from harness.report.tables.grid import show_grid as show_grid
+    from harness.results.verdicts import UNKNOWN as UNKNOWN, missing_text as missing_text
 
 else:
     __all__, __getattr__ = face_of(__name__, __file__)

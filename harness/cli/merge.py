@@ -19,12 +19,16 @@ def merge(
     from harness.cli.output import make_table_and_page
     from harness.record.merge import merge as put_together
     from harness.record.store import CELLS
-    from harness.results import load_results
+    from harness.results.load import load_results
+    from harness.results.measured import mixtures_of
 
     merged = put_together(folders, out)
+    results = load_results(out)
+    for told in filter(None, (merged.plan.note, *(it.text for it in mixtures_of(results.done)))):
+        complain(told)
     for path, reason in merged.left_out:
         complain(f"left out: {path}: {reason}")
     cells = sum(place.parts[0] == CELLS for place in merged.taken)
     say(f"Merged:  {cells} of {len(merged.plan.cells)} cells have ended")
-    make_table_and_page(load_results(out))
+    make_table_and_page(results)
     return LEFT_OUT if merged.left_out else 0

@@ -34,6 +34,8 @@ def status(
         say_json({**found.to_json(), **standing_to_json(standing)})
         return
     say(f"{folder}: {'a run is using it' if found.is_in_use else 'no run is using it'}")
+    if found.note:
+        say(found.note)
     counts = ", ".join(f"{found.count(kind)} {kind}" for kind in KINDS if found.count(kind))
     at_most = standing is not None
     left = "" if found.seconds_left is None else f"; {left_text(found.seconds_left, at_most=at_most)}"

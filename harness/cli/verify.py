@@ -30,11 +30,13 @@ def verify(folder: ExperimentFolder, repair: Repair = False, as_json: AsJson = F
         return set_aside(folder)
     from harness.record.verify import missing_cells, verify as find_problems
 
-    problems, (missing, planned) = find_problems(folder), missing_cells(folder)
+    problems, (missing, planned, note) = find_problems(folder), missing_cells(folder)
     if as_json:
         told = {"format": 1, "problems": [problem.to_json() for problem in problems]}
-        say_json({**told, "cells": planned, "missing": missing})
+        say_json({**told, "cells": planned, "missing": missing, "recovered": note})
         return UNSOUND if problems else 0
+    if note:
+        say(note)
     if missing:
         say(f"Cells of the plan that are not here: {missing} of {planned}, not run yet or taken away")
     if problems:

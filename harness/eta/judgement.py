@@ -178,9 +178,7 @@ class Verdict:
     @property
     def progress(self) -> str:
         """How many trainings there are, and how many are missing."""
-        missing = self.ruling.missing
-        verb = "is" if missing == 1 else "are"
-        return f"{sum(self.deciding[0].counts):,} trainings are compared, {missing:,} {verb} missing."
+        return f"{sum(self.deciding[0].counts):,} trainings are compared, {self.ruling.missing}."
 
     @property
     def below(self) -> str:

@@ -26,12 +26,8 @@ LISTS = ("sim", "algo", "reward")
 """Keys of an experiment that hold names; each multiplies the cells, as ``seeds`` does."""
 
 
-BESIDE = ("format", "experiment_digest", "note")
+BESIDE = ("format", "experiment_digest")
 """Keys of the file that tell nothing of the plan; that digest stands in plans of earlier versions."""
-
-
-def _once(cells: tuple[Cell, ...]) -> tuple[Cell, ...]:
-    return tuple(dict.fromkeys(cells))
 
 
 def _writable(experiment: dict[str, Any]) -> dict[str, Any]:
@@ -55,16 +51,19 @@ class StoredPlan:
         control: By each seed the other seed that the baseline is trained with again for that.
         cells: Of all experiments that were run here.
         experiment: The newest one, every default filled in.
-        note: What there is to say where the file is damaged, and this was put together from the cells; else empty.
+        note: Of one that was put together from the cells of a damaged one: why. Nobody knows what is missing then, so
+            every reader says it, and no verdict is given. It stays with the plan until a run asks for all those cells.
         terms: What was agreed on before the first training.
     """
 
     baseline: forms.Name
     a_a: bool
     control: Annotated[Mapping[forms.Whole, forms.Whole], BeforeValidator(dict)]
-    cells: Annotated[tuple[Cell, ...], Field(max_length=forms.MOST_CELLS), AfterValidator(_once)]
+    cells: Annotated[
+        tuple[Cell, ...], Field(max_length=forms.MOST_CELLS), AfterValidator(lambda cells: tuple(dict.fromkeys(cells)))
+    ]
     experiment: Annotated[Mapping[forms.Name, Any], AfterValidator(_writable)] = field(default_factory=dict)
-    note: str = ""
+    note: forms.Line = ""
     terms: Terms = FIRST
 
     def with_cells_of(self, earlier: Sequence[Cell]) -> Self:
@@ -101,6 +100,7 @@ class StoredPlan:
                 "experiment": self.experiment,
                 "terms": self.terms.to_json(),
                 "cells": [cell.to_json() for cell in self.cells],
+                **({"note": self.note} if self.note else {}),
             })  # fmt: skip
             if len(content) > PLAN_BYTES:
                 raise ValueError(f"it has {len(content):,} bytes, {PLAN_BYTES:,} are allowed")
@@ -219,6 +219,7 @@ def unite(plans: Sequence[tuple[Path, StoredPlan]]) -> StoredPlan:
             control={**whole.control, **plan.control},
             a_a=whole.a_a or plan.a_a,
             terms=_terms_of_both(whole.terms, plan.terms),
+            note="; ".join(dict.fromkeys(filter(None, (whole.note, plan.note)))),
         ).with_cells_of(whole.cells)
         if experiment:
             whole = replace(whole, cells=_in_order(whole), experiment=experiment)

@@ -43,12 +43,14 @@ class FolderStatus:
         is_in_use: Whether a run is using it now.
         cells: Every cell of the plan, in its order.
         now: When this was so, seconds since 1970.
+        note: Of the plan.
     """
 
     folder: Path
     is_in_use: bool
     cells: Sequence[Progress]
     now: float
+    note: str = ""
 
     def without(self, spared: Container[Cell]) -> Self:
         """The same, where some pending cells are not needed any more."""
@@ -76,6 +78,7 @@ class FolderStatus:
             "folder": str(self.folder),
             "is_in_use": self.is_in_use,
             "seconds_left": self.seconds_left,
+            "recovered": self.note,
             "cells": [
                 {
                     "id": one.cell.id,
@@ -113,11 +116,9 @@ def read_status(
         SchemaError: Its plan cannot be read, and the cells do not tell it.
     """
     store = Store.open(folder)
-    is_in_use, running = store.is_in_use(), read_running(folder)
-    cells = [
-        _progress(cell, store, is_in_use, running.get(cell.id), manifest_in) for cell in store.read_plan(plan_in).cells
-    ]
-    return FolderStatus(folder, is_in_use, cells, now())
+    is_in_use, running, plan = store.is_in_use(), read_running(folder), store.read_plan(plan_in)
+    cells = [_progress(cell, store, is_in_use, running.get(cell.id), manifest_in) for cell in plan.cells]
+    return FolderStatus(folder, is_in_use, cells, now(), plan.note)
 
 
 def _progress(

@@ -95,13 +95,18 @@ class Store:
 
     def add(self, plan: "Plan") -> None:
         """Write down what is asked for, beside all that was before; skipped cells leave their reason."""
-        known = self._known_cells()
+        known = self.known()
         cells = dict.fromkeys([*plan.cells, *(cell for cell, _ in plan.skipped)])
-        terms = self._terms(plan.terms, known, tuple(cells))
         asked = StoredPlan(
-            plan.baseline, bool(plan.control), plan.control, tuple(cells), _without_none(plan.resolved), terms=terms
+            plan.baseline,
+            bool(plan.control),
+            plan.control,
+            tuple(cells),
+            _without_none(plan.resolved),
+            "" if cells.keys() >= set(known.cells) else known.note,
+            self._terms(plan.terms, known, tuple(cells)),
         )
-        asked.with_cells_of(known).write(self.folder)
+        asked.with_cells_of(known.cells).write(self.folder)
         for cell, reason in plan.skipped:
             self.record(cell, "skipped", reason)
 
@@ -217,14 +222,14 @@ class Store:
     def _left_manifests(self) -> list[Path]:
         return sorted((self.folder / CELLS).glob(f"[!.]*/{MANIFEST}"))
 
-    def _terms(self, asked: Terms, known: Sequence[Cell], cells: Sequence[Cell]) -> Terms:
+    def _terms(self, asked: Terms, before: StoredPlan, cells: Sequence[Cell]) -> Terms:
         """Those of the first experiment in the folder.
 
         They say where seeds and rewards were added after results could be seen.
         """
+        known, terms = before.cells, before.terms
         if not known:
             return asked
-        terms = self.read_plan().terms
         done = {cell.seed for cell in self._ended_cells()}
         if not done or terms.has_plan:
             return replace(terms, seconds=asked.seconds)
@@ -235,14 +240,14 @@ class Store:
         grown = (*terms.grown, len(done)) if added else terms.grown
         return replace(terms, grown=grown, joined=(*terms.joined, *joined))
 
-    def _known_cells(self) -> Sequence[Cell]:
+    def known(self) -> StoredPlan:
         """What was asked for before; where the plan is damaged, what has ended: the rest is asked for again."""
         try:
-            return self.read_plan().cells
+            return self.read_plan()
         except NewerFormat:
             raise
-        except SchemaError:
-            return self._ended_cells()
+        except SchemaError as error:
+            return StoredPlan("", False, {}, tuple(self._ended_cells()), note=str(error))
 
     def _ended_cells(self) -> list[Cell]:
         return [manifest.cell for manifest in self.manifests()]

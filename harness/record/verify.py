@@ -56,19 +56,14 @@ def verify(folder: Path) -> list[Problem]:
     return [*_links(folder), *_of_plan(folder), *_of_cells(folder), *_of_added(folder), *_of_made(folder)]
 
 
-def missing_cells(folder: Path) -> tuple[int, int]:
-    """How many cells of the plan have left nothing, and how many cells the plan has.
+def missing_cells(folder: Path) -> tuple[int, int, str]:
+    """How many cells of the plan have left nothing, how many cells the plan has, and its note.
 
     They are not run yet, or somebody took them away: nothing in the folder tells which.
     """
     store = Store.open(folder)
-    try:
-        cells = read_plan(folder).cells
-    except NewerFormat:
-        raise
-    except SchemaError:  # which is a problem of its own
-        return 0, 0
-    return sum(not store.cell_folder(cell).exists() for cell in cells), len(cells)
+    plan = store.known()
+    return sum(not store.cell_folder(cell).exists() for cell in plan.cells), len(plan.cells), plan.note
 
 
 def repair(folder: Path) -> list[tuple[Path, str]]:
@@ -195,8 +190,8 @@ def _mend_plan(folder: Path, store: Store) -> list[tuple[Path, str]]:
         if (folder / name).is_file():
             shutil.copyfile(folder / name, _free_name(folder, name))
     plan.write(folder)
-    told = f"put together from {len(plan.cells)} cells" if plan.note else "written again"
-    return [(problem.path, told) for problem in problems]
+    told = {Path(PLAN): f"put together from {len(plan.cells)} cells"}
+    return [(problem.path, told.get(problem.path, "written again")) for problem in problems]
 
 
 def _set_aside(folder: Path, problem: Problem) -> tuple[Path, str]:

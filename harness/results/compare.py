@@ -43,7 +43,7 @@ def compare_all(
     asked: Sequence[tuple[Trainings, Match]],
     terms: Terms = FIRST,
     manifests: Sequence[Manifest] = (),
-    unread: int = 0,
+    unread: float = 0,
     told: Told = FOUND_OUT,
 ) -> tuple[Comparison, ...]:
     """All comparisons of an experiment. Their questions are asked together, and all hints are one family.

@@ -534,9 +534,9 @@ def pools_of(comparisons: Iterable[Comparison]) -> tuple[Pool, ...]:
     return tuple({id(it.answer.pool): it.answer.pool for it in comparisons if it.answer.pool is not None}.values())
 
 
-def still_to_come(comparisons: Iterable[Comparison]) -> int:
-    """How many planned trainings have not ended, before which nothing is said; 0 also where a plan has looks."""
-    return max((it.answer.ruling.missing for it in comparisons if it.answer.ruling is not None), default=0)
+def still_to_come(comparisons: Iterable[Comparison]) -> str:
+    """How many planned trainings have not ended, before which nothing is said; empty also where a plan has looks."""
+    return next((it.answer.ruling.missing for it in comparisons if it.answer.ruling and it.answer.ruling.missing), "")
 
 
 def _unmeasured(names: Names, change: Change) -> str:

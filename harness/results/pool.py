@@ -82,7 +82,7 @@ class Pool:
         """The answer where no measure is that of all places."""
         ruling = self.ruling
         if ruling.missing:
-            told = f"Interim: {ruling.missing:,} trainings are missing {self.where}."
+            told = f"Interim: {ruling.missing} {self.where}."
             return Headline(Answer.INTERIM, told, "")
         if not ruling.is_decided:
             answer = (Answer.AHEAD if ruling.sign > 0 else Answer.BEHIND) if ruling.is_ahead else Answer.CANNOT_TELL

@@ -192,7 +192,7 @@ def ranking_of(results: Results) -> Ranking:
     There is none before the plan is trained to its end: whoever looks again and again gives luck more chances.
     """
     if missing := still_to_come(results.combinations):
-        return Ranking((), f"{missing:,} trainings are missing, and an order may change with them")
+        return Ranking((), f"{missing}, and an order may change with them")
     tasks: dict[tuple[Any, ...], list[_Found]] = {}
     for group, cells in results.groups.items():
         found = _find(results, group, [cell for cell in cells if not results.is_control(cell)])

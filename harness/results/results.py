@@ -43,6 +43,7 @@ from harness.results.table import Numbers, cell_to_json, comparison_rows, metric
 from harness.results.terms_paid import TermsPaid, terms_of
 from harness.results.trainings import Match, Trained, Trainings
 from harness.results.under_way import told_so_far
+from harness.results.verdicts import UNKNOWN
 
 FORMAT = 2
 """The version of what reports say as JSON; docs/json.md explains it."""
@@ -261,7 +262,7 @@ class Results(ABC):
 
         A baseline that is its own proposed reward is the null control; these come last.
         """
-        unread = sum(len(it.missing) for it in self._read)
+        unread = UNKNOWN if self.plan.note else sum(len(it.missing) for it in self._read)
         asked, manifests = self._asked, self.manifests
         if self.choosing is not None:
             asked, manifests = self.choosing.compared(asked), self.choosing.fresh
@@ -367,6 +368,7 @@ class Results(ABC):
             "combinations": [comparison.to_json() for comparison in self.combinations],
             "over_places": [pool.to_json() for pool in self.pools],
             "terms": self.plan.terms.to_json(),
+            "recovered": self.plan.note,
             "cells": [{**cell_to_json(it), "task": it.cell.task.label} for it in self.manifests],
             "not_measured": self.not_measured,
             "equal_trainings": [

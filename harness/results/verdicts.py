@@ -4,6 +4,7 @@ A question is whether one reward makes the robot behave better than the baseline
 places where both trained. Whatever else the comparisons say are hints, corrected by themselves.
 """
 
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -21,6 +22,17 @@ from harness.record.manifest import Manifest
 from harness.record.terms import FIRST, Terms
 from harness.results.comparison import Comparison, Group, correct
 from harness.results.pool import Pool
+
+UNKNOWN = math.inf
+"""How many trainings are missing where nobody knows."""
+
+
+def missing_text(missing: float) -> str:
+    """A clause that so many trainings are missing; empty where none is."""
+    if missing == UNKNOWN:
+        return "nobody knows how many trainings are missing"
+    return f"{missing:,} training{'s are' if missing != 1 else ' is'} missing" if missing else ""
+
 
 LookOf = Callable[[Comparison], tuple[Mapping[int, int], int]]
 """Tells of a comparison the look at which each seed was trained, and how many looks are complete."""
@@ -53,7 +65,7 @@ class Asked:
 
 
 def with_verdicts(
-    found: Sequence[Comparison], terms: Terms = FIRST, look_of: LookOf | None = None, to_come: int = 0
+    found: Sequence[Comparison], terms: Terms = FIRST, look_of: LookOf | None = None, to_come: float = 0
 ) -> tuple[Comparison, ...]:
     """Comparisons, in their order, with the answers and with hints whose p-values hold for all of them together.
 
@@ -73,10 +85,10 @@ def with_verdicts(
         return tuple(_ruled([it], terms, None, to_come)[0] if it.is_control else next(ruled) for it in found)
 
 
-def _ruled(family: Sequence[Comparison], terms: Terms, look_of: LookOf | None, to_come: int) -> list[Comparison]:
+def _ruled(family: Sequence[Comparison], terms: Terms, look_of: LookOf | None, to_come: float) -> list[Comparison]:
     """Each comparison with its own ruling and, where there are several places, with the answer over all of them."""
     asked = _asked(family)
-    unasked = Ruling(asked=len(asked), missing=to_come)
+    unasked = Ruling(asked=len(asked), missing=missing_text(to_come))
     if terms.looks and look_of is not None:
         rulings = [_in_looks(it, terms, look_of) for it in asked]
     elif to_come:

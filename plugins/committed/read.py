@@ -23,7 +23,7 @@ from harness.authoring.commands import (
     short_name,
     values_text,
 )
-from harness.authoring.pages import POOLED_TITLE, WideOrNarrow, interim_line
+from harness.authoring.pages import POOLED_TITLE, UNKNOWN, WideOrNarrow, interim_line, missing_text
 from harness.errors import UsageError
 from harness.eta import Answer
 from harness.files import reading
@@ -142,6 +142,7 @@ class RecordForm(TypedDict):
     cells: list[CellForm]
     over_places: NotRequired[list[PooledForm]]
     choosing: NotRequired[ChoosingForm | None]
+    recovered: NotRequired[Line]
 
 
 @with_config(OPEN)
@@ -325,7 +326,8 @@ def _interim(record: RecordForm | None) -> list[RenderableType]:
     answers = {it["headline"]["answer"] for it in record["combinations"]} if record else set[str]()
     if record is None or Answer.INTERIM not in answers:
         return []
-    return [Text(interim_line(sum(cell["status"] not in COUNTED for cell in record["cells"])))]
+    missing = sum(cell["status"] not in COUNTED for cell in record["cells"])
+    return [Text(interim_line(missing_text(UNKNOWN if record.get("recovered") else missing)))]
 
 
 def _ratio(ratio: RatioForm, with_intervals: bool) -> str:

@@ -198,9 +198,9 @@ def test_in_looks_few_trainings_are_no_warning():
 
 def test_one_training_that_is_missing_is_no_plural():
     """No seeds are foretold either."""
-    found = ruled(moved(0.5, 0.9), missing=1)
+    found = ruled(moved(0.5, 0.9), missing="1 training is missing")
     assert (found.decided_by, found.seeds_to_decide) == (None, None)
-    assert "1 is missing" in found.robot
+    assert "1 training is missing" in found.robot
 
 
 def test_one_training_has_no_interval_and_no_plan():

@@ -181,7 +181,7 @@ def test_a_file_that_no_cell_left_is_told_and_not_read(ran, first, name):
 def test_cells_that_are_gone_are_counted(ran, first):
     """Nothing else in the folder is damaged by that."""
     shutil.rmtree(first)
-    assert (verify(ran), missing_cells(ran)) == ([], (1, 4))
+    assert (verify(ran), missing_cells(ran)) == ([], (1, 4, ""))
 
 
 def test_a_cell_that_cannot_be_read_is_one_problem(ran, first, monkeypatch):

@@ -76,4 +76,4 @@ def test_page_and_summary_say_it(results, tmp_path):
 def test_nothing_is_claimed_while_trainings_are_to_come(results):
     """Who looks again and again would find something."""
     (comparison,) = results.combinations
-    assert replace(comparison, answer=replace(comparison.answer, ruling=Ruling(missing=2))).not_maximised == ()
+    assert replace(comparison, answer=replace(comparison.answer, ruling=Ruling(missing="2"))).not_maximised == ()

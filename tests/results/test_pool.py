@@ -70,7 +70,7 @@ def test_places_that_go_the_other_way_make_it_mixed():
 
 def test_trainings_that_are_still_to_come_are_told():
     """Whether there are values or not."""
-    pool = replace(pool_of(0.9), ruling=Ruling(missing=8), better_in=0)
+    pool = replace(pool_of(0.9), ruling=Ruling(missing="8 trainings are missing"), better_in=0)
     assert pool.headline.answer == replace(pool, measures=()).headline.answer == Answer.INTERIM
     assert "at least" not in pool.headline.robot
 

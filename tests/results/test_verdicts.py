@@ -140,7 +140,7 @@ def test_before_all_trainings_of_a_plan_ended_nothing_is_tested():
     """Whoever looks on and on would find something."""
     found = with_verdicts([of_success("dense", 0.9, place) for place in PLACES[:2]], to_come=2)
     assert [(it.answer.ruling.p, it.answer.ruling.missing, it.headline.answer) for it in found] == [
-        (None, 2, "interim")
+        (None, "2 trainings are missing", "interim")
     ] * 2
     assert found[0].answer.pool.headline.answer == "interim"
 
@@ -187,7 +187,7 @@ def test_a_plan_of_looks_is_never_unfinished():
     terms = Terms((3, 6), asked=2, margin=0.1)
     look_of = lambda it: ({seed: int(seed >= 3) for seed in range(6)}, 2)  # noqa: E731
     found = with_verdicts([of_success("dense", 0.9), unmeasured], terms, look_of, to_come=9)
-    assert still_to_come(found) == 0
+    assert still_to_come(found) == ""
 
 
 def test_a_measure_that_one_place_lacks_decides_in_none():

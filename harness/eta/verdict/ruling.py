@@ -44,7 +44,7 @@ class Ruling:
         small: The margin that the difference is smaller than, where a plan of several looks ended the training for
             that; None where it did not.
         has_plan: Whether a plan of looks says when to ask again. Then nobody has to be told how many seeds are too few.
-        missing: How many trainings that were planned or begun have no value. Without them no test is made.
+        missing: A clause that so many trainings that were planned or begun have no value. No test is made then.
         is_held: Whether this is one of several places, and not told because the answer over all of them is open.
     """
 
@@ -59,7 +59,7 @@ class Ruling:
     offered: int = 0
     small: float | None = None
     has_plan: bool = False
-    missing: int = 0
+    missing: str = ""
     is_held: bool = False
 
     @property

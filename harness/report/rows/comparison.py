@@ -341,16 +341,16 @@ def what_decides(results: Results) -> str:
 def interim_text(results: Results) -> str:
     """A line that trainings are missing, which stands before everything else; empty where none is."""
     missing = still_to_come(results.combinations)
-    how = " harness run --until decided plans for looks on the way." if results.is_experiment else ""
+    is_planned = results.is_experiment and not results.plan.note
+    how = " harness run --until decided plans for looks on the way." if is_planned else ""
     if results.account.missing:
         how = " harness report --details says which failed, and how to leave them out."
     return f"{interim_line(missing)}{how}" if missing else ""
 
 
-def interim_line(missing: int) -> str:
-    """The same, of so many trainings."""
-    told = f"training{'s are' if missing != 1 else ' is'} missing"
-    return f"Interim: {missing:,} {told}. Nothing here says yet what is better or worse."
+def interim_line(missing: str) -> str:
+    """The same, of a clause that says how many."""
+    return f"Interim: {missing}. Nothing here says yet what is better or worse."
 
 
 def beside_answer(comparison: Comparison) -> list[str]:

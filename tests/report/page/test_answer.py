@@ -63,7 +63,7 @@ def test_parts_of_the_pay_have_their_colours(build):
 
 def test_a_plan_that_is_not_trained_to_its_end_has_no_colour(helped):
     """No bar is better or worse, and nothing is sure."""
-    card = card_of(_ruled(helped, Ruling(missing=12)), "arp")
+    card = card_of(_ruled(helped, Ruling(missing="12 trainings are missing")), "arp")
     assert (card.answer, card.badge, card.sure) == ("INTERIM", "interim", "")
     assert not re.search("better|worse", "".join(row.figure for row in card.rows))
 

@@ -374,6 +374,6 @@ def test_trainings_without_a_common_seed_are_compared(study_of):
 def test_an_unfinished_plan_has_no_verdict_yet(study_folder):
     """What it will rest on is told all the same."""
     (comparison,) = load_study(study_folder).combinations
-    assert basis_text(replace(comparison, answer=replace(comparison.answer, ruling=Ruling(missing=2)))).startswith(
+    assert basis_text(replace(comparison, answer=replace(comparison.answer, ruling=Ruling(missing="2")))).startswith(
         "The verdict will rest on the training"
     )
