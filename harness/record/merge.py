@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass, field
 from itertools import product
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 from harness.errors import NewerFormat, SchemaError, UsageError
 from harness.files.bounded import files_in, is_partial
@@ -15,17 +15,16 @@ from harness.record.cell import Cell
 from harness.record.file_forms import Status
 from harness.record.folder import (
     DERIVED,
-    EVALUATION_RECORDING,
-    TRACE,
-    TRAINING_RECORDING,
+    POLICY,
+    RANDOM,
     partial_folder,
     publish,
     recording_of,
 )
-from harness.record.manifest import Manifest, require_files
+from harness.record.manifest import Ending, is_needed, require_files
 from harness.record.out_folder import refuse_links, storage_errors
 from harness.record.plan_file import StoredPlan, unite
-from harness.record.recording.recorded_training import STEPS
+from harness.record.recording.recorded_training import FILES
 from harness.record.store import Store
 
 RANKS: tuple[Status, ...] = ("done", "failed", "skipped")
@@ -61,8 +60,8 @@ def merge(folders: Sequence[Path], out: Path, is_temporary: bool = False) -> Mer
             where the system allows that, and nothing waits for the disk.
 
     Raises:
-        UsageError: A folder is no experiment's or holds a link, the experiments have several baselines, a cell is done
-            in two folders and the two differ, or `out` cannot be used. Nothing is written.
+        UsageError: A folder is no experiment's or holds a link, the experiments have several baselines, a file of a
+            cell is not the same in all folders in which it is done, or `out` cannot be used. Nothing is written.
         SchemaError: A plan is damaged and the cells do not tell either, or a newer version wrote a file.
         StorageError: `out` cannot be written.
     """
@@ -100,31 +99,34 @@ def _choose_cell(cell: Cell, stores: Iterable[Store], left_out: list[tuple[Path,
     """The store whose cell is taken; None if the cell has not ended anywhere."""
     found = [(store, store.examine(cell)) for store in stores]
     left_out += [(store.cell_folder(cell), it.reason) for store, it in found if it.status == "damaged"]
-    done = [(store.folder, _digests_of_steps(it)) for store, it in found if it.status == "done"]
-    for folder, digests in done:
-        if digests != done[0][1]:
-            raise UsageError(
-                f"Cell {cell.id} ({cell.title}) was trained in '{done[0][0]}' and in '{folder}', and the steps differ: "
-                "remove it from one of them, in the folder cells/, and merge again"
-            )
+    _require_same(f"Cell {cell.id} ({cell.title})", [(store.cell_folder(cell), it) for store, it in found])
     return next((store for status in RANKS for store, it in found if it.status == status), None)
 
 
-def _digests_of_steps(manifest: Manifest) -> dict[str, str]:
-    """SHA-256 of the files that hold a cell's steps: all parts of the trace, or in an environment of both recordings.
+def _require_same(what: str, found: Iterable[tuple[Path, Ending]]) -> None:
+    """See that what is done in several folders left the same files there: else their order would decide a report.
 
-    The facts beside the steps of a recording do not count: they name versions, which may differ between machines.
+    Logs and the facts of recordings tell times and versions. What random actions did is left by one cell of several.
+
+    Raises:
+        UsageError: A file differs.
     """
-    recorded = (
-        recording_of(TRACE),
-        *(f"{recording}/{STEPS}" for recording in (TRAINING_RECORDING, EVALUATION_RECORDING)),
-    )
-    return {name: digest for name, digest in manifest.files.items() if name.startswith(recorded)}
+    done = [it for it in found if it[1].status == "done"]
+    for folder, ending in done[1:]:
+        first, whole = done[0]
+        alone = whole.files.keys() ^ ending.files.keys()
+        for name, _ in sorted(whole.files.items() ^ ending.files.items()):
+            tells_times = PurePosixPath(name).match(FILES[0]) or not (is_needed(name) or name.startswith(POLICY))
+            if not tells_times and not (name in alone and name.startswith(recording_of(RANDOM))):
+                raise UsageError(
+                    f"{what} is done in '{first}' and in '{folder}', and {name} is not the same in both: take one of "
+                    "the two folders away, and merge again"
+                )
 
 
 def _choose_added(cell: Cell, stores: Iterable[Store], added: Mapping[str, Owner], merged: Merged) -> None:
     """Take, of folders with the same name that commands added, the first that is done, else the first that failed."""
-    ranks: dict[Path, int] = {}
+    found: dict[Path, list[tuple[Path, Ending]]] = {}
     for store, (name, owner) in product(stores, added.items()):
         for folder in sorted((store.folder / name / cell.id).glob("[!.]*")):
             try:
@@ -135,9 +137,11 @@ def _choose_added(cell: Cell, stores: Iterable[Store], added: Mapping[str, Owner
             except SchemaError as error:
                 merged.left_out.append((folder, str(error)))
                 continue
-            place, rank = folder.relative_to(store.folder), (*RANKS, ending.status).index(ending.status)
-            if rank < ranks.get(place, len(RANKS)):
-                ranks[place], merged.taken[place] = rank, folder
+            if ending.status in RANKS:
+                found.setdefault(folder.relative_to(store.folder), []).append((folder, ending))
+    for place, folders in found.items():
+        _require_same(str(place), folders)
+        merged.taken[place] = min(folders, key=lambda it: RANKS.index(it[1].status))[0]
 
 
 def _copy(source: Path, target: Path, may_share: bool, *, is_lasting: bool) -> None:

@@ -9,11 +9,25 @@ import pytest
 
 from harness.errors import UsageError
 from harness.experiment import check_experiment, expand
-from harness.record import EXPERIMENT, MANIFEST, PLAN, REPORT, RESULTS, TRACE, Store, Terms, read_manifest
+from harness.record import (
+    EVALUATION,
+    EXPERIMENT,
+    LOG,
+    MANIFEST,
+    PLAN,
+    RANDOM,
+    REPORT,
+    RESULTS,
+    TRACE,
+    Store,
+    Terms,
+    read_manifest,
+)
 from harness.record.merge import merge
 from harness.record.verify import verify
 from harness.report import report_text
 from harness.results import load_results
+from harness_plugins.transfer.record import read_record_of
 from tests.stores import create_store
 
 ASKED = {"sim": "ideal", "algo": "wander", "reward": "arp", "task": "fd100-reach:horizon=5", "steps": 6}
@@ -62,6 +76,13 @@ def _cells(folder):
     """The folders of its cells, in the order of the plan."""
     store = Store(folder)
     return [store.cell_folder(cell) for cell in store.read_plan().cells]
+
+
+def _change(cell, name):
+    """One byte more in a file of a done cell, as another machine would have left it."""
+    with (cell / name).open("ab") as file:
+        file.write(b" ")
+    read_manifest(cell).write(cell)
 
 
 def _fail(folder):
@@ -140,13 +161,42 @@ def test_failed_and_pending_cells_stay_so(run, merged):
     assert [item.status for item in load_results(store.folder).manifests] == ["failed", "done", "pending", "done"]
 
 
-def test_two_trainings_that_differ_are_refused(run, refused):
-    """The message names the cell and both folders."""
+@pytest.mark.parametrize(
+    "name",
+    [TRACE, EVALUATION, "stochastic.parquet", RANDOM, "scene.json", "policy/weights.safetensors", "policy/card.json"],
+)
+def test_cell_with_a_file_that_differs_is_refused(run, refused, name):
+    """Else a report would depend on the order of the folders. The message names the cell, both folders and the file."""
     one, two = run("one", [0]), run("two", [0])
-    folder, other = _cells(two)
-    shutil.copy(other / TRACE, folder / TRACE)
-    read_manifest(folder).write(folder)
-    refused([one, two], f"Cell {folder.name} .* was trained in '{one}' and in '{two}', and the steps")
+    folder = next(it for it in _cells(two) if (it / name).exists())
+    _change(folder, name)
+    refused(
+        [one, two],
+        rf"Cell {folder.name} .* is done in '{one}/cells/{folder.name}' and in '{folder}', and {name} is not the same",
+    )
+
+
+def test_cells_may_differ_in_what_tells_times(run, merged):
+    """And in whether they left what random actions did: one of several cells does."""
+    one, two = run("one", [0]), run("two", [0])
+    for folder in _cells(two):
+        _change(folder, LOG)
+    [floor] = two.glob(f"cells/*/{RANDOM}")
+    floor.unlink()
+    read_manifest(floor.parent).write(floor.parent)
+    _, store = merged(one, two)
+    assert _files(store.folder / "cells") == _files(one / "cells")
+
+
+def test_added_folder_that_differs_is_refused(ran, refused, tmp_path):
+    """As a cell is."""
+    other = shutil.copytree(ran, tmp_path / "other")
+    [folder] = (other / "transfer").glob("*/*")
+    record = read_record_of(folder)
+    (folder / EVALUATION).write_bytes(b"others")
+    record.write(folder)
+    place = folder.relative_to(other)
+    refused([ran, other], f"{place} is done in '{ran / place}' and in '{folder}', and {EVALUATION} is not the same")
 
 
 @pytest.mark.parametrize(("seeds", "status"), [([1], "pending"), ([0], "done")])
@@ -188,6 +238,22 @@ def test_transfers_are_copied(ran, merged):
     assert [left for left, _ in merged(ran)[0].left_out] == [folder]
     assert not (store.folder / "transfer").exists()
     assert (store.folder / "cells" / folder.parent.name).is_dir()
+
+
+def test_plan_that_was_cut_is_marked_wherever_it_was_cut(run, tmp_path):
+    """At 40 lengths, whatever the order of the folders: nobody knows what is missing, so there is no verdict."""
+    one, two = run("one", [0, 1]), run("two", [2, 3])
+    shutil.rmtree(_cells(one)[0])
+    whole, silent = (one / PLAN).read_bytes(), []
+    for length in range(0, len(whole), len(whole) // 39):
+        (one / PLAN).write_bytes(whole[:length])
+        out = tmp_path / f"{length}"
+        plan = merge([one, two][:: 1 if length % 2 else -1], out, is_temporary=True).plan
+        results = load_results(out)
+        answers = {it.headline.answer.value for it in results.combinations}
+        if "was put together from 3 cells" not in plan.note or results.plan.note != plan.note or answers != {"interim"}:
+            silent.append((length, plan.note, answers))
+    assert silent == []
 
 
 def test_other_baselines_are_refused(run, refused):
