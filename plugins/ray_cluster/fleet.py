@@ -85,7 +85,7 @@ class Nodes:
 
     def __post_init__(self) -> None:
         """Note what this machine has, and put a file into the folder. A node that finds it sees the folder."""
-        alike = {(*(choice.name for choice in _choices(cell)), cell.robot): cell for cell in self.cells}
+        alike = {tuple(cell.plugins.items()): cell for cell in self.cells}
         self._asked = [cell.to_json() for cell in alike.values()]
         self._here = describe_installation(alike.values(), load_registry(given=self.plugins))
         self._token = tempfile.NamedTemporaryFile(dir=self.folder, prefix=".", suffix=".token")  # noqa: SIM115
@@ -93,11 +93,6 @@ class Nodes:
     def close(self) -> None:
         """Remove the file that was put into the folder."""
         self._token.close()
-
-    @property
-    def usable(self) -> list[Node]:
-        """The nodes that get cells."""
-        return [node for node in self.known.values() if node.is_usable]
 
     def look(self, at_once: bool = False) -> None:
         """Look which nodes there are, every few seconds or `at_once`, and read the answers of those that were asked.
@@ -116,8 +111,9 @@ class Nodes:
         for answer in ray.wait(list(waiting), num_returns=len(waiting), timeout=0)[0] if waiting else ():
             self._hear(waiting[answer])
         if all(node.refusal or not node.slots for node in self.known.values()):
-            raise UsageError(f"No node of the Ray cluster can run these cells: {'; '.join(self._complaints())}")
-
+            size = f"it has no room for {self.cpus:g} CPUs" + f" and {self.gpus:g} GPUs" * bool(self.gpus)
+            told = "; ".join(f"{node.name}: {node.refusal or size}" for node in self.known.values())
+            raise UsageError(f"No node of the Ray cluster can run these cells: {told}")
         self._tell_if_alone()
 
     def _tell_if_alone(self) -> None:
@@ -155,14 +151,6 @@ class Nodes:
             node.refusal = ", ".join(differences(self._here, found.installed))
         if node.refusal:
             print_visible(f"harness: {one_line_of(f'node {node.name} gets no cells: {node.refusal}')}", err=True)
-
-    def _complaints(self) -> list[str]:
-        size = f"it has no room for {self.cpus:g} CPUs" + f" and {self.gpus:g} GPUs" * bool(self.gpus)
-        return [f"{node.name}: {node.refusal or size}" for node in self.known.values()]
-
-
-def _choices(cell: Cell) -> tuple[Any, ...]:
-    return (cell.simulator, cell.task, cell.algorithm, cell.reward)
 
 
 WAIT: Final = 0.5
@@ -233,7 +221,8 @@ class Fleet:
         """Open as many slots as there is work for, on the nodes with most room left."""
         work = len(self._waiting) + sum(seat.task is not None for seat in self._seats)
         while len(self._seats) < min(self._at_once, work):
-            taken = {node: sum(seat.node is node for seat in self._seats) for node in self._nodes.usable}
+            usable = [node for node in self._nodes.known.values() if node.is_usable]
+            taken = {node: sum(seat.node is node for seat in self._seats) for node in usable}
             free = {node: node.slots - count for node, count in taken.items() if count < node.slots}
             if not free:
                 return
@@ -286,7 +275,7 @@ class Fleet:
         try:
             told = ray.get(next(seat.heard) if seat.task else seat.heard)
         except (ray.exceptions.RayError, StopIteration) as error:
-            self._lose(seat, error)
+            self._lose(seat, one_line(error))
             return
         if seat.task is None:
             seat.heard = None  # it is ready
@@ -296,17 +285,19 @@ class Fleet:
     def _follow(self, seat: _Seat, task: _Task, told: Told) -> None:
         job = task.job
         if isinstance(told, Ended):
-            seat.task = seat.heard = None
             if self._sends(seat):
                 _receive(job.folder, is_complete=not told.reason)
+            if told.is_killed:
+                return self._lose(seat, told.reason)
+            seat.task = seat.heard = None
             self._on_event(Event("ended", job.cell, reason=told.reason))
         elif isinstance(told, Part):
             add_part(_arrivals(job.folder), told)
         else:
             self._on_event(Event("progress", job.cell, told.steps, scalars=told.scalars))
 
-    def _lose(self, seat: _Seat, error: Exception) -> None:
-        """Deal with a slot that was lost. Another slot does its cell, unless this happened `retries` times before."""
+    def _lose(self, seat: _Seat, why: str) -> None:
+        """Deal with a slot that was lost, or whose process was. Another slot does its cell, `retries` times at most."""
         self._seats.remove(seat)
         ray.kill(seat.slot)
         self._nodes.look(at_once=True)
@@ -317,7 +308,7 @@ class Fleet:
         if task.losses <= self._needs.retries:
             self._waiting.appendleft(task)
             return
-        reason = f"lost {task.losses} times, the last time on node {seat.node.name}: {one_line(error)}"
+        reason = f"lost {task.losses} times, the last time on node {seat.node.name}: {why}"
         self._on_event(Event("ended", task.job.cell, reason=reason))
 
 

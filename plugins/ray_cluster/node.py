@@ -1,6 +1,7 @@
 """What runs on a node of the cluster."""
 
 import shutil
+import signal
 import sys
 import tempfile
 import time
@@ -11,7 +12,7 @@ from typing import Any, Final, NamedTuple, TypeAlias
 from harness.authoring.folder_parts import Part, add_parts, parts_of
 from harness.executor import Job, Word
 from harness.experiment.installation import describe_workers
-from harness.experiment.jobs import events_of
+from harness.experiment.jobs import order_of
 from harness.experiment.workers.workers import Pool
 from harness.record.cell import Cell
 from harness.record.folder import partial_folder
@@ -19,6 +20,8 @@ from harness.registry.given import given_from_json
 
 TELL_EVERY: Final = 0.5
 """Seconds between two reports of progress."""
+KILLED: Final = (-signal.SIGTERM, -9)
+"""The exit statuses of a process that did not fail by itself. Windows has no name for the second signal."""
 
 
 class Ended(NamedTuple):
@@ -26,6 +29,8 @@ class Ended(NamedTuple):
 
     reason: str
     """Why it left no folder; empty if it did."""
+    is_killed: bool = False
+    """Whether somebody killed its process, as a system does that runs out of memory: it is worth another try."""
 
 
 Told: TypeAlias = Word | Part | Ended
@@ -93,9 +98,9 @@ class Slot:
     def _do(self, job: Job, command: list[str]) -> Iterator[Told]:
         sys.argv = command  # the manifest records it
         told_last = 0.0
-        for event in events_of([job], 1, self._pool):
-            if event.kind == "ended":
-                yield Ended(event.reason)
-            elif event.kind == "progress" and (event.scalars or time.monotonic() - told_last >= TELL_EVERY):
+        for news in self._pool.run([order_of(job)], 1):
+            if news.kind == "ended":
+                yield Ended(news.reason, news.status in KILLED and not news.over_limit)
+            elif news.kind == "progress" and (news.scalars or time.monotonic() - told_last >= TELL_EVERY):
                 told_last = time.monotonic()
-                yield Word(event.steps, event.scalars)
+                yield Word(news.steps, news.scalars)

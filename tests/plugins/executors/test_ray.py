@@ -95,6 +95,17 @@ def test_a_cell_whose_process_is_lost_is_begun_again(toys, that, two_nodes, tmp_
     assert not any(process.is_running() for process in killed)
 
 
+def test_a_cell_whose_process_is_killed_is_begun_again(toys, that, tmp_path):
+    """As one whose node is lost, and told to have begun once; one that crashes fails, as it would anywhere."""
+    pytest.importorskip("ray")
+    told = _run(Ray(retries=2), [that("be killed"), that("_exit")], tmp_path / "cells", 1)
+    assert [event.kind for event in told if event.kind != "progress"] == ["started", "ended"] * 2
+    killed, crashed = (event.reason for event in told if event.kind == "ended")
+    assert killed.startswith("lost 3 times, the last time on node ")
+    assert killed.endswith(": its process was ended by SIGKILL")
+    assert crashed == "its process ended with exit status 3 before the cell did"
+
+
 def test_a_cell_that_is_lost_too_often_fails(toys, that, two_nodes, tmp_path):
     """With the number of times, and where; the other cell is done."""
     note = tmp_path / "note"
