@@ -41,6 +41,8 @@ Text = Annotated[str, StringConstraints(max_length=10_000)]
 Name = Annotated[str, StringConstraints(min_length=1, max_length=1_000)]
 LARGEST = 1e150
 """Sums of such numbers stay finite."""
+ROUNDING = 1e-9
+"""By so much of what was paid a sum may differ from that of its steps: versions add in other orders."""
 Number = Annotated[float, Field(allow_inf_nan=False, ge=-LARGEST, le=LARGEST)]
 Whole = Annotated[int, Field(ge=0, lt=2**63)]
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
@@ -252,8 +254,8 @@ class Certificate:
                 "total": self.paid,
                 "discounted": self.discounted,
                 "of_terms": {name: episode_sum(values) for name, values in shown.terms.items()},
-                "steps": shown.paid.tolist(),
                 "terms": {name: values.tolist() for name, values in shown.terms.items()},
+                "steps": shown.paid.tolist(),
             },
             "behaviour": {
                 "success": shown.success.astype(int).tolist(),
@@ -294,7 +296,7 @@ class Certificate:
             drawn={name: array_of(it) for name, it in data.get("drawn", {}).items()},
         )
         _require_lengths(shown)
-        return cls(
+        made = cls(
             role,
             data["answer"],
             Place.from_json(data["place"]),
@@ -307,6 +309,8 @@ class Certificate:
             data.get("policy"),
             rating,
         )
+        _require_sums(paid, made)
+        return made
 
 
 def rating_text(rating: Data) -> str:
@@ -371,6 +375,21 @@ def array_of(data: Data) -> NDArray[Any]:
     if not np.isfinite(array).all():
         raise ValueError(misfit)
     return array.reshape(data["shape"])
+
+
+def _require_sums(paid: Data, made: Certificate) -> None:
+    """See that the sums that a file tells are those of its steps, but for rounding.
+
+    Raises:
+        ValueError: They are not.
+    """
+    terms = made.shown.terms
+    most = sum(float(np.abs(it).sum()) for it in (made.shown.paid, *terms.values()))
+    rows = [("total", paid["total"], made.paid), ("discounted", paid["discounted"], made.discounted)]
+    rows += [(name, told, episode_sum(terms.get(name, np.zeros(1)))) for name, told in paid["of_terms"].items()]
+    for name, told, true in rows:
+        if abs(told - true) > ROUNDING * most:
+            raise ValueError(f"paid, {name}: it is {told}, and its steps come to {true}")
 
 
 def _require_lengths(shown: Shown) -> None:

@@ -72,6 +72,11 @@ def rested(world: World, actions: Actions) -> Actions:
     return np.concatenate([actions, np.tile(middle, (missing, 1)).astype(actions.dtype)])
 
 
+def paid_at(world: World, start: int, actions: Actions) -> float:
+    """What actions are paid in a world that may go on for longer than they do."""
+    return float(world.play(np.array([start]), rested(world, actions)[np.newaxis]).paid[0])
+
+
 def noise_curve(
     world: World, shown: Mapping[Role, Behaviour], acts: Mapping[Role, Acting], rng: Rng
 ) -> tuple[Disturbed, ...]:

@@ -16,7 +16,7 @@ from harness.text import number
 
 from ..transitions.audit_rewards import GAMMA, ByName
 from .behaviour import Behaviour, Rates, Role
-from .disturb import NOISES, Acting, noise_curve, rested, strength_of
+from .disturb import NOISES, Acting, noise_curve, paid_at, strength_of
 from .finding import FRAGILE, NAMES, Finding
 from .held_out import act_of
 from .judge import Walk, judge
@@ -105,10 +105,7 @@ def find_in(
     paid: dict[str, Mapping[Role, float]] = {}
     for name, make in (elsewhere or {}).items():
         with closing(make()) as other:
-            paid[name] = {
-                role: float(other.play(np.array([of.start]), rested(other, of.actions)[np.newaxis]).paid[0])
-                for role, of in three.items()
-            }
+            paid[name] = {role: paid_at(other, of.start, of.actions) for role, of in three.items()}
         earned = ", ".join(f"the {NAMES[role]} {number(value)}" for role, value in paid[name].items())
         told.append(f"The same actions in {name} earn: {earned}.")
     return Finding(
@@ -150,7 +147,7 @@ def cheats_at(
     found = []
     for place in places:
         with blamed_at(place, registry), closing(world_at(place, registry)) as world, watched(world):
-            found.append(find_in(world, asked, elsewhere_of(place, registry)))
+            found.append(find_in(world, asked, dict([*elsewhere_of(place, registry).items()][:1])))
     return tuple(found)
 
 

@@ -10,9 +10,8 @@ from rich.text import Text
 from harness.text import number
 
 from .disturb import NOISES
-from .finding import Finding
+from .finding import NAMES, Finding
 
-ROLES = {"failure": "failure", "success": "success", "fastest": "fastest success"}
 MOST_MEASURES = 2
 """So many measures are shown; JSON has all."""
 
@@ -45,7 +44,7 @@ def _grid(finding: Finding) -> Table:
     paid = {(of.role, of.noise): of.paid for of in finding.noise}
     for role, of in finding.three.items():
         grid.add_row(
-            Text(ROLES[role]),
+            Text(NAMES[role].removeprefix("best-paid ")),
             *map(number, (of.paid, of.discounted)),
             str(of.steps),
             str(of.time) if of.success else "never",

@@ -6,7 +6,6 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-import gymnasium
 import numpy as np
 
 from harness.authoring.commands import Scene, make_folder, read_scene, refuse_links, storage_errors, write_scene
@@ -23,8 +22,8 @@ from .certificate import BEGINS, NOUN, Certificate, file_names, read_certificate
 from .film import films_of
 from .finding import Finding
 from .page import cheats_page
-from .place import Place, runs_on, world_at
-from .replay import Replayed, certify, changes, replay
+from .place import Place, called_here, elsewhere_of, needs_of, runs_on, world_at
+from .replay import Replayed, certify, differences, replay
 from .world import World
 
 INDEX = "index.html"
@@ -162,21 +161,23 @@ def replay_file(path: Path, registry: Registry, sim: str | None = None) -> Repla
         engine = choose(registry, "simulators", sim)
         elsewhere = engine.label if engine != place.simulator else ""
         place = replace(place, simulator=engine)
-    reasons = changes(certificate.runs_on, runs_on(place, registry))
+    others = elsewhere_of(place, registry, certificate.elsewhere)
+    given = needs_of(registry)
+    reasons = [
+        *(f"{it}." for it in differences(certificate.runs_on, runs_on(place, registry))),
+        *(f"No plugin that is given is {need}." for need in place.plugins if need not in given),
+    ]
     with closing(world_at(place, registry)) as world:
         if not _fits(certificate, world):
             raise SchemaError(f"{path} holds actions that {world.name} does not take")
         try:
-            return replay(certificate, world, () if elsewhere else reasons, elsewhere)
+            here = called_here(place, registry)
+            return replay(certificate, world, () if elsewhere else reasons, elsewhere, here, others)
         except (ValueError, IndexError, ZeroDivisionError) as error:  # a policy of other sizes
             raise SchemaError(f"{path} does not fit {world.name}: {one_line(error)}") from error
 
 
 def _fits(certificate: Certificate, world: World) -> bool:
     """Whether a world takes all actions of a certificate."""
-    actions, space, policy = certificate.shown.actions, world.space, certificate.policy or {}
-    if isinstance(space, gymnasium.spaces.Box):
-        of_box = actions.dtype == space.dtype and actions.shape[1:] == space.shape
-        return of_box and bool(((actions >= space.low) & (actions <= space.high)).all())
-    chosen = [*actions.ravel().tolist(), *policy.get("choices", {}).values()]
-    return actions.ndim == 1 and all(space.contains(np.int64(it)) for it in chosen)
+    chosen = (certificate.policy or {}).get("choices", {}).values()
+    return all(world.space.contains(np.asarray(it)) for it in [*certificate.shown.actions, *chosen])

@@ -182,38 +182,39 @@ def _count(*values: Float) -> int:
 
 def _over_time(title: str, curves: Mapping[str, Float], shown: Shown, *, first: int) -> Figure:
     """A line of each behaviour over its steps, which count from `first`, and a dot at its end."""
-    marks: list[Line | Dots] = []
-    for name, values in curves.items():
-        points, role = select_points(np.nan_to_num(values)), shown[name].role
-        if len(points):
-            x, y = (points + first).tolist(), values[points].tolist()
-            marks.append(Line(x, y, COLOURS[role], name, dash=DASHES[role], in_legend=True))
-            if np.isfinite(y[-1]):
-                marks.append(Dots(x[-1:], y[-1:], COLOURS[role], (name,)))
-    last = max(mark.x[-1] for mark in marks)
-    chart = Chart(linear_axis(0.0, max(last, 1), "step", 5), _axis([*curves.values()], visible(title)), tuple(marks))
-    return Figure(title, draw_chart(chart, f"{title} at each step"))
+    at = {name: select_points(np.nan_to_num(values)) for name, values in curves.items()}
+    lines = {name: ((points + first).tolist(), curves[name][points].tolist()) for name, points in at.items()}
+    return _figure(title, f"{title} at each step", "step", visible(title), lines, shown, slice(-1, None))
 
 
 def _noise(shown: Shown) -> Figure:
     """What each behaviour is paid while its actions are disturbed."""
-    marks = tuple(
-        mark
-        for name, it in shown.items()
-        if (x := [row.noise for row in it.noise])
-        for y in [[row.paid for row in it.noise]]
-        for mark in (
-            Line(x, y, COLOURS[it.role], name, dash=DASHES[it.role], in_legend=True),
-            Dots(x, y, COLOURS[it.role], (name,) * len(x)),
-        )
-    )
-    most, paid = max(max(mark.x) for mark in marks), [np.array(mark.y) for mark in marks]
-    chart = Chart(
-        linear_axis(0.0, most if most > LEAST else 1.0, "noise of actions, as a share of half their range", 5),
-        _axis(paid, "paid"),
-        marks,
-    )
-    return Figure("Paid while actions are disturbed", draw_chart(chart, "Pay over the noise of actions"))
+    lines = {name: ([row.noise for row in it.noise], [row.paid for row in it.noise]) for name, it in shown.items()}
+    told = "Paid while actions are disturbed", "Pay over the noise of actions"
+    return _figure(*told, "noise of actions, as a share of half their range", "paid", lines, shown, slice(None))
+
+
+def _figure(
+    heading: str,
+    told: str,
+    across: str,
+    upwards: str,
+    lines: Mapping[str, tuple[list[float], list[float]]],
+    shown: Shown,
+    dotted: slice,
+) -> Figure:
+    """A line of each behaviour, and dots at some of its points."""
+    marks: list[Line | Dots] = []
+    for name, (x, y) in lines.items():
+        role = shown[name].role
+        if x:
+            marks.append(Line(x, y, COLOURS[role], name, dash=DASHES[role], in_legend=True))
+        if x and np.isfinite(y[-1]):
+            marks.append(Dots(x[dotted], y[dotted], COLOURS[role], (name,) * len(x[dotted])))
+    last = max(max(mark.x) for mark in marks)
+    y_axis = _axis([np.array(y) for _, y in lines.values()], upwards)
+    chart = Chart(linear_axis(0.0, last if last > LEAST else 1.0, across, 5), y_axis, tuple(marks))
+    return Figure(heading, draw_chart(chart, told))
 
 
 def _axis(curves: Sequence[Float], title: str) -> Axis:

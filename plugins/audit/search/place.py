@@ -1,7 +1,7 @@
 """What makes a world again, in another process or on another machine: names and numbers, never code."""
 
 import platform
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import AbstractContextManager, closing
 from dataclasses import dataclass, replace
 from functools import partial
@@ -113,7 +113,7 @@ def places_on_task(
     chosen, _ = choose_task(registry, task, robot)
     arm = robot or str(chosen.build(registry, "tasks").robot)
     engine = choose(registry, "simulators", sim) if sim else None
-    return [Place(chosen, it, arm, engine, gamma=gamma, plugins=_needs(registry)) for it in rewards]
+    return [Place(chosen, it, arm, engine, gamma=gamma, plugins=needs_of(registry)) for it in rewards]
 
 
 def places_in_environment(
@@ -134,10 +134,10 @@ def places_in_environment(
     looked = look_at(environment, registry)
     names = split_list(rewards) if rewards else looked.rewards
     choices = dict.fromkeys(looked.rewards_asked(name, ())[0] for name in names)
-    return [Place(environment, it, success=success, gamma=gamma, plugins=_needs(registry)) for it in choices]
+    return [Place(environment, it, success=success, gamma=gamma, plugins=needs_of(registry)) for it in choices]
 
 
-def _needs(registry: Registry) -> tuple[dict[str, object], ...]:
+def needs_of(registry: Registry) -> tuple[dict[str, object], ...]:
     """What was given by hand; of files the name, for the folder that they lie in is nobody else's concern."""
     needs = [dict(it.need) for it in registry.given]
     return tuple({**need, "path": Path(str(need["path"])).name} if "path" in need else need for need in needs)
@@ -149,14 +149,28 @@ def blamed_at(place: Place, registry: Registry) -> AbstractContextManager[None]:
     return blamed_on(registry.get(kind, choice.name), "it was searched")
 
 
-def elsewhere_of(place: Place, registry: Registry) -> dict[str, Callable[[], World]]:
-    """By its name, what makes the same in another simulator of an arm; none of an environment."""
+def elsewhere_of(place: Place, registry: Registry, names: Iterable[str] = OTHERS) -> dict[str, Callable[[], World]]:
+    """By name, what makes the same in those other simulators of an arm that can be used; none of an environment."""
     there = [] if place.is_environment else usable(registry, "simulators")
-    for name in OTHERS:
-        if name in there and not (place.simulator and place.simulator.name == name):
-            other = replace(place, simulator=choose(registry, "simulators", name))
-            return {name: partial(world_at, other, registry)}
-    return {}
+    return {
+        name: partial(world_at, replace(place, simulator=choose(registry, "simulators", name)), registry)
+        for name in names
+        if name in there and not (place.simulator and place.simulator.name == name)
+    }
+
+
+def called_here(place: Place, registry: Registry) -> Place:
+    """A place with the labels that its names and parameters have here.
+
+    Raises:
+        UsageError: A name is not known.
+    """
+    given = {name: {"name": it.name, **dict(it.params)} for name, it in vars(place).items() if isinstance(it, Choice)}
+    kinds = {"task": "environments"} if place.is_environment else {name: f"{name}s" for name in given}
+    here: dict[str, Any] = {name: choose(registry, kind, given[name]) for name, kind in kinds.items()}
+    if place.is_environment:
+        here["reward"] = look_at(place.task, registry).rewards_asked(given["reward"], ())[0]
+    return replace(place, **here)
 
 
 def world_at(place: Place, registry: Registry) -> World:

@@ -1,43 +1,49 @@
 """Behaviours played again: before they are certified, and from the file of a certificate, wherever that is."""
 
-import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
+from itertools import zip_longest
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy import stats
 
-from harness.arrays import Float
-from harness.text import number
+from harness.text import number, shortened
 
 from .behaviour import ROLES
 from .certificate import Certificate, rating_text
+from .disturb import paid_at
 from .finding import Finding
 from .held_out import act_of
 from .place import Place
-from .world import Data, Outcomes, Shown, World
+from .world import Data, Outcomes, World
 
-LEAST_P = 0.05
-"""Pay that differs between two plays of a policy by more than chance would in one of twenty is another pay."""
+LEAST_P = 0.025
+"""Pay, or success, that differs between two plays of a policy by more than chance would in one of forty is another."""
+SEARCHED = ("answer", "found", "noise", "film", "place.horizon")
+"""Fields that a replay does not find again: what a search said, how it searched, its random noise, pictures, and after
+how many steps an episode that goes on is cut."""
+STEPS = ("paid.terms.", "paid.steps", "behaviour.success", "behaviour.measures.")
+"""Fields of steps, by what they begin with: the first step that differs says most."""
+SHORT = 60
+"""Characters of a value that differs."""
 
 
-@dataclass(frozen=True)
-class Difference:
-    """Where an episode that was played again differs first.
+class Difference(NamedTuple):
+    """Where a certificate that was played again differs first."""
 
-    Attributes:
-        step: From 1.
-        what: What was different there.
-        came_to: What both came to, in words.
-    """
-
-    step: int
-    what: str
-    came_to: str
+    field: str
+    """Its path in the file, ``paid.steps``."""
+    number: int
+    """Which of its values, from 1."""
+    was: str
+    """What is said there."""
+    here: str
+    """What it is here."""
 
     def __str__(self) -> str:
-        return f"step {self.step}: {self.what}; {self.came_to}"
+        return f"number {self.number} of {self.field} was {self.was}, and is {self.here} here"
 
 
 @dataclass(frozen=True)
@@ -46,68 +52,66 @@ class Replayed:
 
     Attributes:
         certificate: What was played.
-        shown: What it was here.
+        found: What it is here; the same in what was not played again.
         difference: Where it differs first; None if it is the same, bit for bit.
         reasons: Why it may differ, a line each.
         elsewhere: The simulator in which it was played, if that is another one than the certificate's.
-        rating: What its policy came to here, where chance decides.
+        unplayed: The fields that were not played again.
     """
 
     certificate: Certificate
-    shown: Shown
+    found: Certificate
     difference: Difference | None
     reasons: tuple[str, ...]
     elsewhere: str
-    rating: Data | None = None
+    unplayed: tuple[str, ...]
 
     @property
     def is_refused(self) -> bool:
         """Whether it does not show what it says."""
-        then, now = self.certificate.rating, self.rating
-        if then is not None and now is not None:
-            return not agree(then, now)
         return self.difference is not None and not self.elsewhere
 
     @property
     def lines(self) -> tuple[str, ...]:
         """The answer, and what it rests on."""
-        then, now = self.certificate.rating, self.rating
-        if then is not None and now is not None:
-            same = np.array_equal(then["paid"], now["paid"])
-            word = "the same" if same else "about the same" if agree(then, now) else "NOT THE SAME, refused"
-            told = f"{word}: {rating_text(now)}"
-            return (told,) if same else (f"{told}; the file says {rating_text(then)}", *self.reasons)
+        then, now = came_to(self.certificate), came_to(self.found)
         if self.elsewhere:
-            told = came_to(self.certificate.shown)
-            return (f"in {self.elsewhere}: {came_to(self.shown)}; the file says {told}",)
-        if self.difference is None:
-            return (f"the same: {came_to(self.shown)}", *self.reasons)
-        return (f"NOT THE SAME, refused. {self.difference}", *self.reasons)
+            return (f"in {self.elsewhere}: {now}; the file says {then}",)
+        if self.is_refused:
+            return (f"NOT THE SAME, refused. {self.difference}; in all {now}, not {then}", *self.reasons)
+        is_about = self.found.rating != self.certificate.rating
+        searched = self.certificate.found
+        return (
+            f"about the same: {now}; the file says {then}" if is_about else f"the same: {now}",
+            *self.reasons,
+            f"Not played again, and not confirmed: {', '.join(self.unplayed)}. The search says them again: --seed "
+            f"{searched['seed']} --budget {searched['budget']} --starts {self.certificate.answer['starts']}",
+        )
 
     def to_json(self) -> Data:
         """Plain data."""
-        found = self.difference
-        rating = {"rating": self.rating} if self.rating is not None else {}
+        then, now = (
+            {"paid": it.paid, "steps": len(it.shown.paid), "success": bool(it.shown.success[-1])}
+            for it in (self.certificate, self.found)
+        )
         return {
-            "same": found is None if self.rating is None else not self.is_refused,
-            **rating,
-            "paid": math.fsum(self.shown.paid),
-            "steps": len(self.shown.paid),
-            "success": bool(self.shown.success[-1]),
-            "certified": {
-                "paid": self.certificate.paid,
-                "steps": len(self.certificate.shown.paid),
-                "success": bool(self.certificate.shown.success[-1]),
-            },
-            "first_difference": found and {"step": found.step, "what": found.what},
+            "same": self.difference is None,
+            **({"rating": self.found.rating} if self.found.rating else {}),
+            **now,
+            "certified": then,
+            "first_difference": self.difference and self.difference._asdict(),
             "reasons": list(self.reasons),
             "elsewhere": self.elsewhere,
+            "not_played_again": list(self.unplayed),
         }
 
 
 def agree(then: Data, now: Data) -> bool:
-    """Whether two plays of one policy are paid the same but for chance; by Welch's test."""
-    one, other = then["paid"], now["paid"]
+    """Whether two plays of one policy are paid the same and succeed as often, but for chance; by Welch's test."""
+    return all(_is_alike(then[name], now[name]) for name in ("paid", "success"))
+
+
+def _is_alike(one: Sequence[float], other: Sequence[float]) -> bool:
     if one == other or np.ptp(one) == np.ptp(other) == 0.0:
         return bool(one[0] == other[0])
     return bool(stats.ttest_ind(one, other, equal_var=False).pvalue >= LEAST_P)
@@ -143,20 +147,7 @@ def certify(
             rates = searched.rates
             known = [] if rates is None else vars(rates).values()
             rated = next((it for it in known if it is not None and it.policy is policy), None)
-            now, why = None, ""
-            if rated is not None:
-                then, now = rating_of(rated.outcomes, rated.starts), rate(rated.policy, rated.starts, world)
-                if not agree(then, now):
-                    why = f"not certified. Played again, {rating_text(now)}, not {rating_text(then)}"
-            else:
-                again = _played_twice(shown, world)
-                if found := difference(shown, again[0]) or difference(shown, again[1]):
-                    why = f"not certified, it does not repeat. Played again, {found}"
-                shown = again[0]
-            if why:
-                refused.append(f"{finding.reward}, {role}: {why}")
-                continue
-            certificates.append(
+            found = replay(
                 Certificate(
                     role,
                     {
@@ -179,32 +170,62 @@ def certify(
                     tuple(row for row in finding.noise if row.role == role),
                     {name: paid[role] for name, paid in finding.elsewhere.items() if role in paid},
                     policy=None if rated is None else dict(rated.policy),
-                    rating=now,
-                )
+                    rating=None if rated is None else rating_of(rated.outcomes, rated.starts),
+                ),
+                world,
             )
+            if found.is_refused:
+                refused.append(f"{finding.reward}, {role}: not certified. Played again, {found.difference}")
+            else:
+                certificates.append(found.found)
     return certificates, refused
 
 
-def replay(certificate: Certificate, world: World, reasons: Sequence[str] = (), elsewhere: str = "") -> Replayed:
-    """Play a certificate twice in a world.
+def replay(
+    certificate: Certificate,
+    world: World,
+    reasons: Sequence[str] = (),
+    elsewhere: str = "",
+    place: Place | None = None,
+    others: Mapping[str, Callable[[], World]] | None = None,
+) -> Replayed:
+    """Play a certificate twice in a world, and compare all that it says but for what is told as not played again.
 
     Args:
         certificate: What to play.
         world: A fresh one.
         reasons: What is other here than it was.
         elsewhere: The simulator of `world`, if it is another one.
+        place: Its place, as all in it is called here; None for the certificate's own.
+        others: By the names of other simulators, what makes the same world there.
     """
-    then = certificate.shown
-    if certificate.policy is not None and certificate.rating is not None:
-        rating = rate(certificate.policy, certificate.rating["starts"], world)
-        return Replayed(certificate, then, None, tuple(reasons), elsewhere, rating)
-    again = _played_twice(then, world)
-    if unsteady := difference(*again):
-        return Replayed(certificate, again[0], unsteady, ("It does not repeat itself here.",), elsewhere)
-    found = difference(then, again[0])
-    if found is not None and not reasons:
+    shown, policy, rating, there = certificate.shown, certificate.policy, certificate.rating, dict[str, float]()
+    for name, make in (others or {}).items():
+        with closing(make()) as other:
+            there[name] = paid_at(other, shown.start, shown.actions)
+    place = replace(place or certificate.place, success=world.success, horizon=world.horizon)
+    then = replace(certificate, place=place, elsewhere={**certificate.elsewhere, **there})
+    found, again = _played(then, world), _played(then, world)
+    unsteady = _first(found, again)
+    unplayed = [*SEARCHED, *(f"elsewhere.{name}" for name in certificate.elsewhere if name not in there)]
+    unplayed += ["role"] * (policy is not None or certificate.role != "failure")
+    if policy is None or rating is None:
+        differs = unsteady or _first(certificate, found)
+    else:
+        unplayed.append("policy (elsewhere)")
+        rated = rate(policy, rating["starts"], world)
+        found = replace(found, role=certificate.role, rating=rated)
+        differs = _first(certificate, found)
+        if differs and (reasons or unsteady or rate(policy, rating["starts"], world) != rated):  # by chance
+            unplayed += ["start", "actions", "paid", "behaviour"]
+            alike = rating if agree(rating, rated) else rated
+            differs = _first(certificate, replace(found, shown=shown, rating=alike))
+            found = replace(found, shown=shown)
+    if unsteady and differs is unsteady:
+        reasons = ("It does not repeat itself here.",)
+    elif differs and not reasons:
         reasons = ("Nothing that is recorded has changed: what it depends on beside that is not known.",)
-    return Replayed(certificate, again[0], found, tuple(reasons), elsewhere)
+    return Replayed(certificate, found, differs, tuple(reasons), elsewhere, tuple(unplayed))
 
 
 def rate(policy: Data, starts: Sequence[int], world: World) -> Data:
@@ -219,68 +240,45 @@ def rating_of(outcomes: Outcomes, starts: Sequence[int]) -> Data:
     return {"starts": list(map(int, starts)), "paid": paid, "success": success}
 
 
-def difference(then: Shown, now: Shown) -> Difference | None:
-    """Where two plays of the same actions differ first, bit for bit; None if nowhere."""
-    both = min(len(then.paid), len(now.paid))
-    told = f"in all {came_to(now)}, not {came_to(then)}"
-    names, none = dict.fromkeys([*then.terms, *now.terms]), np.zeros(0)
-    rows = {"the step": (then.paid, now.paid)}
-    rows |= {f"its term {name}": (then.terms.get(name, none), now.terms.get(name, none)) for name in names}
-    first = {name: _first(a[:both], b[:both]) for name, (a, b) in rows.items()}
-    success = _first(then.success[:both].astype(float), now.success[:both].astype(float))
-    step = min(*first.values(), success)
-    if step < both:
-        what = []
-        for name, values in rows.items():
-            if first[name] == step:
-                paid = [repr(float(it[step])) if step < len(it) else "nothing" for it in values]
-                what.append(f"{name} pays {paid[1]}, not {paid[0]}")
-        if success == step:
-            what.append("it is a success" if now.success[step] else "it is no success")
-        return Difference(step + 1, "; ".join(what), told)
-    if len(then.paid) != len(now.paid):
-        return Difference(both + 1, f"the episode {'goes on' if len(now.paid) > both else 'has ended'}", told)
-    if then.ended != now.ended:
-        return Difference(both, f"the episode was {now.ended}, not {then.ended}", told)
-    return None
+def differences(then: Data, now: Data) -> list[Difference]:
+    """Where plain data says something that other data does not, by field; those of the first step come first."""
+    found, here = list[Difference](), dict(_fields(now))
+    for name, values in _fields(then):
+        for at, both in enumerate(zip_longest(map(repr, values), map(repr, here.get(name, ())), fillvalue="nothing")):
+            if both[0] != both[1]:
+                found.append(Difference(name, at + 1, *(shortened(it, SHORT) for it in both)))
+                break
+    return sorted(found, key=lambda it: (not it.field.startswith(STEPS), it.number))
 
 
-def changes(then: Mapping[str, Data], now: Mapping[str, Data]) -> tuple[str, ...]:
-    """What is other now than it was, of versions, sources and the machine, a line each; see `RunsOnForm`."""
-    versions = dict.fromkeys([*then["versions"], *now["versions"]])
-    return (
-        *(
-            f"{name} is {now['versions'].get(name, 'missing')} here, and was {then['versions'].get(name, 'missing')}."
-            for name in versions
-            if then["versions"].get(name) != now["versions"].get(name)
-        ),
-        *(
-            f"The source of the {name} is another one."
-            for name, digest in then["sources"].items()
-            if now["sources"].get(name) not in (None, digest)
-        ),
-        *(
-            f"The machine is another one: {now['machine'].get('cpu')}, and was {then['machine'].get('cpu')}."
-            for _ in range(any(then["machine"].get(key) != now["machine"].get(key) for key in ("cpu", "cpu_flags")))
-        ),
-    )
+def _fields(data: Any, name: str = "") -> Iterator[tuple[str, Sequence[Any]]]:
+    """Each field of plain data by its path, ``paid.steps``, with its values."""
+    if isinstance(data, list) and data and isinstance(data[0], Mapping):
+        data = dict(enumerate(data))
+    if isinstance(data, Mapping):
+        for key, value in data.items():
+            yield from _fields(value, f"{name}.{key}".lstrip("."))
+    else:
+        yield name, data if isinstance(data, list) else [data]
 
 
-def came_to(shown: Shown) -> str:
-    """What an episode was paid in how many steps."""
-    success = ", with success" if shown.success[-1] else ""
-    return f"{number(math.fsum(shown.paid))} in {len(shown.paid)} steps{success}"
+def _first(then: Certificate, now: Certificate) -> Difference | None:
+    return next(iter(differences(then.to_json(), now.to_json())), None)
 
 
-def _played_twice(shown: Shown, world: World) -> list[Shown]:
-    """An episode of the same actions, twice; where it goes on, the last action is repeated."""
-    rest = max(0, world.horizon - len(shown.actions))
-    actions = np.concatenate([shown.actions, np.repeat(shown.actions[-1:], rest, axis=0)])
-    return [world.show(shown.start, actions) for _ in range(2)]
+def came_to(certificate: Certificate) -> str:
+    """What an episode was paid in how many steps, or a policy on average."""
+    if certificate.rating:
+        return rating_text(certificate.rating)
+    return f"{number(certificate.paid)} in {len(certificate.shown.paid)} steps, {certificate.outcome}"
 
 
-def _first(one: Float, other: Float) -> int:
-    """The first row that differs in a bit; the number of rows of the longer one if none does."""
-    both = min(len(one), len(other))
-    differs = np.flatnonzero(one[:both].view(np.int64) != other[:both].view(np.int64))
-    return int(differs[0]) if len(differs) else both if len(one) != len(other) else len(one)
+def _played(certificate: Certificate, world: World) -> Certificate:
+    """It as an episode of the same actions shows it; where that goes on, the last action is repeated."""
+    then, role = certificate.shown, certificate.role
+    rest = np.repeat(then.actions[-1:], max(0, world.horizon - len(then.actions)), axis=0)
+    shown = world.show(then.start, np.concatenate([then.actions, rest]))
+    is_success = bool(shown.success[-1])
+    if is_success != (role != "failure"):
+        role = "success" if is_success else "failure"
+    return replace(certificate, shown=shown, role=role)

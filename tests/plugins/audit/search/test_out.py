@@ -179,17 +179,16 @@ def test_a_changed_reward_is_refused_at_its_step(tmp_path, no_films):
     file.write_text(REWARDS.replace("-0.1 * ", "-0.125 * "))
     found = replay_file(path, load_registry(given=read_given([str(file)])))
     assert found.is_refused
-    assert found.difference.step == 1
-    assert "its term effort pays " in found.difference.what
-    assert "height" not in found.difference.what
-    assert "The source of the reward is another one." in found.reasons
+    assert (found.difference.field, found.difference.number) == ("paid.terms.effort", 1)
+    assert found.reasons[0].startswith("number 1 of sources.reward was ")
+    assert found.reasons[1].startswith("No plugin that is given is {'path': 'calm.py', ")
 
 
 def test_waves_that_no_seed_tells_are_not_certified(registry, tmp_path):
     """The behaviour does not repeat, and the reason says where."""
     made, refused = left(tmp_path / "out", [in_environment("Docking:waves=0.01", "shaped", registry)], registry)
     assert made == []
-    assert "shaped, failure: not certified, it does not repeat. Played again, step 1: " in refused[0]
+    assert "shaped, failure: not certified. Played again, number 1 of paid." in refused[0]
     assert "not certified" in (tmp_path / "out/index.html").read_text()
 
 

@@ -10,7 +10,7 @@ from numpy.random import default_rng
 from harness_plugins.audit import read_certificate, write_certificate
 from harness_plugins.audit.search.behaviour import Rated, Rates
 from harness_plugins.audit.search.held_out import mean_interval
-from harness_plugins.audit.search.replay import certify, rating_of, replay
+from harness_plugins.audit.search.replay import agree, certify, rating_of, replay
 from harness_plugins.audit.search.world import Outcomes
 from tests.plugins.audit.search.certified import RUNS_ON, Line, certificate_of, finding_of, place_of
 
@@ -45,11 +45,10 @@ def test_seeded_chance_is_the_same_bit_for_bit(tmp_path):
     """From the file; the line has the interval."""
     write_certificate(certified(Coin()), tmp_path / "c.json")
     found = replay(read_certificate(tmp_path / "c.json"), Coin())
-    mean, low, high = mean_interval(found.rating["paid"])
+    mean, low, high = mean_interval(found.found.rating["paid"])
     assert not found.is_refused
-    assert found.lines == (
-        f"the same: {mean:.3g} [{low:.3g}, {high:.3g}] an episode on 30 held-out starts, success {mean:.0%}",
-    )
+    told = f"the same: {mean:.3g} [{low:.3g}, {high:.3g}] an episode on 30 held-out starts, success {mean:.0%}"
+    assert found.lines[0] == told
 
 
 def test_unseeded_chance_is_about_the_same():
@@ -64,7 +63,7 @@ def test_another_chance_is_refused():
     """By Welch's test; the reasons are told."""
     found = replay(certified(Coin(seed=1)), Coin(0.1, seed=2), ["numpy is 3 here, and was 2."])
     assert found.is_refused
-    assert found.lines[0].startswith("NOT THE SAME, refused: ")
+    assert found.lines[0].startswith("NOT THE SAME, refused. number ")
     assert found.lines[1] == "numpy is 3 here, and was 2."
     assert found.to_json()["same"] is False
 
@@ -75,7 +74,7 @@ def test_another_chance_is_refused():
 def test_what_agrees(one, other, same):
     """Equal ones, also where nothing varies; without a warning."""
     then, now = ({"starts": list(range(len(it))), "paid": it, "success": it} for it in (one, other))
-    assert replace(replay(certificate_of(policy=POLICY, rating=then), Coin()), rating=now).is_refused is not same
+    assert agree(then, now) is same
 
 
 def test_a_policy_is_certified_by_its_figures():

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness_plugins.audit.search.replay import certify, changes, replay
+from harness.text import shortened
+from harness_plugins.audit.search.replay import certify, differences, replay
 from tests.plugins.audit.search.certified import RUNS_ON, Line, certificate_of, finding_of, place_of
 
 
@@ -30,23 +31,21 @@ def test_what_does_not_repeat_is_not_certified():
     made, refused = certified(Line(), lambda: Line(leaks=True))
     assert made == []
     assert len(refused) == 3
-    assert refused[0].startswith("near, failure: not certified, it does not repeat. Played again, step 1: ")
+    assert refused[0].startswith("near, failure: not certified. Played again, number 1 of paid.terms.near was ")
 
 
 def test_the_same_is_said_with_its_pay():
     """And how long it was."""
     found = replay(certificate_of(), Line())
     assert not found.is_refused
-    assert found.lines == ("the same: -3.81 in 20 steps",)
+    assert found.lines[0] == "the same: -3.81 in 20 steps, no success"
 
 
 def test_a_changed_reward_is_refused_at_its_step():
     """At the first one, and its term is named."""
     found = replay(certificate_of(), Line(scale=1.5), ["The source of the reward is another one."])
     assert found.is_refused
-    assert found.difference.step == 1
-    assert "its term near pays -1.155, not -0.77" in found.difference.what
-    assert "cost" not in found.difference.what
+    assert str(found.difference) == "number 1 of paid.terms.near was -0.77, and is -1.155 here"
     assert found.lines[1] == "The source of the reward is another one."
 
 
@@ -55,7 +54,8 @@ def test_the_last_bit_of_one_step_is_enough():
     then = certificate_of().shown
     paid = then.paid.copy()
     paid[7] = np.nextafter(paid[7], 1.0)
-    assert replay(certificate_of(shown=replace(then, paid=paid)), Line()).difference.step == 8
+    found = replay(certificate_of(shown=replace(then, paid=paid)), Line()).difference
+    assert (found.field, found.number) == ("paid.steps", 8)
 
 
 def test_nobody_knows_why():
@@ -66,9 +66,9 @@ def test_nobody_knows_why():
 @pytest.mark.parametrize(
     ("changed", "what"),
     [
-        ({"success": np.arange(20) > 11}, "it is a success"),
-        ({"ended": "terminated"}, "the episode was terminated, not truncated"),
-        ({"paid": np.zeros(0)}, "the episode has ended"),
+        ({"success": np.arange(20) > 11}, "number 13 of behaviour.success was 0, and is 1 here"),
+        ({"ended": "terminated"}, "number 1 of behaviour.ended was 'truncated', and is 'terminated' here"),
+        ({"paid": np.zeros(0)}, "number 1 of paid.steps was -0.78, and is nothing here"),
     ],
 )
 def test_other_behaviour_differs_too(changed, what):
@@ -81,14 +81,14 @@ def test_other_behaviour_differs_too(changed, what):
             """As the line, but for it."""
             return replace(super().show(start, actions), **changed)
 
-    assert what in replay(certificate_of(), Other()).difference.what
+    assert what == str(replay(certificate_of(), Other()).difference)
 
 
 def test_another_simulator_tells_its_pay():
     """And refuses nothing."""
     found = replay(certificate_of(), Line(scale=2.0), elsewhere="other")
     assert not found.is_refused
-    assert found.lines == ("in other: -7.53 in 20 steps; the file says -3.81 in 20 steps",)
+    assert found.lines == ("in other: -7.53 in 20 steps, no success; the file says -3.81 in 20 steps, no success",)
 
 
 def test_what_does_not_repeat_here_is_refused():
@@ -98,12 +98,11 @@ def test_what_does_not_repeat_here_is_refused():
     assert found.reasons == ("It does not repeat itself here.",)
 
 
-def test_changes_are_told():
-    """Of versions, sources, the machine; a source that is not known here is no change."""
-    now = {"versions": {"python": "3.12", "numpy": "2.2"}, "machine": {"cpu": "two"}, "sources": {"reward": "b" * 64}}
-    assert changes(RUNS_ON, now) == (
-        "numpy is 2.2 here, and was 2.1.",
-        "The source of the reward is another one.",
-        "The machine is another one: two, and was one.",
-    )
-    assert changes(RUNS_ON, {**RUNS_ON, "sources": {}}) == ()
+def test_what_is_other_here_is_told():
+    """Of versions, the machine, sources: what was recorded and is another here, or nothing."""
+    now = {"versions": {"python": "3.12", "numpy": "2.2"}, "machine": {"cpu": "two"}, "sources": {}}
+    assert [str(it) for it in differences(RUNS_ON, now)] == [
+        "number 1 of versions.numpy was '2.1', and is '2.2' here",
+        "number 1 of machine.cpu was 'one', and is 'two' here",
+        f"number 1 of sources.reward was {shortened(repr('a' * 64), 60)}, and is nothing here",
+    ]
