@@ -17,10 +17,12 @@ from numpy.random import default_rng
 import harness
 from harness.experiment import ExperimentRun, Plan
 from harness.experiment.workers.workers import News
+from harness.files import note_made
 from harness.policy.discrete import ChoosingNetwork
-from harness.record import Cell, Store
+from harness.record import EVALUATION, REPORT, Cell, Store
 from harness.registry import Choice, load_registry
 from harness.results import load_results
+from harness_plugins.transfer import TransferRecord, simulator_id
 
 settings.register_profile("no deadline", deadline=None)  # a busy machine is no bug
 settings.load_profile("no deadline")
@@ -313,3 +315,27 @@ def make_network():
         return kind(arrays, activation, *given, algorithm="wander", **fields)
 
     return make
+
+
+@pytest.fixture
+def ran(make_cell, make_plan, run_here, tmp_path, tmp_path_factory):
+    """Two seeds of two rewards, all done; one policy was evaluated elsewhere; table and page were made."""
+    kept = tmp_path_factory.getbasetemp() / "ran"
+    if not kept.exists():
+        _run_small(kept, make_cell, make_plan, run_here)
+    return Path(shutil.copytree(kept, tmp_path / "ran"))
+
+
+def _run_small(folder, make_cell, make_plan, run_here):
+    arp = Choice("arp", (("k1", 1.0), ("k2", 1.5)), "arp")
+    cells = [make_cell(seed=seed, reward=reward) for seed in range(2) for reward in (make_cell().reward, arp)]
+    results = run_here(make_plan(*cells), folder)
+    assert [manifest.status for manifest in results.manifests] == ["done"] * 4
+    results.write_table()
+    (folder / REPORT).write_text("<html></html>\n")
+    note_made(folder / REPORT)
+    elsewhere = Choice("kinematic", (), "kinematic")
+    place = folder / "transfer" / cells[0].id / simulator_id(elsewhere)
+    place.mkdir(parents=True)
+    shutil.copy(Store(folder).cell_folder(cells[0]) / EVALUATION, place)
+    TransferRecord(cells[0].id, elsewhere, "", status="done").write(place)

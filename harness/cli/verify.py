@@ -28,7 +28,7 @@ def verify(folder: ExperimentFolder, repair: Repair = False, as_json: AsJson = F
         if as_json:
             raise UsageError("--repair and --json: a repair prints no JSON. Repair first, then verify with --json")
         return set_aside(folder)
-    from harness.record.verify import missing_cells, verify as find_problems
+    from harness.experiment.verify import missing_cells, verify as find_problems
 
     problems, (missing, planned, note) = find_problems(folder), missing_cells(folder)
     if as_json:
@@ -55,7 +55,7 @@ def set_aside(folder: Path) -> int:
         UsageError: The folder is no experiment's, or another run is using it.
         SchemaError: The plan is damaged, and the cells do not tell what it was.
     """
-    from harness.record.verify import repair as mend
+    from harness.experiment.verify import repair as mend
 
     actions = mend(folder)
     for path, told in actions:

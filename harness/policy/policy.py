@@ -14,7 +14,7 @@ import safetensors.numpy
 from numpy.typing import NDArray
 
 from harness.arrays import Float, Float32
-from harness.errors import SchemaError
+from harness.errors import NewerFormat
 from harness.files.bounded import read_bytes, read_json
 from harness.record.folder import CARD, WEIGHTS
 
@@ -41,11 +41,11 @@ def read_folder(folder: Path) -> tuple[dict[str, Any], Weights]:
     """The card, as this format has it, and the arrays.
 
     Raises:
-        SchemaError: A later version wrote it.
+        NewerFormat: A later version wrote it.
     """
     card = read_json(folder / CARD, MOST_CARD_BYTES)
     if card["format"] > FORMAT:
-        raise SchemaError(f"{folder / CARD} has format {card['format']}, this version reads up to {FORMAT}")
+        raise NewerFormat(f"{folder / CARD} has format {card['format']}, this version reads up to {FORMAT}")
     if card["format"] == 1:
         card = _from_format_1(card)
     if not isinstance(card["algorithm"], str):

@@ -103,7 +103,7 @@ def read_status(
 ) -> FolderStatus:
     """How far the experiment in a folder has come. Changes nothing, and waits for nobody.
 
-    Files are not compared with what was written, which `harness.record.verify` does: that would take long.
+    Files are not compared with what was written, which `harness.experiment.verify` does: that would take long.
 
     Args:
         folder: The experiment's.

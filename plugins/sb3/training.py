@@ -44,6 +44,8 @@ def train(
     """
     # One thread is faster than two that wait for each other, and its sums are always the same.
     torch.set_num_threads(1)
+    # A learner that loses its numbers is told by its action, in our words and not in torch's.
+    torch.distributions.Distribution.set_default_validate_args(False)
     state = progress.restored()
     before = env.environment_steps - steps_done(state)
 

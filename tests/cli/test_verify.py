@@ -3,6 +3,8 @@
 import re
 import shutil
 
+from harness.record.manifest import read_manifest
+
 
 def test_sound_folder_ends_with_0(harness, experiment):
     """One line says so, and that there is nothing to repair."""
@@ -25,6 +27,16 @@ def test_damage_is_named_set_aside_and_done_again(harness, experiment, quick, tm
     harness("run --reward arp --seeds 1 --out mine", *quick)
     assert trace.read_bytes() == before
     assert harness("verify mine").status == 0
+
+
+def test_policy_without_numbers_is_damage(harness, experiment, tmp_path):
+    """Its digest is right: the status is that of any damage."""
+    cell = next((tmp_path / "mine" / "cells").glob("*/policy/card.json")).parents[1]
+    (cell / "policy" / "card.json").write_text("{}")
+    read_manifest(cell).write(cell)
+    answer = harness("verify mine")
+    assert answer.status == 1
+    assert "holds no readable policy: 'format' is missing. What to do: run again to replace it." in answer.out
 
 
 def test_page_that_is_made_again_is_what_was_made(harness, experiment, tmp_path):

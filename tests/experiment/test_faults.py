@@ -7,8 +7,8 @@ from contextlib import suppress
 import pytest
 
 from harness.errors import HarnessError, StorageError
+from harness.experiment.verify import verify
 from harness.record import Store
-from harness.record.verify import verify
 from harness.registry import Choice
 from tests.experiment.faults import faults
 from tests.left import left_by_cells

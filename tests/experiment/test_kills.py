@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
+from harness.experiment.verify import verify
 from harness.record import Store
-from harness.record.verify import verify
 from tests.left import left_by_cells
 
 # A shell that starts this in the background has INT ignored, which children inherit. Before `main` is there, Python

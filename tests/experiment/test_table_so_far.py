@@ -5,8 +5,8 @@ import pytest
 
 from harness.experiment import check_experiment, expand
 from harness.experiment.followed import EVERY, TableSoFar
+from harness.experiment.verify import verify
 from harness.record import RESULTS, Store, read_manifest
-from harness.record.verify import verify
 from harness.results.cell_results import CellResults, Cells
 
 GIVEN = {

@@ -9,6 +9,7 @@ import pytest
 
 from harness.errors import UsageError
 from harness.experiment import check_experiment, expand
+from harness.experiment.verify import verify
 from harness.record import (
     EVALUATION,
     EXPERIMENT,
@@ -24,7 +25,6 @@ from harness.record import (
     read_manifest,
 )
 from harness.record.merge import merge
-from harness.record.verify import verify
 from harness.report import report_text
 from harness.results import load_results
 from harness_plugins.transfer.record import read_record_of

@@ -17,6 +17,7 @@ from harness.executor import CellOptions
 from harness.experiment import RunOptions, check_experiment, expand
 from harness.experiment.experiment import check, prepare
 from harness.experiment.run_cell import run_cell
+from harness.experiment.verify import verify
 from harness.policy import load_policy
 from harness.progress import RETURN, SUCCESS
 from harness.record import (
@@ -33,7 +34,6 @@ from harness.record.manifest import digests_in
 from harness.record.merge import merge
 from harness.record.recording.recording_writer import write_recording
 from harness.record.status import read_status
-from harness.record.verify import verify
 from harness.registry import load_registry, read_given
 from harness.results import load_results
 from harness_plugins.exporters.csv_runs import write_runs

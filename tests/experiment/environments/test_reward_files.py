@@ -9,8 +9,8 @@ import pytest
 
 import harness
 from harness.experiment import check_experiment, expand
+from harness.experiment.verify import verify
 from harness.record import Store, read_recording
-from harness.record.verify import verify
 from harness.registry import load_registry, read_given
 from harness.results import load_results
 from tests.refusals import refused

@@ -3,13 +3,19 @@
 import json
 import random
 import shutil
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
+import numpy as np
 import pytest
+from safetensors.numpy import load_file, save_file
 
-from harness.errors import UsageError
+from harness.errors import NewerFormat, UsageError
+from harness.experiment.verify import missing_cells, repair, verify
+from harness.policy import CARD, WEIGHTS
 from harness.record import EXPERIMENT, MANIFEST, PLAN, REPORT, RESULTS, TRACE, Store
-from harness.record.verify import missing_cells, repair, verify
+from harness.record.manifest import REMEDY, read_manifest
 from harness.registry import load_registry
 from harness.results import load_results
 
@@ -43,6 +49,52 @@ def test_folder_as_it_was_written_is_sound(ran, first):
     assert verify(ran) == repair(ran) == []
     shutil.rmtree(first / "policy")
     assert verify(ran) == []
+
+
+def _spoil_policy(cell, how, **changed):
+    """Change a cell's policy, and what its manifest says of the cell and of the digests."""
+    how(cell / "policy")
+    replace(read_manifest(cell), **changed).write(cell)
+
+
+def _fill_with_nan(policy):
+    weights = load_file(policy / WEIGHTS)
+    save_file({name: np.full_like(it, np.nan) for name, it in weights.items()}, policy / WEIGHTS)
+
+
+def _cut(policy):
+    (policy / WEIGHTS).write_bytes((policy / WEIGHTS).read_bytes()[:-4])
+
+
+def _tell(policy, **told):
+    card = json.loads((policy / CARD).read_text())
+    (policy / CARD).write_text(json.dumps({**card, **told}))
+
+
+@pytest.mark.parametrize(
+    "how", [_fill_with_nan, _cut, partial(_tell, kind="oracle"), lambda policy: (policy / WEIGHTS).unlink()]
+)
+def test_a_policy_that_no_command_reads_is_damage(ran, first, how):
+    """Though its digest is right; another run does the cell again."""
+    _spoil_policy(first, how)
+    [problem] = verify(ran)
+    assert (ran / problem.path, problem.remedy) == (first, REMEDY)
+    assert f"{first / 'policy'} holds no readable policy: " in problem.what
+    repair(ran)
+    assert (verify(ran), missing_cells(ran)) == ([], (1, 4))
+
+
+def test_a_cell_that_failed_by_its_policy_is_sound(ran, first):
+    """It says itself that nothing was done."""
+    _spoil_policy(first, _fill_with_nan, status="failed", reason="SchemaError: it holds no readable policy")
+    assert verify(ran) == []
+
+
+def test_a_policy_of_a_newer_version_is_no_damage(ran, first):
+    """Nothing may set it aside."""
+    _spoil_policy(first, partial(_tell, format=99))
+    with pytest.raises(NewerFormat, match="has format 99"):
+        repair(ran)
 
 
 def test_every_file_can_be_found_damaged(ran):

@@ -10,8 +10,9 @@ from typing import NamedTuple
 from harness.errors import NewerFormat, SchemaError, UsageError
 from harness.files.bounded import files_in, is_partial, write_whole
 from harness.files.plain import SUMS, changed_since_made, forget_made, is_whole, read_sums
+from harness.policy import load_policy
 from harness.record.added import owners
-from harness.record.folder import DERIVED, SCORES
+from harness.record.folder import CARD, DERIVED, POLICY, SCORES
 from harness.record.manifest import REMEDY, added_files, read_manifest, require_files, whole_cell
 from harness.record.plan_file import EXPERIMENT, PLAN, experiment_in, read_plan
 from harness.record.store import CELLS, REPORT, RESULTS, Store
@@ -122,6 +123,8 @@ def _of_cells(folder: Path) -> Iterator[Problem]:
             continue
         try:
             manifest = whole_cell(path)
+            if manifest.status == "done" and (path / POLICY / CARD).exists():
+                load_policy(path / POLICY)
         except NewerFormat:
             raise
         except SchemaError as error:
