@@ -162,10 +162,9 @@ def replay_file(path: Path, registry: Registry, sim: str | None = None) -> Repla
         elsewhere = engine.label if engine != place.simulator else ""
         place = replace(place, simulator=engine)
     others = elsewhere_of(place, registry, certificate.elsewhere)
-    given = needs_of(registry)
     reasons = [
         *(f"{it}." for it in differences(certificate.runs_on, runs_on(place, registry))),
-        *(f"No plugin that is given is {need}." for need in place.plugins if need not in given),
+        *(f"No plugin that is given is {need}." for need in place.plugins if need not in needs_of(registry)),
     ]
     with closing(world_at(place, registry)) as world:
         if not _fits(certificate, world):

@@ -21,9 +21,9 @@ from .world import Data, Outcomes, World
 
 LEAST_P = 0.025
 """Pay, or success, that differs between two plays of a policy by more than chance would in one of forty is another."""
-SEARCHED = ("answer", "found", "noise", "film", "place.horizon")
-"""Fields that a replay does not find again: what a search said, how it searched, its random noise, pictures, and after
-how many steps an episode that goes on is cut."""
+SEARCHED = ("answer", "found", "noise", "film", "role", "place.horizon")
+"""Fields that a replay does not find again: what a search said, how it searched, its random noise, pictures, which of
+the successes it is (a failure does not succeed), and after how many steps an episode that goes on is cut."""
 STEPS = ("paid.terms.", "paid.steps", "behaviour.success", "behaviour.measures.")
 """Fields of steps, by what they begin with: the first step that differs says most."""
 SHORT = 60
@@ -96,7 +96,7 @@ class Replayed:
         )
         return {
             "same": self.difference is None,
-            **({"rating": self.found.rating} if self.found.rating else {}),
+            "rating": self.found.rating,
             **now,
             "certified": then,
             "first_difference": self.difference and self.difference._asdict(),
@@ -208,7 +208,6 @@ def replay(
     found, again = _played(then, world), _played(then, world)
     unsteady = _first(found, again)
     unplayed = [*SEARCHED, *(f"elsewhere.{name}" for name in certificate.elsewhere if name not in there)]
-    unplayed += ["role"] * (policy is not None or certificate.role != "failure")
     if policy is None or rating is None:
         differs = unsteady or _first(certificate, found)
     else:

@@ -158,5 +158,7 @@ def test_a_sum_that_is_none_of_its_steps_is_refused(tmp_path):
 def test_a_forged_word_is_not_confirmed(tmp_path):
     """Only a search says it; the line says how to ask it again."""
     found = _replayed(_changed("arm", ("answer", "word"), "NOTHING FOUND"), tmp_path)
-    assert found.lines[1].startswith("Not played again, and not confirmed: answer, found, noise, film, place.horizon. ")
+    assert found.lines[1].startswith(
+        "Not played again, and not confirmed: answer, found, noise, film, role, place.horizon. "
+    )
     assert found.lines[1].endswith(" --seed 3 --budget 100 --starts 1")
