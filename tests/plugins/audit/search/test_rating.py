@@ -10,7 +10,7 @@ from numpy.random import default_rng
 from harness_plugins.audit import read_certificate, write_certificate
 from harness_plugins.audit.search.behaviour import Rated, Rates
 from harness_plugins.audit.search.held_out import mean_interval
-from harness_plugins.audit.search.replay import agree, certify, rating_of, replay
+from harness_plugins.audit.search.replay import certify, rating_of, replay
 from harness_plugins.audit.search.world import Outcomes
 from tests.plugins.audit.search.certified import RUNS_ON, Line, certificate_of, finding_of, place_of
 
@@ -73,8 +73,11 @@ def test_another_chance_is_refused():
 )
 def test_what_agrees(one, other, same):
     """Equal ones, also where nothing varies; without a warning."""
-    then, now = ({"starts": list(range(len(it))), "paid": it, "success": it} for it in (one, other))
-    assert agree(then, now) is same
+    world, then = Coin(), {"starts": list(range(len(one))), "paid": one, "success": one}
+    found, ones = np.array(other), np.ones(len(other), np.int64)
+    world.act = lambda *_: (Outcomes(ones, found, found, found > 0, ones, found, found), [])
+    again = replay(certificate_of(policy=POLICY, rating=then), world, ["numpy is 3 here, and was 2."])
+    assert again.is_refused is not same
 
 
 def test_a_policy_is_certified_by_its_figures():

@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.text import shortened
-from harness_plugins.audit.search.replay import certify, differences, replay
+from harness_plugins.audit.search.replay import certify, replay
 from tests.plugins.audit.search.certified import RUNS_ON, Line, certificate_of, finding_of, place_of
 
 
@@ -96,13 +95,3 @@ def test_what_does_not_repeat_here_is_refused():
     found = replay(certificate_of(), Line(leaks=True))
     assert found.is_refused
     assert found.reasons == ("It does not repeat itself here.",)
-
-
-def test_what_is_other_here_is_told():
-    """Of versions, the machine, sources: what was recorded and is another here, or nothing."""
-    now = {"versions": {"python": "3.12", "numpy": "2.2"}, "machine": {"cpu": "two"}, "sources": {}}
-    assert [str(it) for it in differences(RUNS_ON, now)] == [
-        "number 1 of versions.numpy was '2.1', and is '2.2' here",
-        "number 1 of machine.cpu was 'one', and is 'two' here",
-        f"number 1 of sources.reward was {shortened(repr('a' * 64), 60)}, and is nothing here",
-    ]
