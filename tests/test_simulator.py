@@ -5,7 +5,7 @@ from typing import ClassVar
 import pytest
 
 from harness.registry import load_registry
-from harness.simulator import family_of
+from harness.simulator import ARMS_BYTES, batches, family_of
 
 REGISTRY = load_registry()
 FAMILIES = {
@@ -41,3 +41,25 @@ def test_built_in_simulators_name_their_engine(installed, simulator):
     family = family_of(spec.load())
     assert family == FAMILIES[simulator]
     assert (f"engine {family}" if family else "no engine") in spec.summary
+
+
+@pytest.mark.parametrize(
+    ("arms", "most", "cost", "sizes"),
+    [
+        (9, None, 0, [9]),
+        (9, 4, 0, [4, 4, 1]),
+        (9, None, ARMS_BYTES // 3, [3, 3, 3]),
+        (8, 2, ARMS_BYTES // 3, [2, 2, 2, 2]),
+        (2, 256, ARMS_BYTES // 3, [2]),
+        (2, None, 2 * ARMS_BYTES, [1, 1]),
+    ],
+)
+def test_arms_that_cost_much_are_held_in_batches(arms, most, cost, sizes):
+    """Each arm is in one of them, in order; those that cost little are held together."""
+
+    class Costly(Named):
+        arm_bytes: ClassVar[int] = cost
+
+    found = batches(Costly() if cost else Named(), arms, most)
+    assert [it.stop - it.start for it in found] == sizes
+    assert [k for it in found for k in range(arms)[it]] == list(range(arms))

@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from harness.experiment.foresee import Foreseen
 
 
+LARGE = 1e9
+"""The bytes of memory from which on they are told."""
 UNITS = ("B", "KB", "MB", "GB", "TB")
 SHOWN_SEEDS = LONGEST_MESSAGE // 10
 
@@ -53,6 +55,8 @@ def foreseen_lines(found: "Foreseen") -> Iterator[str]:
         yield from _evaluations(found.to_do[0], found.horizon)
         yield f"Time: {_time(found)}"
         yield f"Disk: {f'not known: {found.unknown}' if found.bytes is None else _size(found.bytes)}"
+        if found.memory >= LARGE:
+            yield f"Memory: {_size(found.memory)}, {min(found.at_once, len(found.to_do))} at once, {found.basis}"
     yield "Nothing is written."
 
 

@@ -125,7 +125,9 @@ class Starts:
         self._streams = Streams(task, robot, len(self._fresh), None)
 
     def seed(self, seed: Seed) -> None:
-        """Begin the streams of all envs anew, from one seed or one per env; None: from chance."""
+        """Begin the streams of all envs anew, from one seed and their numbers, or one per env; None: from chance."""
+        if isinstance(seed, int):
+            seed = [[seed, int(number)] for number in self._episodes.env]
         self._streams.seed(len(self._fresh), seed)
         if seed is not None and self._around:
             self._around.seed(seed)
@@ -424,7 +426,7 @@ class Decisions:
             return
         for k in range(self._num_envs) if self._active is None else np.flatnonzero(self._active).tolist():
             step, episode = (int(of[k]) for of in (self.episodes.step, self.episodes.episode))
-            require_finite({name: rows[k]}, step + ahead, f" of episode {episode}, env {k}")
+            require_finite({name: rows[k]}, step + ahead, f" of episode {episode}, env {self.episodes.env[k]:.0f}")
 
     def state(self) -> TrainingState:
         episodes = self.episodes

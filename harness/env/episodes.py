@@ -20,7 +20,8 @@ class Episodes:
     Attributes:
         matrix: (num_envs, width): the row to record, then qvel, qvel_change and offset; with a goal also what it needs.
         record: The row to record, (num_envs, recorded width); columns as in `harness.record.trace`.
-        episode: Number of the episode in its env, (num_envs,).
+        env: Number of the env, (num_envs,). They count from 0, unless the envs are a part of a batch.
+        episode: Number of the episode in its env.
         step: Environment steps since its start.
         begin_distance: d(0), or the distance when the target was last set, [m].
         previous_best: The smallest distance since then, before this step, [m].
@@ -59,7 +60,7 @@ class Episodes:
         matrix[:, COLUMN["env"]] = np.arange(num_envs)
         matrix[:, COLUMN["episode"]] = -1
         self.record = matrix[:, :width]
-        self.episode, self.step = self._column("episode"), self._column("step")
+        self.env, self.episode, self.step = map(self._column, ("env", "episode", "step"))
         self.begin_distance, self.previous_best = self._column("begin_distance"), self._column("previous_best")
         self.distance, self.delta_distance = self._column("distance"), self._column("delta_distance")
         self.shaped, self.step_price = self._column("reward"), self._column("reward_step")

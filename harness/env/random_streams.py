@@ -14,7 +14,7 @@ from harness.goal import Situation
 from harness.robot import Robot
 from harness.task import Task, goal_of
 
-Seed: TypeAlias = int | list[int] | None
+Seed: TypeAlias = int | list[int] | list[list[int]] | None
 
 AHEAD = 16
 """How many targets are drawn at a time, because checking that the arm reaches them is cheap in a batch."""

@@ -247,6 +247,15 @@ class World:
             self.simulator, self.robot, self.task, self.reward, num_envs, records=self.records, **options
         )
 
+    def open_part(self, batch: slice, recorder: Recorder | None = None) -> ReachVectorEnv:
+        """The envs of a batch, which are reset one by one; see `harness.simulator.batches`.
+
+        They meet what they meet among all envs, under the same numbers.
+        """
+        env = self.open(batch.stop - batch.start, recorder=recorder, autoreset_mode=AutoresetMode.DISABLED)
+        env.episodes.env[:] = range(batch.start, batch.stop)
+        return env
+
 
 def build_world(cell: Cell, robot: Robot, registry: Registry) -> World:
     """The world of a cell's episodes.

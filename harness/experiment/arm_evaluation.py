@@ -1,20 +1,21 @@
 """Evaluation apart from training: fixed starts and targets, the same in every cell."""
 
-from collections.abc import Callable, Sequence
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import ExitStack, closing
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
-from harness.arrays import Float, Float32
+from harness.arrays import Float32
 from harness.conditions import conditions_of
 from harness.conditions.varied_robot import Factors, draw_factors
 from harness.env.arm_observation import kinematics_policy, why_not_kinematics
-from harness.env.vector_env import World
+from harness.env.vector_env import ReachVectorEnv, World
 from harness.errors import SimulationDiverged
 from harness.eta.manner import ACTED_AT_RANDOM, DETERMINISTIC, Acted
 from harness.policy import Policy
@@ -22,6 +23,7 @@ from harness.record.trace import COLUMN, SCALARS, EpisodeFacts, Recorder, Rows, 
 from harness.registry.sources import description
 from harness.robot import Robot
 from harness.robot.energy import least_work, read_bodies
+from harness.simulator import batches
 from harness.task import Task, goal_of, varies
 
 EVALUATION_SEED = 20_211_118
@@ -32,43 +34,72 @@ Act = Callable[[Float32], NDArray[Any]]
 
 def evaluate(
     world: World,
-    act: Act,
+    act: Callable[[], Act],
     episodes: int,
     path: Path,
     seed: int = EVALUATION_SEED,
     ik_steps: Sequence[int | None] | None = None,
     on_step: Callable[[], None] = lambda: None,
 ) -> None:
-    """Let `act` do `episodes` episodes, one in each env of a batch, and record them.
+    """Let a policy do `episodes` episodes, one in each env, and record them.
 
     Args:
         world: Where.
-        act: Observations (num_envs, observation_size) to actions (num_envs, action_size), or choices (num_envs,).
+        act: Makes what acts: observations (episodes, observation_size) to actions (episodes, action_size), or choices
+            (episodes,). Each batch of envs has one of its own, so that all of them draw the same.
         episodes: How many.
         path: The trace to write: one episode of each env.
         seed: Of the starts and targets.
         ik_steps: What `ik_steps` says of them, or of more episodes; None where it is not asked.
-        on_step: Called after every step of the batch.
+        on_step: Called after every step of a batch.
     """
-    env = world.open(episodes, autoreset_mode=AutoresetMode.DISABLED)
-    facts = replace(
-        facts_of(world.task, world.robot), ik_steps=None if ik_steps is None else tuple(ik_steps[:episodes])
-    )
-    try:
-        sizes, extras = (env.robot.dof, env.episodes.action.shape[1]), env.episodes.extras
-        most = episodes * (1 + env.task.horizon)  # one file, since its facts are known at its end
-        with TraceWriter(path, *sizes, facts, extras, part_rows=most) as writer:
-            env.recorder = meter = WorkMeter(writer, world)
-            observations, _ = env.reset(seed=seed)
-            running = np.ones(env.num_envs, bool)
-            while running.any():
-                observations, _, terminated, truncated, _ = env.step(act(observations))
-                running &= ~(terminated | truncated)
-                env.rest(~running)
-                on_step()
-            writer.facts = replace(facts, work=meter.work())
-    finally:
-        env.close()
+    facts, kept = facts_of(world.task, world.robot), KeptRows()
+    facts = replace(facts, ik_steps=None if ik_steps is None else tuple(ik_steps[:episodes]))
+    with ExitStack() as written:
+        for batch in batches(world.simulator, episodes):
+            with closing(world.open_part(batch, kept)) as env:
+                if not batch.start:
+                    sizes, extras = (env.robot.dof, env.episodes.action.shape[1]), env.episodes.extras
+                    most = episodes * (1 + env.task.horizon)  # one file, since its facts are known at its end
+                    writer = written.enter_context(TraceWriter(path, *sizes, facts, extras, part_rows=most))
+                    written.callback(kept.hand_to, writer)
+                play(env, act(), batch, episodes, seed, on_step)
+        writer.facts = replace(facts, work=work_of(world, kept))
+
+
+def play(
+    env: ReachVectorEnv,
+    act: Act,
+    batch: slice,
+    episodes: int,
+    seed: int,
+    on_step: Callable[[], None] = lambda: None,
+    *,
+    until_reached: bool = False,
+) -> None:
+    """Let a policy do the episodes of a batch.
+
+    It acts for all episodes, so that it computes and draws the same, bit for bit, whatever the batches are.
+
+    Args:
+        env: The envs of the batch.
+        act: See `evaluate`.
+        batch: Which of the episodes they have.
+        episodes: How many there are in all batches.
+        seed: Of the starts and targets.
+        on_step: Called after every step.
+        until_reached: Whether an episode is over when it has reached its first target.
+    """
+    seen, _ = env.reset(seed=seed)
+    running = np.ones(env.num_envs, bool)
+    while running.any():
+        if env.num_envs < episodes:
+            all_seen = np.resize(seen, (episodes, *seen.shape[1:]))
+            all_seen[batch], seen = seen, all_seen
+        seen, _, terminated, truncated, infos = env.step(act(seen)[batch])
+        running &= ~(terminated | truncated | (infos["is_success"] & until_reached))
+        env.rest(~running)
+        on_step()
 
 
 def facts_of(task: Task, robot: Robot) -> EpisodeFacts:
@@ -112,38 +143,44 @@ def record_evaluation(
         seed: Of the starts and targets; None for those of every evaluation.
         on_step: Called after every step of the batch.
     """
+    act = partial(act_of, policy, acted)
     if seed is not None:
-        evaluate(world, act_of(policy, acted), episodes, path, seed)
+        evaluate(world, act, episodes, path, seed)
         return
     count = episodes if varies(world.task) or acted != DETERMINISTIC else 1
     steps = ik_steps(world, episodes, EVALUATION_SEED)
-    evaluate(world, act_of(policy, acted), count, path, ik_steps=steps, on_step=on_step)
+    evaluate(world, act, count, path, ik_steps=steps, on_step=on_step)
 
 
-class WorkMeter:
-    """A `Recorder` that hands on its rows, and keeps the joint positions in each env's first episode."""
+class KeptRows:
+    """A `Recorder` of one episode of each env, whose rows are handed on as if all envs were side by side."""
 
-    def __init__(self, recorder: Recorder, world: World) -> None:
-        self._recorder, self._world = recorder, world
-        jumps = world.task.motion(world.robot).jumps
-        self._bodies = None if jumps else read_bodies(world.robot)
-        self._kept: list[Float] = []
-        self._columns = [COLUMN["env"], *range(len(SCALARS), len(SCALARS) + world.robot.dof)]
+    def __init__(self) -> None:
+        self._of_step = defaultdict[int, list[Rows]](list)
 
     def append(self, rows: Rows) -> None:
-        self._recorder.append(rows)
-        if self._bodies is not None:
-            self._kept.append(rows[rows[:, COLUMN["episode"]] == 0.0][:, self._columns])
+        self._of_step[int(rows[0, COLUMN["step"]])].append(rows.copy())
 
-    def work(self) -> tuple[float, ...] | None:
-        """The work by env, [J]; None if the arm jumps from pose to pose, or if its links have no mass."""
-        if self._bodies is None:
-            return None
-        rows = np.concatenate(self._kept)
-        rows = rows[np.argsort(rows[:, 0], kind="stable")]
-        episodes = np.split(rows[:, 1:], np.flatnonzero(np.diff(rows[:, 0])) + 1)
-        chain, period = self._world.robot.chain, self._world.task.control_period
-        return tuple(least_work(chain, self._bodies, qpos, period) for qpos in episodes)
+    def __iter__(self) -> Iterator[Rows]:
+        """Rows of one step after the other, each by env."""
+        return (rows for step in sorted(self._of_step) for rows in self._of_step[step])
+
+    def hand_to(self, recorder: Recorder) -> None:
+        """Tell another one all rows."""
+        for rows in self:
+            recorder.append(rows)
+
+
+def work_of(world: World, kept: Iterable[Rows]) -> tuple[float, ...] | None:
+    """The work by env, [J]; None if the arm jumps from pose to pose, or if its links have no mass."""
+    chain, jumps = world.robot.chain, world.task.motion(world.robot).jumps
+    if jumps or (bodies := read_bodies(world.robot)) is None:
+        return None
+    columns = [COLUMN["env"], *range(len(SCALARS), len(SCALARS) + world.robot.dof)]
+    rows = np.concatenate([rows[:, columns] for rows in kept])
+    rows = rows[np.argsort(rows[:, 0], kind="stable")]
+    episodes = np.split(rows[:, 1:], np.flatnonzero(np.diff(rows[:, 0])) + 1)
+    return tuple(least_work(chain, bodies, qpos, world.task.control_period) for qpos in episodes)
 
 
 def ik_steps(world: World, episodes: int, seed: int) -> tuple[int | None, ...] | None:
@@ -190,16 +227,9 @@ def _answer(question: _Question) -> tuple[int | None, ...] | None:
 
 def _play(world: World, episodes: int, seed: int) -> tuple[int | None, ...]:
     policy, first = kinematics_policy(world.task, world.robot), _FirstReach(episodes)
-    env = world.open(episodes, recorder=first, autoreset_mode=AutoresetMode.DISABLED)
-    try:
-        seen, _ = env.reset(seed=seed)
-        running = np.ones(episodes, bool)
-        while running.any():
-            seen, _, terminated, truncated, infos = env.step(policy.act(seen))
-            running &= ~(terminated | truncated | infos["is_success"])
-            env.rest(~running)
-    finally:
-        env.close()
+    for batch in batches(world.simulator, episodes):
+        with closing(world.open_part(batch, first)) as env:
+            play(env, policy.act, batch, episodes, seed, until_reached=True)
     return tuple(int(step) if step else None for step in first.steps)
 
 

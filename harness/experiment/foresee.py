@@ -40,6 +40,7 @@ class Foreseen:
         unknown: Why one of them is not known; empty where both are.
         measured: How many steps were measured now.
         horizon: Steps after which the environment itself ends an episode; 0 if it does not, or that is not known.
+        memory: What the cells at once will have in memory, in bytes, by the largest one; 0 where that is not known.
         looks: Of an experiment with looks, the seeds at each of them: it ends where the answer stands, so that `to_do`
             is the most that there can be. Empty for others.
         is_choosing: Whether one of several rewards is chosen. Of `to_do` only the number is known then.
@@ -61,6 +62,7 @@ class Foreseen:
     schedule: Schedule | None = None
     measured: int = 0
     horizon: int = 0
+    memory: int = 0
 
     @property
     def candidates(self) -> tuple[str, ...]:
@@ -91,6 +93,7 @@ class Foreseen:
             "looks": list(self.looks),
             "rungs": [rung._asdict() for rung in self.schedule.rungs] if self.schedule else [],
             "measured": self.measured,
+            "memory": self.memory,
         }
 
 
@@ -112,6 +115,8 @@ def foresee(ready: ExperimentRun, *, measures: bool = False) -> Foreseen:
     measured, reason = _measured(ready, [*missing.values()]) if measures and missing else ({}, "")
     ended = [*done, *(took(cell, *it.of_cell(cell)) for cell, it in measured.items())]
     is_known, setup = measured.keys() == {*missing.values()}, max((it.setup for it in measured.values()), default=0.0)
+    peaks = [it.peak_memory for it in done if kind_of(it.cell) in map(kind_of, to_do)]
+    peaks += [it.memory for it in measured.values()]
     seconds = time_left(ended, [], to_do, ready.options.at_once) if is_known else None
     unknown = _why_unknown(next(iter(missing.values())), reason) if missing else ""
     return Foreseen(
@@ -130,6 +135,7 @@ def foresee(ready: ExperimentRun, *, measures: bool = False) -> Foreseen:
         _schedule_of(ready),
         sum(it.steps for it in measured.values()),
         max([_horizon_of(store, begun.done), *(it.horizon for it in measured.values())]),
+        min(ready.options.at_once, len(to_do)) * max(peaks, default=0),
     )
 
 

@@ -2,17 +2,17 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import closing
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
-from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
 from harness.arrays import Float, Float32, Mask, read_only
-from harness.env import ReachVectorEnv
+from harness.env.vector_env import ReachVectorEnv, World
 from harness.errors import SimulationDiverged, UsageError
 from harness.experiment.arm_evaluation import EVALUATION_SEED
 from harness.log.log import sums_from
@@ -22,7 +22,7 @@ from harness.reward.steps import ARM_BEFORE, DISTANCE, step_between
 from harness.reward.terms import require_one_each, require_same
 from harness.robot import Robot
 from harness.robot.kinematics import reach_position
-from harness.simulator import Simulator
+from harness.simulator import Simulator, batches
 from harness.task import Task, goal_of
 from harness.text import number
 
@@ -215,21 +215,34 @@ def record_rollouts(
             "The scripted policies of an audit go to points that do not move, and this task asks for more (its error: "
             f"{goal.error}). Audit the reward on fd100-reach, whose steps have the same fields"
         )
-    off = AutoresetMode.DISABLED
-    env = ReachVectorEnv(simulator, robot, task, Unpaid(), episodes, autoreset_mode=off)
-    try:
-        return tuple(_record(env, script, noise) for script in SCRIPTS)
-    finally:
-        env.close()
+    world, parts = World(simulator, robot, task, Unpaid()), batches(simulator, episodes)
+    begun = list[tuple[Float, Float]]()
+    for batch in parts:
+        with closing(world.open_part(batch)) as env:
+            env.reset(seed=EVALUATION_SEED)
+            begun.append((env.simulation.read().qpos.copy(), env.episodes.target.copy()))
+    start, target = map(np.concatenate, zip(*begun, strict=True))
+    planned = [_planned(script, robot, task, start, target, noise) for script in SCRIPTS]
+    found = list[list[Rollout]]()
+    for batch in parts:
+        with closing(world.open_part(batch)) as env:
+            given = zip(SCRIPTS, planned, strict=True)
+            found.append([_record(env, script, actions[:, batch], parts[1:]) for script, actions in given])
+    return tuple(map(_joined, zip(*found, strict=True)))
 
 
-def _record(env: ReachVectorEnv, script: str, noise: float) -> Rollout:
-    env.reset(seed=EVALUATION_SEED)
-    target = env.episodes.target.copy()
-    start, rng = env.simulation.read().qpos.copy(), np.random.default_rng([EVALUATION_SEED, 2])
-    actions = plan_actions(script, env.robot, env.task, start, target, rng)
+def _planned(script: str, robot: Robot, task: Task, start: Float, target: Float, noise: float) -> Float32:
+    """The actions of a script, see `plan_actions`, with noise."""
+    rng = np.random.default_rng([EVALUATION_SEED, 2])
+    actions = plan_actions(script, robot, task, start, target, rng)
     if noise:
         actions = np.clip(actions + noise * rng.standard_normal(actions.shape, np.float32), -1.0, 1.0)
+    return actions
+
+
+def _record(env: ReachVectorEnv, script: str, actions: Float32, others: Sequence[slice]) -> Rollout:
+    """What envs do; to the horizon where episodes of `others` may be longer."""
+    env.reset(seed=EVALUATION_SEED)
     running, reached = np.ones(env.num_envs, bool), np.zeros(env.num_envs, bool)
     states, rows = [_state(env)], []
     for action in actions:
@@ -239,11 +252,21 @@ def _record(env: ReachVectorEnv, script: str, noise: float) -> Rollout:
         rows.append((np.where(running, paid, 0.0), running))
         reached |= running & infos["is_success"]
         running = running & ~(terminated | truncated)
-        if not running.any():
+        if not (others or running.any()):
             break
     return Rollout(
         script, {name: np.stack([of[name] for of in states]) for name in ARM_BEFORE}, *_stacked_ends(rows), reached
     )
+
+
+def _joined(parts: Sequence[Rollout]) -> Rollout:
+    """The episodes of all batches, until the last one's has ended."""
+    events, running = (np.concatenate([getattr(it, of) for it in parts], axis=1) for of in ("events", "running"))
+    last = int(running.any(axis=1).sum())
+    names = parts[0].states
+    states = {name: np.concatenate([it.states[name] for it in parts], axis=1)[: last + 1] for name in names}
+    reached = np.concatenate([it.reached for it in parts])
+    return Rollout(parts[0].script, states, events[:last], running[:last], reached)
 
 
 def _state(env: ReachVectorEnv) -> dict[str, NDArray[Any]]:

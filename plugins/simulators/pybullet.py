@@ -23,10 +23,11 @@ class PyBullet:
     Over a control period each motor holds the speed that leads from the joint's present position to its target. The
     motors are constraints of the solver, so they carry the arm against gravity. With drive=servo each joint has the
     drive that robot.toml describes, which applies a torque in each physics step. Every arm has a client of Bullet's,
-    with a world of its own. A client takes about 28 MB of memory, and a process has at most 1,024 of them.
+    with a world of its own. A client takes about 36 MB of memory, and a process has at most 1,024 of them.
     """
 
     family: ClassVar[str] = "Bullet"
+    arm_bytes: ClassVar[int] = 36_000_000
     later: ClassVar[tuple[str, ...]] = ("drive", "self_collision")
     sources: ClassVar[tuple[str, ...]] = (
         "harness_plugins.bullet_arms",

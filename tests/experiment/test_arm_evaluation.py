@@ -8,11 +8,14 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import harness
 from harness import load_robot
+from harness.env import IdealSimulator
 from harness.env.vector_env import build_world
-from harness.experiment.arm_evaluation import act_of, evaluate
+from harness.experiment.arm_evaluation import act_of, evaluate, record_evaluation
 from harness.policy import Uniform
+from harness.reach import ReachTask
 from harness.record import Cell, read_trace
 from harness.registry import choose, load_registry
+from harness.simulator import ARMS_BYTES
 
 REGISTRY = load_registry()
 ROBOT = harness.load_robot("fd100", REGISTRY)
@@ -39,7 +42,7 @@ def record(folder, act=stand, **other):
     """The trace of an evaluation of the cell, some of it said otherwise."""
     path = folder / "evaluation.parquet"
     cell = replace(CELL, **other)
-    evaluate(build_world(cell, load_robot(cell.robot), REGISTRY), act, cell.evaluation_episodes, path)
+    evaluate(build_world(cell, load_robot(cell.robot), REGISTRY), lambda: act, cell.evaluation_episodes, path)
     return read_trace(path)
 
 
@@ -144,6 +147,33 @@ def test_random_actions_fill_the_box():
     assert np.abs(actions).max() <= 1.0
     assert_allclose(actions.mean(axis=0), 0.0, atol=0.06)
     assert_allclose(actions.std(axis=0), 1.0 / np.sqrt(3.0), atol=0.03)
+
+
+class Heavy(IdealSimulator):
+    """Three of its arms are all that are held at once."""
+
+    arm_bytes = ARMS_BYTES // 3
+
+    def open(self, robot, num_envs, control_period):
+        assert num_envs <= 3
+        return super().open(robot, num_envs, control_period)
+
+
+@pytest.mark.parametrize("acted", ["random", "stochastic"])
+def test_batches_leave_the_same_rows(tmp_path, acted):
+    """In the same order, under the same numbers, with the same draws; and the work of the same episodes."""
+    told = []
+    for number, simulator in enumerate((IdealSimulator(), Heavy())):
+        world = replace(
+            build_world(CELL, ROBOT, REGISTRY), simulator=simulator, task=ReachTask(horizon=40, epsilon=0.35)
+        )
+        record_evaluation(world, FLOOR, acted, 8, tmp_path / f"{number}.parquet")
+        told.append(read_trace(tmp_path / f"{number}.parquet").load())
+    one, other = told
+    assert len({len(rows) for rows in one.episodes}) > 1
+    assert one.facts.episodes == other.facts.episodes
+    for name in one.columns:
+        assert_array_equal(one[name], other[name])
 
 
 def test_raising_policy_leaves_a_readable_trace(tmp_path):

@@ -1,5 +1,7 @@
 """What a run would do, before it does."""
 
+from dataclasses import replace
+
 import pytest
 
 from harness.cli.progress import foreseen_lines
@@ -36,6 +38,15 @@ def test_what_is_done_and_what_is_left(toys, tmp_path):
     assert both.bytes == pytest.approx(2 * found.bytes)
     assert both.seconds == pytest.approx(2 * found.seconds)
     assert foresee(ready(out, jobs=2)).seconds == pytest.approx(found.seconds)
+    assert found.memory > 0
+
+
+def test_memory_is_told_where_it_is_large(toys, tmp_path):
+    """Of all cells that are at work at once."""
+    found = foresee(ready(tmp_path / "mine", jobs=2))
+    assert not any("Memory" in line for line in foreseen_lines(replace(found, memory=10**9 - 1)))
+    told = [line for line in foreseen_lines(replace(found, memory=3_800_000_000)) if "Memory" in line]
+    assert told == ["Memory: about 3.8 GB, 2 at once, estimated from the done cells"]
 
 
 def test_what_no_cell_did_is_measured(tmp_path):

@@ -30,7 +30,7 @@ def _world(make_cell, registry, task, robot="fd100", **fields):
 def test_steps_are_those_of_the_policy_in_an_evaluation(make_cell, toys, tmp_path, simulator, task):
     """Env by env, in the same simulator, from the same starts; None where the horizon comes first."""
     world = _world(make_cell, toys, task, simulator=simulator)
-    evaluate(world, kinematics_policy(world.task, world.robot).act, 20, tmp_path / "ik.parquet")
+    evaluate(world, lambda: kinematics_policy(world.task, world.robot).act, 20, tmp_path / "ik.parquet")
     trace = read_trace(tmp_path / "ik.parquet")
     expected = [int(trace["step"][rows[-1]]) if trace["reached"][rows[-1]] else None for rows in trace.episodes]
     assert list(ik_steps(world, 20, EVALUATION_SEED)) == expected

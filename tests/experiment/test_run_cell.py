@@ -67,7 +67,7 @@ def test_saved_policy_is_the_one_that_was_evaluated(make_cell, toys, done, tmp_p
     """Loaded from the folder and evaluated again, it does the same, bit for bit."""
     policy = load_policy(done(make_cell()) / POLICY)
     world = build_world(make_cell(), load_robot("fd100"), toys)
-    evaluate(world, policy.act, make_cell().evaluation_episodes, tmp_path / "again.parquet")
+    evaluate(world, lambda: policy.act, make_cell().evaluation_episodes, tmp_path / "again.parquet")
     assert pq.read_table(tmp_path / "again.parquet").equals(pq.read_table(done(make_cell()) / EVALUATION))
 
 

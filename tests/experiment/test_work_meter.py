@@ -21,7 +21,7 @@ def _world(make_cell, registry, task):
 
 
 def _left(world, folder, episodes):
-    evaluate(world, act_of(FLOOR, "random"), episodes, folder / "evaluation.parquet")
+    evaluate(world, lambda: act_of(FLOOR, "random"), episodes, folder / "evaluation.parquet")
     return read_trace(folder / "evaluation.parquet")
 
 

@@ -5,7 +5,7 @@ import pytest
 from gymnasium.vector import AutoresetMode
 from numpy.linalg import norm
 from numpy.random import default_rng
-from numpy.testing import assert_allclose
+from numpy.testing import assert_allclose, assert_array_equal
 
 from harness import load_robot
 from harness.env import ReachVectorEnv
@@ -17,6 +17,7 @@ from harness.record.trace import TERM
 from harness.registry import choose, load_registry
 from harness.reward.forms import reward_class
 from harness.reward.steps import ARM_BEFORE
+from harness.simulator import ARMS_BYTES
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.tasks.moving import Moving
 from harness_plugins.tasks.pose import Pose
@@ -24,6 +25,20 @@ from harness_plugins.tasks.unity import UnityReach as Unity
 from tests.refusals import refused
 
 REGISTRY = load_registry()
+
+
+def test_batches_do_the_same(robot, task):
+    """A simulator of which three arms are held at once moves twelve to the same places, noise included."""
+
+    class Heavy(IdealSimulator):
+        arm_bytes = ARMS_BYTES // 3
+
+    both = (record_rollouts(simulator, robot, task, 12, 0.1) for simulator in (IdealSimulator(), Heavy()))
+    for one, other in zip(*both, strict=True):
+        for name in ("events", "running", "reached"):
+            assert_array_equal(getattr(one, name), getattr(other, name))
+        for name, values in one.states.items():
+            assert_array_equal(values, other.states[name])
 
 
 def test_all_scripts_are_recorded_in_order(rollouts):

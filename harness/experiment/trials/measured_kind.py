@@ -12,7 +12,7 @@ from harness.algorithm import Algorithm
 from harness.executor import Limits, Word
 from harness.experiment.checkpoints.checkpoint import Attempt
 from harness.experiment.environments.paid_again import HORIZON
-from harness.experiment.run_cell import world_of
+from harness.experiment.run_cell import peak_memory, world_of
 from harness.experiment.workers.order import Order, Report
 from harness.experiment.workers.workers import News, run_orders
 from harness.experiment.world import CellWorld
@@ -44,6 +44,7 @@ class Measured(Plain):
         setup: Seconds before the first, once for each process.
         evaluation: Seconds of an evaluation; 0 where the algorithm offered no policy.
         horizon: Steps after which the environment ends an episode; 0 if that is not known.
+        memory: The most that the process had at once, in bytes; 0 if it is not known.
     """
 
     steps: int
@@ -51,6 +52,7 @@ class Measured(Plain):
     setup: float
     evaluation: float
     horizon: int
+    memory: int = 0
 
     def of_cell(self, cell: Cell) -> tuple[float, float]:
         """Seconds of training, and of evaluations: at the end in both manners, and on the way."""
@@ -148,7 +150,8 @@ class MeasureKind(Plain):
                 policy = watched.make() if watched.make else None
         steps, per_step = watched.speed
         evaluation = self._evaluate(world, policy, folder / f"{EVALUATED}{world.suffix}") if policy else 0.0
-        return Measured(steps, per_step, made + watched.setup, evaluation, self._horizon(folder / EVALUATED))
+        horizon = self._horizon(folder / EVALUATED)
+        return Measured(steps, per_step, made + watched.setup, evaluation, horizon, peak_memory())
 
     def _evaluate(self, world: CellWorld, policy: Policy, path: Path) -> float:
         """Seconds of one evaluation; in an environment by a few of its episodes."""
@@ -202,6 +205,8 @@ def measure_kinds(cells: Sequence[Cell], given: tuple[Given, ...], at_once: int)
 
 
 def _together(one: Measured, other: Measured) -> Measured:
-    """What two measurements of a kind say together: the steps of both, the slower of each time."""
-    times = {name: max(getattr(one, name), getattr(other, name)) for name in ("per_step", "setup", "evaluation")}
-    return replace(one, steps=one.steps + other.steps, **times)
+    """What two measurements of a kind say together: the steps of both, the slower of each time, the larger memory."""
+    most = {
+        name: max(getattr(one, name), getattr(other, name)) for name in ("per_step", "setup", "evaluation", "memory")
+    }
+    return replace(one, steps=one.steps + other.steps, **most)

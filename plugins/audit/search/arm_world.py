@@ -9,12 +9,13 @@ import gymnasium
 import numpy as np
 from gymnasium.vector import AutoresetMode
 
-from harness.arrays import Float, Mask
+from harness.arrays import Float, Ints, Mask
 from harness.authoring.commands import TERM, ReachVectorEnv
 from harness.env import World as Arm, kinematics_policy, why_not_kinematics
 from harness.log import SUCCESS
 from harness.motion import MoveJ
 from harness.payoff import SCRIPTS, plan_actions
+from harness.simulator import batches
 from harness.task import goal_of
 
 from .world import REWARD, Beginning, Shown, Space, Step, World
@@ -132,9 +133,16 @@ class ArmWorld(World):
 
     def _places(self, starts: Sequence[int]) -> tuple[Float, Float]:
         """Where arms stand at starts: joint positions, (n, dof), and targets, (n, 3) [m] in the world frame."""
-        batch, count = self.open(len(starts)), len(starts)
-        batch.reset(list(starts))
-        return batch.env.simulation.read().qpos[:count].copy(), batch.env.episodes.target[:count].copy()
+        found = list[tuple[Float, Float]]()
+        for some in self._parts(starts):
+            batch, count = self.open(len(starts[some])), len(starts[some])
+            batch.reset(list(starts[some]))
+            found.append((batch.env.simulation.read().qpos[:count].copy(), batch.env.episodes.target[:count].copy()))
+        qpos, target = map(np.concatenate, zip(*found, strict=True))
+        return qpos, target
+
+    def _parts(self, starts: Sequence[int] | Ints) -> list[slice]:
+        return batches(self.arm.simulator, len(starts), self.together)
 
 
 class _Arms:

@@ -283,7 +283,7 @@ class World(ABC):
         still = np.zeros(self.space.shape or (), self.space.dtype)
         return lambda _, seen, ended: [still if k in ended else policy(it) for k, it in enumerate(seen)]
 
-    def _parts(self, starts: Ints) -> list[slice]:
+    def _parts(self, starts: Sequence[int] | Ints) -> list[slice]:
         return [slice(at, min(at + self.together, len(starts))) for at in range(0, len(starts), self.together)]
 
     def _outcomes(self, shown: Sequence[Shown]) -> Outcomes:

@@ -16,6 +16,7 @@ from harness.errors import SimulationDiverged
 from harness.log import episode_sum
 from harness.reach import ReachTask
 from harness.registry import choose, load_registry
+from harness.simulator import ARMS_BYTES
 from harness_plugins.audit.search.arm_world import ArmWorld
 from harness_plugins.audit.search.place import places_on_task, world_at
 from harness_plugins.kit import IdealSimulator
@@ -115,6 +116,24 @@ def test_pay_is_that_of_an_env_of_one_arm(make):
         assert {name: values[-1] for name, values in shown.measures.items()} == {
             name: values[number] for name, values in outcomes.measures.items()
         }
+
+
+def test_batches_do_the_same():
+    """Arms of which three are held at once do and begin what they do and begin side by side."""
+
+    class Heavy(IdealSimulator):
+        arm_bytes = ARMS_BYTES // 3
+
+    starts, actions = np.arange(7), default_rng(0).uniform(-1.0, 1.0, (7, 5, 6)).astype(np.float32)
+    told = []
+    for simulator, most in ((IdealSimulator(), 8), (Heavy(), 4)):
+        world = ArmWorld(Arm(simulator, ROBOT, ReachTask(horizon=5), Remembering()), "reach", "remembering", 1.0)
+        planned = [it.actions for it in world.scripts(starts)[1:]]
+        told.append((world.play(starts, actions).paid, world.distinct(starts), planned))
+        assert max(world._batches) == most
+        world.close()
+    for one, other in zip(*told, strict=True):
+        assert_array_equal(one, other)
 
 
 def test_terms_and_events_add_up_to_the_pay():
