@@ -22,7 +22,6 @@ from harness.record.store import Store
 from harness.registry.choice import Choice, choose, split_list
 from harness.registry.registry import Registry
 from harness.results.cell_results import Cells
-from harness.results.comparison import Group
 from harness.results.metrics import named_measures
 from harness.results.recordings.recording_results import RecordingResults
 from harness.results.recordings.recordings import numbers_in_environment
@@ -255,13 +254,8 @@ class EndedCells:
         self, store: Store, registry: Registry, plan: Plan, metrics: str | Sequence[str] | None = None
     ) -> None:
         named = named_measures(plan.resolved)
-        self._plan = plan
         in_environment = any(cell.is_in_environment for cell in plan.cells)
-        self._store, self._cells = store, None if in_environment else Cells(store, registry, metrics, named)
-        self._rewards: dict[Group, dict[Choice, None]] = {}
-        for cell in plan.cells:
-            self._rewards.setdefault(Group.of(cell), {})[cell.reward] = None
-        self._scoring = dict.fromkeys(cell.reward for cell in plan.cells)
+        self._store, self._cells = store, None if in_environment else Cells(store, registry, plan, metrics, named)
         self._table = TableSoFar(store, self._cells)
 
     def add(self, ended: Manifest) -> None:
@@ -287,20 +281,11 @@ class EndedCells:
         """Compute what a report needs. An error of a plugin does not stop the run, because the report will show it."""
         with suppress(Exception):
             if self._cells:
-                self._cells.add(done).keep(self._compared_with(done.cell), self._scoring)
+                self._cells.add(done).keep()
                 return
             for path in recordings_in(self._store.cell_folder(done.cell)):
                 with suppress(SchemaError):  # the report says so
                     RecordingResults(self._store.folder, path).keep()
-
-    def _compared_with(self, cell: Cell) -> list[Choice]:
-        """The rewards to compare with: the others for the baseline, the baseline for others, itself for a control."""
-        baseline = self._plan.baseline
-        return [
-            reward
-            for reward in self._rewards[Group.of(cell)]
-            if baseline in (reward.label, cell.reward.label) and (reward != cell.reward or self._plan.control)
-        ]
 
 
 EVERY = 30.0

@@ -193,8 +193,8 @@ def open_parquet(path: Path, most: int) -> pq.ParquetFile:
 
 def require_room(
     path: Path, file: pq.ParquetFile, columns: Collection[str] | None = None, most: int = MOST_NUMBERS
-) -> None:
-    """See that columns of a file take a bounded memory when they are read.
+) -> list[tuple[str, Chunk]]:
+    """See that columns of a file take a bounded memory when they are read; gives what the file tells of their chunks.
 
     Rows times columns count, not each alone, and what the parts of the file hold, not only what the whole tells: both
     may lie. Texts have no width, so they are read as `open_texts` reads them.
@@ -214,19 +214,19 @@ def require_room(
     if any(len(owners) != len(group) for group in groups):
         raise ValueError("it tells of other columns than it has")
     wanted = set(schema.names if columns is None else columns)
+    chunks = [(name, chunk) for group in groups for name, chunk in zip(owners, group, strict=True) if name in wanted]
     numbers = Counter({name: told.num_rows * _width(schema.field(name).type) for name in wanted & {*schema.names}})
     held: Counter[str] = Counter()
     texts = 0
-    for group in groups:
-        for name, chunk in zip(owners, group, strict=True):
-            if name in wanted:
-                held[name] += chunk.numbers
-                texts += chunk.size * pa.types.is_dictionary(schema.field(name).type)
+    for name, chunk in chunks:
+        held[name] += chunk.numbers
+        texts += chunk.size * pa.types.is_dictionary(schema.field(name).type)
     total = sum((numbers | held).values())
     if total > most:
         raise ValueError(f"it has {told.num_rows:,} rows of {total:,} numbers, {most:,} are allowed")
     if texts > TEXT_BYTES:
         raise ValueError(f"its texts have {texts:,} bytes, {TEXT_BYTES:,} are allowed")
+    return chunks
 
 
 def _owners(schema: pa.Schema) -> Iterator[str]:

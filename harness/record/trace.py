@@ -54,7 +54,7 @@ from pydantic import ConfigDict, with_config
 from harness.arrays import Float
 from harness.errors import SchemaError, SimulationDiverged
 from harness.files.bounded import reading
-from harness.files.parquet import MOST_NUMBERS, open_parquet, read_chunks, require_room
+from harness.files.parquet import MOST_NUMBERS, open_parquet, require_room
 from harness.files.plain import Plain
 from harness.log import Log, LogFacts, in_memory
 from harness.log.log import ROWS, Columns, joined
@@ -274,27 +274,18 @@ def _with_nothing_touched(trace: Log, rows: int) -> Log:
     return trace if OBSTACLE in trace else trace.add({OBSTACLE: np.broadcast_to(np.False_, rows)})
 
 
-def require_plausible(path: Path, most: int) -> None:
-    """See from the end of a trace's files, without its rows, whether a cell can have left it.
+def require_plausible(trace: Log, most: int) -> None:
+    """See whether a cell can have left a trace.
 
     Args:
-        path: The trace.
+        trace: The trace.
         most: Rows that it may have; it has at least one.
 
     Raises:
-        SchemaError: It has another number of rows, or holds a number that is too large; or as `read_trace`.
+        SchemaError: It has another number of rows.
     """
-    rows = 0
-    for part in parts_of(path):
-        with reading(part, "trace"), open_parquet(part, TRACE_BYTES) as file:
-            rows += file.metadata.num_rows
-            columns = [file.metadata.schema.column(place).path for place in range(file.metadata.num_columns)]
-            for group in read_chunks(part):
-                for name, chunk in zip(columns, group, strict=True):
-                    if chunk.least is not None and chunk.greatest is not None:
-                        _require_moderate(chunk.least, chunk.greatest, f"{part}: {name}")
-    if not 0 < rows <= most:
-        raise SchemaError(f"{path} has {rows:,} rows, 1 to {most:,} are allowed")
+    if not 0 < len(trace) <= most:
+        raise SchemaError(f"{trace.facts.path} has {len(trace):,} rows, 1 to {most:,} are allowed")
 
 
 def require_rows(path: Path, count: int) -> None:
@@ -321,7 +312,8 @@ def read_trace(path: Path) -> Log:
     """A trace, one that is being written too: as far as it was written. Each column is read when it is asked for.
 
     Raises:
-        SchemaError: The file is damaged, is no trace or was written by a newer version. A column that is damaged raises
+        SchemaError: The file is damaged, is no trace or was written by a newer version; or its end tells of a number
+            that is too large. A column that is damaged raises
             it when it is read, and so does every column of a file that was replaced by then.
     """
     paths = parts_of(path)
@@ -371,7 +363,9 @@ def _require_trace(file: pq.ParquetFile, path: Path, most: int) -> tuple[str, ..
     lacking = SINCE_2 if version == "1" else ()
     _require_columns(file.schema_arrow, lacking, path)
     known = tuple(filter(_is_known, file.schema_arrow.names))
-    require_room(path, file, known, most)
+    for name, chunk in require_room(path, file, known, most):
+        if chunk.least is not None and chunk.greatest is not None:
+            _require_moderate(chunk.least, chunk.greatest, f"{path}: {name}")
     return known + lacking
 
 

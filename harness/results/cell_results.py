@@ -2,11 +2,12 @@
 
 import hashlib
 import math
-from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from collections import defaultdict
+from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import cache, cached_property, partial
-from typing import Any, Self, TypeVar
+from typing import Any, Protocol, Self, TypeVar
 
 import numpy as np
 
@@ -28,13 +29,13 @@ from harness.record.trace import (
     episode_facts,
     read_trace,
     require_plausible,
-    term_names,
     terms_of,
     with_episode_facts,
 )
 from harness.registry.choice import Choice
 from harness.registry.registry import Registry
 from harness.results.by_term import ByTerm, by_term, part_of
+from harness.results.comparison import Group
 from harness.results.kept import Kept
 from harness.results.measured import Values, value_of
 from harness.results.metrics import Unmeasurable, load_metrics, with_fingerprints
@@ -57,6 +58,17 @@ Told = TypeVar("Told")
 FILES = {"training": TRACE, "evaluation": EVALUATION}
 
 
+class Asked(Protocol):
+    """What a plan says of comparisons; see `harness.record.plan_file.StoredPlan`."""
+
+    @property
+    def baseline(self) -> str: ...
+    @property
+    def control(self) -> Mapping[int, int]: ...
+    @property
+    def cells(self) -> Sequence[Cell]: ...
+
+
 class Cells:
     """The done cells of arms, and the rewards and metrics that are asked about them.
 
@@ -68,13 +80,15 @@ class Cells:
     """
 
     def __init__(
-        self, store: Store, registry: Registry, metrics: Iterable[str] | None = None, named: Sequence[str] = ()
-    ) -> None:
+        self, store: Store, registry: Registry, plan: Asked, metrics: Iterable[str] | None = None,
+        named: Sequence[str] = (),
+    ) -> None:  # fmt: skip
         """Take in no cell yet.
 
         Args:
             store: The folder of the experiment.
             registry: The plugins, for metrics and rewards.
+            plan: What is compared.
             metrics: Which metrics; see `harness.results.metrics.load_metrics`.
             named: The measures that the experiment names; see there.
 
@@ -82,11 +96,29 @@ class Cells:
             UsageError: A named metric is not registered.
             PluginError: A named metric is broken.
         """
-        self.store = store
+        self.store, self._plan = store, plan
         self.metrics = load_metrics(registry, metrics, named)
         self.done: dict[str, CellResults] = {}
         self.installed = cache(partial(InstalledReward, registry=registry))
         self._floors: dict[Hashable, CellResults] | None = None
+
+    @cached_property
+    def scoring(self) -> tuple[Choice, ...]:
+        """The rewards that evaluations are paid by, and random actions."""
+        return tuple(dict.fromkeys(cell.reward for cell in self._plan.cells))
+
+    def compared_with(self, cell: Cell) -> list[Choice]:
+        """The rewards to compare with: the others for the baseline, the baseline for others, itself for a control."""
+        baseline, rewards = self._plan.baseline, self._rewards[Group.of(cell)]
+        is_asked = (cell.reward.label == baseline, bool(self._plan.control))
+        return [it for it in rewards if (is_asked[0] or it.label == baseline) and (it != cell.reward or is_asked[1])]
+
+    @cached_property
+    def _rewards(self) -> Mapping[Group, Collection[Choice]]:
+        found = defaultdict[Group, dict[Choice, None]](dict)
+        for cell in self._plan.cells:
+            found[Group.of(cell)][cell.reward] = None
+        return found
 
     @cached_property
     def fingerprinted(self) -> dict[str, tuple[Measure, str]]:
@@ -144,50 +176,58 @@ class CellResults(Did):
             self._read.clear()
             self._kept.save()
 
-    def require_plausible(self) -> None:
-        """See whether every trace of an arm's cell is one that the cell can have left, without reading its rows."""
-        others = (f"{EVALUATIONS}/{path.name}" for path in evaluation_files(self._files).values())
-        named = [EVALUATION, f"{OWN_AND_OTHER[self.cell.deterministic][1]}{SUFFIX}", RANDOM, *others, TRACE]
-        there = [name for name in named if self._is_there(name)]
+    def keep(self) -> None:
+        """Compute what a report will ask of the cell, if nothing of it is kept yet, and keep it.
 
-        def look() -> bool:
-            for name in there:
-                require_plausible(self._files / name, self._most(name))
-            return True
-
-        self._kept.told("is plausible", [it for name in there for it in self._digests(name)], look)
-
-    def keep(self, compared: Iterable[Choice], scoring: Iterable[Choice]) -> None:
-        """Compute what a report will ask of the cell, and keep it.
-
-        Args:
-            compared: The rewards that its training is paid by.
-            scoring: The rewards that its evaluation is paid by, and its random actions.
+        Each trace is opened once.
 
         Raises:
-            SchemaError: A file of the cell is damaged.
+            SchemaError: A file of the cell is damaged, or one that the cell cannot have left.
         """
+        with self:
+            for path in evaluation_files(self._files).values():
+                name = f"{EVALUATIONS}/{path.name}"
+                if self._is_there(name):
+                    self._require_plausible(name)
+                    if name in self._read:
+                        self._measure(name)
+                        del self._read[name]
+            for name in (EVALUATION, f"{OWN_AND_OTHER[self.cell.deterministic][1]}{SUFFIX}", RANDOM, TRACE):
+                if self._is_there(name):
+                    self._require_plausible(name)
+            if self._read:
+                self._keep_all()
+
+    def _require_plausible(self, file: str) -> None:
+        def look(trace: Log) -> bool:
+            require_plausible(trace, self._most(file))
+            return True
+
+        self._ask(file, "is plausible", look)
+
+    def _keep_all(self) -> None:
+        """Compute what a report asks of the cell."""
         files = (EVALUATION, *([RANDOM] if self.has_floor else ()))
-        own, payers = self._cells.installed(self.cell.reward), list(map(self._cells.installed, scoring))
+        own, payers = self._cells.installed(self.cell.reward), list(map(self._cells.installed, self._cells.scoring))
         jobs: list[Callable[[], object]] = [
             *(partial(self.unchanged, file) for file in (TRACE, EVALUATION)),
-            *(partial(self.paid_by, self._cells.installed(choice)) for choice in compared),
+            *(partial(self.paid_by, self._cells.installed(choice)) for choice in self._cells.compared_with(self.cell)),
             *(partial(self.evaluation_return, it) for it in payers),
             *(partial(self.floor_returns, it) for it in payers if self.has_floor),
             partial(self.terms_paid, own, TRACE),
             *(partial(self.terms_paid, it, file) for it in (own, *payers) if it.has_terms for file in files),
         ]
-        with self:
-            self.require_plausible()
-            _ = self._manners, self.longest
-            if self.has_floor:
-                _ = self.acted_at_random
-            if self.cell.evaluate_every:
-                _ = self._evaluated
-            self._keep_own()
-            for job in jobs:
-                with suppress(Unscored):  # the report says so
-                    job()
+        for trace in self._read.values():
+            trace.load((*MEASURED, *SCORED, *PAID))  # in one pass
+        _ = self._manners, self.longest, self.has_terms
+        if self.has_floor:
+            _ = self.acted_at_random
+        if self.cell.evaluate_every:
+            _ = self._evaluated
+        self._keep_own()
+        for job in jobs:
+            with suppress(Unscored):  # the report says so
+                job()
 
     # What was measured
 
@@ -366,7 +406,7 @@ class CellResults(Did):
     @property
     def has_terms(self) -> bool:
         """See `Run`: whether its training recorded some."""
-        return bool(term_names(self._files / TRACE))
+        return self._ask(TRACE, "has terms", lambda trace: bool(terms_of(trace)))
 
     def terms(self, by: Any, part: str) -> ByTerm | None:
         """See `Run`: what others pay its training is not asked for."""
@@ -422,13 +462,13 @@ class CellResults(Did):
         if by:
             what, code = f"{what} {by.choice.label}", by.fingerprint(self.cell.reward)
 
-        def read() -> Told:
-            if file not in self._read:
-                self._read[file] = read_trace(self._files / file)
-            return make(self._read[file])
-
         with self:
-            return self._kept.told(f"{file} {what}", [*self._digests(file), code], read)
+            return self._kept.told(f"{file} {what}", [*self._digests(file), code], lambda: make(self._trace(file)))
+
+    def _trace(self, file: str) -> Log:
+        if file not in self._read:
+            self._read[file] = read_trace(self._files / file)
+        return self._read[file]
 
     def _digests(self, file: str) -> list[str]:
         """SHA-256 of the parts of a trace."""

@@ -37,7 +37,7 @@ class Traces(Results):
     @cached_property
     def cells(self) -> Cells:
         """Those that are done."""
-        return Cells(self.store, self.registry, self._chosen, self.named)
+        return Cells(self.store, self.registry, self.plan, self._chosen, self.named)
 
     @property
     def metrics(self) -> dict[str, Measure]:
@@ -116,7 +116,7 @@ class Traces(Results):
         manifest = super()._examine(cell)
         if manifest.status == "done":
             try:
-                self.cells.add(manifest).require_plausible()
+                self.cells.add(manifest).keep()
             except NewerFormat:
                 raise
             except SchemaError as error:

@@ -94,7 +94,7 @@ def table(toys, run_here, plan, tmp_path):
     run_here(plan, tmp_path)
     (tmp_path / RESULTS).unlink()
     store, clock = Store(tmp_path), Clock()
-    return TableSoFar(store, Cells(store, toys), clock), clock, store
+    return TableSoFar(store, Cells(store, toys, store.read_plan()), clock), clock, store
 
 
 def test_table_is_written_anew_after_some_time_alone(table, plan):

@@ -115,9 +115,9 @@ def test_a_trace_that_no_cell_can_have_left_is_told_by_its_end(path, rows, most,
     """Its rows are not read; one of as many rows as it may have is plausible."""
     write(path, make_rows(rows))
     with pytest.raises(SchemaError, match=told):
-        require_plausible(path, most)
+        require_plausible(read_trace(path), most)
     write(path, make_rows(most))
-    require_plausible(path, most)
+    require_plausible(read_trace(path), most)
 
 
 def test_last_rows_are_the_ends_of_episodes(path):

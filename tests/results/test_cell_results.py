@@ -1,6 +1,7 @@
 """What follows from a cell's files: read once, and again when what it follows from is another."""
 
 import json
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -55,21 +56,20 @@ def test_first_report_reads_each_trace_whole_once(ended, reads):
 
 
 def test_comparisons_hold_no_trace(ran_toys, reads):
-    """Those that are read to see whether a reward still pays the same: with many rewards they would fill the memory."""
+    """With many rewards they would fill the memory: what is compared was kept when the cells were looked at."""
     results = without_kept(ran_toys())
-    assert results.not_measured == {}  # as a report asks first
+    assert reads.files != []
     reads.files.clear()
     assert len(results.combinations) == 2
-    assert reads.files != []
+    assert reads.files == []
     assert len(reads.held) == 0
 
 
-def test_learning_curves_hold_one_trace_at_a_time(ended, reads):
-    """With nothing kept: hundreds of trainings would fill the memory."""
+def test_traces_of_one_cell_are_held_at_a_time(ended, reads):
+    """With nothing kept: hundreds of trainings would fill the memory. Each trace is opened once."""
     results = without_kept(ended)
-    (trainings,) = results.trainings
-    trainings.learned("dense", trainings.members("dense"))
-    assert (len(reads.files), reads.most) == (2, 1)
+    assert len(reads.files) == len(set(reads.files)) == len(list(results.folder.glob("cells/*/**/*.parquet")))
+    assert reads.most <= 4
 
 
 def test_records_of_cells_read_no_trace_after_a_run(ended, monkeypatch):
@@ -106,7 +106,7 @@ def test_folder_that_allows_no_writing_is_reported(ended, reads):
     before = report_text(ended)
     without_kept(ended)
     for path in (ended.folder / "derived").iterdir():
-        path.rmdir()
+        shutil.rmtree(path)
         path.write_text("")  # a file where a folder would be: not even root can write in it
     assert report_text(fresh(ended)) == before
     reads.files.clear()
