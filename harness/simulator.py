@@ -67,7 +67,8 @@ class Simulation(Protocol):
 class Simulator(Protocol):
     """A frozen dataclass whose fields are the engine's settings.
 
-    It may also have a class variable ``family``, see `family_of`; and one ``arm_bytes``, see `batches`.
+    It may also have a class variable ``family``, see `family_of`; and one ``arm_bytes``, how much memory an
+    arm takes, see `harness.env.vector_env.World.batches`.
     """
 
     def open(self, robot: Robot, num_envs: int, control_period: float) -> Simulation:
@@ -78,25 +79,6 @@ class Simulator(Protocol):
             num_envs: How many, >= 1.
             control_period: The longest duration that `drive` will be called with, [s].
         """
-
-
-ARMS_BYTES = 2**28
-"""What the arms of a batch take at most, where a simulator says what one takes."""
-
-
-def batches(simulator: object, arms: int, most: int | None = None) -> list[slice]:
-    """Which of so many arms are open at once, one batch after the other, where each one's episode is its own.
-
-    All of them, unless the simulator's class variable ``arm_bytes`` says that an arm takes much memory.
-
-    Args:
-        simulator: The simulator, or its class.
-        arms: How many, >= 1.
-        most: As many in a batch at most, whatever they take; None for any number.
-    """
-    cost = getattr(simulator, "arm_bytes", 0)
-    at_once = min(most or arms, max(ARMS_BYTES // cost, 1) if cost else arms)
-    return [slice(begin, min(begin + at_once, arms)) for begin in range(0, arms, at_once)]
 
 
 def family_of(simulator: object) -> str | None:

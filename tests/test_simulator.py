@@ -4,8 +4,9 @@ from typing import ClassVar
 
 import pytest
 
+from harness.env.vector_env import ARMS_BYTES, World
 from harness.registry import load_registry
-from harness.simulator import ARMS_BYTES, batches, family_of
+from harness.simulator import family_of
 
 REGISTRY = load_registry()
 FAMILIES = {
@@ -60,6 +61,6 @@ def test_arms_that_cost_much_are_held_in_batches(arms, most, cost, sizes):
     class Costly(Named):
         arm_bytes: ClassVar[int] = cost
 
-    found = batches(Costly() if cost else Named(), arms, most)
+    found = World(Costly() if cost else Named(), None, None, None).batches(arms, most)
     assert [it.stop - it.start for it in found] == sizes
     assert [k for it in found for k in range(arms)[it]] == list(range(arms))

@@ -223,6 +223,10 @@ Given: TypeAlias = str | Mapping[str, Any]
 """``"arp:k2=2"`` or ``{"name": "arp", "k2": 2}``."""
 
 
+ARMS_BYTES = 2**28
+"""What the arms of a batch take at most, where a simulator says what one takes."""
+
+
 @dataclass(frozen=True)
 class World:
     """Everything that an environment is made of. It is built once and opened as often as needed.
@@ -247,8 +251,21 @@ class World:
             self.simulator, self.robot, self.task, self.reward, num_envs, records=self.records, **options
         )
 
+    def batches(self, arms: int, most: int | None = None) -> list[slice]:
+        """Which of so many arms are open at once, one batch after the other, where each one's episode is its own.
+
+        All of them, unless the simulator's class variable ``arm_bytes`` says that an arm takes much memory.
+
+        Args:
+            arms: How many, >= 1.
+            most: As many in a batch at most, whatever they take; None for any number.
+        """
+        cost = getattr(self.simulator, "arm_bytes", 0)
+        at_once = min(most or arms, max(ARMS_BYTES // cost, 1) if cost else arms)
+        return [slice(begin, min(begin + at_once, arms)) for begin in range(0, arms, at_once)]
+
     def open_part(self, batch: slice, recorder: Recorder | None = None) -> ReachVectorEnv:
-        """The envs of a batch, which are reset one by one; see `harness.simulator.batches`.
+        """The envs of a batch, which are reset one by one; see `batches`.
 
         They meet what they meet among all envs, under the same numbers.
         """

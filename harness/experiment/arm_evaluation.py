@@ -23,7 +23,6 @@ from harness.record.trace import COLUMN, SCALARS, EpisodeFacts, Recorder, Rows, 
 from harness.registry.sources import description
 from harness.robot import Robot
 from harness.robot.energy import least_work, read_bodies
-from harness.simulator import batches
 from harness.task import Task, goal_of, varies
 
 EVALUATION_SEED = 20_211_118
@@ -56,7 +55,7 @@ def evaluate(
     facts, kept = facts_of(world.task, world.robot), KeptRows()
     facts = replace(facts, ik_steps=None if ik_steps is None else tuple(ik_steps[:episodes]))
     with ExitStack() as written:
-        for batch in batches(world.simulator, episodes):
+        for batch in world.batches(episodes):
             with closing(world.open_part(batch, kept)) as env:
                 if not batch.start:
                     sizes, extras = (env.robot.dof, env.episodes.action.shape[1]), env.episodes.extras
@@ -227,7 +226,7 @@ def _answer(question: _Question) -> tuple[int | None, ...] | None:
 
 def _play(world: World, episodes: int, seed: int) -> tuple[int | None, ...]:
     policy, first = kinematics_policy(world.task, world.robot), _FirstReach(episodes)
-    for batch in batches(world.simulator, episodes):
+    for batch in world.batches(episodes):
         with closing(world.open_part(batch, first)) as env:
             play(env, policy.act, batch, episodes, seed, until_reached=True)
     return tuple(int(step) if step else None for step in first.steps)

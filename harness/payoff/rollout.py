@@ -22,7 +22,7 @@ from harness.reward.steps import ARM_BEFORE, DISTANCE, step_between
 from harness.reward.terms import require_one_each, require_same
 from harness.robot import Robot
 from harness.robot.kinematics import reach_position
-from harness.simulator import Simulator, batches
+from harness.simulator import Simulator
 from harness.task import Task, goal_of
 from harness.text import number
 
@@ -215,7 +215,8 @@ def record_rollouts(
             "The scripted policies of an audit go to points that do not move, and this task asks for more (its error: "
             f"{goal.error}). Audit the reward on fd100-reach, whose steps have the same fields"
         )
-    world, parts = World(simulator, robot, task, Unpaid()), batches(simulator, episodes)
+    world = World(simulator, robot, task, Unpaid())
+    parts = world.batches(episodes)
     begun = list[tuple[Float, Float]]()
     for batch in parts:
         with closing(world.open_part(batch)) as env:

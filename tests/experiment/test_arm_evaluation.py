@@ -9,13 +9,12 @@ from numpy.testing import assert_allclose, assert_array_equal
 import harness
 from harness import load_robot
 from harness.env import IdealSimulator
-from harness.env.vector_env import build_world
+from harness.env.vector_env import ARMS_BYTES, build_world
 from harness.experiment.arm_evaluation import act_of, evaluate, record_evaluation
 from harness.policy import Uniform
 from harness.reach import ReachTask
 from harness.record import Cell, read_trace
 from harness.registry import choose, load_registry
-from harness.simulator import ARMS_BYTES
 
 REGISTRY = load_registry()
 ROBOT = harness.load_robot("fd100", REGISTRY)

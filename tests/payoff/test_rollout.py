@@ -9,6 +9,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from harness import load_robot
 from harness.env import ReachVectorEnv
+from harness.env.vector_env import ARMS_BYTES
 from harness.errors import UsageError
 from harness.experiment.arm_evaluation import EVALUATION_SEED
 from harness.payoff import SCRIPTS, plan_actions, record_rollouts, score_rollout
@@ -17,7 +18,6 @@ from harness.record.trace import TERM
 from harness.registry import choose, load_registry
 from harness.reward.forms import reward_class
 from harness.reward.steps import ARM_BEFORE
-from harness.simulator import ARMS_BYTES
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.tasks.moving import Moving
 from harness_plugins.tasks.pose import Pose

@@ -15,7 +15,6 @@ from harness.env import World as Arm, kinematics_policy, why_not_kinematics
 from harness.log import SUCCESS
 from harness.motion import MoveJ
 from harness.payoff import SCRIPTS, plan_actions
-from harness.simulator import batches
 from harness.task import goal_of
 
 from .world import REWARD, Beginning, Shown, Space, Step, World
@@ -142,7 +141,7 @@ class ArmWorld(World):
         return qpos, target
 
     def _parts(self, starts: Sequence[int] | Ints) -> list[slice]:
-        return batches(self.arm.simulator, len(starts), self.together)
+        return self.arm.batches(len(starts), self.together)
 
 
 class _Arms:

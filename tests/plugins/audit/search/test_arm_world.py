@@ -12,11 +12,11 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import harness
 from harness.env import ReachVectorEnv, World as Arm
+from harness.env.vector_env import ARMS_BYTES
 from harness.errors import SimulationDiverged
 from harness.log import episode_sum
 from harness.reach import ReachTask
 from harness.registry import choose, load_registry
-from harness.simulator import ARMS_BYTES
 from harness_plugins.audit.search.arm_world import ArmWorld
 from harness_plugins.audit.search.place import places_on_task, world_at
 from harness_plugins.kit import IdealSimulator
