@@ -274,20 +274,6 @@ def _with_nothing_touched(trace: Log, rows: int) -> Log:
     return trace if OBSTACLE in trace else trace.add({OBSTACLE: np.broadcast_to(np.False_, rows)})
 
 
-def require_plausible(trace: Log, most: int) -> None:
-    """See whether a cell can have left a trace.
-
-    Args:
-        trace: The trace.
-        most: Rows that it may have; it has at least one.
-
-    Raises:
-        SchemaError: It has another number of rows.
-    """
-    if not 0 < len(trace) <= most:
-        raise SchemaError(f"{trace.facts.path} has {len(trace):,} rows, 1 to {most:,} are allowed")
-
-
 def require_rows(path: Path, count: int) -> None:
     """See that the first rows of a trace are there, so many of them; each number is read.
 
@@ -313,8 +299,8 @@ def read_trace(path: Path) -> Log:
 
     Raises:
         SchemaError: The file is damaged, is no trace or was written by a newer version; or its end tells of a number
-            that is too large. A column that is damaged raises
-            it when it is read, and so does every column of a file that was replaced by then.
+            that is too large. A column that is damaged raises it when it is read, and so does every column of a file
+            that was replaced by then.
     """
     paths = parts_of(path)
     parts = [_opened(part, MOST_NUMBERS // len(paths)) for part in paths]

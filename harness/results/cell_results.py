@@ -12,7 +12,7 @@ from typing import Any, Protocol, Self, TypeVar
 import numpy as np
 
 from harness.arrays import Float
-from harness.errors import Unmeasured, Unscored
+from harness.errors import SchemaError, Unmeasured, Unscored
 from harness.eta.headline import SUCCESS
 from harness.eta.manner import OWN_AND_OTHER, TRAINING
 from harness.log import Log
@@ -28,7 +28,6 @@ from harness.record.trace import (
     INTEGERS,
     episode_facts,
     read_trace,
-    require_plausible,
     terms_of,
     with_episode_facts,
 )
@@ -164,6 +163,7 @@ class CellResults(Did):
         self._read: dict[str, Log] = {}
         self._asking = 0
         self.reasons: dict[str, str] = {}
+        self._measure = cache(self._measured)
 
     def __enter__(self) -> Self:
         self._asking += 1
@@ -177,57 +177,44 @@ class CellResults(Did):
             self._kept.save()
 
     def keep(self) -> None:
-        """Compute what a report will ask of the cell, if nothing of it is kept yet, and keep it.
-
-        Each trace is opened once.
+        """Compute what a report will ask of each trace of which nothing is kept yet, one after the other, and keep it.
 
         Raises:
             SchemaError: A file of the cell is damaged, or one that the cell cannot have left.
         """
+        others = (f"{EVALUATIONS}/{path.name}" for path in evaluation_files(self._files).values())
+        other = f"{OWN_AND_OTHER[self.cell.deterministic][1]}{SUFFIX}"
         with self:
-            for path in evaluation_files(self._files).values():
-                name = f"{EVALUATIONS}/{path.name}"
-                if self._is_there(name):
-                    self._require_plausible(name)
-                    if name in self._read:
-                        self._measure(name)
-                        del self._read[name]
-            for name in (EVALUATION, f"{OWN_AND_OTHER[self.cell.deterministic][1]}{SUFFIX}", RANDOM, TRACE):
-                if self._is_there(name):
-                    self._require_plausible(name)
-            if self._read:
-                self._keep_all()
+            for file in filter(self._is_there, (*others, EVALUATION, other, RANDOM, TRACE)):
+                self._ask(file, "is kept", partial(self._keep, file))
+                self._read.clear()
 
-    def _require_plausible(self, file: str) -> None:
-        def look(trace: Log) -> bool:
-            require_plausible(trace, self._most(file))
-            return True
-
-        self._ask(file, "is plausible", look)
-
-    def _keep_all(self) -> None:
-        """Compute what a report asks of the cell."""
-        files = (EVALUATION, *([RANDOM] if self.has_floor else ()))
-        own, payers = self._cells.installed(self.cell.reward), list(map(self._cells.installed, self._cells.scoring))
-        jobs: list[Callable[[], object]] = [
-            *(partial(self.unchanged, file) for file in (TRACE, EVALUATION)),
-            *(partial(self.paid_by, self._cells.installed(choice)) for choice in self._cells.compared_with(self.cell)),
-            *(partial(self.evaluation_return, it) for it in payers),
-            *(partial(self.floor_returns, it) for it in payers if self.has_floor),
-            partial(self.terms_paid, own, TRACE),
-            *(partial(self.terms_paid, it, file) for it in (own, *payers) if it.has_terms for file in files),
-        ]
-        for trace in self._read.values():
-            trace.load((*MEASURED, *SCORED, *PAID))  # in one pass
-        _ = self._manners, self.longest, self.has_terms
-        if self.has_floor:
-            _ = self.acted_at_random
-        if self.cell.evaluate_every:
-            _ = self._evaluated
-        self._keep_own()
-        for job in jobs:
+    def _keep(self, file: str, trace: Log) -> bool:
+        """Compute what a report asks of a trace."""
+        rows, most = len(trace), self._most(file)
+        if not 0 < rows <= most:
+            raise SchemaError(f"{trace.facts.path} has {rows:,} rows, 1 to {most:,} are allowed")
+        trace.load((*MEASURED, *SCORED, *PAID))  # in one pass
+        _ = self._measure(file), self._count(file)
+        own, *payers = map(self._cells.installed, (self.cell.reward, *self._cells.scoring))
+        paying: list[Callable[[], object]] = []
+        if file == TRACE:
+            _ = self.cut, self.recorded, self.has_terms, None if self.cell.evaluate_every else self.episodes
+            others = map(self._cells.installed, self._cells.compared_with(self.cell))
+            paying = [partial(self.terms_paid, own, TRACE), *(partial(self.paid_by, it) for it in others)]
+        elif file == EVALUATION:
+            _ = self.longest, self.motion, self.recorded_return("events"), self.recorded_return("paid")
+            paying = [partial(self.evaluation_return, it) for it in payers]
+        elif file == RANDOM:
+            paying = [partial(self.floor_returns, it) for it in payers]
+        if file in FILES.values():
+            paying.append(partial(self.unchanged, file))
+        if file in {EVALUATION, RANDOM}:
+            paying += [partial(self.terms_paid, it, file) for it in (own, *payers) if it.has_terms]
+        for pay in paying:
             with suppress(Unscored):  # the report says so
-                job()
+                pay()
+        return True
 
     # What was measured
 
@@ -239,13 +226,9 @@ class CellResults(Did):
         if not self._is_there(files[other]):
             del files[other]
         with self:
-            did = {manner: self._measure(file) for manner, file in files.items()}
-            counts = {
-                manner: self._ask(file, "episodes", lambda trace: len(trace.episodes)) for manner, file in files.items()
+            return {
+                manner: Part(self._count(file), {}, self._measure(file), self.reasons) for manner, file in files.items()
             }
-            if self._read:
-                self._keep_own()  # columns are there now
-        return {manner: Part(counts[manner], {}, values, self.reasons) for manner, values in did.items()}
 
     @property
     def _floor(self) -> Values:
@@ -438,15 +421,6 @@ class CellResults(Did):
 
     # How it is read
 
-    def _keep_own(self) -> None:
-        """Compute what a report asks of the cell beside metrics and what rewards pay again, if that is not kept."""
-        _ = self.cut, self.recorded
-        if not self.cell.evaluate_every:
-            _ = self.episodes
-        self.recorded_return("events")
-        self.recorded_return("paid")
-        _ = self.motion
-
     def _ask(
         self, file: str, what: str, make: Callable[[Log], Told], by: InstalledReward | None = None, code: str = ""
     ) -> Told:
@@ -478,14 +452,17 @@ class CellResults(Did):
     def _paid(self, trace: Log, reward: InstalledReward) -> Paid:
         return reward.pay(trace.load(SCORED), self.cell.reward)
 
-    def _measure(self, file: str, part: str = "") -> Values:
+    def _count(self, file: str) -> int:
+        return self._ask(file, "episodes", lambda trace: len(trace.episodes))
+
+    def _measured(self, file: str, part: str = "") -> Values:
         """Every metric of a trace, or of a part of it.
 
         The reason of a failure is noted but not kept, because the metric may be mended.
         """
         values = Values()
         for name, (metric, fingerprint) in self._cells.fingerprinted.items():
-            values[name], make = None, partial(_measured, metric, part)
+            values[name], make = None, partial(_value_of, metric, part)
             try:
                 if isinstance(metric, Unmeasurable):  # no trace has to be read for it
                     raise Unmeasured(metric.reason)
@@ -511,7 +488,7 @@ def learned(trace: Log) -> Float:
     return np.array([last, reached > 0, paid])[:, np.argsort(last)].ravel()
 
 
-def _measured(metric: Measure, part: str, trace: Log) -> float | None:
+def _value_of(metric: Measure, part: str, trace: Log) -> float | None:
     """The value of a metric for a trace, or for its first or last episodes.
 
     What is known of each env's only episode does not belong to a part.

@@ -13,7 +13,7 @@ import harness.record.trace
 from harness.errors import SchemaError, SimulationDiverged
 from harness.record import COLUMN, SCALARS, EpisodeFacts, TraceWriter, read_trace
 from harness.record.parts import PART_ROWS
-from harness.record.trace import require_plausible, trace_part
+from harness.record.trace import trace_part
 
 DOF, ACTION_SIZE = 3, 2
 WIDTH = len(SCALARS) + DOF + ACTION_SIZE
@@ -108,16 +108,6 @@ def test_number_that_no_reader_takes_costs_the_cell(path, number):
         told = re.escape(f"{name} is {number:g}, no number within 1e+150, at env 7, episode 7, step 7")
         with pytest.raises(SimulationDiverged, match=told):
             write(path, rows)
-
-
-@pytest.mark.parametrize(("rows", "most", "told"), [(0, 9, "has 0 rows"), (9, 8, "has 9 rows, 1 to 8 are allowed")])
-def test_a_trace_that_no_cell_can_have_left_is_told_by_its_end(path, rows, most, told):
-    """Its rows are not read; one of as many rows as it may have is plausible."""
-    write(path, make_rows(rows))
-    with pytest.raises(SchemaError, match=told):
-        require_plausible(read_trace(path), most)
-    write(path, make_rows(most))
-    require_plausible(read_trace(path), most)
 
 
 def test_last_rows_are_the_ends_of_episodes(path):

@@ -5,9 +5,10 @@ import shutil
 from pathlib import Path
 
 import numpy as np
+import pyarrow.parquet as pq
 import pytest
 
-from harness.record import read_manifest, read_trace
+from harness.record import TRACE, read_manifest, read_trace
 from harness.record.merge import merge
 from harness.report import report_text
 from harness.results import load_results
@@ -44,32 +45,28 @@ def test_run_reads_each_trace_once(ran_toys, reads):
     assert set(reads.files) == traces
 
 
-def test_first_report_reads_each_trace_whole_once(ended, reads):
-    """With nothing kept: what a training was paid comes from the trace that its metrics were read from."""
-    results = without_kept(ended)
-    assert results.not_measured == {}
-    read = len(reads.files)
-    assert read == len(set(reads.files))
-    for cell in results.done_cells:
-        results.recorded(cell)
-    assert len(reads.files) == read
-
-
-def test_comparisons_hold_no_trace(ran_toys, reads):
-    """With many rewards they would fill the memory: what is compared was kept when the cells were looked at."""
-    results = without_kept(ran_toys())
-    assert reads.files != []
-    reads.files.clear()
-    assert len(results.combinations) == 2
-    assert reads.files == []
-    assert len(reads.held) == 0
-
-
-def test_traces_of_one_cell_are_held_at_a_time(ended, reads):
-    """With nothing kept: hundreds of trainings would fill the memory. Each trace is opened once."""
+def test_first_report_reads_one_trace_after_the_other_once(ended, reads):
+    """With nothing kept: hundreds would fill the memory. All that is compared follows when the cells are looked at."""
     results = without_kept(ended)
     assert len(reads.files) == len(set(reads.files)) == len(list(results.folder.glob("cells/*/**/*.parquet")))
-    assert reads.most <= 4
+    assert reads.most == 1
+    reads.files.clear()
+    report_text(results)
+    assert reads.files == []
+
+
+@pytest.mark.parametrize("rows", [0, 4_001], ids=["none", "too many"])
+def test_a_trace_that_no_cell_can_have_left_costs_the_cell(ended, monkeypatch, rows):
+    """By what the cell says of its steps, and by how many rows there are; others are told."""
+    monkeypatch.setattr("harness.results.cell_results.SLACK", 0)
+    cell = ended.done_cells[0]
+    folder = ended.store.cell_folder(cell)
+    table = pq.read_table(folder / TRACE)
+    pq.write_table(table.take(np.zeros(rows, int)), folder / TRACE)
+    read_manifest(folder).write(folder)
+    (told,) = [it for it in json.loads(report_text(without_kept(ended)))["cells"] if it["status"] == "damaged"]
+    assert told["id"] == cell.id
+    assert f"{rows:,} rows" in told["reason"]
 
 
 def test_records_of_cells_read_no_trace_after_a_run(ended, monkeypatch):
