@@ -15,7 +15,6 @@ from pathlib import Path
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from harness.experiment import Plan
 from harness.experiment.followed import EndedCells
 from harness.files.plain import read_keyed, seal, with_key
 from harness.record import (
@@ -140,7 +139,7 @@ def copy_experiment(real, into, proposed, seeds, registry, trainings=4):
 def keep_as_a_run_does(folder, registry):
     """Make what is kept of each cell as it ends; copies of one training get copies of it."""
     store, plan = Store(folder), Store(folder).read_plan()
-    ended = EndedCells(store, registry, Plan(plan.baseline, plan.cells, (), {}))
+    ended = EndedCells(store, registry)
     first = {}
     for cell in plan.cells:
         known = first.setdefault(((store.cell_folder(cell) / TRACE).stat().st_ino, cell.reward.label), cell)

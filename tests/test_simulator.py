@@ -4,9 +4,10 @@ from typing import ClassVar
 
 import pytest
 
-from harness.env.vector_env import ARMS_BYTES, World
+from harness.env.vector_env import World
 from harness.registry import load_registry
 from harness.simulator import family_of
+from tests.heavy_arms import Heavy
 
 REGISTRY = load_registry()
 FAMILIES = {
@@ -44,23 +45,24 @@ def test_built_in_simulators_name_their_engine(installed, simulator):
     assert (f"engine {family}" if family else "no engine") in spec.summary
 
 
+class Heavier(Heavy):
+    """One arm takes more than there is for all."""
+
+    arm_bytes = 8 * Heavy.arm_bytes
+
+
 @pytest.mark.parametrize(
-    ("arms", "most", "cost", "sizes"),
+    ("simulator", "most", "ends"),
     [
-        (9, None, 0, [9]),
-        (9, 4, 0, [4, 4, 1]),
-        (9, None, ARMS_BYTES // 3, [3, 3, 3]),
-        (8, 2, ARMS_BYTES // 3, [2, 2, 2, 2]),
-        (2, 256, ARMS_BYTES // 3, [2]),
-        (2, None, 2 * ARMS_BYTES, [1, 1]),
+        (Named, None, [7]),
+        (Named, 4, [4, 7]),
+        (Heavy, None, [3, 6, 7]),
+        (Heavy, 2, [2, 4, 6, 7]),
+        (Heavy, 256, [3, 6, 7]),
+        (Heavier, None, [1, 2, 3, 4, 5, 6, 7]),
     ],
 )
-def test_arms_that_cost_much_are_held_in_batches(arms, most, cost, sizes):
+def test_arms_that_cost_much_are_held_in_batches(simulator, most, ends):
     """Each arm is in one of them, in order; those that cost little are held together."""
-
-    class Costly(Named):
-        arm_bytes: ClassVar[int] = cost
-
-    found = World(Costly() if cost else Named(), None, None, None).batches(arms, most)
-    assert [it.stop - it.start for it in found] == sizes
-    assert [k for it in found for k in range(arms)[it]] == list(range(arms))
+    found = World(simulator(), None, None, None).batches(7, most)
+    assert found == list(map(slice, [0, *ends], ends))

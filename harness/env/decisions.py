@@ -126,9 +126,7 @@ class Starts:
 
     def seed(self, seed: Seed) -> None:
         """Begin the streams of all envs anew, from one seed and their numbers, or one per env; None: from chance."""
-        if isinstance(seed, int):
-            seed = [[seed, int(number)] for number in self._episodes.env]
-        self._streams.seed(len(self._fresh), seed)
+        self._streams.seed(self._episodes.env.astype(int).tolist(), seed)
         if seed is not None and self._around:
             self._around.seed(seed)
 

@@ -2,6 +2,7 @@
 
 import json
 import math
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any, TypeAlias
 
@@ -14,7 +15,7 @@ from harness.goal import Situation
 from harness.robot import Robot
 from harness.task import Task, goal_of
 
-Seed: TypeAlias = int | list[int] | list[list[int]] | None
+Seed: TypeAlias = int | list[int] | None
 
 AHEAD = 16
 """How many targets are drawn at a time, because checking that the arm reaches them is cheap in a batch."""
@@ -31,15 +32,15 @@ class Streams:
         """Two streams per env: targets are drawn ahead, and must not depend on how many starts came between."""
         self._task, self._robot, self._goal = task, robot, goal_of(task, robot)
         self._drawn_from = lru_cache(DRAWS_KEPT)(self._draw)  # to see that an arm reaches 16 targets takes 0.5 ms
-        self.seed(num_envs, seed)
+        self.seed(range(num_envs), seed)
 
-    def seed(self, num_envs: int, seed: Seed) -> None:
-        """Begin all streams anew."""
-        seeds = seed if isinstance(seed, list) else [[seed, k] if seed is not None else None for k in range(num_envs)]
+    def seed(self, envs: Sequence[int], seed: Seed) -> None:
+        """Begin all streams anew, of envs with these numbers."""
+        seeds = seed if isinstance(seed, list) else [[seed, k] if seed is not None else None for k in envs]
         pairs = [np.random.SeedSequence(entropy).spawn(2) for entropy in seeds]
         self._start_rngs = [np.random.default_rng(pair[0]) for pair in pairs]
         self._target_rngs = [np.random.default_rng(pair[1]) for pair in pairs]
-        self._ahead: list[list[tuple[Float, bool, Float]]] = [[] for _ in range(num_envs)]
+        self._ahead: list[list[tuple[Float, bool, Float]]] = [[] for _ in envs]
 
     def pack(self) -> NDArray[np.uint8]:
         """The states of the streams, as the bytes of a JSON text."""

@@ -225,20 +225,11 @@ def _answer(question: _Question) -> tuple[int | None, ...] | None:
 
 
 def _play(world: World, episodes: int, seed: int) -> tuple[int | None, ...]:
-    policy, first = kinematics_policy(world.task, world.robot), _FirstReach(episodes)
+    policy, kept = kinematics_policy(world.task, world.robot), KeptRows()
     for batch in world.batches(episodes):
-        with closing(world.open_part(batch, first)) as env:
+        with closing(world.open_part(batch, kept)) as env:
             play(env, policy.act, batch, episodes, seed, until_reached=True)
-    return tuple(int(step) if step else None for step in first.steps)
-
-
-class _FirstReach:
-    """A `Recorder` that keeps the step in which the target is reached first in each env's first episode; else 0."""
-
-    def __init__(self, num_envs: int) -> None:
-        self.steps: NDArray[np.int64] = np.zeros(num_envs, np.int64)
-
-    def append(self, rows: Rows) -> None:
-        env, step = rows[:, COLUMN["env"]].astype(int), rows[:, COLUMN["step"]].astype(int)
-        is_first = (rows[:, COLUMN["reached"]] > 0.0) & (rows[:, COLUMN["episode"]] == 0.0) & (self.steps[env] == 0)
-        self.steps[env[is_first]] = step[is_first]
+    at = [COLUMN["env"], COLUMN["step"]]
+    reached = [rows[rows[:, COLUMN["reached"]] > 0.0][:, at].astype(int) for rows in kept]
+    first = dict(np.concatenate(reached)[::-1].tolist())  # a decision may go on behind its first target
+    return tuple(map(first.get, range(episodes)))

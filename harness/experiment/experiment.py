@@ -187,7 +187,7 @@ class BegunRun:
         store, options, waiting = self.asked.store, self.asked.options, self.waiting
         # What else was begun stays too: run_cell says what becomes of it.
         store.discard_partial(keep={store.reopen(cell) for cell in waiting})
-        ended = EndedCells(store, self.asked.registry, self.asked.plan, options.metrics)
+        ended = EndedCells(store, self.asked.registry, options.metrics)
         trackers = Trackers(self.asked.trackers, on_trouble)
         tracking = Tracking(trackers, store.folder, read_left(store.folder))
         followed = Followed(store, ended, tracking, on_event, self.again)
@@ -204,7 +204,7 @@ class BegunRun:
         finally:
             followed.stop()
             store.discard_partial()
-            ended.finish()
+            ended.write()
         return load_results(store.folder, options.curve, options.metrics, registry=self.asked.registry)
 
     def _stages(self) -> Iterator[tuple[Cell, ...]]:

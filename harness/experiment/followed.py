@@ -12,7 +12,6 @@ from typing import Any, TypeAlias
 
 from harness.errors import PluginError, SchemaError, UsageError, one_line
 from harness.executor import Event, OnEvent
-from harness.experiment.plan import Plan
 from harness.progress import RETURN, SUCCESS
 from harness.record.cell import Cell
 from harness.record.manifest import Manifest, read_manifest
@@ -247,35 +246,45 @@ class Tracking:
         return running
 
 
+EVERY = 30.0
+"""The least seconds between two tables. With many cells a table takes longer to write."""
+
+
 class EndedCells:
-    """Measures each done cell of an experiment, and pays it by the rewards that it will be compared with."""
+    """Computes what a report needs of each cell that ends, and writes the table of all that ended so far."""
 
     def __init__(
-        self, store: Store, registry: Registry, plan: Plan, metrics: str | Sequence[str] | None = None
+        self,
+        store: Store,
+        registry: Registry,
+        metrics: str | Sequence[str] | None = None,
+        clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        named = named_measures(plan.resolved)
-        in_environment = any(cell.is_in_environment for cell in plan.cells)
-        self._store, self._cells = store, None if in_environment else Cells(store, registry, plan, metrics, named)
-        self._table = TableSoFar(store, self._cells)
+        """Read nothing yet but the plan.
+
+        Args:
+            store: The experiment's folder.
+            registry: The plugins, for metrics and rewards.
+            metrics: Which metrics; see `harness.results.metrics.load_metrics`.
+            clock: Tells seconds.
+        """
+        self._store, self._clock, plan = store, clock, store.read_plan()
+        in_environment, named = any(cell.is_in_environment for cell in plan.cells), named_measures(plan.experiment)
+        self._cells = None if in_environment else Cells(store, registry, plan, metrics, named)
+        self._measured: dict[str, tuple[Manifest, Callable[[], Numbers] | None]] = {}
+        self._missing: dict[str, Manifest] = {}
+        self._due = -math.inf
 
     def add(self, ended: Manifest) -> None:
-        """Take in a cell that has ended, in whatever way.
+        """Take in a cell that has ended, in whatever way. The next table has it.
 
         Raises:
             OSError: The table cannot be written.
         """
         if ended.status == "done":
             self.keep(ended)
-        self._table.add(ended)
-        self._table.refresh()
-
-    def refresh(self) -> None:
-        """Call this now and then; see `TableSoFar.refresh`."""
-        self._table.refresh()
-
-    def finish(self) -> None:
-        """Call this when all cells have ended; see `TableSoFar.write`."""
-        self._table.write()
+        self._missing[ended.cell.id] = ended
+        self.refresh()
 
     def keep(self, done: Manifest) -> None:
         """Compute what a report needs. An error of a plugin does not stop the run, because the report will show it."""
@@ -287,33 +296,8 @@ class EndedCells:
                 with suppress(SchemaError):  # the report says so
                     RecordingResults(self._store.folder, path).keep()
 
-
-EVERY = 30.0
-"""The least seconds between two tables. With many cells a table takes longer to write."""
-
-
-class TableSoFar:
-    """The table of an experiment while its cells end."""
-
-    def __init__(self, store: Store, cells: Cells | None, clock: Callable[[], float] = time.monotonic) -> None:
-        """Read nothing yet.
-
-        Args:
-            store: The experiment's folder.
-            cells: Measures cells of arms that are done; None in an environment.
-            clock: Tells seconds.
-        """
-        self._store, self._cells, self._clock = store, cells, clock
-        self._measured: dict[str, tuple[Manifest, Callable[[], Numbers] | None]] = {}
-        self._missing: dict[str, Manifest] = {}
-        self._due = -math.inf
-
-    def add(self, ended: Manifest) -> None:
-        """Take in a cell that has ended. The next table has it."""
-        self._missing[ended.cell.id] = ended
-
     def refresh(self) -> None:
-        """Write the table, if the last one lacks a cell and is old enough.
+        """Write the table, if the last one lacks a cell and is old enough; call this now and then.
 
         Raises:
             OSError: It cannot be written.
@@ -325,22 +309,16 @@ class TableSoFar:
         """Write the table, if the last one lacks a cell; see `refresh`."""
         if not self._missing:
             return
-        if self._can_be_read():
-            rows = [(manifest, numbers and numbers()) for manifest, numbers in self._measured.values()]
-            write_table(self._store.folder, rows, metric_columns(self._cells.metrics if self._cells else ()))
-        self._due = self._clock() + EVERY
-
-    def _can_be_read(self) -> bool:
-        """Take in what has ended; whatever a plugin raises here, the report will meet and tell: the run goes on."""
-        try:
+        with suppress(Exception):  # whatever a plugin raises here, the report will meet and tell: the run goes on
             if not self._measured:
                 ended = {cell.id: self._store.examine(cell) for cell in self._store.read_plan().cells}
                 self._missing = {**ended, **self._missing}
             self._measured |= {cell: (manifest, self._measure(manifest)) for cell, manifest in self._missing.items()}
-        except Exception:
-            return False
-        self._missing.clear()
-        return True
+            self._missing.clear()
+        if not self._missing:
+            rows = [(manifest, numbers and numbers()) for manifest, numbers in self._measured.values()]
+            write_table(self._store.folder, rows, metric_columns(self._cells.metrics if self._cells else ()))
+        self._due = self._clock() + EVERY
 
     def _measure(self, manifest: Manifest) -> Callable[[], Numbers] | None:
         """All but random actions: the cell that does them may not have ended."""

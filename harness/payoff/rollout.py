@@ -255,9 +255,8 @@ def _record(env: ReachVectorEnv, script: str, actions: Float32, others: Sequence
         running = running & ~(terminated | truncated)
         if not (others or running.any()):
             break
-    return Rollout(
-        script, {name: np.stack([of[name] for of in states]) for name in ARM_BEFORE}, *_stacked_ends(rows), reached
-    )
+    events, ran = map(np.stack, zip(*rows, strict=True))
+    return Rollout(script, {name: np.stack([of[name] for of in states]) for name in ARM_BEFORE}, events, ran, reached)
 
 
 def _joined(parts: Sequence[Rollout]) -> Rollout:
@@ -273,11 +272,6 @@ def _joined(parts: Sequence[Rollout]) -> Rollout:
 def _state(env: ReachVectorEnv) -> dict[str, NDArray[Any]]:
     """What the arms are like now; copies."""
     return {name: getattr(env.episodes, name).copy() for name in ARM_BEFORE}
-
-
-def _stacked_ends(rows: list[tuple[Any, Any]]) -> tuple[Float, Mask]:
-    events, running = zip(*rows, strict=True)
-    return np.stack(events), np.stack(running)
 
 
 def steps_along(states: States) -> Iterator[Steps]:

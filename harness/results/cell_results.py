@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, S
 from contextlib import suppress
 from dataclasses import replace
 from functools import cache, cached_property, partial
-from typing import Any, Protocol, Self, TypeVar
+from typing import Any, Self, TypeVar
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from harness.measure import Measure
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, EVALUATIONS, RANDOM, SUFFIX, TRACE, evaluation_files, parts_of
 from harness.record.manifest import Manifest
+from harness.record.plan_file import StoredPlan
 from harness.record.returns import EVENTS, PAID, mean_over_episodes, mean_return, paid_in
 from harness.record.store import Store
 from harness.record.trace import (
@@ -57,17 +58,6 @@ Told = TypeVar("Told")
 FILES = {"training": TRACE, "evaluation": EVALUATION}
 
 
-class Asked(Protocol):
-    """What a plan says of comparisons; see `harness.record.plan_file.StoredPlan`."""
-
-    @property
-    def baseline(self) -> str: ...
-    @property
-    def control(self) -> Mapping[int, int]: ...
-    @property
-    def cells(self) -> Sequence[Cell]: ...
-
-
 class Cells:
     """The done cells of arms, and the rewards and metrics that are asked about them.
 
@@ -79,7 +69,7 @@ class Cells:
     """
 
     def __init__(
-        self, store: Store, registry: Registry, plan: Asked, metrics: Iterable[str] | None = None,
+        self, store: Store, registry: Registry, plan: StoredPlan, metrics: Iterable[str] | None = None,
         named: Sequence[str] = (),
     ) -> None:  # fmt: skip
         """Take in no cell yet.
@@ -233,7 +223,7 @@ class CellResults(Did):
     @property
     def _floor(self) -> Values:
         owner = self.floor_cell  # it may end later
-        return owner.acted_at_random if owner else dict.fromkeys(self._cells.metrics)
+        return owner._measure(RANDOM) if owner else dict.fromkeys(self._cells.metrics)
 
     @property
     def numbers(self) -> Numbers:
@@ -246,12 +236,6 @@ class CellResults(Did):
     def has_floor(self) -> bool:
         """Whether the cell evaluated random actions."""
         return self._is_there(RANDOM)
-
-    @cached_property
-    def acted_at_random(self) -> Values:
-        """Every metric of the random actions that the cell evaluated."""
-        with self:
-            return self._measure(RANDOM)
 
     @property
     def floor_cell(self) -> "CellResults | None":

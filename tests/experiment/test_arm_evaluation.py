@@ -4,17 +4,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.testing import assert_allclose, assert_array_equal
+from numpy.testing import assert_allclose, assert_array_equal, assert_equal
 
 import harness
 from harness import load_robot
-from harness.env import IdealSimulator
-from harness.env.vector_env import ARMS_BYTES, build_world
+from harness.env.vector_env import build_world
 from harness.experiment.arm_evaluation import act_of, evaluate, record_evaluation
 from harness.policy import Uniform
 from harness.reach import ReachTask
 from harness.record import Cell, read_trace
 from harness.registry import choose, load_registry
+from harness_plugins.kit import IdealSimulator
+from tests.heavy_arms import Heavy
 
 REGISTRY = load_registry()
 ROBOT = harness.load_robot("fd100", REGISTRY)
@@ -148,31 +149,17 @@ def test_random_actions_fill_the_box():
     assert_allclose(actions.std(axis=0), 1.0 / np.sqrt(3.0), atol=0.03)
 
 
-class Heavy(IdealSimulator):
-    """Three of its arms are all that are held at once."""
-
-    arm_bytes = ARMS_BYTES // 3
-
-    def open(self, robot, num_envs, control_period):
-        assert num_envs <= 3
-        return super().open(robot, num_envs, control_period)
-
-
 @pytest.mark.parametrize("acted", ["random", "stochastic"])
 def test_batches_leave_the_same_rows(tmp_path, acted):
     """In the same order, under the same numbers, with the same draws; and the work of the same episodes."""
-    told = []
-    for number, simulator in enumerate((IdealSimulator(), Heavy())):
-        world = replace(
-            build_world(CELL, ROBOT, REGISTRY), simulator=simulator, task=ReachTask(horizon=40, epsilon=0.35)
-        )
-        record_evaluation(world, FLOOR, acted, 8, tmp_path / f"{number}.parquet")
-        told.append(read_trace(tmp_path / f"{number}.parquet").load())
-    one, other = told
+    paths, world = [tmp_path / "one.parquet", tmp_path / "other.parquet"], build_world(CELL, ROBOT, REGISTRY)
+    for path, simulator in zip(paths, (IdealSimulator(), Heavy()), strict=True):
+        there = replace(world, simulator=simulator, task=ReachTask(horizon=40, epsilon=0.35))
+        record_evaluation(there, FLOOR, acted, 8, path)
+    one, other = (read_trace(path).load() for path in paths)
     assert len({len(rows) for rows in one.episodes}) > 1
     assert one.facts.episodes == other.facts.episodes
-    for name in one.columns:
-        assert_array_equal(one[name], other[name])
+    assert_equal(*({name: of[name] for name in of.columns} for of in (one, other)))
 
 
 def test_raising_policy_leaves_a_readable_trace(tmp_path):

@@ -27,7 +27,7 @@ def followed(make_cell, make_plan, toys, tmp_path):
     plan = make_plan(cell)
     store = create_store(tmp_path / "out", plan)
     tracking = Tracking(Trackers({}, events.append), store.folder)
-    return Followed(store, EndedCells(store, toys, plan), tracking, events.append, now=times), cell, times, events
+    return Followed(store, EndedCells(store, toys), tracking, events.append, now=times), cell, times, events
 
 
 def test_running_cells_are_told_now_and_then(followed, tmp_path):

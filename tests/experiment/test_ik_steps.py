@@ -1,6 +1,7 @@
 """Steps that the arm's own kinematics take to the target."""
 
-import numpy as np
+from dataclasses import replace
+
 import pytest
 
 from harness import load_robot
@@ -9,6 +10,7 @@ from harness.env.vector_env import build_world
 from harness.errors import SimulationDiverged
 from harness.experiment import arm_evaluation as module
 from harness.experiment.arm_evaluation import EVALUATION_SEED, evaluate, ik_steps
+from harness.reach import ReachTask
 from harness.record import read_trace
 from harness.registry import choose
 
@@ -80,14 +82,17 @@ def test_a_process_asks_once(make_cell, toys, monkeypatch):
     assert asked == [1001, 1002]
 
 
-def test_first_target_counts_where_episodes_go_on(make_cell, toys):
-    """The recorder keeps the first step with a target, of the first episode."""
-    from harness.record import COLUMN, SCALARS
+class GoesOn(ReachTask):
+    """Sets the next target, and decides every fifth step."""
 
-    first = module._FirstReach(2)
-    rows = np.zeros((2, len(SCALARS)))
-    rows[:, COLUMN["env"]] = [0, 1]
-    for step, reached, episode in ((1, (0, 0), 0), (2, (1, 0), 0), (3, (1, 0), 0), (1, (1, 1), 1)):
-        rows[:, COLUMN["step"]], rows[:, COLUMN["reached"]], rows[:, COLUMN["episode"]] = step, reached, episode
-        first.append(rows)
-    assert first.steps.tolist() == [2, 0]
+    ends_at_target, decision_period = False, 5
+
+
+def test_first_target_counts_where_episodes_go_on(make_cell, toys, tmp_path):
+    """An episode may reach another one in the same decision."""
+    world = replace(_world(make_cell, toys, "fd100-reach"), task=GoesOn(horizon=60, epsilon=0.2))
+    evaluate(world, lambda: kinematics_policy(world.task, world.robot).act, 9, tmp_path / "ik.parquet")
+    trace = read_trace(tmp_path / "ik.parquet")
+    reached = [trace["step"][rows][trace["reached"][rows]].astype(int).tolist() for rows in trace.episodes]
+    assert any((a - 1) // 5 == (b - 1) // 5 for a, b, *_ in reached)
+    assert list(ik_steps(world, 9, EVALUATION_SEED)) == [steps[0] for steps in reached]

@@ -4,10 +4,10 @@ import pyarrow.parquet as pq
 import pytest
 
 from harness.experiment import check_experiment, expand
-from harness.experiment.followed import EVERY, TableSoFar
+from harness.experiment.followed import EVERY, EndedCells
 from harness.experiment.verify import verify
 from harness.record import RESULTS, Store, read_manifest
-from harness.results.cell_results import CellResults, Cells
+from harness.results.cell_results import CellResults
 
 GIVEN = {
     "sim": "ideal", "algo": "wander", "task": "fd100-reach:horizon=5", "seeds": 2, "steps": 12,
@@ -94,7 +94,7 @@ def table(toys, run_here, plan, tmp_path):
     run_here(plan, tmp_path)
     (tmp_path / RESULTS).unlink()
     store, clock = Store(tmp_path), Clock()
-    return TableSoFar(store, Cells(store, toys, store.read_plan()), clock), clock, store
+    return EndedCells(store, toys, clock=clock), clock, store
 
 
 def test_table_is_written_anew_after_some_time_alone(table, plan):
@@ -103,10 +103,8 @@ def test_table_is_written_anew_after_some_time_alone(table, plan):
     path = store.folder / RESULTS
     manifests = [read_manifest(store.cell_folder(cell)) for cell in plan.cells]
     so_far.add(manifests[0])
-    so_far.refresh()
     path.unlink()
     so_far.add(manifests[1])
-    so_far.refresh()
     assert not path.exists()
     clock.now = EVERY
     so_far.refresh()
@@ -129,7 +127,6 @@ def test_cell_is_measured_once(table, plan, monkeypatch):
     measured = CellResults._manners.func
     monkeypatch.setattr(CellResults._manners, "func", lambda of: (asked.append(of.cell.id), measured(of))[1])
     so_far.add(read_manifest(store.cell_folder(plan.cells[0])))
-    so_far.write()
     so_far.add(read_manifest(store.cell_folder(plan.cells[1])))
     so_far.write()
     assert asked == [cell.id for cell in plan.cells]

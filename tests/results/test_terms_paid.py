@@ -1,7 +1,6 @@
 """What each term paid, as means over trainings: by hand, and of a run."""
 
 import json
-import shutil
 from itertools import product
 
 import numpy as np
@@ -148,13 +147,6 @@ def test_without_the_file_own_trainings_are_told_and_others_say_why(ran, results
     assert own.mean == results.returns[0].returns["gentle"]["gentle"].mean
     assert others.mean is None
     assert "--plugin FILE" in others.note
-
-
-def test_one_trace_is_in_memory_at_a_time(ran, tmp_path, reads):
-    """A report asks one cell after the other, so that its memory does not grow with their number."""
-    shutil.copytree(ran, tmp_path / "anew", ignore=shutil.ignore_patterns("derived"))
-    assert load_results(tmp_path / "anew", plugins=[ran.parent / GENTLE]).terms
-    assert reads.most == 1
 
 
 def test_nothing_changes_for_rewards_without_terms(recorded):
