@@ -11,16 +11,16 @@ from pathlib import Path, PurePosixPath
 from harness.errors import NewerFormat, SchemaError, UsageError
 from harness.files.bounded import files_in, is_partial
 from harness.record.added import Owner, owners
-from harness.record.cell import Cell
-from harness.record.file_forms import Status
-from harness.record.folder import (
+from harness.record.cell import (
     DERIVED,
     POLICY,
     RANDOM,
+    Cell,
     partial_folder,
     publish,
     recording_of,
 )
+from harness.record.file_forms import Status
 from harness.record.manifest import Ending, is_needed, require_files
 from harness.record.out_folder import refuse_links, storage_errors
 from harness.record.plan_file import StoredPlan, unite
@@ -86,27 +86,21 @@ def _choose(folders: Sequence[Path]) -> Merged:
     stores = [Store(folder) for folder in dict.fromkeys(folders)]
     merged, added = Merged(unite([(store.folder, store.read_plan()) for store in stores])), owners()
     for cell in merged.plan.cells:
-        chosen = _choose_cell(cell, stores, merged.left_out)
+        found = [(store.cell_folder(cell), store.examine(cell)) for store in stores]
+        merged.left_out.extend((folder, it.reason) for folder, it in found if it.status == "damaged")
+        chosen = _first(f"Cell {cell.id} ({cell.title})", found)
         if chosen is not None:
-            for source in (chosen.cell_folder(cell), chosen.folder / DERIVED / cell.id):
-                if source.is_dir():
-                    merged.taken[source.relative_to(chosen.folder)] = source
-            _choose_added(cell, [chosen, *(store for store in stores if store is not chosen)], added, merged)
+            home = chosen.parents[1]
+            merged.taken.update((it.relative_to(home), it) for it in (chosen, home / DERIVED / cell.id) if it.is_dir())
+            _choose_added(cell, dict.fromkeys((home, *folders)), added, merged)
     return merged
 
 
-def _choose_cell(cell: Cell, stores: Iterable[Store], left_out: list[tuple[Path, str]]) -> Store | None:
-    """The store whose cell is taken; None if the cell has not ended anywhere."""
-    found = [(store, store.examine(cell)) for store in stores]
-    left_out += [(store.cell_folder(cell), it.reason) for store, it in found if it.status == "damaged"]
-    _require_same(f"Cell {cell.id} ({cell.title})", [(store.cell_folder(cell), it) for store, it in found])
-    return next((store for status in RANKS for store, it in found if it.status == status), None)
+def _first(what: str, found: Sequence[tuple[Path, Ending]]) -> Path | None:
+    """The folder that is taken of those that hold one thing; None if it has not ended in any.
 
-
-def _require_same(what: str, found: Iterable[tuple[Path, Ending]]) -> None:
-    """See that what is done in several folders left the same files there: else their order would decide a report.
-
-    Logs and the facts of recordings tell times and versions. What random actions did is left by one cell of several.
+    What is done in several folders left the same files there: else their order would decide a report. Logs and the
+    facts of recordings tell times and versions. What random actions did is left by one cell of several.
 
     Raises:
         UsageError: A file differs.
@@ -122,13 +116,14 @@ def _require_same(what: str, found: Iterable[tuple[Path, Ending]]) -> None:
                     f"{what} is done in '{first}' and in '{folder}', and {name} is not the same in both: take one of "
                     "the two folders away, and merge again"
                 )
+    return next((folder for status in RANKS for folder, it in found if it.status == status), None)
 
 
-def _choose_added(cell: Cell, stores: Iterable[Store], added: Mapping[str, Owner], merged: Merged) -> None:
+def _choose_added(cell: Cell, homes: Iterable[Path], added: Mapping[str, Owner], merged: Merged) -> None:
     """Take, of folders with the same name that commands added, the first that is done, else the first that failed."""
     found: dict[Path, list[tuple[Path, Ending]]] = {}
-    for store, (name, owner) in product(stores, added.items()):
-        for folder in sorted((store.folder / name / cell.id).glob("[!.]*")):
+    for home, (name, owner) in product(homes, added.items()):
+        for folder in sorted((home / name / cell.id).glob("[!.]*")):
             try:
                 ending = owner.ending(folder)
                 require_files(folder, ending)
@@ -137,11 +132,10 @@ def _choose_added(cell: Cell, stores: Iterable[Store], added: Mapping[str, Owner
             except SchemaError as error:
                 merged.left_out.append((folder, str(error)))
                 continue
-            if ending.status in RANKS:
-                found.setdefault(folder.relative_to(store.folder), []).append((folder, ending))
+            found.setdefault(folder.relative_to(home), []).append((folder, ending))
     for place, folders in found.items():
-        _require_same(str(place), folders)
-        merged.taken[place] = min(folders, key=lambda it: RANKS.index(it[1].status))[0]
+        if (chosen := _first(str(place), folders)) is not None:
+            merged.taken[place] = chosen
 
 
 def _copy(source: Path, target: Path, may_share: bool, *, is_lasting: bool) -> None:
