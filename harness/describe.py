@@ -27,8 +27,8 @@ from harness.registry.registry import Registry
 from harness.registry.spec import Spec, blamed_on
 from harness.registry.step_functions import WHAT_ONE_TAKES
 from harness.reward import MissingField, Reward
-from harness.reward.needs import needs_of
 from harness.reward.steps import ARM, ENVIRONMENT
+from harness.reward.terms import needs_of
 from harness.robot import Robot
 from harness.robot.chain_end import tip_of
 from harness.robot.joint_limits import Part

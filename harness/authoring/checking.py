@@ -47,13 +47,13 @@ if TYPE_CHECKING:
     from harness.registry.targets import why_unfit as why_unfit
     from harness.reward.forms import is_plain_function as is_plain_function
     from harness.reward.given import Untold as Untold
-    from harness.reward.needs import SIZES as SIZES, call_noted as call_noted, made_up as made_up
     from harness.reward.steps import (
         DISTANCE as DISTANCE,
         map_steps as map_steps,
         rows_of as rows_of,
         step_between as step_between,
     )
+    from harness.reward.terms import SIZES as SIZES, call_noted as call_noted, made_up as made_up
     from harness.robot.energy import energy as energy
     from harness.robot.robot import is_path as is_path
     from harness.robot.settings import FILE as FILE

@@ -57,12 +57,10 @@ if TYPE_CHECKING:
     from harness.eta.manner import ACTED_AT_RANDOM as ACTED_AT_RANDOM
     from harness.eta.rescaling import PayLine as PayLine, rounded as rounded
     from harness.experiment.arm_evaluation import record_evaluation as record_evaluation
-    from harness.experiment.environments.columns import (
-        Columns as Columns,
-        columns_of as columns_of,
-    )
     from harness.experiment.environments.frames import strip_of as strip_of
     from harness.experiment.environments.plan import (
+        Columns as Columns,
+        columns_of as columns_of,
         look_at as look_at,
     )
     from harness.experiment.environments.played_again import (
@@ -193,7 +191,6 @@ if TYPE_CHECKING:
     )
     from harness.registry.targets import examined as examined
     from harness.report.tables.grid import Terminal as Terminal, show as show
-    from harness.results.alone import Alone as Alone
     from harness.results.comparison import deciding_manner as deciding_manner
     from harness.results.learning import Learning as Learning
     from harness.results.logs.read_logs import (
@@ -217,7 +214,7 @@ if TYPE_CHECKING:
         Part as Part,
         count_text as count_text,
     )
-    from harness.results.recordings.read_runs import (
+    from harness.results.recordings.recordings import (
         account_of_runs as account_of_runs,
         env_of as env_of,
         has_recordings as has_recordings,
@@ -229,6 +226,7 @@ if TYPE_CHECKING:
     )
     from harness.results.replay import Episode as Episode, Show as Show, Side as Side, find_done as find_done
     from harness.results.table import RANDOM as RANDOM
+    from harness.results.trainings import Alone as Alone
     from harness.results.verdicts import COUNTED as COUNTED
     from harness.reward.given import (
         FIELDS as FIELDS,

@@ -20,7 +20,7 @@ def merge(
     from harness.record.merge import merge as put_together
     from harness.record.store import CELLS
     from harness.results.load import load_results
-    from harness.results.measured import mixtures_of
+    from harness.results.metrics import mixtures_of
 
     merged = put_together(folders, out)
     results = load_results(out)

@@ -17,7 +17,7 @@ def holds_recordings(folders: Sequence[Path]) -> bool:
         UsageError: So does one of several.
     """
     from harness.record.plan_file import PLAN
-    from harness.results.recordings.read_runs import has_recordings
+    from harness.results.recordings.recordings import has_recordings
 
     found = [folder for folder in folders if not (folder / PLAN).exists() and has_recordings(folder)]
     if found:

@@ -95,7 +95,7 @@ def score(
 def _is_of_environments(folder: Path) -> bool:
     """Whether a folder holds recorded trainings in environments: of an experiment, or loose ones."""
     from harness.record.store import Store
-    from harness.results.recordings.read_runs import has_recordings
+    from harness.results.recordings.recordings import has_recordings
 
     return has_recordings(folder) if Store.is_experiment(folder) else holds_recordings([folder])
 

@@ -17,9 +17,8 @@ from harness.motion import Discrete, Motion, Move
 from harness.progress import TrainingState, as_state, prefixed, under
 from harness.record.trace import QVEL, TERM, Recorder
 from harness.reward import Carry, Reward, Steps, pay, replace_where
-from harness.reward.needs import Needs, shown_needs
 from harness.reward.reward import is_finite, require_finite
-from harness.reward.terms import require_same
+from harness.reward.terms import Needs, require_same, shown_needs
 from harness.robot import Robot
 from harness.simulator import Simulation, Simulator, State
 from harness.task import Task, goal_of

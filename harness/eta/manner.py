@@ -14,7 +14,7 @@ ACTED_AT_RANDOM: Final = "random"
 EVALUATION = "in evaluations"
 """The evaluations of recorded trainings."""
 LAST, LEARNING = "in the last evaluations", "while learning"
-"""The mean over the last evaluations, see `harness.results.measured.last_values`; and all of them in order."""
+"""The mean over the last evaluations, see `harness.results.metrics.last_values`; and all of them in order."""
 TRAINING, WHOLE, LAST_FIFTH = "while training", "over the training", "in its last fifth"
 """The episodes of a training itself: of an arm's, of a recorded one, and of the end of a recorded one."""
 MANNERS = (EVALUATION, *(f"{EVALUATION}, {acted}" for acted in (DETERMINISTIC, STOCHASTIC)), LAST_FIFTH, WHOLE)

@@ -104,8 +104,7 @@ class ArmWorld(CellWorld):
 def evaluation_scalars(trace: Log, registry: Registry) -> dict[str, float]:
     """The return and its terms, and all metrics, such as ``Evaluation/Success Rate``; what is not known is left out."""
     # Most runs have no tracker: their processes start without what reads results.
-    from harness.results.measured import measure
-    from harness.results.metrics import load_metrics
+    from harness.results.metrics import load_metrics, measure
 
     terms = {name: mean_over_episodes(values, trace) for name, values in terms_of(trace).items()}
     return named_scalars(mean_return(trace), measure(load_metrics(registry), trace), terms)

@@ -19,7 +19,7 @@ from harness.registry.registry import Registry
 from harness.registry.sources import source_hash
 from harness.registry.spec import OURS, Spec, distribution_of, is_installed, version_of
 from harness.reward import Sample
-from harness.reward.needs import needs_of
+from harness.reward.terms import needs_of
 from harness.text import command_text
 
 if TYPE_CHECKING:

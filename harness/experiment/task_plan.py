@@ -19,8 +19,8 @@ from harness.registry.spec import PLANNED, blamed_on, unknown_name
 from harness.results.metrics import fields_needed, load_metrics, require_measures
 from harness.reward.forms import STEP
 from harness.reward.given import ARGUMENTS
-from harness.reward.needs import needs_of
 from harness.reward.steps import BEFORE, NOT_RECORDED
+from harness.reward.terms import needs_of
 
 if TYPE_CHECKING:
     from harness.robot import Robot

@@ -11,16 +11,16 @@ from pathlib import Path, PurePosixPath
 from harness.errors import NewerFormat, SchemaError, UsageError
 from harness.files.bounded import files_in, is_partial
 from harness.record.added import Owner, owners
-from harness.record.cell import (
+from harness.record.cell import Cell
+from harness.record.file_forms import Status
+from harness.record.folder import (
     DERIVED,
     POLICY,
     RANDOM,
-    Cell,
     partial_folder,
     publish,
     recording_of,
 )
-from harness.record.file_forms import Status
 from harness.record.manifest import Ending, is_needed, require_files
 from harness.record.out_folder import refuse_links, storage_errors
 from harness.record.plan_file import StoredPlan, unite

@@ -28,9 +28,9 @@ from harness.errors import Unmeasured, UsageError
 from harness.eta.interval import SHARE, UNBOUNDED, Bounds, are_bounds
 from harness.eta.laws import Better, direction_of
 from harness.reward.forms import STEP, takes_alone
-from harness.reward.needs import ROWS, Noting, of_made_up
 from harness.reward.row_steps import has_field, steps_of_run
 from harness.reward.steps import ARM, BEFORE, MissingField, Steps, rows_of
+from harness.reward.terms import ROWS, Noting, of_made_up
 
 EPISODE = "episode"
 """What the one argument of a function of episodes is called."""

@@ -16,21 +16,22 @@ if TYPE_CHECKING:
         sort_files as sort_files,
         sort_logs as sort_logs,
     )
-    from harness.results.measured import measure as measure
-    from harness.results.metrics import load_metrics as load_metrics
+    from harness.results.metrics import load_metrics as load_metrics, measure as measure
     from harness.results.overview import pay_texts as pay_texts
     from harness.results.pairs import Pairs as Pairs
     from harness.results.ranking import ranking_of as ranking_of
     from harness.results.recordings.episodes import episodes_of as episodes_of
-    from harness.results.replay import first_show as first_show, show_cells as show_cells, shows_of as shows_of
-    from harness.results.score_matrix import score_matrices as score_matrices
-    from harness.results.standing import standing_of as standing_of, told_manifests as told_manifests
-    from harness.results.terms_paid import TermPaid as TermPaid, TermsPaid as TermsPaid
-    from harness.results.traces import Traces as Traces
-    from harness.results.trajectories import (
+    from harness.results.replay import (
         Trajectories as Trajectories,
         Trajectory as Trajectory,
+        first_show as first_show,
+        show_cells as show_cells,
+        shows_of as shows_of,
         trajectories_of as trajectories_of,
     )
+    from harness.results.score_matrix import score_matrices as score_matrices
+    from harness.results.standing import standing_of as standing_of, told_manifests as told_manifests
+    from harness.results.traces import Traces as Traces
+    from harness.results.trainings import TermPaid as TermPaid, TermsPaid as TermsPaid
 else:
     __all__, __getattr__ = face_of(__name__, __file__)

@@ -37,8 +37,7 @@ from harness.registry.registry import Registry
 from harness.results.by_term import ByTerm, by_term, part_of
 from harness.results.comparison import Group
 from harness.results.kept import Kept
-from harness.results.measured import Values, value_of
-from harness.results.metrics import Unmeasurable, load_metrics, with_fingerprints
+from harness.results.metrics import Unmeasurable, Values, load_metrics, value_of, with_fingerprints
 from harness.results.recordings.episodes import Did, Episodes, Part
 from harness.results.table import RANDOM as AT_RANDOM, Numbers
 from harness.reward import Paid

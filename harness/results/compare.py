@@ -21,7 +21,7 @@ from harness.record.terms import FIRST, Terms
 from harness.registry.spec import unknown_name
 from harness.results.comparison import Behaviour, Comparison, Number, StepChange
 from harness.results.logs.told import FOUND_OUT, Told
-from harness.results.measured import (
+from harness.results.metrics import (
     AREA,
     STEPS_TO_GOAL,
     Moment,

@@ -30,7 +30,7 @@ from harness.eta.swaps import corrected_where_known
 from harness.eta.verdict.ruling import Ruling
 from harness.record.cell import BROUGHT, DISCOUNT, EVALUATION_HORIZON, UNKNOWN_ALGORITHM, Cell
 from harness.registry.choice import Choice
-from harness.results.measured import Counted, Mixture
+from harness.results.metrics import Counted, Mixture
 from harness.results.pool import Pool
 from harness.text import visible
 

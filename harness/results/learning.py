@@ -10,7 +10,7 @@ from harness.eta.behaviour_change import Quantity
 from harness.eta.index import SeedMean, mean_of_known
 from harness.eta.interval import UNBOUNDED, Bounds
 from harness.results.comparison import Group
-from harness.results.measured import Moment, Values, moments_by_due
+from harness.results.metrics import Moment, Values, moments_by_due
 
 STRETCHES = 20
 """How many stretches a training has, each a point of its curve: the mean over the episodes that ended in it."""

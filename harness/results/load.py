@@ -11,8 +11,7 @@ from harness.registry.given import read_given
 from harness.registry.registry import Registry, load_registry
 from harness.results.logs.results_of_logs import results_of_logs
 from harness.results.logs.told import FOUND_OUT, Told
-from harness.results.recordings.read_runs import has_recordings, read_loose
-from harness.results.recordings.recordings import Recordings, plan_of
+from harness.results.recordings.recordings import Recordings, has_recordings, plan_of, read_loose
 from harness.results.results import Results
 from harness.results.traces import Traces
 

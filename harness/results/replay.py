@@ -1,4 +1,4 @@
-"""Episodes of the final evaluations, to be shown side by side. Reads results only."""
+"""Episodes of the final evaluations, shown side by side, and the paths of the end effector. Reads results only."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -18,7 +18,7 @@ from harness.record.returns import PAID, paid_in
 from harness.record.scene import Scene, read_scene
 from harness.record.trace import OBSTACLE, OBSTACLES, episode_facts, read_trace, with_episode_facts
 from harness.results.comparison import Comparison, Group
-from harness.results.measured import Values
+from harness.results.metrics import Values
 from harness.results.pairs import READ, Met, Pairs, cells_by_seed, kind_of, kinds_of
 from harness.results.results import Results
 
@@ -361,3 +361,59 @@ def _alone(trace: Log, rows: NDArray[np.int64]) -> Log:
     facts, own = episode_facts(trace), slice(env, env + 1)
     steps, work = facts.ik_steps, facts.work
     return with_episode_facts(alone, replace(facts, ik_steps=steps and steps[own], work=work and work[own]))
+
+
+EPISODES = 30
+"""The most episodes that are read of an evaluation. More paths could not be told apart."""
+POINTS = ("end_effector", "target")
+
+
+class Trajectory(NamedTuple):
+    """One episode, from its start to the first time that the target is reached, or else to its end."""
+
+    points: Float
+    """Places of the end effector at the start and after each step, (steps + 1, 3), world frame, [m]."""
+    target: Float
+    """The target, (3,), world frame, [m]."""
+    reached: bool
+
+
+@dataclass(frozen=True)
+class Trajectories:
+    """The first episodes of two evaluations, which began in the same poses with the same targets.
+
+    Attributes:
+        seed: The seed of both trainings.
+        baseline: The paths under the baseline reward.
+        proposed: The paths under the proposed reward.
+    """
+
+    seed: int
+    baseline: tuple[Trajectory, ...]
+    proposed: tuple[Trajectory, ...]
+
+
+def trajectories_of(results: Results, comparison: Comparison) -> Trajectories | None:
+    """The end effector's paths under both rewards, for the first seed that both have.
+
+    None if there is no such seed, or for the null control, which has only one reward.
+
+    Raises:
+        SchemaError: A file is damaged or written by a newer version.
+    """
+    files = [results.store.cell_folder(cells[0]) / EVALUATION for cells in cells_by_seed(results, comparison) if cells]
+    if comparison.is_control or not files or not all(map(Path.is_file, files)):  # recordings of no arm
+        return None
+    baseline, proposed = map(_read, files)
+    return Trajectories(comparison.seeds[0], baseline, proposed)
+
+
+def _read(path: Path) -> tuple[Trajectory, ...]:
+    trace = read_trace(path)
+    found = []
+    for rows in trace.episodes[:EPISODES]:
+        reached = trace["reached"][rows]
+        way = rows[: reached.argmax() + 1] if reached.any() else rows
+        points, targets = (np.stack([trace[f"{it}_{axis}"][way] for axis in AXES], axis=1) for it in POINTS)
+        found.append(Trajectory(points, targets[0], bool(reached.any())))
+    return tuple(found)

@@ -26,22 +26,19 @@ from harness.record.plan_file import StoredPlan
 from harness.record.store import Store
 from harness.registry.given import plugin_flags
 from harness.registry.registry import Registry
-from harness.results.alone import Alone, alone_of
 from harness.results.choosing import Choosing
 from harness.results.compare import compare_all
 from harness.results.comparison import Comparison, Group, pools_of
 from harness.results.frames import Frames
 from harness.results.learning import Learning
 from harness.results.logs.told import FOUND_OUT, Told
-from harness.results.measured import Measured, Moment, Values, measure
-from harness.results.metrics import named_measures
+from harness.results.metrics import Measured, Moment, Values, measure, named_measures
 from harness.results.overview import overview_html
 from harness.results.pool import Pool
 from harness.results.recordings.runs import Runs
 from harness.results.return_matrix import ReturnMatrix
 from harness.results.table import Numbers, cell_to_json, comparison_rows, metric_columns, table_of, write_table
-from harness.results.terms_paid import TermsPaid, terms_of
-from harness.results.trainings import Match, Trained, Trainings
+from harness.results.trainings import Alone, Match, TermsPaid, Trained, Trainings, alone_of, terms_of
 from harness.results.under_way import told_so_far
 from harness.results.verdicts import UNKNOWN
 

@@ -1,16 +1,27 @@
-"""The trainings of one group and how they are compared, whatever left them: an arm's cells, recordings, or logs."""
+"""The trainings of one group, whatever left them: an arm's cells, recordings, or logs.
 
-from collections.abc import Callable, Mapping, Sequence
+How they are compared, what a reward alone taught, and what each term of a reward paid: at the start of its trainings,
+at their end, in the evaluations, and beside others. Of the return of an episode, what a proposed reward's trainings are
+paid by it, minus what the baseline's trainings are paid by it, is the behaviour part of a change, on the path that
+takes the ruler on the baseline's runs. As the return is the sum of its terms, so is that part: told term by term.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import combinations
-from typing import Literal, NamedTuple, TypeAlias
+from typing import Any, Literal, NamedTuple, TypeAlias
 
+import numpy as np
+
+from harness.errors import Unscored
 from harness.eta.behaviour_change import Quantity
 from harness.eta.curve import GroupCurve, Kind, stream_curve
 from harness.eta.headline import SUCCESS
-from harness.eta.interval import SHARE
+from harness.eta.index import SeedMean, mean_of_known
+from harness.eta.interval import CONFIDENCE, SHARE, UNBOUNDED, difference_bounds, why_no_interval
 from harness.eta.manner import TRAINING, WHOLE
 from harness.eta.splits import Pair
+from harness.files.plain import Plain
 from harness.results.by_term import ByTerm
 from harness.results.cell_results import CellResults
 from harness.results.comparison import Comparison, Group
@@ -21,7 +32,8 @@ from harness.results.learning import (
     mean_point,
     stretches,
 )
-from harness.results.measured import Values, last_values
+from harness.results.metrics import Values, last_values
+from harness.results.recordings.episodes import Part
 from harness.results.recordings.runs import Run, Runs
 
 LEARNED = Quantity(SUCCESS, "", "higher", TRAINING, 1, bounds=SHARE)
@@ -266,3 +278,279 @@ class Trainings:
             paid = ((end, [part.returns.get(payer) for part in of]) for end, of in parts)
             points[self.pay_name(payer)] = tuple(mean_point(end, values) for end, values in paid)
         return LearningCurve(reward, {}, points)
+
+
+class Stages(NamedTuple):
+    """One measure, or the pay of an episode: means over trainings."""
+
+    measure: Quantity
+    start: SeedMean
+    """Over the first tenth of the episodes of each training."""
+    end: SeedMean
+    """Over the last tenth."""
+    evaluation: SeedMean
+    """Over the evaluations of the final policies."""
+    random: float | None
+    """What random actions come to; None where it is not known."""
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data."""
+        told = {name: getattr(self, name).to_json() for name in ("start", "end", "evaluation")}
+        return {"name": self.measure.name, "unit": self.measure.unit, **told, "random": self.random}
+
+
+@dataclass(frozen=True, eq=False)
+class Alone:
+    """What one reward taught in a group of trainings in which there is no other.
+
+    Attributes:
+        group: What the trainings share.
+        reward: Its label.
+        seeds: Of its trainings.
+        paid: What it paid an episode.
+        behaviour: Every measure that is known, those that decide in a comparison first.
+        curve: What was paid, and the first measure, over the training.
+        shown: The names of both in `curve`, the measure first.
+    """
+
+    group: Group
+    reward: str
+    seeds: tuple[int, ...]
+    paid: Stages
+    behaviour: tuple[Stages, ...]
+    curve: LearningCurve
+    shown: tuple[str, ...]
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data."""
+        return {
+            **self.group.to_json(),
+            "reward": self.reward,
+            "seeds": list(self.seeds),
+            "return": self.paid.to_json(),
+            "behaviour": [it.to_json() for it in self.behaviour],
+            "learning": {name: [point.to_json() for point in self.curve.points[name]] for name in self.shown},
+        }
+
+
+def _stages(
+    measure: Quantity, ends: Sequence[tuple[Part | None, ...]], random: Part | None, reward: str = ""
+) -> Stages:
+    """The means of one measure over trainings, or of what a reward paid."""
+
+    def value(part: Part | None) -> float | None:
+        return part and (part.returns.get(reward) if reward else part.behaviour.get(measure.name))
+
+    def mean(stage: Sequence[Part | None]) -> SeedMean:
+        return mean_of_known(list(map(value, stage)), "have none", measure.ends)
+
+    start, end, evaluation = map(mean, zip(*ends, strict=True))
+    return Stages(measure, start, end, evaluation, value(random))
+
+
+def alone_of(trainings: Trainings) -> Alone | None:
+    """What the only reward of these trainings did; None where another one, or a null control, stands beside it.
+
+    Raises:
+        SchemaError: A file is damaged or written by a newer version.
+    """
+    if not trainings.is_alone:
+        return None
+    (reward,) = trainings.rewards
+    members, pay = trainings.members(reward), Quantity(trainings.pay_name(reward), "", "", TRAINING)
+    ends, random = [it.ends() for it in members], members[0].at_random()
+    first = trainings.leading
+    names = dict.fromkeys([*(name for name in first if name in trainings.names), *trainings.names])
+    evaluated = ends[0][2].episodes if ends[0][2] else 0
+    stages = [_stages(trainings.quantity(name, TRAINING, evaluated), ends, random) for name in names]
+    curve = trainings.learned(reward, members)
+    shown = [name for name in (*first[:1], SUCCESS) if name in curve.points][:1]
+    return Alone(
+        trainings.group,
+        reward,
+        tuple(it.seed for it in members),
+        _stages(pay, ends, random, reward),
+        tuple(it for it in stages if any(of.mean is not None for of in (it.start, it.end, it.evaluation))),
+        curve,
+        (*shown, pay.name),
+    )
+
+
+PATH = "behaviour under {reward}, the ruler on the episodes of {baseline}'s trainings"
+NOTHING, LACKING = SeedMean(None), "have none"
+
+
+@dataclass(frozen=True)
+class TermPaid(Plain):
+    """What one term paid an episode. Means over trainings, with their 95 % intervals.
+
+    Attributes:
+        name: Of the term.
+        start: Of the first tenth of the episodes of the reward's own trainings.
+        end: Of the last tenth.
+        evaluation: Of the evaluations of the final policies.
+        others: Of the evaluations of the policies that the baseline trained; where none are recorded of the end of
+            these trainings.
+        random: Of random actions; None where they are not recorded, or cannot be paid.
+        behaviour: `final` - `others`, the part that the term has in the behaviour part of the change.
+        ruler: What it pays the baseline's evaluations minus what the baseline's own term of this name pays them.
+        never: Whether it paid 0 in every recorded step of the reward's trainings.
+    """
+
+    name: str
+    start: SeedMean
+    end: SeedMean
+    evaluation: SeedMean
+    others: SeedMean = NOTHING
+    random: float | None = None
+    behaviour: SeedMean = NOTHING
+    ruler: SeedMean = NOTHING
+    never: bool = False
+
+    @property
+    def final(self) -> SeedMean:
+        """`evaluation`, or where there is none `end`."""
+        return self.evaluation if self.evaluation.mean is not None else self.end
+
+    @property
+    def over_training(self) -> float | None:
+        """How much the mean changed from the start of the trainings to their end."""
+        return None if self.start.mean is None or self.end.mean is None else self.end.mean - self.start.mean
+
+
+@dataclass(frozen=True)
+class TermsPaid:
+    """What each term of one reward paid, in one group of trainings.
+
+    Attributes:
+        group: What the trainings share.
+        reward: The label of the reward.
+        baseline: That of the reward that it is compared with; empty where it is that itself, or alone.
+        trainings: How many trainings it taught.
+        steps: How many steps they have together.
+        terms: In their order.
+        missing: Why it is not known what the terms pay the baseline's trainings; empty where it is.
+    """
+
+    group: Group
+    reward: str
+    baseline: str
+    trainings: int
+    steps: int
+    terms: tuple[TermPaid, ...]
+    missing: str = ""
+
+    @property
+    def path(self) -> str:
+        """On which of the two paths of a split the behaviour of the terms adds up; see `harness.eta.splits`."""
+        return PATH.format(reward=self.reward, baseline=self.baseline)
+
+    @property
+    def never(self) -> tuple[str, ...]:
+        """The terms that never paid."""
+        return tuple(it.name for it in self.terms if it.never)
+
+    @property
+    def is_compared(self) -> bool:
+        """Whether it is known what the terms pay the baseline's trainings."""
+        return any(it.behaviour.mean is not None for it in self.terms)
+
+    @property
+    def most_changed(self) -> TermPaid | None:
+        """The term that changed most: beside the baseline's trainings, else over its own; None where none changed."""
+        known = [
+            (abs(change), it)
+            for it in self.terms
+            if (change := it.behaviour.mean if self.is_compared else it.over_training)
+        ]
+        return max(known, key=lambda pair: pair[0])[1] if known else None
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data."""
+        most = self.most_changed
+        return {
+            **self.group.to_json(),
+            "reward": self.reward,
+            "baseline": self.baseline or None,
+            "trainings": self.trainings,
+            "training_steps": self.steps,
+            "terms": [it.to_json() for it in self.terms],
+            "path": self.path if self.is_compared else None,
+            "most_changed": most and most.name,
+            "never_paid": list(self.never),
+            "missing": self.missing,
+        }
+
+
+def terms_paid(
+    group: Group,
+    names: tuple[str, str],
+    own: Sequence[TermsOfTraining],
+    others: Sequence[TermsOfTraining] = (),
+    ours: Sequence[TermsOfTraining] = (),
+    random: ByTerm | None = None,
+    missing: str = "",
+) -> TermsPaid | None:
+    """What each term of a reward paid; None of a reward without terms.
+
+    Args:
+        group: What the trainings share.
+        names: The label of the reward, and of the baseline; the latter empty where there is none.
+        own: What its terms paid each of its own trainings.
+        others: What its terms pay each of the baseline's trainings.
+        ours: What the baseline's own terms paid each of the baseline's trainings.
+        random: What its terms pay random actions.
+        missing: Why there are no `others`.
+    """
+    trained = [it.training for it in own if it.training is not None]
+
+    def paid(name: str) -> TermPaid:
+        before, after, ruled = ([it.final(name) for it in side] for side in (others, own, ours))
+        stages = [it.training.terms.get(name) if it.training is not None else None for it in own]
+        acted = random.terms.get(name) if random is not None else None
+        return TermPaid(
+            name,
+            mean_of_known([it.start if it else None for it in stages], LACKING),
+            mean_of_known([it.end if it else None for it in stages], LACKING),
+            mean_of_known(after, LACKING) if all(it.evaluation for it in own) else NOTHING,
+            mean_of_known(before, LACKING) if others else NOTHING,
+            acted.whole if acted is not None else None,
+            _difference(before, after),
+            _difference(ruled, before),
+            not any(it and it.pays for it in stages),
+        )
+
+    terms = tuple(map(paid, dict.fromkeys(name for it in trained for name in it.terms)))
+    return TermsPaid(group, *names, len(own), sum(it.steps for it in trained), terms, missing) if terms else None
+
+
+def _difference(less: Sequence[float | None], from_: Sequence[float | None]) -> SeedMean:
+    """The mean of one side minus that of another, which are not paired; none where a training has no value."""
+    one, other = ([value for value in side if value is not None] for side in (less, from_))
+    if not one or not other or len(one) + len(other) < len(less) + len(from_):
+        return NOTHING
+    mean, seeds = sum(other) / len(other) - sum(one) / len(one), min(len(one), len(other))
+    if notes := why_no_interval(seeds):
+        return SeedMean(mean, seeds=seeds, notes=notes)
+    low, high = difference_bounds([np.array(one)], [np.array(other)], [UNBOUNDED], CONFIDENCE)
+    return SeedMean(mean, low, high, seeds)
+
+
+def terms_of(trainings: Trainings) -> Iterator[TermsPaid]:
+    """What each term paid, of each reward of these trainings that has terms.
+
+    Raises:
+        SchemaError: A file is damaged or written by a newer version.
+    """
+    baseline = trainings.baseline
+    having = [name for name in trainings.rewards if any(it.has_terms for it in trainings.members(name))]
+    for reward in having:
+        is_beside, missing = reward != baseline and baseline in trainings.rewards, ""
+        own, first = trainings.terms(reward, reward), trainings.members(reward)[0]
+        try:
+            others = trainings.terms(reward, baseline) if is_beside else []
+        except Unscored as unscored:
+            others, missing = [], str(unscored)
+        ours = trainings.terms(baseline, baseline) if is_beside and baseline in having else []
+        names, random = (reward, baseline if is_beside else ""), first.terms(first, "random")
+        yield from filter(None, [terms_paid(trainings.group, names, own, others, ours, random, missing)])

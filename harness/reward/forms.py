@@ -16,10 +16,9 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from harness.errors import UsageError
-from harness.reward.needs import Needs, needs_of
 from harness.reward.reward import LARGEST_FACTOR, Carry, Reward
 from harness.reward.steps import Steps
-from harness.reward.terms import Paid, paid_of, sum_of
+from harness.reward.terms import Needs, Paid, needs_of, paid_of, sum_of
 
 STEP = "step"
 """What the one argument of a function of steps is called."""

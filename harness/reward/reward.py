@@ -60,7 +60,7 @@ class Reward(Protocol):
     step) belongs to the task and is recorded separately.
 
     It may have the attribute ``needs``, a set of names of `harness.reward.steps.ARM`: what it reads. Without it one
-    call on made-up steps tells, see `harness.reward.needs.needs_of`.
+    call on made-up steps tells, see `harness.reward.terms.needs_of`.
     """
 
     def initial_carry(self, begin_distance: Array) -> Carry:

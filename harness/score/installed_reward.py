@@ -14,7 +14,7 @@ from harness.registry.choice import Choice
 from harness.registry.registry import Registry
 from harness.registry.sources import fingerprint
 from harness.reward import MissingField, Paid, Reward
-from harness.reward.needs import needs_of
+from harness.reward.terms import needs_of
 from harness.score.scorer import pay_log
 from harness.score.weights import reweighted
 

@@ -25,8 +25,8 @@ import numpy as np
 from harness.arrays import Float, Mask
 from harness.errors import UsageError
 from harness.reward import Paid, Reward
-from harness.reward.needs import needs_of
 from harness.reward.row_steps import DISTANCES
+from harness.reward.terms import needs_of
 from harness.score.scorer import Scorer, fields_beside_distances
 
 NAMES = END_EFFECTOR, TARGET, JOINTS, JOINTS_DEG, DISTANCE, RENEWED = (

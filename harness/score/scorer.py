@@ -12,7 +12,6 @@ from harness.errors import UsageError
 from harness.log import Log, Rows
 from harness.log.log import RECORDED, REWARD
 from harness.reward import Carry, MissingField, Paid, Reward, Sample, Steps, pay, put, take
-from harness.reward.needs import shown_needs
 from harness.reward.row_steps import (
     DISTANCES,
     FIELDS,
@@ -25,6 +24,7 @@ from harness.reward.row_steps import (
     steps_of_rows,
 )
 from harness.reward.steps import BEFORE, NOT_RECORDED, rows_of
+from harness.reward.terms import shown_needs
 
 SCORED = ("env", "step", *DISTANCES, *TOUCHED)
 """Columns that a trace is scored from."""

@@ -2,7 +2,7 @@
 
 import pytest
 
-from harness.results.measured import Moment, learning_values
+from harness.results.metrics import Moment, learning_values
 
 
 @pytest.fixture(name="measure")

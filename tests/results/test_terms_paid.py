@@ -9,8 +9,7 @@ import pytest
 from harness.record import read_trace
 from harness.results import Group, load_results
 from harness.results.by_term import ByTerm, TermMeans
-from harness.results.terms_paid import terms_paid
-from harness.results.trainings import TermsOfTraining
+from harness.results.trainings import TermsOfTraining, terms_paid
 from tests.results.gentle import GENTLE
 
 STEPS = 100

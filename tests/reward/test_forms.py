@@ -10,7 +10,7 @@ from harness.errors import UsageError
 from harness.registry import choose, load_registry
 from harness.reward import pay
 from harness.reward.forms import FAILED, STEP, reward_class, takes_alone
-from harness.reward.needs import Needs, made_up, needs_of, shown_needs
+from harness.reward.terms import Needs, made_up, needs_of, shown_needs
 from harness_plugins.kit.trainings import NegativeDistance
 from tests.refusals import refused
 

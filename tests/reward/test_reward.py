@@ -7,8 +7,8 @@ from numpy.testing import assert_array_equal
 
 from harness.reward import Sample, pay, put, replace_where, take
 from harness.reward.forms import is_plain_function, reward_class
-from harness.reward.needs import made_up, needs_of
 from harness.reward.steps import map_steps, rows_of, step_between
+from harness.reward.terms import made_up, needs_of
 
 CARRY = (np.array([1.0, 2.0, 3.0]), (np.arange(6).reshape(3, 2), ()))
 

@@ -6,8 +6,8 @@ from numpy.testing import assert_array_equal
 
 from harness.errors import UsageError
 from harness.reward import MissingField, Sample
-from harness.reward.needs import made_up
 from harness.reward.steps import ARM, ARM_BEFORE, BEFORE
+from harness.reward.terms import made_up
 
 
 def test_a_step_of_an_arm_has_what_the_table_says():

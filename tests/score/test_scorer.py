@@ -20,8 +20,8 @@ from harness.record.cell_log import cell_log
 from harness.record.trace import FORMAT, FORMAT_KEY
 from harness.registry import choose, load_registry
 from harness.reward import Sample
-from harness.reward.needs import ROWS
 from harness.reward.row_steps import DISTANCES, part_of
+from harness.reward.terms import ROWS
 from harness.robot import reach_position
 from harness.score import Payer, Scorer, pay_log
 from harness_plugins.kit import IdealSimulator

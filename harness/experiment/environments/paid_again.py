@@ -10,7 +10,7 @@ import gymnasium
 
 from harness.environment import AnyEnv, Environment
 from harness.errors import HarnessError, UsageError, one_line
-from harness.experiment.environments.columns import Columns, columns_of
+from harness.experiment.environments.plan import Columns, columns_of
 from harness.files.plain import Plain
 from harness.log.log import BEHAVIOUR, REWARD
 from harness.record.recording.facts import TrainingFacts, facts_of

@@ -16,7 +16,7 @@ from harness.environment import AnyEnv, Environment, envs_together, goal_rewards
 from harness.eta.manner import ACTED_AT_RANDOM, DETERMINISTIC, Acted
 from harness.executor import Word
 from harness.experiment.environments.batch import EnvironmentBatch
-from harness.experiment.environments.columns import columns_of
+from harness.experiment.environments.plan import columns_of
 from harness.experiment.environments.spaces import Acting
 from harness.experiment.trials.tried import Tried
 from harness.experiment.workers.order import named_scalars

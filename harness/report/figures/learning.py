@@ -12,7 +12,7 @@ from harness.report.rows.comparison import percentage
 from harness.report.rows.ratios import Text
 from harness.results.comparison import Comparison
 from harness.results.learning import Learning, LearningCurve, Point
-from harness.results.trajectories import Trajectories, Trajectory
+from harness.results.replay import Trajectories, Trajectory
 
 STYLES: tuple[tuple[str, Shape], ...] = (("baseline", "circle"), ("proposed", "diamond"))
 """Colour and shape of the curves of either reward; one that stands alone looks as the proposed one."""

@@ -57,10 +57,10 @@ from harness.report.rows.returns import (
     terms_of,
 )
 from harness.results import Results
-from harness.results.alone import Alone, Stages
 from harness.results.comparison import Comparison
 from harness.results.pairs import shown_pair
-from harness.results.trajectories import trajectories_of
+from harness.results.replay import trajectories_of
+from harness.results.trainings import Alone, Stages
 
 TIMEOUTS, OBSTACLES = "timeouts", "obstacle_hits"
 LEAST = 0.08

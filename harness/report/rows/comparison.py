@@ -17,11 +17,11 @@ from harness.record.plan_file import EXPERIMENT
 from harness.report.rows import Grid
 from harness.report.rows.ratios import Text, format_number, value_rows
 from harness.results import Results
-from harness.results.alone import Alone, Stages
 from harness.results.choosing import Choosing
 from harness.results.comparison import Comparison, StepChange, pools_of, still_to_come
-from harness.results.measured import Counted
+from harness.results.metrics import Counted
 from harness.results.standing import standing_of, told_manifests
+from harness.results.trainings import Alone, Stages
 from harness.text import command_text, shortened
 
 SAME_STEPS = "0, same steps"

@@ -21,7 +21,7 @@ from harness.report.rows.ratios import (
 from harness.results import Results
 from harness.results.comparison import Comparison
 from harness.results.return_matrix import ReturnMatrix
-from harness.results.terms_paid import TermsPaid
+from harness.results.trainings import TermsPaid
 
 TITLE = "Return under every reward"
 EXPLANATION = (

@@ -51,7 +51,6 @@ from harness.report.rows.returns import (
 )
 from harness.report.tables.grid import divide_columns, show_grid, show_titled, spaced
 from harness.results import Results
-from harness.results.alone import Alone
 from harness.results.comparison import Comparison
 from harness.results.overview import (
     PAY as PAY_TITLE,
@@ -65,6 +64,7 @@ from harness.results.overview import (
 )
 from harness.results.ranking import ranking_of
 from harness.results.return_matrix import ReturnMatrix
+from harness.results.trainings import Alone
 
 FEW = 3
 """Measures that are shown at a glance."""

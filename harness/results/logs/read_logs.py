@@ -36,7 +36,7 @@ from harness.results.comparison import Group
 from harness.results.logs.labels import LABELS
 from harness.results.logs.told import LENGTH, RETURN, SUCCESS_DECIDES, Deciding
 from harness.results.logs.trainings import Sorted, Training, digest_of
-from harness.results.measured import Counted
+from harness.results.metrics import Counted
 from harness.results.recordings.episodes import LAST_SHARE, Episodes, Points, cut_notes, require_ends
 from harness.results.recordings.runs import (
     DIRECTION,

@@ -18,7 +18,7 @@ from harness.log import Log
 from harness.log.log import BEHAVIOUR, REWARD, SINCE, TIME, OpenEpisodes, episode_rows
 from harness.record.recording.facts import TrainingFacts, facts_of
 from harness.results.by_term import part_of
-from harness.results.measured import Measured, Moment, Values
+from harness.results.metrics import Measured, Moment, Values
 
 UNKNOWN = "not a number in some episodes"
 ENDS = ("terminated", "truncated")

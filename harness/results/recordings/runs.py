@@ -25,7 +25,7 @@ from harness.registry.choice import Choice
 from harness.results.by_term import ByTerm
 from harness.results.comparison import Group
 from harness.results.logs.told import RETURN, Deciding
-from harness.results.measured import Counted, Values
+from harness.results.metrics import Counted, Values
 from harness.results.recordings.episodes import Did, Episodes, Part, episodes_of
 from harness.results.recordings.recording_results import (
     Likeness,

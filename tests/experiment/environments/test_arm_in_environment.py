@@ -11,8 +11,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 import harness
 from harness.env import ReachVectorEnv
 from harness.experiment import check_experiment, expand
-from harness.experiment.environments.columns import columns_of
 from harness.experiment.environments.paid_again import PayAgain
+from harness.experiment.environments.plan import columns_of
 from harness.record import TraceWriter, read_recording, read_trace
 from harness.registry import Choice, build_defaults, choose, load_registry, read_given
 from harness.results import load_results
