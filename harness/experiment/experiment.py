@@ -232,7 +232,9 @@ class BegunRun:
         store, options = self.asked.store, self.asked.options
         carriers = floor_carriers(cells, store)
         of_all = replace(options.of_cells, plugins=self.asked.registry.given)
-        jobs = [Job(cell, store.cell_folder(cell), replace(of_all, floor=cell in carriers)) for cell in cells]
+        jobs = [
+            Job(cell, store.cell_folder(cell).absolute(), replace(of_all, floor=cell in carriers)) for cell in cells
+        ]
 
         def follow(event: Event) -> None:
             followed(event)

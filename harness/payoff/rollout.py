@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import closing
+from contextlib import chdir, closing
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from types import MappingProxyType
@@ -304,7 +304,8 @@ def paid_along(reward: Reward, states: States) -> Iterator[tuple[Carry, Steps, P
 
 def pay_along(reward: Reward, states: States) -> Paid:
     """Shaped reward of every step and its terms, (steps, n); may hold NaN and infinities. See `paid_along`."""
-    totals, terms = zip(*(paid for _, _, paid in paid_along(reward, states)), strict=True)
+    with chdir("."):  # the reward may change it
+        totals, terms = zip(*(paid for _, _, paid in paid_along(reward, states)), strict=True)
     return Paid(_stacked(totals), {name: _stacked([of[name] for of in terms]) for name in terms[0]})
 
 

@@ -14,7 +14,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Mapping
-from contextlib import suppress
+from contextlib import chdir, suppress
 from functools import cache
 from pathlib import Path
 from types import ModuleType
@@ -45,7 +45,8 @@ def import_file(file: PluginFile) -> ModuleType:
     setattr(module, OF_FILE, file)
     setattr(module, BESIDE, [_copy(file, name, text) for name, text in file.beside])
     try:
-        _execute(module, file.source, file.path, _importer(file))
+        with chdir("."):  # the file may change it
+            _execute(module, file.source, file.path, _importer(file))
     except (Exception, SystemExit) as error:
         _forget(file)
         problem = f"{one_line(error)}{_line_of(error, file)}"

@@ -9,7 +9,7 @@ import pkgutil
 import re
 import shlex
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import chdir, contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib.machinery import PathFinder
@@ -187,7 +187,8 @@ class Spec:
             )
         module, attribute = self.target.split(":")
         try:
-            return _as_class(self.kind, getattr(importlib.import_module(module), attribute))
+            with chdir("."):  # the module may change it
+                return _as_class(self.kind, getattr(importlib.import_module(module), attribute))
         except UsageError:  # a function of steps that cannot measure
             raise
         except (Exception, SystemExit) as error:
@@ -212,7 +213,7 @@ def _as_class(kind: str, target: Any) -> Any:
 
 @contextmanager
 def blamed_on(spec: Spec, doing: str) -> Iterator[None]:
-    """Whatever a plugin raises in this block is the plugin's fault, and said so.
+    """Whatever a plugin raises in this block is the plugin's fault, and said so. The current folder stays what it was.
 
     Args:
         spec: Whose code runs.
@@ -222,7 +223,8 @@ def blamed_on(spec: Spec, doing: str) -> Iterator[None]:
         PluginError: It raised something that is no error of ours, or wanted to leave.
     """
     try:
-        yield
+        with chdir("."):
+            yield
     except HarnessError:
         raise
     except (Exception, SystemExit) as error:

@@ -5,7 +5,7 @@ They are those of its policy in both manners, of random actions, and of its trai
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import chdir, contextmanager, suppress
 from dataclasses import dataclass
 from typing import Any, NamedTuple, TypeAlias
 
@@ -112,7 +112,8 @@ def unmeasured() -> Iterator[None]:
         Unmeasured: With the reason in one line.
     """
     try:
-        yield
+        with chdir("."):  # the metric may change it
+            yield
     except SchemaError:  # a column is damaged, whatever measures it
         raise
     except (Exception, SystemExit) as error:

@@ -6,6 +6,7 @@ What it reads is found by one call on made-up steps that note what they are aske
 
 import math
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import chdir
 from dataclasses import dataclass
 from functools import cache, lru_cache, partial
 from types import MappingProxyType
@@ -235,7 +236,8 @@ def of_made_up(call: Callable[[Steps], Answer], dof: int | None = None, action_s
     failed = list[Exception]()
     for size in SIZES if dof is None else (dof,):
         try:
-            return call(made_up(size, action_size or size))
+            with chdir("."):  # a reward may change it
+                return call(made_up(size, action_size or size))
         except HarnessError:
             raise
         except Exception as error:  # whatever a stranger's function raises

@@ -2,6 +2,7 @@
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
+from contextlib import chdir
 from functools import partial
 from typing import TypeAlias
 
@@ -176,7 +177,8 @@ def pay_log(reward: Reward, log: Log, *, with_all: bool = False) -> Paid:
     try:
         pieces = log.pieces([*DISTANCES, *payer.columns], PIECE)
         paid = ((slice(it.first, it.first + len(it)), payer.pay(it, is_whole=len(it) == len(log))) for it in pieces)
-        return _placed(paid, len(log))
+        with chdir("."):  # the reward may change it
+            return _placed(paid, len(log))
     except MissingField:
         if payer.has_all:
             raise

@@ -1,6 +1,7 @@
 """`--plugin FILE`: a reward in fifteen lines, from its first run to its report elsewhere."""
 
 import json
+import os
 import shutil
 
 import pytest
@@ -124,3 +125,63 @@ def test_eta_takes_the_file(harness, ran, file, tmp_path):
     named = ("--proposed-reward", "my_reward:scale=2")
     assert "No reward 'my_reward'" in harness("eta", *groups, *named).err
     assert harness("eta", *groups, *named, "--plugin", file).json["rewards"]["proposed"] == "my_reward:scale=2"
+
+
+AWAY = "__import__('os').chdir('elsewhere')"
+METRIC = f"""
+from dataclasses import dataclass
+from typing import ClassVar
+
+@dataclass(frozen=True)
+class Mine:
+    \"\"\"Counts rows.\"\"\"
+
+    unit: ClassVar[str] = ""
+    better: ClassVar[str] = "higher"
+
+    def __call__(self, trace):
+        {AWAY}
+        return float(len(trace))
+"""
+ENVIRONMENT = f"""
+import gymnasium
+from dataclasses import dataclass
+
+@dataclass(frozen=True)
+class MyEnvironment:
+    baseline = "own"
+    lower_is_better = frozenset(["speed"])
+
+    def make(self):
+        {AWAY}
+        return gymnasium.make("Pendulum-v1")
+
+    def rewards(self, env):
+        return {{"own": "own"}}
+
+    def behaviour(self, env):
+        return {{"speed": lambda observation, action, after, info: float(after[2])}}
+"""
+ARM = "--algo random --steps 20 --jobs 2 --sim"
+MOVING = {
+    "file": (f"{AWAY}\n{REWARD}", f"{ARM} kinematic --reward mine"),
+    "reward": (REWARD.replace("return ()", f"return {AWAY} or ()"), f"{ARM} kinematic --reward mine"),
+    "metric": (METRIC, f"{ARM} kinematic --reward arp"),
+    "simulator": (SIMULATOR.replace("return ", f"return {AWAY} or "), f"{ARM} mine --reward arp"),
+    "environment": (ENVIRONMENT, "--algo random --steps 20 --jobs 2 --task mine --reward own"),
+}
+"""By what changes the folder: a file, and what is trained with it."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", MOVING)
+def test_a_plugin_that_changes_the_folder_moves_no_path(harness, tmp_path, kind):
+    """What is written lies where it was typed, and is named so, whichever process writes it."""
+    source, flags = MOVING[kind]
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "mine.py").write_text(source.replace("'elsewhere'", repr(str(tmp_path / "elsewhere"))))
+    answer = harness(f"run --plugin mine.py {flags} --baseline none --seeds 2 --evaluation-episodes 2 --out mine")
+    assert (answer.status, os.getcwd()) == (0, str(tmp_path)), answer.err
+    assert "Results: mine\n" in answer.out
+    assert len([*(tmp_path / "mine" / "cells").iterdir()]) == 2
+    assert not [*(tmp_path / "elsewhere").iterdir()]

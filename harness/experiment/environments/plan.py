@@ -4,7 +4,7 @@ And what is recorded of an env: the environment's own rewards and measures, and 
 """
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from contextlib import closing
+from contextlib import chdir, closing
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
@@ -225,7 +225,7 @@ class Looked:
             f"in '{given.file.path}'" if given else f"in the environment; gymnasium takes lower={name} or higher={name}"
         )
         how = f"write lower_is_better = ['{name}'] or higher_is_better = ['{name}'] {where}"
-        with closing(self.environment.make()) as env:
+        with chdir("."), closing(self.environment.make()) as env:
             columns = columns_of(self.environment, env, self.registry)
             if direction_of(name, columns.lower_is_better, columns.higher_is_better, is_flag=name == SUCCESS):
                 return
@@ -239,7 +239,7 @@ class Looked:
 
     def _terms_of(self, name: str) -> tuple[str, ...]:
         """The terms that a reward pays for a step of random actions."""
-        with closing(self.environment.make()) as env:
+        with chdir("."), closing(self.environment.make()) as env:
             given = columns_of(self.environment, env, self.registry).rewards[name]
             (column,) = made_columns(env, {name: given}, {}, 1, frozenset())
             for step in random_steps(env, 0, 1, [column]):

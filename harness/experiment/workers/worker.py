@@ -15,6 +15,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
+from contextlib import chdir
 from pathlib import Path
 from typing import IO
 
@@ -80,7 +81,8 @@ def _do(order: Order, parent: IO[str]) -> bool:
     print_into(partial / LOG)
     write_log(partial / LOG, f"process {os.getpid()} on {platform.node()} begins")
     try:
-        return order.work.do(order.folder, lambda word: _tell(parent, word.line()))
+        with chdir("."):  # the next order begins where this one did
+            return order.work.do(order.folder, lambda word: _tell(parent, word.line()))
     finally:
         print_into(Path(os.devnull))  # the log is finished: a thread that still prints must not change it
 
