@@ -5,7 +5,7 @@ swaps these names in all ways that there are and asks in how many of them the di
 one seen (Fisher 1935). It assumes no distribution: seeds may be as skewed as they like.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -94,9 +94,8 @@ def corrected_p(outcomes: Sequence[Float]) -> list[float]:
     return corrected
 
 
-def corrected_where_known(outcomes: Iterable[Float | None]) -> list[float | None]:
+def corrected_where_known(claims: Sequence[Float | None]) -> list[float | None]:
     """The same of the claims whose outcomes are known; None for the others."""
-    claims = list(outcomes)
     corrected = iter(corrected_p([claim for claim in claims if claim is not None]))
     return [None if claim is None else next(corrected) for claim in claims]
 

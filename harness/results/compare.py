@@ -98,7 +98,7 @@ def compare(
             measured,
             changes=comparer.changes(),
             along=comparer.along(),
-            mixtures=mixtures_of(it.manifest for it in everybody if it.manifest is not None),
+            mixtures=mixtures_of([it.manifest for it in everybody if it.manifest is not None]),
             same_steps=match.same_steps,
             paid=tuple(comparer.paid_at_random()),
         )

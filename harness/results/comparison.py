@@ -560,6 +560,6 @@ def _unmeasured(names: Names, change: Change) -> str:
 
 def correct(family: Sequence[Comparison]) -> tuple[Comparison, ...]:
     """Comparisons with p-values that hold for all of their claims together."""
-    p_values = corrected_where_known(outcomes for comparison in family for outcomes in comparison.outcomes)
+    p_values = corrected_where_known([outcomes for comparison in family for outcomes in comparison.outcomes])
     left, count = iter(p_values), sum(p is not None for p in p_values)
     return tuple(comparison.with_corrected(left, count) for comparison in family)

@@ -410,8 +410,8 @@ class Results(ABC):
         """What a notebook shows: a line per comparison."""
         return overview_html(self.combinations) + f"<p>{html.escape(repr(self))}</p>"
 
-    def _rows(self) -> Iterator[tuple[Manifest, Numbers | None]]:
-        return ((it, self.numbers(it.cell) if it.status == "done" else None) for it in self.manifests)
+    def _rows(self) -> list[tuple[Manifest, Numbers | None]]:
+        return [(it, self.numbers(it.cell) if it.status == "done" else None) for it in self.manifests]
 
 
 def _data_frame(table: pa.Table, asked: str) -> Any:

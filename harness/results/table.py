@@ -26,7 +26,7 @@ class Numbers(NamedTuple):
     """Why there is no number, by the name of what has none."""
 
 
-Rows: TypeAlias = Iterable[tuple[Manifest, Numbers | None]]
+Rows: TypeAlias = Sequence[tuple[Manifest, Numbers | None]]
 """Cells, each with its numbers; None of a cell that is not done."""
 
 
@@ -43,7 +43,6 @@ def table_of(rows: Rows, columns: Iterable[str] = ()) -> pa.Table:
         rows: The cells.
         columns: Columns that come first among those of numbers, although no cell may have a number in them.
     """
-    known = list(rows)
     facts = [
         {
             **cell_to_json(manifest),
@@ -51,11 +50,11 @@ def table_of(rows: Rows, columns: Iterable[str] = ()) -> pa.Table:
             "task": manifest.cell.task.label,
             "not_measured": "; ".join(f"{name}: {why}" for name, why in numbers.reasons.items()) if numbers else "",
         }
-        for manifest, numbers in known
+        for manifest, numbers in rows
     ]
     table = pa.Table.from_pylist(facts)
-    for name in dict.fromkeys([*columns, *(name for _, numbers in known if numbers for name in numbers.values)]):
-        values = [numbers and numbers.values.get(name) for _, numbers in known]
+    for name in dict.fromkeys([*columns, *(name for _, numbers in rows if numbers for name in numbers.values)]):
+        values = [numbers and numbers.values.get(name) for _, numbers in rows]
         table = table.append_column(name, pa.array(values, pa.float64()))
     return table
 

@@ -20,7 +20,7 @@ def test_numbers_that_one_cell_alone_has_are_a_column(make_cell):
         Numbers({"behaviour_success": None}, {"success": "no episode ended"}),
         None,
     ]
-    first, second, third = table_of(zip([*done, failed], numbers, strict=True)).to_pylist()
+    first, second, third = table_of([*zip([*done, failed], numbers, strict=True)]).to_pylist()
     assert (first["return_own"], first["behaviour_success"], second["return_own"]) == (1.0, None, None)
     assert (first["not_measured"], second["not_measured"]) == ("", "success: no episode ended")
     assert (third["status"], third["reason"], third["return_own"]) == ("failed", "no luck", None)

@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, ClassVar, NamedTuple, Protocol, Self, TypeAlias
+from typing import IO, Any, ClassVar, NamedTuple, Protocol, Self, TypeAlias
 
 from harness.executor import Limits, Word
 from harness.progress import TERMS
@@ -57,6 +57,11 @@ def read_order(line: str) -> tuple[Order, list[str]]:
     module, _, name = told["work"].partition(":")
     kind: type[Work] = getattr(importlib.import_module(module), name)
     return Order(Path(told["folder"]), kind.from_json(told["content"])), told["command"]
+
+
+def tell(parent: IO[str], word: Word) -> None:
+    """Write a line to the process that gave the order."""
+    parent.write(f"{word.line()}\n")
 
 
 TELL_EVERY = 1.0

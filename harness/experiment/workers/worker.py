@@ -16,17 +16,18 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import chdir
+from functools import partial
 from pathlib import Path
 from typing import IO
 
 from harness.experiment.run_cell import own_partial
-from harness.experiment.workers.order import Order, read_order
+from harness.experiment.workers.order import Order, read_order, tell
 from harness.record.folder import LOG
 from harness.record.manifest import write_log
 from harness.registry.given import is_plugin_file
 
 
-def lines_of_parent(on_done: Callable[[], None]) -> Iterator[str]:
+def lines_of_parent(on_done: Callable[[], object]) -> Iterator[str]:
     """The lines that the parent writes to standard input, one after the other, until it closes it.
 
     Who takes a line is at work until it asks for the next one. If the parent ends in the meantime, this process ends at
@@ -65,10 +66,10 @@ def main() -> None:
     """Do what standard input orders."""
     begun = time.time()
     faulthandler.enable()  # on standard error, which is the log of the order
-    with os.fdopen(os.dup(1), "w") as parent:  # standard output: nothing else writes to it
-        for number, line in enumerate(lines_of_parent(lambda: _tell(parent, DONE))):
+    with os.fdopen(os.dup(1), "w", buffering=1) as parent:  # standard output: nothing else writes to it; line by line
+        for number, line in enumerate(lines_of_parent(lambda: parent.write(f"{DONE}\n"))):
             if number and _is_stale(begun):
-                _tell(parent, STALE)
+                parent.write(f"{STALE}\n")
                 return
             order, sys.argv = read_order(line)  # the manifest records what the user typed
             if not _do(order, parent):
@@ -77,12 +78,12 @@ def main() -> None:
 
 def _do(order: Order, parent: IO[str]) -> bool:
     """Do an order; returns whether this process is fit for another."""
-    partial = own_partial(order.folder)
-    print_into(partial / LOG)
-    write_log(partial / LOG, f"process {os.getpid()} on {platform.node()} begins")
+    log = own_partial(order.folder) / LOG
+    print_into(log)
+    write_log(log, f"process {os.getpid()} on {platform.node()} begins")
     try:
         with chdir("."):  # the next order begins where this one did
-            return order.work.do(order.folder, lambda word: _tell(parent, word.line()))
+            return order.work.do(order.folder, partial(tell, parent))
     finally:
         print_into(Path(os.devnull))  # the log is finished: a thread that still prints must not change it
 
@@ -96,11 +97,6 @@ def print_into(path: Path) -> None:
         os.dup2(file.fileno(), 2)
     # A killed process flushes nothing; and no training ends for a character that a plugin prints.
     sys.stdout.reconfigure(line_buffering=True, errors="backslashreplace")  # type: ignore[union-attr]
-
-
-def _tell(parent: IO[str], line: str) -> None:
-    parent.write(f"{line}\n")
-    parent.flush()
 
 
 def _is_stale(begun: float) -> bool:

@@ -77,7 +77,7 @@ def _named(matrix: ReturnMatrix) -> dict[str, Mapping[str, SeedMean]]:
 def _notes(matrix: ReturnMatrix) -> list[str]:
     """One line for each remark, with the rows that it holds for if not for all."""
     rows = _named(matrix)
-    return lines_of(((name, note) for name, row in rows.items() for note in dict.fromkeys(_notes_of(row))), len(rows))
+    return lines_of([(name, note) for name, row in rows.items() for note in dict.fromkeys(_notes_of(row))], len(rows))
 
 
 def _notes_of(row: Mapping[str, SeedMean]) -> Iterator[str]:
