@@ -25,6 +25,7 @@ def test_json_is_all_that_goes_to_standard_output(harness, experiment):
         "combinations",
         "over_places",
         "terms",
+        "recovered",
         "looks",
         "choosing",
         "cells",

@@ -19,9 +19,9 @@ from tests.stores import create_store
 def test_json_has_the_promised_keys(experiment):
     """What `harness report --json` promises is there, under these names, and what is added is named here."""
     data = experiment.to_json()
-    assert set(data) == {"format", "baseline", "curve", "combinations", "cells", "not_measured", "equal_trainings"} | {
-        "over_places",
-        "terms",
+    assert set(data) == {
+        *("format", "baseline", "curve", "combinations", "cells", "not_measured", "equal_trainings", "over_places"),
+        *("terms", "recovered"),
     }
     assert data["format"] == 2
     (combination,), (cell, *_) = data["combinations"], data["cells"]
