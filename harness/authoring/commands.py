@@ -162,17 +162,15 @@ if TYPE_CHECKING:
         TICK_IN_FILE as TICK_IN_FILE,
         facts_name as facts_name,
         is_recording as is_recording,
-        part_count as part_count,
-        part_name as part_name,
-        part_schema as part_schema,
-        read_part as read_part,
+        part_paths as part_paths,
+        read_recorder as read_recorder,
         recorder_numbers as recorder_numbers,
         recordings_in as recordings_in,
     )
     from harness.record.returns import PAID as PAID, mean_return as mean_return
     from harness.record.scene import Scene as Scene, read_scene as read_scene, write_scene as write_scene
     from harness.record.status import FolderStatus as FolderStatus, read_status as read_status
-    from harness.record.trace import TERM as TERM, term_names as term_names, trace_part as trace_part
+    from harness.record.trace import TERM as TERM
     from harness.recorder.column import Column as Column, made_columns as made_columns, source_of as source_of
     from harness.recorder.env_facts import versions_of as versions_of
     from harness.recorder.guard import Guard as Guard, Raised as Raised

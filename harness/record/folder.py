@@ -1,7 +1,6 @@
 """The folder that a cell leaves: names of its files, and how it comes to be there all at once."""
 
 import shutil
-from collections.abc import Callable
 from itertools import count, takewhile
 from pathlib import Path
 
@@ -42,14 +41,15 @@ def digests_in(folder: Path) -> dict[str, str]:
     return {str(path.relative_to(folder).as_posix()): digest_of(path) for path in paths if path != folder / MANIFEST}
 
 
-def part_path(trace: Path, number: int) -> Path:
-    """The file of a part of a trace, by its number: that of the first one has the name of the trace."""
-    return trace.with_name(f"{trace.stem}-{number:05}{trace.suffix}") if number else trace
+def part_path(first: Path, number: int) -> Path:
+    """The file of a part of rows, by its number and the file of the first one, whose name may end with its number."""
+    begin = first.stem.removesuffix("-00000")
+    return first.with_name(f"{begin}-{number:05}{first.suffix}") if number else first
 
 
-def parts_of(trace: Path, is_there: Callable[[Path], bool] = Path.exists) -> list[Path]:
-    """The files of a trace, in order: the first one, and those after it that are there."""
-    return [trace, *takewhile(is_there, (part_path(trace, number) for number in count(1)))]
+def parts_of(first: Path) -> list[Path]:
+    """The files of rows, in order: the first one, and those after it that are there."""
+    return [first, *takewhile(Path.exists, (part_path(first, number) for number in count(1)))]
 
 
 def begun_by(part: str) -> str:

@@ -43,7 +43,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Protocol, Self
+from typing import Any, NamedTuple, Protocol, Self
 
 import numpy as np
 import pyarrow as pa
@@ -57,10 +57,10 @@ from harness.files.bounded import reading
 from harness.files.parquet import MOST_NUMBERS, open_parquet, require_room
 from harness.files.plain import Plain
 from harness.log import Log, LogFacts, in_memory
-from harness.log.log import ROWS, Columns, joined
+from harness.log.log import Columns
 from harness.record.file_forms import read_form
-from harness.record.folder import part_path, parts_of
-from harness.record.parts import PART_ROWS, RowsWriter
+from harness.record.folder import parts_of
+from harness.record.parts import PART_BYTES, PART_ROWS, RowsWriter, open_part, rows_of
 from harness.reward import LARGEST_PAID
 from harness.text import shortened
 
@@ -69,9 +69,6 @@ FORMAT = 3
 FORMAT_KEY = b"harness.trace"
 FACTS_KEY = b"harness.facts"
 """The key of the `EpisodeFacts`; a file of an earlier version has none."""
-
-TRACE_BYTES = 2**35
-"""Most that is read of a trace."""
 
 INTEGERS = ("env", "episode", "step")
 NUMBERS = (
@@ -91,7 +88,6 @@ NUMBERS = (
     "end_effector_z",
 )
 FLAGS = ("ground", "reached", "held", "terminated", "truncated")
-SINCE_2, ENDS_OF_1 = ("held", "terminated"), ("ground", "reached")
 SCALARS = INTEGERS + NUMBERS + FLAGS
 COLUMN = {name: index for index, name in enumerate(SCALARS)}
 QVEL = "qvel"
@@ -216,7 +212,7 @@ class TraceWriter(RowsWriter):
         Raises:
             SchemaError: They are damaged.
         """
-        super().__init__(path.parent, lambda part: part_path(path, part).name)
+        super().__init__(path)
         self.facts = facts
         widths = {**dict.fromkeys(SCALARS, 1), "qpos": dof, "action": action_size, **extras}
         self._names = [name for name, width in widths.items() for _ in range(width)]
@@ -224,9 +220,7 @@ class TraceWriter(RowsWriter):
         kinds = {name: pa.list_(number, n) if name in LISTS else KINDS.get(name, number) for name, n in widths.items()}
         self._make_room(pa.schema(kinds), part_rows)
         if after:
-            self._go_on(after, lambda part: trace_part(part, [*kinds]).values())
-            for part in parts_of(path)[self._part + 1 :]:
-                part.unlink()
+            self._go_on(after)
 
     def close(self) -> None:
         """Write what is left.
@@ -285,74 +279,57 @@ def require_rows(path: Path, count: int) -> None:
         raise SchemaError(f"{path.name} has {found:,} rows, and {count:,} were written")
 
 
-def term_names(path: Path) -> tuple[str, ...]:
-    """The terms of the reward that a trace has columns of, in their order; its rows are not read.
-
-    Raises:
-        SchemaError: The file is damaged or is no Parquet file.
-    """
-    return tuple(name.removeprefix(TERM) for name in read_trace(path).columns if name.startswith(TERM))
-
-
-def read_trace(path: Path) -> Log:
+def read_trace(path: Path, after: int = 0) -> Log:
     """A trace, one that is being written too: as far as it was written. Each column is read when it is asked for.
+
+    Args:
+        path: The first of its files.
+        after: Leave out so many of its files, which are full and were read before.
 
     Raises:
         SchemaError: The file is damaged, is no trace or was written by a newer version; or its end tells of a number
-            that is too large. A column that is damaged raises it when it is read, and so does every column of a file
-            that was replaced by then.
+            that is too large. A column that is damaged raises it when it is read, and so does every column of a trace
+            that was replaced by then, if it has several files.
     """
-    paths = parts_of(path)
+    paths = parts_of(path)[after:]
     parts = [_opened(part, MOST_NUMBERS // len(paths)) for part in paths]
-    last, told = parts[-1].path, parts[-1].metadata.metadata
-    for part in parts[:-1]:
-        if part.metadata.num_rows != PART_ROWS or part.metadata.metadata != told:
-            raise SchemaError(f"{part.path} is no part of the trace that ends with {last.name}")
+    *full, (last, _, file) = parts
+    told = file.metadata.metadata
+    for part, _, one in full:
+        if one.metadata.num_rows != PART_ROWS or one.metadata.metadata != told:
+            raise SchemaError(f"{part} is no part of the trace that ends with {last.name}")
+        one.close()
     with reading(last, "trace"):
         episodes = EpisodeFacts.from_bytes(told[FACTS_KEY]) if FACTS_KEY in told else NOTHING_KNOWN
-    facts = TraceFacts(path=path, format=f"trace, format {told[FORMAT_KEY].decode()}", episodes=episodes)
-    trace = Log(facts, parts[-1].names, partial(_tables, parts))
-    return trace if OBSTACLE in trace else _with_nothing_touched(trace, sum(it.metadata.num_rows for it in parts))
+    version, rows = told[FORMAT_KEY].decode(), len(full) * PART_ROWS + file.metadata.num_rows
+    facts = TraceFacts(path=path, format=f"trace, format {version}", episodes=episodes)
+    trace = Log(facts, tuple(filter(_is_known, file.schema_arrow.names)), partial(_tables, parts))
+    if version == "1":
+        trace = trace.add({"terminated": trace["ground"] | trace["reached"], "held": np.zeros(rows, bool)})
+    return _with_nothing_touched(trace, rows)
 
 
-def trace_part(path: Path, names: Sequence[str]) -> Columns:
-    """Columns of one file of a trace, all its rows as they are now.
-
-    Raises:
-        SchemaError: It is damaged, or no trace that this version reads.
-    """
-    with reading(path, "trace"), open_parquet(path, TRACE_BYTES) as file:
-        _require_trace(file, path, MOST_NUMBERS)
-        return joined([*_rows(file, path, names)])
-
-
-@dataclass(frozen=True)
-class _Part:
-    """A file of a trace as it was when it was opened; `identity` is what one that takes its place has otherwise."""
+class _Part(NamedTuple):
+    """A file of a trace as it was when it was opened. The last one stays open: it may be written anew."""
 
     path: Path
     identity: tuple[int, int, int]
-    metadata: pq.FileMetaData
-    names: tuple[str, ...]
+    """What one that takes its place has otherwise."""
+    file: pq.ParquetFile
 
 
 def _opened(path: Path, most: int) -> _Part:
-    with reading(path, "trace"), open_parquet(path, TRACE_BYTES) as file:
-        return _Part(path, _identity(path), file.metadata, _require_trace(file, path, most))
-
-
-def _require_trace(file: pq.ParquetFile, path: Path, most: int) -> tuple[str, ...]:
-    """See that a file is of a trace; gives the columns that it has, or that follow from others."""
-    version = (file.metadata.metadata or {}).get(FORMAT_KEY, b"none").decode()
-    if version not in map(str, range(1, FORMAT + 1)):
-        raise SchemaError(f"{path} is a trace of format {shortened(version, 20)}, this version reads 1 to {FORMAT}")
-    lacking = SINCE_2 if version == "1" else ()
-    _require_columns(file.schema_arrow, lacking, path)
-    known = tuple(filter(_is_known, file.schema_arrow.names))
-    for name, chunk in require_room(path, file, known, most):
-        if chunk.least is not None and chunk.greatest is not None:
-            _require_moderate(chunk.least, chunk.greatest, f"{path}: {name}")
-    return known + lacking
+    with reading(path, "trace"):
+        part = _Part(path, _identity(path), open_parquet(path, PART_BYTES))
+        version = (part.file.metadata.metadata or {}).get(FORMAT_KEY, b"none").decode()
+        if version not in map(str, range(1, FORMAT + 1)):
+            raise SchemaError(f"{path} is a trace of format {shortened(version, 20)}, this version reads 1 to {FORMAT}")
+        schema = part.file.schema_arrow
+        _require_columns(schema, ("reward", *(["ground", "reached"] if version == "1" else [])), path)
+        for name, chunk in require_room(path, part.file, [*filter(_is_known, schema.names)], most):
+            if chunk.least is not None and chunk.greatest is not None:
+                _require_moderate(chunk.least, chunk.greatest, f"{path}: {name}")
+        return part
 
 
 def _identity(path: Path) -> tuple[int, int, int]:
@@ -361,34 +338,30 @@ def _identity(path: Path) -> tuple[int, int, int]:
 
 
 def _tables(parts: Sequence[_Part], names: Sequence[str]) -> Iterator[Columns]:
-    """The rows of some columns; the end of a file is not read again."""
-    for part in parts:
-        given: dict[str, Any] = {"metadata": part.metadata, "page_checksum_verification": True}
-        with reading(part.path, "trace"), pq.ParquetFile(part.path, **given) as file:
-            if _identity(part.path) != part.identity:  # its end says where the rows of the other one stood
+    *full, last = parts
+    for part in full:
+        with open_part(part.path, "trace") as file:
+            if _identity(part.path) != part.identity:
                 raise SchemaError(f"{part.path} was replaced since it was opened: type the command again")
             yield from _rows(file, part.path, names)
+    with reading(last.path, "trace"):
+        yield from _rows(last.file, last.path, names)
 
 
 def _rows(file: pq.ParquetFile, path: Path, names: Sequence[str]) -> Iterator[Columns]:
-    lacking = [name for name in names if name in SINCE_2 and name not in file.schema_arrow.names]
-    asked = [*dict.fromkeys((*(name for name in names if name not in lacking), *(ENDS_OF_1 if lacking else ())))]
-    batches = file.iter_batches(ROWS, columns=asked, use_threads=False)
-    tables = (pa.Table.from_batches([batch]) for batch in batches) if file.metadata.num_rows else [file.read(asked)]
-    for table in tables:
-        rows = {name: to_numpy(table.column(name), f"{path}: {name}") for name in asked}
-        if lacking:
-            ended = rows["ground"] | rows["reached"]
-            rows |= {"terminated": ended, "held": np.zeros_like(ended)}
-        yield {name: rows[name] for name in names}
+    for rows in rows_of(file, path, names):
+        for name, values in rows.items():
+            if values.dtype.kind == "f" and values.size:
+                _require_moderate(values.min(), values.max(), f"{path}: {name}")
+        yield rows
 
 
 def _is_known(column: str) -> bool:
     return column in (*SCALARS, *LISTS, *EXTRAS) or column.startswith(TERM)
 
 
-def _require_columns(schema: pa.Schema, lacking: Sequence[str], path: Path) -> None:
-    if missing := [name for name in ("reward", *(ENDS_OF_1 if lacking else ())) if name not in schema.names]:
+def _require_columns(schema: pa.Schema, needed: Sequence[str], path: Path) -> None:
+    if missing := [name for name in needed if name not in schema.names]:
         raise SchemaError(f"{path} has no column {', '.join(missing)}")
     for name in filter(_is_known, schema.names):
         found, number = schema.field(name).type, pa.float64()
@@ -396,23 +369,6 @@ def _require_columns(schema: pa.Schema, lacking: Sequence[str], path: Path) -> N
         expected = pa.list_(number, getattr(found, "list_size", 1)) if is_list else KINDS.get(name, number)
         if found != expected:
             raise SchemaError(f"{path} has a column {name} of {found}, not of {expected}")
-
-
-def to_numpy(column: pa.ChunkedArray, noun: str) -> NDArray[Any]:
-    """A column of a trace, (rows,) or (rows, n).
-
-    Raises:
-        SchemaError: A value is missing, or too large.
-    """
-    if pa.types.is_fixed_size_list(column.type):
-        flat = np.asarray(column.combine_chunks().flatten().to_numpy()).reshape(len(column), column.type.list_size)
-    else:
-        flat = np.asarray(column.to_numpy())
-    if column.null_count:
-        raise SchemaError(f"{noun} holds a value that is not a finite number")
-    if flat.dtype.kind == "f" and flat.size:
-        _require_moderate(flat.min(), flat.max(), noun)
-    return flat
 
 
 def _require_moderate(least: float, most: float, noun: str) -> None:

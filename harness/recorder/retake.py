@@ -7,9 +7,8 @@ rewards would be paid for another training, so nothing is written.
 import tempfile
 import warnings
 from collections.abc import Callable, Collection, Iterator, Mapping
-from contextlib import closing
+from contextlib import closing, contextmanager
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +17,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.errors import UsageError, one_line
-from harness.files.plain import making
 from harness.log import Log, Rows, in_memory
 from harness.log.log import BEHAVIOUR, REWARD
 from harness.record.recording.facts import ActionFacts, TrainingFacts, facts_of, file_column, term_column
@@ -27,11 +25,11 @@ from harness.record.recording.recorded_training import (
     CALLS,
     FLAGS,
     INTEGERS,
+    add_scores,
     read_recorder,
     read_recording,
     recorder_numbers,
 )
-from harness.record.recording.scores import read_scores, scores_name, with_scores, write_scores
 from harness.recorder.calls import NO_SEED, UNCHECKED, action_of, checksum
 from harness.recorder.record_rewards import RecordRewards
 from harness.recorder.recorder import GivenUp, Noted
@@ -92,18 +90,14 @@ class Retake:
         """
         for _ in (log := read_recording(folder)).pieces(log.names):
             pass  # raises an error if it is damaged
-        found: dict[Path, Log] = {}
+        found: dict[int, Log] = {}
         done = 0
         for number in recorder_numbers(folder):
-            log, path = read_recorder(folder, number), folder / scores_name(number)
+            log = read_recorder(folder, number)
             rows = _calls_in(folder, log)
-            scores = self._of_recorder(folder, facts_of(log), rows, done)
-            earlier = read_scores(path, partial(len, rows))
-            found[path] = with_scores(earlier, scores) if earlier is not None else scores
+            found[number] = self._of_recorder(folder, facts_of(log), rows, done)
             done += len(rows)
-        for path, scores in found.items():
-            with making(path):
-                write_scores(path, scores)
+        add_scores(folder, found)
         failures = dict.fromkeys(failure for scores in found.values() for failure in facts_of(scores).failures)
         return tuple(
             f"{file_column(it.column)} fails in episode {it.episode}, step {it.step}: {it.reason}" for it in failures
@@ -127,14 +121,7 @@ class Retake:
             begin += facts.num_envs
 
     def _walks_of(self, folder: Path, facts: TrainingFacts, calls: Rows) -> list[Walk]:
-        with tempfile.TemporaryDirectory(prefix="harness-retake-") as place, closing(KeepWalks(self.make())) as env:
-            again = RecordRewards(
-                env, Path(place) / "again", trained_with=OWN, rewards={}, horizon=facts.horizon or None
-            )
-            try:
-                _repeat(calls, _require_actions(folder, facts), again, f"'{folder}'", self.tell)
-            finally:
-                again.finish()
+        with closing(KeepWalks(self.make())) as env, self._recorded(folder, facts, calls, env, Later({}, {}), 0):
             return env.walks
 
     def _of_recorder(self, folder: Path, facts: TrainingFacts, calls: Rows, done: int) -> Log:
@@ -151,35 +138,12 @@ class Retake:
         return in_memory(replace(told[0], failed=tuple(it for one in told for it in one.failed)), values)
 
     def _of_env(self, folder: Path, facts: TrainingFacts, calls: Rows, number: int, done: int) -> Log:
-        with tempfile.TemporaryDirectory(prefix="harness-retake-") as place, closing(self.make()) as env:
-            later, path = self.later(env), Path(place) / "again"
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore", GivenUp)  # `score` returns what failed
-                warnings.simplefilter("ignore", Noted)
-                again = RecordRewards(
-                    env,
-                    path,
-                    trained_with=OWN,
-                    rewards=later.rewards,
-                    behaviour=later.behaviour,
-                    lower_is_better=later.lower_is_better,
-                    higher_is_better=later.higher_is_better,
-                    evaluation=True,  # nothing is trained, and none of these measures has to decide
-                    horizon=facts.horizon or None,  # episodes were cut, and are cut again
-                )
-                try:
-                    _repeat(
-                        calls,
-                        _require_actions(folder, facts),
-                        again,
-                        f"'{folder}'",
-                        lambda steps: self.tell(done + steps),
-                    )
-                finally:
-                    again.finish()
-            told = facts_of(log := read_recording(path))
-            terms = [term_column(name, term) for name in later.rewards for term in told.terms.get(name, ())]
-            columns = log.rows([*later.columns[: len(later.rewards)], *terms, *later.columns[len(later.rewards) :]])
+        with closing(self.make()) as env:
+            later = self.later(env)
+            with self._recorded(folder, facts, calls, env, later, done) as log:
+                told = facts_of(log)
+                terms = [term_column(name, term) for name in later.rewards for term in told.terms.get(name, ())]
+                columns = log.rows([*later.columns[: len(later.rewards)], *terms, *later.columns[len(later.rewards) :]])
         facts = replace(
             told,
             rewards=tuple(later.rewards),
@@ -188,6 +152,29 @@ class Retake:
             terms={name: told.terms[name] for name in later.rewards if name in told.terms},
         )
         return in_memory(facts, columns.columns)
+
+    @contextmanager
+    def _recorded(
+        self, folder: Path, facts: TrainingFacts, calls: Rows, env: gymnasium.Env[Any, Any], later: Later, done: int
+    ) -> Iterator[Log]:
+        """What a new env answers to the calls of one env, and what rewards and measures say of it."""
+        with tempfile.TemporaryDirectory(prefix="harness-retake-") as place, warnings.catch_warnings():
+            warnings.simplefilter("ignore", GivenUp)  # `score` returns what failed
+            warnings.simplefilter("ignore", Noted)
+            again = RecordRewards(
+                env,
+                place,
+                trained_with=OWN,
+                **vars(later),
+                evaluation=True,  # nothing is trained, and none of these measures has to decide
+                horizon=facts.horizon or None,  # episodes were cut, and are cut again
+            )
+            try:
+                actions = _require_actions(folder, facts)
+                _repeat(calls, actions, again, f"'{folder}'", lambda steps: self.tell(done + steps))
+            finally:
+                again.finish()
+            yield read_recording(Path(place))
 
 
 def _repeat(calls: Rows, actions: ActionFacts, env: RecordRewards[Any, Any], where: str, tell: Tell) -> None:

@@ -5,12 +5,12 @@ from pathlib import Path
 import numpy as np
 
 from harness.errors import SchemaError, one_line
-from harness.log.log import EPISODES, SUCCESS, joined
+from harness.log.log import SUCCESS
 from harness.progress import LAST_EPISODES
 from harness.record.cell import Cell
-from harness.record.folder import TRACE, TRAINING_RECORDING, parts_of
+from harness.record.folder import TRACE, TRAINING_RECORDING
 from harness.record.recording.recorded_training import is_recording, read_recording
-from harness.record.trace import trace_of, trace_part
+from harness.record.trace import read_trace
 from harness.results.cell_results import learned
 from harness.results.recordings.episodes import episodes_of
 
@@ -23,8 +23,7 @@ def told_so_far(cell: Cell, folder: Path) -> str:
             steps, episodes = len(log), episodes_of(log)
             paid, reached = episodes.returns[cell.reward.label], episodes.behaviour.get(SUCCESS)
         elif (folder / TRACE).exists():
-            parts = [trace_part(part, (*EPISODES, "step", "reached", "reward")) for part in parts_of(folder / TRACE)]
-            trace = trace_of(joined(parts))
+            trace = read_trace(folder / TRACE)
             steps, (_, reached, paid) = int(np.count_nonzero(trace["step"])), learned(trace).reshape(3, -1)
         else:
             return ""

@@ -6,18 +6,18 @@ from dataclasses import replace
 from pathlib import Path
 
 from harness.errors import UsageError
-from harness.files.plain import making
 from harness.log import Log, in_memory
 from harness.log.log import REWARD
 from harness.record.cell import Cell
 from harness.record.recording.facts import Source, TrainingFacts, facts_of, term_column
 from harness.record.recording.recorded_training import (
+    add_scores,
     read_recording,
     read_scored,
     recorder_numbers,
     recordings_in,
 )
-from harness.record.recording.scores import scores_name, with_scores, write_scores
+from harness.record.recording.scores import with_scores
 from harness.record.store import Store
 from harness.score.weights import label_by_terms, name_of, recorded_choice, reweighted
 
@@ -38,7 +38,7 @@ def recorded_weights(text: str, paths: Iterable[Path]) -> str:
         UsageError: It names a term that the reward does not have, or what it gives is no weight.
         SchemaError: A recording is damaged.
     """
-    logs = (_read(path, number)[0] for path in paths for number in recorder_numbers(path))
+    logs = (_read(path, number) for path in paths for number in recorder_numbers(path))
     return label_by_terms(text, (it for log in logs for it in facts_of(log).terms.items()))
 
 
@@ -67,22 +67,17 @@ def pay_by_weights(path: Path, label: str) -> int:
         OSError: The scores cannot be written.
     """
     len(read_recording(path))  # raises an error if it is damaged
-    recorders = {number: _read(path, number) for number in recorder_numbers(path)}
-    if all(label in facts_of(log).terms for log, _ in recorders.values()):
+    logs = {number: _read(path, number) for number in recorder_numbers(path)}
+    if all(label in facts_of(log).terms for log in logs.values()):
         return 0
-    found = {number: _scored(log, label) for number, (log, _) in recorders.items()}  # all before one is written
-    for number, scores in found.items():
-        place = path / scores_name(number)
-        earlier = recorders[number][1]
-        with making(place):
-            write_scores(place, with_scores(earlier, scores) if earlier is not None else scores)
-    return sum(len(log) for log, _ in recorders.values())
+    add_scores(path, {number: _scored(log, label) for number, log in logs.items()})
+    return sum(map(len, logs.values()))
 
 
-def _read(path: Path, number: int) -> tuple[Log, Log | None]:
-    """What one recorder of a recording left, its scores included, and these alone."""
-    log, earlier = read_scored(path, number)
-    return (with_scores(log, earlier) if earlier is not None else log), earlier
+def _read(path: Path, number: int) -> Log:
+    """What one recorder of a recording left, its scores included."""
+    log, later = read_scored(path, number)
+    return log if later is None else with_scores(log, later)
 
 
 def _scored(log: Log, label: str) -> Log:

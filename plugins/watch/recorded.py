@@ -1,6 +1,6 @@
 """The episodes of trainings, read from what is being written: only what is new since the last time."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
@@ -13,22 +13,17 @@ from harness.authoring.commands import (
     INTEGERS,
     PAID,
     TERM,
-    TICK_IN_FILE,
+    TICK,
     facts_name,
-    file_column,
     is_held,
-    part_count,
-    part_name,
-    part_schema,
+    part_paths,
     parts_of,
-    read_part,
+    read_recorder,
     recorder_numbers,
     term_column,
-    term_names,
-    trace_part,
 )
 from harness.log import BEHAVIOUR, REWARD, SUCCESS, OpenEpisodes
-from harness.record import TrainingFacts, paid_in
+from harness.record import TrainingFacts, paid_in, read_trace
 
 from .blocks import BEHAVIOUR as BEHAVIOUR_AT, OWN, Blocks
 
@@ -62,12 +57,12 @@ class Episodes:
         self._open: OpenEpisodes | None = None
         self.steps = 0
 
-    def look(self, parts: Sequence[Path], read: Callable[[Path, int], Told]) -> None:
+    def look(self, parts: Sequence[Path], read: Callable[[int, int], Iterable[Told]]) -> None:
         """Read what is new.
 
         Args:
             parts: All there are.
-            read: Gives the rows of a part, by the steps before it.
+            read: Gives the rows behind so many parts, which have so many steps, a part at a time.
 
         Raises:
             SchemaError: It is damaged.
@@ -77,13 +72,13 @@ class Episodes:
             return
         if len(parts) <= len(self._ended):  # it began anew
             self._full, self._ended, self._open = 0, [], None
-        for part in parts[len(self._ended) : -1]:
-            self._open, ended, steps = self._after(read(part, self._full))
-            self._ended, self._full = [*self._ended, ended], self._full + steps
+        told = [*read(len(self._ended), self._full)]
+        for part in told[:-1]:
+            self._open, ended = self._after(part)
+            self._ended, self._full = [*self._ended, ended], self._full + part.steps
         self._last, self.steps = [], self._full
-        for part in parts[-1:]:
-            _, ended, steps = self._after(read(part, self._full))
-            self._last, self.steps = [ended], self._full + steps
+        for part in told[-1:]:
+            self._last, self.steps = [self._after(part)[1]], self._full + part.steps
         self._seen = seen
 
     def ended(self, terms: int) -> Ended:
@@ -92,10 +87,10 @@ class Episodes:
         times, numbers = map(np.concatenate, zip(*parts, strict=True))
         return times, numbers
 
-    def _after(self, told: Told) -> tuple[OpenEpisodes, Ended, int]:
+    def _after(self, told: Told) -> tuple[OpenEpisodes, Ended]:
         before = self._open or OpenEpisodes.none(len(told.summed))
         after, rows, sums = before.after(told.env, told.episode, told.ends, told.summed)
-        return after, (told.times[rows], sums.T), told.steps
+        return after, (told.times[rows], sums.T)
 
 
 class Recorder:
@@ -113,22 +108,19 @@ class Recorder:
             SchemaError: It is damaged.
         """
         self.facts = TrainingFacts.read(self._folder / facts_name(self._number))
-        count = part_count(self._folder, self._number)
-        parts = [self._folder / part_name(self._number, part) for part in range(count)]
-        self.episodes.look(parts, self._part)
+        self.episodes.look(part_paths(self._folder, self._number), self._told)
 
-    def _part(self, path: Path, _: int) -> Told:
-        facts, name = self.facts, self.facts.trained_with
-        pay, *terms = summed = [file_column(f"{REWARD}{name}"), *(term_column(name, it) for it in terms_in(facts))]
-        measure = measure_of(facts.behaviour)
-        measured = [file_column(f"{BEHAVIOUR}{measure}")] if measure else []
-        names = [TICK_IN_FILE, "env", "episode", *FLAGS, *summed, *measured]
-        table = read_part(path, part_schema(facts), names)
-        told: dict[str, NDArray[Any]] = {it: np.asarray(table.column(it).to_numpy()) for it in names}
-        ends = np.logical_or.reduce([told[it] for it in FLAGS])
-        did = np.where(ends, told[measured[0]] if measured else np.nan, 0.0)  # what an episode came to at its end
-        sums = [told[pay], did, *(told[it] for it in terms)]
-        return Told(told[TICK_IN_FILE], told["env"], told["episode"], ends, sums, len(table))
+    def _told(self, after: int, _: int) -> Iterator[Told]:
+        name = self.facts.trained_with
+        pay, *terms = summed = [f"{REWARD}{name}", *(term_column(name, it) for it in terms_in(self.facts))]
+        measure = measure_of(self.facts.behaviour)
+        measured = [f"{BEHAVIOUR}{measure}"] if measure else []
+        log = read_recorder(self._folder, self._number, after)
+        for rows in log.tables([TICK, "env", "episode", *FLAGS, *summed, *measured]):
+            ends = np.logical_or.reduce([rows[it] for it in FLAGS])
+            did = np.where(ends, rows[measured[0]] if measured else np.nan, 0.0)  # what an episode came to at its end
+            sums = [rows[pay], did, *(rows[it] for it in terms)]
+            yield Told(rows[TICK], rows["env"], rows["episode"], ends, sums, len(rows))
 
 
 class Recording:
@@ -209,7 +201,8 @@ class Trace:
         Raises:
             SchemaError: It is damaged, or is not there.
         """
-        self._path, self._episodes, self._terms = path, Episodes(), term_names(path)
+        self._path, self._episodes = path, Episodes()
+        self._terms = [it.removeprefix(TERM) for it in read_trace(path).columns if it.startswith(TERM)]
 
     def look(self) -> Blocks:
         """Read what is new; gives what all episodes came to.
@@ -217,15 +210,16 @@ class Trace:
         Raises:
             SchemaError: It is damaged.
         """
-        self._episodes.look(parts_of(self._path), self._part)
+        self._episodes.look(parts_of(self._path), self._told)
         steps, numbers = self._episodes.ended(len(self._terms))
         numbers[:, BEHAVIOUR_AT] = numbers[:, BEHAVIOUR_AT] > 0
         return Blocks.of(self._terms, steps, numbers)
 
-    def _part(self, path: Path, before: int) -> Told:
+    def _told(self, after: int, before: int) -> Iterator[Told]:
         terms = [f"{TERM}{name}" for name in self._terms]
-        rows = trace_part(path, [*INTEGERS, "reached", *FLAGS, *PAID, *terms])
-        steps = before + np.cumsum(rows["step"] > 0)
-        sums = [paid_in(rows), rows["reached"], *(rows[name] for name in terms)]
-        ends = rows["terminated"] | rows["truncated"]
-        return Told(steps, rows["env"], rows["episode"], ends, sums, int(np.count_nonzero(rows["step"])))
+        for rows in read_trace(self._path, after).tables([*INTEGERS, "reached", *FLAGS, *PAID, *terms]):
+            steps = before + np.cumsum(rows["step"] > 0)
+            sums = [paid_in(rows.columns), rows["reached"], *(rows[name] for name in terms)]
+            count, ends = int(np.count_nonzero(rows["step"])), rows["terminated"] | rows["truncated"]
+            yield Told(steps, rows["env"], rows["episode"], ends, sums, count)
+            before += count

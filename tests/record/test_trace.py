@@ -13,7 +13,6 @@ import harness.record.trace
 from harness.errors import SchemaError, SimulationDiverged
 from harness.record import COLUMN, SCALARS, EpisodeFacts, TraceWriter, read_trace
 from harness.record.parts import PART_ROWS
-from harness.record.trace import trace_part
 
 DOF, ACTION_SIZE = 3, 2
 WIDTH = len(SCALARS) + DOF + ACTION_SIZE
@@ -184,12 +183,17 @@ def test_what_is_no_trace_is_refused(path, what):
         read_trace(path).rows()
 
 
-def test_a_file_that_was_replaced_is_refused(path):
-    """Its end was read when it was opened, and says nothing of the rows of another: they would be other numbers."""
-    trace = write(path, make_rows(50))
-    write(path.with_name("new"), make_rows(50, first=50)).facts.path.replace(path)
-    with pytest.raises(SchemaError, match=r"trace\.parquet was replaced since it was opened: type the command again"):
-        trace["distance"]
+def test_a_trace_that_was_replaced_is_that_which_was_opened(path):
+    """The rows of another one are never mixed with its own; of several files, the full ones are refused."""
+    for count in (50, PART_ROWS + 1):
+        trace = write(path, make_rows(count))
+        assert trace["env"][0] == 0
+        write(path.with_name("new"), make_rows(count, first=50)).facts.path.replace(path)
+        if count == 50:
+            np.testing.assert_array_equal(trace["distance"], make_rows(count)[:, COLUMN["distance"]])
+            continue
+        with pytest.raises(SchemaError, match=r"trace\.parquet was replaced since it was opened: type the command"):
+            trace["distance"]
 
 
 def test_extra_columns_stand_behind_the_others(path):
@@ -229,7 +233,7 @@ def test_whoever_reads_while_it_grows_sees_a_whole_trace(path):
     growing = threading.Thread(target=grow)
     growing.start()
     while growing.is_alive():
-        found = trace_part(path, ["env", "qpos"])
+        found = read_trace(path).rows(["env", "qpos"])
         np.testing.assert_array_equal(found["env"], np.arange(len(found["env"])))
         assert seen[-1] <= len(found["env"]) == len(found["qpos"])
         seen.append(len(found["env"]))

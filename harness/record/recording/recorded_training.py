@@ -5,7 +5,7 @@ rows of one batch share. Where actions are recorded and can be taken again it al
 """
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -15,14 +15,16 @@ import pyarrow as pa
 
 from harness.errors import SchemaError
 from harness.files.bounded import reading
-from harness.files.parquet import MOST_NUMBERS, open_parquet, require_room
+from harness.files.parquet import MOST_NUMBERS, require_room
+from harness.files.plain import making
 from harness.log import Log
 from harness.log.log import REWARD, TIME, Columns, Rows, joined
-from harness.record.parts import PART_ROWS
+from harness.record.folder import part_path
+from harness.record.parts import PART_ROWS, open_part, rows_of
 from harness.record.recording.facts import TrainingFacts, facts_of, file_column, log_column
-from harness.record.recording.scores import read_scores, scores_name, with_scores
+from harness.record.recording.scores import read_scores, scores_name, with_scores, write_scores
 
-PART_BYTES, MOST_PARTS, MOST_RECORDERS = 2**31, 100_000, 10_000
+MOST_PARTS, MOST_RECORDERS = 100_000, 10_000
 """Most that is read of a recording."""
 
 TICK, ACTION = "tick", "action"
@@ -34,6 +36,7 @@ CALLS = ("seed", "resets", ANSWER)
 """The columns of a step whose action is recorded; `harness.recorder.calls.Calls` says what they are."""
 STEPS = "steps-"
 """What the names of the parts begin with."""
+PART = "part of a recording"
 
 FILES = ("recording-*.json", f"{STEPS}*.parquet", "scores-*.parquet")
 """Patterns of the files that a recording is read from."""
@@ -94,19 +97,40 @@ def read_scored(folder: Path, number: int) -> tuple[Log, Log | None]:
     return read_recorder(folder, number), scores
 
 
-def read_recorder(folder: Path, number: int) -> Log:
+def add_scores(folder: Path, scores: Mapping[int, Log]) -> None:
+    """Write what was scored later of the steps of recorders, by their numbers, beside what was scored before.
+
+    Raises:
+        SchemaError: The scores that are there are damaged.
+        OSError: The folder cannot be written.
+    """
+    found = {}
+    for number, later in scores.items():
+        _, earlier = read_scored(folder, number)
+        found[folder / scores_name(number)] = later if earlier is None else with_scores(earlier, later)
+    for path, whole in found.items():
+        with making(path):
+            write_scores(path, whole)
+
+
+def read_recorder(folder: Path, number: int, after: int = 0) -> Log:
     """The log of one recorder's steps, without what was scored later.
+
+    Args:
+        folder: Of the training.
+        number: Of the recorder.
+        after: Leave out so many of its parts, which are full and were read before.
 
     Raises:
         SchemaError: Its facts are damaged.
         NewerFormat: A newer version wrote it.
     """
     facts = TrainingFacts.read(folder / facts_name(number))
-    part_count(folder, number)
+    part_paths(folder, number)
     names = _names(facts, with_calls=facts.actions is not None and not facts.actions.problem)
     if len({*names}) < len(names):
         raise SchemaError(f"{folder}: a reward and the term of another one have the same column")
-    return Log(facts, names, partial(_tables, folder, number, facts))
+    return Log(facts, names, partial(_tables, folder, number, facts, after))
 
 
 def _names(facts: TrainingFacts, *, with_calls: bool) -> tuple[str, ...]:
@@ -134,9 +158,9 @@ def facts_name(number: int) -> str:
     return f"recording-{number}.json"
 
 
-def part_name(number: int, part: int) -> str:
-    """The file of a part of a recorder's steps."""
-    return f"{STEPS}{number}-{part:05}.parquet"
+def first_part(folder: Path, number: int) -> Path:
+    """The first of the files of a recorder's steps; see `harness.record.folder.part_path`."""
+    return folder / f"{STEPS}{number}-00000.parquet"
 
 
 def part_schema(facts: TrainingFacts) -> pa.Schema:
@@ -156,81 +180,61 @@ def action_columns(facts: TrainingFacts) -> list[str]:
     return [f"action_{number}" for number in range(facts.actions.size if facts.actions else 0)]
 
 
+def part_paths(folder: Path, number: int) -> list[Path]:
+    """The files of a recorder's steps, in order: as many as there are."""
+    count = sum(1 for _ in folder.glob(f"{STEPS}{number}-*.parquet"))
+    if count > MOST_PARTS:
+        raise SchemaError(f"{folder} has {count:,} parts, {MOST_PARTS:,} are allowed")
+    return [part_path(first_part(folder, number), part) for part in range(count)]
+
+
 def step_count(folder: Path, number: int) -> int:
     """How many steps a recorder has written, by its last part.
 
     Raises:
         SchemaError: That part is damaged.
     """
-    if not (count := part_count(folder, number)):
+    paths = part_paths(folder, number)
+    if not paths:
         return 0
-    path = folder / part_name(number, count - 1)
-    with reading(path, "part of a recording"):
-        return (count - 1) * PART_ROWS + int(open_parquet(path, PART_BYTES).metadata.num_rows)
+    with open_part(paths[-1], PART) as file:
+        return (len(paths) - 1) * PART_ROWS + int(file.metadata.num_rows)
 
 
-def _tables(folder: Path, number: int, facts: TrainingFacts, names: tuple[str, ...]) -> Iterator[Columns]:
+def _tables(folder: Path, number: int, facts: TrainingFacts, after: int, names: tuple[str, ...]) -> Iterator[Columns]:
     """The parts of a recorder, these columns of them, as soon as its steps were found to follow one another."""
-    schema, count, actions = part_schema(facts), part_count(folder, number), action_columns(facts)
+    schema, paths, actions = part_schema(facts), part_paths(folder, number), action_columns(facts)
     own = {name: TICK if name == TICK_IN_FILE else log_column(name) for name in schema.names}
     wanted = {*INTEGERS, TICK, *names, *(actions if ACTION in names else ())}
     columns = [name for name, called in own.items() if called in wanted]
-    least = max(count - 1, 0) * PART_ROWS  # the last one may be short
-    if least * len(columns) > MOST_NUMBERS:  # each part alone may be small
-        raise SchemaError(
-            f"{folder} has more than {least:,} steps of {len(columns):,} columns, {MOST_NUMBERS:,} numbers are allowed"
-        )
-    last: Columns = dict.fromkeys((*INTEGERS, TICK), np.empty(0, np.int64))
-    taken = 0
-    for part in range(count):
-        path = folder / part_name(number, part)
-        table = read_part(path, schema, columns)
-        if part < count - 1 and len(table) != PART_ROWS:
-            raise SchemaError(f"{path} has {len(table):,} steps, not {PART_ROWS:,}")
-        told = {own[name]: np.asarray(table.column(name).to_numpy()) for name in columns}
+    last: Columns | None = None if after else dict.fromkeys((*INTEGERS, TICK), np.empty(0, np.int64))
+    taken = after * PART_ROWS
+    for path in paths[after:]:
+        with open_part(path, PART) as file:
+            if not file.schema_arrow.equals(schema):
+                raise SchemaError(f"{path} has other columns than {facts_name(number)} tells")
+            count, is_last = file.metadata.num_rows, path == paths[-1]
+            if count > PART_ROWS or not (is_last or count == PART_ROWS):
+                raise SchemaError(f"{path} has {count:,} steps, not {PART_ROWS:,}{' or fewer' * is_last}")
+            require_room(path, file, columns, MOST_NUMBERS // len(paths))  # each alone may be small
+            rows = joined([*rows_of(file, path, columns)])
+        told = {own[name]: values for name, values in rows.items()}
         last = _require_sound(folder, facts, told, last)
         if ACTION in names and facts.actions:
             told[ACTION] = np.stack([told[name] for name in actions], axis=1).reshape(-1, *facts.actions.shape)
-        told[TIME] = np.arange(taken + 1, taken + len(table) + 1)
-        taken += len(table)
+        told[TIME] = np.arange(taken + 1, taken + count + 1)
+        taken += count
         yield {name: told[name] for name in names}
 
 
-def part_count(folder: Path, number: int) -> int:
-    """How many parts a recorder has written."""
-    count = sum(1 for _ in folder.glob(f"{STEPS}{number}-*.parquet"))
-    if count > MOST_PARTS:
-        raise SchemaError(f"{folder} has {count:,} parts, {MOST_PARTS:,} are allowed")
-    return count
-
-
-def read_part(path: Path, schema: pa.Schema, names: Sequence[str] | None = None) -> pa.Table:
-    """A part, which has the columns of `schema`; those of these names, or all of them.
-
-    Raises:
-        SchemaError: It is damaged, or has other columns.
-    """
-    with reading(path, "part of a recording"):
-        file = open_parquet(path, PART_BYTES)
-        if not file.schema_arrow.equals(schema):
-            raise SchemaError(f"{path} has other columns than {facts_name(int(path.name.split('-')[1]))} tells")
-        if file.metadata.num_rows > PART_ROWS:
-            raise SchemaError(f"{path} has {file.metadata.num_rows:,} steps, {PART_ROWS:,} are allowed")
-        require_room(path, file, names)
-        table = file.read(names)
-        if any(column.null_count for column in table.columns):
-            raise SchemaError(f"{path} has gaps")
-        return table
-
-
-def _require_sound(folder: Path, facts: TrainingFacts, columns: Columns, last: Columns) -> Columns:
+def _require_sound(folder: Path, facts: TrainingFacts, columns: Columns, last: Columns | None) -> Columns | None:
     """See that the steps of a part follow those before it, of envs that are there; numbers are finite ones or NaN.
 
     Args:
         folder: Of the training.
         facts: What is known of it.
         columns: Of the part.
-        last: What this returned of the part before; no rows at the first one.
+        last: What this returned of the part before; no rows at the first one, None where that is not known.
 
     Returns:
         The last step of each env so far.
@@ -238,7 +242,7 @@ def _require_sound(folder: Path, facts: TrainingFacts, columns: Columns, last: C
     time, env = columns[TICK], columns["env"]
     if not len(time):
         return last
-    if (np.diff(time, prepend=last[TICK].max(initial=0)) < 0).any():
+    if (np.diff(time, prepend=last[TICK].max(initial=0) if last else 0) < 0).any():
         raise SchemaError(f"{folder}: its steps do not stand in the order of time")
     if env.min() < 0 or env.max() >= facts.num_envs:
         raise SchemaError(f"{folder} has steps of an env beyond its {facts.num_envs}")
@@ -255,14 +259,15 @@ def _require_sound(folder: Path, facts: TrainingFacts, columns: Columns, last: C
     return ends
 
 
-def _require_unbroken(folder: Path, columns: Columns, last: Columns) -> Columns:
+def _require_unbroken(folder: Path, columns: Columns, last: Columns | None) -> Columns:
     """See that no step of an env is missing, doubled or out of place: episodes would be paid otherwise."""
     names = ("env", TICK, "episode", "step")
-    rows = {name: np.concatenate([last[name], columns[name]]) for name in names}
+    rows = {name: np.concatenate([last[name], columns[name]]) if last else columns[name] for name in names}
     order = np.argsort(rows["env"], kind="stable")
     env, time, episode, step = (rows[name][order] for name in names)
     is_first = np.diff(env, prepend=-1) != 0
-    is_known = order < len(last["env"])  # a step of an earlier part, the first one of its env here
+    before = len(last["env"]) if last else len(env)
+    is_known = order < before  # a step of an earlier part, the first one of its env here
     goes_on = (np.diff(episode) == 0) & (np.diff(step) == 1)
     begins = (np.diff(episode) > 0) & (step[1:] == 0)
     follows = (goes_on | begins) & (np.diff(time) > 0)

@@ -3,7 +3,6 @@
 import os
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -18,9 +17,8 @@ from harness.record.recording.recorded_training import (
     INTEGERS,
     TICK,
     facts_name,
-    part_name,
+    first_part,
     part_schema,
-    read_part,
     read_recorder,
 )
 
@@ -50,7 +48,7 @@ class RecordingWriter(RowsWriter):
             OSError: The folder cannot be written.
         """
         folder.mkdir(parents=True, exist_ok=True)
-        super().__init__(folder, partial(part_name, number))
+        super().__init__(first_part(folder, number))
         self.number, self.facts = number, facts
         self._written_facts: TrainingFacts | None = None
         self._lock = FileLock(folder / f"recording-{number}.lock")
@@ -111,12 +109,12 @@ class RecordingWriter(RowsWriter):
         better = now if now.lower_is_better or now.higher_is_better else before  # and say what nobody had said
         lower, higher = better.lower_is_better, better.higher_is_better
         self.facts = replace(before, closed=False, asked=asked, lower_is_better=lower, higher_is_better=higher)
-        self._make_room(schema := part_schema(self.facts))
+        self._make_room(part_schema(self.facts))
         earlier = read_recorder(self.folder, self.number).rows((TICK, "env", "episode"))
         if len(earlier):
             self.next_time = int(earlier[TICK][-1]) + 1
             np.maximum.at(self.next_episodes, earlier["env"], earlier["episode"] + 1)
-            self._go_on(len(earlier), lambda path: [it.to_numpy() for it in read_part(path, schema).columns])
+            self._go_on(len(earlier))
 
     def _files(self) -> dict[str, Callable[[Path], None]]:
         """The facts first: no reader finds NaN of which they do not tell."""

@@ -1,10 +1,10 @@
 """What is read of a recording while it is written, and of a trace."""
 
+import pyarrow.parquet as pq
 from numpy.testing import assert_array_equal
 
 from harness.record import read_recording
 from harness.results import episodes_of
-from harness_plugins.watch import recorded
 from harness_plugins.watch.recorded import Recording
 
 
@@ -26,8 +26,8 @@ def test_a_full_part_is_read_once(record, step, monkeypatch):
     """However often somebody looks: of 5 parts the last one alone is read again, and nothing if nothing is new."""
     env = record()
     step(env, 70)
-    read, read_part = [], recorded.read_part
-    monkeypatch.setattr(recorded, "read_part", lambda path, *told: read.append(path) or read_part(path, *told))
+    read, real = [], pq.ParquetFile
+    monkeypatch.setattr(pq, "ParquetFile", lambda path, **given: read.append(path) or real(path, **given))
     recording = Recording(env._recorder._writer.folder)
     recording.look()
     assert len(read) == 5

@@ -10,8 +10,6 @@ import pytest
 
 from harness.errors import SchemaError
 from harness.record import read_recording
-from harness.record.recording import recorded_training
-from harness.record.recording.recorded_training import read_part
 from harness.report import report_text
 from harness.results.recordings.recording_results import RecordingResults
 from tests.results.recordings.conftest import load_study
@@ -91,8 +89,13 @@ def test_folder_that_allows_no_writing_is_read_all_the_same(study_folder, opened
 
 def test_columns_that_are_not_asked_for_are_not_read(study_folder, monkeypatch):
     """But for those by which steps are seen to follow one another."""
-    asked = []
-    monkeypatch.setattr(recorded_training, "read_part", lambda *given: asked.extend(given[2]) or read_part(*given))
+    asked, real = [], pq.ParquetFile.iter_batches
+
+    def read(file, *given, columns, **others):
+        asked.extend(columns)
+        return real(file, *given, columns=columns, **others)
+
+    monkeypatch.setattr(pq.ParquetFile, "iter_batches", read)
     assert len(read_recording(study_folder / "plain-0")["reward/thrice"]) == 200
     assert asked == ["time", "env", "episode", "step", "reward_thrice"]
 
