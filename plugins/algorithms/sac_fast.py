@@ -18,7 +18,7 @@ class SacFast(SoftActorCritic):
     It uses numpy alone. So it imports no learning library, builds no graph, and allocates nothing large in an update.
     """
 
-    sources: ClassVar[tuple[str, ...]] = ("harness_plugins.fast_sac", "harness_plugins.episode_means")
+    sources: ClassVar[tuple[str, ...]] = ("harness_plugins.fast_sac",)
 
     def train(self, env: TrainingEnv, steps: int, seed: int, progress: Progress) -> SquashedGaussian:
         from threadpoolctl import threadpool_limits

@@ -195,10 +195,9 @@ class Spg:
         before = env.environment_steps - done
         while done < steps:
             learner.begin()
-            segment = learner.collect(before + steps)
-            losses = learner.update(segment)
+            losses = learner.update(learner.collect(before + steps))
             done = env.environment_steps - before
-            learner.tell(progress, done, segment, losses)
+            learner.tell(progress, done, losses)
             progress.checkpoint(done, partial(learner.state, done))
         return learner.policy()
 
@@ -261,17 +260,12 @@ class Learner:
             losses["Losses/Value Loss"] = self._fit_baseline(observation, torch.as_tensor(to_go))
         return losses
 
-    def tell(self, progress: Progress, done: int, segment: Segment, losses: Mapping[str, float]) -> None:
+    def tell(self, progress: Progress, done: int, losses: Mapping[str, float]) -> None:
         """Report the steps done, the policy and the scalars after an update."""
         progress(done)
         progress.policy(done, self.policy)
-        episodes = max(int(segment.ended.sum()), 1)
-        told = {
-            "Environment/Cumulative Reward": float(segment.reward.sum()) / episodes,
-            "Environment/Episode Length": segment.reward.size / episodes,
-            "Policy/Entropy": float((self._policy["log_std"] + 0.5 * (LOG_2_PI + 1.0)).sum().detach()),
-        }
-        progress.scalars(done, {**told, **losses})
+        entropy = float((self._policy["log_std"] + 0.5 * (LOG_2_PI + 1.0)).sum().detach())
+        progress.scalars(done, {"Policy/Entropy": entropy, **losses})
 
     def policy(self) -> Gaussian:
         """The present policy."""

@@ -13,7 +13,6 @@ from harness.authoring.generator_state import pack_generator, restore_generator
 from harness.policy import SquashedGaussian
 from harness.progress import SCALARS_EVERY, TOLD_EVERY, Progress, Ring, TrainingState, as_state, prefixed, under
 
-from ..episode_means import EpisodeMeans
 from ..soft_actor_critic import SoftActorCritic
 from .network import Networks, Room, backward, count_parameters, draw_weights, forward, networks_in, product
 
@@ -376,7 +375,6 @@ class Training:
         self._room = Room.of(1, env.num_envs, [observation_size, *settings.net_arch, 2 * action_size])
         self._observed = np.ones((env.num_envs, observation_size + 1), np.float32)
         self._action_shape = env.num_envs, action_size
-        self._means = EpisodeMeans(env.num_envs)
         self._losses: Losses | None = None
         self._before, self._rounds, self._decisions = env.environment_steps, 0, 0
         self._told = self._scalars_told = 0
@@ -403,7 +401,6 @@ class Training:
         return {
             **as_state({**own, "done": self._done, "observation": observation, "rng": pack_generator(self._rng)}),
             **prefixed("learner.", self._learner.state()),
-            **prefixed("means.", self._means.state()),
             "replay": self._replay.ring(),
         }
 
@@ -417,7 +414,6 @@ class Training:
         self._before = self._env.environment_steps - int(state["done"])
         restore_generator(self._rng, state["rng"])
         self._learner.restore(under("learner.", state))
-        self._means.restore(under("means.", state))
         self._replay.restore(state["replay"])
         observation: Float32 = state["observation"]
         return observation
@@ -435,7 +431,6 @@ class Training:
         if ended.any():  # the env is in its next episode already
             last = np.where(ended[:, np.newaxis], infos["final_obs"], following)
         self._replay.add(observation, action, last, reward, terminated)
-        self._means.watch(reward, ended)
         self._decisions += len(action)
         return following
 
@@ -462,7 +457,7 @@ class Training:
             self._progress(done)
         if done >= self._scalars_told + (1 if at_the_end else SCALARS_EVERY):
             self._scalars_told = done
-            self._progress.scalars(done, {**self._means.take(), **self._told_by(self._losses)})
+            self._progress.scalars(done, self._told_by(self._losses))
 
     def _told_by(self, losses: Losses | None) -> dict[str, float]:
         if losses is None:

@@ -23,5 +23,5 @@ if TYPE_CHECKING:
 else:
     __all__, __getattr__ = face_of(__name__, __file__)
 
-SOURCES = ("harness_plugins.sb3", "harness_plugins.torch_state", "harness_plugins.episode_means")
+SOURCES = ("harness_plugins.sb3", "harness_plugins.torch_state")
 """The modules that the algorithms use besides their own. They count in the algorithms' hash."""

@@ -10,7 +10,6 @@ from harness.algorithm import TrainingEnv
 from harness.policy import Policy
 from harness.progress import SCALARS_EVERY, TOLD_EVERY, Progress, TrainingState, as_state, prefixed, under
 
-from ..episode_means import EpisodeMeans
 from .state import can_be_packed, pack_model, restore_logged
 
 NAMES = {
@@ -100,11 +99,9 @@ class ProgressCallback(BaseCallback):
         self._progress, self._budget, self._policy_of = progress, budget, policy_of
         self._decisions_per_update = decisions_per_update
         self._told = self._scalars_told = 0
-        self._means = EpisodeMeans(env.num_envs)
         self._state = state
         if state is not None:
             self._told, self._scalars_told = int(state["told"]), int(state["scalars_told"])
-            self._means.restore(under("means.", state))
 
     @property
     def _steps(self) -> int:
@@ -122,11 +119,10 @@ class ProgressCallback(BaseCallback):
 
     def _make_state(self) -> TrainingState:
         counters = as_state({"done": self._steps, "told": self._told, "scalars_told": self._scalars_told})
-        return {**counters, **prefixed("means.", self._means.state()), **prefixed("model.", pack_model(self.model))}
+        return {**counters, **prefixed("model.", pack_model(self.model))}
 
     def _on_step(self) -> bool:
         steps = self._steps
-        self._means.watch(self.locals["rewards"], self.locals["dones"])
         self._progress.policy(steps, self._make_policy)
         if steps >= self._told + TOLD_EVERY:
             self._told = steps
@@ -155,5 +151,5 @@ class ProgressCallback(BaseCallback):
 
     def _tell_scalars(self, steps: int) -> None:
         self._scalars_told = steps
-        values, entropy = {**self._means.take(), **losses(self.logger.name_to_value)}, actor_entropy(self.model)
+        values, entropy = losses(self.logger.name_to_value), actor_entropy(self.model)
         self._progress.scalars(steps, values if entropy is None else {**values, "Policy/Entropy": entropy})

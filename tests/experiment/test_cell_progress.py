@@ -34,8 +34,6 @@ SPG = {"algorithm": Choice("spg", (("restart", 2), ("decisions", 10)), "spg"), "
 SAC_FAST = {"algorithm": Choice("sac-fast", (("learning_starts", 50), ("train_freq", 8)), "sac-fast"), "steps": 1920}
 SAC = {"algorithm": Choice("sb3-sac", (), "sb3-sac"), "steps": 1200}
 WATCHED = (
-    "Environment/Cumulative Reward",
-    "Environment/Episode Length",
     "Losses/Policy Loss",
     "Losses/Value Loss",
     "Policy/Entropy",

@@ -153,14 +153,14 @@ def test_progress_is_told_every_hundred_steps_and_at_the_end():
 
 
 def test_scalars_have_the_names_of_the_others():
-    """Of episodes and of losses, each thousand steps and at the end."""
+    """Of losses, each thousand steps and at the end."""
     told = Told()
     train(SacFast(**SMALL), 1_040, told)
     assert [steps for steps, _ in told.told] == [1_000, 1_040]
     for _, values in told.told:
         assert set(values) == {
-            "Environment/Cumulative Reward", "Environment/Episode Length", "Losses/Policy Loss", "Losses/Value Loss",
-            "Policy/Entropy", "Policy/Continuous Entropy Coeff", "Policy/Learning Rate",
+            "Losses/Policy Loss", "Losses/Value Loss", "Policy/Entropy", "Policy/Continuous Entropy Coeff",
+            "Policy/Learning Rate",
         }  # fmt: skip
         assert np.isfinite(list(values.values())).all()
 

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.testing import assert_allclose
 
 import harness
 from harness.env import ReachVectorEnv
@@ -53,7 +52,6 @@ def watch(env, told, budget=10_000, **logged):
     callback = ProgressCallback(env, told, budget, lambda model: f"policy of {model.name}", 12)  # type: ignore[arg-type, return-value]
     names = {f"train/{name}": value for name, value in logged.items()}
     callback.model = SimpleNamespace(name="the model", logger=SimpleNamespace(name_to_value=names))
-    callback.locals = {"rewards": np.zeros(env.num_envs), "dones": np.zeros(env.num_envs, bool)}
     return callback
 
 
@@ -90,19 +88,3 @@ def test_scalars_are_told_every_thousand_steps():
     callback._on_training_end()
     callback._on_training_end()
     assert told.told == [(n, {"Losses/Policy Loss": 0.5, "Policy/Entropy": 3.0}) for n in (1000, 2000, 2500)]
-
-
-def test_returns_of_episodes_are_told():
-    """With their lengths, as means over the episodes that ended."""
-    told, adapter = Told(), adapt(num_envs=100, horizon=5)
-    callback = watch(adapter.env, told)
-    adapter.reset()
-    returns = np.zeros(100)
-    for _ in range(10):
-        _, rewards, dones, _ = stand(adapter)
-        returns += rewards
-        callback.locals = {"rewards": rewards, "dones": dones}
-        callback._on_step()
-    ((_, values),) = told.told
-    assert values["Environment/Episode Length"] == 5.0
-    assert_allclose(values["Environment/Cumulative Reward"], returns.mean() / 2, rtol=1e-5)
