@@ -59,7 +59,6 @@ if TYPE_CHECKING:
     from harness.experiment.arm_evaluation import record_evaluation as record_evaluation
     from harness.experiment.environments.frames import strip_of as strip_of
     from harness.experiment.environments.plan import (
-        Columns as Columns,
         columns_of as columns_of,
         look_at as look_at,
     )
@@ -172,7 +171,7 @@ if TYPE_CHECKING:
     from harness.record.status import FolderStatus as FolderStatus, read_status as read_status
     from harness.record.trace import TERM as TERM
     from harness.recorder.column import Column as Column, made_columns as made_columns, source_of as source_of
-    from harness.recorder.env_facts import versions_of as versions_of
+    from harness.recorder.env_facts import Columns as Columns, versions_of as versions_of
     from harness.recorder.guard import Guard as Guard, Raised as Raised
     from harness.recorder.record_rewards import RecordRewards as RecordRewards
     from harness.recorder.recorder import differs as differs

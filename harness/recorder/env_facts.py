@@ -19,7 +19,7 @@ from harness.errors import UsageError
 from harness.eta.interval import Bounds, are_bounds
 from harness.eta.laws import direction_of
 from harness.eta.manner import ACTED, Acted
-from harness.log.log import SUCCESS
+from harness.log.log import BEHAVIOUR, REWARD, SUCCESS
 from harness.recorder.gate import Gate
 from harness.reward.given import OWN, Given
 
@@ -82,6 +82,30 @@ def versions_of(env: Any, learners: Collection[str] = LEARNERS) -> dict[str, str
         "pyarrow": pa.__version__,
         **{name: str(version) for name, version in loaded.items() if version is not None},
     }
+
+
+@dataclass(frozen=True)
+class Columns:
+    """What is recorded of each step of one env.
+
+    Attributes:
+        rewards: By name.
+        behaviour: By name; the measure that decides first.
+        lower_is_better: Names of the measures of which less is better.
+        higher_is_better: The same of more.
+        bounds: By name of a measure, the least and the greatest value that it can have.
+    """
+
+    rewards: Mapping[str, Given]
+    behaviour: Mapping[str, Given]
+    lower_is_better: Collection[str] = ()
+    higher_is_better: Collection[str] = ()
+    bounds: Mapping[str, Bounds] = field(default_factory=dict)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What a log calls them: of the rewards, then of the measures."""
+        return (*(f"{REWARD}{name}" for name in self.rewards), *(f"{BEHAVIOUR}{name}" for name in self.behaviour))
 
 
 OnError = Literal["warn", "raise"]

@@ -6,7 +6,7 @@ rewards would be paid for another training, so nothing is written.
 
 import tempfile
 import warnings
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 
 from harness.errors import UsageError, one_line
 from harness.log import Log, Rows, in_memory
-from harness.log.log import BEHAVIOUR, REWARD
 from harness.record.recording.facts import ActionFacts, TrainingFacts, facts_of, file_column, term_column
 from harness.record.recording.recorded_training import (
     ACTION,
@@ -31,34 +30,13 @@ from harness.record.recording.recorded_training import (
     recorder_numbers,
 )
 from harness.recorder.calls import NO_SEED, UNCHECKED, action_of, checksum
+from harness.recorder.env_facts import Columns
 from harness.recorder.record_rewards import RecordRewards
 from harness.recorder.recorder import GivenUp, Noted
 from harness.recorder.sealed import KeepWalks, Walk
-from harness.reward.given import OWN, Given
+from harness.reward.given import OWN
 
 Tell = Callable[[int], None]
-
-
-@dataclass(frozen=True)
-class Later:
-    """Rewards and measures that were written later, for one env.
-
-    Attributes:
-        rewards: By name.
-        behaviour: By name.
-        lower_is_better: Names of the measures among them of which less is better.
-        higher_is_better: The same of more.
-    """
-
-    rewards: Mapping[str, Given]
-    behaviour: Mapping[str, Given]
-    lower_is_better: Collection[str] = ()
-    higher_is_better: Collection[str] = ()
-
-    @property
-    def columns(self) -> tuple[str, ...]:
-        """What their columns are called."""
-        return (*(f"{REWARD}{name}" for name in self.rewards), *(f"{BEHAVIOUR}{name}" for name in self.behaviour))
 
 
 @dataclass(frozen=True)
@@ -72,7 +50,7 @@ class Retake:
     """
 
     make: Callable[[], gymnasium.Env[Any, Any]]
-    later: Callable[[gymnasium.Env[Any, Any]], Later]
+    later: Callable[[gymnasium.Env[Any, Any]], Columns]
     tell: Tell = lambda steps: None
 
     def score(self, folder: Path) -> tuple[str, ...]:
@@ -121,7 +99,7 @@ class Retake:
             begin += facts.num_envs
 
     def _walks_of(self, folder: Path, facts: TrainingFacts, calls: Rows) -> list[Walk]:
-        with closing(KeepWalks(self.make())) as env, self._recorded(folder, facts, calls, env, Later({}, {}), 0):
+        with closing(KeepWalks(self.make())) as env, self._recorded(folder, facts, calls, env, Columns({}, {}), 0):
             return env.walks
 
     def _of_recorder(self, folder: Path, facts: TrainingFacts, calls: Rows, done: int) -> Log:
@@ -143,11 +121,11 @@ class Retake:
             with self._recorded(folder, facts, calls, env, later, done) as log:
                 told = facts_of(log)
                 terms = [term_column(name, term) for name in later.rewards for term in told.terms.get(name, ())]
-                columns = log.rows([*later.columns[: len(later.rewards)], *terms, *later.columns[len(later.rewards) :]])
+                columns = log.rows([*later.names[: len(later.rewards)], *terms, *later.names[len(later.rewards) :]])
         facts = replace(
             told,
             rewards=tuple(later.rewards),
-            sources={name: told.sources[name] for name in later.columns},
+            sources={name: told.sources[name] for name in later.names},
             failed=tuple(replace(failure, env=number) for failure in told.failures),
             terms={name: told.terms[name] for name in later.rewards if name in told.terms},
         )
@@ -155,7 +133,7 @@ class Retake:
 
     @contextmanager
     def _recorded(
-        self, folder: Path, facts: TrainingFacts, calls: Rows, env: gymnasium.Env[Any, Any], later: Later, done: int
+        self, folder: Path, facts: TrainingFacts, calls: Rows, env: gymnasium.Env[Any, Any], later: Columns, done: int
     ) -> Iterator[Log]:
         """What a new env answers to the calls of one env, and what rewards and measures say of it."""
         with tempfile.TemporaryDirectory(prefix="harness-retake-") as place, warnings.catch_warnings():

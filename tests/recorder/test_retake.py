@@ -10,7 +10,7 @@ import pytest
 import harness
 from harness.errors import UsageError
 from harness.record import read_recording
-from harness.recorder import Later, Retake
+from harness.recorder import Columns, Retake
 from tests.recorder.conftest import recorder, take
 
 
@@ -60,7 +60,7 @@ def _record(path, name="Pendulum-v1", steps=250, **given):
 
 
 def _retake(name="Pendulum-v1", **given):
-    return Retake(lambda: gymnasium.make(name, **given), lambda env: Later(REWARDS, MEASURES, (), ["worst"]))
+    return Retake(lambda: gymnasium.make(name, **given), lambda env: Columns(REWARDS, MEASURES, (), ["worst"]))
 
 
 def test_reward_pays_what_it_would_have_paid(tmp_path):
@@ -133,7 +133,7 @@ def test_reward_that_fails_costs_itself_alone(tmp_path):
         raise KeyError("no such")
 
     _record(tmp_path / "run", steps=5)
-    retake = Retake(lambda: gymnasium.make("Pendulum-v1"), lambda env: Later({"fails": fails, **REWARDS}, {}))
+    retake = Retake(lambda: gymnasium.make("Pendulum-v1"), lambda env: Columns({"fails": fails, **REWARDS}, {}))
     assert retake.score(tmp_path / "run") == ("reward_fails fails in episode 0, step 0: KeyError: 'no such'",)
     found = read_recording(tmp_path / "run")
     assert np.isnan(found["reward/fails"]).all()
@@ -166,7 +166,7 @@ def test_env_that_answers_otherwise_pays_nothing(tmp_path, make, told):
     """The new reward would be paid for another training."""
     _record(tmp_path / "run")
     with pytest.raises(UsageError, match=told):
-        Retake(make, lambda env: Later(REWARDS, {})).score(tmp_path / "run")
+        Retake(make, lambda env: Columns(REWARDS, {})).score(tmp_path / "run")
     assert not (tmp_path / "run" / "scores-0.parquet").exists()
     assert "low" not in read_recording(tmp_path / "run").rewards
 
@@ -194,5 +194,5 @@ def test_steps_are_told_while_they_are_taken(tmp_path):
     """Counted over all envs of the recording."""
     told = []
     _record(tmp_path / "run", steps=7)
-    Retake(lambda: gymnasium.make("Pendulum-v1"), lambda env: Later(REWARDS, {}), told.append).score(tmp_path / "run")
+    Retake(lambda: gymnasium.make("Pendulum-v1"), lambda env: Columns(REWARDS, {}), told.append).score(tmp_path / "run")
     assert told == [1, 2, 3, 4, 5, 6, 7]

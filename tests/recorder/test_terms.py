@@ -10,7 +10,7 @@ import harness
 from harness.errors import SchemaError, UsageError
 from harness.record import read_recording
 from harness.record.recording.recording_writer import RecordingWriter
-from harness.recorder import GivenUp, Later, Retake
+from harness.recorder import Columns, GivenUp, Retake
 from harness.reward.terms import sum_of
 from harness.score.weighted_recordings import weighed
 from tests.record.recording.told import terms_of
@@ -197,7 +197,7 @@ def test_terms_are_paid_again(tmp_path):
     live = _recorded(tmp_path / "live", 250, rewards={"gentle": gentle})
     _recorded(tmp_path / "plain", 250)
     for later in ({"gentle": lambda step: {"old": 1.0}}, {"gentle": gentle}):
-        retake = Retake(lambda: gymnasium.make("Pendulum-v1"), lambda env, it=later: Later(it, {}))
+        retake = Retake(lambda: gymnasium.make("Pendulum-v1"), lambda env, it=later: Columns(it, {}))
         assert not retake.score(tmp_path / "plain")
     found = read_recording(tmp_path / "plain")
     assert [*found.terms_of("gentle")] == ["upright", "effort", "jerk"]

@@ -10,7 +10,7 @@ import gymnasium
 
 from harness.environment import AnyEnv, Environment
 from harness.errors import HarnessError, UsageError, one_line
-from harness.experiment.environments.plan import Columns, columns_of
+from harness.experiment.environments.plan import columns_of
 from harness.files.plain import Plain
 from harness.log.log import BEHAVIOUR, REWARD
 from harness.record.recording.facts import TrainingFacts, facts_of
@@ -21,8 +21,8 @@ from harness.record.recording.recorded_training import (
 )
 from harness.record.store import Store
 from harness.recorder.column import source_of
-from harness.recorder.env_facts import env_facts
-from harness.recorder.retake import Later, Retake
+from harness.recorder.env_facts import Columns, env_facts
+from harness.recorder.retake import Retake
 from harness.recorder.sealed import Walk
 from harness.registry.choice import Choice, choose, parse
 from harness.registry.registry import BY_ID, Registry
@@ -110,7 +110,7 @@ class PayAgain:
             UsageError: An env cannot be made, or answers otherwise.
         """
         make, _ = self._made_by(facts_of(read_recording(path)), task, path)
-        yield from Retake(make, lambda env: Later({}, {})).walks(path)
+        yield from Retake(make, lambda env: Columns({}, {})).walks(path)
 
     def _places(self, folder: Path) -> dict[Path, Choice | None]:
         """The recordings, each with the environment in which it was made, if that is known."""
@@ -125,10 +125,10 @@ class PayAgain:
         make, columns = self._made_by(facts, task, path)
         with closing(make()) as env:
             later = self._missing(facts, columns(env))
-        if not later.columns:
+        if not later.names:
             return Paid(path)
 
-        def again(env: AnyEnv) -> Later:
+        def again(env: AnyEnv) -> Columns:
             return _chosen(columns(env), later.rewards, later.behaviour)
 
         failed = Retake(make, again, lambda steps: self.tell(path, steps)).score(path)
@@ -147,7 +147,7 @@ class PayAgain:
 
         return make, lambda env: columns_of(environment, env, self.registry, self._of_arm.values())
 
-    def _missing(self, facts: TrainingFacts, columns: Columns) -> Later:
+    def _missing(self, facts: TrainingFacts, columns: Columns) -> Columns:
         """What is asked for and the recording does not have: at all, by other code, or not to its end."""
         rewards, measures = columns.rewards, columns.behaviour
         return _chosen(
@@ -193,12 +193,13 @@ class PayAgain:
                     )
 
 
-def _chosen(columns: Columns, rewards: Collection[str], behaviour: Collection[str]) -> Later:
+def _chosen(columns: Columns, rewards: Collection[str], behaviour: Collection[str]) -> Columns:
     """Those of these names."""
-    return Later(
+    return Columns(
         {name: columns.rewards[name] for name in rewards},
         {name: columns.behaviour[name] for name in behaviour},
-        *([it for it in behaviour if it in of] for of in (columns.lower_is_better, columns.higher_is_better)),
+        [it for it in behaviour if it in columns.lower_is_better],
+        [it for it in behaviour if it in columns.higher_is_better],
     )
 
 

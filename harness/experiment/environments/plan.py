@@ -3,9 +3,9 @@
 And what is recorded of an env: the environment's own rewards and measures, and those that the user gave as files.
 """
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import chdir, closing
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
@@ -22,11 +22,12 @@ from harness.environment import (
     rewards_of,
 )
 from harness.errors import UsageError, reason_of
-from harness.eta.interval import UNBOUNDED, Bounds
+from harness.eta.interval import UNBOUNDED
 from harness.eta.laws import direction_of, may_be_flag, require_direction
 from harness.experiment.environments.random_steps import random_steps, value_of
 from harness.experiment.environments.spaces import flat_observations, goal_columns, kind_of_actions
 from harness.recorder.column import for_env, made_columns
+from harness.recorder.env_facts import Columns
 from harness.recorder.trial import FIRST_STEPS
 from harness.registry.choice import Choice, choose, label_of, parse
 from harness.registry.measure_functions import EPISODE
@@ -36,25 +37,6 @@ from harness.registry.step_functions import StepFunction
 from harness.reward import Steps
 from harness.reward.forms import STEP
 from harness.reward.given import ARM, Given, OfArm, Terms, opened, weights_of
-
-
-@dataclass(frozen=True)
-class Columns:
-    """What is recorded of each step of one env.
-
-    Attributes:
-        rewards: By name; the environment's own first.
-        behaviour: By name; the measure that decides first.
-        lower_is_better: Names of the measures of which less is better.
-        higher_is_better: The same of more.
-        bounds: By name of a measure, the least and the greatest value that it can have.
-    """
-
-    rewards: Mapping[str, Given]
-    behaviour: Mapping[str, Given]
-    lower_is_better: Collection[str]
-    higher_is_better: Collection[str] = ()
-    bounds: Mapping[str, Bounds] = field(default_factory=dict)
 
 
 def closest_distance(step: Steps) -> float:

@@ -192,7 +192,7 @@ def find_cheats(
     for name, value, least in (("budget", budget, 1), ("starts", starts, 1), ("seed", seed, 0)):
         if value < least:
             raise UsageError(f"{name}={value}: must be at least {least}")
-    columns = Columns(dict(rewards), dict(behaviour or {}), ())
+    columns = Columns(dict(rewards), dict(behaviour or {}))
     found = []
     for reward in rewards:
         with closing(of_env(env, reward, columns, gamma, success)) as world:
