@@ -237,7 +237,6 @@ if TYPE_CHECKING:
     from harness.reward.steps import (
         BEFORE as BEFORE,
         DISTANCE as DISTANCE,
-        rows_of as rows_of,
         step_between as step_between,
         steps_type as steps_type,
     )

@@ -284,8 +284,8 @@ def steps_along(states: States) -> Iterator[Steps]:
         yield step_between(rows[step - 1], rows[step], distances[0], best[step - 1], count)
 
 
-def paid_along(reward: Reward, states: States) -> Iterator[tuple[Carry, Steps, Paid]]:
-    """What is remembered before each step of episodes that go through these states, the step, and what it is paid.
+def paid_along(reward: Reward, states: States) -> Iterator[tuple[Carry, Paid]]:
+    """What is remembered before each step of episodes that go through these states, and what it is paid.
 
     Raises:
         UsageError: The reward reads what the states do not have, pays no number an arm, or its terms change.
@@ -298,14 +298,14 @@ def paid_along(reward: Reward, states: States) -> Iterator[tuple[Carry, Steps, P
         require_one_each(paid, len(step.begin_distance))
         names = tuple(paid.terms) if names is None else names
         require_same(names, paid.terms)
-        yield carry, step, paid
+        yield carry, paid
         carry = remembered
 
 
 def pay_along(reward: Reward, states: States) -> Paid:
     """Shaped reward of every step and its terms, (steps, n); may hold NaN and infinities. See `paid_along`."""
     with chdir("."):  # the reward may change it
-        totals, terms = zip(*(paid for _, _, paid in paid_along(reward, states)), strict=True)
+        totals, terms = zip(*(paid for _, paid in paid_along(reward, states)), strict=True)
     return Paid(_stacked(totals), {name: _stacked([of[name] for of in terms]) for name in terms[0]})
 
 

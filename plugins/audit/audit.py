@@ -19,8 +19,6 @@ from .properties import FACTOR, Property
 from .recorded.earned import Earned
 from .recorded.pair import Pair
 from .recorded.pair_grid import (
-    MADE_UP,
-    TRANSITIONS,
     add_answer,
     answer_grid,
     as_text,
@@ -52,7 +50,6 @@ class OfScripts:
         properties: Bounded, scale-free, potential-based.
         workspace: Of each policy, by what its shaped return grows when all distances double.
         needed: The fields beside distances that the reward needs.
-        recorded_because: The same of either reward: because of them the distances rest on recorded transitions.
         compared: How many recorded steps the distances rest on.
         disturbed: What the policies earn while their actions are disturbed; None where that was not tried.
     """
@@ -61,7 +58,6 @@ class OfScripts:
     properties: tuple[Property, ...]
     workspace: Mapping[str, float | None]
     needed: Lines
-    recorded_because: Lines
     compared: int
     disturbed: Finishing | None
 
@@ -70,7 +66,6 @@ class OfScripts:
         of = self.finishing
         more = {
             "never_paid": list(of.never_paid) if of.payoffs[0].terms else None,
-            "recorded_transitions_because_of": list(self.recorded_because) or None,
             "disturbed_policies": self.disturbed and [payoff.to_json() for payoff in self.disturbed.payoffs],
         }
         return {
@@ -191,11 +186,10 @@ def audit_table(audit: Audit) -> RenderableType:
 
 def _of_pair(audit: Audit, pair: Pair) -> Iterator[RenderableType]:
     """How far apart two rewards are."""
-    scripts = audit.scripts
     yield Text(f"{pair.one} and {pair.other}", style="bold")
-    yield pair_grid(pair, MADE_UP if scripts is not None and not scripts.recorded_because else TRANSITIONS)
+    yield pair_grid(pair)
     for line in pair_lines(pair):
-        yield Text(f"{line} {EVENTS}" if scripts is not None else line)
+        yield Text(f"{line} {EVENTS}" if audit.scripts is not None else line)
     yield Text()
 
 

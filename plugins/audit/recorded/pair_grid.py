@@ -1,6 +1,6 @@
 """Two rewards beside one another, and what behaviour earned under them, as a terminal shows it."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from io import StringIO
 
 from rich import box
@@ -23,23 +23,14 @@ TRANSITIONS = {
     DARD: "without potential shaping, beside steps near in time",
     STARC: "without potential shaping, less the value of steps near in time",
 }
-MADE_UP = {
-    EPIC: "without potential shaping, beside steps to any recorded distance",
-    DARD: "without potential shaping, beside steps that the arm can do from there",
-}
-"""What the distances by canonical form say: by recorded transitions, or by distances alone."""
+"""What the distances by canonical form say."""
 SCALE = "Distances: 0 the same but for scale and offset, 0.71 unrelated, 1 opposite."
 MOST_MEASURES = 3
 """So many measures of behaviour are shown; JSON has all."""
 
 
-def pair_grid(pair: Pair, meanings: Mapping[str, str] = TRANSITIONS) -> Table:
-    """What is asked, the answer, and what it means.
-
-    Args:
-        pair: Two rewards.
-        meanings: What their distances say, by canonical form.
-    """
+def pair_grid(pair: Pair) -> Table:
+    """What is asked of two rewards, the answer, and what it means."""
     grid = answer_grid()
     for question, mean, meaning, why in (
         ("distance by steps", pair.steps, STEPS, "one of the two pays every step the same, or no steps were kept"),
@@ -56,7 +47,7 @@ def pair_grid(pair: Pair, meanings: Mapping[str, str] = TRANSITIONS) -> Table:
         add_answer(grid, ", ".join(pair.forms), MISSING, reasons.pop())
         return grid
     for form, distance in pair.forms.items():
-        meaning = told_in(distance, pair, meanings[form])
+        meaning = told_in(distance, pair, TRANSITIONS[form])
         add_answer(grid, f"{form} distance", distance_text(distance), pair.reasons.get(form, meaning))
     return grid
 

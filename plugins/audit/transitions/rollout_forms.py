@@ -1,4 +1,4 @@
-"""EPIC, DARD and STARC of an arm's rewards that read more than distances: asked about recorded states and actions.
+"""EPIC, DARD and STARC of an arm's rewards: they are asked about recorded states and actions.
 
 A rollout of n episodes is n walks. A state is a row of it: the fields of `harness.reward.steps.ARM` after a step, or at
 the start; the begin distance, the smallest distance so far and the step count of its episode; and what the reward
@@ -29,6 +29,8 @@ from .canonical_forms import Ask, Step, draw_coverages, forms_of
 
 COMPARED = 2_000
 """So many of all recorded steps are compared, evenly spread."""
+EPISODES = 50
+"""They are those of so many episodes of each script: STARC asks about every state of an episode."""
 ACTION = "action"
 BEGIN, BEST, COUNT = "begin_distance", "previous_best", "step"
 
@@ -61,7 +63,7 @@ def rows_of_rollouts(rollouts: Sequence[Rollout]) -> Rows:
         step = np.broadcast_to(np.arange(1.0, count + 1.0)[:, None], distances.shape)
         best = np.minimum.accumulate(distances, axis=0)
         parts.append({**rollout.states, BEGIN: begin, BEST: best, COUNT: step})
-        for episode, length in enumerate(rollout.running.sum(axis=0).tolist()):
+        for episode, length in enumerate(rollout.running.sum(axis=0)[:EPISODES].tolist()):
             numbers = range(first + episode, first + episode + (length + 1) * size, size)
             walks.append(Walk(numbers, numbers[1:]))
         first += count * size
@@ -76,7 +78,7 @@ def ask_of(reward: Reward, rollouts: Sequence[Rollout], rows: Rows) -> Ask:
     """The reward as a function of rows, ``(state, action, next state)``; see the top of this module."""
     # with a step on the spot at the end, so that what is remembered in the last state is told too
     longer = [{name: np.concatenate([it, it[-1:]]) for name, it in of.states.items()} for of in rollouts]
-    carry = _joined([carry for states in longer for carry, _, _ in paid_along(reward, states)])
+    carry = _joined([carry for states in longer for carry, _ in paid_along(reward, states)])
 
     def ask(steps: Sequence[Step]) -> Float:
         begin, act, end = np.array(steps).T

@@ -91,7 +91,7 @@ def test_both_distances_are_written(judge):
     found = judge("arp")
     data, pair = found.to_json(), found.pairs[0]
     epic, dard = (pair.forms[name].mean for name in ("EPIC", "DARD"))
-    assert data["distance"] == {"value": epic, "transitions": found.scripts.finishing.steps}
+    assert data["distance"] == {"value": epic, "transitions": found.scripts.compared}
     assert data["reachable_distance"]["value"] == dard
     assert 0.0 < dard < epic
     assert pair.rescaling is data["rescaled"] is None
@@ -118,7 +118,7 @@ def test_a_reward_that_is_another_but_for_its_scale_is_recognised(judge, rollout
 
 
 def test_a_reward_of_more_than_distances_is_told_in_plain_data(judge):
-    """Its terms, what never paid, and on which fields the distances rest; the others have no such words."""
+    """Its terms and what never paid; the others have no such words."""
 
     def terms(step):
         return {"reach": -step.distance, "effort": -(step.action**2).sum(-1), "none": 0.0 * step.distance}
@@ -126,12 +126,11 @@ def test_a_reward_of_more_than_distances_is_told_in_plain_data(judge):
     data = json.loads(json.dumps(judge(terms).to_json(), allow_nan=False))
     assert data["policies"][0]["terms"].keys() == {"reach", "effort", "none"}
     assert data["never_paid"] == ["none"]
-    assert data["recorded_transitions_because_of"] == ["action"]
     assert 0.0 < data["starc_distance"]["value"] < 1.0
     assert {answer["holds"] for answer in data["properties"].values()} == {None}
     assert set(data["workspace_twice_as_large"].values()) == {None}
     plain = judge("arp").to_json()
-    assert not {"never_paid", "starc_distance", "recorded_transitions_because_of"} & plain.keys()
+    assert "never_paid" not in plain
     assert "terms" not in plain["policies"][0]
 
 
@@ -145,13 +144,6 @@ def test_a_reward_of_distances_with_terms_is_asked_about_made_up_ones(judge):
         return step.begin_distance - step.distance
 
     found, same = map(judge, (two, one))
-    assert found.scripts.needed == found.scripts.recorded_because == ()
+    assert found.scripts.needed == ()
     assert found.scripts.properties == same.scripts.properties
     assert found.pairs[0].forms == same.pairs[0].forms
-
-
-def test_the_other_reward_may_read_more(rollouts, judge):
-    """Then distances rest on recorded transitions, and properties are asked as ever."""
-    found = audit_reward(BASELINE, Paying(lambda step: -(step.action**2).sum(-1)), rollouts, 0.95).scripts
-    assert (found.recorded_because, found.needed) == (("action",), ())
-    assert found.properties == judge("baseline").scripts.properties
