@@ -126,5 +126,13 @@ def _reaches(sizes: Float, seen: float) -> Mask:
 
 
 def p_text(p: float | None) -> str:
-    """A p-value in a sentence or a table."""
-    return "n/a" if p is None else "< 0.001" if p < 0.001 else f"{p:.3f}"
+    """A p-value in a sentence or a table; one that is just above `ALPHA` is not rounded to it."""
+    if p is None or p < 0.001:
+        return "n/a" if p is None else "< 0.001"
+    return f"{p:.4f}" if ALPHA < p < ALPHA + 0.0005 else f"{p:.3f}"
+
+
+def luck_text(p: float) -> str:
+    """A p-value in words."""
+    count = "fewer than 1" if p < 0.001 else f"{1000.0 * float(p_text(p)):g}"
+    return f"If the rewards did not differ, {count} of 1,000 experiments would show such a difference."

@@ -184,7 +184,7 @@ class CellResults(Did):
         if not 0 < rows <= most:
             raise SchemaError(f"{trace.facts.path} has {rows:,} rows, 1 to {most:,} are allowed")
         trace.load((*MEASURED, *SCORED, *PAID))  # in one pass
-        _ = self._measure(file), self._count(file)
+        _ = self._measure(file), self._count(file), self.recorded_return("return", file)
         own, *payers = map(self._cells.installed, (self.cell.reward, *self._cells.scoring))
         paying: list[Callable[[], object]] = []
         if file == TRACE:
@@ -245,8 +245,12 @@ class CellResults(Did):
     def _evaluated(self) -> Mapping[int, Part]:
         named = {steps: f"{EVALUATIONS}/{path.name}" for steps, path in evaluation_files(self._files).items()}
         files = {**{steps: name for steps, name in named.items() if self._is_there(name)}, self.cell.steps: EVALUATION}
-        with self:
-            return {steps: Part(0, {}, self._measure(file), {}) for steps, file in files.items()}
+        found = {}
+        for steps, file in files.items():
+            with self:
+                paid = {self.reward: self.recorded_return("return", file)}
+                found[steps] = Part(self._count(file), paid, self._measure(file), {})
+        return found
 
     @cached_property
     def episodes(self) -> Episodes:  # type: ignore[override]  # read when it is asked for
@@ -292,6 +296,10 @@ class CellResults(Did):
     def cut(self) -> int:  # type: ignore[override]
         """Rows of its training."""
         return self._ask(TRACE, "rows", len)
+
+    @property
+    def budget(self) -> int:
+        return self.cell.steps
 
     @property
     def recorded(self) -> Float:
@@ -343,7 +351,7 @@ class CellResults(Did):
 
         Args:
             of: ``return`` of the cell's own reward, ``events``, or ``paid``, which is both.
-            file: `EVALUATION` or `RANDOM`.
+            file: An evaluation, or `RANDOM`.
         """
         return self._ask(file, of, lambda trace: mean_return(trace, SUMMED[of]))
 

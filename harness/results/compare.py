@@ -27,7 +27,6 @@ from harness.results.metrics import (
     Moment,
     learning_values,
     mixtures_of,
-    moments_by_due,
 )
 from harness.results.recordings.runs import meet_same_starts, rescaling_between
 from harness.results.trainings import Match, Trainings
@@ -238,13 +237,11 @@ class _Comparer:
             return ()
         group, names = self._trainings.group, [it for it in self._trainings.deciding if it in self._trainings.names]
         episodes = next(iter(self.episodes.values()))  # of the cells' own manner
-        sides = [
-            [dict(moments_by_due(its, group.evaluate_every, group.steps)) for its in side] for side in self._moments
-        ]
+        sides = [[it.on_the_way(group.evaluate_every) for it in side] for side in self._match.sides]
 
         def change(name: str, due: int) -> Change:
             measure = self._trainings.quantity(name, f"after {due:,} steps", episodes)
-            return self._change(measure, *([its[due].values for its in side] for side in sides))
+            return self._change(measure, *([its[due][1].behaviour for its in side] for side in sides))
 
         in_all = set.intersection(*(set(its) for side in sides for its in side))
         return tuple(

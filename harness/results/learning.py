@@ -1,16 +1,14 @@
-"""The evaluations of a comparison's policies during their training. Reads results only."""
+"""What policies came to over the steps of their training: in evaluations, or in stretches of the training itself."""
 
 import math
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, NamedTuple
 
-from harness.eta.behaviour_change import Quantity
 from harness.eta.index import SeedMean, mean_of_known
 from harness.eta.interval import UNBOUNDED, Bounds
-from harness.results.comparison import Group
-from harness.results.metrics import Moment, Values, moments_by_due
+from harness.results.metrics import Moment, Values
 
 STRETCHES = 20
 """How many stretches a training has, each a point of its curve: the mean over the episodes that ended in it."""
@@ -34,11 +32,14 @@ class LearningCurve:
 
     Attributes:
         reward: The label of the reward.
-        runs: The evaluations of each training by its seed, in order, the last one after it.
-        points: By metric; the mean over seeds with its 95 % interval at each evaluation.
+        of: What a point is a mean of, in words that end a sentence.
+        runs: The evaluations of each training by its seed, in order, the last one after it; empty where a point is one
+            of the training.
+        points: By metric, or what an episode was paid; the mean over seeds with its 95 % interval.
     """
 
     reward: str
+    of: str
     runs: Mapping[int, Sequence[Moment]]
     points: Mapping[str, tuple[Point, ...]]
 
@@ -57,21 +58,23 @@ class LearningCurve:
 
 @dataclass(frozen=True)
 class Learning:
-    """The learning curves of a comparison.
+    """Learning curves that are drawn together.
 
     Attributes:
-        baseline: The curve of the baseline reward.
-        proposed: The curve of the proposed reward.
-        random: The values of random actions by metric; None if a value is not defined.
+        curves: That of the baseline reward and that of the proposed one; or of a reward that nothing is compared with.
+        random: The values of random actions by metric; None if a value is not defined, or not what a point is of.
     """
 
-    baseline: LearningCurve
-    proposed: LearningCurve
+    curves: tuple[LearningCurve, ...]
     random: Values
 
+    def known(self, metric: str) -> list[Point]:
+        """The points of all curves at which the metric is defined."""
+        return [point for curve in self.curves for point in curve.known(metric)]
+
     def to_json(self) -> dict[str, Any]:
-        """Plain data: the curves by metric, and the runs that they are means of."""
-        sides = {"baseline": self.baseline, "proposed": self.proposed}
+        """Plain data of two: the curves by metric, and the runs that they are means of."""
+        sides = dict(zip(("baseline", "proposed"), self.curves, strict=True))
         metrics = {
             name: {
                 **{side: [it.to_json() for it in curve.points[name]] for side, curve in sides.items()},
@@ -86,26 +89,7 @@ class Learning:
             ]
             for side, curve in sides.items()
         }
-        return {"metrics": metrics, "runs": runs}
-
-
-def learning_points(runs: Collection[Sequence[Moment]], measure: Quantity, group: Group) -> tuple[Point, ...]:
-    """The mean of one measure over seeds at each evaluation.
-
-    Evaluations that were due at the same step form one point.
-    """
-    found: dict[int, list[Moment]] = {}
-    for moments in runs:
-        for due, moment in moments_by_due(moments, group.evaluate_every, group.steps):
-            found.setdefault(due, []).append(moment)
-    return tuple(
-        mean_point(
-            round(sum(it.steps for it in moments) / len(moments)),
-            [*(it.values[measure.name] for it in moments), *[None] * (len(runs) - len(moments))],
-            measure.ends,
-        )
-        for _, moments in sorted(found.items())
-    )
+        return {"of": self.curves[0].of, "metrics": metrics, "runs": runs}
 
 
 def stretches(steps: int) -> Iterator[tuple[int, int]]:

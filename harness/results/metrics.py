@@ -120,14 +120,6 @@ def unmeasured() -> Iterator[None]:
         raise Unmeasured(reason_of(error)) from error
 
 
-def moments_by_due(moments: Sequence[Moment], every: int, budget: int) -> list[tuple[int, Moment]]:
-    """Evaluations, each with the multiple of `every` at which it was due. The last one was due at the budget.
-
-    Algorithms that act for several steps at a time do not all hit a multiple.
-    """
-    return [(budget if moment.steps >= budget else moment.steps // every * every, moment) for moment in moments]
-
-
 def last_values(moments: Sequence[Moment], budget: int, most: int) -> Values:
     """Means over the last evaluations, of which one alone is a checkpoint's luck; empty where there is one.
 

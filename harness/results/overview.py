@@ -188,6 +188,27 @@ def short_value(ratio: Ratio, with_interval: bool = False) -> str:
     return _digits(ratio.value, 3) + _ends(ratio.low, ratio.high) * with_interval
 
 
+def index_rows(combinations: Sequence[Comparison], with_intervals: bool) -> list[tuple[str, ...]]:
+    """The note's two etas of each comparison, each beside its ruler x behaviour; none where the overview has them.
+
+    An eta whose index is 0 under both rewards has no value here.
+    """
+    if not combinations or overview_of(combinations).numbers != "pay":
+        return []
+    rows = []
+    for name, comparison in zip(line_names(combinations), combinations, strict=True):
+        splits, told = comparison.number.index_splits, list[str]()
+        for split in map(splits.get, ("eta_N", "eta_P")):
+            eta = Ratio(None) if split is None else split.eta
+            told.append(short_value(eta, with_intervals))
+            is_split = split is not None and split.is_scored and eta.value is not None and eta.near_zero is None
+            told.append(
+                f"{short_value(split.ruler)} x {short_value(split.behaviour)}" if split and is_split else NOTHING
+            )
+        rows += [(name or comparison.proposed, *told)] if splits else []
+    return rows
+
+
 def _ends(low: float | None, high: float | None) -> str:
     return "" if low is None or high is None else f" [{_short(low)}, {_short(high)}]"
 

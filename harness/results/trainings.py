@@ -6,7 +6,7 @@ paid by it, minus what the baseline's trainings are paid by it, is the behaviour
 takes the ruler on the baseline's runs. As the return is the sum of its terms, so is that part: told term by term.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import combinations
 from typing import Any, Literal, NamedTuple, TypeAlias
@@ -18,20 +18,14 @@ from harness.eta.behaviour_change import Quantity
 from harness.eta.curve import GroupCurve, Kind, stream_curve
 from harness.eta.headline import SUCCESS
 from harness.eta.index import SeedMean, mean_of_known
-from harness.eta.interval import CONFIDENCE, SHARE, UNBOUNDED, difference_bounds, why_no_interval
+from harness.eta.interval import CONFIDENCE, SHARE, UNBOUNDED, Bounds, difference_bounds, why_no_interval
 from harness.eta.manner import TRAINING, WHOLE
 from harness.eta.splits import Pair
 from harness.files.plain import Plain
 from harness.results.by_term import ByTerm
 from harness.results.cell_results import CellResults
 from harness.results.comparison import Comparison, Group
-from harness.results.learning import (
-    Learning,
-    LearningCurve,
-    learning_points,
-    mean_point,
-    stretches,
-)
+from harness.results.learning import Learning, LearningCurve, Point, mean_point, stretches
 from harness.results.metrics import Values, last_values
 from harness.results.recordings.episodes import Part
 from harness.results.recordings.runs import Run, Runs
@@ -241,43 +235,62 @@ class Trainings:
     # Learning
 
     def learning(self, comparison: Comparison) -> Learning:
-        """The learning curves of both rewards, each of which has a training: of evaluations, where there are some."""
+        """The learning curves of both rewards, each of which has a training."""
         both = zip((comparison.baseline, comparison.proposed), comparison.trained, strict=True)
         sides = [(reward, [self.runs[reward, seed] for seed in seeds]) for reward, seeds in both]
-        if not self.read and self.group.evaluate_every:
-            one, other = (self._evaluated(*side) for side in sides)
-            if any(len(moments) > 1 for curve in (one, other) for moments in curve.runs.values()):
-                return Learning(
-                    one, other, {it.name: it.random for it in comparison.measured.changes_of(comparison.own_manner)}
-                )
-        one, other = (self.learned(*side) for side in sides)
-        floor = sides[0][1][0].measured.random if self.read else {}
-        return Learning(one, other, {name: floor.get(name) for name in one.points})
+        curves = self.learned(sides)
+        floor = sides[0][1][0].measured.random if self.read or curves[0].runs else {}
+        return Learning(curves, {name: floor.get(name) for name in curves[0].points})
 
-    def _evaluated(self, reward: str, members: Sequence[Trained]) -> LearningCurve:
-        runs = {it.seed: it.moments for it in members}
-        measures = [self.quantity(name, "", 1) for name in self.names]
-        points = {it.name: learning_points(runs.values(), it, self.group) for it in measures}
-        return LearningCurve(reward, runs, points)
+    def learned(self, sides: Collection[tuple[str, Sequence[Trained]]]) -> tuple[LearningCurve, ...]:
+        """What trainings by some rewards came to over their steps.
 
-    def learned(self, reward: str, members: Sequence[Trained]) -> LearningCurve:
-        """What trainings by a reward came to, over their steps: in evaluations that all have, else in stretches."""
-        every = self.group.evaluate_every if self.read else 0
-        found = [it.on_the_way(every) if every else {} for it in members]
-        dues = sorted(set.intersection(*map(set, found)))
-        steps = self.read.steps if self.read else self.group.steps
-        parts = [(due, [of[due] for of in found]) for due in dues] or [
-            (end, [it.episodes.part(begin, end) for it in members]) for begin, end in stretches(steps)
-        ]
-        measures = [self.quantity(name, WHOLE, 1) for name in self.names] if self.read else [LEARNED]
-        points = {
-            it.name: tuple(mean_point(end, [part.behaviour.get(it.name) for part in of], it.ends) for end, of in parts)
+        In their evaluations, where all of them were evaluated while they learned; else in stretches of the training.
+        """
+        every = self.group.evaluate_every
+        ways = [[it.on_the_way(every) if every else {} for it in members] for _, members in sides]
+        is_evaluated = all(way for of in ways for way in of)
+        measures = [LEARNED]
+        if is_evaluated or self.read:
+            measures = [self.quantity(name, WHOLE, 1) for name in self.names]
+        return tuple(
+            self._curve_of(reward, members, measures, found if is_evaluated else None)
+            for (reward, members), found in zip(sides, ways, strict=True)
+        )
+
+    def _curve_of(
+        self,
+        reward: str,
+        members: Sequence[Trained],
+        measures: Sequence[Quantity],
+        evaluated: Sequence[Mapping[int, tuple[int, Part]]] | None,
+    ) -> LearningCurve:
+        """The mean over trainings of each measure, and of what each reward pays, at all evaluations that were due."""
+        if evaluated is None:
+            ends = list(stretches(self.read.steps if self.read else self.group.steps))
+            parts = [(end, [it.episodes.part(begin, end) for it in members]) for begin, end in ends]
+            of = f"the episodes of the training that ended in one of {len(ends)} equal parts of its steps"
+        else:
+            dues = sorted(set.union(*map(set, evaluated)))
+            told = [[way[due] for way in evaluated if due in way] for due in dues]
+            parts = [(round(sum(after for after, _ in it) / len(it)), [part for _, part in it]) for it in told]
+            counts = sorted({part.episodes for _, there in parts for part in there})
+            of = (
+                f"an evaluation of {' to '.join(map(str, counts[:1] + counts[1:][-1:]))} episode{'s' * (counts != [1])}"
+            )
+
+        def points(values: Sequence[list[float | None]], bounds: Bounds = UNBOUNDED) -> tuple[Point, ...]:
+            told = zip(parts, values, strict=True)
+            return tuple(mean_point(end, [*of, *[None] * (len(members) - len(of))], bounds) for (end, _), of in told)
+
+        found = {
+            it.name: points([[part.behaviour.get(it.name) for part in there] for _, there in parts], it.ends)
             for it in measures
         }
         for payer in self.read.rewards if self.read else (reward,):
-            paid = ((end, [part.returns.get(payer) for part in of]) for end, of in parts)
-            points[self.pay_name(payer)] = tuple(mean_point(end, values) for end, values in paid)
-        return LearningCurve(reward, {}, points)
+            found[self.pay_name(payer)] = points([[part.returns.get(payer) for part in there] for _, there in parts])
+        runs = {} if evaluated is None else {it.seed: it.moments for it in members}
+        return LearningCurve(reward, of, runs, found)
 
 
 class Stages(NamedTuple):
@@ -309,8 +322,8 @@ class Alone:
         seeds: Of its trainings.
         paid: What it paid an episode.
         behaviour: Every measure that is known, those that decide in a comparison first.
-        curve: What was paid, and the first measure, over the training.
-        shown: The names of both in `curve`, the measure first.
+        learning: What was paid, and the first measure, over the training.
+        shown: The names of both in it, the measure first.
     """
 
     group: Group
@@ -318,7 +331,7 @@ class Alone:
     seeds: tuple[int, ...]
     paid: Stages
     behaviour: tuple[Stages, ...]
-    curve: LearningCurve
+    learning: Learning
     shown: tuple[str, ...]
 
     def to_json(self) -> dict[str, Any]:
@@ -329,7 +342,8 @@ class Alone:
             "seeds": list(self.seeds),
             "return": self.paid.to_json(),
             "behaviour": [it.to_json() for it in self.behaviour],
-            "learning": {name: [point.to_json() for point in self.curve.points[name]] for name in self.shown},
+            "learning_of": self.learning.curves[0].of,
+            "learning": {name: [it.to_json() for it in self.learning.curves[0].points[name]] for name in self.shown},
         }
 
 
@@ -363,15 +377,15 @@ def alone_of(trainings: Trainings) -> Alone | None:
     names = dict.fromkeys([*(name for name in first if name in trainings.names), *trainings.names])
     evaluated = ends[0][2].episodes if ends[0][2] else 0
     stages = [_stages(trainings.quantity(name, TRAINING, evaluated), ends, random) for name in names]
-    curve = trainings.learned(reward, members)
-    shown = [name for name in (*first[:1], SUCCESS) if name in curve.points][:1]
+    curves, paid = trainings.learned([(reward, members)]), _stages(pay, ends, random, reward)
+    shown = [name for name in (*first[:1], SUCCESS) if name in curves[0].points][:1]
     return Alone(
         trainings.group,
         reward,
         tuple(it.seed for it in members),
-        _stages(pay, ends, random, reward),
+        paid,
         tuple(it for it in stages if any(of.mean is not None for of in (it.start, it.end, it.evaluation))),
-        curve,
+        Learning(curves, {it.measure.name: it.random for it in (paid, *stages)}),
         (*shown, pay.name),
     )
 

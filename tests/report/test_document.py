@@ -15,7 +15,7 @@ def test_document_has_learning_where_it_was_recorded(build):
     """Per combination; where policies were evaluated at the end alone, of the training itself."""
     (with_it,) = told(build(learned={10: 1}))["combinations"]
     (without,) = told(build())["combinations"]
-    assert set(with_it["learning"]) == set(without["learning"]) == {"metrics", "runs"}
+    assert set(with_it["learning"]) == set(without["learning"]) == {"of", "metrics", "runs"}
     assert set(without["learning"]["metrics"]) == {"success_rate", "return, as paid"}
 
 

@@ -5,16 +5,36 @@ import pytest
 from harness.eta import Quantity
 from harness.registry import Choice
 from harness.results import Group
-from harness.results.learning import LearningCurve, Moment, learning_points
+from harness.results.recordings.episodes import Did, Part
+from harness.results.trainings import Trainings
 from tests.report.conftest import build_results
 
 GROUP = Group("fd100", Choice("reach"), Choice("wander"), 100, 4, evaluate_every=30, simulator=Choice("ideal"))
 
 
-def _points(*runs, episodes=None, **given):
+class Evaluated(Did):
+    """A training of 100 steps that was evaluated: the share of its episodes that succeeded, by steps."""
+
+    seed, cut, _manners, _floor, episodes = 0, 100, {}, {}, None
+
+    def __init__(self, shares):
+        self.shares = shares
+
+    @property
+    def _evaluated(self):
+        return {steps: Part(4, {}, {"success_rate": share}, {}) for steps, share in self.shares.items()}
+
+
+def _curve(*runs, episodes=None, **given):
     """Of these shares by steps, one run for each seed."""
-    told = [[Moment(steps, {"success_rate": share}) for steps, share in shares.items()] for shares in runs]
-    return learning_points(told, Quantity("success_rate", "", "higher", "", episodes, **given), GROUP)
+    measure, none = Quantity("success_rate", "", "higher", "", episodes, **given), ()
+    kept = Trainings(GROUP, "a", {}, ["success_rate"], lambda *_: measure, "paid", none, none, "", 1, {}, False)
+    (curve,) = kept.learned([("a", [Evaluated(shares) for shares in runs])])
+    return curve
+
+
+def _points(*runs, **given):
+    return _curve(*runs, **given).points["success_rate"]
 
 
 @pytest.mark.parametrize(
@@ -34,8 +54,8 @@ def test_points_are_where_evaluations_were_due(runs, points):
 
 def test_points_have_intervals_over_seeds():
     """Around the mean; none of one seed."""
-    runs = [{100: 0.4 + 0.05 * seed} for seed in range(5)]
-    (point,), (share,), (alone,) = _points(*runs), _points(*runs, episodes=4), _points(runs[0])
+    runs = [{60: 0.0, 100: 0.4 + 0.05 * seed} for seed in range(5)]
+    (*_, point), (*_, share), (*_, alone) = _points(*runs), _points(*runs, episodes=4), _points(runs[0])
     assert point.value.low < 0.5 < point.value.high
     assert share.value.low < point.value.low  # a share allows for the seed that was not seen
     assert (alone.value.low, alone.value.note) == (None, "one seed: no interval below 3 seeds")
@@ -44,22 +64,22 @@ def test_points_have_intervals_over_seeds():
 @pytest.mark.parametrize(("other", "mean", "told"), [((1.0,), 1.0, "1 of 2 seeds"), ((), None, "1 of 1 seeds")])
 def test_seeds_without_a_value_are_told(other, mean, told):
     """A metric need not be defined everywhere; where it is nowhere, there is no number."""
-    (point,) = _points({100: None}, *({100: share} for share in other))
+    (*_, point) = _points({60: 0.0, 100: None}, *({60: 0.0, 100: share} for share in other))
     assert point.value.mean == mean
     assert f"{told} have no value here" in point.value.note
 
 
 def test_band_has_the_points_with_an_interval():
     """Where one seed alone has a value there is none."""
-    points = _points(*({30: None if seed else 0.5, 60: None, 100: 0.25 * seed} for seed in range(5)))
-    curve = LearningCurve("arp", {}, {"success_rate": points})
+    curve = _curve(*({30: None if seed else 0.5, 60: None, 100: 0.25 * seed} for seed in range(5)))
+    points = curve.points["success_rate"]
     assert curve.band("success_rate") == [(100, points[2].value.low, points[2].value.high)]
 
 
 def test_bands_stay_within_what_a_metric_can_be():
     """No distance is below 0."""
-    runs = [{100: 0.1 * seed} for seed in range(3)]
-    (free,), (bound,) = _points(*runs), _points(*runs, bounds=(0.0, float("inf")))
+    runs = [{60: 0.0, 100: 0.1 * seed} for seed in range(3)]
+    (*_, free), (*_, bound) = _points(*runs), _points(*runs, bounds=(0.0, float("inf")))
     assert free.value.low < 0.0
     assert (bound.value.low, bound.value.high) == (0.0, free.value.high)
 
@@ -78,10 +98,10 @@ def _learning(ran_toys):
 def test_learning_is_read_from_the_cells(learning):
     """Both rewards at each evaluation, every metric, and the floor of random actions; JSON has each seed's values."""
     found = learning(evaluate_every=5)
-    for curve in (found.baseline, found.proposed):
+    for curve in found.curves:
         points = curve.points["final_distance"]
         assert [(point.steps, point.value.seeds) for point in points] == [(5, 2), (10, 2), (12, 2)]
-    assert set(found.random) == set(found.baseline.points)
+    assert set(found.random) == set(found.curves[0].points)
     data = found.to_json()
     runs = data["runs"]["proposed"]
     assert [run["seed"] for run in runs] == [0, 1]
@@ -95,7 +115,7 @@ def test_without_evaluation_before_the_end_the_training_is_the_curve(learning, e
     """What its episodes came to, in each twentieth of it."""
     found = learning(evaluate_every=every)
     assert set(found.random) == {"success_rate", "return, as paid"}
-    assert [point.steps for point in found.baseline.points["return, as paid"]] == list(range(1, 13))
+    assert [point.steps for point in found.curves[0].points["return, as paid"]] == list(range(1, 13))
 
 
 @pytest.mark.parametrize("learned", [{}, {10: 2}], ids=["of the training", "of evaluations"])
@@ -104,7 +124,7 @@ def test_all_trainings_are_in_the_curves(tmp_path, learned):
     missing = dict.fromkeys([("arp", 0), ("arp", 1), ("baseline", 2)], ("failed", ""))
     results = build_results(tmp_path, learned=learned, ended=missing)
     found = results.learning(results.combinations[0])
-    seeds = [curve.points["success_rate"][-1].value.seeds for curve in (found.baseline, found.proposed)]
+    seeds = [curve.points["success_rate"][-1].value.seeds for curve in found.curves]
     assert seeds == [2, 1]
 
 

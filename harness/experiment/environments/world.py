@@ -37,10 +37,8 @@ from harness.recorder.gate import Gate
 from harness.recorder.record_rewards import RecordRewards
 from harness.registry.choice import Choice, choose
 from harness.registry.spec import blamed_on
-from harness.results.recordings.episodes import cut_text, episodes_of
+from harness.results.recordings.episodes import cut_text, episodes_of, unended_text
 from harness.results.recordings.recording_results import terms_in
-
-NO_END = "no episode of the training ended: give the environment a time limit"
 
 
 class EnvironmentWorld(CellWorld):
@@ -99,7 +97,11 @@ class EnvironmentWorld(CellWorld):
         return evaluation_scalars(read_recording(path), self._cell.reward.label)
 
     def finish(self, folder: Path) -> Sequence[str]:
-        ended = [] if self._envs.returns else [NO_END]
+        ended = []
+        if not self._envs.returns:
+            facts = TrainingFacts.read(folder / TRAINING_RECORDING / facts_name(0))
+            steps = self._cell.steps / self._algorithm.num_envs
+            ended = [f"no episode of the training ended: {unended_text(facts, steps)}"]
         recorded = sorted(recordings_in(folder), key=lambda path: path.name != TRAINING_RECORDING)
         return (*ended, *self._cuts(recorded), *_given_up(recorded))
 

@@ -25,7 +25,7 @@ def learning_names(learning: Learning, comparison: Comparison) -> list[str]:
 
     Of measures of an arm the one that decides alone: they are many.
     """
-    known = [name for name in learning.random if learning.baseline.known(name) or learning.proposed.known(name)]
+    known = [name for name in learning.random if learning.known(name)]
     first = [name for name in known if name in comparison.measured.deciding[:1]]
     measured = [change.name for change in comparison.measured.changes_of(comparison.manner)]
     if len(measured) > MOST:
@@ -40,7 +40,7 @@ def learning_heading(name: str) -> str:
 
 def flat_text(learning: Learning, metric: str, text: Text = percentage) -> str:
     """The words in the place of a figure in which nothing happens; empty where something does."""
-    points = [*learning.baseline.known(metric), *learning.proposed.known(metric)]
+    points = learning.known(metric)
     values, steps = {point.value.mean for point in points}, [point.steps for point in points]
     if len(values) != 1 or len(set(steps)) < 2:
         return ""
@@ -55,16 +55,12 @@ def draw_learning(learning: Learning, metric: str, text: Text = percentage) -> C
     """Means as lines, intervals as bands, random actions as a dotted line.
 
     Args:
-        learning: The learning under both rewards.
+        learning: The learning under both rewards, or under one.
         metric: Which measure; a share, such as the success rate, unless `text` says otherwise.
         text: How its values are written: `percentage`, or as any other number.
     """
-    return draw_curves((learning.baseline, learning.proposed), learning.random[metric], metric, text)
-
-
-def draw_curves(curves: Sequence[LearningCurve], floor: float | None, metric: str, text: Text) -> Chart:
-    """The same of one reward or two, and of what random actions come to."""
-    last = max((point.steps for curve in curves for point in curve.known(metric)), default=1)
+    curves, floor = learning.curves, learning.random.get(metric)
+    last = max((point.steps for point in learning.known(metric)), default=1)
     bands, lines, dots = list[Area](), list[Line](), list[Dots]()
     for curve, (colour, shape) in zip(curves, STYLES[-len(curves) :], strict=True):
         known = curve.known(metric)
@@ -80,14 +76,11 @@ def draw_curves(curves: Sequence[LearningCurve], floor: float | None, metric: st
 
 
 def describe_learning(learning: Learning, metric: str, text: Text = percentage) -> str:
-    """The same in words: where each curve begins and ends."""
-    return describe_curves((learning.baseline, learning.proposed), learning.random[metric], metric, text)
-
-
-def describe_curves(curves: Sequence[LearningCurve], floor: float | None, metric: str, text: Text) -> str:
-    """The same of one reward or two."""
+    """The same in words: where each curve begins and ends, and what a point is of."""
+    curves, floor = learning.curves, learning.random.get(metric)
     told = [_told(curve, metric, text) for curve in curves]
-    return "; ".join([*told, *([] if floor is None else [f"random actions {text(floor)}"])]) + "."
+    told += [] if floor is None else [f"random actions {text(floor)}"]
+    return f"{'; '.join(told)}. Each point is of {' or '.join(dict.fromkeys(it.of for it in curves))}."
 
 
 def _number_axis(marks: list[Area | Line], title: str) -> Axis:

@@ -1,7 +1,6 @@
 """The first screen: for each reward the answer, what decided it, and the pay beside it."""
 
 import csv
-import math
 from collections.abc import Sequence
 from io import StringIO
 from typing import Any, NamedTuple
@@ -15,6 +14,7 @@ from harness.eta.index import NOTHING, Ratio
 from harness.eta.judgement import OPEN, Verdict
 from harness.eta.power import range_text
 from harness.eta.splits import BB, KK, Names
+from harness.eta.swaps import luck_text
 from harness.eta.verdict.ruling import Ruling
 from harness.report.figures.split import draw_interval, draw_part, draw_trainings
 from harness.report.rows.comparison import (
@@ -303,7 +303,7 @@ def pool_cards(comparisons: Sequence[Comparison]) -> list[Card]:
 def _sure(verdict: Verdict, by: Sequence[int]) -> str:
     """What decided, and how sure it is; where nothing did, why, and what would tell."""
     if verdict.answer in OPEN:
-        luck = [_luck(verdict.ruling.of_measures[at]) for at in by]
+        luck = [luck_text(verdict.ruling.of_measures[at]) for at in by]
         return " ".join(filter(None, [*luck, *verdict.why, verdict.needed_text("of each reward")]))
     if by:
         first, measures = verdict.deciding[0], listed([name_with_article(verdict.deciding[at]) for at in by])
@@ -330,13 +330,6 @@ def _trainings(names: Names, change: Change) -> list[Row]:
         unit = change.measure.unit if values else ""
         rows.append(Row(name, "each training", figure, f"{' to '.join(ends)} {unit}".rstrip(), who))
     return rows
-
-
-def _luck(p: float) -> str:
-    """The p-value of an answer in words."""
-    many = math.ceil(1000.0 * p - 1e-9)
-    count = "fewer than 1" if many < 1 or p < 0.001 else f"{many}"
-    return f"If the rewards did not differ, {count} of 1,000 experiments would show such a difference."
 
 
 FAILURE = "a failure counts as the whole time limit"

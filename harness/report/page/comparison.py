@@ -1,7 +1,7 @@
 """One comparison as the page tells it: the answer, the behaviour, the number, what the rewards pay for."""
 
 import base64
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -13,11 +13,9 @@ from harness.report.figures.chart import Chart
 from harness.report.figures.draw import draw_chart
 from harness.report.figures.learning import (
     VIEWS,
-    describe_curves,
     describe_learning,
     describe_profile,
     describe_trajectories,
-    draw_curves,
     draw_learning,
     draw_profile,
     draw_trajectories,
@@ -44,7 +42,7 @@ from harness.report.rows.comparison import (
     story,
     text_of,
 )
-from harness.report.rows.ratios import format_number, scales_text, step_text
+from harness.report.rows.ratios import Text, format_number, scales_text, step_text
 from harness.report.rows.returns import (
     READING,
     Audits,
@@ -58,9 +56,10 @@ from harness.report.rows.returns import (
 )
 from harness.results import Results
 from harness.results.comparison import Comparison
+from harness.results.learning import Learning
 from harness.results.pairs import shown_pair
 from harness.results.replay import trajectories_of
-from harness.results.trainings import Alone, Stages
+from harness.results.trainings import Alone
 
 TIMEOUTS, OBSTACLES = "timeouts", "obstacle_hits"
 LEAST = 0.08
@@ -261,7 +260,7 @@ def comparison_section(
             {"baseline": links.showing(BASELINE, it), "proposed": links.showing(PROPOSED, it)} if links else {}
             for it in changes
         ],
-        learning=_learning_panels(results, comparison),
+        learning=_learned(results, comparison),
         terms=[terms_grid(it)._replace(title=it.reward) for it in terms_of(results, comparison)],
         splits=splits,
         indices=indices,
@@ -286,21 +285,15 @@ def _meaning(results: Results, name: str) -> str:
 def alone_section(results: Results, alone: Alone) -> dict[str, Any]:
     """What the template shows of a reward that nothing is compared with."""
     terms = [it for it in results.terms if (it.group, it.reward) == (alone.group, alone.reward)]
-    stages = {it.measure.name: it for it in (alone.paid, *alone.behaviour)}
+    texts = {it.measure.name: text_of(it.measure) for it in (alone.paid, *alone.behaviour)}
     return {
         "title": alone.reward,
         "setting": setting_of(alone) if len(results.alone) > 1 or results.combinations else "",
         "grid": alone_grid(alone),
         "story": [text for text in (story(alone), *map(changed_text, terms)) if text],
-        "learning": [_curve_panel(alone, name, stages.get(name)) for name in alone.shown],
+        "learning": _learning_panels(alone.learning, alone.shown, texts),
         "terms": [terms_grid(it)._replace(title="") for it in terms],
     }
-
-
-def _curve_panel(alone: Alone, name: str, stages: Stages | None) -> Panel:
-    text, random = (text_of(stages.measure), stages.random) if stages else (format_number, None)
-    drawn = ([alone.curve], random, name, text)
-    return _panel(learning_heading(name), draw_curves(*drawn), describe_curves(*drawn), "Over environment steps.")
 
 
 def describe_comparison(comparison: Comparison) -> str:
@@ -331,18 +324,21 @@ def _panel(heading: str, chart: Chart, caption: str, what: str) -> Panel:
     return Panel(heading, draw_chart(chart, f"{what} {heading}. {caption}"), caption)
 
 
-def _learning_panels(results: Results, comparison: Comparison) -> list[Panel]:
-    """The measure that decides, then every other that is known, and every reward, over the training."""
-    learning = results.learning(comparison)
-    if learning is None:
-        return []
-    texts = {change.name: text_of(change.measure) for change in comparison.measured.changes_of(comparison.manner)}
+def _learning_panels(learning: Learning, names: Iterable[str], texts: Mapping[str, Text]) -> list[Panel]:
+    """Measures, and what was paid, over the training."""
     panels = []
-    for name in learning_names(learning, comparison):
-        text = texts.get(name, format_number)
-        chart, caption = draw_learning(learning, name, text), describe_learning(learning, name, text)
-        panels.append(_panel(learning_heading(name), chart, caption, "Over environment steps."))
+    for name in names:
+        drawn = learning, name, texts.get(name, format_number)
+        caption = describe_learning(*drawn)
+        panels.append(_panel(learning_heading(name), draw_learning(*drawn), caption, "Over environment steps."))
     return panels
+
+
+def _learned(results: Results, comparison: Comparison) -> list[Panel]:
+    """The measure that decides, then every other that is known, and every reward."""
+    learning = results.learning(comparison)
+    texts = {change.name: text_of(change.measure) for change in comparison.measured.changes_of(comparison.manner)}
+    return [] if learning is None else _learning_panels(learning, learning_names(learning, comparison), texts)
 
 
 def _trajectory_panels(results: Results, comparison: Comparison) -> list[Panel]:

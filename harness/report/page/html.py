@@ -87,9 +87,7 @@ def pack(name: str, kind: str, text: str) -> Download:
 
 
 TEMPLATE = Path(__file__).parent / "report.html.j2"
-LEARNING = "Lines: mean over seeds, evaluated during training{}. Bands: 95% intervals. Dotted: random actions."
-SAME_STARTS = " on the same starts and targets"
-TRAINED = "Lines: mean over seeds of the episodes that ended in each twentieth of the training. Bands: 95% intervals."
+LEARNING = "Lines: means over seeds. Bands: 95% intervals. Dotted: random actions."
 CROSSOVER = (
     "The cross-over is the first step after the first negative one at which the mean is not negative; it may turn "
     "negative again."
@@ -99,7 +97,7 @@ OPEN = 2
 
 
 SHARED = {
-    "learning": TRAINED,
+    "learning": LEARNING,
     "crossover": CROSSOVER,
     "split": SPLIT,
     "paths": f"{PATHS} {TOTAL}",
@@ -288,15 +286,11 @@ def _warnings(results: Results) -> list[str]:
 
 def _told(results: Results) -> dict[str, str]:
     """Texts that all comparisons share."""
-    is_evaluated = any(it.group.evaluate_every for it in results.combinations)
-    evaluated = LEARNING.format(SAME_STARTS * all(it.measured.same_starts for it in results.combinations))
-    cells, learning = "Cells" if results.is_experiment else "Recordings", evaluated if is_evaluated else TRAINED
     is_promised = any(it.answer.ruling for it in results.combinations) and not still_to_come(results.combinations)
     return {
         **SHARED,
         "subject": results.subject,
-        "cells": cells,
-        "learning": learning,
+        "cells": "Cells" if results.is_experiment else "Recordings",
         "tests": what_decides(results),
         "promise": PROMISE if is_promised else "",
         "bars": BARS if any(it.seeds for it in results.combinations) else "",

@@ -55,6 +55,7 @@ from harness.results.comparison import Comparison
 from harness.results.overview import (
     PAY as PAY_TITLE,
     group_name,
+    index_rows,
     line_names,
     overview_of,
     overview_row,
@@ -68,6 +69,7 @@ from harness.results.trainings import Alone
 
 FEW = 3
 """Measures that are shown at a glance."""
+ETAS = ("", "eta_N", "its parts", "eta_P", "its parts")
 
 
 def alone_lines(results: Results, *, with_all: bool) -> list[RenderableType]:
@@ -153,6 +155,12 @@ def _comparisons(results: Results) -> list[RenderableType]:
     if len(combinations) == 1:
         only = combinations[0]
         lines = [only.headline.robot, *lines, only.pay_sentence, advice(results, only)]
+    grids = [
+        [Grid(ETAS, rows, [], f"{INDICES}, each = ruler x behaviour")]
+        for it in (True, False)
+        if (rows := index_rows(combinations, it))
+    ]
+    parts += [WideOrNarrow(*grids)] if grids else []
     return [*parts, *spaced(dict.fromkeys(lines))]
 
 

@@ -197,6 +197,11 @@ class Did(ABC):
         """What random actions did, by measure."""
 
     @property
+    def budget(self) -> int:
+        """After how many steps its final policy was evaluated."""
+        return self.cut
+
+    @property
     def motion(self) -> str:
         """A digest of all that its final policy did in its evaluation: equal where policies take the same steps.
 
@@ -225,11 +230,16 @@ class Did(ABC):
         lacks = part is not None and part.behaviour.get(name) is None
         return self.reasons.get(name, "") or (self._why(name, part) if lacks else "")
 
-    def on_the_way(self, every: int) -> Mapping[int, Part]:
-        """Its evaluations by the step at which they were due; empty where the training itself tells how it learned."""
-        if len(self._evaluated) < 2 or self.cut not in self._evaluated:
+    def on_the_way(self, every: int) -> Mapping[int, tuple[int, Part]]:
+        """Its evaluations, and the steps before each, by the step at which they were due; the last one by its budget.
+
+        Algorithms that act for several steps at a time do not all hit a multiple of `every`. Empty where there is none
+        before the end.
+        """
+        if len(self._evaluated) < 2 or max(self._evaluated) < self.budget:
             return {}
-        return {it if it == self.cut else it // every * every: part for it, part in self._evaluated.items()}
+        budget = self.budget
+        return {budget if it >= budget else it // every * every: (it, of) for it, of in self._evaluated.items()}
 
     def ends(self) -> tuple[Part, Part, Part | None]:
         """Its first episodes, its last ones, and those of its evaluation, where there is one."""
@@ -321,6 +331,14 @@ def cut_notes(steps: Mapping[str, int], noun: str = "steps") -> list[str]:
     longer = [it for it in steps.values() if it > steps[last]]
     told = f"All are cut to the {steps[last]:,} {noun} of the shortest, {last}: {count_text(len(longer), 'training')}"
     return [f"{told} went on, for {max(longer):,} {noun} at most"] if longer else []
+
+
+def unended_text(facts: TrainingFacts, steps: float) -> str:
+    """What to do where no episode of a training ended, in each of whose envs so many steps were taken."""
+    limit = facts.spec.get("max_episode_steps")
+    if isinstance(limit, int) and steps < limit:
+        return f"train longer: an episode takes up to {limit:,} steps, and each env took {steps:,.0f}"
+    return "give the environment a time limit"
 
 
 def cut_text(cut: int, episodes: int, horizon: int) -> str:

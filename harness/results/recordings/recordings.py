@@ -30,7 +30,7 @@ from harness.results.comparison import Group
 from harness.results.frames import Frames, read_frames
 from harness.results.logs.told import FOUND_OUT, Told
 from harness.results.metrics import require_measures
-from harness.results.recordings.episodes import Part, count_text, cut_notes, cut_text
+from harness.results.recordings.episodes import Part, count_text, cut_notes, cut_text, unended_text
 from harness.results.recordings.recording_results import RecordingResults
 from harness.results.recordings.runs import (
     DIRECTION,
@@ -95,10 +95,10 @@ def _notes_of(runs: Sequence[Run], everything: Sequence[Run], rewards: Sequence[
 
 def _end_notes(reward: str, runs: Sequence[Run]) -> Iterator[str]:
     """Trainings by a reward in which no episode ended, and evaluations whose episodes were cut."""
-    unended = sum(not len(run.episodes.last) for run in runs)
+    unended = [run for run in runs if not len(run.episodes.last)]
     if unended:
-        told = f"No episode ended in {unended} of {count_text(len(runs), 'training')} by {reward}"
-        yield f"{told}: give the environment a time limit"
+        told = f"No episode ended in {len(unended)} of {count_text(len(runs), 'training')} by {reward}"
+        yield f"{told}: {unended_text(unended[0].facts, unended[0].steps / unended[0].facts.num_envs)}"
     evaluated = [run.evaluation for run in runs if run.evaluation]
     for horizon in dict.fromkeys(it.facts.horizon for it in evaluated):
         some = [it for it in evaluated if it.facts.horizon == horizon]

@@ -127,15 +127,15 @@ def test_learning_names_its_curves(learned):
 
 
 def test_learning_shows_intervals(learned):
-    """A band for each reward."""
+    """A band for each reward: of the measure that decides, and of the pay."""
     areas = [node.get("class") for node in ET.fromstring(learning_file(*learned)).iter(f"{SVG}path")]
-    assert [kind for kind in areas if kind.startswith("area")] == ["area baseline", "area proposed"]
+    assert [kind for kind in areas if kind.startswith("area")] == 2 * ["area baseline", "area proposed"]
 
 
 def test_learning_without_success_is_not_drawn(learned):
     """Where that metric is not installed."""
     combination, learning, _ = learned
-    nothing = type(learning)(learning.baseline, learning.proposed, {})
+    nothing = replace(learning, random={})
     assert learning_file(combination, nothing, measures_of(combination, nothing)) is None
 
 
@@ -148,7 +148,7 @@ def level(curve):
 def test_learning_in_which_nothing_happens_is_words(learned):
     """The mutant of a flat line: its figure goes, and the words have its value."""
     combination, learning, measures = learned
-    flat = replace(learning, baseline=level(learning.baseline), proposed=level(learning.proposed))
+    flat = replace(learning, curves=tuple(map(level, learning.curves)))
     assert learning_file(combination, flat, measures) is None
     assert flat_words(flat, measures).startswith("Success rate while learning: 0.0% under both rewards at each of 2 ")
     assert flat_words(learning, measures) == ""

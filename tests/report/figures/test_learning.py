@@ -48,7 +48,8 @@ def test_caption_says_where_the_curves_go(learning):
     """In words, for those who cannot see it."""
     assert describe_learning(learning, "success_rate") == (
         "baseline 25.0% after 10 steps, 75.0% after 40 steps; "
-        "arp 50.0% after 10 steps, 75.0% after 40 steps; random actions 0.0%."
+        "arp 50.0% after 10 steps, 75.0% after 40 steps; random actions 0.0%. "
+        "Each point is of an evaluation of 4 episodes."
     )
 
 

@@ -316,7 +316,7 @@ def test_learning_is_drawn_where_it_was_recorded(build, write):
     assert any(label.startswith("Over environment steps. Success rate while learning.") for label in page.figures)
     trained = write(build()).text
     assert "Return, as paid while learning" in trained
-    assert "in each twentieth of the training" in trained
+    assert "Each point is of the episodes of the training that ended in one of 20 equal parts of its steps" in trained
 
 
 def test_paths_of_the_end_effector_are_folded(build, write):

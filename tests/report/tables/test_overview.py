@@ -29,7 +29,7 @@ def test_a_matrix_is_one_line_per_comparison(build):
     assert [text.count(f"\n{label} ") for label in REWARDS] == [2, 2, 2]
     assert [text.count(f"\n{name}\n") for name in ("mujoco", "pybullet")] == [1, 1]
     assert text.index("Over all places") < text.index("\nmujoco\n")
-    assert len(text[text.index("\nmujoco\n") : text.index("24 cells")].splitlines()) < 25
+    assert len(text[text.index("\nmujoco\n") : text.index("The note's eta_N")].splitlines()) < 25
 
 
 def test_one_reward_on_several_simulators_is_named_by_them(build):

@@ -73,11 +73,15 @@ def test_evaluations_that_are_not_there_for_all_do_not_decide(study_folder):
             "No episode ended in 1 of 3 trainings by plain: give the environment a",
         ),
         (
+            ("short", "plain", 2, {"ends": False, "spec": {"id": "Bandit-v0", "max_episode_steps": 500}}),
+            "train longer: an episode takes up to 500 steps, and each env took 100",
+        ),
+        (
             ("other", "plain", 5, {"spec": {"id": "Bandit-v0", "kwargs": {"reward": "plain"}}}),
             "different arguments: {'reward': 'plain'} and {}",
         ),
     ],
-    ids=["its training is gone", "no end of an episode", "other arguments"],
+    ids=["its training is gone", "no end of an episode", "its budget is shorter", "other arguments"],
 )
 def test_an_odd_recording_is_told(study_of, facts, told):
     """In one line, and the others are compared."""
@@ -274,7 +278,7 @@ def test_learning_curves_of_every_measure_and_every_reward(study_folder):
     study = load_study(study_folder)
     learning = study.learning(study.combinations[0])
     assert list(learning.random) == ["success", "arm", "return paid by plain", "return paid by thrice"]
-    points = learning.proposed.points["arm"]
+    points = learning.curves[1].points["arm"]
     assert [point.steps for point in points] == [10 * (place + 1) for place in range(20)]
     assert points[0].value.mean == pytest.approx(
         np.mean([np.linspace(0.0, 0.9 + 0.01 * s, 40)[:2].mean() for s in range(6)])
@@ -305,7 +309,7 @@ def test_an_interval_stays_within_the_bounds_that_were_recorded(study_of):
     study = study_of(*ending((-1.0, 0.0, 1.0), bounds={"height": (-1.0, 1.0)}), seeds=0)
     found = study.combinations[0].decisive
     assert (found.low, found.high) == (-2.0, 2.0)
-    band = study.learning(study.combinations[0]).baseline.band("height")
+    band = study.learning(study.combinations[0]).curves[0].band("height")
     assert {(low, high) for _, low, high in band} == {(-1.0, 1.0)}
 
 
@@ -367,7 +371,7 @@ def test_trainings_without_a_common_seed_are_compared(study_of):
     assert comparison.decisive.counts == (4, 3)
     assert "no seed is done under both plain and thrice" in comparison.number.sentence(comparison.names)
     learning = study.learning(comparison)
-    assert [curve.points["arm"][0].value.seeds for curve in (learning.baseline, learning.proposed)] == [4, 3]
+    assert [curve.points["arm"][0].value.seeds for curve in learning.curves] == [4, 3]
     assert "rests on the training itself" in basis_text(comparison)
 
 
