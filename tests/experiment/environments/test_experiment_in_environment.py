@@ -396,7 +396,7 @@ def test_two_trainings_of_a_cell_that_differ_are_refused(folder, tmp_path, part)
     _write_again(
         Store(tmp_path / "other").cell_folder(cell), part, lambda it: it.add({"truncated": np.roll(it["truncated"], 1)})
     )
-    with refused(f"Cell {cell.id} .* was trained in '{folder}' .* and the steps differ"):
+    with refused(f"Cell {cell.id} .* is done in '{folder}.*' and in .*, and {part}.* is not the same in both"):
         merge([folder, tmp_path / "other"], tmp_path / "both")
     assert not (tmp_path / "both").exists()
 
