@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from harness.record.added import SECTIONS
-from harness.record.manifest import Ending
+from harness.record.cell import Ending
 from harness.registry.choice import Choice
 from harness.registry.spec import blamed_on
 

@@ -31,7 +31,7 @@ from harness.record import (
     read_manifest,
     read_trace,
 )
-from harness.record.manifest import digests_in
+from harness.record.cell import digests_in
 from harness.record.plan_file import StoredPlan
 from harness.registry import Choice, Registry, choose, load_registry
 from harness.results.kept import FORMAT, LARGEST

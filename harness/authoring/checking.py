@@ -18,7 +18,7 @@ if TYPE_CHECKING:
         read_checkpoint as read_checkpoint,
         store as store,
     )
-    from harness.experiment.environments.random_steps import (
+    from harness.experiment.environments.plan import (
         RandomStep as RandomStep,
         random_steps as random_steps,
         value_of as value_of,

@@ -117,6 +117,12 @@ if TYPE_CHECKING:
         ContinuousNetwork as ContinuousNetwork,
         read_folder as read_folder,
     )
+    from harness.record.cell import (
+        Ending as Ending,
+        now as now,
+        read_record as read_record,
+        require_files as require_files,
+    )
     from harness.record.dataset.labels import (
         UNKNOWN as UNKNOWN,
         SuccessRule as SuccessRule,
@@ -136,12 +142,6 @@ if TYPE_CHECKING:
         read_form as read_form,
     )
     from harness.record.folder import TRAINING_RECORDING as TRAINING_RECORDING, parts_of as parts_of
-    from harness.record.manifest import (
-        Ending as Ending,
-        now as now,
-        read_record as read_record,
-        require_files as require_files,
-    )
     from harness.record.out_folder import (
         folder_lock as folder_lock,
         is_held as is_held,

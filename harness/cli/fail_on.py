@@ -112,7 +112,7 @@ def said_of(results: "Results") -> list[Said]:
     The answer over several places stands for those of them that cannot tell by themselves. Null controls say nothing
     of a reward.
     """
-    from harness.results.standing import told_manifests
+    from harness.results.results import told_manifests
 
     compared = [it for it in results.combinations if not it.is_control]
     pooled = [(f"{it.names.proposed} {it.where}", it.headline.answer) for it in results.pools]

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from harness.experiment.environments.paid_again import Paid
     from harness.registry.registry import Registry
     from harness.results import Results
-    from harness.results.return_matrix import ReturnMatrix
+    from harness.results.results import ReturnMatrix
     from harness.results.score_matrix import ScoreMatrix
 
 

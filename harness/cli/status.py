@@ -9,7 +9,7 @@ from harness.cli.output import say, say_json
 if TYPE_CHECKING:
     from harness.record.status import FolderStatus, Progress
     from harness.results.choosing import Choosing
-    from harness.results.standing import Standing
+    from harness.results.results import Standing
 
 KINDS = ("done", "failed", "skipped", "damaged", "running", "interrupted", "pending", "not needed")
 NUMBERS_AFTER = 2.0
@@ -29,7 +29,7 @@ def status(
     if standing is not None:
         found = found.without(standing.not_needed)
     if as_json:
-        from harness.results.standing import standing_to_json
+        from harness.results.results import standing_to_json
 
         say_json({**found.to_json(), **standing_to_json(standing)})
         return
@@ -54,7 +54,7 @@ def _standing(folder: Path) -> "Standing | Choosing | None":
     if not Store.open(folder).read_plan().terms.has_plan:
         return None  # without importing what reads results
     from harness.results.load import load_results
-    from harness.results.standing import standing_of
+    from harness.results.results import standing_of
 
     return standing_of(load_results(folder))
 

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 from harness.errors import UsageError
 from harness.experiment.provenance import function_digests, robot_digest
 from harness.hookspecs import KINDS
-from harness.record.cell import Cell
-from harness.record.manifest import SHOWN_DIGITS
+from harness.record.cell import SHOWN_DIGITS, Cell
 from harness.registry.registry import Registry
 from harness.registry.sources import source_hash
 

@@ -20,12 +20,10 @@ from harness.experiment.objects import name_objects
 from harness.experiment.plan import Experiment, Plan, check_experiment, expand
 from harness.experiment.run_options import DEFAULTS, RunArguments, RunOptions
 from harness.experiment.trials.tried_plan import try_plan
-from harness.record.cell import Cell
+from harness.record.cell import Cell, Manifest, read_left, read_manifest
 from harness.record.earlier import ALGORITHMS
-from harness.record.manifest import Manifest, read_manifest
 from harness.record.out_folder import storage_errors
 from harness.record.plan_file import refuse_mixed
-from harness.record.running import read_left
 from harness.record.store import Store, floors_in
 from harness.registry.allowed import allow_typed
 from harness.registry.choice import Choice, split_list
@@ -33,7 +31,7 @@ from harness.registry.given import Given as Plugins, read_given, require_given, 
 from harness.registry.registry import Registry, load_registry
 from harness.results import Results
 from harness.results.load import load_results
-from harness.results.standing import standing_of
+from harness.results.results import standing_of
 from harness.text import visible
 from harness.tracker import Tracker
 

@@ -13,10 +13,8 @@ from typing import Any, TypeAlias
 from harness.errors import PluginError, SchemaError, UsageError, one_line
 from harness.executor import Event, OnEvent
 from harness.progress import RETURN, SUCCESS
-from harness.record.cell import Cell
-from harness.record.manifest import Manifest, read_manifest
+from harness.record.cell import RUNNING, Cell, Manifest, Running, read_manifest, write_running
 from harness.record.recording.recorded_training import recordings_in
-from harness.record.running import RUNNING, Running, write_running
 from harness.record.store import Store
 from harness.registry.choice import Choice, choose, split_list
 from harness.registry.registry import Registry

@@ -14,9 +14,8 @@ from harness.experiment.workers.order import Order, Report
 from harness.experiment.workers.workers import run_orders
 from harness.files.plain import Plain
 from harness.hookspecs import NOUNS
-from harness.record.cell import Cell
+from harness.record.cell import KERNEL, Cell
 from harness.record.folder import partial_folder, publish
-from harness.record.manifest import KERNEL
 from harness.registry.given import Given
 from harness.registry.registry import Registry, load_registry
 from harness.registry.sources import digest_of_modules, source_hash

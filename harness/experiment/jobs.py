@@ -12,7 +12,7 @@ from harness.executor import Event, Job, OnEvent
 from harness.experiment.run_cell import TrainCell, run_cell
 from harness.experiment.workers.order import Order, Report
 from harness.experiment.workers.workers import Pool
-from harness.record.manifest import Manifest
+from harness.record.cell import Manifest
 
 
 def order_of(job: Job) -> Order:

@@ -23,7 +23,7 @@ from harness.files.bounded import whole_file
 from harness.files.plain import Plain
 from harness.policy import Policy, load_policy
 from harness.progress import Progress, TrainingState
-from harness.record.cell import Cell
+from harness.record.cell import Cell, Ending, Manifest, now
 from harness.record.folder import (
     CHECKPOINT,
     EVALUATION,
@@ -36,7 +36,6 @@ from harness.record.folder import (
     publish,
     recording_of,
 )
-from harness.record.manifest import Ending, Manifest, now
 from harness.registry.registry import Registry, load_registry
 
 Kind = TypeVar("Kind", bound=Ending)

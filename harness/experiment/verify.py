@@ -12,8 +12,8 @@ from harness.files.bounded import files_in, is_partial, write_whole
 from harness.files.plain import SUMS, changed_since_made, forget_made, is_whole, read_sums
 from harness.policy import load_policy
 from harness.record.added import owners
+from harness.record.cell import REMEDY, added_files, read_manifest, require_files, whole_cell
 from harness.record.folder import CARD, DERIVED, POLICY, SCORES
-from harness.record.manifest import REMEDY, added_files, read_manifest, require_files, whole_cell
 from harness.record.plan_file import EXPERIMENT, PLAN, experiment_in, read_plan
 from harness.record.store import CELLS, REPORT, RESULTS, Store
 

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from harness.face import face_of
 
 if TYPE_CHECKING:
-    from harness.record.cell import Cell as Cell
+    from harness.record.cell import Cell as Cell, Manifest as Manifest, read_manifest as read_manifest
     from harness.record.folder import (
         DERIVED as DERIVED,
         EVALUATION as EVALUATION,
@@ -17,7 +17,6 @@ if TYPE_CHECKING:
         TRACE as TRACE,
         partial_folder as partial_folder,
     )
-    from harness.record.manifest import Manifest as Manifest, read_manifest as read_manifest
     from harness.record.plan_file import EXPERIMENT as EXPERIMENT, PLAN as PLAN, read_plan as read_plan
     from harness.record.recording.facts import TrainingFacts as TrainingFacts
     from harness.record.recording.recorded_training import read_recording as read_recording

@@ -7,7 +7,7 @@ Each of the innermost folders holds a ``manifest.json`` that tells how it ended 
 from pathlib import Path
 from typing import Protocol
 
-from harness.record.manifest import Ending
+from harness.record.cell import Ending
 from harness.registry.choice import Choice
 from harness.registry.registry import load_registry
 

@@ -9,9 +9,8 @@ import pyarrow.parquet as pq
 
 from harness.log import Log
 from harness.log.log import RECORDED, REWARD, START, TIME
-from harness.record.cell import Cell
+from harness.record.cell import Cell, read_manifest
 from harness.record.folder import MANIFEST, RANDOM, SUFFIX, TRACE, begun_by
-from harness.record.manifest import read_manifest
 from harness.record.returns import EVENTS
 from harness.record.trace import COLUMN, FORMAT_KEY, SCALARS, TERM, TraceWriter, read_trace
 

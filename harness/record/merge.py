@@ -11,7 +11,7 @@ from pathlib import Path, PurePosixPath
 from harness.errors import NewerFormat, SchemaError, UsageError
 from harness.files.bounded import files_in, is_partial
 from harness.record.added import Owner, owners
-from harness.record.cell import Cell
+from harness.record.cell import Cell, Ending, is_needed, require_files
 from harness.record.file_forms import Status
 from harness.record.folder import (
     DERIVED,
@@ -21,7 +21,6 @@ from harness.record.folder import (
     publish,
     recording_of,
 )
-from harness.record.manifest import Ending, is_needed, require_files
 from harness.record.out_folder import refuse_links, storage_errors
 from harness.record.plan_file import StoredPlan, unite
 from harness.record.recording.recorded_training import FILES

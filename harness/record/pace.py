@@ -9,8 +9,7 @@ from dataclasses import dataclass, field
 from functools import cache
 from typing import NamedTuple, TypeAlias
 
-from harness.record.cell import Cell
-from harness.record.manifest import Manifest
+from harness.record.cell import Cell, Manifest
 
 Kind: TypeAlias = tuple[str, str]
 """Labels of simulator, or environment, and algorithm: what decides how long a step takes, and how much it leaves."""

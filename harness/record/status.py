@@ -6,11 +6,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Self
 
-from harness.record.cell import Cell
-from harness.record.manifest import Manifest, read_manifest
+from harness.record.cell import Cell, Manifest, Running, read_manifest, read_running
 from harness.record.pace import Begun, time_left
 from harness.record.plan_file import StoredPlan, read_plan
-from harness.record.running import Running, read_running
 from harness.record.store import Store
 
 

@@ -22,10 +22,9 @@ from typing import TYPE_CHECKING, Any
 
 from harness.errors import NewerFormat, SchemaError, UsageError
 from harness.files.bounded import is_partial
-from harness.record.cell import Cell
+from harness.record.cell import REMEDY, Cell, Manifest, is_named, now, read_manifest, whole_cell
 from harness.record.file_forms import Status
 from harness.record.folder import CHECKPOINT, LOG, MANIFEST, RANDOM, partial_folder, publish, recording_of
-from harness.record.manifest import REMEDY, Manifest, is_named, now, read_manifest, whole_cell
 from harness.record.out_folder import folder_lock, is_held, make_folder, refuse_links, require_text
 from harness.record.plan_file import EXPERIMENT, PLAN, StoredPlan, plan_from_cells, read_plan
 from harness.record.terms import Terms

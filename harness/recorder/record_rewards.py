@@ -13,9 +13,8 @@ from gymnasium.envs.registration import EnvSpec
 
 from harness.eta.interval import Bounds
 from harness.eta.manner import Acted
-from harness.recorder.calls import action_facts
 from harness.recorder.env_facts import LEARNERS, Asked, OnError
-from harness.recorder.recorder import Recorder
+from harness.recorder.recorder import Recorder, action_facts
 from harness.recorder.sealed import CONSTANT
 from harness.recorder.taken import NUMBERS, Taken
 from harness.reward.given import Given

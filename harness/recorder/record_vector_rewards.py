@@ -13,10 +13,9 @@ from numpy.typing import NDArray
 from harness.errors import UsageError
 from harness.eta.interval import Bounds
 from harness.record.recording.facts import ActionFacts
-from harness.recorder.calls import action_facts
 from harness.recorder.env_facts import Asked, OnError
 from harness.recorder.parts import FINAL_OBSERVATION, Mask, infos_last, infos_of_step, item_of, joined, with_items
-from harness.recorder.recorder import Recorder
+from harness.recorder.recorder import Recorder, action_facts
 from harness.recorder.taken import Taken
 from harness.reward.given import Given
 

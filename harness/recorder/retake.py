@@ -29,10 +29,9 @@ from harness.record.recording.recorded_training import (
     read_recording,
     recorder_numbers,
 )
-from harness.recorder.calls import NO_SEED, UNCHECKED, action_of, checksum
 from harness.recorder.env_facts import Columns
 from harness.recorder.record_rewards import RecordRewards
-from harness.recorder.recorder import GivenUp, Noted
+from harness.recorder.recorder import NO_SEED, UNCHECKED, GivenUp, Noted, action_of, checksum
 from harness.recorder.sealed import KeepWalks, Walk
 from harness.reward.given import OWN
 

@@ -16,12 +16,11 @@ from gymnasium import Space
 
 from harness.arrays import Float
 from harness.errors import SimulationDiverged, reason_of
-from harness.recorder.calls import CHECKED, Calls
 from harness.recorder.column import Column
 from harness.recorder.computing import bound
 from harness.recorder.guard import FAILURES, Asking, Raised
 from harness.recorder.parts import info_of, items_of, with_items
-from harness.recorder.recorder import Place, Recorder, differs
+from harness.recorder.recorder import CHECKED, Calls, Place, Recorder, differs
 from harness.recorder.sealed import ReadOnlyDict
 from harness.recorder.trial import FIRST_STEPS
 from harness.reward.given import Before, Now, Untold, told_under, zeros_of

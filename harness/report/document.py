@@ -5,11 +5,11 @@ from collections import Counter
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
-from harness.record.manifest import Manifest
+from harness.record.cell import Manifest
 from harness.report.rows.comparison import again_text, choosing_told
 from harness.results import Results
 from harness.results.ranking import ranking_of
-from harness.results.standing import standing_of, standing_to_json, told_manifests
+from harness.results.results import standing_of, standing_to_json, told_manifests
 from harness.section import shown_sections
 
 

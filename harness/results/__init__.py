@@ -29,8 +29,8 @@ if TYPE_CHECKING:
         shows_of as shows_of,
         trajectories_of as trajectories_of,
     )
+    from harness.results.results import standing_of as standing_of, told_manifests as told_manifests
     from harness.results.score_matrix import score_matrices as score_matrices
-    from harness.results.standing import standing_of as standing_of, told_manifests as told_manifests
     from harness.results.traces import Traces as Traces
     from harness.results.trainings import TermPaid as TermPaid, TermsPaid as TermsPaid
 else:

@@ -18,9 +18,8 @@ from harness.eta.manner import OWN_AND_OTHER, TRAINING
 from harness.log import Log
 from harness.log.log import episode_sums
 from harness.measure import Measure
-from harness.record.cell import Cell
+from harness.record.cell import Cell, Manifest
 from harness.record.folder import EVALUATION, EVALUATIONS, RANDOM, SUFFIX, TRACE, evaluation_files, parts_of
-from harness.record.manifest import Manifest
 from harness.record.plan_file import StoredPlan
 from harness.record.returns import EVENTS, PAID, mean_over_episodes, mean_return, paid_in
 from harness.record.store import Store

@@ -12,8 +12,7 @@ from harness.arrays import Float
 from harness.eta.interval import UNBOUNDED, Bounds
 from harness.eta.manner import LAST
 from harness.eta.verdict.halving import Halving, Schedule, fewest, halve, schedule_of
-from harness.record.cell import Cell
-from harness.record.manifest import Manifest
+from harness.record.cell import Cell, Manifest
 from harness.record.terms import Terms
 from harness.results.comparison import Group, deciding_manner
 from harness.results.trainings import Match, Trained, Trainings

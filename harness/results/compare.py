@@ -16,7 +16,7 @@ from harness.eta.laws import ends_of
 from harness.eta.manner import DETERMINISTIC, EVALUATION, LAST, LEARNING, OWN_AND_OTHER, STOCHASTIC, TRAINING
 from harness.eta.splits import BB, BK, KB, KK, Decomposition, Pair
 from harness.eta.swaps import Swaps, swaps_of
-from harness.record.manifest import Manifest
+from harness.record.cell import Manifest
 from harness.record.terms import FIRST, Terms
 from harness.registry.spec import unknown_name
 from harness.results.comparison import Behaviour, Comparison, Number, StepChange

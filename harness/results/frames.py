@@ -11,9 +11,9 @@ from pydantic import Field, with_config
 from harness.errors import SchemaError
 from harness.files.bounded import parse_json, reading
 from harness.files.plain import is_whole, read_keyed
+from harness.record.cell import Manifest
 from harness.record.file_forms import EXACT, Line, Whole, read_form
 from harness.record.folder import DERIVED, EVALUATION_RECORDING, POLICY
-from harness.record.manifest import Manifest
 from harness.results.kept import write_kept
 
 NAME = "frames"

@@ -9,7 +9,7 @@ import pyarrow.parquet as pq
 
 from harness.files.bounded import whole_file
 from harness.files.plain import making
-from harness.record.manifest import Manifest
+from harness.record.cell import Manifest
 from harness.record.store import RESULTS
 from harness.results.comparison import Comparison
 

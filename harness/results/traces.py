@@ -13,15 +13,13 @@ from harness.eta.headline import DECIDING, SUCCESS
 from harness.eta.index import SeedMean, mean_over_seeds
 from harness.eta.laws import Account
 from harness.measure import Measure, is_share
-from harness.record.cell import Cell
+from harness.record.cell import REMEDY, Cell, Manifest
 from harness.record.folder import EVALUATION
-from harness.record.manifest import REMEDY, Manifest
 from harness.registry.choice import Choice
 from harness.results.cell_results import CellResults, Cells
 from harness.results.comparison import Group
 from harness.results.metrics import measure_of
-from harness.results.results import Results
-from harness.results.return_matrix import ReturnMatrix
+from harness.results.results import Results, ReturnMatrix
 from harness.results.table import Numbers
 from harness.results.trainings import Match, Trainings
 from harness.score.installed_reward import InstalledReward

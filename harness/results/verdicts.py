@@ -17,8 +17,7 @@ from harness.eta.behaviour_change import Change, question_of, seeds_of, size_of,
 from harness.eta.verdict.looks import Looks, rule_in_looks
 from harness.eta.verdict.question import Question
 from harness.eta.verdict.ruling import Ruling, better_in, opposed_in, rule, rule_places
-from harness.record.cell import Cell
-from harness.record.manifest import Manifest
+from harness.record.cell import Cell, Manifest
 from harness.record.terms import FIRST, Terms
 from harness.results.comparison import Comparison, Group, correct
 from harness.results.pool import Pool

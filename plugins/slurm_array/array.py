@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from harness.executor import NO_SCALARS, Event, Job, OnEvent
+from harness.record.cell import write_log
 from harness.record.folder import LOG, partial_folder
-from harness.record.manifest import write_log
 
 from .cluster import Cluster, SubmittedJob
 from .task import CellTask, Told

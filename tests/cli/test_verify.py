@@ -3,7 +3,7 @@
 import re
 import shutil
 
-from harness.record.manifest import read_manifest
+from harness.record.cell import read_manifest
 
 
 def test_sound_folder_ends_with_0(harness, experiment):

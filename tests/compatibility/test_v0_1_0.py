@@ -22,8 +22,8 @@ from harness.cli import main
 from harness.experiment.experiment import prepare
 from harness.experiment.plan import read_experiment
 from harness.experiment.run_options import RunOptions
+from harness.record.cell import read_manifest
 from harness.record.folder import TRACE
-from harness.record.manifest import read_manifest
 from harness.record.store import EXPERIMENT, Store
 from harness.record.trace import read_trace
 from harness.text import LONGEST_MESSAGE

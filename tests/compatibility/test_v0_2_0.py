@@ -20,7 +20,7 @@ from harness.cli import main
 from harness.experiment.experiment import prepare
 from harness.experiment.plan import read_experiment
 from harness.experiment.run_options import RunOptions
-from harness.record.manifest import read_manifest
+from harness.record.cell import read_manifest
 from harness.record.store import EXPERIMENT, Store
 
 LEFT = Path(__file__).parent / "v0.2.0"

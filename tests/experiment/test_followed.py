@@ -6,7 +6,7 @@ from harness.executor import Event
 from harness.experiment.followed import WRITE_EVERY, EndedCells, Followed, Trackers, Tracking
 from harness.progress import RETURN, SUCCESS
 from harness.record import Store
-from harness.record.running import read_running
+from harness.record.cell import read_running
 from tests.stores import create_store
 
 

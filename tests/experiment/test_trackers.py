@@ -9,7 +9,7 @@ import pytest
 from harness.errors import PluginError
 from harness.executor import Event
 from harness.experiment.followed import Trackers, Tracking, build_trackers, tracked_cell
-from harness.record.running import Running
+from harness.record.cell import Running
 from harness.registry import Choice
 from tests.refusals import refused
 

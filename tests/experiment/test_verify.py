@@ -15,7 +15,7 @@ from harness.errors import NewerFormat, UsageError
 from harness.experiment.verify import missing_cells, repair, verify
 from harness.policy import CARD, WEIGHTS
 from harness.record import EXPERIMENT, MANIFEST, PLAN, REPORT, RESULTS, TRACE, Store
-from harness.record.manifest import read_manifest
+from harness.record.cell import read_manifest
 from harness.registry import load_registry
 from harness.results import load_results
 

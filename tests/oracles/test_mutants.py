@@ -10,7 +10,7 @@ from harness.eta import GroupCurve
 from harness.payoff.dataset.paid_dataset import Fingerprint
 from harness.policy import kinds
 from harness.policy.policy import ACTIVATIONS
-from harness.record import manifest
+from harness.record import cell
 from harness.record.dataset.labels import SuccessRule
 from harness.record.recording import recorded_training
 from harness.robot import kinematics
@@ -84,7 +84,7 @@ def _steps_may_be_missing(patch):
 
 
 def _digests_are_not_looked_at(patch):
-    patch.setattr(manifest, "require_files", lambda folder, record: None)
+    patch.setattr(cell, "require_files", lambda folder, record: None)
 
 
 def _relu_for_tanh(patch):

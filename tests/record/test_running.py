@@ -3,7 +3,7 @@
 import pytest
 
 from harness.errors import SchemaError
-from harness.record.running import Running, read_running, write_running
+from harness.record.cell import Running, read_running, write_running
 
 
 def test_what_is_written_is_read(tmp_path):

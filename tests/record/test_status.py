@@ -5,7 +5,7 @@ import shutil
 import pytest
 
 from harness.record import MANIFEST, Store
-from harness.record.running import Running, write_running
+from harness.record.cell import Running, write_running
 from harness.record.status import read_status
 
 

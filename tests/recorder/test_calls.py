@@ -5,7 +5,7 @@ import pytest
 from gymnasium.spaces import Box, Dict, Discrete, MultiDiscrete, Text
 
 from harness.record.recording.facts import ActionFacts
-from harness.recorder.calls import Calls, action_facts, action_of, checksum
+from harness.recorder.recorder import Calls, action_facts, action_of, checksum
 
 
 def _calls(shape=(2,), num_envs=1):

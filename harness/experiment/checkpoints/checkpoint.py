@@ -25,9 +25,8 @@ from numpy.typing import NDArray
 from harness.errors import SchemaError
 from harness.files.bounded import digest_of, files_in, is_partial, is_plain, whole_file, write_whole
 from harness.progress import Ring, TrainingState, prefixed, under
-from harness.record.cell import Cell
+from harness.record.cell import KERNEL, Cell, write_log
 from harness.record.folder import CHECKPOINT, LOG, TRACE
-from harness.record.manifest import KERNEL, write_log
 from harness.record.trace import require_rows
 
 

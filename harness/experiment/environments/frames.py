@@ -20,9 +20,8 @@ from harness.experiment.environments.played_again import PlayedAgain
 from harness.experiment.workers.order import Order, Report
 from harness.experiment.workers.workers import News, run_orders
 from harness.files.plain import Plain
-from harness.record.cell import Cell
+from harness.record.cell import Cell, Manifest
 from harness.record.folder import partial_folder, publish
-from harness.record.manifest import Manifest
 from harness.registry.given import Given
 from harness.registry.registry import load_registry
 from harness.registry.spec import require_pillow

@@ -1,13 +1,14 @@
 """Looks at an environment before anything runs: its rewards, and which algorithms can train in it.
 
-And what is recorded of an env: the environment's own rewards and measures, and those that the user gave as files.
+What is recorded of an env: the environment's own rewards and measures, and those that the user gave as files; and what
+these say of each step of random actions.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import chdir, closing
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NamedTuple
 
 from harness.algorithm import ActionSpace, Algorithm, needs_arm, needs_goals
 from harness.environment import (
@@ -24,10 +25,10 @@ from harness.environment import (
 from harness.errors import UsageError, reason_of
 from harness.eta.interval import UNBOUNDED
 from harness.eta.laws import direction_of, may_be_flag, require_direction
-from harness.experiment.environments.random_steps import random_steps, value_of
-from harness.experiment.environments.spaces import flat_observations, goal_columns, kind_of_actions
-from harness.recorder.column import for_env, made_columns
+from harness.experiment.environments.spaces import flat_observation, flat_observations, goal_columns, kind_of_actions
+from harness.recorder.column import Column, for_env, made_columns
 from harness.recorder.env_facts import Columns
+from harness.recorder.guard import Guard
 from harness.recorder.trial import FIRST_STEPS
 from harness.registry.choice import Choice, choose, label_of, parse
 from harness.registry.measure_functions import EPISODE
@@ -36,7 +37,82 @@ from harness.registry.spec import PLANNED, blamed_on, unknown_name
 from harness.registry.step_functions import StepFunction
 from harness.reward import Steps
 from harness.reward.forms import STEP
-from harness.reward.given import ARM, Given, OfArm, Terms, opened, weights_of
+from harness.reward.given import ARM, Before, Given, Now, OfArm, Terms, opened, told_under, weights_of, zeros_of
+
+
+class RandomStep(NamedTuple):
+    """One step of an env.
+
+    Attributes:
+        done: Steps up to and with this one, in all episodes.
+        number: Of this step in its episode, from 1.
+        seen: It as functions are given it, `harness.reward.given.Now`: copies that nobody can write into.
+        paid: What it paid.
+        ended: Whether the episode ended with it.
+        numbers: The observation in one row, and what the env paid.
+        guard: Asks rewards and measures about it.
+    """
+
+    done: int
+    number: int
+    seen: Steps
+    paid: Any
+    ended: bool
+    numbers: list[float]
+    guard: Guard
+
+
+def random_steps(
+    env: AnyEnv, seed: int, count: int, columns: Sequence[Column] = (), cut_at: int = 0
+) -> Iterator[RandomStep]:
+    """So many steps of random actions, in as many episodes as that takes.
+
+    Rewards and measures with a memory are begun with each episode. Ask them by `value_of` before the next step.
+
+    Args:
+        env: Makes the steps.
+        seed: Of the first episode and of the actions.
+        count: How many steps.
+        columns: The rewards and measures.
+        cut_at: After so many steps another episode begins.
+    """
+    guard = Guard()
+    before, number = _begin(env, columns, guard, seed), 0
+    env.action_space.seed(seed)
+    for done in range(1, count + 1):
+        action, number = env.action_space.sample(), number + 1
+        observation, paid, terminated, truncated, info = env.step(action)
+        ended, sealed = bool(terminated or truncated), map(guard.seal, (observation, action, info))
+        if number == 1:
+            before = before._replace(action=zeros_of(guard.seal(action)))
+        seen = Now._make((*sealed, before))
+        numbers = [*flat_observation(env.observation_space, seen.observation).tolist(), float(paid)]
+        yield RandomStep(done, number, seen, paid, ended, numbers, guard)
+        before = Before._make(seen[:-1])
+        if ended or done == cut_at:
+            before, number = _begin(env, columns, guard), 0
+
+
+def value_of(column: Column, step: RandomStep) -> Any:
+    """What a reward or a measure says of a step, as it says it.
+
+    Raises:
+        Untold: It is a key that info does not have.
+    """
+    if column.is_own:
+        return step.paid
+    if column.key is not None:
+        return told_under(step.seen.info, column.key)
+    return step.guard.answer(column.measures[0], column.arguments(step.seen))
+
+
+def _begin(env: AnyEnv, columns: Sequence[Column], guard: Guard, seed: int | None = None) -> Steps:
+    """Begin an episode; returns what there is before its first step, whose action is not known yet."""
+    observation, info = env.reset(seed=seed)
+    for column in columns:
+        if column.remembers:
+            guard.answer(column.measures[0].reset, ())
+    return Before._make((guard.seal(observation), None, guard.seal(info)))
 
 
 def closest_distance(step: Steps) -> float:

@@ -11,8 +11,7 @@ import numpy as np
 
 from harness.environment import AnyEnv, Environment
 from harness.errors import one_line
-from harness.experiment.environments.plan import columns_of
-from harness.experiment.environments.random_steps import RandomStep, random_steps, value_of
+from harness.experiment.environments.plan import RandomStep, columns_of, random_steps, value_of
 from harness.experiment.trials.tried import Fault, Tried, error_text, fault_of
 from harness.recorder.column import Column, made_columns
 from harness.recorder.guard import Guard

@@ -22,8 +22,8 @@ from typing import IO
 
 from harness.experiment.run_cell import own_partial
 from harness.experiment.workers.order import Order, read_order, tell
+from harness.record.cell import write_log
 from harness.record.folder import LOG
-from harness.record.manifest import write_log
 from harness.registry.given import is_plugin_file
 
 

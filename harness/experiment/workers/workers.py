@@ -25,8 +25,8 @@ from harness.errors import UsageError
 from harness.executor import NO_SCALARS, Limits, Word
 from harness.experiment.workers.order import Order
 from harness.experiment.workers.worker import DONE, STALE
+from harness.record.cell import write_log
 from harness.record.folder import LOG, partial_folder
-from harness.record.manifest import write_log
 
 VARIABLE: Final = "HARNESS_OFFSPRING"
 """Environment variable that a process hands on to those that it starts."""

@@ -33,7 +33,7 @@ INTEGERS = ("env", "episode", "step")
 FLAGS = ("terminated", "truncated")
 ANSWER = "answer"
 CALLS = ("seed", "resets", ANSWER)
-"""The columns of a step whose action is recorded; `harness.recorder.calls.Calls` says what they are."""
+"""The columns of a step whose action is recorded; `harness.recorder.recorder.Calls` says what they are."""
 STEPS = "steps-"
 """What the names of the parts begin with."""
 PART = "part of a recording"

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from harness.eta.amounts import trainings_text
 from harness.eta.splits import Names
-from harness.record.manifest import Manifest
+from harness.record.cell import Manifest
 from harness.report.document import Fact, repeat_of, report_text
 from harness.report.figures.accumulated import points_of_a_run
 from harness.report.figures.split import EXPLANATION as FOREST
@@ -67,7 +67,7 @@ from harness.results.comparison import still_to_come
 from harness.results.overview import varying_kinds
 from harness.results.ranking import ranking_of
 from harness.results.replay import shows_of
-from harness.results.standing import told_manifests
+from harness.results.results import told_manifests
 from harness.section import Shown, shown_sections
 
 

@@ -20,7 +20,7 @@ from harness.results import Results
 from harness.results.choosing import Choosing
 from harness.results.comparison import Comparison, StepChange, pools_of, still_to_come
 from harness.results.metrics import Counted
-from harness.results.standing import standing_of, told_manifests
+from harness.results.results import standing_of, told_manifests
 from harness.results.trainings import Alone, Stages
 from harness.text import command_text, shortened
 

@@ -20,7 +20,7 @@ from harness.report.rows.ratios import (
 )
 from harness.results import Results
 from harness.results.comparison import Comparison
-from harness.results.return_matrix import ReturnMatrix
+from harness.results.results import ReturnMatrix
 from harness.results.trainings import TermsPaid
 
 TITLE = "Return under every reward"

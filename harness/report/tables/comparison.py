@@ -64,7 +64,7 @@ from harness.results.overview import (
     varying_kinds,
 )
 from harness.results.ranking import ranking_of
-from harness.results.return_matrix import ReturnMatrix
+from harness.results.results import ReturnMatrix
 from harness.results.trainings import Alone
 
 FEW = 3

@@ -18,9 +18,8 @@ from harness.eta.index import SeedMean, mean_of_known
 from harness.eta.laws import Account, Missing, counted, numbered, require_direction, shortfall_beside
 from harness.eta.manner import ACTED_AT_RANDOM, DETERMINISTIC, MANNERS, OWN_AND_OTHER
 from harness.measure import Measure
-from harness.record.cell import BROUGHT, EVALUATION_HORIZON, UNKNOWN_ALGORITHM, Cell
+from harness.record.cell import BROUGHT, EVALUATION_HORIZON, UNKNOWN_ALGORITHM, Cell, Manifest, is_named
 from harness.record.folder import EVALUATION_RECORDING, RANDOM, TRAINING_RECORDING, recording_of
-from harness.record.manifest import Manifest, is_named
 from harness.record.plan_file import PLAN, StoredPlan
 from harness.record.recording.facts import FILE_BEHAVIOUR, OWN_SOURCE, TrainingFacts
 from harness.record.recording.recorded_training import facts_name, recordings_in
@@ -44,8 +43,7 @@ from harness.results.recordings.runs import (
     require_one,
     rescaling_between,
 )
-from harness.results.results import Results
-from harness.results.return_matrix import ReturnMatrix
+from harness.results.results import Results, ReturnMatrix
 from harness.results.table import Numbers
 from harness.results.trainings import Trainings
 from harness.score.weights import name_of

@@ -30,7 +30,7 @@ from harness.record import (
     read_manifest,
     read_recording,
 )
-from harness.record.manifest import digests_in
+from harness.record.cell import digests_in
 from harness.record.merge import merge
 from harness.record.recording.recording_writer import write_recording
 from harness.record.status import read_status

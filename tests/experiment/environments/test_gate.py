@@ -12,7 +12,7 @@ from harness.env.decisions import Shaping, Starts
 from harness.executor import CellOptions
 from harness.experiment import check_experiment, expand, run_cell as cells
 from harness.experiment.environments import world as worlds
-from harness.experiment.environments.batch import EnvironmentBatch
+from harness.experiment.environments.world import EnvironmentBatch
 from harness.policy import Deterministic, Uniform
 from harness.recorder import gate
 

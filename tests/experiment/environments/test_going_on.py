@@ -10,8 +10,8 @@ from harness.experiment import check_experiment, expand
 from harness.experiment.run_cell import run_cell
 from harness.experiment.workers import order
 from harness.record import LOG, MANIFEST, partial_folder, read_manifest
+from harness.record.cell import digests_in
 from harness.record.folder import evaluation_files
-from harness.record.manifest import digests_in
 
 EVERY = 50
 SMALL = "net_arch=8,batch_size=8,learning_starts=40"

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from harness.errors import SchemaError
-from harness.experiment.environments.batch import FIRST_ROOM, StepLog, actions_of
+from harness.experiment.environments.world import FIRST_ROOM, StepLog, actions_of
 
 ANSWER = np.zeros((2, 3), np.float32)
 

@@ -10,8 +10,8 @@ from harness.executor import CellOptions, Event, Job, Word
 from harness.experiment import check_experiment, expand
 from harness.experiment.run_cell import run_cell
 from harness.record import EVALUATION_RECORDING, LOG, MANIFEST, POLICY, RANDOM
+from harness.record.cell import digests_in
 from harness.record.folder import TRAINING_RECORDING, recording_of
-from harness.record.manifest import digests_in
 from harness.registry import choose, load_registry, read_given
 from harness_plugins.ray_cluster.node import Ended, Slot
 

@@ -10,7 +10,7 @@ import pytest
 from harness.authoring import run_job
 from harness.executor import CellOptions, Event, Job, Limits
 from harness.record import LOG, Cell, partial_folder, read_manifest
-from harness.record.manifest import whole_cell
+from harness.record.cell import whole_cell
 from harness.registry import choose
 
 ELSEWHERE = ("ray", "ray:fetch=true", "slurm:cluster=local", "slurm:memory=0.5")
