@@ -16,7 +16,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from harness.experiment.followed import EndedCells
-from harness.files.plain import read_keyed, seal, with_key
+from harness.files.bounded import read_keyed, seal, with_key
 from harness.record import (
     CELLS,
     DERIVED,

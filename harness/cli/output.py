@@ -139,7 +139,7 @@ def write_page_of(results: "Results", html: Path) -> None:
     Raises:
         UsageError: The extra ``report`` is missing, or the page cannot be written.
     """
-    from harness.files.plain import note_made
+    from harness.files.bounded import note_made
     from harness.report.page.html import write_html
 
     write_html(results, html, audits_of(results))

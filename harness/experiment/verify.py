@@ -8,8 +8,16 @@ from pathlib import Path
 from typing import NamedTuple
 
 from harness.errors import NewerFormat, SchemaError, UsageError
-from harness.files.bounded import files_in, is_partial, write_whole
-from harness.files.plain import SUMS, changed_since_made, forget_made, is_whole, read_sums
+from harness.files.bounded import (
+    SUMS,
+    changed_since_made,
+    files_in,
+    forget_made,
+    is_partial,
+    is_whole,
+    read_sums,
+    write_whole,
+)
 from harness.policy import load_policy
 from harness.record.added import owners
 from harness.record.cell import REMEDY, added_files, read_manifest, require_files, whole_cell

@@ -21,8 +21,19 @@ from pydantic import Field, with_config
 
 from harness.errors import SchemaError
 from harness.eta.manner import OWN_AND_OTHER, Manner
-from harness.files.bounded import digest_of, files_in, is_partial, read_json, reading, whole_files, write_whole
-from harness.files.plain import SUMS, Plain, read_sealed, seal
+from harness.files.bounded import (
+    SUMS,
+    digest_of,
+    files_in,
+    is_partial,
+    read_json,
+    read_sealed,
+    reading,
+    seal,
+    whole_files,
+    write_whole,
+)
+from harness.files.plain import Plain
 from harness.record.earlier import whole_manifest
 from harness.record.file_forms import (
     EXACT,

@@ -5,7 +5,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from harness.files.plain import SUMS
+from harness.files.bounded import SUMS
 from harness.record.folder import EVALUATION, RANDOM, SCORES, TRACE, digests_in
 
 ALGORITHMS: Mapping[str, str] = MappingProxyType({"sac": "sb3-sac"})

@@ -11,8 +11,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, with_config
 
 import harness.record.file_forms as forms
 from harness.errors import SchemaError, UsageError, one_line
-from harness.files.bounded import reading, write_whole
-from harness.files.plain import read_sealed, seal, unseal
+from harness.files.bounded import read_sealed, reading, seal, unseal, write_whole
 from harness.record.cell import Cell
 from harness.record.terms import FIRST, Terms
 from harness.registry.toml_file import MOST_DEPTH, depth_of, read_toml

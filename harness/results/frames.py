@@ -9,8 +9,7 @@ from typing import Annotated
 from pydantic import Field, with_config
 
 from harness.errors import SchemaError
-from harness.files.bounded import parse_json, reading
-from harness.files.plain import is_whole, read_keyed
+from harness.files.bounded import is_whole, parse_json, read_keyed, reading
 from harness.record.cell import Manifest
 from harness.record.file_forms import EXACT, Line, Whole, read_form
 from harness.record.folder import DERIVED, EVALUATION_RECORDING, POLICY

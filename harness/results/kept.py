@@ -24,8 +24,7 @@ from typing import Any, TypeVar
 import numpy as np
 import pyarrow as pa
 
-from harness.files.bounded import digest_of
-from harness.files.plain import read_keyed, write_keyed
+from harness.files.bounded import digest_of, read_keyed, write_keyed
 from harness.record.folder import DERIVED
 from harness.registry.sources import digest_of_modules
 

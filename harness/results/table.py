@@ -7,8 +7,7 @@ from typing import Any, NamedTuple, TypeAlias
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from harness.files.bounded import whole_file
-from harness.files.plain import making
+from harness.files.bounded import making, whole_file
 from harness.record.cell import Manifest
 from harness.record.store import RESULTS
 from harness.results.comparison import Comparison

@@ -8,9 +8,8 @@ import pyarrow.parquet as pq
 
 from harness.arrays import Float
 from harness.errors import UsageError, reason_of
-from harness.files.bounded import reading, whole_file
+from harness.files.bounded import changed_since_made, note_made, reading, whole_file
 from harness.files.parquet import open_parquet, require_room
-from harness.files.plain import changed_since_made, note_made
 from harness.log import Log
 from harness.log.log import REWARD, START
 from harness.record.cell_log import cell_of

@@ -14,7 +14,7 @@ import submitit
 from submitit.core.utils import FailedJobError, FailedSubmissionError
 
 from harness.errors import UsageError, one_line
-from harness.files.plain import STATE, state_folder
+from harness.files.bounded import STATE, state_folder
 from harness.text import one_line_of
 
 from .task import CellTask

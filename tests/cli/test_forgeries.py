@@ -8,7 +8,7 @@ import pyarrow as pa
 import pytest
 
 import harness as program
-from harness.files.plain import machine_key, with_key
+from harness.files.bounded import machine_key, with_key
 from tests.cli.forging import change, column, first_cell, in_manifest, in_plan, table
 
 ROWS = 1_000_000

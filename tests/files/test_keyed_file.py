@@ -5,7 +5,7 @@ import stat
 
 import pytest
 
-from harness.files.plain import SIZE, STATE, is_whole, key_file, machine_key, read_keyed, state_folder, write_keyed
+from harness.files.bounded import SIZE, STATE, is_whole, key_file, machine_key, read_keyed, state_folder, write_keyed
 
 CONTENT = bytes(range(256)) * 4
 

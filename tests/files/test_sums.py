@@ -6,7 +6,7 @@ import subprocess
 import pytest
 
 from harness.files import changed_since_made, forget_made, making, note_made, read_sums
-from harness.files.plain import FIRST_LINE, SUMS
+from harness.files.bounded import FIRST_LINE, SUMS
 
 
 @pytest.fixture

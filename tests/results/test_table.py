@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pyarrow.parquet as pq
 
-from harness.files.plain import changed_since_made
+from harness.files.bounded import changed_since_made
 from harness.record import Manifest
 from harness.results.table import Numbers, comparison_rows, table_of, write_table
 from harness.results.verdicts import with_verdicts

@@ -10,8 +10,8 @@ from pydantic import AfterValidator, Field, with_config
 from typing_extensions import TypedDict
 
 from harness.eta.manner import Acted
-from harness.files.bounded import reading
-from harness.files.plain import Plain, read_sealed, seal
+from harness.files.bounded import read_sealed, reading, seal
+from harness.files.plain import Plain
 from harness.log import Failed, Log, LogFacts
 from harness.log.log import BEHAVIOUR, REWARD
 from harness.record.file_forms import EXACT, Digest, Line, Name, Number, Whole, read_form

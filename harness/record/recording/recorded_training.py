@@ -14,9 +14,8 @@ import numpy as np
 import pyarrow as pa
 
 from harness.errors import SchemaError
-from harness.files.bounded import reading
+from harness.files.bounded import making, reading
 from harness.files.parquet import MOST_NUMBERS, require_room
-from harness.files.plain import making
 from harness.log import Log
 from harness.log.log import REWARD, TIME, Columns, Rows, joined
 from harness.record.folder import part_path

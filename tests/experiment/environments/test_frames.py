@@ -10,7 +10,7 @@ import pytest
 from harness.experiment.environments.frames import draw_frames
 from harness.experiment.experiment import run
 from harness.experiment.verify import verify
-from harness.files.plain import write_keyed
+from harness.files.bounded import write_keyed
 from harness.report import write_html
 from harness.report.page.comparison import frames_of
 from harness.results import load_results

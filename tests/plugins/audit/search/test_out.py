@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from harness.errors import SchemaError
-from harness.files.plain import seal, unseal
+from harness.files.bounded import seal, unseal
 from harness.registry import choose, load_registry, read_given
 from harness_plugins.audit import page_in, read_certificate, replay_file, write_certificate, write_found
 from harness_plugins.audit.search.behaviour import Behaviour, Searched
