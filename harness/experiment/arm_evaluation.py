@@ -1,7 +1,6 @@
 """Evaluation apart from training: fixed starts and targets, the same in every cell."""
 
-from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
@@ -151,26 +150,19 @@ def record_evaluation(
     evaluate(world, act, count, path, ik_steps=steps, on_step=on_step)
 
 
-class KeptRows:
-    """A `Recorder` of one episode of each env, whose rows are handed on as if all envs were side by side."""
-
-    def __init__(self) -> None:
-        self._of_step = defaultdict[int, list[Rows]](list)
+class KeptRows(list[Rows]):
+    """A `Recorder` of the episodes of all batches, one after the other."""
 
     def append(self, rows: Rows) -> None:
-        self._of_step[int(rows[0, COLUMN["step"]])].append(rows.copy())
-
-    def __iter__(self) -> Iterator[Rows]:
-        """Rows of one step after the other, each by env."""
-        return (rows for step in sorted(self._of_step) for rows in self._of_step[step])
+        super().append(rows.copy())
 
     def hand_to(self, recorder: Recorder) -> None:
-        """Tell another one all rows."""
-        for rows in self:
+        """Tell another one all rows as if all envs were side by side: one step after the other, each by env."""
+        for rows in sorted(self, key=lambda rows: float(rows[0, COLUMN["step"]])):
             recorder.append(rows)
 
 
-def work_of(world: World, kept: Iterable[Rows]) -> tuple[float, ...] | None:
+def work_of(world: World, kept: Sequence[Rows]) -> tuple[float, ...] | None:
     """The work by env, [J]; None if the arm jumps from pose to pose, or if its links have no mass."""
     chain, jumps = world.robot.chain, world.task.motion(world.robot).jumps
     if jumps or (bodies := read_bodies(world.robot)) is None:

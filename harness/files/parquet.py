@@ -3,8 +3,7 @@
 import struct
 import sys
 from collections import Counter
-from collections.abc import Collection, Iterator
-from functools import lru_cache
+from collections.abc import Collection
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -49,13 +48,6 @@ def read_chunks(path: Path) -> tuple[tuple[Chunk, ...], ...]:
         OSError: See `open_regular`.
         ValueError: It does not end as a Parquet file does.
     """
-    told = path.stat()
-    return _read_chunks(path, (told.st_ino, told.st_size, told.st_mtime_ns))
-
-
-@lru_cache(maxsize=4096)
-def _read_chunks(path: Path, found: tuple[int, int, int]) -> tuple[tuple[Chunk, ...], ...]:
-    """Those of a file that had this number, size and time: a report opens each file several times."""
     with open_regular(path, sys.maxsize) as file:
         end = file.seek(0, 2)
         file.seek(max(0, end - 8))
@@ -94,6 +86,8 @@ def _struct(footer: bytes, at: int, depth: int) -> tuple[dict[int, Any], int]:
             field, at = _whole(footer, at)
         if (kind := head & 15) <= 2:  # a truth value stands in its kind
             told[field] = kind == 1
+        elif 4 <= kind <= 6 and (byte := footer[at]) < 128:  # as most are: a whole number in one byte
+            told[field], at = (byte >> 1) ^ -(byte & 1), at + 1
         else:
             told[field], at = _value(footer, at, kind, depth)
     return told, at + 1
@@ -209,33 +203,29 @@ def require_room(
         OSError: The file cannot be read.
         ValueError: They take more, or the file does not tell what they take.
     """
-    schema, told, owners = file.schema_arrow, file.metadata, list(_owners(file.schema_arrow))
-    groups = read_chunks(path)
+    schema, rows, groups = file.schema_arrow, file.metadata.num_rows, read_chunks(path)
+    kinds = dict(zip(schema.names, schema.types, strict=True))
+    owners = [name for name, kind in zip(schema.names, schema.types, strict=True) for _ in range(_leaves(kind))]
     if any(len(owners) != len(group) for group in groups):
         raise ValueError("it tells of other columns than it has")
-    wanted = set(schema.names if columns is None else columns)
+    wanted = kinds.keys() if columns is None else kinds.keys() & columns
     chunks = [(name, chunk) for group in groups for name, chunk in zip(owners, group, strict=True) if name in wanted]
-    numbers = Counter({name: told.num_rows * _width(schema.field(name).type) for name in wanted & {*schema.names}})
+    numbers = Counter({name: rows * _width(kinds[name]) for name in wanted})
     held: Counter[str] = Counter()
     texts = 0
     for name, chunk in chunks:
         held[name] += chunk.numbers
-        texts += chunk.size * pa.types.is_dictionary(schema.field(name).type)
+        texts += chunk.size * pa.types.is_dictionary(kinds[name])
     total = sum((numbers | held).values())
     if total > most:
-        raise ValueError(f"it has {told.num_rows:,} rows of {total:,} numbers, {most:,} are allowed")
+        raise ValueError(f"it has {rows:,} rows of {total:,} numbers, {most:,} are allowed")
     if texts > TEXT_BYTES:
         raise ValueError(f"its texts have {texts:,} bytes, {TEXT_BYTES:,} are allowed")
     return chunks
 
 
-def _owners(schema: pa.Schema) -> Iterator[str]:
-    """The column of each of the file's own columns, which hold the values of nested ones."""
-    for field in schema:
-        yield from [field.name] * _leaves(field.type)
-
-
 def _leaves(kind: pa.DataType) -> int:
+    """How many of the file's own columns hold the values of a column of this kind."""
     return sum(_leaves(kind.field(place).type) for place in range(kind.num_fields)) or 1
 
 

@@ -279,17 +279,18 @@ def require_rows(path: Path, count: int) -> None:
         raise SchemaError(f"{path.name} has {found:,} rows, and {count:,} were written")
 
 
-def read_trace(path: Path, after: int = 0) -> Log:
+def read_trace(path: Path, after: int = 0, most: int | None = None) -> Log:
     """A trace, one that is being written too: as far as it was written. Each column is read when it is asked for.
 
     Args:
         path: The first of its files.
         after: Leave out so many of its files, which are full and were read before.
+        most: Rows that it may have, of which it then has at least one; None for any number.
 
     Raises:
-        SchemaError: The file is damaged, is no trace or was written by a newer version; or its end tells of a number
-            that is too large. A column that is damaged raises it when it is read, and so does every column of a trace
-            that was replaced by then, if it has several files.
+        SchemaError: The file is damaged, is no trace or was written by a newer version; or its end tells of another
+            number of rows, or of a number that is too large. A column that is damaged raises it when it is read, and so
+            does every column of a trace that was replaced by then, if it has several files.
     """
     paths = parts_of(path)[after:]
     parts = [_opened(part, MOST_NUMBERS // len(paths)) for part in paths]
@@ -302,6 +303,8 @@ def read_trace(path: Path, after: int = 0) -> Log:
     with reading(last, "trace"):
         episodes = EpisodeFacts.from_bytes(told[FACTS_KEY]) if FACTS_KEY in told else NOTHING_KNOWN
     version, rows = told[FORMAT_KEY].decode(), len(full) * PART_ROWS + file.metadata.num_rows
+    if most is not None and not 0 < rows <= most:
+        raise SchemaError(f"{path} has {rows:,} rows, 1 to {most:,} are allowed")
     facts = TraceFacts(path=path, format=f"trace, format {version}", episodes=episodes)
     trace = Log(facts, tuple(filter(_is_known, file.schema_arrow.names)), partial(_tables, parts))
     if version == "1":

@@ -12,7 +12,7 @@ from typing import Any, Self, TypeVar
 import numpy as np
 
 from harness.arrays import Float
-from harness.errors import SchemaError, Unmeasured, Unscored
+from harness.errors import Unmeasured, Unscored
 from harness.eta.headline import SUCCESS
 from harness.eta.manner import OWN_AND_OTHER, TRAINING
 from harness.log import Log
@@ -24,8 +24,6 @@ from harness.record.plan_file import StoredPlan
 from harness.record.returns import EVENTS, PAID, mean_over_episodes, mean_return, paid_in
 from harness.record.store import Store
 from harness.record.trace import (
-    FLAGS,
-    INTEGERS,
     episode_facts,
     read_trace,
     terms_of,
@@ -41,13 +39,10 @@ from harness.results.recordings.episodes import Did, Episodes, Part
 from harness.results.table import RANDOM as AT_RANDOM, Numbers
 from harness.reward import Paid
 from harness.score.installed_reward import InstalledReward
-from harness.score.scorer import SCORED
 
 SLACK = 100_000
 """Rows that a trace may have beyond its training's budget, as the last decision of many envs may; and the steps that an
 episode of an evaluation may have, where the training was shorter than that."""
-MEASURED = (*INTEGERS, *FLAGS, "distance", *(f"end_effector_{axis}" for axis in "xyz"), "qpos")
-"""Columns that metrics read."""
 START, END = "start ", "end "
 """The first and the last episodes of a training, see `harness.results.by_term.part_of`."""
 SUMMED = {"return": ("reward",), "events": EVENTS, "paid": PAID}
@@ -151,7 +146,7 @@ class CellResults(Did):
         self._read: dict[str, Log] = {}
         self._asking = 0
         self.reasons: dict[str, str] = {}
-        self._measure = cache(self._measured)
+        self._measure, self._digests = cache(self._measured), cache(self._digests_now)
 
     def __enter__(self) -> Self:
         self._asking += 1
@@ -179,10 +174,6 @@ class CellResults(Did):
 
     def _keep(self, file: str, trace: Log) -> bool:
         """Compute what a report asks of a trace."""
-        rows, most = len(trace), self._most(file)
-        if not 0 < rows <= most:
-            raise SchemaError(f"{trace.facts.path} has {rows:,} rows, 1 to {most:,} are allowed")
-        trace.load((*MEASURED, *SCORED, *PAID))  # in one pass
         _ = self._measure(file), self._count(file), self.recorded_return("return", file)
         own, *payers = map(self._cells.installed, (self.cell.reward, *self._cells.scoring))
         paying: list[Callable[[], object]] = []
@@ -324,7 +315,7 @@ class CellResults(Did):
             Unscored: It cannot pay, or pays something else.
         """
         own = self._cells.installed(self.cell.reward)
-        if not self._ask(file, "is paid", lambda trace: own.pays_recorded(trace.load(SCORED)), own):
+        if not self._ask(file, "is paid", own.pays_recorded, own):
             raise Unscored(f"reward {self.reward} now pays its recorded steps differently: it has changed")
         return own
 
@@ -431,16 +422,16 @@ class CellResults(Did):
 
     def _trace(self, file: str) -> Log:
         if file not in self._read:
-            self._read[file] = read_trace(self._files / file)
+            self._read[file] = read_trace(self._files / file, most=self._most(file)).load()  # in one pass
         return self._read[file]
 
-    def _digests(self, file: str) -> list[str]:
+    def _digests_now(self, file: str) -> list[str]:
         """SHA-256 of the parts of a trace."""
         parts = parts_of(self._files / file)
         return [self._kept.digest(part.relative_to(self._files).as_posix()) for part in parts]
 
     def _paid(self, trace: Log, reward: InstalledReward) -> Paid:
-        return reward.pay(trace.load(SCORED), self.cell.reward)
+        return reward.pay(trace, self.cell.reward)
 
     def _count(self, file: str) -> int:
         return self._ask(file, "episodes", lambda trace: len(trace.episodes))
@@ -483,7 +474,6 @@ def _value_of(metric: Measure, part: str, trace: Log) -> float | None:
 
     What is known of each env's only episode does not belong to a part.
     """
-    trace.load(MEASURED)
     if not part:
         return value_of(metric, trace)
     episodes = sorted(trace.episodes, key=lambda rows: int(rows[-1]))

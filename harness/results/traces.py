@@ -1,7 +1,6 @@
 """The done cells of arms as trainings that are compared: what their traces say, each thing computed once."""
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from contextlib import ExitStack
 from functools import cached_property, partial
 from itertools import combinations
 from pathlib import Path
@@ -140,7 +139,7 @@ class Traces(Results):
 
 
 def _column(runs: Sequence[CellResults], payers: Mapping[str, InstalledReward | str]) -> dict[str, SeedMean]:
-    """What each reward pays trainings by one, and what events paid. Each evaluation is read once."""
+    """What each reward pays trainings by one, and what events paid."""
 
     def mean(paid: Callable[[CellResults], float | None]) -> SeedMean:
         try:
@@ -150,15 +149,12 @@ def _column(runs: Sequence[CellResults], payers: Mapping[str, InstalledReward | 
         known = [value for value in values if value is not None]
         return mean_over_seeds(known, None if len(known) == len(values) else UNFINISHED)
 
-    with ExitStack() as asked:
-        for run in runs:
-            asked.enter_context(run)
-        return {
-            EVENTS: mean(lambda run: run.recorded_return("events")),
-            **{
-                payer: SeedMean(None, notes=(it,))
-                if isinstance(it, str)
-                else mean(partial(CellResults.evaluation_return, reward=it))
-                for payer, it in payers.items()
-            },
-        }
+    return {
+        EVENTS: mean(lambda run: run.recorded_return("events")),
+        **{
+            payer: SeedMean(None, notes=(it,))
+            if isinstance(it, str)
+            else mean(partial(CellResults.evaluation_return, reward=it))
+            for payer, it in payers.items()
+        },
+    }

@@ -87,10 +87,10 @@ class Reads:
         """Names of the files that were read."""
         return {path.name for path in self.files}
 
-    def __call__(self, path):
+    def __call__(self, path, *, most):
         """Read one."""
         self.files.append(path)
-        trace = read_trace(path)
+        trace = read_trace(path, most=most)
         self.held.add(trace)
         self.most = max(self.most, len(self.held))
         return trace
