@@ -3,10 +3,12 @@
     python experiments/arms/measure.py results/reference/arms/arms.csv [NAME ...]
 
 measures all arms, or those named, two at a time, and writes a page beside the rows; `make arms` sets up what it needs.
+Each is called three ways: by its absolute path, by a relative one, and from the folder of its file.
 """
 
 import csv
 import json
+import os
 import re
 import subprocess
 import sys
@@ -67,7 +69,11 @@ class Row:
 
 
 def measure(arm: Mapping[str, Any]) -> Row:
-    """One arm of arms.toml, with a robot.toml of its own in an empty folder."""
+    """One arm of arms.toml, with a robot.toml of its own, called three ways.
+
+    It is loaded by an absolute path, trained from the file's own folder, and held against other simulators by a
+    relative path.
+    """
     begin = time.perf_counter()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -86,18 +92,33 @@ def _measure(row: Row, arm: Mapping[str, Any], folder: Path) -> Row:
     if robot.end_effector_link != arm["tip"]:
         return replace(row, refused=f"The tip is '{robot.end_effector_link}', not '{arm['tip']}'.")
     row = replace(row, tip_error=_tip_error(robot, arm))
-    cells, refused = _harness("run", TRAINING, folder, folder / "out")
+    laid = lay_out(arm, folder / "laid")
+    cells, refused = _harness("run", f"{TRAINING} --out {folder / 'out'} --quiet", laid.parent, laid.name)
     done = [cell["simulator"] for cell in cells.get("cells", []) if cell["status"] == "done" and cell["steps"] == 500]
-    held, refused_parity = _harness("parity", MOTIONS, folder, None)
+    held, refused_parity = _harness("parity", MOTIONS, folder, str(laid.relative_to(folder)))
     apart = max((pair["max_tip_error_m"] for pair in held.get("pairs", [])), default=float("nan"))
     return replace(row, trains=" ".join(sorted(done)), apart=apart, refused=f"{refused} {refused_parity}".strip())
 
 
-def _harness(command: str, options: str, folder: Path, out: Path | None) -> tuple[dict[str, Any], str]:
-    """What a command says in JSON, and what it says went wrong."""
-    where = ["--sim", ",".join(SIMULATORS), "--robot", str(folder), *(["--out", str(out), "--quiet"] if out else [])]
-    words = [sys.executable, "-m", "harness", command, *options.split(), *where, "--json"]
-    done = subprocess.run(words, capture_output=True, text=True, check=False)
+def lay_out(arm: Mapping[str, Any], folder: Path) -> Path:
+    """The file of an arm in folders of links to what lies beside it and around it, with its robot.toml; its path."""
+    root = Path(get_path("purelib"))
+    file = find_installed(arm["file"]).relative_to(root)
+    for inner in file.parents[:-1]:
+        (folder / inner).mkdir(parents=True, exist_ok=True)
+        for beside in (root / inner).iterdir():
+            if not (folder / inner / beside.name).exists():
+                (folder / inner / beside.name).symlink_to(beside)
+    (folder / file).with_name("robot.toml").write_text(robot_toml({**arm, "file": file.name}), encoding="utf-8")
+    return folder / file
+
+
+def _harness(command: str, options: str, folder: Path, robot: str) -> tuple[dict[str, Any], str]:
+    """What a command in a folder says in JSON, and what it says went wrong."""
+    words = [*options.split(), "--sim", ",".join(SIMULATORS), "--robot", robot, "--json"]
+    done = subprocess.run(
+        [sys.executable, "-m", "harness", command, *words], capture_output=True, text=True, check=False, cwd=folder
+    )
     said = json.loads(done.stdout) if done.stdout.lstrip().startswith("{") else {}
     wrong = [line.removeprefix("harness: ") for line in done.stderr.splitlines() if line.startswith("harness: ")]
     wrong += [cell["reason"] for cell in said.get("cells", []) if cell["status"] != "done"]
@@ -113,7 +134,7 @@ def robot_toml(arm: Mapping[str, Any]) -> str:
 
 def _toml(value: object) -> str:
     if isinstance(value, dict):
-        return f"{{ {', '.join(f'{key} = {_toml(held)}' for key, held in value.items())} }}"
+        return f"{{ {', '.join(f'{json.dumps(key)} = {_toml(held)}' for key, held in value.items())} }}"
     return json.dumps(value)
 
 
@@ -146,9 +167,11 @@ def _pinocchio_tips(file: Path, tip: str, poses: Iterable[Mapping[str, float]]) 
 
 def _expand(file: Path) -> str:
     """What the package xacro makes of a file; a package that is not found is the folder around it."""
-    import xacro
+    import xacro.substitution_args
 
-    xacro.substitution_args._eval_find = lambda name: str(next(package_folders(name, file.parent, {}), file.parents[1]))
+    xacro.substitution_args._eval_find = lambda name: str(
+        next(filter(os.path.isdir, package_folders(name, file.parent, {})), file.parents[1])
+    )
     return str(xacro.process_file(str(file)).toxml())
 
 

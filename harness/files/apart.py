@@ -59,10 +59,9 @@ def run_apart(module: str, function: str, *words: str, cpu_seconds: int = CPU_SE
 
 def _death(status: int, cpu_seconds: int, memory: int) -> str:
     """Why a process ended before it answered."""
-    names = {int(it): it.name for it in signal.Signals}
-    if names.get(-status) in {"SIGXCPU", "SIGKILL"}:
+    ended = signal.Signals(-status).name
+    if ended in {"SIGXCPU", "SIGKILL"}:
         return f"reading it takes more than {cpu_seconds} s of computing"
-    ended = names.get(-status, -status)
     return f"what reads it ended by {ended}: it is damaged, or needs more than {memory / 2**30:.2g} GiB of memory"
 
 

@@ -3,11 +3,12 @@
 STL and OBJ are read here; COLLADA, glTF and PLY by `trimesh`, of the extra `meshes`.
 """
 
-import glob
 import json
+import math
 import os
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from importlib.util import find_spec
@@ -15,6 +16,7 @@ from io import BytesIO
 from itertools import pairwise
 from pathlib import Path
 from types import MappingProxyType
+from xml.etree.ElementTree import Element
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +24,8 @@ from numpy.typing import NDArray
 from harness.arrays import Float
 from harness.errors import UsageError
 from harness.files.bounded import kind_at, read_bytes
+from harness.robot.packages import package_folders
+from harness.robot.urdf import BoundedBuilder
 from harness.text import one_line_of
 
 HEADER = 84
@@ -42,11 +46,15 @@ SCENES: Mapping[str, tuple[str, ...]] = {
     ".ply": ("trimesh",),
 }
 """The formats that others read, by the suffix in small letters, and the packages that this takes."""
+MOST_NUMBERS = 60 * MOST_TRIANGLES
+"""The most numbers of a scene, some twenty for each corner; a third as many entries of a glTF's arrays."""
+MOST_PLACED, MOST_ELEMENTS, MOST_LEVELS = 20_000, 100_000, 400
+"""The most nodes of a scene, with all copies; elements of its text, and how deep they may lie in one another."""
+MOST_HEAD = 10_000
+"""The most bytes of the head of a PLY."""
 TO_READ_THEM = "pip install 'fd100-harness[meshes]'"
 UNIT = re.compile(rb"<unit[^>]*?\bmeter\s*=\s*[\"']([^\"']+)")
 """How many metres the unit of a COLLADA file has."""
-COUNT = re.compile(rb'"count"\s*:\s*(\d+)')
-"""How many elements an array of a glTF file has; one without data has as many zeros."""
 TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
 
@@ -54,9 +62,8 @@ def locate_mesh(name: str, folder: Path, packages: Mapping[str, Path] = MappingP
     """The file that a URDF in `folder` means by `name`.
 
     A relative name starts at `folder`, else at the package ''. ``package://PACKAGE/REST`` is looked for where
-    `packages` says; then as PACKAGE/REST, then as REST, in `folder` and in each folder around it: the package is the
-    folder that the URDF lies in or beside, whatever a checkout is called; then where ROS looks: in the folders of
-    ROS_PACKAGE_PATH and those in them, and in ``share`` of those of AMENT_PREFIX_PATH.
+    the folders of the package may be, see `package_folders`; then as REST in `folder` and in each folder around it: the
+    package is the folder that the URDF lies in or beside, whatever a checkout is called.
 
     Args:
         name: A path, or ``package://``, ``model://`` or ``file://`` and a path.
@@ -104,23 +111,8 @@ def _places(rest: str, folder: Path, packages: Mapping[str, Path]) -> Iterator[P
 def _places_in_packages(rest: str, folder: Path, packages: Mapping[str, Path]) -> Iterator[Path]:
     """Where a file of a package, PACKAGE/REST, may lie; arguments as for `locate_mesh`."""
     package, _, inner = rest.partition("/")
-    tails = [rest, *[inner] * bool(inner)]
-    if package in packages:
-        yield packages[package] / inner
-    if "" in packages:
-        yield from (packages[""] / tail for tail in tails)
-    yield from (around / tail for around in (folder, *folder.parents) for tail in tails)
-    for path in _paths_in("ROS_PACKAGE_PATH"):
-        yield path / rest
-        if path.name == package:
-            yield path / inner
-        yield from sorted(path.glob(f"*/{glob.escape(rest)}"))
-    yield from (path / "share" / rest for path in _paths_in("AMENT_PREFIX_PATH"))
-
-
-def _paths_in(variable: str) -> list[Path]:
-    """The folders that a variable of the environment names."""
-    return [Path(path).absolute() for path in os.environ.get(variable, "").split(os.pathsep) if path]
+    places = (*package_folders(package, folder, packages), *_places("", folder, packages), *folder.parents)
+    yield from (place / inner for place in places)
 
 
 def _require_small(path: Path) -> None:
@@ -162,7 +154,7 @@ def read_mesh(path: Path) -> Mesh:
         if (kind := kind_at(path)) is not None:
             raise UsageError(f"'{path}' is no mesh, it is {kind.sentence}") from error
         problem = error.strerror if isinstance(error, OSError) and error.strerror else one_line_of(str(error))
-        raise UsageError(f"'{path}' cannot be read as a mesh ({problem}). Export it again.") from error
+        raise UsageError(f"'{path}' cannot be read as a mesh ({problem.rstrip('.')}). Export it again.") from error
 
 
 @lru_cache(maxsize=128)
@@ -186,7 +178,15 @@ def needs_extra(path: Path) -> bool:
 
 
 def _read_stl(data: bytes) -> Mesh:
-    corners = _corners_of_binary(data) if _is_binary_stl(data) else _points(data, b"vertex")
+    count = int.from_bytes(data[HEADER - 4 : HEADER], "little")
+    # In a text these bytes are letters, which make a number that no file is long enough for.
+    if len(data) >= HEADER + count * TRIANGLE.itemsize:
+        _require_few(count)
+        corners = np.frombuffer(data, TRIANGLE, count=count, offset=HEADER)["corners"].reshape(-1, 3).astype(np.float64)
+        if not np.isfinite(corners).all():
+            raise ValueError(NO_POINTS)
+    else:
+        corners = _points(data, b"vertex")
     if len(corners) % 3:
         raise ValueError("its last triangle is not complete")
     vertices, numbers = distinct(corners)
@@ -213,28 +213,8 @@ def distinct(points: Float) -> tuple[Float, NDArray[np.intp]]:
     return ordered[is_new], numbers
 
 
-def _is_binary_stl(data: bytes) -> bool:
-    # In a text the four bytes of the count are letters, which make a number that no file is long enough for.
-    return len(data) >= HEADER + _count_of(data) * TRIANGLE.itemsize
-
-
-def _corners_of_binary(data: bytes) -> Float:
-    count = _count_of(data)
-    if count > MOST_TRIANGLES:
-        raise _too_many(count)
-    corners = np.frombuffer(data, TRIANGLE, count=count, offset=HEADER)["corners"].reshape(-1, 3)
-    if not np.isfinite(corners).all():
-        raise ValueError(NO_POINTS)
-    exact: Float = corners.astype(np.float64)
-    return exact
-
-
-def _count_of(data: bytes) -> int:
-    return int.from_bytes(data[HEADER - 4 : HEADER], "little")
-
-
 def _read_obj(data: bytes) -> Mesh:
-    data = re.sub(rb"\\\r?\n", b" ", data) if b"\\" in data else data  # a line that goes on in the next one
+    data = data.replace(b"\\\r\n", b" ").replace(b"\\\n", b" ")  # a line that goes on in the next one
     vertices = _points(data, b"v")
     numbers = np.fromiter(_corners_of_obj(data), np.int64).reshape(-1, 3)
     # They begin with 1; what is below 0 is counted from the end, as most files with it list all points first.
@@ -252,13 +232,12 @@ def _require_corners(numbers: NDArray[np.int64], count: int) -> None:
 def _corners_of_obj(data: bytes) -> Iterator[int]:
     """Numbers of the corners of all triangles, three by three; a polygon is a fan of triangles."""
     count = 0
-    for line in re.finditer(rb"^f[ \t]+(.+)$", data, re.MULTILINE):
+    for number, line in enumerate(re.finditer(rb"^f[ \t]+(.+)$", data, re.MULTILINE)):
+        _require_few(number)
         corners = (int(corner[0].partition(b"/")[0]) for corner in re.finditer(rb"\S+", line[1]))
         first = next(corners)
         for one, next_one in pairwise(corners):
-            count += 1
-            if count > MOST_TRIANGLES:
-                raise _too_many(count)
+            _require_few(count := count + 1)
             yield from (first, one, next_one)
 
 
@@ -268,20 +247,19 @@ def _points(data: bytes, word: bytes) -> Float:
 
 
 def _numbers(data: bytes, word: bytes) -> Iterator[float]:
-    if (count := data.count(b"\n" + word + b" ")) > 3 * MOST_TRIANGLES:  # most of such files are found at once
-        raise _too_many(count // 3)
+    _require_few(data.count(b"\n" + word + b" ") // 3)  # most of such files are found at once
     # Some programs write the words of a text STL in capital letters.
     pattern = rb"^[ \t]*(?i:" + word + rb")[ \t]+([^\n]{1,%d})" % LONGEST_LINE
     lines = re.finditer(pattern, data, re.MULTILINE)
     for count, line in enumerate(lines):
-        if count == 3 * MOST_TRIANGLES:
-            raise _too_many(count // 3)
+        _require_few(count // 3)
         x, y, z = line[1].split(None, 3)[:3]
         yield from (float(x), float(y), float(z))
 
 
-def _too_many(count: int) -> ValueError:
-    return ValueError(f"it has {count:,} triangles or more, {MOST_TRIANGLES:,} are allowed")
+def _require_few(count: float, most: int = MOST_TRIANGLES, noun: str = "triangles or more") -> None:
+    if not count <= most:
+        raise ValueError(f"it has {count:,} {noun}, {most:,} are allowed")
 
 
 def _read_scene(data: bytes, suffix: str) -> Mesh:
@@ -292,12 +270,9 @@ def _read_scene(data: bytes, suffix: str) -> Mesh:
     """
     import trimesh
 
-    if b"<!DOCTYPE" in data:
-        raise ValueError("it has a <!DOCTYPE>, which no mesh needs")
-    if (count := max(map(int, COUNT.findall(data)), default=0)) > 3 * MOST_TRIANGLES:
-        raise _too_many(count // 3)
+    {".dae": _look_at_collada, ".ply": _look_at_ply}.get(suffix, _look_at_gltf)(data)
     try:
-        scene = trimesh.load_scene(BytesIO(data), file_type=suffix[1:], process=False)
+        scene = trimesh.load_scene(BytesIO(data), file_type=suffix[1:], process=False, skip_materials=True)
     except AttributeError as error:  # of what it takes for granted
         raise ValueError("it shows no scene, or is damaged") from error
     unit = UNIT.search(data) if suffix == ".dae" else None
@@ -309,14 +284,59 @@ def _read_scene(data: bytes, suffix: str) -> Mesh:
             continue  # lines
         _require_corners(part.faces, len(part.vertices))
         triangles += len(part.faces)
-        if triangles > MOST_TRIANGLES:
-            raise _too_many(triangles)
+        _require_few(max(triangles, points // 3))
         mirrored = np.linalg.det(pose[:3, :3]) < 0.0
         vertices.append(part.vertices @ pose[:3, :3].T + pose[:3, 3])
         faces.append(part.faces[:, :: -1 if mirrored else 1] + points)
         points += len(part.vertices)
     scale = float(unit[1]) if unit else 1.0
     return Mesh(np.concatenate(vertices) * scale, np.concatenate(faces).astype(np.int32))
+
+
+def _look_at_collada(data: bytes) -> None:
+    """See that what comes of a COLLADA file is bounded: a node may show others, which show others, many times."""
+    if data.startswith(b"PK"):
+        raise ValueError("it is packed: unpack it")
+    _require_few(sum(map(data.count, (b" ", b"\n", b"\t", b"\r"))), MOST_NUMBERS, "numbers")
+    root = BoundedBuilder("COLLADA file", MOST_ELEMENTS, MOST_LEVELS).read(data)
+    named = defaultdict[str, list[Element]](list)
+    for part in root.iter():
+        named[f"#{part.get('id')}"].append(part)
+        if part.tag.endswith("vcount"):
+            _require_few(sum(map(int, (part.text or "").split())), 3 * MOST_TRIANGLES, "corners")
+    _require_few(_weight(root, named, {}), 2 * MOST_BYTES, "bytes, copies counted")
+
+
+def _weight(part: Element, named: Mapping[str, Sequence[Element]], known: dict[Element, float]) -> float:
+    """The bytes of an element's texts and of what it shows; each time it shows something counts for some as well."""
+    if part not in known:
+        known[part] = math.inf  # until it is known: none holds itself
+        shown = named.get(part.get("url", ""), ())
+        each = 2 * MOST_BYTES // MOST_PLACED * len(shown)
+        known[part] = len(part.text or "") + each + sum(_weight(it, named, known) for it in (*part, *shown))
+    return known[part]
+
+
+def _look_at_gltf(data: bytes) -> None:
+    """See that what comes of a glTF file is bounded: its meshes may share arrays, and its arrays bytes."""
+    text = data[20 : 20 + int.from_bytes(data[12:16], "little")] if data.startswith(b"glTF") else data
+    _require_few(text.count(b","), MOST_ELEMENTS, "parts")
+    tree = json.loads(text)
+    if any(not it.get("uri", "data:").startswith("data:") for it in tree.get("buffers", ())):
+        raise ValueError("its numbers lie in other files: save it as .glb")
+    counts = [abs(it["count"]) for it in tree.get("accessors", ())]
+    parts = [part for mesh in tree.get("meshes", ()) for part in mesh["primitives"]]
+    used = [counts[at] for part in parts for at in (*part["attributes"].values(), part.get("indices", 0))]
+    _require_few(max(sum(counts), sum(used)), MOST_NUMBERS // 3, "entries of its arrays")
+    _require_few(sum(abs(it["byteLength"]) for it in tree.get("bufferViews", ())), 2 * MOST_BYTES, "bytes")
+    _require_few(len(tree.get("nodes", ())), MOST_PLACED, "nodes")
+
+
+def _look_at_ply(data: bytes) -> None:
+    """See that what comes of a PLY is bounded."""
+    _require_few(len(data.partition(b"end_header")[0]), MOST_HEAD, "bytes in its head")
+    _require_few(data.count(b"\n"), 4 * MOST_TRIANGLES, "lines")
+    _require_few(len(data), MOST_BYTES // 2, "bytes")
 
 
 READERS: Mapping[str, Callable[[bytes], Mesh]] = {

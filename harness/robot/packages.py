@@ -1,6 +1,7 @@
 """Files by the names that a `robot.toml`, a command or a xacro file gives them: paths, and files of packages."""
 
 import difflib
+import glob
 import os
 import re
 from collections.abc import Iterator, Mapping
@@ -110,7 +111,7 @@ def _files_of(brought: Distribution) -> Iterator[str]:
 
 
 def package_folders(name: str, folder: Path, packages: Mapping[str, Path]) -> Iterator[Path]:
-    """The folders of a ROS package, likeliest first.
+    """Where the folder of a ROS package may be, likeliest first.
 
     Looked at are those that `packages` names, those around `folder`, those beside them, those that ROS_PACKAGE_PATH
     lists and those in them, and ``share`` in those that AMENT_PREFIX_PATH lists. A folder around `folder` is also known
@@ -124,12 +125,20 @@ def package_folders(name: str, folder: Path, packages: Mapping[str, Path]) -> It
     if name in packages:
         yield packages[name]
     around = (folder.absolute(), *folder.absolute().parents)
-    listed = [Path(place) for place in os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep) if place]
-    installed = [Path(place, "share") for place in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep) if place]
-    yield from (place for place in (*around, *listed) if name in {place.name, _named_by(place / "package.xml")})
+    listed, installed = (
+        [Path(place).absolute() for place in os.environ.get(variable, "").split(os.pathsep) if place]
+        for variable in ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH")
+    )
     given = [packages[""]] if "" in packages else []
-    places = (place / name for place in (*given, *around, *listed, *installed))
-    yield from (place for place in places if os.path.isdir(place))
+
+    def is_it(place: Path) -> bool:
+        return name in {place.name, _named_by(place / "package.xml")}
+
+    yield from filter(is_it, around)
+    yield from (place / name for place in (*given, *around))
+    yield from filter(is_it, listed)
+    yield from (place / name for place in (*listed, *(it / "share" for it in installed)))
+    yield from (found for place in listed for found in sorted(place.glob(f"*/{glob.escape(name)}")))
 
 
 def _named_by(manifest: Path) -> str:

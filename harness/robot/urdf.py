@@ -52,7 +52,7 @@ class BoundedBuilder(ElementTree.TreeBuilder):
         self._count = self._depth = 0
         self.has_prefixes = self.has_namespace = False
 
-    def read(self, text: str) -> Element:
+    def read(self, text: str | bytes) -> Element:
         """The outermost element.
 
         Raises:

@@ -4,18 +4,26 @@ Its expressions are Python, and nothing keeps them from more than arithmetic. So
 named it, as a program.
 """
 
-import contextlib
-import io
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import json
+import os
+import sys
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from errno import EINVAL
 from pathlib import Path
+from typing import Any
 
 from harness.errors import UsageError, one_line
+from harness.files.apart import run_apart
 from harness.registry.allowed import is_allowed_program
 from harness.robot import Description
 from harness.robot.packages import package_folders
 from harness.text import command_text
 
+CPU_SECONDS, MEMORY = 10, 2**29
+"""What it may compute, [s], and its bytes of data; a public arm takes one."""
+MOST_BYTES = 4 * 2**20
+"""The most bytes of what it makes."""
 EXAMPLE = """<robot name="example" xmlns:xacro="http://www.ros.org/wiki/xacro">
   <xacro:arg name="length" default="0.3"/>
   <xacro:macro name="segment" params="name parent axis">
@@ -49,29 +57,13 @@ class XacroFile:
                 f"{path}: a xacro file is a program, and a file or a folder names it: it is not expanded for that. If "
                 f"you trust it, add --allow-program {command_text(str(path))}"
             )
-        import xacro
-
-        guessed: list[str] = []
-        given = _Arguments(arguments)
-        silent = io.StringIO()
-
-        def find(package: str) -> str:
-            """The folder of a package; where there is none, that around the file's: a checkout has any name."""
-            found = next(package_folders(package, path.parent, packages), None)
-            guessed.extend([package] * (found is None))
-            return str(found or path.absolute().parent.parent)
-
+        folders = {name: str(folder.absolute()) for name, folder in packages.items()}
+        words = [str(path.absolute()), *map(json.dumps, (dict(arguments), folders))]
         try:
-            with contextlib.redirect_stderr(silent), contextlib.redirect_stdout(silent), _finding_by(find):
-                document = xacro.process_file(str(path), mappings=given, verbosity=0)
-        except Exception as error:  # of expressions that anybody wrote
-            raise UsageError(f"{path}: {_problem(one_line(error), guessed)}.") from error
-        if unused := sorted(arguments.keys() - given.asked):
-            declared = ", ".join(sorted(given.asked)) or "none"
-            raise UsageError(f"{path}: it has no argument '{unused[0]}'. Its arguments: {declared}.")
-        if not document.documentElement.getElementsByTagName("link"):
-            raise UsageError(f"{path}: it makes no <link>: a file of macros, it seems. Give the one that calls them.")
-        return Description(document.documentElement.toxml())
+            text = run_apart(__name__, "expanded", *words, cpu_seconds=CPU_SECONDS, memory=MEMORY)
+        except UsageError as error:
+            raise UsageError(f"{path}: {str(error).rstrip('.')}.") from error
+        return Description(text)
 
     def write_example(self, folder: Path) -> Path:
         """An arm of three joints."""
@@ -96,17 +88,50 @@ class _Arguments(dict[str, str]):
         return super().__getitem__(name)
 
 
-@contextlib.contextmanager
-def _finding_by(find: Callable[[str], str]) -> Iterator[None]:
-    """Within it ``$(find PACKAGE)`` is what a function says; xacro alone knows ROS's own folders only."""
+def expanded(path: str, arguments: str, packages: str) -> str:
+    """The URDF that a file makes, in a process of its own.
+
+    Args:
+        path: Absolute.
+        arguments: What is given by name, as JSON.
+        packages: Absolute folders of packages by their names, as JSON.
+
+    Raises:
+        UsageError: It makes none.
+    """
+    import xacro
     from xacro import substitution_args
 
-    kept = substitution_args._eval_find
-    substitution_args._eval_find = find
+    guessed: list[str] = []
+    given, folders = _Arguments(json.loads(arguments)), {it: Path(at) for it, at in json.loads(packages).items()}
+
+    def find(package: str) -> str:
+        """The folder of a package; where there is none, that around the file's: a checkout has any name."""
+        found = next(filter(os.path.isdir, package_folders(package, Path(path).parent, folders)), None)
+        guessed.extend([package] * (found is None))
+        return str(found or Path(path).parents[1])
+
+    substitution_args._eval_find = find  # its own knows ROS's folders only
+    sys.addaudithook(_require_regular)
     try:
-        yield
-    finally:
-        substitution_args._eval_find = kept
+        robot = xacro.process_file(path, mappings=given, verbosity=0).documentElement
+    except Exception as error:  # of expressions that anybody wrote
+        raise UsageError(_problem(one_line(error), guessed)) from error
+    if unused := sorted(given.keys() - given.asked):
+        declared = ", ".join(sorted(given.asked)) or "none"
+        raise UsageError(f"it has no argument '{unused[0]}'. Its arguments: {declared}")
+    if not robot.getElementsByTagName("link"):
+        raise UsageError("it makes no <link>: a file of macros, it seems. Give the one that calls them")
+    if len(text := robot.toxml()) > MOST_BYTES:
+        raise UsageError(f"it makes {len(text):,} bytes of URDF, {MOST_BYTES:,} are allowed. Make it smaller")
+    return str(text)
+
+
+def _require_regular(event: str, arguments: tuple[Any, ...]) -> None:
+    """Called by Python before it opens a file: a pipe would hold it for ever."""
+    name = arguments[0] if event == "open" else 0
+    if not isinstance(name, int) and os.path.exists(name) and not os.path.isfile(name):
+        raise OSError(EINVAL, "it is no regular file", name)
 
 
 def _problem(said: str, guessed: Sequence[str]) -> str:

@@ -17,6 +17,7 @@ from numpy.random import default_rng
 
 from harness.experiment import check_experiment, expand, read_experiment
 from harness.files import seal, unseal
+from harness.log.open_log import open_logs
 from harness.motion import JointLimits
 from harness.policy import (
     CARD,
@@ -187,6 +188,10 @@ def readers(registry, cell, folder):
             lambda at: read_trace(at / "a.parquet").rows(),
         ),
         **_datasets(folder),
+        **{
+            name: _example(registry, name, folder / name)
+            for name in ("d4rl", "robomimic", "evaluations", "tensorboard")
+        },
         "recorded training": _recorded_training(folder, "recording-0.json", _mutate_sealed),
         "steps of a recorded training": _recorded_training(folder, "steps-0-00000.parquet", _mutate_parquet),
         "certificate": _certificate(),
@@ -242,6 +247,20 @@ def _exhaust_dataset(name):
     log = opened(name)
     for _ in log.tables(log.names):
         pass
+
+
+def _example(registry, name, folder):
+    """The file that a format of logs writes as its example."""
+    folder.mkdir()
+    choose(registry, "logs", name).build(registry, "logs").write_example(folder)
+    (path,) = folder.iterdir()
+
+    def read(at):
+        for log in open_logs(at / path.name, registry, name):
+            for _ in log.tables(log.names):
+                pass
+
+    return Reader({path.name: path.read_bytes()}, {path.name: mutate_bytes}, read)
 
 
 def _recorded_training(folder, name, mutate):

@@ -20,6 +20,7 @@ NAMES = (
     *("recorded training", "steps of a recorded training"),
     *("minari", "facts of minari", "lerobot", "facts of lerobot"),
     *("episodes of lerobot", "lines of lerobot", "labels"),
+    *("d4rl", "robomimic", "evaluations", "tensorboard"),
 )
 EACH = pytest.mark.parametrize("name", NAMES)
 SEEDS = st.integers(0, 2**63)

@@ -106,6 +106,9 @@ def test_mistakes_are_told(tmp_path, subtests):
         "an expression": (EXAMPLE.replace("-pi / 2", "-py / 2"), "name 'py' is not defined"),
         "only macros": (EXAMPLE[: EXAMPLE.index('  <link name="base"/>')] + "</robot>", "a file of macros, it seems"),
         "no XML": (EXAMPLE[:-20], "xacro cannot expand it"),
+        "a device": (INCLUDED.replace("$(find parts)/more.xacro", "/dev/zero"), "it is no regular file"),
+        "too long": (EXAMPLE.replace('"base"/>', "\"${'x' * 10**7}\"/>"), "bytes of URDF, 4,194,304 are allowed"),
+        "too large": (EXAMPLE.replace('"base"/>', '"${[0 for it in range(10**11)]}"/>'), "xacro cannot expand it"),
     }
     for number, (case, (text, told)) in enumerate(cases.items()):
         with subtests.test(case):
