@@ -199,9 +199,7 @@ if TYPE_CHECKING:
     from harness.results.logs.results_of_logs import sort_found as sort_found
     from harness.results.overview import (
         decided_by_text as decided_by_text,
-        line_names as line_names,
         overview_of as overview_of,
-        overview_row as overview_row,
         short_name as short_name,
         values_text as values_text,
     )

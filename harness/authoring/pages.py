@@ -84,7 +84,7 @@ if TYPE_CHECKING:
         splits_of as splits_of,
         terms_of as terms_of,
     )
-    from harness.report.tables.comparison import WideOrNarrow as WideOrNarrow
+    from harness.report.tables.comparison import WideOrNarrow as WideOrNarrow, overview_grids as overview_grids
     from harness.report.tables.grid import show_grid as show_grid
     from harness.results.verdicts import UNKNOWN as UNKNOWN, missing_text as missing_text
 

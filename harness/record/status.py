@@ -31,6 +31,11 @@ class Progress:
     running: Running | None = None
     took: Manifest | None = None
 
+    @property
+    def steps(self) -> int:
+        """Environment steps done."""
+        return self.running.steps if self.running else self.cell.steps if self.status == "done" else 0
+
 
 @dataclass(frozen=True)
 class FolderStatus:
@@ -83,7 +88,7 @@ class FolderStatus:
                     "title": one.cell.title,
                     "status": one.status,
                     "reason": one.reason,
-                    "steps": one.running.steps if one.running else one.cell.steps if one.status == "done" else 0,
+                    "steps": one.steps,
                     "of_steps": one.cell.steps,
                     "success": getattr(one.running, "success", None),
                     "mean_return": getattr(one.running, "mean_return", None),

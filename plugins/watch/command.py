@@ -34,7 +34,7 @@ def watch(
     from .watch import pages_of, served
 
     if html is not None:
-        write_page(pages_of(folder).page(is_live=False), html, "--html")
+        write_page(pages_of(folder, is_live=False)["/"](), html, "--html")
         say(f"Written: {html}", err=True)
         return
     with served(folder, port) as address:

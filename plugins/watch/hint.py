@@ -63,7 +63,7 @@ class Hint:
 
 def is_flag(blocks: Sequence[Block]) -> bool:
     """Whether each episode's behaviour is 0 or 1."""
-    return _Series.of(blocks, [(it.behaviour, it.behaviour_spread) for it in blocks]).is_share
+    return _Series.of(blocks, "behaviour").is_share
 
 
 def hint_of(blocks: Sequence[Block], better: Better, measure: str = "success") -> Hint | None:
@@ -80,8 +80,8 @@ def hint_of(blocks: Sequence[Block], better: Better, measure: str = "success") -
         measure: Name of the behaviour.
     """
     whole = [it for it in blocks if it.episodes == blocks[0].episodes]
-    pay = _Series.of(whole, [(it.pay, it.pay_spread) for it in whole])
-    behaviour = _Series.of(whole, [(it.behaviour, it.behaviour_spread) for it in whole])
+    pay = _Series.of(whole, "pay")
+    behaviour = _Series.of(whole, "behaviour")
     worse = behaviour if better == "lower" else behaviour.negative
     least = max(LEAST_OF_RANGE * worse.range, LEAST_SHARE * behaviour.is_share)
     found = [
@@ -150,10 +150,10 @@ class _Series:
     is_share: bool
 
     @classmethod
-    def of(cls, blocks: Sequence[Block], numbers: Sequence[tuple[float, float]]) -> Self:
-        """A series of the mean and the spread of each block."""
-        means, spreads = np.array(numbers).reshape(-1, 2).T
-        episodes = np.array([it.episodes for it in blocks], float)
+    def of(cls, blocks: Sequence[Block], name: str) -> Self:
+        """The series of a number by its name in `Block`."""
+        columns = (name, f"{name}_spread", "episodes")
+        means, spreads, episodes = (np.array([getattr(it, column) for it in blocks], float) for column in columns)
         squares = np.nan_to_num(spreads) ** 2
         of_shares = means * (1.0 - means) * episodes  # the sum of squares about the mean, if all are 0 or 1
         is_share = bool(np.allclose(squares * (episodes - 1.0), of_shares, atol=1e-6))

@@ -8,16 +8,15 @@ from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Future
 from contextlib import contextmanager
 from functools import partial
+from math import inf
 from threading import Lock, Thread
 from time import monotonic
-from typing import Generic, TypeAlias, TypeVar
+from typing import Generic, TypeVar
 
 from harness.authoring.commands import complain, describe_unexpected
 from harness.errors import HarnessError, UsageError, one_line
 
 T = TypeVar("T")
-Route: TypeAlias = tuple[str, Callable[[], str]]
-"""The type of what is served, and what makes it."""
 HOST = "127.0.0.1"
 """Nobody else on the network sees the pages."""
 EVERY = 1.0
@@ -39,14 +38,13 @@ class Kept(Generic[T]):
             rest: It is kept for `EVERY` seconds and for so many times as long as making it took.
         """
         self._make, self._rest, self._lock = make, rest, Lock()
-        self._made: Future[T] | None = None
-        self._until = 0.0
+        self._made, self._until = Future[T](), 0.0
 
     def __call__(self) -> Future[T]:
         """What there is, or will be."""
         with self._lock:
-            if self._made is None or (self._made.done() and monotonic() >= self._until):
-                self._made = Future()
+            if monotonic() >= self._until:
+                self._made, self._until = Future(), inf
                 self._made.set_running_or_notify_cancel()  # a client that leaves cancels it for nobody
                 Thread(target=self._work, args=(self._made,), daemon=True).start()
             return self._made
@@ -54,19 +52,18 @@ class Kept(Generic[T]):
     def _work(self, made: "Future[T]") -> None:
         begun = monotonic()
         try:
-            tell = partial(made.set_result, self._make())
+            made.set_result(self._make())
         except Exception as error:
-            tell = partial(made.set_exception, error)
+            made.set_exception(error)
         self._until = monotonic() + EVERY + self._rest * (monotonic() - begun)
-        tell()
 
 
 @contextmanager
-def serving(pages: Mapping[str, Route], port: int) -> Iterator[str]:
+def serving(pages: Mapping[str, Callable[[], str]], port: int) -> Iterator[str]:
     """Serve pages on this machine alone, in a thread of its own; gives the address.
 
     Args:
-        pages: By their paths.
+        pages: What makes each, by its path: that of ``/`` is HTML, others are JSON.
         port: 0: any that is free.
 
     Raises:
@@ -77,7 +74,7 @@ def serving(pages: Mapping[str, Route], port: int) -> Iterator[str]:
     except OSError as error:
         told = os.strerror(error.errno or 0)
         raise UsageError(f"--port {port} cannot be had: {told}. Give another, or leave it out") from error
-    routes = {f"GET {path}": (kind, Kept(make)) for path, (kind, make) in pages.items()}
+    routes = {f"GET {path}": Kept(make) for path, make in pages.items()}
     ended = Future[None]()
 
     async def serve() -> None:
@@ -94,7 +91,7 @@ def serving(pages: Mapping[str, Route], port: int) -> Iterator[str]:
         thread.join()
 
 
-async def _client(routes: Mapping[str, tuple[str, Kept[str]]], reader: StreamReader, writer: StreamWriter) -> None:
+async def _client(routes: Mapping[str, Kept[str]], reader: StreamReader, writer: StreamWriter) -> None:
     """Answer one client, which may leave at any time."""
     try:
         async with asyncio.timeout(PATIENCE):
@@ -113,16 +110,19 @@ async def _client(routes: Mapping[str, tuple[str, Kept[str]]], reader: StreamRea
         writer.transport.abort()
 
 
-async def _answer(routes: Mapping[str, tuple[str, Kept[str]]], head: str) -> bytes:
+async def _answer(routes: Mapping[str, Kept[str]], head: str) -> bytes:
     """The answer to a request, by its head."""
     request, *headers = head.split("\r\n")
     host = next((it[5:].strip() for it in headers if it.lower().startswith("host:")), "")
-    route = routes.get(request.rpartition(" ")[0])
-    if route is None or host.rpartition(":")[0] not in {HOST, "localhost"}:  # no page of elsewhere asks by another name
+    asked = request.rpartition(" ")[0]
+    if asked not in routes or host.rpartition(":")[0] not in {
+        HOST,
+        "localhost",
+    }:  # no page of elsewhere asks by another name
         return _message("404 Not Found", "text/plain", "There is nothing here.")
-    kind, made = route
     try:
-        return _message("200 OK", kind, await asyncio.wrap_future(made()))
+        kind = "text/html" if asked == "GET /" else "application/json"
+        return _message("200 OK", kind, await asyncio.wrap_future(routes[asked]()))
     except (HarnessError, OSError) as error:  # the folder may be gone by now
         return _message("500 Internal Server Error", "text/plain", one_line(error))
 

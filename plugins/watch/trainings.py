@@ -4,8 +4,9 @@ import os
 import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
-from typing import Generic, Literal, Protocol, TypeAlias, TypeVar
+from typing import Any, Literal, TypeAlias, TypeVar
 
 from harness.authoring.commands import (
     TRAINING_RECORDING,
@@ -88,20 +89,7 @@ class Shown:
     done: int
 
 
-class Source(Protocol):
-    """What is watched."""
-
-    folder: Path
-
-    def look(self) -> Shown:
-        """What there is now.
-
-        Raises:
-            HarnessError: The folder is gone, or damaged.
-        """
-
-
-def source_of(folder: Path) -> Source:
+def source_of(folder: Path) -> "ExperimentSource | RecordingsSource":
     """What lies in a folder.
 
     Raises:
@@ -116,24 +104,18 @@ def source_of(folder: Path) -> Source:
     return RecordingsSource(folder)
 
 
-class Remembered(Generic[T]):
-    """What a file in a folder says, read again where it is another one."""
+def remembered(name: str, read: Callable[[Path], T]) -> Callable[[Path], T]:
+    """What `read` gives of a folder, read again where the file `name` in it is another one."""
+    kept = cache(lambda folder, *_: read(folder))
 
-    def __init__(self, name: str, read: Callable[[Path], T]) -> None:
-        self._name, self._read = name, read
-        self._known: dict[Path, tuple[tuple[int, ...], T]] = {}
-
-    def __call__(self, folder: Path) -> T:
-        """What `read` gives of the folder."""
+    def read_new(folder: Path) -> T:
         try:
-            found = os.stat(folder / self._name)
+            found = os.stat(folder / name)
         except OSError:
-            return self._read(folder)  # says what is wrong
-        seen = found.st_ino, found.st_size, found.st_mtime_ns
-        known = self._known.get(folder)
-        if known is None or known[0] != seen:
-            known = self._known[folder] = seen, self._read(folder)
-        return known[1]
+            return read(folder)  # says what is wrong
+        return kept(folder, found.st_ino, found.st_size, found.st_mtime_ns)
+
+    return read_new
 
 
 class ExperimentSource:
@@ -141,7 +123,7 @@ class ExperimentSource:
 
     def __init__(self, folder: Path) -> None:
         self.folder, self._store = folder, Store(folder)
-        self._plans, self._manifests = Remembered(PLAN, read_plan), Remembered(MANIFEST, read_manifest)
+        self._plans, self._manifests = remembered(PLAN, read_plan), remembered(MANIFEST, read_manifest)
         self._ended: dict[str, Training] = {}
         self._recordings: dict[Path, Recording] = {}
         self._traces: dict[Path, Trace] = {}
@@ -150,15 +132,11 @@ class ExperimentSource:
     def look(self) -> Shown:
         status = read_status(self.folder, plan_in=self._plans, manifest_in=self._manifests)
         begun = [it for it in status.cells if it.status in STATES]
-        drawn = set(newest(range(len(begun)), [STATES[it.status] == "running" for it in begun]))
-        trainings = []
-        for index, it in enumerate(begun):
-            if index in drawn:
-                steps = it.running.steps if it.running else it.cell.steps if it.status == "done" else 0
-                trainings.append(self._training(it.cell, STATES[it.status], steps, it.reason))
+        drawn = (begun[index] for index in newest([it.status == "running" for it in begun]))
+        trainings = tuple(self._training(it.cell, STATES[it.status], it.steps, it.reason) for it in drawn)
         seconds = status.seconds_left if status.is_in_use else None
         left = "" if seconds is None else f"{left_text(seconds, at_most=self._may_end_early).capitalize()}."
-        return Shown(news_of(status), left, tuple(trainings), len(begun) - len(drawn), status.count("done"))
+        return Shown(news_of(status), left, trainings, len(begun) - len(trainings), status.count("done"))
 
     def _training(self, cell: Cell, state: State, steps: int, reason: str) -> Training:
         found = self._ended.get(cell.id)
@@ -190,8 +168,7 @@ class ExperimentSource:
         """In an environment: the recording that the cell writes."""
         path = folder / TRAINING_RECORDING
         try:
-            recording = self._recordings.get(path) or Recording(path)
-            self._recordings[path] = recording
+            recording = self._recordings[path] = self._recordings.get(path) or Recording(path)
             return told_by(recording, plain)
         except (SchemaError, ValueError):  # nothing is recorded yet
             return plain
@@ -223,26 +200,19 @@ class RecordingsSource:
         trainings, evaluations, damaged = list[tuple[Recording, Training]](), 0, list[str]()
         for path in sorted(recordings_in(self.folder)):
             try:
-                recording = self._recordings.get(path) or Recording(path)
-                self._recordings[path] = recording
+                recording = self._recordings[path] = self._recordings.get(path) or Recording(path)
                 if recording.facts.evaluation:
                     evaluations += 1
                 else:
                     trainings.append((recording, self._training(recording)))
             except (HarnessError, OSError) as error:  # it may be gone by now
                 damaged.append(one_line(error))
-        drawn = newest(range(len(trainings)), [it.state == "running" for _, it in trainings])
         states = [it.state for _, it in trainings]
-        news = [f"{counted(len(trainings), 'training')} recorded", *_counts(states)]
-        news += [f"{counted(evaluations, 'evaluation')}"] if evaluations else []
-        said = ". ".join([", ".join(news), *damaged])
-        return Shown(
-            f"{said}.",
-            self._left(trainings),
-            tuple(trainings[index][1] for index in drawn),
-            len(trainings) - len(drawn),
-            0,
-        )
+        drawn = tuple(trainings[index][1] for index in newest([it == "running" for it in states]))
+        told = counts_of(states.count, running="running", done="ended", stopped="stopped before the end")
+        told += f", {counted(evaluations, 'evaluation')}" if evaluations else ""
+        said = ". ".join([f"{counted(len(trainings), 'training')} recorded{told}", *damaged])
+        return Shown(f"{said}.", self._left(trainings), drawn, len(trainings) - len(drawn), 0)
 
     def _training(self, recording: Recording) -> Training:
         is_open = recording.is_open  # before the look: who closes it meanwhile has said so by then
@@ -271,22 +241,22 @@ def told_by(recording: Recording, plain: Training) -> Training:
     recording.look()
     facts = recording.facts
     measure = measure_of(facts.behaviour)
-    blocks = recording.blocks
-    is_share = all(0.0 <= block.behaviour <= 1.0 for block in blocks.listed) and measure == "success"
+    blocks, listed = recording.blocks, recording.blocks.listed
+    is_share = all(0.0 <= block.behaviour <= 1.0 for block in listed) and measure == "success"
     told = replace(
         plain,
         steps=recording.steps,
         asked=plain.asked or facts.asked,
         measure=measure,
         is_share=is_share,
-        better=direction_of(measure, facts.lower_is_better, facts.higher_is_better, is_flag=is_flag(blocks.listed)),
+        better=direction_of(measure, facts.lower_is_better, facts.higher_is_better, is_flag=is_flag(listed)),
     )
     return told.with_blocks(blocks)
 
 
-def newest(numbers: Sequence[int], is_running: Sequence[bool]) -> list[int]:
+def newest(is_running: Sequence[bool]) -> list[int]:
     """Which of the trainings are drawn: `MOST` of them, running ones and then the last ones; in their order."""
-    ordered = sorted(numbers, key=lambda it: (is_running[it], it), reverse=True)
+    ordered = sorted(range(len(is_running)), key=lambda it: (is_running[it], it), reverse=True)
     return sorted(ordered[:MOST])
 
 
@@ -295,22 +265,15 @@ def counted(number: int, noun: str) -> str:
     return f"{number:,} {noun}" + "s" * (number != 1)
 
 
-def _counts(states: Sequence[str]) -> list[str]:
-    kinds = (("running", "running"), ("done", "ended"), ("stopped", "stopped before the end"))
-    return [f"{states.count(state):,} {said}" for state, said in kinds if state in states]
+def counts_of(count: Callable[[Any], int], **kinds: str) -> str:
+    """How many there are of each kind, ``, 3 running``, in its word; a kind that is not there is left out."""
+    return "".join(f", {count(kind):,} {word}" for kind, word in kinds.items() if count(kind))
 
 
 def news_of(status: FolderStatus) -> str:
     """What the cells of an experiment do, in a sentence."""
-    kinds = (
-        ("running", "running"),
-        ("interrupted", "stopped"),
-        ("failed", "failed"),
-        ("damaged", "damaged"),
-        ("skipped", "skipped"),
-        ("pending", "waiting"),
-    )
-    told = "".join(f", {status.count(kind):,} {said}" for kind, said in kinds if status.count(kind))
+    words = {it: it for it in ("failed", "damaged", "skipped")}
+    told = counts_of(status.count, running="running", interrupted="stopped", **words, pending="waiting")
     begin = f"{status.count('done'):,} of {counted(len(status.cells), 'training')} done{told}."
     unfinished = status.count("pending") + status.count("interrupted")
     if not status.is_in_use and unfinished:

@@ -1,27 +1,23 @@
 """The page of trainings in the browser, while they go on."""
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import AbstractContextManager
-from dataclasses import dataclass
+from functools import lru_cache, partial
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import NamedTuple
 
-from harness.authoring.commands import line_names, overview_of, overview_row
-from harness.authoring.pages import render_page
+from harness.authoring.pages import overview_grids, render_page
 from harness.errors import UsageError
 from harness.record import Store
 from harness.registry import load_registry
 from harness.report import question, replay_of
-from harness.results import Results, load_results, shows_of
+from harness.results import load_results, shows_of
 
 from .cards import rows_of
 from .serving import Kept, serving
-from .trainings import ExperimentSource, Shown, Training, source_of
-
-if TYPE_CHECKING:
-    from harness.authoring.pages import Replay
+from .trainings import ExperimentSource, Training, source_of
 
 HERE = Path(__file__).parent
 SOON = 0.5
@@ -32,44 +28,49 @@ CERTIFICATES = "watch--certificates"
 """Under this name a plugin registers what makes the page of certificates."""
 
 
-def pages_of(path: Path) -> "Pages | CertificatePages":
-    """The pages of an experiment, or of certificates, of which the plugin that writes them makes a page."""
+def pages_of(path: Path, is_live: bool = True) -> dict[str, Callable[[], str]]:
+    """What makes each page, by its path: of an experiment, of recordings, or of certificates, which asks for nothing.
+
+    Args:
+        path: A folder, or one certificate.
+        is_live: Whether the page asks for what is new; a file cannot.
+
+    Raises:
+        UsageError: The folder holds neither an experiment nor a recording.
+    """
     registry = load_registry()
     if not Store.is_experiment(path) and CERTIFICATES in registry.names("commands"):
         page_in: Callable[[Path], str | None] = registry.get("commands", CERTIFICATES).load()
+
+        def certificates() -> str:
+            if (page := page_in(path)) is None:
+                raise UsageError(f"'{path}' has no certificate any more")
+            return page
+
         if page_in(path) is not None:
-            return CertificatePages(path, page_in)
-    return Pages(path)
+            return {"/": certificates}
+    pages = Pages(path)
+    return {"/": partial(pages.page, is_live), "/live": pages.live, "/results": pages.results}
 
 
-@dataclass(frozen=True)
-class CertificatePages:
-    """The page of certificates, made anew whenever it is asked for.
+class Told(NamedTuple):
+    """What results tell a page.
 
     Attributes:
-        path: A folder, or one certificate.
-        page_in: Makes the page of what it names; None where nothing is there any more.
+        done: How many trainings had ended; -1 before anything was read.
+        title: The question, or before there is one what is shown.
+        answers: The comparisons so far, as HTML; empty before there is one.
+        html: The replay of trainings that have ended; empty before one has.
+        style: Of the replay.
+        script: Of the replay.
     """
 
-    path: Path
-    page_in: Callable[[Path], str | None]
-
-    def live(self) -> str:
-        """Nothing: the page does not ask."""
-        return "{}"
-
-    results = live
-
-    def page(self, is_live: bool = True) -> str:
-        """The page as HTML; it never asks for more.
-
-        Raises:
-            HarnessError: Nothing is there any more, or it cannot be read.
-        """
-        page = self.page_in(self.path)
-        if page is None:
-            raise UsageError(f"'{self.path}' has no certificate any more")
-        return page
+    done: int
+    title: str
+    answers: str = ""
+    html: str = ""
+    style: str = ""
+    script: str = ""
 
 
 class Pages:
@@ -83,7 +84,6 @@ class Pages:
         """
         source = source_of(folder)
         self._folder, self._look, self._results = folder, Kept(source.look), Kept(self._read, REST)
-        self._cards: tuple[tuple[tuple[Training, ...], int], str] = ((), 0), ""
         # Of loose recordings ``harness report`` tells.
         self._told = Told(-isinstance(source, ExperimentSource), f"Trainings in {folder.resolve().name}")
 
@@ -96,19 +96,18 @@ class Pages:
         if shown.done != self._told.done:
             self._results()
         news, left = (escape(text) for text in (shown.news, shown.left))
-        return json.dumps({"news": news, "left": left, "trainings": self._drawn(shown), "done": self._told.done})
+        trainings = drawn(shown.trainings, shown.others)
+        return json.dumps({"news": news, "left": left, "trainings": trainings, "done": self._told.done})
 
     def results(self) -> str:
         """What follows from trainings that have ended, as JSON."""
-        told = self._results().result()
-        parts = {"done": told.done, "title": told.title, "answers": told.answers, "replay": told.replay_part}
-        return json.dumps({**parts, **{name: getattr(told.replay, name, "") for name in ("script", "style")}})
+        return json.dumps(self._results().result()._asdict())
 
-    def page(self, is_live: bool = True) -> str:
+    def page(self, is_live: bool) -> str:
         """The page as HTML.
 
         Args:
-            is_live: Whether it asks for what is new, results that take longer than `SOON` too; a file cannot.
+            is_live: Whether it asks for what is new, results that take longer than `SOON` too.
 
         Raises:
             HarnessError: The folder cannot be read.
@@ -118,76 +117,33 @@ class Pages:
             told = self._results().result(SOON if is_live else None)
         except TimeoutError:
             told = self._told
+        trainings = drawn(shown.trainings, shown.others)
         return render_page(
-            HERE / "watch.html.j2",
-            "The page",
-            told=told,
-            shown=shown,
-            trainings=self._drawn(shown),
-            is_live=is_live,
+            HERE / "watch.html.j2", "The page", told=told, shown=shown, trainings=trainings, is_live=is_live
         )
 
-    def _drawn(self, shown: Shown) -> str:
-        """The cards, drawn again when something is new."""
-        there = shown.trainings, shown.others
-        if self._cards[0] != there:
-            self._cards = there, drawn(*there)
-        return self._cards[1]
-
-    def _read(self) -> "Told":
+    def _read(self) -> Told:
         """The results, read again when trainings have ended since."""
         done = self._look().result().done
         if done != self._told.done:
-            self._told = told_by(load_results(self._folder), done, self._told.title)
+            results = load_results(self._folder)
+            compared = [it for it in results.combinations if it.seeds]
+            grids = overview_grids(compared, with_intervals=True) if compared else []
+            answers = render_page(HERE / "results.html.j2", "The page", grids=grids)
+            replay = replay_of(shows_of(results)) or ()
+            self._told = Told(done, question(results) or self._told.title, answers, *replay)
         return self._told
 
 
-def drawn(trainings: Sequence[Training], others: int) -> str:
-    """The cards of trainings as HTML.
+@lru_cache(maxsize=1)
+def drawn(trainings: tuple[Training, ...], others: int) -> str:
+    """The cards of trainings as HTML, drawn again when something is new.
 
     Args:
         trainings: Those that are shown.
         others: How many are not.
     """
     return render_page(HERE / "live.html.j2", "The page", rows=rows_of(trainings), others=others)
-
-
-@dataclass(frozen=True)
-class Told:
-    """What results tell a page.
-
-    Attributes:
-        done: How many trainings had ended; -1 before anything was read.
-        title: The question, or before there is one what is shown.
-        answers: The comparisons so far, as HTML; empty before there is one.
-        replay: Episodes of trainings that have ended; None before one has.
-    """
-
-    done: int
-    title: str
-    answers: str = ""
-    replay: "Replay | None" = None
-
-    @property
-    def replay_part(self) -> str:
-        """The replay and what it shows, as HTML."""
-        return f"<p>{escape(self.replay.explanation)}</p>{self.replay.html}" if self.replay else ""
-
-
-def told_by(results: Results, done: int, title: str) -> Told:
-    """What results tell.
-
-    Args:
-        results: Of a folder.
-        done: How many trainings had ended.
-        title: Where there is no question.
-
-    Raises:
-        UsageError: A library of the extra ``report`` is missing.
-        SchemaError: A file is damaged or written by a newer version.
-    """
-    answers = render_page(HERE / "results.html.j2", "The page", answers=_answers(results))
-    return Told(done, question(results) or title, answers, replay_of(shows_of(results)))
 
 
 def served(folder: Path, port: int = 0) -> AbstractContextManager[str]:
@@ -197,20 +153,5 @@ def served(folder: Path, port: int = 0) -> AbstractContextManager[str]:
         HarnessError: The folder cannot be read, or the port is taken.
     """
     pages = pages_of(folder)
-    pages.page()  # what is wrong with the folder is said here
-    routes = {
-        "/": ("text/html", pages.page),
-        "/live": ("application/json", pages.live),
-        "/results": ("application/json", pages.results),
-    }
-    return serving(routes, port)
-
-
-def _answers(results: Results) -> tuple[tuple[str, ...], list[tuple[str, ...]]] | None:
-    """The comparisons so far: headings, and a row for each; None before there is one."""
-    combinations = [it for it in results.combinations if it.seeds]
-    if not combinations:
-        return None
-    overview, names = overview_of(combinations), line_names(combinations)
-    rows = [overview_row(name, it, True, overview) for name, it in zip(names, combinations, strict=True)]
-    return overview.headings, rows
+    pages["/"]()  # what is wrong with the folder is said here
+    return serving(pages, port)

@@ -89,7 +89,7 @@ def test_results_are_asked_for_when_trainings_ended(get):
     """The answers so far, and what plays the episodes."""
     told = json.loads(get("/results")[1])
     assert "DIFFERENCE" in told["answers"]
-    assert 'id="replay-player"' in told["replay"]
+    assert 'id="replay-player"' in told["html"]
     assert told["script"]
     assert told["style"]
 
@@ -164,7 +164,7 @@ def test_a_look_reads_what_changed(experiment, monkeypatch):
 
 def test_who_is_slow_holds_no_thread():
     """One that does not finish its question, or does not read the answer; others are served meanwhile."""
-    routes = {"/": ("text/html", lambda: "x" * 2**25), "/live": ("application/json", lambda: "{}")}
+    routes = {"/": lambda: "x" * 2**25, "/live": lambda: "{}"}
     with serving(routes, 0) as address, ExitStack() as slow:
         before = threading.active_count()
         for asked in (b"GET / HTTP/1.1\r\nHost: localhost:1\r\n\r\n", b"GET / HT") * 10:
@@ -178,7 +178,7 @@ def test_who_is_slow_holds_no_thread():
 @pytest.mark.parametrize(("stays", "lines"), [(False, 0), (True, 1)])
 def test_what_nobody_foresaw_is_a_line(capsys, stays, lines):
     """A client that leaves is no error: a browser does that whenever a page is closed."""
-    routes = {"/": ("text/html", lambda: {}["x"] if stays else "x" * 2**25), "/live": ("text/html", lambda: "{}")}
+    routes = {"/": lambda: {}["x"] if stays else "x" * 2**25, "/live": lambda: "{}"}
     with serving(routes, 0) as address, socket.create_connection((HOST, port_of(address))) as client:
         client.sendall(b"GET / HTTP/1.1\r\nHost: localhost:1\r\n\r\n")
         client.recv(1)
@@ -201,9 +201,9 @@ def test_certificates_are_shown(certificates):
     (certificates / "index.html").write_text("forged")
     for path in (certificates, certificates / "near-failure.json"):
         pages = pages_of(path)
-        assert "What a cheat would do: line" in pages.page()
-        assert "forged" not in pages.page()
-        assert pages.live() == "{}"
+        assert [*pages] == ["/"]
+        assert "What a cheat would do: line" in pages["/"]()
+        assert "forged" not in pages["/"]()
 
 
 def test_certificates_that_are_gone_are_told(certificates):
@@ -211,7 +211,7 @@ def test_certificates_that_are_gone_are_told(certificates):
     pages = pages_of(certificates)
     (certificates / "near-failure.json").unlink()
     with refused("has no certificate any more"):
-        pages.page()
+        pages["/"]()
 
 
 def test_a_damaged_certificate_is_one_line(harness, certificates):

@@ -225,7 +225,6 @@ class Replay(NamedTuple):
     html: str
     style: str
     script: str
-    explanation: str = EXPLANATION
 
 
 def replay_of(shows: Sequence[Show], explanation: str = EXPLANATION) -> Replay | None:
@@ -239,8 +238,8 @@ def replay_of(shows: Sequence[Show], explanation: str = EXPLANATION) -> Replay |
     from harness.report.page.page import render_page
 
     sides = max(len(show.sides) for show in shows)
-    html = render_page(TEMPLATE, "The replay", data=replay_data(shows), sides=sides)
-    return Replay(html, _text("replay.css"), _text("replay.js"), explanation)
+    html = render_page(TEMPLATE, "The replay", data=replay_data(shows), sides=sides, explanation=explanation)
+    return Replay(html, _text("replay.css"), _text("replay.js"))
 
 
 def replay_data(shows: Sequence[Show]) -> dict[str, Any]:

@@ -108,7 +108,7 @@ def test_names_of_strangers_are_text(training):
     evil = '<script>"&\u202e'
     terms = ((evil, (1.0,) * 4), ("b", (2.0,) * 4))
     one = replace(training, place=evil, reward=evil, name=evil, measure=evil, note=evil, terms=terms)
-    html = drawn([one, replace(one, state="failed", blocks=())], 0)
+    html = drawn((one, replace(one, state="failed", blocks=())), 0)
     assert "<script" not in html
     assert html.count("&lt;script&gt;") >= 8
 

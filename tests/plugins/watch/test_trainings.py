@@ -99,8 +99,8 @@ def test_what_is_nothing_is_refused(tmp_path, name):
 def test_running_ones_are_drawn_first():
     """Then the newest others, in the order in which they stand."""
     is_running = [number in {0, 5} for number in range(100)]
-    assert newest(range(100), is_running) == [0, 5, *range(100 - 24 + 2, 100)]
-    assert newest(range(3), [False] * 3) == [0, 1, 2]
+    assert newest(is_running) == [0, 5, *range(100 - 24 + 2, 100)]
+    assert newest([False] * 3) == [0, 1, 2]
 
 
 def test_facts_are_read_again(record, step, tmp_path):
