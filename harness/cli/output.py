@@ -126,7 +126,7 @@ def show_results(
         from harness.report.document import report_text
 
         say(report_text(results))
-    elif details or (html is None and summary is None):
+    elif details or summary is None:
         _print_tables(results, details, command)
     for line in results.damaged_recordings:
         complain(f"damaged: {line}")

@@ -1,6 +1,8 @@
 """The episodes of trainings, read from what is being written: only what is new since the last time."""
 
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
@@ -93,36 +95,6 @@ class Episodes:
         return after, (told.times[rows], sums.T)
 
 
-class Recorder:
-    """The files of one recorder."""
-
-    def __init__(self, folder: Path, number: int) -> None:
-        self._folder, self._number = folder, number
-        self.facts = TrainingFacts.read(folder / facts_name(number))
-        self.episodes = Episodes()
-
-    def look(self) -> None:
-        """Read what is new.
-
-        Raises:
-            SchemaError: It is damaged.
-        """
-        self.facts = TrainingFacts.read(self._folder / facts_name(self._number))
-        self.episodes.look(part_paths(self._folder, self._number), self._told)
-
-    def _told(self, after: int, _: int) -> Iterator[Told]:
-        name = self.facts.trained_with
-        pay, *terms = summed = [f"{REWARD}{name}", *(term_column(name, it) for it in terms_in(self.facts))]
-        measure = measure_of(self.facts.behaviour)
-        measured = [f"{BEHAVIOUR}{measure}"] if measure else []
-        log = read_recorder(self._folder, self._number, after)
-        for rows in log.tables([TICK, "env", "episode", *FLAGS, *summed, *measured]):
-            ends = np.logical_or.reduce([rows[it] for it in FLAGS])
-            did = np.where(ends, rows[measured[0]] if measured else np.nan, 0.0)  # what an episode came to at its end
-            sums = [rows[pay], did, *(rows[it] for it in terms)]
-            yield Told(rows[TICK], rows["env"], rows["episode"], ends, sums, len(rows))
-
-
 class Recording:
     """One recorded training, which may be going on.
 
@@ -139,14 +111,14 @@ class Recording:
             SchemaError: It is damaged.
         """
         self.folder = folder
-        self._recorders: dict[int, Recorder] = {}
+        self._episodes = defaultdict[int, Episodes](Episodes)
         self.steps, self.blocks = 0, Blocks.of((), *Episodes().ended(0))
-        self._add_recorders()
+        self._recorders = self._read_recorders()
 
     @property
     def facts(self) -> TrainingFacts:
         """The facts of the first recorder."""
-        return self._recorders[min(self._recorders)].facts
+        return self._recorders[min(self._recorders)]
 
     @property
     def is_open(self) -> bool:
@@ -160,26 +132,34 @@ class Recording:
             SchemaError: It is damaged.
             OSError: It is gone.
         """
-        self._add_recorders()
-        before = self.steps
-        for recorder in self._recorders.values():
-            recorder.look()
-        self.steps = sum(recorder.episodes.steps for recorder in self._recorders.values())
+        self._recorders, before = self._read_recorders(), self.steps
+        for number, facts in self._recorders.items():
+            self._episodes[number].look(part_paths(self.folder, number), partial(self._told, number, facts))
+        self.steps = sum(it.steps for it in self._episodes.values())
         if self.steps != before:
             self.blocks = self._blocks()
 
-    def _add_recorders(self) -> None:
-        for number in recorder_numbers(self.folder):
-            if number not in self._recorders:
-                self._recorders[number] = Recorder(self.folder, number)
+    def _read_recorders(self) -> dict[int, TrainingFacts]:
+        return {it: TrainingFacts.read(self.folder / facts_name(it)) for it in recorder_numbers(self.folder)}
 
     def _blocks(self) -> Blocks:
         terms = terms_in(self.facts)
-        ended = [recorder.episodes.ended(len(terms)) for recorder in self._recorders.values()]
-        envs = sum(recorder.facts.num_envs for recorder in self._recorders.values())
+        ended = [it.ended(len(terms)) for it in self._episodes.values()]
+        envs = sum(facts.num_envs for facts in self._recorders.values())
         ticks, numbers = map(np.concatenate, zip(*ended, strict=True))
         order = np.argsort(ticks, kind="stable")
         return Blocks.of(terms, envs * (ticks[order] + 1), numbers[order])
+
+    def _told(self, number: int, facts: TrainingFacts, after: int, _: int) -> Iterator[Told]:
+        name, measure = facts.trained_with, measure_of(facts.behaviour)
+        pay, *terms = summed = [f"{REWARD}{name}", *(term_column(name, it) for it in terms_in(facts))]
+        measured = [f"{BEHAVIOUR}{measure}"] if measure else []
+        log = read_recorder(self.folder, number, after)
+        for rows in log.tables([TICK, "env", "episode", *FLAGS, *summed, *measured]):
+            ends = np.logical_or.reduce([rows[it] for it in FLAGS])
+            did = np.where(ends, rows[measured[0]] if measured else np.nan, 0.0)  # what an episode came to at its end
+            sums = [rows[pay], did, *(rows[it] for it in terms)]
+            yield Told(rows[TICK], rows["env"], rows["episode"], ends, sums, len(rows))
 
 
 def terms_in(facts: TrainingFacts) -> tuple[str, ...]:

@@ -57,10 +57,11 @@ def test_json_is_all_that_goes_to_standard_output(harness, recorded, command):
 
 @pytest.mark.parametrize("flags", ["report runs --html page.html", "eta runs --plot page.html"])
 def test_the_page_is_written(harness, recorded, tmp_path, flags):
-    """Where it is told."""
+    """Where it is told, and the answer is printed too."""
     pytest.importorskip("jinja2")
     answer = harness(flags)
     assert (answer.status, answer.err) == (0, "Report: page.html\n")
+    assert "CANNOT TELL" in answer.out
     assert "Bandit-v0" in (tmp_path / "page.html").read_text()
 
 

@@ -219,15 +219,12 @@ def _narrow(grid: Grid) -> Grid:
 def overview_grids(combinations: Sequence[Comparison], *, with_intervals: bool) -> list[Grid]:
     """A line per comparison. If both groups and rewards vary, there is a grid for each group."""
     varying, overview = varying_kinds(combinations), overview_of(combinations)
-    if not varying or len({it.proposed for it in combinations}) == 1:
-        names = zip(line_names(combinations), combinations, strict=True)
-        rows = [overview_row(name, it, with_intervals, overview) for name, it in names]
-        return [Grid(overview.headings, rows, [])]
-    named = zip(reward_names(combinations), combinations, strict=True)
+    is_one = not varying or len({it.proposed for it in combinations}) == 1
+    names = line_names(combinations) if is_one else reward_names(combinations)
     blocks: dict[str, list[tuple[str, ...]]] = {}
-    for reward, it in named:
-        row = overview_row(reward, it, with_intervals, overview)
-        blocks.setdefault(group_name(it, varying), []).append(row)
+    for name, it in zip(names, combinations, strict=True):
+        row = overview_row(name, it, with_intervals, overview)
+        blocks.setdefault("" if is_one else group_name(it, varying), []).append(row)
     return [Grid(overview.headings, rows, [], name) for name, rows in blocks.items()]
 
 
