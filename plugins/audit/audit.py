@@ -14,7 +14,6 @@ from harness.text import number
 
 from .dataset.dataset_audit import Lines, auc_text
 from .distance import DARD, EPIC, STARC
-from .probe import why_not_asked
 from .properties import FACTOR, Property
 from .recorded.earned import Earned
 from .recorded.pair import Pair
@@ -49,7 +48,6 @@ class OfScripts:
         finishing: What it pays for.
         properties: Bounded, scale-free, potential-based.
         workspace: Of each policy, by what its shaped return grows when all distances double.
-        needed: The fields beside distances that the reward needs.
         compared: How many recorded steps the distances rest on.
         disturbed: What the policies earn while their actions are disturbed; None where that was not tried.
     """
@@ -57,7 +55,6 @@ class OfScripts:
     finishing: Finishing
     properties: tuple[Property, ...]
     workspace: Mapping[str, float | None]
-    needed: Lines
     compared: int
     disturbed: Finishing | None
 
@@ -240,8 +237,8 @@ def _answers(audit: Audit) -> Iterator[RenderableType]:
 
 def _add_properties(grid: Table, scripts: OfScripts) -> None:
     asked, larger = [answer.name for answer in scripts.properties], f"all distances times {FACTOR:g}"
-    if scripts.needed:
-        add_answer(grid, "\n".join((*asked, larger)), "n/a", why_not_asked(scripts.needed))
+    if scripts.properties[0].holds is None:
+        add_answer(grid, "\n".join((*asked, larger)), "n/a", scripts.properties[0].evidence)
         return
     for answer in scripts.properties:
         add_answer(grid, answer.name, "yes" if answer.holds else "no", answer.evidence)

@@ -1,11 +1,8 @@
 """A reward on the scripted movements of an arm: everything is asked of it. Trains nothing."""
 
-from collections.abc import Iterable, Mapping, Sequence
-from pathlib import Path
-from typing import Any
+from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from harness.authoring.commands import (
     CREEP,
@@ -18,16 +15,18 @@ from harness.authoring.commands import (
     on_terms,
     under_noise,
 )
-from harness.log import REWARD, SUCCESS, Log, LogFacts, in_memory
+from harness.eta import line_of
+from harness.log import SUCCESS
 from harness.payoff import Rollout, discounted_sum, finishing_of, score_rollout
 from harness.reward import Reward
 from harness.text import number
 
 from .audit import Audit, OfScripts
+from .distance import compare_forms
 from .probe import needed_beside_distances
 from .properties import properties_of, workspace_ratios
 from .recorded.earned import earned_in_episodes
-from .recorded.pair import pairs_in
+from .recorded.pair import Paid, compare_paid, pair_of
 from .recorded.pair_grid import SCALE
 from .search.disturb import NOISES
 from .search.finding import FRAGILE, ROBUST
@@ -100,21 +99,37 @@ def audit_reward(
         finishing,
         properties_of(reward, [rollout.distances[:, :TRIED] for rollout in rollouts], gamma, needed),
         {rollout.script: None for rollout in rollouts} if needed else workspace_ratios(reward, rollouts),
-        needed,
         min(COMPARED, finishing.steps),
         finishing_of([score_rollout(reward, rollout) for rollout in disturbed], gamma) if disturbed else None,
     )
-    both = [dict(zip((other, name), of, strict=True)) for of in zip(others, scores, strict=True)]
-    pairs, _ = pairs_in([("scripts", _log(both))], (other, name), [forms])
+    by_name = {other: others, name: scores}
+    paid = Paid(  # without the events, which the task pays under either
+        {who: np.concatenate([of.values[of.rollout.running] for of in each]) for who, each in by_name.items()},
+        {who: np.concatenate([discounted_sum(of.values, 1.0) for of in each]) for who, each in by_name.items()},
+        {},
+    )
+    can_end = any(it.reached.any() for it in rollouts)
+    pair = pair_of(
+        other,
+        name,
+        [compare_paid(paid, other, name)],
+        [line_of(paid.steps[other], paid.steps[name], can_end=can_end)],
+        forms=[compare_forms(other, forms[other], name, forms[name])],
+    )
     return Audit(
         title=name,
         setting=(setting,) if setting else (),
         facts={},
-        rewards=tuple(both[0]),
-        pairs=pairs,
+        rewards=tuple(by_name),
+        pairs=(pair,),
         earned=tuple(
-            earned_in_episodes(score.rollout.script, [_episodes(of)], list(of), (SUCCESS, STEPS))
-            for score, of in zip(scores, both, strict=True)
+            earned_in_episodes(
+                rollout.script,
+                [_episodes(rollout, {who: each[at] for who, each in by_name.items()})],
+                tuple(by_name),
+                (SUCCESS, STEPS),
+            )
+            for at, rollout in enumerate(rollouts)
         ),
         success=SUCCESS,
         verdict=tuple(verdict_of(asked)),
@@ -123,28 +138,8 @@ def audit_reward(
     )
 
 
-def _log(both: Sequence[Mapping[str, Score]]) -> Log:
-    """What both rewards paid in all rollouts, the events left out, which the task pays under either."""
-    rollouts = [next(iter(scores.values())).rollout for scores in both]
-
-    def flat(values: Iterable[NDArray[Any]]) -> NDArray[Any]:
-        return np.concatenate([of[rollout.running] for of, rollout in zip(values, rollouts, strict=True)])
-
-    after = [np.vstack([rollout.running[1:], np.zeros_like(rollout.running[:1])]) for rollout in rollouts]
-    ends = [rollout.running & ~now for rollout, now in zip(rollouts, after, strict=True)]
-    columns = {
-        "env": flat(np.broadcast_to(np.arange(len(rollout.reached)), rollout.running.shape) for rollout in rollouts),
-        "episode": flat(np.full(rollout.running.shape, number) for number, rollout in enumerate(rollouts)),
-        "terminated": flat(end & rollout.reached for end, rollout in zip(ends, rollouts, strict=True)),
-        "truncated": flat(ends),
-        **{f"{REWARD}{name}": flat(scores[name].values for scores in both) for name in both[0]},
-    }
-    return in_memory(LogFacts(path=Path(), format="scripts"), columns)
-
-
-def _episodes(scores: Mapping[str, Score]) -> Episodes:
+def _episodes(rollout: Rollout, scores: Mapping[str, Score]) -> Episodes:
     """The episodes of one rollout, the events among what they were paid."""
-    rollout = next(iter(scores.values())).rollout
     returns = {name: discounted_sum(score.paid, 1.0) for name, score in scores.items()}
     measures = {SUCCESS: np.asarray(rollout.reached, np.float64), STEPS: rollout.steps}
     return Episodes(np.cumsum(rollout.steps).astype(np.int64) - 1, returns, measures, {})

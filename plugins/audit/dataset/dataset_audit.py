@@ -278,11 +278,16 @@ def _of_reward(reward: RewardAnswer, audit: DatasetAudit) -> list[RenderableType
         than = f"one of {audit.beginner.name}"
         lines.append(Text(verdict_of(reward.by_level, f"an episode of {audit.facts.name}", than)))
     grid = answer_grid()
-    for question, answer in (
+    for question, answer in answers_of(reward, audit):
+        add_answer(grid, question, "", answer)
+    return [*lines, grid]
+
+
+def answers_of(reward: RewardAnswer, audit: DatasetAudit) -> list[tuple[str, str]]:
+    """What is told of a reward beside whether it ranks as success does: what is asked, and the answer."""
+    return [
         *(("not paid", line) for line in reward.unpaid),
         ("ranked wrongly", pairs_text(reward)),
         ("standing still", still_text(reward, audit)),
         ("paid most", most_text(reward)),
-    ):
-        add_answer(grid, question, "", answer)
-    return [*lines, grid]
+    ]

@@ -5,11 +5,12 @@ from pathlib import Path
 import numpy as np
 
 from harness.authoring.commands import Auc
-from harness.authoring.pages import render_page, write_page
+from harness.authoring.pages import render_page, select_points, write_page
 from harness.eta import AGAINST, CANNOT_TELL, RANKS
-from harness.report import Chart, Grid, Line, draw_chart, linear_axis
+from harness.report import Chart, Grid, Line, draw_chart
 from harness.text import number
 
+from ..chart import chart_of
 from ..recorded.pair_grid import MISSING, distance_text, share_text
 from .dataset_audit import (
     PROMISE,
@@ -17,18 +18,14 @@ from .dataset_audit import (
     DatasetAudit,
     RewardAnswer,
     WrongPair,
+    answers_of,
     auc_text,
-    most_text,
     notes_of,
-    pairs_text,
     setting_of,
-    still_text,
     title_of,
 )
 
 TEMPLATE = Path(__file__).parent / "dataset.html.j2"
-POINTS = 200
-"""So many points of a curve are drawn."""
 
 
 def write_dataset_page(audit: DatasetAudit, path: Path) -> None:
@@ -76,12 +73,7 @@ def _reward(place: int, reward: RewardAnswer, audit: DatasetAudit) -> dict[str, 
         "answer": reward.by_success.answer,
         "badge": BADGES[reward.by_success.answer],
         "lead": _lead(reward.by_success),
-        "told": [
-            *(("Not paid", line) for line in reward.unpaid),
-            ("Ranked wrongly", pairs_text(reward)),
-            ("While nothing happens", still_text(reward, audit)),
-            ("Paid most", most_text(reward)),
-        ],
+        "told": [(question.capitalize(), answer) for question, answer in answers_of(reward, audit)],
         "pairs": [
             (f"pair-{place}-{rank}", _words(pair), draw_chart(_curves(pair), _words(pair)))
             for rank, pair in enumerate(reward.pairs)
@@ -103,17 +95,13 @@ def _words(pair: WrongPair) -> str:
 
 
 def _curves(pair: WrongPair) -> Chart:
-    marks = []
     named = (f"success {pair.success}", "proposed"), (f"failure {pair.failure}", "baseline")
+    marks = []
     for curve, (name, colour) in zip(pair.curves, named, strict=True):
         paid = np.concatenate([[0.0], curve])  # what had been paid after so many steps, 0 before the first
-        steps = np.unique(np.linspace(0, len(curve), min(POINTS, len(paid))).round().astype(int))
+        steps = select_points(paid)
         marks.append(Line(steps.tolist(), paid[steps].tolist(), colour, name, in_legend=True))
-    low = min(0.0, *(min(mark.y) for mark in marks))
-    high = max(0.0, *(max(mark.y) for mark in marks))
-    air = 0.04 * (high - low) or 0.5
-    last = max(float(mark.x[-1]) for mark in marks)
-    return Chart(linear_axis(0.0, last, "step", 5), linear_axis(low - air, high + air, "paid so far"), tuple(marks))
+    return chart_of(marks, "step", "paid so far")
 
 
 def _distances(audit: DatasetAudit) -> Grid:

@@ -68,7 +68,6 @@ class Rated:
 
     Attributes:
         policy: As plain data; `act_of` makes it act.
-        made_by: What it comes from: ``table``, ``linear policy``, ``random``.
         starts: The seeds of the resets, the same ones for every policy that it is compared with.
         outcomes: What its episodes came to, one for each start: `mean_interval` of ``held_out`` gives means with 95 %
             intervals, of the difference between two policies too.
@@ -76,7 +75,6 @@ class Rated:
     """
 
     policy: Data
-    made_by: str
     starts: Sequence[int]
     outcomes: Outcomes
     actions: Actions

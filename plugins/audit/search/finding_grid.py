@@ -2,13 +2,13 @@
 
 from collections.abc import Iterator
 
-from rich import box
 from rich.console import RenderableType
 from rich.table import Table
 from rich.text import Text
 
 from harness.text import number
 
+from ..recorded.pair_grid import plain_grid
 from .disturb import NOISES
 from .finding import NAMES, Finding
 
@@ -34,7 +34,7 @@ def finding_parts(finding: Finding) -> Iterator[RenderableType]:
 
 def _grid(finding: Finding) -> Table:
     measures = list(dict.fromkeys(name for of in finding.three.values() for name in of.measures))[:MOST_MEASURES]
-    grid = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 1, 0, 0))
+    grid = plain_grid()
     grid.add_column("behaviour", no_wrap=True)
     noises = [f"noise\n{noise:g}" for noise in NOISES]
     for heading in ("pay", f"pay\n@ {finding.gamma:g}", "steps", "success\nat step", *noises):

@@ -81,7 +81,7 @@ def search_by_chance(world: World, starts: Ints, budget: int, rng: Rng) -> Searc
     find -= world.taken - begun
     policies = sample_tables(world, lambda: int(rng.integers(*TRAINING)), find, rng)
     if not policies:
-        policies = [dict(it.policy) for it in search_linear(world, starts, lambda *_: None, find, rng)]
+        policies = search_linear(world, starts, lambda *_: None, find, rng)
     policies.append({"kind": "random", "seed": int(rng.integers(2**31))})
     training = rng.integers(*TRAINING, _episodes(choose, len(policies), world))
     tried = [_rated(world, policy, training) for policy in policies]
@@ -97,7 +97,7 @@ def search_by_chance(world: World, starts: Ints, budget: int, rng: Rng) -> Searc
         successes=[0 if rates.success is None else int(rates.success.outcomes.success.sum())],
         climbing=[0.0],
         steps=world.taken - begun,
-        how=("sampled table" if rates.paid.made_by == TABLE else "linear policies",),
+        how=("sampled table" if rates.paid.policy["kind"] == TABLE else "linear policies",),
         rates=rates,
     )
 
@@ -108,7 +108,7 @@ def _episodes(budget: int, policies: int, world: World) -> int:
 
 def _rated(world: World, policy: Data, starts: Ints) -> Rated:
     outcomes, actions = world.act(starts, act_of(policy, world))
-    return Rated(policy, policy["kind"], starts.tolist(), outcomes, actions[0])
+    return Rated(policy, starts.tolist(), outcomes, actions[0])
 
 
 def _roles(tried: Sequence[Rated]) -> dict[str, Rated | None]:
@@ -159,5 +159,5 @@ def _mean_behaviour(rated: Rated, *, success: bool) -> Behaviour:
     measures = {name: float(np.nanmean(values)) for name, values in of.measures.items()}
     return Behaviour(
         rated.starts[0], rated.actions, paid, discounted, success, round(steps), round(time), share, measures,
-        rated.made_by, rated.policy,
+        rated.policy["kind"], rated.policy,
     )  # fmt: skip

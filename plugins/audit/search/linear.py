@@ -6,7 +6,6 @@ the box. The same policy is played from all starts at once.
 
 import itertools
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import gymnasium
@@ -41,19 +40,6 @@ FAR = 5.0
 
 Goal: TypeAlias = Callable[[Outcomes], tuple[NDArray[Any], ...]]
 """What an evolution is after: of each episode, numbers of which more is better, the first one that differs decides."""
-
-
-@dataclass(frozen=True, eq=False)
-class Candidate:
-    """A policy that was played from all starts of a search.
-
-    Attributes:
-        policy: As plain data.
-        outcomes: What it came to there.
-    """
-
-    policy: Data
-    outcomes: Outcomes
 
 
 class Linear:
@@ -145,7 +131,7 @@ class Evolutions:
     """Evolutions of linear policies in a world, one after the other, each after one goal.
 
     Attributes:
-        best: By the name of a goal, the policy that came nearest to it from all starts.
+        best: By the name of a goal, the policy that came nearest to it from all starts, and what it came to there.
         differs: By the name of a goal, whether anything but pay ever told two policies apart.
     """
 
@@ -172,7 +158,7 @@ class Evolutions:
         self.scales.add(seen)
         keep(np.arange(len(starts)), actions, outcomes, "random", ())
         self.goals = goals_of(world, outcomes)
-        self.best: dict[str, Candidate] = {}
+        self.best: dict[str, tuple[Data, Outcomes]] = {}
         self.differs = dict.fromkeys(self.goals, False)
         self._first = {name: _reached(goal, outcomes)[:-1] for name, goal in self.goals.items()}
 
@@ -192,7 +178,7 @@ class Evolutions:
         begins: dict[str, Any] = {"kind": LINEAR, "weights": [], "mean": mean, "scale": scale}
         middle = np.zeros((rows, width))
         if again and name in self.best:  # the products that it lacks have weights 0
-            begins = dict(self.best[name].policy)
+            begins = dict(self.best[name][0])
             middle = np.asarray(begins["weights"])
             middle = np.pad(middle, ((0, 0), (0, max(0, width - middle.shape[1]))))
         spread = np.full(middle.shape, SPREAD_AGAIN if middle.any() else SPREAD)
@@ -210,12 +196,13 @@ class Evolutions:
             tried.sort(key=lambda it: it[0], reverse=True)
             parents = np.stack([policy["weights"] for _, policy in tried[:PARENTS]])
             middle, spread = parents.mean(axis=0), np.maximum(parents.std(axis=0), SPREAD_LEAST)
-            found = Candidate(tried[0][1], self._play(tried[0][1], np.arange(len(self.starts))))
+            first = tried[0][1]
+            found = self._play(first, np.arange(len(self.starts)))
             for other, of_other in self.goals.items():
                 known = self.best.get(other)
-                if known is None or _reached(of_other, found.outcomes) > _reached(of_other, known.outcomes):
-                    self.best[other] = found
-            reached = _reached(goal, found.outcomes)
+                if known is None or _reached(of_other, found) > _reached(of_other, known[1]):
+                    self.best[other] = first, found
+            reached = _reached(goal, found)
             best, idle = (reached, 0) if reached > best else (best, idle + 1)
             if idle >= PATIENCE:
                 return
@@ -235,7 +222,7 @@ def _reached(goal: Goal, outcomes: Outcomes) -> tuple[float, ...]:
     return tuple(float(np.mean(it)) for it in goal(outcomes))
 
 
-def search_linear(world: World, starts: Ints, keep: Keep, budget: int, rng: Rng) -> list[Candidate]:
+def search_linear(world: World, starts: Ints, keep: Keep, budget: int, rng: Rng) -> list[Data]:
     """Look for linear policies that are paid most, fail, succeed, last: every episode is given to `keep`.
 
     Args:
@@ -262,4 +249,4 @@ def search_linear(world: World, starts: Ints, keep: Keep, budget: int, rng: Rng)
             until = world.taken + max(1, int(AT_ONCE * (stop - world.taken)))
             squares = number % 2 == 1 and evolutions.size <= SQUARED
             evolutions.evolve(name, until, squares=squares, again=number >= FROM_NOTHING)
-    return list({id(it): it for it in evolutions.best.values()}.values())
+    return list({id(it): it for it, _ in evolutions.best.values()}.values())

@@ -3,7 +3,7 @@
 import base64
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -11,9 +11,10 @@ from harness.arrays import Float
 from harness.authoring.commands import Episode, Scene, Show, Side, plugin_flags
 from harness.authoring.pages import render_page, select_points
 from harness.log import episode_sum
-from harness.report import Axis, Chart, Dots, Grid, Line, draw_chart, linear_axis, replay_of
+from harness.report import Dots, Grid, Line, draw_chart, replay_of
 from harness.text import number, visible
 
+from ..chart import chart_of
 from .behaviour import Role
 from .certificate import Certificate, file_names, rating_text
 from .finding import CANNOT_TELL, FAILING, LOITERING, NAMES
@@ -27,8 +28,6 @@ COLOURS: Mapping[Role, str] = {"fastest": "baseline", "failure": "proposed", "su
 DASHES: Mapping[Role, str] = {"fastest": "6 3", "failure": "", "success": "2 3"}
 MEASURES = 3
 """So many measures are drawn."""
-LEAST = 1e-100
-"""A smaller range is drawn as none."""
 FRAMES = 150
 """The most frames of an arm's replay."""
 EXPLANATION = (
@@ -37,13 +36,8 @@ EXPLANATION = (
 NONE: Float = np.zeros(0)
 Shown: TypeAlias = Mapping[str, Certificate]
 """The behaviours of one reward, by what they are called."""
-
-
-class Figure(NamedTuple):
-    """A chart and what it shows."""
-
-    heading: str
-    svg: str
+Figure: TypeAlias = tuple[str, str]
+"""What a chart shows, and its SVG."""
 
 
 def cheats_page(
@@ -211,17 +205,7 @@ def _figure(
             marks.append(Line(x, y, COLOURS[role], name, dash=DASHES[role], in_legend=True))
         if x and np.isfinite(y[-1]):
             marks.append(Dots(x[dotted], y[dotted], COLOURS[role], (name,) * len(x[dotted])))
-    last = max(max(mark.x) for mark in marks)
-    y_axis = _axis([np.array(y) for _, y in lines.values()], upwards)
-    chart = Chart(linear_axis(0.0, last if last > LEAST else 1.0, across, 5), y_axis, tuple(marks))
-    return Figure(heading, draw_chart(chart, told))
-
-
-def _axis(curves: Sequence[Float], title: str) -> Axis:
-    told = np.concatenate([[0.0], *curves])
-    low, high = float(np.nanmin(told)), float(np.nanmax(told))
-    air = 0.04 * (high - low) if high - low > LEAST else 0.5
-    return linear_axis(low - air, high + air, title)
+    return heading, draw_chart(chart_of(marks, across, upwards), told)
 
 
 def _films(shown: Shown) -> dict[str, Any] | None:

@@ -106,17 +106,6 @@ class Replayed:
         }
 
 
-def agree(then: Data, now: Data) -> bool:
-    """Whether two plays of one policy are paid the same and succeed as often, but for chance; by Welch's test."""
-    return all(_is_alike(then[name], now[name]) for name in ("paid", "success"))
-
-
-def _is_alike(one: Sequence[float], other: Sequence[float]) -> bool:
-    if one == other or np.ptp(one) == np.ptp(other) == 0.0:
-        return bool(one[0] == other[0])
-    return bool(stats.ttest_ind(one, other, equal_var=False).pvalue >= LEAST_P)
-
-
 def certify(
     finding: Finding,
     place: Place,
@@ -217,7 +206,7 @@ def replay(
         differs = _first(certificate, found)
         if differs and (reasons or unsteady or rate(policy, rating["starts"], world) != rated):  # by chance
             unplayed += ["start", "actions", "paid", "behaviour"]
-            alike = rating if agree(rating, rated) else rated
+            alike = rating if all(_is_alike(rating[name], rated[name]) for name in ("paid", "success")) else rated
             differs = _first(certificate, replace(found, shown=shown, rating=alike))
             found = replace(found, shown=shown)
     if unsteady and differs is unsteady:
@@ -281,3 +270,10 @@ def _played(certificate: Certificate, world: World) -> Certificate:
     if is_success != (role != "failure"):
         role = "success" if is_success else "failure"
     return replace(certificate, shown=shown, role=role)
+
+
+def _is_alike(one: Sequence[float], other: Sequence[float]) -> bool:
+    """Whether two plays of one policy are alike but for chance, by Welch's test."""
+    if one == other or np.ptp(one) == np.ptp(other) == 0.0:
+        return bool(one[0] == other[0])
+    return bool(stats.ttest_ind(one, other, equal_var=False).pvalue >= LEAST_P)

@@ -42,12 +42,10 @@ class Rows:
     Attributes:
         columns: Their fields, (rows, ...) each; of their episodes `BEGIN`, and `BEST` until then, [m]; and `COUNT` of
             the step that follows, counted from 1.
-        fields: The names of their fields.
         walks: The episodes. A state is the number of its row, and an action that of the row after its step.
     """
 
     columns: Mapping[str, NDArray[Any]]
-    fields: Sequence[str]
     walks: Sequence[Walk]
 
 
@@ -71,7 +69,7 @@ def rows_of_rollouts(rollouts: Sequence[Rollout]) -> Rows:
         name: read_only(np.concatenate([part[name].reshape(-1, *part[name].shape[2:]) for part in parts]))
         for name in parts[0]
     }
-    return Rows(columns, tuple(rollouts[0].states), walks)
+    return Rows(columns, walks)
 
 
 def ask_of(reward: Reward, rollouts: Sequence[Rollout], rows: Rows) -> Ask:
@@ -82,8 +80,8 @@ def ask_of(reward: Reward, rollouts: Sequence[Rollout], rows: Rows) -> Ask:
 
     def ask(steps: Sequence[Step]) -> Float:
         begin, act, end = np.array(steps).T
-        state = {name: rows.columns[name][begin] for name in rows.fields}
-        after = {name: rows.columns[name][act if name == ACTION else end] for name in rows.fields}
+        state = {name: rows.columns[name][begin] for name in rollouts[0].states}
+        after = {name: rows.columns[name][act if name == ACTION else end] for name in state}
         asked = step_between(state, after, *(rows.columns[name][begin] for name in (BEGIN, BEST, COUNT)))
         values = np.asarray(pay(reward, take(carry, begin), asked)[1].total, np.float64)
         if not np.isfinite(values).all():

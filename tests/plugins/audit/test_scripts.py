@@ -144,6 +144,5 @@ def test_a_reward_of_distances_with_terms_is_asked_about_made_up_ones(judge):
         return step.begin_distance - step.distance
 
     found, same = map(judge, (two, one))
-    assert found.scripts.needed == ()
     assert found.scripts.properties == same.scripts.properties
     assert found.pairs[0].forms == same.pairs[0].forms

@@ -75,7 +75,7 @@ def test_the_slippery_lake_is_crossed_as_often_as_can_be(lake):
     world, rates = lake
     _, low, high = share_interval(rates.success.outcomes.success)
     assert low <= solved_by_its_own_dynamics(world.env, 100) <= high + 0.02
-    assert rates.success.made_by == "table"
+    assert rates.success.policy["kind"] == "table"
     assert rates.random.outcomes.success.mean() < 0.1
 
 
@@ -147,7 +147,7 @@ def test_what_does_not_repeat_itself_gets_linear_policies():
     world = EnvWorld(anew, lambda after, paid, terminated, info: not terminated, horizon=100)
     world.is_repeated = False
     rates = searched(world, 60_000).rates
-    assert rates.success.made_by == "linear policy"
+    assert rates.success.policy["kind"] == "linear policy"
     assert rates.success.outcomes.success.mean() > 0.9
 
 

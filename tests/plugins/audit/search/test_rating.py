@@ -84,7 +84,7 @@ def test_a_policy_is_certified_by_its_figures():
     """Of a fresh world; one whose figures are others there is not certified, and the reason is told."""
     finding = finding_of(Line())
     outcomes, actions = Coin().act(STARTS, lambda seen: 1)
-    rated = Rated(POLICY, "table", STARTS, outcomes, actions[0])
+    rated = Rated(POLICY, STARTS, outcomes, actions[0])
     three = {"failure": replace(finding.three["failure"], policy=POLICY)}
     chance = replace(
         finding,
