@@ -22,8 +22,8 @@ from harness.hookspecs import NOUNS
 from harness.log import LogFormat
 from harness.measure import Measure, needs_of as measure_needs
 from harness.motion import MODES, Discrete, MoveJ
-from harness.registry.choice import Parameter, choose, parameters_of, parse, values_of
-from harness.registry.registry import Registry
+from harness.registry.choice import Registry, choose, parse
+from harness.registry.members import Parameter, parameters_of, values_of
 from harness.registry.spec import Spec, blamed_on
 from harness.registry.step_functions import WHAT_ONE_TAKES
 from harness.reward import MissingField, Reward

@@ -9,7 +9,7 @@ from harness.registry.spec import Spec, blamed_on
 
 if TYPE_CHECKING:
     from harness.record.cell import Cell
-    from harness.registry.registry import Registry
+    from harness.registry.choice import Registry
 
 SCREENS = "screens"
 FAILING, LOITERING, NOTHING, CANNOT_TELL = WORDS = (

@@ -9,8 +9,7 @@ import numpy as np
 from harness.arrays import Float, Float32, Mask
 from harness.goal import Goal
 from harness.motion import Motion
-from harness.registry.choice import Choice, choose
-from harness.registry.registry import Registry
+from harness.registry.choice import Choice, Registry, choose
 from harness.robot import Robot
 from harness.robot.robot import load_robot
 

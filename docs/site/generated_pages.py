@@ -23,8 +23,9 @@ from harness.cli.app import PANELS, build_app
 from harness.cli.commands import OPTION, PANEL
 from harness.experiment.plan import Experiment
 from harness.hookspecs import NOUNS
-from harness.registry.choice import parameters_of
-from harness.registry.registry import Registry, load_registry
+from harness.registry.choice import Registry
+from harness.registry.members import parameters_of
+from harness.registry.registry import load_registry
 from harness_plugins.kit.kits import KITS
 
 ROOT = Path(__file__).parents[2]

@@ -11,8 +11,8 @@ from harness.cli.run import RunFlags, foresee_run, given_plugins, parse_time, re
 from harness.errors import UsageError
 
 if TYPE_CHECKING:
+    from harness.registry.choice import Registry
     from harness.registry.given import Given
-    from harness.registry.registry import Registry
 
 Candidates = Annotated[
     Names, flag("NAME,...", "The candidates, such as arp,dense,relative.", "the rewards of the files", offers=REWARDS)

@@ -11,7 +11,8 @@ from harness.cli.help import PLAIN, Command, epilog_of
 from harness.cli.unexpected import describe_fault
 from harness.errors import HarnessError, PluginError
 from harness.hookspecs import PROJECT
-from harness.registry.registry import Registry, installed, load_registry
+from harness.registry.choice import Registry
+from harness.registry.registry import installed, load_registry
 from harness.registry.spec import OURS
 from harness.text import command_text, visible
 

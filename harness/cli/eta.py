@@ -20,7 +20,7 @@ from harness.text import command_text
 
 if TYPE_CHECKING:
     from harness.eta.curve import Kind
-    from harness.registry.registry import Registry
+    from harness.registry.choice import Registry
     from harness.results import Results
     from harness.results.logs.told import Told
     from harness.score.compare import ComparedRuns

@@ -6,7 +6,7 @@ from types import MappingProxyType
 from harness.cli.commands import KIND, OPTION
 from harness.cli.output import complain, say
 from harness.hookspecs import KINDS
-from harness.registry.registry import Registry
+from harness.registry.choice import Registry
 
 EXPLAINED: Mapping[str, str] = MappingProxyType(
     {

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from harness.payoff.rollout import Rollout, UnderNoise
     from harness.record.cell import Cell
-    from harness.registry.registry import Registry
+    from harness.registry.choice import Registry
     from harness.report.rows.returns import Audits, Payoffs
     from harness.results import Results
 

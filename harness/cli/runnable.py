@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from harness.registry.registry import Registry
+from harness.registry.choice import Registry
 from harness.text import command_text
 
 FAVOURITES = {"simulators": ("mujoco", "kinematic"), "algorithms": ("sac", "ik")}

@@ -19,7 +19,7 @@ from harness.text import command_text
 
 if TYPE_CHECKING:
     from harness.experiment.environments.paid_again import Paid
-    from harness.registry.registry import Registry
+    from harness.registry.choice import Registry
     from harness.results import Results
     from harness.results.results import ReturnMatrix
     from harness.results.score_matrix import ScoreMatrix

@@ -18,8 +18,8 @@ from harness.env.arm_observation import ArmObservation
 from harness.env.decisions import GROUND
 from harness.env.vector_env import Action, Given, ReachEnv
 from harness.errors import UsageError
-from harness.registry.choice import build_defaults, choose
-from harness.registry.registry import Registry, load_registry
+from harness.registry.choice import Registry, build_defaults, choose
+from harness.registry.registry import load_registry
 from harness.reward import MissingField, Reward, Sample, pay
 from harness.task import Task
 

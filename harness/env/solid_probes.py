@@ -12,7 +12,7 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.errors import MissingSolid
-from harness.registry.registry import Registry
+from harness.registry.choice import Registry
 from harness.robot import Robot
 from harness.robot.ground_clearance import Solids, build_solids
 from harness.robot.kinematics import link_frames, read_only

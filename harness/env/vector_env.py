@@ -19,8 +19,8 @@ from harness.motion import Discrete, Motion
 from harness.progress import TrainingState
 from harness.record.cell import Cell
 from harness.record.trace import COLUMN, Recorder
-from harness.registry.choice import Choice, choose
-from harness.registry.registry import Registry, load_registry
+from harness.registry.choice import Choice, Registry, choose
+from harness.registry.registry import load_registry
 from harness.reward import Reward, Steps
 from harness.reward.given import ARM, TASK
 from harness.reward.steps import joined, map_steps

@@ -28,8 +28,7 @@ from harness.record.folder import SUFFIX, TRACE
 from harness.record.returns import PAID, mean_over_episodes, mean_return
 from harness.record.scene import write_scene
 from harness.record.trace import COLUMN, INTEGERS, TERM, Recorder, Rows, TraceWriter, read_trace, terms_of
-from harness.registry.choice import Choice
-from harness.registry.registry import Registry
+from harness.registry.choice import Choice, Registry
 from harness.robot import Robot
 from harness.robot.robot import load_robot
 from harness.scene.scene import scene_of

@@ -8,7 +8,7 @@ from harness.errors import UsageError
 from harness.experiment.provenance import function_digests, robot_digest
 from harness.hookspecs import KINDS
 from harness.record.cell import SHOWN_DIGITS, Cell
-from harness.registry.registry import Registry
+from harness.registry.choice import Registry
 from harness.registry.sources import source_hash
 
 if TYPE_CHECKING:

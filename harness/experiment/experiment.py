@@ -26,9 +26,9 @@ from harness.record.out_folder import storage_errors
 from harness.record.plan_file import refuse_mixed
 from harness.record.store import Store, floors_in
 from harness.registry.allowed import allow_typed
-from harness.registry.choice import Choice, split_list
+from harness.registry.choice import Choice, Registry, split_list
 from harness.registry.given import Given as Plugins, read_given, require_given, split_measures
-from harness.registry.registry import Registry, load_registry
+from harness.registry.registry import load_registry
 from harness.results import Results
 from harness.results.load import load_results
 from harness.results.results import standing_of

@@ -16,8 +16,7 @@ from harness.progress import RETURN, SUCCESS
 from harness.record.cell import RUNNING, Cell, Manifest, Running, read_manifest, write_running
 from harness.record.recording.recorded_training import recordings_in
 from harness.record.store import Store
-from harness.registry.choice import Choice, choose, split_list
-from harness.registry.registry import Registry
+from harness.registry.choice import Choice, Registry, choose, split_list
 from harness.results.cell_results import Cells
 from harness.results.metrics import named_measures
 from harness.results.recordings.recording_results import RecordingResults

@@ -13,8 +13,7 @@ from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, recording_of
 from harness.record.pace import Kind, kind_of, time_left, took
 from harness.record.store import Store
-from harness.registry.choice import choose
-from harness.registry.registry import Registry
+from harness.registry.choice import Registry, choose
 from harness.results.comparison import Group
 from harness.text import command_text
 

@@ -16,8 +16,9 @@ from harness.files.plain import Plain
 from harness.hookspecs import NOUNS
 from harness.record.cell import KERNEL, Cell
 from harness.record.folder import partial_folder, publish
+from harness.registry.choice import Registry
 from harness.registry.given import Given
-from harness.registry.registry import Registry, load_registry
+from harness.registry.registry import load_registry
 from harness.registry.sources import digest_of_modules, source_hash
 from harness.robot.robot import load_robot
 

@@ -6,9 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from harness.errors import UsageError
-from harness.registry.choice import values_of
 from harness.registry.given import Given, PluginClass, class_given
-from harness.registry.members import MEMBERS, missing_members
+from harness.registry.members import MEMBERS, missing_members, values_of
 from harness.registry.registry import load_registry
 
 KINDS = {"sim": "simulators", "algo": "algorithms", "reward": "rewards", "baseline": "rewards", "task": "tasks"}

@@ -20,8 +20,8 @@ from harness.record.cell import EVALUATION_HORIZON as HORIZON, Cell
 from harness.record.file_forms import MOST_CELLS, MOST_SEEDS
 from harness.record.plan_file import control_seeds
 from harness.record.terms import NEW, Terms
-from harness.registry.choice import Choice, build, choose, split_list
-from harness.registry.registry import Registry
+from harness.registry.choice import Choice, Registry, choose, split_list
+from harness.registry.members import build
 from harness.registry.toml_file import read_toml
 
 MOST_NAMES = 1_000

@@ -15,7 +15,7 @@ from threadpoolctl import threadpool_info
 from harness.errors import UsageError
 from harness.hookspecs import KINDS
 from harness.record.cell import Cell
-from harness.registry.registry import Registry
+from harness.registry.choice import Registry
 from harness.registry.sources import source_hash
 from harness.registry.spec import OURS, Spec, distribution_of, is_installed, version_of
 from harness.reward import Sample

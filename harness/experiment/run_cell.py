@@ -36,7 +36,8 @@ from harness.record.folder import (
     publish,
     recording_of,
 )
-from harness.registry.registry import Registry, load_registry
+from harness.registry.choice import Registry
+from harness.registry.registry import load_registry
 
 Kind = TypeVar("Kind", bound=Ending)
 

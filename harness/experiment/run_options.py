@@ -16,8 +16,7 @@ from harness.executor import CellOptions, Executor, Limits
 from harness.experiment.changed import CHANGED, Changed
 from harness.experiment.followed import Given
 from harness.experiment.workers.workers import worker_count
-from harness.registry.choice import choose
-from harness.registry.registry import Registry
+from harness.registry.choice import Registry, choose
 from harness.reward import Reward
 
 if TYPE_CHECKING:

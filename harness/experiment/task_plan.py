@@ -12,9 +12,8 @@ from harness.errors import UsageError, sentence
 from harness.eta.laws import require_direction
 from harness.measure import Measure
 from harness.record.cell import BROUGHT, EVALUATION_HORIZON
-from harness.registry.choice import Choice, choose, kind_of_task, require_known, split_list
+from harness.registry.choice import Choice, Registry, choose, kind_of_task, require_known, split_list
 from harness.registry.measure_functions import EPISODE, HIGHER, LOWER, SUCCESS
-from harness.registry.registry import Registry
 from harness.registry.spec import PLANNED, blamed_on, unknown_name
 from harness.results.metrics import fields_needed, load_metrics, require_measures
 from harness.reward.forms import STEP

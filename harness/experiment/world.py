@@ -16,7 +16,7 @@ from harness.experiment.workers.order import TELL_EVERY, Beat, Report
 from harness.policy import Policy
 from harness.progress import SPEED, TrainingState
 from harness.record.cell import Cell
-from harness.registry.registry import Registry
+from harness.registry.choice import Registry
 
 if TYPE_CHECKING:
     from harness.eta.manner import Acted

@@ -10,8 +10,7 @@ from harness.errors import AskedError, HarnessError, SchemaError, UsageError, re
 from harness.files.bounded import kind_at, open_regular
 from harness.log.format import HEAD, LogFormat
 from harness.log.log import Log
-from harness.registry.choice import choose
-from harness.registry.registry import Registry
+from harness.registry.choice import Registry, choose
 from harness.registry.spec import blamed_on
 from harness.text import command_text
 

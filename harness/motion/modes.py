@@ -9,7 +9,8 @@ from harness.errors import UsageError
 from harness.motion.discrete import Discrete
 from harness.motion.motion import Motion, MoveJAbsoluteMode, MoveJMode, SetJointsMode, Setting
 from harness.motion.tip import MoveAMode, MoveLMode
-from harness.registry.choice import build, parse
+from harness.registry.choice import parse
+from harness.registry.members import build
 from harness.registry.spec import did_you_mean
 
 

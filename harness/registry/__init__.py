@@ -7,13 +7,12 @@ from harness.face import face_of
 if TYPE_CHECKING:
     from harness.registry.choice import (
         Choice as Choice,
-        build as build,
+        Plugin as Plugin,
+        Registry as Registry,
         build_defaults as build_defaults,
         choose as choose,
-        parameters_of as parameters_of,
         parse as parse,
         split_list as split_list,
-        values_of as values_of,
     )
     from harness.registry.given import (
         Given as Given,
@@ -23,7 +22,8 @@ if TYPE_CHECKING:
         require_given as require_given,
         split_measures as split_measures,
     )
-    from harness.registry.registry import Plugin as Plugin, Registry as Registry, load_registry as load_registry
+    from harness.registry.members import build as build, parameters_of as parameters_of, values_of as values_of
+    from harness.registry.registry import load_registry as load_registry
     from harness.registry.sources import fingerprint as fingerprint, source_hash as source_hash
     from harness.registry.spec import (
         OURS as OURS,

@@ -1,188 +1,232 @@
-"""What a user picks: a name with parameters, ``arp:k1=1,k2=1.5``.
+"""Whatever plugins registered, and what a user picks of it: a name with parameters, ``arp:k1=1,k2=1.5``.
 
 A parameter may itself be such a text, ``scaled:reward=arp:k2=2,factor=3``; in parentheses, ``reward=(arp:k1=2,k2=3)``,
-its commas are its own.
+its commas are its own. Nothing heavy is imported before a spec is loaded.
 """
 
-import dataclasses
 import re
-import typing
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
-from functools import cache
-from types import MappingProxyType
-from typing import Any, TypeAlias
-
-import pydantic
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from harness.errors import PluginError, UsageError, sentence
-from harness.hookspecs import NOUNS
-from harness.registry.members import require_members
-from harness.registry.registry import BY_ID, Registry
-from harness.registry.spec import Spec, blamed_on, did_you_mean
+from harness.hookspecs import KINDS, NOUNS
+from harness.registry.given import Given, PluginFile
+from harness.registry.members import build, parameters_of, require_members, resolved, values_of
+from harness.registry.spec import Spec, blamed_on, canonical, unknown_name
 from harness.reward.forms import FAILED
-from harness.reward.reward import is_finite
-from harness.text import shortened
 
-SHOWN = 100
-"""Characters of a value that is refused."""
+if TYPE_CHECKING:
+    from harness.registry.step_functions import StepFunction
+
+
+MENTIONED = 2
+"""Plugins that did not load, in the message about a name that is not there."""
+
+
+BY_ID = "gymnasium"
+"""The name of the environment that an id of Gymnasium is short for."""
+
+
+_ID = re.compile(r"-v\d+$")
 
 
 @dataclass(frozen=True)
-class Parameter:
-    """One parameter as ``harness describe`` shows it. One without a default has to be given."""
+class Plugin:
+    """One entry point and how its loading went."""
 
     name: str
-    type: str
-    default: Any
-    description: str
-    has_default: bool = True
+    distribution: str
+    version: str
+    module: str
+    status: str
+    """``ok``, ``broken``, ``incompatible`` or ``off`` (left out by HARNESS_PLUGINS)."""
+    reason: str = ""
+    registered: tuple[str, ...] = ()
+    own: tuple[str, ...] = ()
+    """In a file of rewards or measures: the functions that are none, ``clip(x)``."""
+
+    @property
+    def is_at_fault(self) -> bool:
+        """Whether somebody has to mend it."""
+        return self.status in {"broken", "incompatible"}
+
+    @property
+    def complaint(self) -> str:
+        """A line that says whose it is and what is wrong with it."""
+        return f"{self._title} is {self.status}: {self.reason}"
+
+    @property
+    def _title(self) -> str:
+        package = f"{self.distribution} {self.version}".rstrip()
+        return f"plugin '{self.name}' of {package}"
 
 
-def build(target: Any, given: Mapping[str, Any], noun: str, registry: Registry | None = None) -> Any:
-    """An instance of the dataclass `target` with the parameters `given`, converted and checked.
+@dataclass
+class Registry:
+    """All specs of all loaded plugins.
 
-    Args:
-        target: What a plugin registered.
-        given: By name. Texts are converted to the type of their field; a tuple's items are joined by 'x' (``64x64``).
-        noun: What to call it, ``reward 'arp'``.
-        registry: For a target that builds on another registered one: pydantic's validators find it as
-            ``info.context["registry"]``.
-
-    Raises:
-        UsageError: A parameter is unknown, of the wrong type or out of range; names what there is.
-        PluginError: The target is no dataclass, or the types of its fields cannot be checked.
+    Attributes:
+        plugins: Every plugin, loaded or not.
+        specs: By kind and name, who claims the name, be it short for another name of theirs.
+        notes: What there is to say of the environment variable HARNESS_PLUGINS.
+        given: What was given by hand: whoever does the work elsewhere needs it too.
+        functions: Rewards and measures for steps of environments, in the order in which their files were given.
     """
-    adapter = _adapter(target, noun)
-    names = [parameter.name for parameter in parameters_of(target)]
-    for key in given:
-        if key not in names:
-            there = f"There is: {', '.join(names) or 'none'}.{did_you_mean(key, names)}"
-            raise UsageError(f"{sentence(noun)} has no parameter '{key}'. {there}")
-    hints = _hints(target)
-    values = {key: _split_tuple(hints[key], value) for key, value in given.items()}
-    try:
-        built = adapter.validate_python(values, context={"registry": registry})
-    except pydantic.ValidationError as error:
-        raise UsageError(f"{sentence(noun)}: {_first_problem(error)}") from None
-    for key, value in values_of(built).items():
-        if not is_finite(value):
-            raise UsageError(f"{sentence(noun)}: {key}={value!r}: Input should be a finite number")
-    return built
 
+    plugins: list[Plugin] = field(default_factory=list)
+    specs: dict[tuple[str, str], list[Spec]] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
+    given: tuple[Given, ...] = ()
+    functions: "list[StepFunction]" = field(default_factory=list)
 
-def resolved(target: Any, built: Any, noun: str) -> tuple[dict[str, Any], dict[str, Any]]:
-    """All parameters of a built thing with their values, and of these the ones that differ from their defaults.
+    def functions_of(self, noun: str) -> "dict[str, StepFunction]":
+        """Those that are a ``reward``, or those that are a ``measure``, by name."""
+        return {it.name: it for it in self.functions if it.noun == noun}
 
-    Where a parameter stands for several, such as a preset, the target's method ``defaults_with(values)`` gives the
-    defaults that it brings.
-
-    Args:
-        target: What a plugin registered.
-        built: What `build` made of it.
-        noun: What to call it, ``reward 'arp'``.
-
-    Raises:
-        UsageError: A default does not fit its field.
-    """
-    # Only what is given was converted to the type of its field: a default of 1 is to be 1.0 where that is a float.
-    values = values_of(build(_fields_alone(target), values_of(built), noun))
-    missing = object()
-    defaults = {parameter.name: parameter.default for parameter in parameters_of(target)}
-    if hasattr(target, "defaults_with"):
-        defaults.update(target.defaults_with(values))
-    changed = {key: value for key, value in values.items() if value != defaults.get(key, missing)}
-    return values, changed
-
-
-def values_of(instance: Any) -> dict[str, Any]:
-    """The parameters of a built thing, in the order of its fields."""
-    return {field.name: getattr(instance, field.name) for field in dataclasses.fields(instance) if field.init}
-
-
-def parameters_of(target: Any) -> list[Parameter]:
-    """The parameters that a registered dataclass takes; an empty list for any other target."""
-    if not dataclasses.is_dataclass(target):
-        return []
-    known = typing.cast(Any, target)  # mypy takes a dataclass for not hashable
-    hints, extras = _hints(known), _hints(known, include_extras=True)
-    return [
-        Parameter(
-            field.name,
-            _type_name(hints[field.name]),
-            _default_of(field),
-            _description_of(extras[field.name]),
-            field.default is not dataclasses.MISSING or field.default_factory is not dataclasses.MISSING,
+    def names(self, kind: str) -> list[str]:
+        """Every name of one kind that can be used, sorted; a qualified one where the plain one means another's."""
+        return sorted(
+            usable
+            for (known_kind, name), specs in self.specs.items()
+            if known_kind == kind
+            for usable in _usable_names(name, specs)
         )
-        for field in dataclasses.fields(target)
-        if field.init
-    ]
+
+    def short_names(self, kind: str) -> dict[str, str]:
+        """What is short for a name of one kind, and that name."""
+        specs = (self.get(kind, name) for name in self.names(kind))
+        return {it.short: it.name for it in specs if it.short and _meant(self.specs[kind, it.short]) is it}
+
+    def typed_names(self, kind: str) -> list[str]:
+        """`names` and `short_names`, sorted."""
+        return sorted({*self.names(kind), *self.short_names(kind)})
+
+    def get(self, kind: str, name: str) -> Spec:
+        """The spec of a name, of what is short for one, or of a qualified one such as ``cem-algo/cem``.
+
+        A plain name that the harness itself brings is always its own, whoever claims it too.
+
+        Raises:
+            UsageError: Nobody registered the name; names the nearest match, and plugins that did not load.
+            PluginError: Several plugins claim the name; names their qualified names.
+        """
+        specs = self._claimed(kind, name)
+        if not specs:
+            raise UsageError(unknown_name(NOUNS[kind], name, self.typed_names(kind)) + self.not_loaded(kind, name))
+        found = _meant(specs)
+        if found is None:
+            raise PluginError(conflict(name.rpartition("/")[2], specs))
+        return found
+
+    def _claimed(self, kind: str, name: str) -> list[Spec]:
+        """Who claims a name, or a qualified one."""
+        distribution, _, bare = name.rpartition("/")
+        specs = self.specs.get((kind, bare), [])
+        found = [it for it in specs if not distribution or canonical(it.distribution) == canonical(distribution)]
+        by_id = self.specs.get((kind, BY_ID), []) if not found and _ID.search(name) else []
+        return found or [it for it in by_id if it.is_built_in and it.load().knows(name)]
+
+    def all_specs(self) -> Iterator[Spec]:
+        """Whatever was registered."""
+        return (spec for (_, name), specs in self.specs.items() for spec in specs if spec.name == name)
+
+    def kinds_of(self, name: str) -> list[str]:
+        """The kinds of which something has this name, or this qualified name."""
+        return [kind for kind in KINDS if self._claimed(kind, name)]
+
+    def all_names(self) -> set[str]:
+        """Every name of every kind that can be typed."""
+        return {name for kind in KINDS for name in self.typed_names(kind)}
+
+    def conflicts(self) -> list[str]:
+        """One line for each name that several plugins claim."""
+        return [conflict(name, specs) for (_, name), specs in self.specs.items() if len(specs) > 1]
+
+    def needs(self, in_environment: bool) -> list[dict[str, Any]]:
+        """What an experiment file says of the plugins that were given by hand; of those that could be loaded.
+
+        Args:
+            in_environment: Whether what functions say of each step is recorded, so that no report needs their files.
+        """
+        broken = {it.name for it in self.plugins if it.is_at_fault}
+        recorded = {it.file for it in self.functions} if in_environment else set()
+        return [
+            {**it.need, **({"functions": True} if it in recorded else {})} for it in self.given if it.name not in broken
+        ]
+
+    def broken_files(self) -> list[str]:
+        """A line for each file that a pattern found and that cannot be loaded."""
+        names = {it.name for it in self.given if isinstance(it, PluginFile) and it.optional}
+        return [f"Left out: {it.reason}" for it in self.plugins if it.is_at_fault and it.name in names]
+
+    def complaints(self) -> list[str]:
+        """What there is to know before names are used: plugins that did not load, names that several claim."""
+        at_fault = [sentence(plugin.complaint) for plugin in self.plugins if plugin.is_at_fault]
+        return [*at_fault, *self.conflicts(), *self.notes]
+
+    def why_no_reward(self, name: str) -> str:
+        """Why a name is that of a function in a file and of no reward; empty if it is no such name."""
+        from harness.registry.step_functions import why_no_reward  # here, as in `_load_file`
+
+        told = ((plugin.name, why_no_reward(name, plugin.own)) for plugin in self.plugins)
+        return next((f"In {file}, {why}" for file, why in told if why), "")
+
+    def not_loaded(self, kind: str = "", name: str = "") -> str:
+        """What may be the reason that a name is not there, to follow on a message; empty if nothing may."""
+        function = self.functions_of("reward").get(name) if kind == "rewards" else None
+        if function is not None:
+            return (
+                f" {function.told} pays in environments, the arm's own among them: --task harness/Reach-v0, which "
+                "takes no --sim. In its other runs write a function of step, or a frozen dataclass with initial_carry"
+            )
+        called = next((it for it in self.functions if it.attribute == name and kind == "rewards"), None)
+        if called is not None:
+            return f" In {called.file.name}, {called.attribute} is called '{called.name}', as its file"
+        if kind == "rewards" and (own := self.why_no_reward(name)):
+            return f" {own}"
+        at_fault = [plugin for plugin in self.plugins if plugin.is_at_fault]
+        more = f" and {len(at_fault) - MENTIONED} more" if len(at_fault) > MENTIONED else ""
+        told = "; ".join(plugin.complaint for plugin in at_fault[:MENTIONED])
+        return f" Not loaded: {told}{more}" if told else ""
 
 
-def _adapter(target: Any, noun: str) -> "pydantic.TypeAdapter[Any]":
-    if not dataclasses.is_dataclass(target):
-        raise PluginError(f"{sentence(noun)}: its target {target!r} is no dataclass")
-    try:
-        return _type_adapter(typing.cast(Any, target))  # mypy takes a dataclass for not hashable
-    except (pydantic.errors.PydanticUserError, NameError) as error:
-        reason = str(error).splitlines()[0]
-        raise PluginError(f"{sentence(noun)}: the types of its parameters cannot be checked: {reason}") from error
+def conflict(name: str, specs: list[Spec]) -> str:
+    """One line that names everybody who claims one name, and what to write instead."""
+    meant = _meant(specs)
+    what = f"{sentence(NOUNS[specs[0].kind])} '{name}'"
+    if meant is not None:
+        others = [spec for spec in specs if spec is not meant]
+        owners = " and ".join(f"package {spec.package}" for spec in others)
+        written = " or ".join(spec.qualified for spec in others)
+        return f"{what} is the built-in one. It is claimed by {owners} too: write {written} for that"
+    owners = " and ".join(f"'{spec.plugin}' ({spec.package})" for spec in specs)
+    written = " or ".join(dict.fromkeys(spec.qualified for spec in specs))
+    instead = f"write {written}, or leave" if len({spec.qualified for spec in specs}) == len(specs) else "leave"
+    return f"{what} is claimed by the plugins {owners}: {instead} one out with HARNESS_PLUGINS=-{specs[-1].plugin}"
 
 
-@cache
-def _hints(target: Any, include_extras: bool = False) -> Mapping[str, Any]:
-    """The types of a dataclass's fields, by their names."""
-    return MappingProxyType(typing.get_type_hints(target, include_extras=include_extras))
+def _meant(specs: list[Spec]) -> Spec | None:
+    """The spec meant by a name that several claim: the only one, or the harness's own; None if nobody can tell."""
+    ours = [spec for spec in specs if spec.is_built_in]
+    candidates = ours or specs
+    return candidates[0] if len(candidates) == 1 else None
 
 
-@cache  # a run builds the same few classes hundreds of times
-def _type_adapter(target: Any) -> "pydantic.TypeAdapter[Any]":
-    _hints(target)
-    return pydantic.TypeAdapter(target)
+def _usable_names(name: str, specs: list[Spec]) -> Iterator[str]:
+    """The names of specs that claim one name: the plain name, and the qualified names of the others.
 
-
-@cache
-def _fields_alone(target: Any) -> Any:
-    """A dataclass of the same parameters that does nothing when it is built, and takes every one of them."""
-    hints = _hints(target, include_extras=True)
-    fields = [(field.name, hints[field.name]) for field in dataclasses.fields(target) if field.init]
-    settings = {"__pydantic_config__": getattr(target, "__pydantic_config__", {})}
-    return dataclasses.make_dataclass("Fields", fields, namespace=settings)
-
-
-def _split_tuple(hint: Any, value: Any) -> Any:
-    kinds = [hint, *typing.get_args(hint)]  # of an optional tuple, the tuple is one of the arguments
-    is_tuple = any(typing.get_origin(kind) is tuple for kind in kinds)
-    return value.split("x") if is_tuple and isinstance(value, str) else value
-
-
-def _default_of(field: "dataclasses.Field[Any]") -> Any:
-    if field.default_factory is not dataclasses.MISSING:
-        return field.default_factory()
-    return None if field.default is dataclasses.MISSING else field.default
-
-
-def _description_of(hint: Any) -> str:
-    infos = [item for item in typing.get_args(hint)[1:] if hasattr(item, "description")]
-    return next((info.description for info in infos if info.description), "")
-
-
-def _type_name(hint: Any) -> str:
-    return hint.__name__ if isinstance(hint, type) and not typing.get_args(hint) else str(hint).replace("typing.", "")
-
-
-def _first_problem(error: pydantic.ValidationError) -> str:
-    """The problem that lies deepest: of the alternatives that a field allows, the one that was meant.
-
-    What has the right type and the wrong value was meant rather than what has another type.
+    A spec for which the name is short has another name of its own.
     """
-    problem = max(error.errors(), key=lambda problem: (len(problem["loc"]), not problem["type"].endswith("_type")))
-    field, *inner = problem["loc"] or ("",)
-    where = ".".join([str(field), *(str(part) for part in inner if isinstance(part, int))])
-    message = problem["msg"].removeprefix("Value error, ")
-    if problem["type"] == "missing":
-        return f"{where} has to be given"
-    return f"{where}={shortened(repr(problem['input']), SHOWN)}: {message}" if where else message
+    meant = _meant(specs)
+    owners = [canonical(spec.distribution) for spec in specs]
+    for spec in specs:
+        if spec.name != name:
+            continue
+        if spec is meant:
+            yield name
+        elif owners.count(canonical(spec.distribution)) == 1:
+            yield spec.qualified
 
 
 Defaults: TypeAlias = str | Callable[[Any], Mapping[str, Any]]

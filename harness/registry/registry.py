@@ -3,231 +3,28 @@
 import os
 import re
 import sys
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Collection, Iterable, Sequence
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from importlib.metadata import Distribution, EntryPoint, entry_points
 from types import ModuleType
-from typing import TYPE_CHECKING, Any, NamedTuple, Self
+from typing import TYPE_CHECKING, NamedTuple, Self
 
 import pluggy
 
-from harness.errors import PluginError, UsageError, one_line, sentence
+from harness.errors import UsageError, one_line
 from harness.hookspecs import KINDS, NOUNS, PROJECT, Hooks
+from harness.registry.choice import Plugin, Registry
 from harness.registry.given import Given, PluginClass, PluginFile
 from harness.registry.plugin_module import class_of_file, import_file
-from harness.registry.spec import OURS, Spec, canonical, did_you_mean, fault_of, hooks_of, module_of, unknown_name
+from harness.registry.spec import OURS, Spec, canonical, did_you_mean, fault_of, hooks_of, module_of
 
 if TYPE_CHECKING:
     from harness.registry.step_functions import StepFunction
 
 
-MENTIONED = 2
-"""Plugins that did not load, in the message about a name that is not there."""
-
-BY_ID = "gymnasium"
-"""The name of the environment that an id of Gymnasium is short for."""
-_ID = re.compile(r"-v\d+$")
 _NAME = re.compile(r"[a-z0-9][a-z0-9_-]*")
 _TARGET = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_]\w*")
-
-
-@dataclass(frozen=True)
-class Plugin:
-    """One entry point and how its loading went."""
-
-    name: str
-    distribution: str
-    version: str
-    module: str
-    status: str
-    """``ok``, ``broken``, ``incompatible`` or ``off`` (left out by HARNESS_PLUGINS)."""
-    reason: str = ""
-    registered: tuple[str, ...] = ()
-    own: tuple[str, ...] = ()
-    """In a file of rewards or measures: the functions that are none, ``clip(x)``."""
-
-    @property
-    def is_at_fault(self) -> bool:
-        """Whether somebody has to mend it."""
-        return self.status in {"broken", "incompatible"}
-
-    @property
-    def complaint(self) -> str:
-        """A line that says whose it is and what is wrong with it."""
-        return f"{self._title} is {self.status}: {self.reason}"
-
-    @property
-    def _title(self) -> str:
-        package = f"{self.distribution} {self.version}".rstrip()
-        return f"plugin '{self.name}' of {package}"
-
-
-@dataclass
-class Registry:
-    """All specs of all loaded plugins.
-
-    Attributes:
-        plugins: Every plugin, loaded or not.
-        specs: By kind and name, who claims the name, be it short for another name of theirs.
-        notes: What there is to say of the environment variable HARNESS_PLUGINS.
-        given: What was given by hand: whoever does the work elsewhere needs it too.
-        functions: Rewards and measures for steps of environments, in the order in which their files were given.
-    """
-
-    plugins: list[Plugin] = field(default_factory=list)
-    specs: dict[tuple[str, str], list[Spec]] = field(default_factory=dict)
-    notes: list[str] = field(default_factory=list)
-    given: tuple[Given, ...] = ()
-    functions: "list[StepFunction]" = field(default_factory=list)
-
-    def functions_of(self, noun: str) -> "dict[str, StepFunction]":
-        """Those that are a ``reward``, or those that are a ``measure``, by name."""
-        return {it.name: it for it in self.functions if it.noun == noun}
-
-    def names(self, kind: str) -> list[str]:
-        """Every name of one kind that can be used, sorted; a qualified one where the plain one means another's."""
-        return sorted(
-            usable
-            for (known_kind, name), specs in self.specs.items()
-            if known_kind == kind
-            for usable in _usable_names(name, specs)
-        )
-
-    def short_names(self, kind: str) -> dict[str, str]:
-        """What is short for a name of one kind, and that name."""
-        specs = (self.get(kind, name) for name in self.names(kind))
-        return {it.short: it.name for it in specs if it.short and _meant(self.specs[kind, it.short]) is it}
-
-    def typed_names(self, kind: str) -> list[str]:
-        """`names` and `short_names`, sorted."""
-        return sorted({*self.names(kind), *self.short_names(kind)})
-
-    def get(self, kind: str, name: str) -> Spec:
-        """The spec of a name, of what is short for one, or of a qualified one such as ``cem-algo/cem``.
-
-        A plain name that the harness itself brings is always its own, whoever claims it too.
-
-        Raises:
-            UsageError: Nobody registered the name; names the nearest match, and plugins that did not load.
-            PluginError: Several plugins claim the name; names their qualified names.
-        """
-        specs = self._claimed(kind, name)
-        if not specs:
-            raise UsageError(unknown_name(NOUNS[kind], name, self.typed_names(kind)) + self.not_loaded(kind, name))
-        found = _meant(specs)
-        if found is None:
-            raise PluginError(conflict(name.rpartition("/")[2], specs))
-        return found
-
-    def _claimed(self, kind: str, name: str) -> list[Spec]:
-        """Who claims a name, or a qualified one."""
-        distribution, _, bare = name.rpartition("/")
-        specs = self.specs.get((kind, bare), [])
-        found = [it for it in specs if not distribution or canonical(it.distribution) == canonical(distribution)]
-        by_id = self.specs.get((kind, BY_ID), []) if not found and _ID.search(name) else []
-        return found or [it for it in by_id if it.is_built_in and it.load().knows(name)]
-
-    def all_specs(self) -> Iterator[Spec]:
-        """Whatever was registered."""
-        return (spec for (_, name), specs in self.specs.items() for spec in specs if spec.name == name)
-
-    def kinds_of(self, name: str) -> list[str]:
-        """The kinds of which something has this name, or this qualified name."""
-        return [kind for kind in KINDS if self._claimed(kind, name)]
-
-    def all_names(self) -> set[str]:
-        """Every name of every kind that can be typed."""
-        return {name for kind in KINDS for name in self.typed_names(kind)}
-
-    def conflicts(self) -> list[str]:
-        """One line for each name that several plugins claim."""
-        return [conflict(name, specs) for (_, name), specs in self.specs.items() if len(specs) > 1]
-
-    def needs(self, in_environment: bool) -> list[dict[str, Any]]:
-        """What an experiment file says of the plugins that were given by hand; of those that could be loaded.
-
-        Args:
-            in_environment: Whether what functions say of each step is recorded, so that no report needs their files.
-        """
-        broken = {it.name for it in self.plugins if it.is_at_fault}
-        recorded = {it.file for it in self.functions} if in_environment else set()
-        return [
-            {**it.need, **({"functions": True} if it in recorded else {})} for it in self.given if it.name not in broken
-        ]
-
-    def broken_files(self) -> list[str]:
-        """A line for each file that a pattern found and that cannot be loaded."""
-        names = {it.name for it in self.given if isinstance(it, PluginFile) and it.optional}
-        return [f"Left out: {it.reason}" for it in self.plugins if it.is_at_fault and it.name in names]
-
-    def complaints(self) -> list[str]:
-        """What there is to know before names are used: plugins that did not load, names that several claim."""
-        at_fault = [sentence(plugin.complaint) for plugin in self.plugins if plugin.is_at_fault]
-        return [*at_fault, *self.conflicts(), *self.notes]
-
-    def why_no_reward(self, name: str) -> str:
-        """Why a name is that of a function in a file and of no reward; empty if it is no such name."""
-        from harness.registry.step_functions import why_no_reward  # here, as in `_load_file`
-
-        told = ((plugin.name, why_no_reward(name, plugin.own)) for plugin in self.plugins)
-        return next((f"In {file}, {why}" for file, why in told if why), "")
-
-    def not_loaded(self, kind: str = "", name: str = "") -> str:
-        """What may be the reason that a name is not there, to follow on a message; empty if nothing may."""
-        function = self.functions_of("reward").get(name) if kind == "rewards" else None
-        if function is not None:
-            return (
-                f" {function.told} pays in environments, the arm's own among them: --task harness/Reach-v0, which "
-                "takes no --sim. In its other runs write a function of step, or a frozen dataclass with initial_carry"
-            )
-        called = next((it for it in self.functions if it.attribute == name and kind == "rewards"), None)
-        if called is not None:
-            return f" In {called.file.name}, {called.attribute} is called '{called.name}', as its file"
-        if kind == "rewards" and (own := self.why_no_reward(name)):
-            return f" {own}"
-        at_fault = [plugin for plugin in self.plugins if plugin.is_at_fault]
-        more = f" and {len(at_fault) - MENTIONED} more" if len(at_fault) > MENTIONED else ""
-        told = "; ".join(plugin.complaint for plugin in at_fault[:MENTIONED])
-        return f" Not loaded: {told}{more}" if told else ""
-
-
-def conflict(name: str, specs: list[Spec]) -> str:
-    """One line that names everybody who claims one name, and what to write instead."""
-    meant = _meant(specs)
-    what = f"{sentence(NOUNS[specs[0].kind])} '{name}'"
-    if meant is not None:
-        others = [spec for spec in specs if spec is not meant]
-        owners = " and ".join(f"package {spec.package}" for spec in others)
-        written = " or ".join(spec.qualified for spec in others)
-        return f"{what} is the built-in one. It is claimed by {owners} too: write {written} for that"
-    owners = " and ".join(f"'{spec.plugin}' ({spec.package})" for spec in specs)
-    written = " or ".join(dict.fromkeys(spec.qualified for spec in specs))
-    instead = f"write {written}, or leave" if len({spec.qualified for spec in specs}) == len(specs) else "leave"
-    return f"{what} is claimed by the plugins {owners}: {instead} one out with HARNESS_PLUGINS=-{specs[-1].plugin}"
-
-
-def _meant(specs: list[Spec]) -> Spec | None:
-    """The spec meant by a name that several claim: the only one, or the harness's own; None if nobody can tell."""
-    ours = [spec for spec in specs if spec.is_built_in]
-    candidates = ours or specs
-    return candidates[0] if len(candidates) == 1 else None
-
-
-def _usable_names(name: str, specs: list[Spec]) -> Iterator[str]:
-    """The names of specs that claim one name: the plain name, and the qualified names of the others.
-
-    A spec for which the name is short has another name of its own.
-    """
-    meant = _meant(specs)
-    owners = [canonical(spec.distribution) for spec in specs]
-    for spec in specs:
-        if spec.name != name:
-            continue
-        if spec is meant:
-            yield name
-        elif owners.count(canonical(spec.distribution)) == 1:
-            yield spec.qualified
 
 
 def load_registry(

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from harness.errors import HarnessError, one_line
+from harness.registry.choice import Plugin, Registry
 from harness.registry.members import missing_members, sample_of
-from harness.registry.registry import Plugin, Registry
 from harness.registry.spec import Spec, did_you_mean
 
 _STAR = re.compile(r"^\s*from\s+\S+\s+import\s+\*", re.MULTILINE)

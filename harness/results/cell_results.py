@@ -29,8 +29,7 @@ from harness.record.trace import (
     terms_of,
     with_episode_facts,
 )
-from harness.registry.choice import Choice
-from harness.registry.registry import Registry
+from harness.registry.choice import Choice, Registry
 from harness.results.by_term import ByTerm, by_term, part_of
 from harness.results.comparison import Group
 from harness.results.kept import Kept

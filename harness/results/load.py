@@ -7,8 +7,9 @@ from pathlib import Path
 from harness.errors import UsageError
 from harness.eta.curve import Kind
 from harness.record.store import Store
+from harness.registry.choice import Registry
 from harness.registry.given import read_given
-from harness.registry.registry import Registry, load_registry
+from harness.registry.registry import load_registry
 from harness.results.logs.results_of_logs import results_of_logs
 from harness.results.logs.told import FOUND_OUT, Told
 from harness.results.recordings.recordings import Recordings, has_recordings, plan_of, read_loose

@@ -21,8 +21,7 @@ from harness.hookspecs import NOUNS
 from harness.log import Log
 from harness.measure import Measure, bounds_of, is_error, is_share, is_time, needs_of
 from harness.record.cell import KERNEL, SHOWN_DIGITS, Manifest
-from harness.registry.choice import Choice, choose, split_list
-from harness.registry.registry import Registry
+from harness.registry.choice import Choice, Registry, choose, split_list
 from harness.registry.sources import fingerprint
 from harness.registry.spec import unknown_name
 

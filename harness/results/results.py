@@ -26,8 +26,8 @@ from harness.record.folder import TRACE, begun_by, partial_folder
 from harness.record.plan_file import StoredPlan
 from harness.record.store import Store
 from harness.record.terms import Terms
+from harness.registry.choice import Registry
 from harness.registry.given import plugin_flags
-from harness.registry.registry import Registry
 from harness.results.choosing import Choosing
 from harness.results.compare import compare_all
 from harness.results.comparison import Comparison, Group, pools_of

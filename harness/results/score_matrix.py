@@ -15,8 +15,7 @@ from harness.files.bounded import reading
 from harness.record.cell import Cell
 from harness.record.cell_log import cell_log
 from harness.record.folder import SCORES, TRACE
-from harness.registry.choice import Choice
-from harness.registry.registry import Registry
+from harness.registry.choice import Choice, Registry
 from harness.results.comparison import Group
 from harness.results.results import Results
 from harness.score.rescore import rescore

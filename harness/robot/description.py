@@ -8,8 +8,7 @@ from typing import Protocol
 
 from harness.errors import UsageError, reason_of
 from harness.files.bounded import open_regular
-from harness.registry.choice import Choice
-from harness.registry.registry import Registry
+from harness.registry.choice import Choice, Registry
 from harness.registry.spec import blamed_on
 
 DESCRIPTIONS = "descriptions"

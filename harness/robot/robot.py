@@ -18,7 +18,8 @@ from numpy.typing import ArrayLike
 from harness.arrays import Float
 from harness.errors import UsageError
 from harness.files.bounded import digest_of, reading
-from harness.registry.registry import Registry, load_registry
+from harness.registry.choice import Registry
+from harness.registry.registry import load_registry
 from harness.registry.spec import did_you_mean
 from harness.robot.chain_end import find_chain_end, find_jaw
 from harness.robot.description import Description

@@ -10,7 +10,8 @@ from pathlib import Path
 
 from harness.errors import UsageError
 from harness.files.bounded import read_bytes, read_text
-from harness.registry.registry import Registry, load_registry
+from harness.registry.choice import Registry
+from harness.registry.registry import load_registry
 from harness.robot.description import Description, read_description
 from harness.robot.packages import expanded, find_installed, is_installed, locate
 from harness.robot.settings import ARGUMENTS, FILE, RobotSettings, read_settings

@@ -27,8 +27,7 @@ from harness.eta import (
 from harness.eta.laws import counted, shortfall_beside
 from harness.log import Log, Rows
 from harness.log.log import ROWS
-from harness.registry.choice import choose
-from harness.registry.registry import Registry
+from harness.registry.choice import Registry, choose
 from harness.reward import MissingField, Reward
 from harness.score.csv_steps import EVENTS
 from harness.score.scorer import Payer, can_be_paid, pay_column

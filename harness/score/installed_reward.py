@@ -10,8 +10,7 @@ import numpy as np
 from harness.errors import HarnessError, SchemaError, Unscored, one_line
 from harness.log import Log
 from harness.record.trace import TERM, terms_of
-from harness.registry.choice import Choice
-from harness.registry.registry import Registry
+from harness.registry.choice import Choice, Registry
 from harness.registry.sources import fingerprint
 from harness.reward import MissingField, Paid, Reward
 from harness.reward.terms import needs_of

@@ -9,7 +9,7 @@ from harness.errors import SchemaError, UsageError
 from harness.files.bounded import HEAD, kind_of, open_regular, reading
 from harness.log import Log
 from harness.log.open_log import formats_of, open_logs
-from harness.registry.registry import Registry
+from harness.registry.choice import Registry
 from harness.score.csv_steps import MOST_BYTES, StepsCsv, open_csv, shown_names
 from harness.score.row_meaning import NEEDED, RECORD
 

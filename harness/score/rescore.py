@@ -14,8 +14,7 @@ from harness.log import Log
 from harness.log.log import REWARD, START
 from harness.record.cell_log import cell_of
 from harness.record.folder import MANIFEST
-from harness.registry.choice import Choice, choose, parse
-from harness.registry.registry import Registry
+from harness.registry.choice import Choice, Registry, choose, parse
 from harness.registry.spec import unknown_name
 from harness.score.installed_reward import InstalledReward, is_installed
 from harness.score.scorer import SCORED, can_be_paid

@@ -4,7 +4,7 @@ import pytest
 from pydantic import TypeAdapter, ValidationError
 
 from harness.algorithm import IN_ENVIRONMENTS
-from harness.registry.choice import parameters_of
+from harness.registry.members import parameters_of
 from harness.registry.registry import load_registry
 from harness_plugins.hyperparameters import MOST_ENVS, NumEnvs
 

@@ -9,7 +9,7 @@ from pydantic import Field
 
 from harness.errors import PluginError, UsageError
 from harness.registry import Registry, build, parameters_of, values_of
-from harness.registry.choice import Parameter, resolved
+from harness.registry.members import Parameter, resolved
 
 
 @dataclass(frozen=True)

@@ -110,7 +110,7 @@ def test_plugin_with_an_absent_target_is_broken():
 
 
 def _plugin(name, distribution):
-    from harness.registry.registry import Plugin
+    from harness.registry.choice import Plugin
 
     return Plugin(name, distribution, "0.1", "m", "ok")
 

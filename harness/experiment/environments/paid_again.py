@@ -24,8 +24,7 @@ from harness.recorder.column import source_of
 from harness.recorder.env_facts import Columns, env_facts
 from harness.recorder.retake import Retake
 from harness.recorder.sealed import Walk
-from harness.registry.choice import Choice, choose, parse
-from harness.registry.registry import BY_ID, Registry
+from harness.registry.choice import BY_ID, Choice, Registry, choose, parse
 from harness.registry.spec import blamed_on, unknown_name
 from harness.reward.given import Given
 from harness.score.weighted_recordings import recordings_of

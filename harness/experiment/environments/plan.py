@@ -30,9 +30,8 @@ from harness.recorder.column import Column, for_env, made_columns
 from harness.recorder.env_facts import Columns
 from harness.recorder.guard import Guard
 from harness.recorder.trial import FIRST_STEPS
-from harness.registry.choice import Choice, choose, label_of, parse
+from harness.registry.choice import Choice, Registry, choose, label_of, parse
 from harness.registry.measure_functions import EPISODE
-from harness.registry.registry import Registry
 from harness.registry.spec import PLANNED, blamed_on, unknown_name
 from harness.registry.step_functions import StepFunction
 from harness.reward import Steps

@@ -17,7 +17,7 @@ from harness.record.folder import EVALUATION_RECORDING, POLICY
 from harness.record.recording.facts import facts_of
 from harness.record.recording.recorded_training import read_recording
 from harness.recorder.evaluate_policy import FIRST_SEED
-from harness.registry.registry import Registry
+from harness.registry.choice import Registry
 from harness.registry.spec import blamed_on
 from harness.text import one_line_of
 

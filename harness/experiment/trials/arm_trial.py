@@ -15,8 +15,7 @@ from harness.record.cell import Cell
 from harness.record.folder import TRACE
 from harness.record.recording.facts import FILE_BEHAVIOUR, FILE_REWARD
 from harness.record.trace import TraceWriter, read_trace
-from harness.registry.choice import Choice
-from harness.registry.registry import Registry
+from harness.registry.choice import Choice, Registry
 from harness.reward import Array, Carry, Reward, Steps, pay
 from harness.reward.steps import NOT_RECORDED
 from harness.reward.terms import one_each

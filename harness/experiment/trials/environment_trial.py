@@ -16,8 +16,7 @@ from harness.experiment.trials.tried import Fault, Tried, error_text, fault_of
 from harness.recorder.column import Column, made_columns
 from harness.recorder.guard import Guard
 from harness.recorder.trial import FIRST_STEPS, Finding, Trial
-from harness.registry.choice import Choice
-from harness.registry.registry import Registry
+from harness.registry.choice import Choice, Registry
 from harness.registry.spec import unknown_name
 from harness.reward.given import Untold
 

@@ -23,8 +23,9 @@ from harness.record.cell import Cell
 from harness.record.folder import partial_folder, publish
 from harness.record.recording.facts import TrainingFacts
 from harness.record.recording.recorded_training import facts_name
+from harness.registry.choice import Registry
 from harness.registry.given import Given
-from harness.registry.registry import Registry, load_registry
+from harness.registry.registry import load_registry
 
 SECONDS, MOST = 1.5, 8.0
 """How long steps are measured, and at most before a first update is over, [s]."""

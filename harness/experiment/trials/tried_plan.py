@@ -19,9 +19,9 @@ from harness.experiment.workers.workers import News, Offspring, Pool
 from harness.files.plain import Plain
 from harness.record.cell import Cell
 from harness.record.folder import LOG, partial_folder, publish
-from harness.registry.choice import Choice
+from harness.registry.choice import Choice, Registry
 from harness.registry.given import Given, PluginFile
-from harness.registry.registry import Registry, load_registry
+from harness.registry.registry import load_registry
 
 CALL_SECONDS, ENV_SECONDS, ALL_SECONDS = 60.0, 120.0, 300.0
 """How long one call of a reward, what an env does by itself, and a whole trial may take."""

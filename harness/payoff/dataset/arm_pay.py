@@ -8,7 +8,7 @@ from harness.errors import Unscored, UsageError
 from harness.log import Rows
 from harness.log.log import ACTION, OBSERVATION
 from harness.payoff.dataset.steps import VECTORS, Payer, flat_rows, seen_after, vectors_of
-from harness.registry.registry import Registry
+from harness.registry.choice import Registry
 from harness.reward import MissingField, Paid, Reward
 from harness.reward.reward import is_finite
 from harness.score.places import JOINTS_DEG, ArmPay, ArmPlaces, fields_read, parse_places

@@ -12,8 +12,7 @@ from harness.log import Log, Rows
 from harness.log.log import REWARD
 from harness.payoff.dataset.steps import Payer
 from harness.record.dataset.open_dataset import dataset_facts
-from harness.registry.choice import choose
-from harness.registry.registry import Registry
+from harness.registry.choice import Registry, choose
 from harness.reward import Paid
 
 if TYPE_CHECKING:

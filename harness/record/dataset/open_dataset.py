@@ -11,7 +11,7 @@ from harness.files.bounded import reading
 from harness.log.facts import LogFacts
 from harness.log.log import Log
 from harness.log.open_log import LOGS, open_logs
-from harness.registry.registry import Registry
+from harness.registry.choice import Registry
 
 SYNTAX = "write minari:NAME, lerobot:FOLDER, d4rl:FILE or robomimic:FILE"
 _TYPED = re.compile(r"(?P<format>[A-Za-z][\w/-]+):(?P<settings>\w+=[^:]*(?=:))?:?(?P<place>.*)")

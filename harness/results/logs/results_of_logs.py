@@ -12,7 +12,7 @@ from harness.eta.curve import Kind
 from harness.eta.laws import is_left_out
 from harness.log import Log
 from harness.log.open_log import LOGS, Found, find_logs, open_logs
-from harness.registry.registry import Registry
+from harness.registry.choice import Registry
 from harness.results.logs.labels import labelled
 from harness.results.logs.read_logs import Other, runs_of
 from harness.results.logs.told import FOUND_OUT, Told
