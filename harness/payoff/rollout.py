@@ -224,12 +224,11 @@ def record_rollouts(
             begun.append((env.simulation.read().qpos.copy(), env.episodes.target.copy()))
     start, target = map(np.concatenate, zip(*begun, strict=True))
     planned = [_planned(script, robot, task, start, target, noise) for script in SCRIPTS]
-    found = list[list[Rollout]]()
+    found = list[list[States]]()
     for batch in parts:
         with closing(world.open_part(batch)) as env:
-            given = zip(SCRIPTS, planned, strict=True)
-            found.append([_record(env, script, actions[:, batch], parts[1:]) for script, actions in given])
-    return tuple(map(_joined, zip(*found, strict=True)))
+            found.append([_record(env, actions[:, batch], parts[1:]) for actions in planned])
+    return tuple(map(_joined, SCRIPTS, zip(*found, strict=True)))
 
 
 def _planned(script: str, robot: Robot, task: Task, start: Float, target: Float, noise: float) -> Float32:
@@ -241,32 +240,30 @@ def _planned(script: str, robot: Robot, task: Task, start: Float, target: Float,
     return actions
 
 
-def _record(env: ReachVectorEnv, script: str, actions: Float32, others: Sequence[slice]) -> Rollout:
-    """What envs do; to the horizon where episodes of `others` may be longer."""
+def _record(env: ReachVectorEnv, actions: Float32, others: Sequence[slice]) -> States:
+    """What envs do and are paid; to the horizon where episodes of `others` may be longer."""
     env.reset(seed=EVALUATION_SEED)
-    running, reached = np.ones(env.num_envs, bool), np.zeros(env.num_envs, bool)
-    states, rows = [_state(env)], []
+    running, nothing = np.ones(env.num_envs, bool), np.zeros(env.num_envs)
+    steps = [{**_state(env), "events": nothing, "running": running, "reached": nothing > 0.0}]
     for action in actions:
         _, paid, terminated, truncated, infos = env.step(action)
         target = env.episodes.steps.before.target.copy()  # that of the step; a task that goes on has set the next one
-        states.append({**_state(env), "target": target, "distance": infos["distance"]})
-        rows.append((np.where(running, paid, 0.0), running))
-        reached |= running & infos["is_success"]
+        told = {"target": target, "distance": infos["distance"], "events": np.where(running, paid, 0.0)}
+        steps.append({**_state(env), **told, "running": running, "reached": running & infos["is_success"]})
         running = running & ~(terminated | truncated)
         if not (others or running.any()):
             break
-    events, ran = map(np.stack, zip(*rows, strict=True))
-    return Rollout(script, {name: np.stack([of[name] for of in states]) for name in ARM_BEFORE}, events, ran, reached)
+    return {name: np.stack([of[name] for of in steps]) for name in steps[0]}
 
 
-def _joined(parts: Sequence[Rollout]) -> Rollout:
+def _joined(script: str, parts: Sequence[States]) -> Rollout:
     """The episodes of all batches, until the last one's has ended."""
-    events, running = (np.concatenate([getattr(it, of) for it in parts], axis=1) for of in ("events", "running"))
-    last = int(running.any(axis=1).sum())
-    names = parts[0].states
-    states = {name: np.concatenate([it.states[name] for it in parts], axis=1)[: last + 1] for name in names}
-    reached = np.concatenate([it.reached for it in parts])
-    return Rollout(parts[0].script, states, events[:last], running[:last], reached)
+    states = {name: np.concatenate([of[name] for of in parts], axis=1) for name in parts[0]}
+    last = int(states["running"].any(axis=1).sum())
+    events, running, reached = (states.pop(name)[1:last] for name in ("events", "running", "reached"))
+    return Rollout(
+        script, {name: it[:last] for name, it in states.items()}, events, running, np.asarray(reached.any(axis=0))
+    )
 
 
 def _state(env: ReachVectorEnv) -> dict[str, NDArray[Any]]:

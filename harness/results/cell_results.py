@@ -91,8 +91,8 @@ class Cells:
     def compared_with(self, cell: Cell) -> list[Choice]:
         """The rewards to compare with: the others for the baseline, the baseline for others, itself for a control."""
         baseline, rewards = self._plan.baseline, self._rewards[Group.of(cell)]
-        is_asked = (cell.reward.label == baseline, bool(self._plan.control))
-        return [it for it in rewards if (is_asked[0] or it.label == baseline) and (it != cell.reward or is_asked[1])]
+        asked = (it for it in rewards if it != cell.reward or self._plan.control)
+        return [it for it in asked if baseline in (it.label, cell.reward.label)]
 
     @cached_property
     def _rewards(self) -> Mapping[Group, Collection[Choice]]:
@@ -201,11 +201,11 @@ class CellResults(Did):
         """Every metric of the policy in both manners, and of the training."""
         own, other = OWN_AND_OTHER[self.cell.deterministic]
         files = {own: EVALUATION, other: f"{other}{SUFFIX}", TRAINING: TRACE}
-        if not self._is_there(files[other]):
-            del files[other]
         with self:
             return {
-                manner: Part(self._count(file), {}, self._measure(file), self.reasons) for manner, file in files.items()
+                manner: Part(self._count(file), {}, self._measure(file), self.reasons)
+                for manner, file in files.items()
+                if manner != other or self._is_there(file)
             }
 
     @property

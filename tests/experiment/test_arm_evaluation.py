@@ -118,13 +118,6 @@ def test_more_episodes_begin_with_the_same_ones(tmp_path):
     assert_array_equal(few, many[:3])
 
 
-def test_same_policy_gives_the_same_trace(tmp_path):
-    """Evaluation is deterministic, bit for bit, random actions included."""
-    first, second = (record(tmp_path, act_of(FLOOR, "random")).load() for _ in range(2))
-    for name, column in first.rows().columns.items():
-        assert_array_equal(column, second[name])
-
-
 def test_policy_is_asked_with_the_observations(tmp_path):
     """What acts is handed float32 observations of all envs, and its actions are recorded."""
     shapes = set()
