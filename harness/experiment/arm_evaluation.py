@@ -208,10 +208,9 @@ class _Question:
 def _answer(question: _Question) -> tuple[int | None, ...] | None:
     """The answer. A process that does several cells computes it once."""
     world, episodes, seed = question.world, question.episodes, question.seed
+    count = episodes if varies(world.task) else 1
     try:
-        if varies(world.task):
-            return _play(world, episodes, seed)
-        return _play(world, 1, seed) * episodes
+        return _play(world, count, seed) * (episodes // count)
     except SimulationDiverged:
         return None
 
