@@ -15,8 +15,7 @@ from harness.eta.interval import Bounds
 from harness.eta.manner import Acted
 from harness.record.cell import EVALUATION_HORIZON
 from harness.record.folder import partial_folder, publish
-from harness.record.recording.facts import TrainingFacts
-from harness.record.recording.recorded_training import facts_name, is_recording, recording_files
+from harness.record.recording.recorded_training import facts_name, is_recording, read_facts, recording_files
 from harness.recorder.env_facts import LEARNERS, OnError
 from harness.recorder.record_rewards import RecordRewards
 from harness.recorder.wrapped import tell_normalisation
@@ -140,7 +139,7 @@ def _grown_beside(path: Path) -> Iterator[Path]:
         _clear(path, partial)
     yield partial
     with _told(path):
-        if TrainingFacts.read(partial / facts_name(0)).closed:  # else it could not be written, which was told
+        if read_facts(partial).closed:  # else it could not be written, which was told
             _give_name(partial, path)
 
 

@@ -13,8 +13,7 @@ from gymnasium.wrappers.vector import (
 )
 
 from harness.errors import HarnessError, UsageError
-from harness.record.recording.facts import TrainingFacts
-from harness.record.recording.recorded_training import facts_name
+from harness.record.recording.recorded_training import read_facts
 from harness.recorder.computing import used_by
 
 NORMALISED = "NormalizeObservation"
@@ -88,7 +87,7 @@ def tell_normalisation(env: Any, path: Path, policy: Callable[[Any], Any]) -> li
 def _wrappers_of_training(path: Path) -> list[str]:
     """Names of the wrappers of the training in whose folder an evaluation lies, if it lies in one."""
     try:
-        facts = TrainingFacts.read(path.parent / facts_name(0))
+        facts = read_facts(path.parent)
     except (HarnessError, OSError):
         return []
     return [] if facts.evaluation else list(facts.spec.get("wrappers", ()))

@@ -76,8 +76,7 @@ def pay_by_weights(path: Path, label: str) -> int:
 
 def _read(path: Path, number: int) -> Log:
     """What one recorder of a recording left, its scores included."""
-    log, later = read_scored(path, number)
-    return log if later is None else with_scores(log, later)
+    return with_scores(*read_scored(path, number))
 
 
 def _scored(log: Log, label: str) -> Log:

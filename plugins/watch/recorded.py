@@ -16,10 +16,10 @@ from harness.authoring.commands import (
     PAID,
     TERM,
     TICK,
-    facts_name,
     is_held,
     part_paths,
     parts_of,
+    read_facts,
     read_recorder,
     recorder_numbers,
     term_column,
@@ -140,7 +140,7 @@ class Recording:
             self.blocks = self._blocks()
 
     def _read_recorders(self) -> dict[int, TrainingFacts]:
-        return {it: TrainingFacts.read(self.folder / facts_name(it)) for it in recorder_numbers(self.folder)}
+        return {it: read_facts(self.folder, it) for it in recorder_numbers(self.folder)}
 
     def _blocks(self) -> Blocks:
         terms = terms_in(self.facts)

@@ -15,7 +15,7 @@ from harness.files.plain import Plain
 from harness.log.log import BEHAVIOUR, REWARD
 from harness.record.recording.facts import TrainingFacts, facts_of
 from harness.record.recording.recorded_training import (
-    facts_name,
+    read_facts,
     read_recording,
     recorder_numbers,
 )
@@ -183,7 +183,7 @@ class PayAgain:
         now = {name: it.make() for name, it in self.registry.functions_of("reward").items() if name in self._asked}
         for path in paths:
             for number in recorder_numbers(path):
-                facts = TrainingFacts.read(path / facts_name(number))
+                facts = read_facts(path, number)
                 taken = facts.trained_with
                 if taken in now and _differs(facts, f"{REWARD}{taken}", now[taken]):
                     raise UsageError(

@@ -43,9 +43,9 @@ from harness.log import Log
 from harness.policy import Policy
 from harness.progress import LAST_EPISODES, RETURN, SUCCESS as SUCCEEDED, Ring, TrainingState, as_state
 from harness.record.folder import EVALUATIONS, TRAINING_RECORDING
-from harness.record.recording.facts import FILE_BEHAVIOUR, TrainingFacts
+from harness.record.recording.facts import FILE_BEHAVIOUR
 from harness.record.recording.recorded_training import (
-    facts_name,
+    read_facts,
     read_recording,
     recorder_numbers,
     recordings_in,
@@ -335,7 +335,7 @@ class EnvironmentWorld(CellWorld):
     def finish(self, folder: Path) -> Sequence[str]:
         ended = []
         if not self._envs.returns:
-            facts = TrainingFacts.read(folder / TRAINING_RECORDING / facts_name(0))
+            facts = read_facts(folder / TRAINING_RECORDING)
             steps = self._cell.steps / self._algorithm.num_envs
             ended = [f"no episode of the training ended: {unended_text(facts, steps)}"]
         recorded = sorted(recordings_in(folder), key=lambda path: path.name != TRAINING_RECORDING)
@@ -343,7 +343,7 @@ class EnvironmentWorld(CellWorld):
 
     def _cuts(self, recorded: Sequence[Path]) -> Iterator[str]:
         """How many episodes of the final policy were cut."""
-        for facts in (TrainingFacts.read(path / facts_name(0)) for path in recorded):
+        for facts in (read_facts(path) for path in recorded):
             is_own = facts.acted == self._cell.acted
             if facts.cut and is_own and not facts.after:
                 yield cut_text(facts.cut, self._cell.evaluation_episodes, facts.horizon)
@@ -408,7 +408,7 @@ def _given_up(recorded: Sequence[Path]) -> list[str]:
     for path in recorded:
         where = "training" if path.name == TRAINING_RECORDING else "evaluation"
         for number in recorder_numbers(path):
-            facts = TrainingFacts.read(path / facts_name(number))
+            facts = read_facts(path, number)
             for line in facts.notes:
                 # The same is told with another step; what to write instead stands in the recording, and in reports.
                 notes.setdefault(line.partition(",")[0], line.partition(". ")[0])

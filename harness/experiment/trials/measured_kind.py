@@ -21,8 +21,7 @@ from harness.policy import Policy
 from harness.progress import Progress
 from harness.record.cell import Cell
 from harness.record.folder import partial_folder, publish
-from harness.record.recording.facts import TrainingFacts
-from harness.record.recording.recorded_training import facts_name
+from harness.record.recording.recorded_training import read_facts
 from harness.registry.choice import Registry
 from harness.registry.given import Given
 from harness.registry.registry import load_registry
@@ -168,7 +167,7 @@ class MeasureKind(Plain):
 
 def horizon_in(recording: Path) -> int:
     """After how many steps a recorded environment itself ends an episode; 0 if it does not say so."""
-    return int(TrainingFacts.read(recording / facts_name(0)).spec.get(HORIZON) or 0)
+    return int(read_facts(recording).spec.get(HORIZON) or 0)
 
 
 def measure_kinds(cells: Sequence[Cell], given: tuple[Given, ...], at_once: int) -> Mapping[Cell, Measured | str]:

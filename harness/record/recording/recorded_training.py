@@ -74,7 +74,7 @@ def read_recording(folder: Path) -> Log:
             )
         read = [read_scored(folder, number) for number in numbers]
         are_scored = all(later is not None for _, later in read)
-        logs = [with_scores(log, later) if later is not None and are_scored else log for log, later in read]
+        logs = [with_scores(log, later if are_scored else None) for log, later in read]
         told = [(facts.numbers, facts.trained_with) for facts in map(facts_of, logs)]
         for number, of in zip(numbers, told, strict=True):
             if of != told[0]:
@@ -92,8 +92,8 @@ def read_scored(folder: Path, number: int) -> tuple[Log, Log | None]:
         SchemaError: Its facts or scores are damaged.
         NewerFormat: A newer version wrote them.
     """
-    scores = read_scores(folder / scores_name(number), partial(step_count, folder, number))
-    return read_recorder(folder, number), scores
+    log, path = read_recorder(folder, number), folder / scores_name(number)
+    return log, read_scores(path, step_count(folder, number)) if path.exists() else None
 
 
 def add_scores(folder: Path, scores: Mapping[int, Log]) -> None:
@@ -124,7 +124,7 @@ def read_recorder(folder: Path, number: int, after: int = 0) -> Log:
         SchemaError: Its facts are damaged.
         NewerFormat: A newer version wrote it.
     """
-    facts = TrainingFacts.read(folder / facts_name(number))
+    facts = read_facts(folder, number)
     part_paths(folder, number)
     names = _names(facts, with_calls=facts.actions is not None and not facts.actions.problem)
     if len({*names}) < len(names):
@@ -150,6 +150,16 @@ def recorder_numbers(folder: Path) -> list[int]:
 def recording_files(folder: Path) -> list[str]:
     """Names of the files in a folder that a recording is read from."""
     return sorted(path.name for pattern in FILES for path in folder.glob(pattern))
+
+
+def read_facts(folder: Path, number: int = 0) -> TrainingFacts:
+    """The facts of a recorder.
+
+    Raises:
+        SchemaError: They are damaged, or not there.
+        NewerFormat: A newer version wrote them.
+    """
+    return TrainingFacts.read(folder / facts_name(number))
 
 
 def facts_name(number: int) -> str:

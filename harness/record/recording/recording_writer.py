@@ -19,6 +19,7 @@ from harness.record.recording.recorded_training import (
     facts_name,
     first_part,
     part_schema,
+    read_facts,
     read_recorder,
 )
 
@@ -103,7 +104,7 @@ class RecordingWriter(RowsWriter):
 
     def _resume(self) -> None:
         """Go on with what is there; a recording of an older version has the columns that it had."""
-        before = TrainingFacts.read(self.folder / facts_name(self.number))
+        before = read_facts(self.folder, self.number)
         _require_same_training(self.folder, before, self.facts)
         now, asked = self.facts, self.facts.asked or before.asked  # whoever goes on may ask for more
         better = now if now.lower_is_better or now.higher_is_better else before  # and say what nobody had said

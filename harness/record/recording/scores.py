@@ -8,7 +8,6 @@ where one was given up: its column holds NaN from there on.
 """
 
 import json
-from collections.abc import Callable
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Annotated, Any, NotRequired
@@ -19,11 +18,12 @@ from pydantic import Field, with_config
 from typing_extensions import TypedDict
 
 from harness.errors import NewerFormat, SchemaError
-from harness.files.bounded import parse_json, reading, whole_file
-from harness.files.parquet import open_parquet, require_room, write_packed
+from harness.files.bounded import parse_json, whole_file
+from harness.files.parquet import require_room, write_packed
 from harness.log import Log, in_memory
-from harness.log.log import BEHAVIOUR, REWARD, Columns
+from harness.log.log import BEHAVIOUR, REWARD, Columns, joined
 from harness.record.file_forms import EXACT, read_form
+from harness.record.parts import open_part, rows_of
 from harness.record.recording.facts import (
     MOST_NAMES,
     Failure,
@@ -37,13 +37,14 @@ from harness.record.recording.facts import (
 )
 
 FORMAT = 1
-MOST_BYTES = 2**33
 _FACTS = b"harness"
 NAMED = ("rewards", "behaviour", "lower_is_better", "higher_is_better")
 
 
-def with_scores(log: Log, later: Log) -> Log:
+def with_scores(log: Log, later: Log | None) -> Log:
     """A log, with the columns of scores of its steps in place of earlier ones of the same rewards and measures."""
+    if later is None:
+        return log
     facts, new = facts_of(log), facts_of(later)
     named: dict[str, Any] = {it: tuple(dict.fromkeys((*getattr(facts, it), *getattr(new, it)))) for it in NAMED}
     kept = {name: terms for name, terms in facts.terms.items() if name not in new.rewards}
@@ -84,21 +85,18 @@ def write_scores(path: Path, scores: Log) -> None:
         write_packed(pa.table(columns).replace_schema_metadata({_FACTS: json.dumps(told)}), partial)
 
 
-def read_scores(path: Path, count_steps: Callable[[], int]) -> Log | None:
-    """What `write_scores` wrote; None if there is no such file, or the recording went on since.
+def read_scores(path: Path, steps: int) -> Log | None:
+    """What `write_scores` wrote; None if the recording went on since.
 
     Args:
         path: The file.
-        count_steps: How many the recorder has recorded; not called without a file.
+        steps: How many the recorder has recorded.
 
     Raises:
         SchemaError: It is damaged, or has more steps.
         NewerFormat: A newer version wrote it.
     """
-    if not path.exists():
-        return None
-    with reading(path, "file of scores"):
-        file, steps = open_parquet(path, MOST_BYTES), count_steps()
+    with open_part(path, "file of scores") as file:
         if file.metadata.num_rows > steps:
             raise SchemaError(f"{path} scores {file.metadata.num_rows:,} steps, and the recording has {steps:,}")
         if file.metadata.num_rows < steps:
@@ -108,8 +106,8 @@ def read_scores(path: Path, count_steps: Callable[[], int]) -> Log | None:
             raise NewerFormat(f"{path} has format {number}, this version reads up to {FORMAT}")
         form = read_form(ScoresForm, told)
         require_room(path, file)
-        table = file.read()
-        columns = {log_column(it.name): np.asarray(table.column(it.name).to_numpy()) for it in table.schema}
+        rows = joined([*rows_of(file, path, file.schema_arrow.names)])
+        columns = {log_column(name): values for name, values in rows.items()}
         facts = _facts(path, form, columns)
         if any(np.isinf(values).any() for values in columns.values()):
             raise SchemaError(f"{path} has infinite numbers")

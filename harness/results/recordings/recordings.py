@@ -21,8 +21,8 @@ from harness.measure import Measure
 from harness.record.cell import BROUGHT, EVALUATION_HORIZON, UNKNOWN_ALGORITHM, Cell, Manifest, is_named
 from harness.record.folder import EVALUATION_RECORDING, RANDOM, TRAINING_RECORDING, recording_of
 from harness.record.plan_file import PLAN, StoredPlan
-from harness.record.recording.facts import FILE_BEHAVIOUR, OWN_SOURCE, TrainingFacts
-from harness.record.recording.recorded_training import facts_name, recordings_in
+from harness.record.recording.facts import FILE_BEHAVIOUR, OWN_SOURCE
+from harness.record.recording.recorded_training import read_facts, recordings_in
 from harness.record.store import MOST_NAMED, floors_in
 from harness.registry.choice import Choice, split_list
 from harness.results.comparison import Group
@@ -298,7 +298,7 @@ def _weighed(paths: Sequence[Path]) -> list[str]:
     found: dict[str, None] = {}
     for path in paths:
         with suppress(SchemaError):  # the next reader says so
-            found[TrainingFacts.read(path / facts_name(0)).trained_with] = None
+            found[read_facts(path).trained_with] = None
     return [label for label in found if name_of(label) != label]
 
 
