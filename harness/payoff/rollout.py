@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float, Float32, Mask, read_only
 from harness.env.vector_env import ReachVectorEnv, World
-from harness.errors import SimulationDiverged, UsageError
+from harness.errors import SimulationDiverged, UsageError, sentence
 from harness.experiment.arm_evaluation import EVALUATION_SEED
 from harness.log.log import sums_from
 from harness.motion import JointLimits, MoveJ
 from harness.reward import LARGEST_PAID, Array, Carry, Paid, Reward, Steps, pay
 from harness.reward.steps import ARM_BEFORE, DISTANCE, step_between
-from harness.reward.terms import require_one_each, require_same
+from harness.reward.terms import paid_twice, paid_twice_text, require_one_each, require_same
 from harness.robot import Robot
 from harness.robot.kinematics import reach_position
 from harness.simulator import Simulator
@@ -433,6 +433,7 @@ class Finishing:
         holding_pays: Whether standing still at the start does.
         steps: How many steps the policies took in all.
         never_paid: The terms that paid nothing in any of them.
+        paid_twice: The term that is the sum of all others in all of them; empty if there is none.
     """
 
     gamma: float
@@ -442,6 +443,7 @@ class Finishing:
     holding_pays: bool
     steps: int
     never_paid: tuple[str, ...]
+    paid_twice: str
 
 
 class UnderNoise(NamedTuple):
@@ -487,6 +489,7 @@ def finishing_of(scores: Sequence[Score], gamma: float) -> Finishing:
         holding_pays(payoffs),
         sum(int(score.rollout.running.sum()) for score in scores),
         never_paid(scores),
+        paid_twice({name: np.concatenate([it.terms[name].ravel() for it in scores]) for name in scores[0].terms}),
     )
 
 
@@ -552,8 +555,9 @@ def on_finishing(of: Finishing) -> str:
 
 
 def on_terms(of: Finishing) -> list[str]:
-    """A line for each term that paid nothing in all these steps of the scripted policies."""
-    return [f"The term '{name}' never paid in {of.steps:,} steps." for name in of.never_paid]
+    """A line for each term that paid nothing in all these steps of the scripted policies, and for one that is a sum."""
+    told = [f"The term '{name}' never paid in {of.steps:,} steps." for name in of.never_paid]
+    return [*told, *([f"{sentence(paid_twice_text(of.paid_twice, of.steps))}."] if of.paid_twice else [])]
 
 
 def _compare(temptation: Temptation) -> str:

@@ -25,6 +25,7 @@ from harness.recorder.sealed import ReadOnlyDict
 from harness.recorder.trial import FIRST_STEPS
 from harness.reward.given import Before, Now, Untold, told_under, zeros_of
 from harness.reward.reward import is_finite, require_finite
+from harness.reward.terms import paid_twice, paid_twice_text
 
 ROWS_AT_ONCE = 256
 KEYS = 4
@@ -113,6 +114,7 @@ class Taken:
         self._seen, self._actions = Seen(self._guard.seal), Seen(self._guard.seal)
         self._told: list[Any] = []  # beside each observation that was seen what the env told with it
         self._bound: dict[Column, list[Any]] = {}
+        self._summed = set[Column]()  # of whose terms is known whether one is the sum of the others
         self._clear()
         recorder.taken = self
 
@@ -454,6 +456,10 @@ class Taken:
         made[:, 1], made[:, 2], made[:, 3] = rows[:3]
         for index, column in enumerate(columns):
             width, numbers = len(column.terms or ()), found.get(column, ())
+            if width > 1 and len(numbers) >= FIRST_STEPS and column not in self._summed:
+                self._summed.add(column)
+                if twice := paid_twice(dict(zip(column.terms or (), np.asarray(numbers)[:, 1:].T, strict=True))):
+                    recorder.note(f"{column.noun}: {paid_twice_text(twice, len(numbers))}")
             if len(numbers):
                 made[: len(numbers), [KEYS + index, *range(at, at + width)]] = numbers
             at += width

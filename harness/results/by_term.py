@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float
 from harness.log.log import episode_sums
+from harness.reward.terms import paid_twice
 
 PART = 0.1
 """The first and the last episodes of a training, as a share of them; at least one."""
@@ -33,11 +34,13 @@ class ByTerm(NamedTuple):
     """By term, in their order; none of a reward without terms."""
     steps: int
     """How many steps there are."""
+    twice: str = ""
+    """See `harness.reward.terms.paid_twice`."""
 
     @classmethod
-    def again(cls, terms: Mapping[str, Iterable[Any]], steps: int) -> "ByTerm":
+    def again(cls, terms: Mapping[str, Iterable[Any]], steps: int, twice: str = "") -> "ByTerm":
         """The same after a way through JSON, which makes lists of both tuples."""
-        return cls({name: TermMeans(*means) for name, means in terms.items()}, steps)
+        return cls({name: TermMeans(*means) for name, means in terms.items()}, steps, twice)
 
 
 def part_of(episodes: int) -> int:
@@ -61,4 +64,4 @@ def by_term(terms: Mapping[str, Float], episodes: Sequence[NDArray[np.int64]], s
         start, end, whole = (float(it.mean()) if len(it) else None for it in (sums[:part], sums[-part:], sums))
         return TermMeans(start, end, whole, bool((values != 0.0).any()))
 
-    return ByTerm({name: means(values) for name, values in terms.items()}, steps)
+    return ByTerm({name: means(values) for name, values in terms.items()}, steps, paid_twice(terms))

@@ -444,6 +444,7 @@ class TermsPaid:
         steps: How many steps they have together.
         terms: In their order.
         missing: Why it is not known what the terms pay the baseline's trainings; empty where it is.
+        twice: The term that is the sum of all others in every step of its trainings; empty where there is none.
     """
 
     group: Group
@@ -453,6 +454,7 @@ class TermsPaid:
     steps: int
     terms: tuple[TermPaid, ...]
     missing: str = ""
+    twice: str = ""
 
     @property
     def path(self) -> str:
@@ -492,6 +494,7 @@ class TermsPaid:
             "path": self.path if self.is_compared else None,
             "most_changed": most and most.name,
             "never_paid": list(self.never),
+            "paid_twice": self.twice,
             "missing": self.missing,
         }
 
@@ -535,7 +538,11 @@ def terms_paid(
         )
 
     terms = tuple(map(paid, dict.fromkeys(name for it in trained for name in it.terms)))
-    return TermsPaid(group, *names, len(own), sum(it.steps for it in trained), terms, missing) if terms else None
+    if not terms:
+        return None
+    twice = {it.twice for it in trained}
+    told = twice.pop() if len(twice) == 1 else ""
+    return TermsPaid(group, *names, len(own), sum(it.steps for it in trained), terms, missing, told)
 
 
 def _difference(less: Sequence[float | None], from_: Sequence[float | None]) -> SeedMean:

@@ -110,6 +110,26 @@ def sum_of(terms: Mapping[str, Array]) -> Array:
     return total
 
 
+def paid_twice(terms: Mapping[str, Any]) -> str:
+    """The term that is the sum of all others in every step, as a total beside its parts; empty if there is none.
+
+    Args:
+        terms: By name, what each paid, (steps,): those that paid nothing do not count, and what never changes is none.
+    """
+    paid = {name: np.asarray(values, float) for name, values in terms.items()}
+    paid = {name: values for name, values in paid.items() if values.any()}
+    total = sum(paid.values())
+    for name, values in paid.items() if len(paid) > 1 else ():
+        if values.min() < values.max() and np.allclose(total - values, values, rtol=1e-5, atol=1e-9):
+            return name
+    return ""
+
+
+def paid_twice_text(name: str, steps: int) -> str:
+    """The same in a sentence without its end."""
+    return f"the term '{name}' is the sum of all others in all {steps:,} steps, so that they are paid twice"
+
+
 def require_same(expected: tuple[str, ...], terms: Mapping[str, Array]) -> None:
     """See that a reward pays the terms that it paid before.
 

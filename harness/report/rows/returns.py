@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
+from harness.errors import sentence
 from harness.eta.curve import Kind
 from harness.eta.headline import ReturnSplit, format_number, signed
 from harness.eta.index import NOTHING, SeedMean
@@ -22,6 +23,7 @@ from harness.results import Results
 from harness.results.comparison import Comparison
 from harness.results.results import ReturnMatrix
 from harness.results.trainings import TermsPaid
+from harness.reward.terms import paid_twice_text
 
 TITLE = "Return under every reward"
 EXPLANATION = (
@@ -274,6 +276,8 @@ def _never(found: TermsPaid) -> Iterator[str]:
             off = ": its weight is 0" if weights.get(term.name) in ("0", "-0") else ""
             later = " of training, only in the evaluations" if term.evaluation.mean else ""
             yield f"`{term.name}` never paid in {found.steps:,} steps{later}{off}."
+    if found.twice:
+        yield f"{sentence(paid_twice_text(found.twice, found.steps))}."
 
 
 class Payoffs(NamedTuple):
