@@ -126,17 +126,12 @@ def kind_of(head: bytes, path: Path | None = None) -> FileKind | None:
     """
     kind = next((kind for beginning, kind in _BEGINNINGS if head.startswith(beginning)), None)
     if kind is HDF5:
-        return _hdf5(path) if path is not None else kind
+        names = [] if path is None else names_in_hdf5(path)  # which data set it is, where h5py is installed
+        return next((kind for begin, kind in _LAYOUTS if any(name.startswith(begin) for name in names)), HDF5)
     if head.startswith((b"PK\x03\x04", b"PK\x05\x06")):
         first = head[30 : 30 + int.from_bytes(head[26:28], "little")]
         return next((kind for pattern, kind in _ARCHIVES if pattern.match(first)), ZIP)
     return kind or next((kind for pattern, kind in _SIGNS if pattern.match(head)), None)
-
-
-def _hdf5(path: Path) -> FileKind:
-    """Which data set an HDF5 file is, where h5py is installed."""
-    names = names_in_hdf5(path)
-    return next((kind for begin, kind in _LAYOUTS if any(name.startswith(begin) for name in names)), HDF5)
 
 
 def names_in_hdf5(path: Path) -> list[str]:

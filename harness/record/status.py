@@ -67,7 +67,9 @@ class FolderStatus:
     @property
     def seconds_left(self) -> float | None:
         """What the rest will take; None if nothing is running, or no step was measured. See `time_left`."""
-        running = [_begun(one.cell, one.running, self.now) for one in self.cells if one.status == "running"]
+        running = [
+            _begun(one.cell, one.running, self.now) for one in self.cells if one.running and one.status == "running"
+        ]
         if not running:
             return None
         ended = [one.took for one in self.cells if one.took is not None]
@@ -133,8 +135,8 @@ def _progress(
     return Progress(cell, found.status, found.reason, took=found if found.status == "done" else None)
 
 
-def _begun(cell: Cell, running: Running | None, now: float) -> Begun:
-    if running is None or not running.steps:
+def _begun(cell: Cell, running: Running, now: float) -> Begun:
+    if not running.steps:
         return Begun(cell, 0, None)
     since = now - running.told if running.steps >= cell.steps else 0.0
     return Begun(cell, min(running.steps, cell.steps), (running.told - running.started) / running.steps, since)

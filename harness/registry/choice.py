@@ -54,12 +54,8 @@ class Plugin:
     @property
     def complaint(self) -> str:
         """A line that says whose it is and what is wrong with it."""
-        return f"{self._title} is {self.status}: {self.reason}"
-
-    @property
-    def _title(self) -> str:
         package = f"{self.distribution} {self.version}".rstrip()
-        return f"plugin '{self.name}' of {package}"
+        return f"plugin '{self.name}' of {package} is {self.status}: {self.reason}"
 
 
 @dataclass
@@ -371,7 +367,8 @@ def parse(text: str) -> tuple[str, dict[str, str]]:
             raise UsageError(f"'{part}' in '{text}' is malformed: {SYNTAX}")
         if key.strip() in params:
             raise UsageError(f"'{key.strip()}' is given twice in '{text}'")
-        params[key.strip()] = _bare(value.strip())
+        value = value.strip()
+        params[key.strip()] = value[1:-1].strip() if value.startswith("(") and value.endswith(")") else value
     return name.strip(), params
 
 
@@ -395,7 +392,8 @@ def _choose_and_build(
     spec = registry.get(kind, name)
     if name.rpartition("/")[2] not in spec.claims:  # an id that it makes
         name, params = spec.name, {"id": name, **params}
-    name, target = _recorded(spec, name), spec.load()
+    # What a manifest calls it: a plain name where that means it whatever else is installed, or where one was typed.
+    name, target = spec.qualified if "/" in name and not spec.is_built_in else spec.name, spec.load()
     if isinstance(given, str):
         params = _hand_inwards(params, {parameter.name for parameter in parameters_of(target)})
     built = _build(spec, params, noun, registry)
@@ -423,11 +421,6 @@ def _not_chosen(target: Any, built: Any, params: Mapping[str, Any], defaults: De
     return {key: value for key, value in declared.items() if key not in params and key not in brought}
 
 
-def _recorded(spec: Spec, typed: str) -> str:
-    """What a manifest calls it: a plain name where that means it whatever else is installed, or where one was typed."""
-    return spec.qualified if "/" in typed and not spec.is_built_in else spec.name
-
-
 def _build(spec: Spec, params: Mapping[str, Any], noun: str, registry: Registry) -> Any:
     target = spec.load()
     if params and (failed := getattr(target, FAILED, "")):  # its parameters are not known
@@ -452,10 +445,6 @@ def _split(text: str) -> list[str]:
         else:
             parts[-1] += char
     return parts
-
-
-def _bare(value: str) -> str:
-    return value[1:-1].strip() if value.startswith("(") and value.endswith(")") else value
 
 
 def _hand_inwards(params: dict[str, str], known: set[str]) -> dict[str, str]:

@@ -193,7 +193,7 @@ def parameters_of(target: Any) -> list[Parameter]:
             field.name,
             _type_name(hints[field.name]),
             _default_of(field),
-            _description_of(extras[field.name]),
+            next(filter(None, (getattr(it, "description", "") for it in typing.get_args(extras[field.name])[1:])), ""),
             field.default is not dataclasses.MISSING or field.default_factory is not dataclasses.MISSING,
         )
         for field in dataclasses.fields(target)
@@ -242,11 +242,6 @@ def _default_of(field: "dataclasses.Field[Any]") -> Any:
     if field.default_factory is not dataclasses.MISSING:
         return field.default_factory()
     return None if field.default is dataclasses.MISSING else field.default
-
-
-def _description_of(hint: Any) -> str:
-    infos = [item for item in typing.get_args(hint)[1:] if hasattr(item, "description")]
-    return next((info.description for info in infos if info.description), "")
 
 
 def _type_name(hint: Any) -> str:

@@ -212,7 +212,7 @@ class _Comparer:
     def _learned(self) -> list[Change]:
         """How fast the trainings learned, by the share of episodes that end in success."""
         success, steps = self._trainings.success, self._trainings.group.steps
-        if not success or not self._is_evaluated:
+        if not success or not self._trainings.group.evaluate_every:
             return []
         sides = [[learning_values(its, steps, success) for its in side] for side in self._moments]
         measures = (
@@ -233,9 +233,9 @@ class _Comparer:
 
     def along(self) -> tuple[StepChange, ...]:
         """The measures that decide, at each evaluation before the end of the trainings that all have."""
-        if not self._is_evaluated:
-            return ()
         group, names = self._trainings.group, [it for it in self._trainings.deciding if it in self._trainings.names]
+        if not group.evaluate_every:
+            return ()
         episodes = next(iter(self.episodes.values()))  # of the cells' own manner
         sides = [[it.on_the_way(group.evaluate_every) for it in side] for side in self._match.sides]
 
@@ -247,10 +247,6 @@ class _Comparer:
         return tuple(
             StepChange(due, tuple(change(name, due) for name in names)) for due in sorted(in_all) if due < group.steps
         )
-
-    @property
-    def _is_evaluated(self) -> bool:
-        return bool(self._trainings.group.evaluate_every)
 
     @cached_property
     def _moments(self) -> list[list[Sequence[Moment]]]:

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -76,7 +75,10 @@ def _matrix(
         refused = [rescore(cell_log(it / TRACE), scoring, it / SCORES, registry) for it in places]
         for label, row in indices.items():
             reasons = [told[label] for told in refused if label in told]
-            runs = [] if reasons else [_read(place / SCORES, label) for place in places]
+            runs = list[Float]()
+            for scores in [] if reasons else [it / SCORES for it in places]:
+                with reading(scores, "file of scores"):
+                    runs.append(np.asarray(pq.read_table(scores, columns=[label]).column(label).to_numpy()))
             if not all(np.isfinite(run).all() for run in runs):
                 reasons = [f"reward {label} is not finite on the runs of another reward"]
             if reasons:
@@ -85,8 +87,3 @@ def _matrix(
                 row[training] = curve_of(runs).index
     seeds = {label: tuple(sorted(cell.seed for cell in cells)) for label, cells in trainings.items()}
     return ScoreMatrix(group, seeds, {label: row for label, row in indices.items() if row}, failed)
-
-
-def _read(scores: Path, label: str) -> Float:
-    with reading(scores, "file of scores"):
-        return np.asarray(pq.read_table(scores, columns=[label]).column(label).to_numpy())
