@@ -233,10 +233,8 @@ def _width(kind: pa.DataType) -> int:
     """The numbers of a row, gaps included."""
     if pa.types.is_fixed_size_list(kind):
         return int(kind.list_size) * _width(kind.value_type)
-    if pa.types.is_string(kind) or pa.types.is_large_string(kind) or _is_bytes(kind):
+    types = pa.types
+    texts = types.is_string, types.is_large_string, types.is_binary, types.is_large_binary, types.is_fixed_size_binary
+    if any(it(kind) for it in texts):
         raise ValueError(f"it has a column of {kind}, where numbers are read")
     return sum(_width(kind.field(place).type) for place in range(kind.num_fields)) or 1
-
-
-def _is_bytes(kind: pa.DataType) -> bool:
-    return bool(pa.types.is_binary(kind) or pa.types.is_large_binary(kind) or pa.types.is_fixed_size_binary(kind))

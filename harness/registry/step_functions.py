@@ -10,7 +10,7 @@ file. If it has several, each has its own name.
 
 import functools
 import inspect
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from types import ModuleType
 from typing import Any
@@ -110,7 +110,8 @@ def functions_of_file(file: PluginFile, module: ModuleType) -> list[StepFunction
     of_episodes = [name for name, it in public.items() if file.measures and is_function_of_episodes(it)]
     functions = [name for name, it in public.items() if _is_of_step(it)] + of_episodes
     if public and not (functions or objects or classes):
-        raise UsageError(f"Plugin file '{file.path}': {_what_it_has(public)}")
+        named = ", ".join(_told(name, it) for name, it in public.items())
+        raise UsageError(f"Plugin file '{file.path}': it has {named}, and {WHAT_ONE_TAKES}")
     attributes = [
         name
         for name, it in vars(module).items()
@@ -177,12 +178,6 @@ def _is_called(file: PluginFile, found: Any) -> bool:
 def _is_of_step(found: Any) -> bool:
     """Whether something is called with a step, or with its parts."""
     return takes_step(found) or takes_arguments(found)
-
-
-def _what_it_has(functions: Mapping[str, Any]) -> str:
-    """Why none of the functions is a reward or a measure."""
-    named = ", ".join(_told(name, it) for name, it in functions.items())
-    return f"it has {named}, and {WHAT_ONE_TAKES}"
 
 
 def _told(name: str, function: Any) -> str:
