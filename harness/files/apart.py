@@ -50,19 +50,14 @@ def run_apart(module: str, function: str, *words: str, cpu_seconds: int = CPU_SE
     if done.returncode > 0:
         raise RuntimeError(done.stderr.rstrip().rpartition("\n")[2])
     if done.returncode:
-        raise UsageError(_death(done.returncode, cpu_seconds, memory))
+        if (ended := signal.Signals(-done.returncode).name) in {"SIGXCPU", "SIGKILL"}:
+            raise UsageError(f"reading it takes more than {cpu_seconds} s of computing")
+        needs = f"it is damaged, or needs more than {memory / 2**30:.2g} GiB of memory"
+        raise UsageError(f"what reads it ended by {ended}: {needs}")
     told = json.loads(done.stdout)
     if "refused" in told:
         raise UsageError(told["refused"])
     return told["told"]
-
-
-def _death(status: int, cpu_seconds: int, memory: int) -> str:
-    """Why a process ended before it answered."""
-    ended = signal.Signals(-status).name
-    if ended in {"SIGXCPU", "SIGKILL"}:
-        return f"reading it takes more than {cpu_seconds} s of computing"
-    return f"what reads it ended by {ended}: it is damaged, or needs more than {memory / 2**30:.2g} GiB of memory"
 
 
 def answer() -> None:

@@ -48,8 +48,9 @@ def find_chain_end(urdf: Urdf) -> str:
             )
         moving += _moves(onward[0])
         link = linked(onward[0], "child")
-    end = _last_fixed(link, joints)
-    return _tool_at(urdf, end) or end
+    while len(fixed := _joints_of(link, joints)) == 1:
+        link = linked(fixed[0], "child")
+    return _tool_at(urdf, link) or link
 
 
 def _tool_at(urdf: Urdf, end: str) -> str | None:
@@ -71,12 +72,6 @@ def _links_before_motion(carrier: Mapping[str, Element]) -> set[str]:
             link = linked(carrier[link], "parent")
             links.add(link)
     return links
-
-
-def _last_fixed(link: str, joints: Sequence[Element]) -> str:
-    while len(onward := _joints_of(link, joints)) == 1:
-        link = linked(onward[0], "child")
-    return link
 
 
 def _joints_of(link: str, joints: Sequence[Element]) -> list[Element]:
@@ -142,7 +137,9 @@ def find_jaw(urdf: Urdf, chain: Chain, joints: Sequence[Joint]) -> Jaw | None:
         joints: Those of the chain in order, fixed ones included; two of them move.
     """
     *_, before, last = (joint for joint in joints if joint.kind != "fixed")
-    if not (last.kind == "prismatic" or _is_still(chain)):
+    tip, axis = chain.T_last_tip[:3, 3], chain.axes[-1]
+    length = np.linalg.norm(chain.T_previous_joint[:, :3, 3], axis=1).sum() + np.linalg.norm(tip)
+    if last.kind != "prismatic" and np.linalg.norm(np.cross(axis, tip)) > STILL * length:
         return None
     is_named = bool(JAW.search(last.name)) and not WRIST.search(last.name)
     frames = [link for link in _fixed_to(urdf, before.child) if TOOL.search(link)]
@@ -154,13 +151,6 @@ def find_jaw(urdf: Urdf, chain: Chain, joints: Sequence[Joint]) -> Jaw | None:
     if not is_named and not frames:
         return None
     return Jaw(last.name, joints[-1].child, tuple(reasons), [*frames, last.parent][0])
-
-
-def _is_still(chain: Chain) -> bool:
-    """Whether the chain's end lies on the axis of its last joint."""
-    tip, axis = chain.T_last_tip[:3, 3], chain.axes[-1]
-    length = np.linalg.norm(chain.T_previous_joint[:, :3, 3], axis=1).sum() + np.linalg.norm(tip)
-    return bool(np.linalg.norm(np.cross(axis, tip)) <= STILL * length)
 
 
 def _fixed_to(urdf: Urdf, link: str) -> Iterator[str]:

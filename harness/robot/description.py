@@ -109,23 +109,12 @@ def read_description(
         reader: DescriptionFormat = Choice(name).build(registry, DESCRIPTIONS)
         with blamed_on(spec, "it read a robot"):
             if reader.recognises(path, head):
-                return _read(reader, path, arguments, packages)
-    _refuse(path, head)
-    return None
-
-
-def _read(
-    reader: DescriptionFormat, path: Path, arguments: Mapping[str, str], packages: Mapping[str, Path]
-) -> Description:
-    try:
-        return reader.read(path, arguments, packages)
-    except (OSError, UnicodeDecodeError) as error:
-        raise UsageError(f"{path}: cannot be read ({reason_of(error)}). Correct it.") from error
-
-
-def _refuse(path: Path, head: bytes) -> None:
-    """Raise with what to do, where something is known of a file that no reader takes."""
+                try:
+                    return reader.read(path, arguments, packages)
+                except (OSError, UnicodeDecodeError) as error:
+                    raise UsageError(f"{path}: cannot be read ({reason_of(error)}). Correct it.") from error
     described = f"{path.suffix.lower()}\n".encode() + head
     for pattern, remedy in FOREIGN.items():
         if re.match(pattern.encode(), described, re.DOTALL):
             raise UsageError(f"{path}: {remedy}.")
+    return None

@@ -18,6 +18,7 @@ from harness.robot.kinematics import Chain, chain_length, read_only
 from harness.robot.resting_pose import choose_home
 from harness.robot.settings import FILE, JOINT_KEYS, SERVO, Motion, Quantity, RobotSettings, motion_of, shown, toml_key
 from harness.robot.shapes import Shape
+from harness.robot.source import naming
 from harness.robot.urdf import Joint
 
 LARGEST_DEFAULT_SPEED = math.radians(180.0)
@@ -77,19 +78,14 @@ def read_joint_limits(
         own_home.get(joint.name) if value is None else value
         for joint, value in zip(driven, settings.values("home", driven), strict=True)
     ]
-    resting = lower if None not in home else _choose_home(urdf, chain, lower, upper, max_speed, shapes)
+    resting = lower
+    if None in home:
+        with naming(urdf):
+            length = chain_length(chain, lower, upper)
+            resting = choose_home(chain, lower, upper, max_speed, length, shapes)
     limits = RobotLimits(lower, upper, max_speed, max_acceleration, _fill(home, resting))
     _check_home(settings, driven, limits)
     return limits
-
-
-def _choose_home(
-    urdf: Path, chain: Chain, lower: Float, upper: Float, max_speed: Float, shapes: Sequence[Sequence[Shape]]
-) -> Float:
-    try:
-        return choose_home(chain, lower, upper, max_speed, chain_length(chain, lower, upper), shapes)
-    except UsageError as error:
-        raise UsageError(f"{urdf}: {error}") from error
 
 
 def describe_origin(settings: RobotSettings, quantity: Quantity, driven: Sequence[Joint]) -> str:
@@ -120,15 +116,12 @@ def warn_of_speeds(driven: Sequence[Joint], max_speed: Float) -> list[str]:
         max_speed: What they are allowed, [rad/s] or [m/s], (dof,).
     """
     above = [
-        f"joint '{joint.name}' {shown(value, joint)} {_unit(joint)}, the URDF {shown(joint.velocity, joint)}"
+        f"joint '{joint.name}' {shown(value, joint)} {'m/s' if joint.kind == 'prismatic' else 'deg/s'}, the URDF "
+        f"{shown(joint.velocity, joint)}"
         for joint, value in zip(driven, max_speed, strict=True)
         if joint.velocity is not None and value > joint.velocity * (1.0 + 1e-6)  # equal up to rounding is fine
     ]
     return [f"{FILE} allows {'; '.join(above)}"] * bool(above)
-
-
-def _unit(joint: Joint) -> str:
-    return "m/s" if motion_of(joint) == "sliding" else "deg/s"
 
 
 def _speeds_wanted(settings: RobotSettings, driven: Sequence[Joint], lacking: Sequence[Joint]) -> str:
@@ -276,8 +269,13 @@ def read_servo(settings: RobotSettings, joints: Sequence[Joint]) -> Servo | None
     table = settings.table(SERVO, KEYS)
     if table is None:
         return None
+    latency, is_compensated = table.number(LATENCY, 0.0), table.entries.get(GRAVITY, True)
+    if latency < 0.0:
+        raise UsageError(f"{table.place}: {LATENCY} is {latency:g}. Give 0 or more.")
+    if not isinstance(is_compensated, bool):
+        raise UsageError(f"{table.place}: {GRAVITY} is {is_compensated!r:.100}. Give true or false.")
     parts = {part: _read_part(table, part, joints) for part in get_args(Part)}
-    return Servo(**parts, latency=_read_latency(table), gravity_compensated=_read_gravity(table))
+    return Servo(**parts, latency=latency, gravity_compensated=is_compensated)
 
 
 def _read_part(table: RobotSettings, part: Part, joints: Sequence[Joint]) -> Float:
@@ -295,17 +293,3 @@ def _read_part(table: RobotSettings, part: Part, joints: Sequence[Joint]) -> Flo
             raise UsageError(f"{table.place}: {key} of '{joint.name}' is {number:g}. Give {allowed}.")
         values.append(number)
     return read_only(np.array(values, dtype=np.float64))
-
-
-def _read_latency(table: RobotSettings) -> float:
-    latency = table.number(LATENCY, 0.0)
-    if latency < 0.0:
-        raise UsageError(f"{table.place}: {LATENCY} is {latency:g}. Give 0 or more.")
-    return latency
-
-
-def _read_gravity(table: RobotSettings) -> bool:
-    given = table.entries.get(GRAVITY, True)
-    if not isinstance(given, bool):
-        raise UsageError(f"{table.place}: {GRAVITY} is {given!r:.100}. Give true or false.")
-    return given

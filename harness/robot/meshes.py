@@ -84,7 +84,9 @@ def locate_mesh(name: str, folder: Path, packages: Mapping[str, Path] = MappingP
     look = _places_in_packages if is_packaged else _places
     for place in look(rest, folder, packages):
         if os.path.isfile(place):  # no error, whatever the name
-            _require_small(place)
+            if (size := place.stat().st_size) > MOST_BYTES:  # also of what an engine alone reads
+                told = f"has the mesh '{place}' of {size:,} bytes, {MOST_BYTES:,} are allowed"
+                raise UsageError(f"{told}. Simplify it.")
             return place
     raise UsageError(
         f"has the mesh '{name}', and there is no file '{next(look(rest, folder, packages))}'"
@@ -113,13 +115,6 @@ def _places_in_packages(rest: str, folder: Path, packages: Mapping[str, Path]) -
     package, _, inner = rest.partition("/")
     places = (*package_folders(package, folder, packages), *_places("", folder, packages), *folder.parents)
     yield from (place / inner for place in places)
-
-
-def _require_small(path: Path) -> None:
-    """Also what only an engine reads, and not `read_mesh`, has to be of a size that can be read."""
-    size = path.stat().st_size
-    if size > MOST_BYTES:
-        raise UsageError(f"has the mesh '{path}' of {size:,} bytes, {MOST_BYTES:,} are allowed. Simplify it.")
 
 
 @dataclass(frozen=True, eq=False)

@@ -80,7 +80,9 @@ def normal_urdf(
         UsageError: A mesh that moves and collides cannot be read, a joint to be fixed cannot be computed with, or there
             are too many shapes.
     """
-    _require_few_shapes(urdf)
+    count = sum(len(link.findall(tag)) for link in urdf.links.values() for tag in ("collision", "visual"))
+    if count > MOST_SHAPES:
+        raise UsageError(f"The URDF has {count:,} shapes, {MOST_SHAPES:,} are allowed. Simplify it.")
     robot = deepcopy(urdf.element)
     for joint in robot.findall("joint"):
         if joint.get("name") not in driven and joint.get("type") != "fixed":
@@ -306,12 +308,6 @@ def _number(link: Element, inertial: Element, tag: str, attribute: str) -> float
         given = f"Link '{link.get('name')}' has '{text}' in <{tag} {attribute}=...>"
         raise UsageError(f"{given}. Give a finite number of at most {LARGEST:g}.")
     return number
-
-
-def _require_few_shapes(urdf: Urdf) -> None:
-    count = sum(len(link.findall(tag)) for link in urdf.links.values() for tag in ("collision", "visual"))
-    if count > MOST_SHAPES:
-        raise UsageError(f"The URDF has {count:,} shapes, {MOST_SHAPES:,} are allowed. Simplify it.")
 
 
 def _settle_meshes(link: Element, moves: bool, find: Callable[[str], Path], told: _Told) -> int:

@@ -64,23 +64,20 @@ def find_installed(name: str, place: str = "") -> Path:
     package, _, path = name.partition(":")
     folders, brought = _folders_of(package), _distribution_of(package)
     if not folders and brought is None:
-        raise UsageError(f"{begin}{_no_package(package)}")
+        known = packages_distributions()
+        meant = did_you_mean(package, {*known, *(name for names in known.values() for name in names)})
+        told = f"No package '{package}' is installed.{meant}"
+        raise UsageError(f"{begin}{told} Correct the name, install it, or give the path of a file.")
     places = folders or [Path(str(brought.locate_file("")))] if brought is not None else folders
     for folder in places:
         if os.path.exists(folder / path):
             return folder / path
-    files = islice(_files_in(folders) if folders or brought is None else _files_of(brought), MOST_FILES)
+    files = islice(_files_in(folders) if folders or brought is None else map(str, brought.files or ()), MOST_FILES)
     ending = PurePosixPath(path).suffix or ".urdf"
     there = sorted(file for file in files if file.endswith(ending))
     near = difflib.get_close_matches(path, there, n=SHOWN) or there[:SHOWN]
     told = f"Of {ending} there is: {', '.join(near)}" if near else f"No {ending} file lies there"
     raise UsageError(f"{begin}'{package}' in {places[0]} has no '{path}'. {told}. Correct the path.")
-
-
-def _no_package(package: str) -> str:
-    brought = packages_distributions()
-    meant = did_you_mean(package, {*brought, *(name for names in brought.values() for name in names)})
-    return f"No package '{package}' is installed.{meant} Correct the name, install it, or give the path of a file."
 
 
 def _folders_of(package: str) -> list[Path]:
@@ -104,10 +101,6 @@ def _files_in(folders: list[Path]) -> Iterator[str]:
         for path, _, names in os.walk(folder):
             begin = Path(path).relative_to(folder)
             yield from ((begin / name).as_posix() for name in names)
-
-
-def _files_of(brought: Distribution) -> Iterator[str]:
-    return (file.as_posix() for file in brought.files or [])
 
 
 def package_folders(name: str, folder: Path, packages: Mapping[str, Path]) -> Iterator[Path]:

@@ -85,7 +85,8 @@ def choose_home(
     rank, forward = _rank(mounted, poses, length, agility)
     bent = np.count_nonzero(ways, axis=1)
     merit = agility * PLAIN**bent
-    solids, rough = [build_solids(alone) for alone in _each(shapes)], build_solids(_roughly(shapes))
+    solids = [build_solids([*[()] * joint, group]) for joint, group in enumerate(shapes)]
+    rough = build_solids([[_rough(shape) if shape.kind == "mesh" else shape for shape in group] for group in shapes])
     is_on_floor = np.array_equal(chain.T_world_mount, np.eye(4))
     # A chain that hangs below the plane of its mount has the ground alone.
     for planes in ([chain],) if is_on_floor else ([mounted, chain], [chain]):
@@ -166,16 +167,6 @@ def _share_above(planes: Sequence[Chain], solids: Solids, poses: Float) -> Float
         in_ground |= solids.touch_ground(frames) | (_tip_height(chain, frames) < 0.0)
     above: Float = 1.0 - in_ground.reshape(poses.shape[:2]).mean(axis=1)
     return above
-
-
-def _each(shapes: Sequence[Sequence[Shape]]) -> list[list[Sequence[Shape]]]:
-    """The shapes that one joint moves, without all others, dof entries."""
-    return [[group if number == joint else () for number, group in enumerate(shapes)] for joint in range(len(shapes))]
-
-
-def _roughly(shapes: Sequence[Sequence[Shape]]) -> list[list[Shape]]:
-    """The shapes with few points for each mesh."""
-    return [[_rough(shape) if shape.kind == "mesh" else shape for shape in group] for group in shapes]
 
 
 def _rough(mesh: Shape) -> Shape:

@@ -410,53 +410,55 @@ def read_robot(path: Path, registry: Registry | None = None) -> Robot:
         UsageError: A file cannot be read or says something that cannot be; the message names the file.
     """
     with reading(path, "robot", UsageError):
-        return _read_robot(path, registry)
-
-
-def _read_robot(path: Path, registry: Registry | None) -> Robot:
-    source = read_source(path, registry)
-    settings, described = source.settings, source.described
-    urdf_path = Path(settings.installed or source.path)
-    with naming(urdf_path):
-        parsed = parse_urdf(source.text)
-    given, tip = arrange(parsed, settings, urdf_path, described.tip)
-    packages = settings.folders()
-    with naming(urdf_path):
-        joints = read_chain(given, tip)
-        driven = [joint for joint in joints if joint.kind != "fixed"]
-        _check_count(driven, tip)
-        names = tuple(joint.name for joint in driven)
-        urdf, changes = normal_urdf(given, names, source.folder, packages)
-        link_shapes = read_shapes(urdf)
-        joint_shapes = attach_shapes(urdf, link_shapes, names)
-        chain = build_chain(joints)
-        long = _warn_of_length(urdf, chain, driven)
-    limits = read_joint_limits(settings, urdf_path, driven, chain, joint_shapes, described.home)
-    return Robot(
-        name=settings.text("name") or urdf_path.stem.removesuffix(".urdf"),
-        urdf=urdf.text,
-        folder=source.folder,
-        end_effector_link=tip,
-        joint_names=names,
-        lower=limits.lower,
-        upper=limits.upper,
-        max_speed=limits.max_speed,
-        max_acceleration=limits.max_acceleration,
-        home=limits.home,
-        chain=chain,
-        link_shapes=link_shapes,
-        joint_shapes=joint_shapes,
-        origins=_origins(settings, driven, described),
-        servo=read_servo(settings, driven),
-        warnings=(
-            *source.warnings,
-            *changes,
-            *long,
-            *warn_of_speeds(driven, limits.max_speed),
-            *([described.speeds] if described.speeds and None in settings.values("max_speed", driven) else []),
-            *_warn_of_jaw(settings, given, joints),
-        ),
-    )
+        source = read_source(path, registry)
+        settings, described = source.settings, source.described
+        urdf_path = Path(settings.installed or source.path)
+        with naming(urdf_path):
+            parsed = parse_urdf(described.urdf)
+        given, tip = arrange(parsed, settings, urdf_path, described.tip)
+        packages = settings.folders()
+        with naming(urdf_path):
+            joints = read_chain(given, tip)
+            driven = [joint for joint in joints if joint.kind != "fixed"]
+            if not FEWEST_JOINTS <= len(driven) <= MOST_JOINTS:
+                remedy = f"Name another end_effector in a {FILE}, or give another arm"
+                if len(driven) > MOST_JOINTS:
+                    held = "hold some: fixed = { joint = 0 }"
+                    remedy = f"In a {FILE}, {held}; or name where the arm lies: chain = [first, last]"
+                told = f"{len(driven)} joints move between the root link and '{tip}'"
+                raise UsageError(f"{told}; allowed: {FEWEST_JOINTS} to {MOST_JOINTS}. {remedy}.")
+            names = tuple(joint.name for joint in driven)
+            urdf, changes = normal_urdf(given, names, source.path.parent, packages)
+            link_shapes = read_shapes(urdf)
+            joint_shapes = attach_shapes(urdf, link_shapes, names)
+            chain = build_chain(joints)
+            long = _warn_of_length(urdf, chain, driven)
+        limits = read_joint_limits(settings, urdf_path, driven, chain, joint_shapes, described.home)
+        return Robot(
+            name=settings.text("name") or urdf_path.stem.removesuffix(".urdf"),
+            urdf=urdf.text,
+            folder=source.path.parent,
+            end_effector_link=tip,
+            joint_names=names,
+            lower=limits.lower,
+            upper=limits.upper,
+            max_speed=limits.max_speed,
+            max_acceleration=limits.max_acceleration,
+            home=limits.home,
+            chain=chain,
+            link_shapes=link_shapes,
+            joint_shapes=joint_shapes,
+            origins=_origins(settings, driven, described),
+            servo=read_servo(settings, driven),
+            warnings=(
+                *described.warnings,
+                *changes,
+                *long,
+                *warn_of_speeds(driven, limits.max_speed),
+                *([described.speeds] if described.speeds and None in settings.values("max_speed", driven) else []),
+                *_warn_of_jaw(settings, given, joints),
+            ),
+        )
 
 
 def _warn_of_length(urdf: Urdf, chain: Chain, driven: Sequence[Joint]) -> list[str]:
@@ -473,15 +475,6 @@ def _warn_of_jaw(settings: RobotSettings, urdf: Urdf, joints: Sequence[Joint]) -
     own = joints[:-1] if TOOL in settings.entries else joints  # a tool is fixed to what the URDF alone ends at
     jaw = None if is_named else find_jaw(urdf, build_chain(own), own)
     return [] if jaw is None else [jaw.warning(settings.to_write)]
-
-
-def _check_count(driven: Sequence[Joint], tip: str) -> None:
-    if not FEWEST_JOINTS <= len(driven) <= MOST_JOINTS:
-        to_do = f"In a {FILE}, hold some: fixed = {{ joint = 0 }}; or name where the arm lies: chain = [first, last]."
-        raise UsageError(
-            f"{len(driven)} joints move between the root link and '{tip}'; allowed: {FEWEST_JOINTS} to {MOST_JOINTS}. "
-            f"{to_do if len(driven) > MOST_JOINTS else f'Name another end_effector in a {FILE}, or give another arm.'}"
-        )
 
 
 def _name_meshes_by_content(urdf: str) -> str:

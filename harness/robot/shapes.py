@@ -65,7 +65,10 @@ def read_shapes(urdf: Urdf) -> dict[str, tuple[Shape, ...]]:
     Raises:
         UsageError: A collision shape or its mesh cannot be computed with; the message names the link.
     """
-    return {name: _shapes_of_link(link) for name, link in urdf.links.items()}
+    return {
+        name: tuple(_read_shape(collision, f"Link '{name}'") for collision in link.findall("collision"))
+        for name, link in urdf.links.items()
+    }
 
 
 def attach_shapes(
@@ -132,11 +135,6 @@ def find_too_long(urdf: Urdf, reach: float) -> dict[str, float]:
                     )
                 found[name] = length
     return found
-
-
-def _shapes_of_link(link: Element) -> tuple[Shape, ...]:
-    owner = f"Link '{link.get('name')}'"
-    return tuple(_read_shape(collision, owner) for collision in link.findall("collision"))
 
 
 def _read_shape(collision: Element, owner: str) -> Shape:
@@ -206,16 +204,13 @@ def read_sizes(shape: Element, owner: str) -> tuple[float, ...]:
     Raises:
         UsageError: They are not positive numbers.
     """
-    kind = cast(ShapeKind, shape.tag)
-    return tuple(number for name, count in SIZES[kind] for number in _sizes(shape, name, count, owner))
-
-
-def _sizes(shape: Element, name: str, count: int, owner: str) -> list[float]:
-    where = f"<{shape.tag} {name}=...>"
-    numbers = _numbers(shape.get(name, ""), count, where, owner)
-    if min(numbers) <= 0.0:
-        raise UsageError(f"{owner} has {shape.get(name)!r} in {where}. Give positive lengths.")
-    return numbers
+    sizes: list[float] = []
+    for name, count in SIZES[cast(ShapeKind, shape.tag)]:
+        where = f"<{shape.tag} {name}=...>"
+        sizes += _numbers(shape.get(name, ""), count, where, owner)
+        if min(sizes) <= 0.0:
+            raise UsageError(f"{owner} has {shape.get(name)!r} in {where}. Give positive lengths.")
+    return tuple(sizes)
 
 
 def read_origin(element: Element, owner: str) -> Float:

@@ -5,7 +5,7 @@ import os
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from harness.errors import UsageError
@@ -32,19 +32,13 @@ class Source:
 
     Attributes:
         settings: The robot.toml, empty where there is none.
-        path: The file that describes the arm.
-        text: Its URDF.
-        folder: Where the names of meshes in it start.
-        warnings: What to know about how it was read, a line each.
-        described: What a reader of another format understood of the file; empty of a URDF.
+        path: The file that describes the arm; the names of meshes start in its folder.
+        described: What its reader understood; of a URDF its text alone.
     """
 
     settings: RobotSettings
     path: Path
-    text: str
-    folder: Path
-    warnings: tuple[str, ...] = ()
-    described: Description = field(default_factory=lambda: Description(""))
+    described: Description
 
 
 @contextmanager
@@ -73,10 +67,15 @@ def read_source(path: Path, registry: Registry | None = None) -> Source:
     if not _may_be_urdf(file):
         described = read_description(file, arguments, settings.folders(), registry or load_registry())
         if described is not None:
-            return Source(settings, file, described.urdf, file.parent, described.warnings, described)
+            return Source(settings, file, described)
     if arguments:
         raise UsageError(f"{settings.path}: {ARGUMENTS} are given, and {file.name} is a URDF, which takes none.")
-    return Source(settings, file, _read_text(file), file.parent)
+    try:
+        return Source(settings, file, Description(read_text(file, MOST_BYTES)))
+    except OSError as error:
+        raise UsageError(f"{file}: cannot be read ({error.strerror}). A robot is a URDF and its {FILE}.") from error
+    except UnicodeDecodeError as error:
+        raise UsageError(f"{file}: is not UTF-8 text ({error.reason}). Save it as UTF-8.") from error
 
 
 def _may_be_urdf(path: Path) -> bool:
@@ -120,12 +119,3 @@ def _find_in_folder(folder: Path) -> tuple[RobotSettings, Path]:
             f"{settings.path}: missing urdf. Name the URDF's file, or give its path instead of the folder."
         )
     return settings, locate(name, folder, str(settings.path))
-
-
-def _read_text(path: Path) -> str:
-    try:
-        return read_text(path, MOST_BYTES)
-    except OSError as error:
-        raise UsageError(f"{path}: cannot be read ({error.strerror}). A robot is a URDF and its {FILE}.") from error
-    except UnicodeDecodeError as error:
-        raise UsageError(f"{path}: is not UTF-8 text ({error.reason}). Save it as UTF-8.") from error

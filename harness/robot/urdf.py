@@ -366,7 +366,13 @@ def linked(joint: Element, end: Literal["parent", "child"]) -> str:
 
 
 def _read_joint(joint: Element) -> Joint:
-    kind = _kind(joint)
+    kind, allowed = cast(JointKind, joint.get("type")), get_args(JointKind)
+    if kind not in allowed:
+        told = f"is of type '{kind}'; allowed on the chain: {', '.join(allowed)}"
+        raise _joint_error(joint, f"{told}. Change it, {_or_hold(joint)}")
+    if kind != "fixed" and joint.find("mimic") is not None:
+        told = "mimics another one, but each joint of the chain moves by itself"
+        raise _joint_error(joint, f"{told}. Remove <mimic>, {_or_hold(joint)}")
     lower, upper = _limits(joint, kind)
     return Joint(
         name=_name(joint),
@@ -381,17 +387,6 @@ def _read_joint(joint: Element) -> Joint:
         velocity=None if kind == "fixed" else _positive_limit(joint, "velocity"),
         effort=None if kind == "fixed" else _positive_limit(joint, "effort"),
     )
-
-
-def _kind(joint: Element) -> JointKind:
-    kind, allowed = joint.get("type"), get_args(JointKind)
-    if kind not in allowed:
-        told = f"is of type '{kind}'; allowed on the chain: {', '.join(allowed)}"
-        raise _joint_error(joint, f"{told}. Change it, {_or_hold(joint)}")
-    if kind != "fixed" and joint.find("mimic") is not None:
-        told = "mimics another one, but each joint of the chain moves by itself"
-        raise _joint_error(joint, f"{told}. Remove <mimic>, {_or_hold(joint)}")
-    return cast(JointKind, kind)
 
 
 def read_axis(joint: Element) -> Vector:

@@ -23,6 +23,7 @@ from harness.files.apart import run_apart
 from harness.robot import Description
 from harness.robot.chain_end import TOOL
 from harness.robot.meshes import is_readable
+from harness.robot.urdf import free_name
 
 from .mjcf_bounds import require_bounded
 
@@ -219,7 +220,8 @@ class _Reading:
     def _joint(self, number: int, parent: str, child: str, xyz: Float, rotation: Float) -> Element:
         """One joint: its position counts as MuJoCo's does, which is `ref` where the file has the body."""
         model, axis = self.model, self.model.jnt_axis[number]
-        ref, slides = self._rest(number), model.jnt_type[number] == 2
+        slides = model.jnt_type[number] == 2
+        ref = float(model.qpos0[model.jnt_qposadr[number]]) if model.jnt_type[number] >= 2 else 0.0
         limited = bool(model.jnt_limited[number])
         kind = {1: "floating", 2: "prismatic", 3: "revolute" if limited else "continuous"}[int(model.jnt_type[number])]
         if slides:
@@ -236,10 +238,6 @@ class _Reading:
             lower, upper = model.jnt_range[number]
             limit.attrib |= {"lower": repr(float(lower)), "upper": repr(float(upper))}
         return joint
-
-    def _rest(self, number: int) -> float:
-        """The position of a joint where the file has the bodies, [rad] or [m]."""
-        return float(self.model.qpos0[self.model.jnt_qposadr[number]]) if self.model.jnt_type[number] >= 2 else 0.0
 
     def _speed(self, number: int) -> float:
         """The largest speed: that of the command of a motor that is told speeds, if there is one."""
@@ -388,14 +386,11 @@ class _Reading:
     def _home(self) -> dict[str, float]:
         """The positions of the joints in the keyframe 'home', within their ranges."""
         model = self.model
+        joints = np.flatnonzero(model.jnt_type >= 2).tolist()
         for key in range(model.nkey):
             if model.key(key).name.lower() == "home":
-                return {self.joints[number]: self._within(number, model.key_qpos[key]) for number in self._simple()}
+                return {self.joints[number]: self._within(number, model.key_qpos[key]) for number in joints}
         return {}
-
-    def _simple(self) -> list[int]:
-        """The joints that turn or slide, by number."""
-        return [number for number in range(self.model.njnt) if self.model.jnt_type[number] >= 2]
 
     def _within(self, number: int, qpos: Float) -> float:
         position = float(qpos[self.model.jnt_qposadr[number]])
@@ -415,9 +410,7 @@ def _distinct(names: list[str], taken: set[str], ending: str = "") -> list[str]:
     """The names, each made another one where it comes again."""
     given: list[str] = []
     for name in names:
-        free = f"{name}{ending}" if name in taken else name
-        while free in taken:
-            free += "_"
+        free = free_name(f"{name}{ending}" if name in taken else name, taken)
         taken.add(free)
         given.append(free)
     return given

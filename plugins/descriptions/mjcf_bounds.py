@@ -97,11 +97,14 @@ class _Look:
 
     def _look_at_files(self, element: Element, base: Path, folders: set[str]) -> None:
         """See that the files of an element are regular; MuJoCo tells which is not there."""
-        names = [name for key, name in element.attrib.items() if FILE.fullmatch(key)]
-        for name in names:
+        for name in (name for key, name in element.attrib.items() if FILE.fullmatch(key)):
             for place in {base / folder / part for folder in folders for part in (name, Path(name).name)}:
                 if element.tag != "model" and place.exists():
-                    head = _head(place)
+                    try:
+                        with open_regular(place, MOST_FILE_BYTES) as file:
+                            head = file.read(24)
+                    except OSError as error:
+                        raise UsageError(f"it names '{place}' ({error.strerror}). Name a regular file") from error
                     if head.startswith(PNG) and element.tag in {"texture", "hfield"}:
                         self.pixels += int.from_bytes(head[16:20]) * int.from_bytes(head[20:24])
 
@@ -110,14 +113,6 @@ def _require(count: float, most: float, what: str, noun: str) -> None:
     if not count <= most:
         told = f"{what} {count:,.0f} {noun}".rstrip()
         raise UsageError(f"{told}, {most:,.0f} are allowed. Make it smaller")
-
-
-def _head(place: Path) -> bytes:
-    try:
-        with open_regular(place, MOST_FILE_BYTES) as file:
-            return file.read(24)
-    except OSError as error:
-        raise UsageError(f"it names '{place}' ({error.strerror}). Name a regular file") from error
 
 
 def _elements(path: Path) -> Iterator[tuple[Element, int]]:
