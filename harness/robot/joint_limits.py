@@ -18,7 +18,6 @@ from harness.robot.kinematics import Chain, chain_length, read_only
 from harness.robot.resting_pose import choose_home
 from harness.robot.settings import FILE, JOINT_KEYS, SERVO, Motion, Quantity, RobotSettings, motion_of, shown, toml_key
 from harness.robot.shapes import Shape
-from harness.robot.source import naming
 from harness.robot.urdf import Joint
 
 LARGEST_DEFAULT_SPEED = math.radians(180.0)
@@ -80,9 +79,10 @@ def read_joint_limits(
     ]
     resting = lower
     if None in home:
-        with naming(urdf):
-            length = chain_length(chain, lower, upper)
-            resting = choose_home(chain, lower, upper, max_speed, length, shapes)
+        try:
+            resting = choose_home(chain, lower, upper, max_speed, chain_length(chain, lower, upper), shapes)
+        except UsageError as error:
+            raise UsageError(f"{urdf}: {error}") from error
     limits = RobotLimits(lower, upper, max_speed, max_acceleration, _fill(home, resting))
     _check_home(settings, driven, limits)
     return limits
