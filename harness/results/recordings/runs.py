@@ -161,8 +161,7 @@ class Run(Did):
         part = self._manners.get(manner)
         value = part and part.returns.get(by.reward)
         if value is None:
-            why = part.reasons.get(by.reward, "not recorded") if part else "not evaluated"
-            raise Unscored(f"{by.reward} in '{self.path}': {why}")
+            raise Unscored(self._why(by.reward, part))
         return value
 
     def random_pay(self) -> Float:
@@ -183,6 +182,9 @@ class Run(Did):
         """
         of = {"training": self, "evaluation": self.evaluation, "random": self.random}[part]
         return None if of is None else of.recorded.terms_paid(by.reward)
+
+    def _why(self, name: str, part: Part | None) -> str:
+        return f"{name} in '{self.path}': {part.reasons.get(name, 'not recorded') if part else 'not evaluated'}"
 
 
 def run_of(log: Log, seed: int, steps: int = 0, digest: str = "") -> Run:
