@@ -114,12 +114,13 @@ def paid_twice(terms: Mapping[str, Any]) -> str:
     """The term that is the sum of all others in every step, as a total beside its parts; empty if there is none.
 
     Args:
-        terms: By name, what each paid, (steps,): those that paid nothing do not count, and what never changes is none.
+        terms: By name, what each paid, (steps,). Those that paid nothing do not count, and what never changes is no
+            sum. Two that pay alike may do so by chance.
     """
     paid = {name: np.asarray(values, float) for name, values in terms.items()}
     paid = {name: values for name, values in paid.items() if values.any()}
     total = sum(paid.values())
-    for name, values in paid.items() if len(paid) > 1 else ():
+    for name, values in paid.items() if len(paid) > 2 else ():
         if values.min() < values.max() and np.allclose(total - values, values, rtol=1e-5, atol=1e-9):
             return name
     return ""

@@ -111,9 +111,11 @@ def test_the_answer_is_on_the_first_screen(show, single, width):
 
 
 def test_a_table_is_cards_on_a_telephone(show, single):
-    """A card for each measure, none of whose values is cut."""
+    """A card for each measure, none of whose values is cut; it opens by its heading."""
     page = show(single, 390)
-    row = page.locator("#does ~ .grid tbody tr").first
+    row = page.locator("section[aria-labelledby=does] .grid tbody tr").first
+    assert not row.is_visible()
+    page.locator("#does").click()
     assert row.evaluate("(it) => getComputedStyle(it).display") == "block"
     assert row.locator("td").evaluate_all("(all) => all.every((it) => it.getBoundingClientRect().right <= innerWidth)")
 

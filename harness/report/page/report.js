@@ -9,6 +9,7 @@ function reveal() {
   if (folded) folded.open = true;
   place.scrollIntoView();
 }
+if (matchMedia("(max-width: 40rem)").matches) for (const part of document.querySelectorAll("details.part")) part.open = false;
 addEventListener("hashchange", reveal);
 addEventListener("click", (event) => {
   const link = event.target.closest('a[href^="#"]');
