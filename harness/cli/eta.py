@@ -106,9 +106,10 @@ def eta(
         opened = _open_groups(context, [baseline or [], proposed or []], registry, as_format or "", told_of, curve)
     if not isinstance(opened, tuple):
         everything = command_text("harness", "report", opened.folder, "--details")
+        status = show_results(opened, everything, as_json=as_json, html=plot, details=True)
         if folder is not None and not as_json:
             say(f"This is what {everything} prints", err=True)
-        return show_results(opened, everything, as_json=as_json, html=plot, details=True)
+        return status
     from harness.eta.laws import counted
     from harness.score.compare import compare_logs
     from harness.score.open_steps import matched_paths, open_steps

@@ -61,7 +61,7 @@ def test_the_page_is_written(harness, recorded, tmp_path, flags):
     pytest.importorskip("jinja2")
     answer = harness(flags)
     told = "This is what harness report runs --details prints\n" * flags.startswith("eta")
-    assert (answer.status, answer.err) == (0, f"{told}Report: page.html\n")
+    assert (answer.status, answer.err) == (0, f"Report: page.html\n{told}")
     assert "CANNOT TELL" in answer.out
     assert "Bandit-v0" in (tmp_path / "page.html").read_text()
 
