@@ -27,6 +27,8 @@ from harness.robot.urdf import free_name
 
 from .mjcf_bounds import require_bounded
 
+MOST_REF = 1e6
+"""The largest `ref` of a joint, [rad] or [m]: of a larger one no digits are left that say where its link turns to."""
 FASTEST = 100.0
 """The speed of every joint in the URDF, [rad/s] or [m/s]: more than any arm has, as MJCF names none."""
 SPEEDS = (
@@ -222,6 +224,10 @@ class _Reading:
         model, axis = self.model, self.model.jnt_axis[number]
         slides = model.jnt_type[number] == 2
         ref = float(model.qpos0[model.jnt_qposadr[number]]) if model.jnt_type[number] >= 2 else 0.0
+        if abs(ref) > MOST_REF:
+            raise UsageError(
+                f"Joint '{self.joints[number]}' has the ref {ref:.3g}, {MOST_REF:g} at most: write a smaller one."
+            )
         limited = bool(model.jnt_limited[number])
         kind = {1: "floating", 2: "prismatic", 3: "revolute" if limited else "continuous"}[int(model.jnt_type[number])]
         if slides:

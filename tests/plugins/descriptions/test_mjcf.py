@@ -315,6 +315,7 @@ REFUSED = {
         'file="no.stl" scale="0.002',
         "MuJoCo cannot read it",
     ),
+    "a ref without digits": ('range="-0.05 0.2" ref="0.03"', 'range="-0.05 0.2" ref="9e18"', "has the ref 9e+18"),
     "no XML": ("</mujoco>", "", "not well-formed XML"),
 }
 
