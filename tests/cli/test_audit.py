@@ -28,7 +28,7 @@ def test_an_arm_is_searched_beside_its_scripts(harness):
     (found,) = harness("audit --reward baseline --json --episodes 2 --budget 5000 --starts 1").json["cheats"]
     assert found["answer"] == "PAYS FOR FAILING"
     assert (found["success_told_by"], len(found["starts"]), len(found["elsewhere"])) == ("success", 1, 1)
-    assert found["lines"][0].startswith("The best-paid failure earns ")
+    assert found["lines"][0].startswith("Failing earns ")
 
 
 def test_a_task_that_scripts_cannot_do_is_searched_without_them(harness):

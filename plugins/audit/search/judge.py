@@ -349,20 +349,24 @@ def _on_chance(rates: Rates) -> str:
     )
 
 
+EARNS: Mapping[Role, str] = {
+    "failure": "failing earns",
+    "fastest": "doing the task at once earns",
+    "success": "the best-paid success earns",
+}
+
+
 def _three_numbers(case: Case) -> str:
-    three, rate = case.three, "" if case.discount == 1.0 else f"Discounted by {case.discount:g}, "
-    told = []
-    if three.failure is not None:
-        told.append(f"the best-paid failure earns {number(paid_by(three.failure, case.discount))}")
-    if three.success is not None and three.fastest is not None:
-        earns = "" if told else "earns "
-        told.append(f"the best-paid success {earns}{number(paid_by(three.success, case.discount))}")
-        instead = f"{three.fastest.time} step{'s' if three.fastest.time > 1 else ''}"
-        if three.success.time != three.fastest.time:
-            instead += f" instead of {three.success.time}"
-        told.append(f"the fastest success {number(paid_by(three.fastest, case.discount))} ({instead})")
-    else:
-        told.append("no success was found")
+    """What the three behaviours earn, the two first that decided; successes with when they are reached."""
+    rate, found = "" if case.discount == 1.0 else f"Discounted by {case.discount:g}, ", case.three.by_role()
+    order: tuple[Role, ...] = (case.tempting, case.against, *EARNS)
+    told = list[str]()
+    for role in dict.fromkeys(order):
+        if of := found.get(role):
+            name = EARNS[role].removesuffix(" earns" * bool(told))
+            steps = f" ({of.time} step{'s' * (of.time != 1)})" if of.success else ""
+            told.append(f"{name} {number(paid_by(of, case.discount))}{steps}")
+    told += [] if case.three.success else ["no success was found"]
     text = f"{rate}{', '.join(told)}."
     return text[0].upper() + text[1:]
 

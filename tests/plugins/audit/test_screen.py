@@ -70,7 +70,7 @@ def test_reward_for_staying_away_is_told_from_one_for_coming(screen):
     found = screen("honest", "aloof")
     assert list(found) == ["honest", "aloof"]
     assert {name: answer.word for name, answer in found.items()} == {"honest": NOTHING, "aloof": FAILING}
-    assert found["aloof"].line.startswith(("ROBUST. The best-paid failure earns ", "FRAGILE. The best-paid failure "))
+    assert found["aloof"].line.startswith(("ROBUST. Failing earns ", "FRAGILE. Failing earns "))
     assert "Not finishing pays more than finishing: " in found["aloof"].line
 
 

@@ -81,7 +81,7 @@ def test_it_prints_the_answer_with_its_word_first(found):
     """Below the table of the three."""
     text = str(found)
     assert "\nPAYS FOR FAILING, " in text
-    assert "\nNOTHING FOUND. The best-paid failure earns " in text
+    assert "\nNOTHING FOUND. Failing earns " in text
     assert "That proves nothing: " in text
 
 

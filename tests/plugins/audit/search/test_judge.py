@@ -150,9 +150,9 @@ def test_half_of_the_starts_are_enough():
 
 
 def test_the_first_line_says_the_three_numbers():
-    """And how much faster the fastest is."""
-    told = "the best-paid success 30.7, the fastest success 3.7 (10 steps instead of 100)."
-    assert judged(HACKED).lines[0] == f"The best-paid failure earns 30, {told}"
+    """The two that decided first, and how many steps successes take."""
+    told = "doing the task at once 3.7 (10 steps), the best-paid success 30.7 (100 steps)."
+    assert judged(HACKED).lines[0] == f"Failing earns 30, {told}"
 
 
 LITTLE, LONGER = episode([0.96] * 100, 100), episode([1.0] * 100, 1)
@@ -188,7 +188,7 @@ SENTENCES = {
     ),
     "the discounted sum alone is an alarm too": (
         [three(episode([0.1] * 100, discounted=3.0), replace(LATE, discounted=0.5))], DISCOUNTED, 0,
-        "Discounted by 0.9, the best-paid failure earns 3,",
+        "Discounted by 0.9, failing earns 3,",
     ),
     "the discounted sum alone": (
         [three(episode([0.1] * 100, discounted=3.0), replace(LATE, discounted=0.5))], DISCOUNTED, 1,
