@@ -14,7 +14,6 @@ from harness.hookspecs import KINDS, NOUNS
 from harness.registry.given import Given, PluginFile
 from harness.registry.members import build, parameters_of, require_members, resolved, values_of
 from harness.registry.spec import Spec, blamed_on, canonical, unknown_name
-from harness.reward.forms import FAILED
 
 if TYPE_CHECKING:
     from harness.registry.step_functions import StepFunction
@@ -422,6 +421,8 @@ def _not_chosen(target: Any, built: Any, params: Mapping[str, Any], defaults: De
 
 
 def _build(spec: Spec, params: Mapping[str, Any], noun: str, registry: Registry) -> Any:
+    from harness.reward.forms import FAILED  # numpy: what is only named needs none
+
     target = spec.load()
     if params and (failed := getattr(target, FAILED, "")):  # its parameters are not known
         raise UsageError(failed)

@@ -7,15 +7,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from types import MappingProxyType
-from typing import Any
-
-import pydantic
+from typing import TYPE_CHECKING, Any
 
 from harness.errors import PluginError, UsageError, sentence
 from harness.hookspecs import NOUNS
 from harness.registry.spec import Spec, did_you_mean
-from harness.reward.reward import is_finite
 from harness.text import shortened
+
+if TYPE_CHECKING:
+    import pydantic
 
 MEMBERS: Mapping[str, Mapping[str, int | None]] = MappingProxyType(
     {
@@ -135,6 +135,10 @@ def build(target: Any, given: Mapping[str, Any], noun: str, registry: object = N
         UsageError: A parameter is unknown, of the wrong type or out of range; names what there is.
         PluginError: The target is no dataclass, or the types of its fields cannot be checked.
     """
+    import pydantic  # a command that builds nothing does not load it, nor numpy
+
+    from harness.reward.reward import is_finite
+
     adapter = _adapter(target, noun)
     names = [parameter.name for parameter in parameters_of(target)]
     for key in given:
@@ -202,11 +206,13 @@ def parameters_of(target: Any) -> list[Parameter]:
 
 
 def _adapter(target: Any, noun: str) -> "pydantic.TypeAdapter[Any]":
+    from pydantic.errors import PydanticUserError
+
     if not dataclasses.is_dataclass(target):
         raise PluginError(f"{sentence(noun)}: its target {target!r} is no dataclass")
     try:
         return _type_adapter(typing.cast(Any, target))  # mypy takes a dataclass for not hashable
-    except (pydantic.errors.PydanticUserError, NameError) as error:
+    except (PydanticUserError, NameError) as error:
         reason = str(error).splitlines()[0]
         raise PluginError(f"{sentence(noun)}: the types of its parameters cannot be checked: {reason}") from error
 
@@ -219,8 +225,10 @@ def _hints(target: Any, include_extras: bool = False) -> Mapping[str, Any]:
 
 @cache  # a run builds the same few classes hundreds of times
 def _type_adapter(target: Any) -> "pydantic.TypeAdapter[Any]":
+    from pydantic import TypeAdapter
+
     _hints(target)
-    return pydantic.TypeAdapter(target)
+    return TypeAdapter(target)
 
 
 @cache
@@ -248,7 +256,7 @@ def _type_name(hint: Any) -> str:
     return hint.__name__ if isinstance(hint, type) and not typing.get_args(hint) else str(hint).replace("typing.", "")
 
 
-def _first_problem(error: pydantic.ValidationError) -> str:
+def _first_problem(error: "pydantic.ValidationError") -> str:
     """The problem that lies deepest: of the alternatives that a field allows, the one that was meant.
 
     What has the right type and the wrong value was meant rather than what has another type.
