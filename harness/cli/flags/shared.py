@@ -101,7 +101,7 @@ FailOn = Annotated[
     Names,
     flag(
         "ANSWER,...",
-        "End with status 1 if one of these answers is given, and with 3 if that cannot be told. A wrong name lists them.",
+        "End with status 1 if one of these answers is given, with 3 if that cannot be told. A wrong name lists them.",
         "no answer changes the status",
         name="--fail-on",
     ),
