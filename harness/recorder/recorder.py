@@ -492,7 +492,9 @@ class Recorder:
     def _end_page(self) -> None:
         if self._page is not None:
             self._page.terminate()  # forks of this process may hold its standard input, which else would end it
-            self._page.communicate()
+            if self._page.stdin is not None:
+                self._page.stdin.close()
+            self._page.wait()
 
     def _note_given_up(self, path: str | os.PathLike[str]) -> None:
         """What had failed when the recording was left stays given up."""
