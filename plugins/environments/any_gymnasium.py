@@ -3,6 +3,7 @@
 import difflib
 import json
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
 import gymnasium
@@ -74,7 +75,13 @@ class AnyGymnasium:
 
     @staticmethod
     def near(name: str) -> str:
-        """The ids that are nearest to a name, to add to a message; empty if none is near."""
+        """What is nearest to a name, to add to a message: ids, or a file of the current folder; empty if nothing is."""
+        module = name.partition(":")[0].removesuffix(".py")
+        if Path(f"{module}.py").is_file():
+            return (
+                f" For {module}.py of this folder type PYTHONPATH=. before harness, and --task gymnasium:id={module}:ID "
+                "with an id that it registers."
+            )
         found = [] if name in gymnasium.registry else difflib.get_close_matches(name, gymnasium.registry)
         return f" Ids of Gymnasium: {', '.join(found)}." if found else ""
 

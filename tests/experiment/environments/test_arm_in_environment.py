@@ -233,6 +233,18 @@ def register_environments(register):
         del gymnasium.registry["taken-v1"]
 
 
+def test_a_file_of_the_current_folder_is_told_how_to_be_named(tmp_path, monkeypatch):
+    """Gymnasium imports what stands before the colon, which this folder is not searched for."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "my_env.py").write_text("")
+    told = "For my_env.py of this folder type PYTHONPATH=. before harness, and --task gymnasium:id=my_env:ID"
+    for task in ("my_env", "my_env.py"):
+        with refused(told):
+            expand(check_experiment({"task": task, "algo": "random", "sim": "kinematic"}), REGISTRY)
+    with refused(told):
+        choose(REGISTRY, "environments", "gymnasium:id=my_env:Mine-v0").build(REGISTRY, "environments").make()
+
+
 def test_an_unknown_id_is_answered_with_the_nearest():
     """Among the names of tasks and environments, and as a parameter."""
     with refused(r"'Pendlum-v1'.*Ids of Gymnasium: Pendulum-v1, .*"):
