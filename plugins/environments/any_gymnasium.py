@@ -79,8 +79,8 @@ class AnyGymnasium:
         module = name.partition(":")[0].removesuffix(".py")
         if Path(f"{module}.py").is_file():
             return (
-                f" For {module}.py of this folder type PYTHONPATH=. before harness, and --task gymnasium:id={module}:ID "
-                "with an id that it registers."
+                f" For {module}.py of this folder type PYTHONPATH=. before harness, and --task "
+                f"gymnasium:id={module}:ID with an id that it registers."
             )
         found = [] if name in gymnasium.registry else difflib.get_close_matches(name, gymnasium.registry)
         return f" Ids of Gymnasium: {', '.join(found)}." if found else ""
