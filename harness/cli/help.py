@@ -44,6 +44,8 @@ GROUPS: Mapping[str, Sequence[str]] = MappingProxyType(
     }
 )
 """All other parameters of these two, by the heading that they stand under with ``--help-all``."""
+SEEDED = "3 trains the seeds 0, 1 and 2; --seeds 3, trains seed 3 alone."
+"""What a number behind ``--seeds`` means, and how one seed is named."""
 OTHER_FLAGS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
         "--jobs": ("--workers", "--num-workers", "--n-jobs", "--parallel", "--processes", "--threads", "-j"),
@@ -177,7 +179,8 @@ def meant_flag(given: str, command: Any) -> str:
     known = [flag for it in command.params for flag in (*it.opts, *it.secondary_opts) if flag.startswith("--")]
     if any(given in words for words in OTHER_FLAGS.values()):
         ours = our_word(given, OTHER_FLAGS, known)
-        return f" Did you mean '{ours}'?" if ours else ""
+        count = f" --seeds {SEEDED}" if (given, ours) == ("--seed", "--seeds") else ""
+        return f" Did you mean '{ours}'?{count}" if ours else ""
     return did_you_mean(given, known)
 
 

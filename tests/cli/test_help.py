@@ -94,6 +94,15 @@ def test_a_near_miss_is_answered_with_what_is_meant(harness, typed, meant):
     assert answer.err.count("\n") == 1
 
 
+def test_a_seed_is_told_what_seeds_mean(harness):
+    """A number of them; one alone has a comma."""
+    assert "--seeds 3 trains the seeds 0, 1 and 2; --seeds 3, trains seed 3 alone. " in harness("run --seed 3").err
+    told = harness("run --sim kinematic --algo random --seeds 3, --out it --dry-run").out
+    assert [line for line in told.splitlines() if line.startswith("to do")] != []
+    assert "seed 3" in told
+    assert "seed 0" not in told
+
+
 def test_nothing_is_guessed_where_there_is_no_such_flag(harness):
     """Choosing has no number of seeds, and a status no jobs."""
     assert harness("choose --seed 3").err == "harness: No such option: --seed. Examples: harness choose --help\n"
