@@ -358,11 +358,12 @@ EARNS: Mapping[Role, str] = {
 
 def _three_numbers(case: Case) -> str:
     """What the three behaviours earn, the two first that decided; successes with when they are reached."""
-    rate, found = "" if case.discount == 1.0 else f"Discounted by {case.discount:g}, ", case.three.by_role()
+    rate = "" if case.discount == 1.0 else f"Discounted by {case.discount:g}, "
     order: tuple[Role, ...] = (case.tempting, case.against, *EARNS)
     told = list[str]()
     for role in dict.fromkeys(order):
-        if of := found.get(role):
+        of: Behaviour | None = getattr(case.three, role)
+        if of is not None:
             name = EARNS[role].removesuffix(" earns" * bool(told))
             steps = f" ({of.time} step{'s' * (of.time != 1)})" if of.success else ""
             told.append(f"{name} {number(paid_by(of, case.discount))}{steps}")
