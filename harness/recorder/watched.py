@@ -7,6 +7,8 @@ import threading
 from pathlib import Path
 from typing import IO
 
+from harness.text import print_visible
+
 CHILD = """
 import os, runpy, sys, threading
 def end_with_parent():
@@ -41,8 +43,7 @@ def _pass_on(lines: IO[bytes], has_told: threading.Event) -> None:
     """Write what the page's process says to standard error, until it ends."""
     with lines:
         for line in lines:
-            sys.stderr.write(line.decode(errors="replace"))
-            sys.stderr.flush()
+            print_visible(line.decode(errors="replace").rstrip("\n"), err=True)
             has_told.set()
     has_told.set()
 
