@@ -22,7 +22,6 @@ ALLOWED = {
     ("harness/experiment/workers/worker.py", "faulthandler"): "writes a stack of Python into the worker's log",
     ("harness/experiment/trials/tried_plan.py", "faulthandler"): "writes a stack of Python into the worker's log",
     ("harness/recorder/watched.py", "sys.stdout"): "asks whether it is a terminal, where a browser may be opened",
-    ("harness/recorder/watched.py", "subprocess"): "harness watch, whose lines go through its own door",
     ("plugins/kit/unity_player/__main__.py", "sys.stdout"): "a program of its own, whose output is a log",
     ("plugins/kit/unity_player/__main__.py", "sys.stderr"): "a program of its own, whose output is a log",
     ("plugins/bullet_arms/world.py", "sys.stdout"): "flushes it before Bullet's own prints are led elsewhere",
