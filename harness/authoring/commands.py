@@ -238,6 +238,7 @@ if TYPE_CHECKING:
         step_between as step_between,
         steps_type as steps_type,
     )
+    from harness.reward.terms import paid_twice as paid_twice, paid_twice_text as paid_twice_text
     from harness.scene.picture import (
         BACKGROUND as BACKGROUND,
         TARGET as TARGET,

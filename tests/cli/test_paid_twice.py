@@ -37,6 +37,10 @@ DOORS = {
     "run of an arm": (TWICE, f"{ARM} --steps 30 --plugin twice.py --executor here"),
     "run of an environment": (OF_STEPS, f"run {ENV} --steps 230 --plugin twice.py --out mine"),
     "audit of an arm's reward": (TWICE, "audit --reward twice --plugin twice.py --episodes 6 --budget 0"),
+    "audit of an environment's reward": (
+        OF_STEPS.partition("def calm")[0],
+        "audit Pendulum-v1 --reward twice --plugin twice.py --budget 1000",
+    ),
 }
 
 

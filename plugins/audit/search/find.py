@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from harness.authoring.commands import Columns
+from harness.authoring.commands import Columns, paid_twice, paid_twice_text
 from harness.environment import AnyEnv
-from harness.errors import UsageError
+from harness.errors import UsageError, sentence
 from harness.registry import Registry
 from harness.text import number
 
@@ -108,6 +108,12 @@ def find_in(
             paid[name] = {role: paid_at(other, of.start, of.actions) for role, of in three.items()}
         earned = ", ".join(f"the {NAMES[role]} {number(value)}" for role, value in paid[name].items())
         told.append(f"The same actions in {name} earn: {earned}.")
+    shown = {role: world.show(of.start, of.actions) for role, of in three.items()}
+    terms = [it.terms for it in shown.values() if len(it.terms) > 2]
+    if terms:
+        whole = {name: np.concatenate([it[name] for it in terms]) for name in terms[0] if name != "events"}
+        if twice := paid_twice(whole):
+            told.append(f"{sentence(paid_twice_text(twice, len(whole[twice])))}.")
     return Finding(
         world=world.name,
         reward=world.reward,
@@ -121,7 +127,7 @@ def find_in(
         searched=searched,
         noise=noise,
         elsewhere=paid,
-        shown={role: world.show(of.start, of.actions) for role, of in three.items()},
+        shown=shown,
         three=three,
     )
 
