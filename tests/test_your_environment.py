@@ -1,4 +1,4 @@
-"""The examples of docs/your-environment.md: each is run as it stands there, with fewer steps."""
+"""The examples of docs/your-environment.md and docs/recording.md: each is run as it stands, with fewer steps."""
 
 import os
 import re
@@ -14,7 +14,8 @@ import pytest
 from harness.cli.app import main
 from harness.record import read_recording
 
-PAGE = (Path(__file__).parents[1] / "docs" / "your-environment.md").read_text()
+DOCS = Path(__file__).parents[1] / "docs"
+PAGE = "".join((DOCS / f"{name}.md").read_text() for name in ("your-environment", "recording"))
 EXAMPLES = re.findall(r"^```python\n(.*?)^```", PAGE, re.DOTALL | re.MULTILINE)
 STEPS = 64
 VERDICT = "from harness import RecordRewards, evaluate_policy"
