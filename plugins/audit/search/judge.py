@@ -7,6 +7,7 @@ doing the task only where it is not far slower than Q, and paid for it.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
@@ -14,7 +15,7 @@ import numpy as np
 from harness.arrays import Float
 from harness.text import number
 
-from .behaviour import Behaviour, Rates, Role, Searched, Three
+from .behaviour import ROLES, Behaviour, Rates, Role, Searched, Three
 from .finding import CANNOT_TELL, FAILING, LOITERING, NAMES, NOTHING
 from .held_out import share_interval
 from .world import World
@@ -115,14 +116,13 @@ def judge(searched: Searched, facts: World, walks: Walks) -> Judged:
         facts: Of the world; it is played by nothing here.
         walks: Asked of few behaviours, where one may loiter.
     """
-    by_sum = (
-        (searched.plain, searched.typical, 1.0),
-        (searched.discounted, searched.typical_discounted, facts.gamma),
-    )
     is_exact = TABLE in searched.how
     plain, discounted = (
         [_case_of(*of, discount, facts, walks, is_exact=is_exact) for of in zip(threes, typical, strict=True)]
-        for threes, typical, discount in by_sum
+        for threes, typical, discount in (
+            (searched.plain, searched.typical, 1.0),
+            (searched.discounted, searched.typical_discounted, facts.gamma),
+        )
     )
     if not is_exact:
         climbing = [of / case.margin for of, case in zip(searched.climbing, plain, strict=True)]
@@ -133,13 +133,13 @@ def judge(searched: Searched, facts: World, walks: Walks) -> Judged:
     both = list(zip(plain, discounted, strict=True))
     decided = [_decided(*of) for of in both]
     alarmed = tuple(case for case in decided if case.is_alarm)
-    unsure = sum(case.word == CANNOT_TELL for case in decided)
-    count, failing = len(decided), sum(case.word == FAILING for case in alarmed)
-    if 2 * len(alarmed) >= count:
-        word = FAILING if 2 * failing >= len(alarmed) else LOITERING
+    words = [case.word for case in decided]
+    failing, loitering, unsure = map(words.count, (FAILING, LOITERING, CANNOT_TELL))
+    if 2 * len(alarmed) >= len(words):
+        word = FAILING if failing >= loitering else LOITERING
     else:
-        word = CANNOT_TELL if 2 * (len(alarmed) + unsure) >= count else NOTHING
-    told = [case for case in decided if case.word == word] or decided
+        word = CANNOT_TELL if 2 * (len(alarmed) + unsure) >= len(words) else NOTHING
+    told = [case for case in decided if word in (CANNOT_TELL, case.word)]
     shown = max(told, key=lambda case: (case.three.failure is not None or case.is_alarm, case.lead))
     if not facts.success:
         return Judged(CANNOT_TELL, _on_paid_most(shown), (), shown)
@@ -162,40 +162,38 @@ def _case_of(three: Three, typical: float, discount: float, facts: World, walks:
         walks: See `judge`.
         is_exact: Whether nothing pays more than these.
     """
-    failure, success, fastest = (
-        None if of is None else paid_by(of, discount) for of in (three.failure, three.success, three.fastest)
-    )
-    known = [of for of in (failure, success) if of is not None]
-    best = max(known, default=typical)
+    paid = {role: paid_by(of, discount) for role in ROLES if (of := getattr(three, role)) is not None}
+    known = [paid[role] for role in paid if role != "fastest"]
+    best = max(known)
     tiny = max(SLACK * max(map(abs, (*known, typical))), np.finfo(float).tiny)
-    margin, near = max(MARGIN * (best - typical), tiny), max(MARGIN * max(map(abs, known), default=0.0), tiny)
+    margin, near = max(MARGIN * (best - typical), tiny), max(MARGIN * max(map(abs, known)), tiny)
     margin = min(margin, near) if is_exact else margin
-    if success is None or fastest is None or three.success is None or three.fastest is None:
+    if three.success is None or three.fastest is None:
         return Case(three, CANNOT_TELL, "failure", "success", -np.inf, margin, discount)
-    as_much = failure is not None and failure >= success - margin
+    failure, success, fastest = paid.get("failure", -np.inf), paid["success"], paid["fastest"]
     fast, time, horizon = three.fastest, three.fastest.time, facts.horizon
     # even the fastest success begins near its end, after others that did not last
     is_passing = time > LATEST * horizon and fast.share * fast.steps > fast.steps - time + 1.5
     # or it begins late, in an episode that goes on until the horizon
     comes_late = fast.steps == horizon and LATE[0] * horizon < time < LATE[1] * horizon
-    is_late = is_passing or (as_much and comes_late)
+    is_late = is_passing or (failure >= success - margin and comes_late)
     # by a discount little counts after `REACH` times its own horizon
     left = horizon - time if discount == 1.0 else min(horizon - time, REACH / (1.0 - discount))
     is_later = three.success.time >= LATER * time and three.success.time - time >= SPARE * left
     is_slow = success > fastest + margin and is_later
-    loiters = is_slow and _gained(walks(three.success), walks(three.fastest), discount) > margin
-    against: Role = "fastest" if loiters else "success"
-    reference, compared = (fastest, three.fastest) if loiters else (success, three.success)
-    if three.failure is not None and failure is not None:
+    loiters = is_slow and _gained(walks(three.success), walks(fast), discount) > margin
+    said = partial(Case, three, margin=margin, discount=discount, is_late=is_late)
+    if three.failure is not None:
+        against: Role = "fastest" if loiters else "success"
+        reference, compared = paid[against], fast if loiters else three.success
         lead = (failure - reference) / margin
         if lead > 1.0 and _is_worse(three.failure, compared, lead, facts.directions):
-            return Case(three, FAILING, "failure", against, lead, margin, discount, is_late)
+            return said(FAILING, "failure", against, lead)
         if margin > COSTLY * near and failure > reference + near and three.failure.share < WORSE * compared.share:
-            return Case(three, CANNOT_TELL, "failure", against, lead, margin, discount, is_late, is_close=True)
+            return said(CANNOT_TELL, "failure", against, lead, is_close=True)
         if not loiters:
-            return Case(three, NOTHING, "failure", against, min(lead, 1.0), margin, discount, is_late)
-    lead = (success - fastest) / margin
-    return Case(three, LOITERING if loiters else NOTHING, "success", "fastest", lead, margin, discount, is_late)
+            return said(NOTHING, "failure", against, min(lead, 1.0))
+    return said(LOITERING if loiters else NOTHING, "success", "fastest", (success - fastest) / margin)
 
 
 def _gained(slow: Sequence[Walk], fast: Sequence[Walk], discount: float) -> float:
@@ -234,11 +232,7 @@ def _is_worse(failure: Behaviour, success: Behaviour, lead: float, directions: M
         return False
     if failure.steps != success.steps or lead > SLIGHT:
         return True
-    pairs = [
-        (failure.measures[name], success.measures[name])
-        for name in directions
-        if name in failure.measures and name in success.measures
-    ]
+    pairs = [(failure.measures[name], success.measures[name]) for name in directions if name in failure.measures]
     pairs = [of for of in pairs if not {*of} <= {0.0, 1.0}]
     return not pairs or any(abs(one - other) > NEAR * max(abs(one), abs(other)) for one, other in pairs)
 
@@ -268,14 +262,11 @@ def _decided(plain: Case, discounted: Case) -> Case:
 
 def _takes_back(plain: Case, discounted: Case) -> bool:
     """Whether discounted, doing the task is clearly paid more than what tempts without."""
-    task, other = discounted.three.success, discounted.three.failure
-    tempting = plain.three.failure if plain.tempting == "failure" else plain.three.success
-    if discounted.word != NOTHING or task is None or tempting is None:
+    task, tempting = discounted.three.success, getattr(plain.three, plain.tempting)
+    if discounted.word != NOTHING or task is None:
         return False
-    earns = tempting.discounted
-    if plain.tempting == "failure" and other is not None:
-        earns = max(earns, other.discounted)
-    return task.discounted > earns + discounted.margin
+    other = discounted.three.failure if plain.tempting == "failure" else None
+    return bool(task.discounted > max(tempting.discounted, (other or tempting).discounted) + discounted.margin)
 
 
 def _lines(
@@ -295,7 +286,7 @@ def _lines(
         where = "on average" if searched.rates else f"on {alarms} of {count} starts"
         lines.append(f"It holds {where}{_by_which_sum(both, decided, facts.gamma)}.")
     elif word == CANNOT_TELL:
-        lines += _on_unsure(decided, facts.success, is_counted=TABLE in searched.how)
+        lines += _on_unsure(decided, shown, facts.success, is_counted=TABLE in searched.how)
     else:
         lines.append(
             "All states and actions were counted: nothing pays more."
@@ -308,8 +299,7 @@ def _lines(
     back = [plain for (plain, _), case in zip(both, decided, strict=True) if plain.is_alarm and case.word == NOTHING]
     if back:
         first = back[0]
-        found = first.three.by_role()
-        one, other = (number(found[role].paid) for role in (first.tempting, first.against))
+        one, other = (number(getattr(first.three, role).paid) for role in (first.tempting, first.against))
         lines.append(
             f"Without discount the {NAMES[first.tempting]} earns {one} and the {NAMES[first.against]} {other}, on "
             f"{len(back)} of {count} starts; a learner that discounts by {facts.gamma:g} is not tempted."
@@ -326,12 +316,12 @@ def _on_slight(shown: Case) -> list[str]:
     more = paid_by(failure, shown.discount) - least
     if more <= SLACK * abs(least):
         return []
-    if more <= shown.margin:
-        return [
-            f"The failure's {number(more)} more are no alarm: less than {number(shown.margin)}, {MARGIN:.0%} of what "
-            "the best behaviour earns above random actions."
-        ]
-    return [f"The failure's {number(more)} more are no alarm: it behaves nearly as the success does."]
+    why = (
+        f"less than {number(shown.margin)}, {MARGIN:.0%} of what the best behaviour earns above random actions"
+        if more <= shown.margin
+        else "it behaves nearly as the success does"
+    )
+    return [f"The failure's {number(more)} more are no alarm: {why}."]
 
 
 def _on_chance(rates: Rates) -> str:
@@ -385,26 +375,34 @@ def _by_which_sum(both: Sequence[tuple[Case, Case]], decided: Sequence[Case], ga
     return f"; discounted by {gamma:g} alone, without discount it does not"
 
 
-def _on_unsure(decided: Sequence[Case], success: str, is_counted: bool) -> list[str]:
+def _on_unsure(decided: Sequence[Case], shown: Case, success: str, is_counted: bool) -> list[str]:
+    """What a search that cannot tell knows all the same, why it cannot, and what would help."""
     count, missing = len(decided), sum(case.three.success is None for case in decided)
     if is_counted:
         return [
             f"All states and actions were counted: none is a success on {missing} of {count} starts.",
             f"Is '{success}' what tells success (--success)?",
         ]
-    late = sum(case.word == CANNOT_TELL and case.is_late for case in decided)
-    unsure = [case for case in decided if case.word == CANNOT_TELL and case.three.success is not None]
+    more = [case for case in decided if case.tempting == "failure" and case.lead > 1.0]
+    pair = [number(paid_by(of, shown.discount)) for of in (shown.three.failure, shown.three.fastest) if of]
+    certain = (
+        f"Of the {count - missing} starts where a success is known, on {len(more)} a failure earns more than the "
+        f"fastest one: {' against '.join(pair)}."
+    )
+    unsure = [case for case in decided if case.word == CANNOT_TELL and case.three.success]
+    late = [case.three.fastest.time for case in unsure if case.is_late and case.three.fastest]
     close = sum(case.is_close and not case.is_late for case in unsure)
-    few = sum(not (case.is_late or case.is_close) for case in unsure)
-    told = [f"no success was found on {missing} of {count} starts"] if missing else []
-    if late:
-        told.append(f"no success was held for longer than the last steps on {late} of {count}")
-    if close:
-        told.append(f"a failure is paid more, by little beside what random actions lose, on {close} of {count}")
-    if few:
-        told.append(f"successes were too few, or still rose in pay, on {few} of {count}")
-    text = "; ".join(told) or "the starts disagree"
+    told = {
+        "no success was found": missing,
+        f"the first success that lasts begins at step {min(late, default=0)}, too late to tell what it pays,": len(
+            late
+        ),
+        "a failure is paid more, by little beside what random actions lose,": close,
+        "successes were too few, or still rose in pay,": len(unsure) - len(late) - close,
+    }
+    text = "; ".join(f"{reason} on {of} of {count} starts" for reason, of in told.items() if of)
     return [
+        *([certain] if shown in more and count > 1 else ()),
         f"{text[0].upper()}{text[1:]}.",
         "Give it a demonstration (--from FOLDER), a policy (--policy FILE.py:NAME), or more steps (--budget).",
     ]
@@ -412,12 +410,13 @@ def _on_unsure(decided: Sequence[Case], success: str, is_counted: bool) -> list[
 
 def _on_paid_most(case: Case) -> tuple[str, ...]:
     """What is said where nothing measures success."""
-    most = case.three.failure or case.three.success
-    if most is None:
-        return ("Nothing measures success, and no episode was paid.",)
+    (most,) = case.three.by_role().values()
     measures = ", ".join(f"{name} {number(value)} at the end" for name, value in most.measures.items())
-    known = f", with one of {', '.join(most.measures)}" if most.measures else ""
-    given = known or " (a key of info, or a measure: a function of --measure FILE.py, or of --plugin behaviour.py)"
+    given = (
+        f", with one of {', '.join(most.measures)}"
+        if most.measures
+        else " (a key of info, or a measure: a function of --measure FILE.py, or of --plugin behaviour.py)"
+    )
     return (
         f"Nothing measures success. What is paid most earns {number(most.paid)} in {most.steps} steps"
         f"{measures and f': {measures}'}. Does that look right?",

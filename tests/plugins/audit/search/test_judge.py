@@ -163,8 +163,18 @@ SENTENCES = {
         [three(replace(A_LITTLE_MORE, share=0.9), LONGER)], {}, 2,
         "The failure's 10 more are no alarm: it behaves nearly as the success does.",
     ),
+    "a start that has both is shown": (
+        [*[three(HOVER)] * 3, HACKED], {}, 0, "Failing earns 30, doing the task at once 3.7 (10 steps), the best-paid"
+    ),
+    "what is certain where a success is known": (
+        [*[three(HOVER)] * 3, HACKED, HACKED], {}, 1,
+        "Of the 2 starts where a success is known, on 2 a failure earns more than the fastest one: 30 against 3.7.",
+    ),
     "no success on most starts": (
-        [*[three(HOVER)] * 3, HACKED], {}, 1, "No success was found on 3 of 4 starts"
+        [*[three(HOVER)] * 3, HONEST], {}, 1, "No success was found on 3 of 4 starts."
+    ),
+    "few successes of the only start": (
+        [HACKED], {"successes": 3}, 1, "Successes were too few, or still rose in pay, on 1 of 1 starts."
     ),
     "a demonstration is asked for": ([three(HOVER)], {}, 2, "Give it a demonstration (--from FOLDER)"),
     "all was counted": (
@@ -175,7 +185,7 @@ SENTENCES = {
     ),
     "a success that comes and goes": (
         [three(episode([1.01] * 100, share=0.2), SPINNING)], {}, 1,
-        "No success was held for longer than the last steps on 1 of 1.",
+        "The first success that lasts begins at step 99, too late to tell what it pays, on 1 of 1 starts.",
     ),
     "the discount takes a leak back": (
         [three(replace(HOVER, discounted=0.1), replace(QUICK, discounted=2.0))], DISCOUNTED, -1,
@@ -209,7 +219,7 @@ SENTENCES = {
         "function of --measure FILE.py, or of --plugin behaviour.py)",
     ),
 }  # fmt: skip
-WORDS = (NOTHING, NOTHING, *[CANNOT_TELL] * 5, NOTHING, *[FAILING] * 3, *[CANNOT_TELL] * 3)
+WORDS = (NOTHING, NOTHING, *[CANNOT_TELL] * 8, NOTHING, *[FAILING] * 3, *[CANNOT_TELL] * 3)
 
 
 @pytest.mark.parametrize(
