@@ -266,6 +266,7 @@ class Taken:
         if of_step:
             acted = [actions[0], *actions][-len(ticks) - 1 : -1]
             parts += [list(map(self._acted, acted, ticks)), [self._told[it] for it in places]]
+            ends = [self._ended(ticks, flag, batched) for flag in ("terminated", "truncated")]
         if self._spaces is not None and not batched:
             space, acts = self._spaces
             kinds = (space, acts, space, None, acts, None)
@@ -274,7 +275,18 @@ class Taken:
             return list(zip(*parts, strict=True))
         before, actions, after, infos, *acted = parts
         thens = map(Before._make, zip(before, *acted, strict=True))
-        return [(Now._make(it),) for it in zip(after, actions, infos, thens, strict=True)]
+        return [(Now._make(it),) for it in zip(after, actions, infos, *ends, thens, strict=True)]
+
+    def _ended(self, ticks: Sequence[tuple[Any, ...]], flag: str, batched: bool) -> list[Any]:
+        """Whether steps ended an episode, as functions are given it: of a batch the envs that were reset did not."""
+        if not batched:
+            flags = (getattr(Rows._make(tick), flag) for tick in ticks)
+            return list(map(bool, flags)) if self._spaces is None else np.concatenate(list(flags)).tolist()
+        made = np.zeros((len(ticks), self._num_envs), bool)
+        for whole, tick in zip(made, map(Rows._make, ticks), strict=True):
+            whole[tick.envs] = getattr(tick, flag)
+        made.setflags(write=False)
+        return list(made)
 
     def _acted(self, action: Any, tick: tuple[Any, ...]) -> Any:
         """The action before a step: before the first one of an episode zeros."""
@@ -321,7 +333,8 @@ class Taken:
         step: Asking = before, action, after, told
         if column.takes_step:
             acted = self._acted(self._actions.at(-2) if self.tried > 1 else action, self._ticks[-1])
-            step = (Now(after, action, told, Before(before, acted, self._told[-2])),)
+            ends = map(bool, self._ticks[-1][4:])
+            step = (Now(after, action, told, *ends, Before(before, acted, self._told[-2])),)
         answer: Any = None
         try:
             if column.is_watched or self._guard.is_open:

@@ -33,5 +33,6 @@ if TYPE_CHECKING:
     from harness.results.score_matrix import score_matrices as score_matrices
     from harness.results.traces import Traces as Traces
     from harness.results.trainings import TermPaid as TermPaid, TermsPaid as TermsPaid
+    from harness.results.under_way import are_flags as are_flags, hint_of as hint_of, measure_of as measure_of
 else:
     __all__, __getattr__ = face_of(__name__, __file__)

@@ -40,7 +40,6 @@ from harness.results.pool import Pool
 from harness.results.recordings.runs import Runs
 from harness.results.table import Numbers, cell_to_json, comparison_rows, metric_columns, table_of, write_table
 from harness.results.trainings import Alone, Match, TermsPaid, Trained, Trainings, alone_of, terms_of
-from harness.results.under_way import told_so_far
 from harness.results.verdicts import UNKNOWN, Seen
 
 
@@ -180,7 +179,11 @@ class Results(ABC):
     def _examine(self, cell: Cell) -> Manifest:
         """What there is to say of a cell; of one that is not done, what it has recorded so far."""
         found = self.store.examine(cell)
-        told = told_so_far(cell, partial_folder(self.store.cell_folder(cell))) if found.status == "pending" else ""
+        if found.status != "pending":
+            return found
+        from harness.results.under_way import told_so_far  # SciPy is loaded where a training goes on alone
+
+        told = told_so_far(cell, partial_folder(self.store.cell_folder(cell)))
         return replace(found, reason=told) if told else found
 
     # The cells

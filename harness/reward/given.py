@@ -30,11 +30,11 @@ OWN = "own"
 """What the env itself pays."""
 ARGUMENTS = "(observation, action, next_observation, info)"
 FIELDS = tuple(field.name for field in ENVIRONMENT)
-Before = steps_type(FIELDS)
+Before = steps_type(tuple(field.name for field in ENVIRONMENT if field.before))
 """What there was before a step: the observation, the action and the info of the step before."""
 Now = steps_type((*FIELDS, BEFORE))
-"""A step: the observation after it, the action, the info, and `Before`."""
-STEP_PARTS = (*(f"{STEP}.{name}" for name in FIELDS), *(f"{STEP}.{BEFORE}.{name}" for name in FIELDS))
+"""A step: the observation after it, the action, the info, whether it ended the episode, and `Before`."""
+STEP_PARTS = (*(f"{STEP}.{name}" for name in FIELDS), *(f"{STEP}.{BEFORE}.{name}" for name in Before._fields))
 """The fields of both, as a function of a step reads them."""
 
 

@@ -191,6 +191,8 @@ ENVIRONMENT = (
     Field("observation", "as the environment's", "", "what the env observed after the step", before=True),
     Field("action", "as the environment's", "", "what the policy did; before the first step zeros", before=True),
     Field("info", "a dict", "", "what the env told of the step; before the first step of the reset", before=True),
+    Field("terminated", "a bool", "", "whether the env ended the episode with the step"),
+    Field("truncated", "a bool", "", "whether a time limit cut the episode after the step"),
 )
 """What a step of an environment has: one step of one env, without a first axis."""
 ARM_BEFORE = tuple(field.name for field in ARM if field.before)

@@ -10,7 +10,6 @@ import numpy as np
 
 from harness.report import Axis, Chart, Dots, Line, draw_chart, linear_axis
 
-from .hint import hint_of
 from .trainings import Training
 
 WIDTH, HEIGHT = 190.0, 76.0
@@ -39,7 +38,6 @@ class Card(NamedTuple):
     share: float
     """The share of its steps that are done, in percent; NaN where nobody said how many there will be."""
     figures: tuple[Figure, ...]
-    hint: str
     words: str
     """In the place of figures."""
 
@@ -84,19 +82,13 @@ class Curves(NamedTuple):
 def curves_of(training: Training) -> Curves:
     """The curves of a training: at most `POINTS` points, each of `EPISODES` episodes at least if there are so many."""
     blocks = training.blocks
-    points = _points([block.episodes for block in blocks]) if blocks else []
-    weights = np.array([block.episodes for block in blocks], np.float64)
-
-    def curve(values: Iterable[float]) -> tuple[float, ...]:
-        told = np.fromiter(values, np.float64, len(blocks))
-        return tuple(float(np.average(told[point], weights=weights[point])) for point in points)
-
-    return Curves(
-        tuple(float(blocks[point.stop - 1].steps) for point in points),
-        curve(block.behaviour for block in blocks),
-        curve(block.pay for block in blocks),
-        tuple((name, curve(means)) for name, means in training.terms),
-    )
+    if not blocks:
+        return Curves((), (), (), ())
+    points = _points(blocks.episodes.tolist())
+    means = np.array([np.average(blocks.means[it], axis=0, weights=blocks.episodes[it]) for it in points])
+    pay, behaviour, *terms = (tuple(it) for it in means.T.tolist())
+    steps = tuple(float(blocks.steps[point.stop - 1]) for point in points)
+    return Curves(steps, behaviour, pay, tuple(zip(blocks.terms, terms, strict=True)))
 
 
 @lru_cache(maxsize=1024)
@@ -110,16 +102,14 @@ def card_of(training: Training, last: int, did: Range, paid: Range, terms: Range
         paid: The range of the pay, of all trainings by its reward.
         terms: The same of the reward's terms.
     """
-    blocks, measure = training.blocks, training.measure.replace("_", " ")
+    measure = training.measure.replace("_", " ")
     progress = f"{training.steps:,} steps"
     if training.asked and training.state != "done":
         progress = f"{training.steps:,} of {training.asked:,} steps"
     share = 100.0 * min(1.0, training.steps / training.asked) if training.asked else math.nan
-    hint = hint_of(blocks, training.better, measure) if measure else None
-    told = hint.text if hint else ""
-    if not blocks:
+    if not training.blocks:
         words = training.note or ("" if training.state == "failed" else "No episode has ended yet.")
-        return Card(training, progress, share, (), told, words)
+        return Card(training, progress, share, (), words)
     curves = curves_of(training)
     steps, figures = curves.steps, list[Figure]()
     if measure:
@@ -130,9 +120,9 @@ def card_of(training: Training, last: int, did: Range, paid: Range, terms: Range
         figures.append(_figure(f"{measure}{lower}", shown, steps, values, "behaviour", axis, last))
     pay = curves.pay
     figures.append(_figure(f"pay by {training.reward}", _number(pay[-1]), steps, pay, "ruler", _axis(paid), last))
-    if len(training.terms) > 1:
+    if len(curves.terms) > 1:
         figures.append(_terms(training.reward, curves.terms, steps, _axis(terms), last))
-    return Card(training, progress, share, tuple(figures), told, training.note)
+    return Card(training, progress, share, tuple(figures), training.note)
 
 
 def _figure(

@@ -24,10 +24,12 @@ from harness.authoring.commands import (
     recorder_numbers,
     term_column,
 )
+from harness.eta import direction_of
 from harness.log import BEHAVIOUR, REWARD, SUCCESS, OpenEpisodes
 from harness.record import TrainingFacts, paid_in, read_trace
+from harness.results import are_flags, hint_of, measure_of
 
-from .blocks import BEHAVIOUR as BEHAVIOUR_AT, OWN, Blocks
+from .blocks import BEHAVIOUR as BEHAVIOUR_AT, OWN, PAY, Blocks
 
 
 class Told(NamedTuple):
@@ -101,6 +103,8 @@ class Recording:
     Attributes:
         folder: Of the recording.
         blocks: What its episodes came to.
+        better: Which values of the behaviour are; empty if nobody says it.
+        hint: What its episodes hint at; see `harness.results.hint_of`.
         steps: How many are recorded.
     """
 
@@ -112,8 +116,8 @@ class Recording:
         """
         self.folder = folder
         self._episodes = defaultdict[int, Episodes](Episodes)
-        self.steps, self.blocks = 0, Blocks.of((), *Episodes().ended(0))
-        self._recorders = self._read_recorders()
+        self._recorders, self.steps = self._read_recorders(), 0
+        self._say(0)
 
     @property
     def facts(self) -> TrainingFacts:
@@ -125,8 +129,8 @@ class Recording:
         """Whether a process is recording it now."""
         return any(is_held(self.folder / f"recording-{number}.lock") for number in self._recorders)
 
-    def look(self) -> None:
-        """Read what is new.
+    def look(self, asked: int = 0) -> None:
+        """Read what is new of a training of so many steps, if somebody said it.
 
         Raises:
             SchemaError: It is damaged.
@@ -137,18 +141,28 @@ class Recording:
             self._episodes[number].look(part_paths(self.folder, number), partial(self._told, number, facts))
         self.steps = sum(it.steps for it in self._episodes.values())
         if self.steps != before:
-            self.blocks = self._blocks()
+            self._say(asked or self.facts.asked)
 
     def _read_recorders(self) -> dict[int, TrainingFacts]:
         return {it: read_facts(self.folder, it) for it in recorder_numbers(self.folder)}
 
-    def _blocks(self) -> Blocks:
-        terms = terms_in(self.facts)
-        ended = [it.ended(len(terms)) for it in self._episodes.values()]
+    @property
+    def measure(self) -> str:
+        """The behaviour that is shown; empty if nothing measures it."""
+        return measure_of(self.facts.behaviour)
+
+    def _say(self, asked: int) -> None:
+        terms, facts = terms_in(self.facts), self.facts
+        ended = [it.ended(len(terms)) for it in (self._episodes or {0: Episodes()}).values()]
         envs = sum(facts.num_envs for facts in self._recorders.values())
         ticks, numbers = map(np.concatenate, zip(*ended, strict=True))
         order = np.argsort(ticks, kind="stable")
-        return Blocks.of(terms, envs * (ticks[order] + 1), numbers[order])
+        steps, numbers = envs * (ticks[order] + 1), numbers[order]
+        behaviour = numbers[:, BEHAVIOUR_AT]
+        is_flag = are_flags(behaviour)
+        self.better = direction_of(self.measure, facts.lower_is_better, facts.higher_is_better, is_flag=is_flag)
+        self.hint = hint_of(steps, numbers[:, PAY], behaviour, self.measure, self.better, asked)
+        self.blocks = Blocks.of(terms, steps, numbers)
 
     def _told(self, number: int, facts: TrainingFacts, after: int, _: int) -> Iterator[Told]:
         name, measure = facts.trained_with, measure_of(facts.behaviour)
@@ -167,13 +181,13 @@ def terms_in(facts: TrainingFacts) -> tuple[str, ...]:
     return facts.terms.get(facts.trained_with, ())
 
 
-def measure_of(measures: Sequence[str]) -> str:
-    """The measure that is shown: success, or the first one; empty without one."""
-    return SUCCESS if SUCCESS in measures else next(iter(measures), "")
-
-
 class Trace:
-    """The training of an arm by its trace, which may grow."""
+    """The training of an arm by its trace, which may grow.
+
+    Attributes:
+        blocks: What its episodes came to.
+        hint: What they hint at; see `harness.results.hint_of`.
+    """
 
     def __init__(self, path: Path) -> None:
         """Read nothing yet but the names of columns.
@@ -183,17 +197,24 @@ class Trace:
         """
         self._path, self._episodes = path, Episodes()
         self._terms = [it.removeprefix(TERM) for it in read_trace(path).columns if it.startswith(TERM)]
+        self._say(0)
 
-    def look(self) -> Blocks:
-        """Read what is new; gives what all episodes came to.
+    def look(self, asked: int) -> None:
+        """Read what is new of a training of so many steps.
 
         Raises:
             SchemaError: It is damaged.
         """
+        before = self._episodes.steps
         self._episodes.look(parts_of(self._path), self._told)
+        if self._episodes.steps != before:
+            self._say(asked)
+
+    def _say(self, asked: int) -> None:
         steps, numbers = self._episodes.ended(len(self._terms))
-        numbers[:, BEHAVIOUR_AT] = numbers[:, BEHAVIOUR_AT] > 0
-        return Blocks.of(self._terms, steps, numbers)
+        reached = numbers[:, BEHAVIOUR_AT] = numbers[:, BEHAVIOUR_AT] > 0
+        self.blocks = Blocks.of(self._terms, steps, numbers)
+        self.hint = hint_of(steps, numbers[:, PAY], reached.astype(float), SUCCESS, "higher", asked)
 
     def _told(self, after: int, before: int) -> Iterator[Told]:
         terms = [f"{TERM}{name}" for name in self._terms]

@@ -16,12 +16,12 @@ from harness.authoring.commands import (
     recordings_in,
 )
 from harness.errors import HarnessError, SchemaError, UsageError, one_line
-from harness.eta import Better, direction_of
+from harness.eta import Better
+from harness.log import SUCCESS
 from harness.record import MANIFEST, PLAN, TRACE, Cell, Store, partial_folder, read_manifest, read_plan
 
-from .blocks import Block, Blocks
-from .hint import is_flag
-from .recorded import Recording, Trace, measure_of
+from .blocks import BEHAVIOUR, Blocks
+from .recorded import Recording, Trace
 
 T = TypeVar("T")
 State: TypeAlias = Literal["running", "done", "stopped", "failed"]
@@ -43,7 +43,7 @@ class Training:
         steps: Environment steps done.
         asked: How many there will be; 0 if nobody said.
         blocks: What its episodes came to.
-        terms: By name of a term of the reward: what it paid an episode, mean of each block.
+        hint: What they hint at, a line.
         measure: The behaviour that is shown; empty if nothing measures it.
         is_share: Whether that is a share of episodes.
         better: Which values of it are; empty if nobody says it.
@@ -56,18 +56,12 @@ class Training:
     state: State
     steps: int
     asked: int
-    blocks: tuple[Block, ...] = ()
-    terms: tuple[tuple[str, tuple[float, ...]], ...] = ()
+    blocks: Blocks | None = None
+    hint: str = ""
     measure: str = ""
     is_share: bool = False
     better: Better = ""
     note: str = ""
-
-    def with_blocks(self, blocks: Blocks) -> "Training":
-        """The same, with what its episodes came to."""
-        columns = blocks.means[:, 2:].T.tolist()
-        terms = tuple((name, tuple(means)) for name, means in zip(blocks.terms, columns, strict=True))
-        return replace(self, blocks=blocks.listed, terms=terms)
 
 
 @dataclass(frozen=True)
@@ -160,7 +154,8 @@ class ExperimentSource:
             return plain
         try:
             trace = self._traces[path] = self._traces.get(path) or Trace(path)
-            return plain.with_blocks(trace.look())
+            trace.look(plain.asked)
+            return replace(plain, blocks=trace.blocks, hint=trace.hint)
         except SchemaError as error:
             return replace(plain, note=one_line(error))
 
@@ -238,20 +233,18 @@ class RecordingsSource:
 
 def told_by(recording: Recording, plain: Training) -> Training:
     """The training, with what its recording tells by now."""
-    recording.look()
-    facts = recording.facts
-    measure = measure_of(facts.behaviour)
-    blocks, listed = recording.blocks, recording.blocks.listed
-    is_share = all(0.0 <= block.behaviour <= 1.0 for block in listed) and measure == "success"
-    told = replace(
+    recording.look(plain.asked)
+    means = recording.blocks.means[:, BEHAVIOUR]
+    return replace(
         plain,
         steps=recording.steps,
-        asked=plain.asked or facts.asked,
-        measure=measure,
-        is_share=is_share,
-        better=direction_of(measure, facts.lower_is_better, facts.higher_is_better, is_flag=is_flag(listed)),
+        asked=plain.asked or recording.facts.asked,
+        blocks=recording.blocks,
+        hint=recording.hint,
+        measure=recording.measure,
+        is_share=recording.measure == SUCCESS and bool(((means >= 0.0) & (means <= 1.0)).all()),
+        better=recording.better,
     )
-    return told.with_blocks(blocks)
 
 
 def newest(is_running: Sequence[bool]) -> list[int]:

@@ -59,7 +59,9 @@ DOORS = {
 
 
 def _blocks(path):
-    blocks = Trace(path).look()
+    trace = Trace(path)
+    trace.look(0)
+    blocks = trace.blocks
     return blocks.means.tolist(), blocks.steps.tolist()
 
 

@@ -159,6 +159,9 @@ def forms(space):
     def deep(it):
         return it.info["deep"]["x"]
 
+    def ends(it):
+        return it.columns["terminated"] + 2 * it.columns["truncated"]
+
     class SumOfAll:
         def reset(self, mask):
             self.sums = np.where(mask, 0.0, getattr(self, "sums", 0.0))
@@ -202,6 +205,8 @@ def forms(space):
             lambda it: look(it.after) + told(it),
         ),
         "all before": (before_all, before),
+        "ends": (lambda step: step.terminated + 2 * step.truncated, ends),
+        "all ends": (lambda step: step.terminated + 2 * step.truncated, ends),
     }
 
 

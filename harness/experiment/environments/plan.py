@@ -84,10 +84,10 @@ def random_steps(
         ended, sealed = bool(terminated or truncated), map(guard.seal, (observation, action, info))
         if number == 1:
             before = before._replace(action=zeros_of(guard.seal(action)))
-        seen = Now._make((*sealed, before))
+        seen = Now._make((*sealed, bool(terminated), bool(truncated), before))
         numbers = [*flat_observation(env.observation_space, seen.observation).tolist(), float(paid)]
         yield RandomStep(done, number, seen, paid, ended, numbers, guard)
-        before = Before._make(seen[:-1])
+        before = Before._make(seen[:3])
         if ended or done == cut_at:
             before, number = _begin(env, columns, guard), 0
 

@@ -12,8 +12,8 @@ from harness.recorder.column import as_number
 from harness.recorder.sealed import ReadOnlyDict
 from harness.recorder.trial import Guarded
 from harness.reward import Paid, Steps
-from harness.reward.given import Before, Given, Now, zeros_of
-from harness.reward.steps import steps_type
+from harness.reward.given import Before, Given, zeros_of
+from harness.reward.steps import BEFORE, steps_type
 
 
 class Unseen:
@@ -74,7 +74,7 @@ class _StepByStep:
             now = next(observations)
             did, now = action if done[row] else blank, now if comes[row] or row >= seen else blank
             self._before, observed = (did, info), now if row < seen else unseen
-            step = Now._make((observed, did, info, before))
+            step = _Recorded._make((observed, did, info, before))
             if row < seen:
                 paid.append(self._with_blanks(step, blank))
             elif (last := self._without_next(step, unseen)) is not None:
@@ -105,7 +105,7 @@ class _StepByStep:
 
 
 NOT_SEEN = "it looks at an observation, and the observations of this data set hold no numbers"
-_AtStart = steps_type(("observation", "action"))
+_AtStart, _Recorded = steps_type(("observation", "action")), steps_type((*Before._fields, BEFORE))
 
 
 def step_by_step(name: str, given: Given) -> Payer:

@@ -254,14 +254,17 @@ class _Asked:
         action = int(chosen) if is_discrete else np.array(chosen, space.dtype).reshape(env.action_space.shape)
         taken = action if is_discrete else action.ravel().copy()  # type: ignore[union-attr]
         observation, pays, terminated, truncated, self.info = env.step(action)
-        kept, paid, told = self._tell(action, observation, pays, self.info)
+        ends = bool(terminated), bool(truncated)
+        kept, paid, told = self._tell(action, observation, pays, self.info, ends)
         ended = {0: "terminated" if terminated else "truncated"} if terminated or truncated else {}
         return Step([taken], [observation], [kept], [paid], [told], ended)
 
     def close(self) -> None:
         self.env.close()
 
-    def _tell(self, action: Any, observation: Any, pays: Any, info: Any) -> tuple[Any, list[float], list[float]]:
+    def _tell(
+        self, action: Any, observation: Any, pays: Any, info: Any, ends: tuple[bool, bool]
+    ) -> tuple[Any, list[float], list[float]]:
         """A copy of the observation; what the reward pays for the step, followed by its terms; what measures tell."""
         seal, (start, step) = self._guard.seal, self._place
         kept, self._place = seal(observation), (start, step + 1)
@@ -272,7 +275,7 @@ class _Asked:
             forms = (given, ())
             if any(self._of_step):
                 before = Before._make((seen, last if step else zeros_of(given[1]), told))
-                forms = given, (Now._make((kept, given[1], given[3], before)),)
+                forms = given, (Now._make((kept, given[1], given[3], *ends, before)),)
             asking = [forms[of_step] for of_step in self._of_step]
             answers = iter(self._guard.ask(self._functions, asking, is_watched=self._is_watched))
             self.drew, self._before = self.drew or bool(self._guard.drew), (kept, given[1], given[3])

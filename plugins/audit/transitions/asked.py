@@ -6,13 +6,13 @@ from typing import Any
 import numpy as np
 
 from harness.arrays import Float
-from harness.authoring.commands import BEFORE, FIELDS, Guard, Walk, differs, made_columns, steps_type
+from harness.authoring.commands import BEFORE, Before, Guard, Walk, differs, made_columns, steps_type
 from harness.errors import reason_of
 from harness.reward import MissingField
 
 OfTransition = Callable[[Any, Any, Any], float]
 """R(s, a, s')."""
-_Now, _Before = steps_type(("observation", "action", "info", BEFORE)), steps_type(("observation",))
+_Now, _Before = steps_type((*Before._fields, BEFORE)), steps_type(("observation",))
 
 
 class NoTransitionReward(Exception):
@@ -58,7 +58,7 @@ def of_transition(name: str, given: Any) -> OfTransition:
         except NoTransitionReward:
             raise
         except MissingField as error:
-            if error.field not in FIELDS:
+            if error.field not in Before._fields:
                 raise NoTransitionReward(str(error)) from error
             told = f"it reads {BEFORE}.{error.field}"
             raise NoTransitionReward(f"{told}, which only a step that was taken has") from error

@@ -68,10 +68,7 @@ def test_what_cannot_be_weighed_is_refused(gentle, reward, told):
 @pytest.mark.parametrize(
     ("body", "told"),
     [
-        (
-            "-step.distance",
-            "fails in step 0: A step has no 'distance'. It has: observation, action, info, before. Noth",
-        ),
+        ("-step.distance", "fails in step 0: A step has no 'distance'. It has: observation, action, info, terminated"),
         ("step.info['x_pos']", "fails in step 0: info has no 'x_pos'; it has nothing. Nothing"),
         ("step.before.info['x_pos']", "info has no 'x_pos'"),
     ],

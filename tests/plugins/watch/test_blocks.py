@@ -16,23 +16,19 @@ def episodes_of(count):
 
 @pytest.mark.parametrize("count", [1, 63, 64, 65, 129, 1_000])
 def test_blocks_are_the_episodes_one_after_the_other(count):
-    """By hand: means and standard deviations of equally many."""
+    """By hand: means of equally many."""
     steps, numbers = episodes_of(count)
     blocks = Blocks.of(["effort"], steps, numbers)
     size = next(2**k for k in range(20) if count <= 2**k * 64)
-    assert len(blocks.listed) == math.ceil(count / size)
-    for index, block in enumerate(blocks.listed):
+    assert len(blocks) == math.ceil(count / size)
+    for index, means in enumerate(blocks.means):
         part = slice(index * size, (index + 1) * size)
-        pay = numbers[part, 0].tolist()
-        assert (block.episodes, block.steps) == (len(pay), steps[part][-1])
-        assert block.pay == pytest.approx(statistics.fmean(pay))
-        spread = statistics.stdev(pay) if len(pay) > 1 else math.nan
-        assert block.pay_spread == pytest.approx(spread, nan_ok=True)
-        assert block.behaviour == pytest.approx(numbers[part, 1].mean())
+        assert (blocks.episodes[index], blocks.steps[index]) == (len(numbers[part]), steps[part][-1])
+        assert means.tolist() == pytest.approx([statistics.fmean(it) for it in numbers[part].T])
 
 
 def test_behaviour_that_nobody_measures_is_nan():
     """And the pay is known all the same."""
     blocks = Blocks.of((), np.array([10, 20]), np.array([[1.0, math.nan], [3.0, math.nan]]))
-    assert blocks.listed[0].pay == 1.0
-    assert math.isnan(blocks.listed[1].behaviour)
+    assert blocks.means[0, 0] == 1.0
+    assert math.isnan(blocks.means[1, 1])

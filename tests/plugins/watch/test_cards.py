@@ -4,24 +4,26 @@ import math
 import re
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
-from harness_plugins.watch import cards
-from harness_plugins.watch.blocks import Block
+from harness_plugins.watch.blocks import Blocks
 from harness_plugins.watch.cards import curves_of, rows_of
 from harness_plugins.watch.trainings import Training
 from harness_plugins.watch.watch import drawn
 
 
-def blocks_of(count, pay=1.0, episodes=8, behaviour=0.5):
-    """Blocks of equally many episodes."""
-    return tuple(Block(100 * (it + 1), episodes, pay * (it + 1), 1.0, behaviour, 0.5) for it in range(count))
+def blocks_of(count, pay=1.0, episodes=8, behaviour=0.5, **terms):
+    """Blocks of equally many episodes, in which each term pays the same."""
+    number = np.arange(1, count + 1)
+    means = [pay * number, *(np.full(count, it) for it in (behaviour, *terms.values()))]
+    return Blocks(tuple(terms), 100 * number, np.full(count, episodes), np.column_stack(means))
 
 
 @pytest.fixture
 def training():
     """One that is running."""
-    return Training("toy · sac", "arp", "seed 0", "running", 400, 1_000, blocks_of(4), (), "success", True)
+    return Training("toy · sac", "arp", "seed 0", "running", 400, 1_000, blocks_of(4), "", "success", True)
 
 
 def axis_texts(svg):
@@ -52,12 +54,12 @@ def test_rewards_never_share_an_axis_of_pay(training):
 
 def test_terms_have_a_figure_of_their_own(training):
     """The largest six; one term alone is the pay."""
-    terms = tuple((f"t{number}", (float(number),) * 4) for number in range(8))
-    card = rows_of([replace(training, terms=terms)])[0].cards[0]
+    terms = {f"t{number}": float(number) for number in range(8)}
+    card = rows_of([replace(training, blocks=blocks_of(4, **terms))])[0].cards[0]
     assert card.figures[2].title == "terms of arp, 2 smaller ones left out"
     assert ">t7<" in card.figures[2].svg
     assert ">t1<" not in card.figures[2].svg
-    assert len(rows_of([replace(training, terms=terms[:1])])[0].cards[0].figures) == 2
+    assert len(rows_of([replace(training, blocks=blocks_of(4, t0=0.0))])[0].cards[0].figures) == 2
 
 
 def test_points_are_means_of_episodes(training):
@@ -78,37 +80,31 @@ def test_behaviour_that_nobody_measures_is_left_out(training):
     assert "nan" not in unknown.figures[0].svg
 
 
-def test_a_hint_is_shown(training, monkeypatch):
-    """The one of the training's own blocks; none without a measure."""
-    asked = []
-    hint = type("Found", (), {"text": "Pay rose while success fell."})
-    monkeypatch.setattr(cards, "hint_of", lambda *given: asked.append(given) or hint)
-    cards.card_of.cache_clear()
-    assert rows_of([training])[0].cards[0].hint == "Pay rose while success fell."
-    assert asked == [(training.blocks, "", "success")]
-    assert rows_of([replace(training, measure="")])[0].cards[0].hint == ""
-    cards.card_of.cache_clear()
+def test_a_hint_is_shown(training):
+    """As what reads the training says it."""
+    assert "Hint:" not in drawn((training,), 0)
+    assert "<b>Hint:</b> Pay rose &lt;much&gt;." in drawn((replace(training, hint="Pay rose <much>."),), 0)
 
 
 @pytest.mark.parametrize("state", ["running", "stopped"])
 def test_before_an_episode_has_ended_that_is_said(training, state):
     """In words."""
-    card = rows_of([replace(training, blocks=(), state=state)])[0].cards[0]
+    card = rows_of([replace(training, blocks=None, state=state)])[0].cards[0]
     assert (card.figures, card.words) == ((), "No episode has ended yet.")
 
 
 def test_a_failure_tells_its_reason(training):
     """In the place of figures."""
-    card = rows_of([replace(training, blocks=(), state="failed", note="it raised ValueError")])[0].cards[0]
+    card = rows_of([replace(training, blocks=None, state="failed", note="it raised ValueError")])[0].cards[0]
     assert card.words == "it raised ValueError"
 
 
 def test_names_of_strangers_are_text(training):
     """In every place where they stand."""
     evil = '<script>"&\u202e'
-    terms = ((evil, (1.0,) * 4), ("b", (2.0,) * 4))
-    one = replace(training, place=evil, reward=evil, name=evil, measure=evil, note=evil, terms=terms)
-    html = drawn((one, replace(one, state="failed", blocks=())), 0)
+    blocks = blocks_of(4, **{evil: 1.0, "b": 2.0})
+    one = replace(training, place=evil, reward=evil, name=evil, measure=evil, note=evil, blocks=blocks)
+    html = drawn((one, replace(one, state="failed", blocks=None)), 0)
     assert "<script" not in html
     assert html.count("&lt;script&gt;") >= 8
 

@@ -16,8 +16,8 @@ def test_a_training_is_seen_while_it_is_recorded(record, step, tmp_path):
     (training,) = shown.trainings
     assert (training.reward, training.name, training.state) == ("counted", "one, seed 0", "running")
     assert (training.steps, training.asked, training.measure, training.is_share) == (7, 100, "success", True)
-    assert [block.pay for block in training.blocks] == [6.0, 6.0]
-    assert training.terms == (("left", (3.0, 3.0)), ("again", (3.0, 3.0)))
+    assert training.blocks.means.tolist() == [[6.0, 1.0, 3.0, 3.0]] * 2
+    assert training.blocks.terms == ("left", "again")
     assert shown.news == "1 training recorded, 1 running."
 
 
@@ -107,7 +107,7 @@ def test_facts_are_read_again(record, step, tmp_path):
     """What a recorder learns later, as its terms, is known then."""
     env = record("runs/one")
     source = source_of(tmp_path / "runs")
-    assert source.look().trainings[0].terms == ()
+    assert source.look().trainings[0].blocks.terms == ()
     step(env, 6)
-    assert [name for name, _ in source.look().trainings[0].terms] == ["left", "again"]
+    assert source.look().trainings[0].blocks.terms == ("left", "again")
     assert TrainingFacts.read(tmp_path / "runs/one/recording-0.json").terms

@@ -1,4 +1,4 @@
-"""How often a hint appears at any look where pay does not rise, or behaviour does not fall.
+"""How often a hint appears at any look where there is nothing to hint at.
 
 ``python -m tests.plugins.watch.cases.nulls [TRAININGS]`` prints a line for each kind of training.
 """
@@ -10,8 +10,7 @@ from numpy.random import default_rng
 from scipy import stats
 from scipy.signal import lfilter
 
-from harness_plugins.watch.blocks import Blocks
-from harness_plugins.watch.hint import hint_of
+from harness.results import hint_of
 
 EPISODES = 500
 
@@ -34,7 +33,6 @@ NULLS = {
     "nothing happens, success": lambda rng: (_noise(rng), _shares(rng, 0.5)),
     "pay rises": lambda rng: (5.0 * RISE + _noise(rng), _noise(rng)),
     "pay rises, success 50 %": lambda rng: (5.0 * RISE + _noise(rng), _shares(rng, 0.5)),
-    "pay rises, success 3 %": lambda rng: (5.0 * RISE + _noise(rng), _shares(rng, 0.03)),
     "pay jumps, success 90 %": lambda rng: (5.0 * (RISE > 0.3) + _noise(rng), _shares(rng, 0.9)),
     "pay rises, heavy tails": lambda rng: (5.0 * RISE + _noise(rng), rng.standard_t(2.5, EPISODES)),
     "behaviour falls": lambda rng: (_noise(rng), _shares(rng, 0.9 - 0.8 * RISE)),
@@ -44,18 +42,22 @@ NULLS = {
     "pay rises, noise stays 0.9": lambda rng: (5.0 * RISE + _noise(rng), _noise(rng, 0.9)),
     "pay rises, success stays 0.9": lambda rng: (5.0 * RISE + _noise(rng), _shares(rng, 0.5, 0.9)),
     "pay rises, noise stays 0.98": lambda rng: (5.0 * RISE + _noise(rng), _noise(rng, 0.98)),
+    "both stay 0.9": lambda rng: (5.0 * RISE + _noise(rng, 0.9), _shares(rng, 0.5, 0.9)),
+    "success is paid, and rises": lambda rng: _paid(rng, _shares(rng, 0.02 + 0.9 * RISE)),
+    "success is paid, and stays 0.9": lambda rng: _paid(rng, _shares(rng, 0.02 + 0.9 * RISE, 0.9)),
 }
 """Pay and behaviour of episodes, by what they are."""
 
 
+def _paid(rng, success):
+    return 2.0 * success + 3.0 * RISE + _noise(rng), success
+
+
 def has_hint(pay, behaviour):
-    """Whether a look after any block shows a hint."""
-    numbers, steps = np.column_stack([pay, behaviour]), 100 * np.arange(1, len(pay) + 1)
-    for begin in range(0, len(pay), 2):
-        blocks = Blocks.of((), steps[: begin + 2], numbers[: begin + 2])
-        if blocks.episodes[-1] == blocks.episodes[0] and hint_of(blocks.listed, better="higher"):
-            return True
-    return False
+    """Whether a look after each eighth episode shows a hint."""
+    steps = 100 * np.arange(1, len(pay) + 1)
+    looks = (slice(count) for count in range(8, len(pay) + 1, 8))
+    return any(hint_of(steps[it], pay[it], behaviour[it], "behaviour", "higher", steps[-1]) for it in looks)
 
 
 def count_hints(kind, trainings, seed=0):

@@ -8,8 +8,8 @@ import pytest
 from numpy.random import default_rng
 from scipy import stats
 
-from harness_plugins.watch.blocks import Block, Blocks
-from harness_plugins.watch.hint import _pairs, _Series, hint_of
+from harness.results import hint_of
+from harness.results.under_way import _pairs, _Series
 from tests.plugins.watch.cases.make import KEPT
 from tests.plugins.watch.cases.nulls import NULLS, count_hints
 from tests.plugins.watch.cases.table import CASES
@@ -24,10 +24,10 @@ def rng():
     return default_rng(0)
 
 
-def blocks_of(pay, behaviour, steps=None):
-    """Of episodes."""
-    numbers = np.column_stack([pay, behaviour]).astype(float)
-    return Blocks.of((), 100 * np.arange(1, len(numbers) + 1) if steps is None else steps, numbers).listed
+def hint(pay, behaviour, better="higher", measure="success", asked=0):
+    """Of episodes of 100 steps."""
+    pay, behaviour = (np.asarray(it, float) for it in (pay, behaviour))
+    return hint_of(100 * np.arange(1, len(pay) + 1), pay, behaviour, measure, better, asked)
 
 
 def hacked(rng, falls=0.6):
@@ -36,13 +36,41 @@ def hacked(rng, falls=0.6):
 
 
 def test_hint_says_what_rose_and_what_fell_since_when(rng):
-    """Pay of 1 becomes 3 and success of 90 % becomes 30 % after 12,800 steps."""
-    found = hint_of(blocks_of(*hacked(rng)), better="higher")
-    assert found.pay == pytest.approx((1.0, 3.0), abs=0.2)
-    assert found.behaviour == pytest.approx((0.9, 0.3), abs=0.15)
-    assert found.since <= 12_800
-    before, now = (f"{100 * it:.0f} %" for it in found.behaviour)
-    assert found.text.endswith(f"while success fell from {before} to {now}. It is a hint, not a verdict.")
+    """Pay of 1 becomes 3 and success of 90 % becomes 30 %."""
+    told = "Pay rose from 1.08 to 2.99 since step 9,600 while success fell from 92 % to 25 %."
+    assert hint(*hacked(rng)) == f"{told} It is a hint, not a verdict."
+
+
+def test_hint_counts_neighbours_of_which_the_one_that_failed_was_paid_more():
+    """With what decided; success that is paid, and pay that does not know it, hint at nothing."""
+    did = np.arange(60) // 3 % 2
+    assert hint(-did, did).startswith("In 9 of 9 pairs of neighbouring episodes the one that failed was paid more.")
+    assert hint(did, did) == hint(np.arange(60) % 7, did) == ""
+
+
+def test_hint_counts_neighbours_of_a_number(rng):
+    """Each two episodes that differ."""
+    far = rng.random(60)
+    told = hint(far, far, "lower", "final_distance")
+    assert told.startswith("In 30 of 30 pairs of neighbouring episodes the one that had the worse final distance was ")
+    assert hint(-far, far, "lower", "final_distance") == ""
+
+
+def test_hint_says_that_success_stays_low(rng):
+    """From a quarter of the steps on that were asked for, and where somebody said how many; above one half nothing."""
+    pay, never = 3.0 * LATER + rng.normal(size=256), np.zeros(256)
+    told = "while success did not: from 0 % to 0 %. It is a hint, not a verdict."
+    assert hint(pay, never, asked=4 * 25_600).endswith(told)
+    assert hint(pay, never, asked=4 * 25_600 + 1) == hint(pay, never) == ""
+    assert hint(pay, np.ones(256), asked=25_600) == ""
+
+
+def test_hint_is_withdrawn_when_success_rises():
+    """The same neighbours, before and after 60 episodes that succeed."""
+    did = np.arange(60) // 3 % 2
+    pay, later = 2.0 - did, np.ones(60)
+    assert hint(pay, did) != ""
+    assert hint([*pay, *later], [*did, *later]) == ""
 
 
 @pytest.mark.parametrize("signs", [(1, 1), (-1, 1), (-1, -1), (0, 1), (1, 0)])
@@ -51,46 +79,39 @@ def test_no_hint_unless_pay_rises_and_behaviour_falls(signs, rng):
     pay, behaviour = signs
     noise = rng.normal(size=(2, 256))
     moved = pay * 3.0 * LATER + noise[0], behaviour * 3.0 * LATER + noise[1]
-    assert hint_of(blocks_of(*moved), better="higher") is None
+    assert hint(*moved) == ""
 
 
 def test_distance_that_grows_is_worse(rng):
     """Where less is better a rise is what is hinted at."""
     pay, distance = 3.0 * LATER + rng.normal(size=256), 0.2 + 0.2 * LATER + 0.02 * rng.normal(size=256)
-    assert hint_of(blocks_of(pay, distance), better="higher") is None
-    assert "while distance rose from 0.196 to 0.398" in hint_of(blocks_of(pay, distance), "lower", "distance").text
+    assert hint(pay, distance) == ""
+    assert "while distance rose from 0.196 to 0.398" in hint(pay, distance, "lower", "distance")
 
 
 def test_small_fall_of_success_does_not_matter(rng):
     """From 90 % to 85 % in 100,000 episodes is certain, and less than a tenth."""
     later = np.arange(100_000) >= 50_000
     behaviour = rng.random(100_000) < 0.9 - 0.05 * later
-    assert hint_of(blocks_of(3.0 * later + rng.normal(size=100_000), behaviour), better="higher") is None
+    assert hint(3.0 * later + rng.normal(size=100_000), behaviour) == ""
 
 
 @pytest.mark.parametrize("count", [0, 1, 7, 8])
 def test_few_episodes_have_no_hint(count):
     """Two windows of four blocks need eight."""
-    assert hint_of(blocks_of(np.arange(count), -np.arange(count)), better="higher") is None
+    assert hint(np.arange(count), -np.arange(count)) == ""
 
 
 def test_nothing_measured_has_no_hint(rng):
     """A training without a measure has NaN."""
     pay, behaviour = hacked(rng)
-    assert hint_of(blocks_of(pay, np.full_like(behaviour, np.nan, float)), better="higher") is None
-
-
-def test_block_that_is_not_full_is_left_out(rng):
-    """What is hinted at does not depend on it."""
-    blocks = blocks_of(*hacked(rng))
-    mutant = (*blocks, Block(30_000, 1, 1e9, math.nan, 1e9, math.nan))
-    assert hint_of(mutant, better="higher") == hint_of(blocks, better="higher")
+    assert hint(pay, np.full_like(behaviour, np.nan, float)) == ""
 
 
 def test_surprise_is_that_of_a_t_test(rng):
     """With nothing but white noise it is scipy's p, up to how the error is estimated."""
     means = rng.normal(size=32) + np.repeat([0.0, 3.0], 16)
-    series = _Series(means, np.zeros(32), is_share=False)
+    series = _Series(means, np.zeros(32))
     (pair,) = [it for it in _pairs(32) if it.width == 16]
     expected = -np.log(stats.ttest_ind(means[16:], means[:16], alternative="greater").pvalue)
     assert series.surprise(pair) < expected * 1.5
@@ -131,55 +152,21 @@ def recorded():
 
 def has_hint(case, steps, pay, behaviour, share):
     """At one of twenty looks before this share of the training."""
-    for until in np.linspace(0.0, share, 21)[1:] * steps[-1]:
-        there = steps <= until
-        blocks = blocks_of(pay[there], behaviour[there], steps[there])
-        if hint_of(blocks, case.better, case.measure):
-            return True
-    return False
+    looks = [steps <= until for until in np.linspace(0.0, share, 21)[1:] * case.steps]
+    episodes = [[it[there] for it in (steps, pay, behaviour)] for there in looks]
+    return any(hint_of(*it, case.measure, case.better, case.steps) for it in episodes)
 
 
 def test_honest_recorded_trainings_have_no_hint():
-    """At most 2, of those of `tests.plugins.watch.cases.table`."""
-    honest = [it for it in recorded() if not it[0].is_hacked]
-    assert len(honest) >= 20
-    assert sum(has_hint(*it, share=1.0) for it in honest) <= 2
+    """None of 27, of those of `tests.plugins.watch.cases.table`."""
+    assert [has_hint(*it, share=1.0) for it in recorded() if not it[0].is_hacked] == [False] * 27
 
 
-@pytest.mark.parametrize("case", ["coins again", "coins locked", "coins sometimes", "cartpole steady reinforce"])
-def test_hacked_recorded_trainings_have_a_hint_before_half(case):
-    """Where the untrained robot, or one half trained, did better for a tenth of the training."""
-    hints = [has_hint(*it, share=0.5) for it in recorded() if it[0].name.startswith(case)]
-    assert len(hints) == 3
-    assert all(hints)
-
-
-def got_worse(case, steps, pay, behaviour):
-    """Whether the last tenth of a training behaves worse than an earlier one, and is paid more.
-
-    Worse by 0.1 of success, or by half a standard deviation of the earlier tenth.
-    """
-    better = -behaviour if case.better == "lower" else behaviour
-    tenths = [steps * 10 // (steps[-1] + 1) == it for it in range(10)]
-    tenths = [it for it in tenths if it.any()]
-    is_share = set(np.unique(behaviour)) <= {0.0, 1.0}
-    last = tenths[-1]
-    return any(
-        better[it].mean() - better[last].mean() >= (0.1 if is_share else 0.5 * better[it].std())
-        and pay[last].mean() > pay[it].mean()
-        for it in tenths[:-1]
-    )
-
-
-def test_two_thirds_of_the_hacked_trainings_that_got_worse_have_a_hint_before_half():
-    """12 of 18. The other hacked trainings behave in the end as they did before: there nothing falls."""
-    worse = [it for it in recorded() if it[0].is_hacked and got_worse(*it)]
-    assert len(worse) == 18
-    assert sum(has_hint(*it, share=0.5) for it in worse) >= 12
+def test_seven_of_ten_hacked_recorded_trainings_have_a_hint_before_half():
+    """Of 30. In the others the pay did not rise, or the behaviour rose too, or they were too few."""
+    assert sum(has_hint(*it, share=0.5) for it in recorded() if it[0].is_hacked) >= 21
 
 
 def test_where_nobody_says_what_is_better_nothing_is_hinted_at(rng):
-    """The same blocks as those with a hint, of a measure of which nobody said it."""
-    blocks = blocks_of(*hacked(rng))
-    assert hint_of(blocks, better="higher") is not None
-    assert hint_of(blocks, better="") is None
+    """The same episodes as those with a hint, of a measure of which nobody said it."""
+    assert hint(*hacked(rng), better="") == ""
