@@ -232,8 +232,11 @@ def _is_worse(failure: Behaviour, success: Behaviour, lead: float, directions: M
         return False
     if failure.steps != success.steps or lead > SLIGHT:
         return True
-    pairs = [(failure.measures[name], success.measures[name]) for name in directions if name in failure.measures]
-    pairs = [of for of in pairs if not {*of} <= {0.0, 1.0}]
+    pairs = [
+        of
+        for name in directions
+        if name in failure.measures and not {*(of := (failure.measures[name], success.measures[name]))} <= {0.0, 1.0}
+    ]
     return not pairs or any(abs(one - other) > NEAR * max(abs(one), abs(other)) for one, other in pairs)
 
 
@@ -297,8 +300,7 @@ def _lines(
         if alarms:
             lines.append(f"On {alarms} of {count} starts it pays for failing or loitering all the same.")
     back = [plain for (plain, _), case in zip(both, decided, strict=True) if plain.is_alarm and case.word == NOTHING]
-    if back:
-        first = back[0]
+    for first in back[:1]:
         one, other = (number(getattr(first.three, role).paid) for role in (first.tempting, first.against))
         lines.append(
             f"Without discount the {NAMES[first.tempting]} earns {one} and the {NAMES[first.against]} {other}, on "
