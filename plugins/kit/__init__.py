@@ -26,6 +26,12 @@ if TYPE_CHECKING:
     from .metrics import METRIC_CHECKS as METRIC_CHECKS, check_metric as check_metric
     from .rewards import REWARD_CHECKS as REWARD_CHECKS, check_reward as check_reward
     from .robots import ROBOT_CHECKS as ROBOT_CHECKS, check_robot as check_robot
+    from .runs import (
+        EXECUTOR_CHECKS as EXECUTOR_CHECKS,
+        TRACKER_CHECKS as TRACKER_CHECKS,
+        check_executor as check_executor,
+        check_tracker as check_tracker,
+    )
     from .simulators.checks import SIMULATOR_CHECKS as SIMULATOR_CHECKS, check_simulator as check_simulator
     from .tasks import TASK_CHECKS as TASK_CHECKS, check_task as check_task
 else:

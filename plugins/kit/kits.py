@@ -23,6 +23,7 @@ from .metrics import ALL_ENDS, METRIC_CHECKS, recorded_trace
 from .reward_samples import pay, samples_for
 from .rewards import REWARD_CHECKS, REWARD_WARNINGS
 from .robots import ROBOT_CHECKS, ROBOT_WARNINGS, SIMULATED_ROBOT_CHECKS
+from .runs import EXECUTOR_CHECKS, TRACKER_CHECKS
 from .simulators.calls import a_long_simulation_neither_drifts_nor_leaks
 from .simulators.checks import SIMULATOR_CHECKS, SIMULATOR_WARNINGS
 from .simulators.simulations import PERIOD, opened, ramps, start_at_home
@@ -161,6 +162,8 @@ KITS: Mapping[str, Kit] = MappingProxyType(
         "robots": Kit((*ROBOT_CHECKS, *SIMULATED_ROBOT_CHECKS), ROBOT_WARNINGS, seconds=120.0),
         "environments": Kit(ENVIRONMENT_CHECKS),
         "logs": Kit(LOG_CHECKS),
+        "executors": Kit(EXECUTOR_CHECKS),
+        "trackers": Kit(TRACKER_CHECKS),
     }
 )
 """By kind, as `harness.hookspecs.KINDS` has them; the other kinds have none."""

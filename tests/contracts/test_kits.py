@@ -33,7 +33,7 @@ def test_a_check_has_a_name_and_a_fact():
 
 def test_kinds_that_people_write_have_a_kit():
     """A command does whatever it likes; the others are filled by what is built in."""
-    assert set(KINDS) - set(KITS) == {"commands", "descriptions", "executors", "screens", "sections", "trackers"}
+    assert set(KINDS) - set(KITS) == {"commands", "descriptions", "screens", "sections"}
 
 
 def test_levels_are_those_of_their_place():

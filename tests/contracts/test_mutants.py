@@ -7,17 +7,19 @@ import pytest
 from harness_plugins.kit import violations
 from harness_plugins.kit.kits import KITS
 
-from .mutants import algorithms, environments, logs, metrics, rewards, robots, simulators, tasks
+from .mutants import algorithms, environments, executors, logs, metrics, rewards, robots, simulators, tasks, trackers
 
 MODULES = {
     "algorithms": algorithms,
     "environments": environments,
+    "executors": executors,
     "logs": logs,
     "metrics": metrics,
     "rewards": rewards,
     "robots": robots,
     "simulators": simulators,
     "tasks": tasks,
+    "trackers": trackers,
 }
 BESIDE = {"simulators": (simulators.ROBOT,), "tasks": (tasks.ROBOT,)}
 """What the checks of a kind take beside the plugin."""
@@ -45,7 +47,7 @@ def sentences(kind, checks, plugin, folder):
     found = list[str]()
     for check in checks:
         (own := folder / check.name).mkdir()
-        beside = (own,) if kind == "logs" else BESIDE.get(kind, ())
+        beside = (own,) if kind in {"logs", "executors", "trackers"} else BESIDE.get(kind, ())
         found += [violation.sentence for violation in violations([check], plugin, *beside)]
     return found
 

@@ -32,6 +32,8 @@ from .finding import LOADS, TARGET, Asked, Finding, Outline, PlannedCheck
 DEFAULT_ROBOT = "fd100"
 WITH_ROBOT = ("simulators", "tasks")
 """The kinds that are checked with a robot."""
+WITH_FOLDER = ("logs", "executors", "trackers")
+"""The kinds whose checks write into an empty folder."""
 NO_KIT = "there is no contract kit for this kind of plugin: test what it does in its own package"
 
 Tell: TypeAlias = Callable[[str], None]
@@ -124,9 +126,8 @@ def run_check(subject: Subject, name: str) -> Finding:
         return Finding(name, "error", f"the plugin could be built before, and now it cannot: {'; '.join(told)}")
     begun = time.perf_counter()
     try:
-        # A log format writes its example into an empty folder.
         with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
-            place = (Path(folder),) if subject.outline.kind == "logs" else ()
+            place = (Path(folder),) if subject.outline.kind in WITH_FOLDER else ()
             failed = next(violations([check], *subject.arguments, *place), None)
         cause = failed and failed.__cause__
     except BaseException as error:  # as KeyboardInterrupt, which nobody but the plugin raises here
