@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import wrapt
 
-from harness.face import face_of
+from harness.face import face_of, know_earlier_modules
 from harness.hookspecs import Register as Register, hookimpl as hookimpl
 
 if TYPE_CHECKING:
@@ -31,4 +31,5 @@ def _register_envs(gymnasium: Any) -> None:
     gymnasium.register("harness/ReachGoal-v0", entry_point="harness.env.goal_env:ReachGoalEnv")
 
 
+know_earlier_modules()
 wrapt.when_imported("gymnasium")(_register_envs)

@@ -1,13 +1,15 @@
 """The interface that an environment fills: any Gymnasium environment, with names for its rewards and its behaviour."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Protocol, TypeAlias
+from functools import partial
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 import gymnasium
 
 from harness.arrays import Float
 from harness.errors import UsageError
 from harness.eta.interval import Bounds
+from harness.face import lookup
 from harness.reward.given import Given
 
 AnyEnv: TypeAlias = gymnasium.Env[Any, Any]
@@ -129,3 +131,7 @@ def rewards_of(environment: Environment, env: AnyEnv) -> dict[str, Given]:
     if not rewards:
         raise UsageError("the environment names no reward: it has to name one at least")
     return rewards
+
+
+if not TYPE_CHECKING:
+    __getattr__ = partial(lookup, __name__)

@@ -1,10 +1,70 @@
-"""The face of a room or a module: names that others ask for, each looked up in its own module when it is first used."""
+"""The face of a room or a module: names that others ask for, each looked up in its own module when it is first used.
+
+Names of earlier releases are known here too: one that moved works for two releases and warns, one that left says what
+to write.
+"""
 
 import ast
 import importlib
+import sys
+import warnings
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
+from types import ModuleType
 from typing import Any
+
+MOVED = {
+    "harness.environment.Measure": "harness.reward.Given",
+    "harness.metric.Metric": "harness.measure.Measure",
+    "harness.robot.inverse_kinematics.reach_position": "harness.robot.reach_position",
+}
+"""By name, where it is now. They leave with 0.6."""
+_KIT = "the checks of plugins are in harness_plugins.kit, as in `from harness_plugins.kit import check_metric`"
+LEFT = {
+    "harness.audit_dataset": "type `harness audit FILE`",
+    "harness.audit_rewards": "type `harness audit --reward NAME`",
+    "harness.record.trace.Trace": "write `from harness.log import Log`; log['distance'] is a column, and "
+    "`harness.record.trace_of(columns)` makes a log for a test",
+    "harness.score.open_recording": "type `harness score FILE`",
+    "harness.testing": _KIT,
+    "harness_plugins.kit.check_export": "type `harness export FOLDER --format NAME` and load what it wrote",
+    "harness_plugins.sb3.bare_training": "time two libraries with pytest-benchmark, in a test of yours",
+    "harness.transfer": "type `harness transfer`",
+    "harness.tune": "search with a library of your choice around `harness.run`",
+}
+"""By name, what to write or to type in its place."""
+GONE = (
+    *("harness.metric", "harness.robot.inverse_kinematics", "harness.score.open_recording", "harness.testing"),
+    *("harness.transfer", "harness.transfer.jobs", "harness.tune", "harness.tune.tune"),
+)
+"""Modules that are no more."""
+
+
+def lookup(module: str, name: str) -> Any:
+    """What an earlier release had under a name that a module has no more.
+
+    Raises:
+        ImportError: It left; says what to write in its place.
+        AttributeError: There never was such a name.
+    """
+    full = f"{module}.{name}"
+    for left in (full, module, module.rpartition(".")[0]):
+        if left in LEFT and not name.startswith("__"):
+            raise ImportError(f"{left} is no longer in fd100-harness: {LEFT[left]}. docs/plugins.md tells what stands")
+    if full not in MOVED:
+        raise AttributeError(f"module '{module}' has no attribute '{name}'")
+    home, _, new = MOVED[full].rpartition(".")
+    told = f"{full} works until fd100-harness 0.6: write `from {home} import {new}`"
+    warnings.warn(told, DeprecationWarning, stacklevel=3)
+    return getattr(importlib.import_module(home), new)
+
+
+def know_earlier_modules() -> None:
+    """Have Python know the modules that are no more, whose names are looked up when they are used."""
+    for name in GONE:
+        module = sys.modules[name] = ModuleType(name)
+        vars(module)["__getattr__"] = partial(lookup, name)
 
 
 def face_of(module: str, path: str) -> tuple[list[str], Callable[[str], Any]]:
@@ -24,7 +84,7 @@ def face_of(module: str, path: str) -> tuple[list[str], Callable[[str], Any]]:
 
     def look_up(name: str) -> Any:
         if name not in homes:
-            raise AttributeError(f"module '{module}' has no attribute '{name}'")
+            return lookup(module, name)
         return getattr(importlib.import_module(homes[name], module), name)
 
     return sorted(homes), look_up

@@ -21,6 +21,7 @@ ALLOWED = {
     ("harness/experiment/workers/worker.py", "sys.stderr"): "flushes it, which is the worker's log",
     ("harness/experiment/workers/worker.py", "faulthandler"): "writes a stack of Python into the worker's log",
     ("harness/experiment/trials/tried_plan.py", "faulthandler"): "writes a stack of Python into the worker's log",
+    ("harness/face.py", "warnings.warn"): "a sentence of ours with names of ours",
     ("harness/recorder/watched.py", "sys.stdout"): "asks whether it is a terminal, where a browser may be opened",
     ("plugins/kit/unity_player/__main__.py", "sys.stdout"): "a program of its own, whose output is a log",
     ("plugins/kit/unity_player/__main__.py", "sys.stderr"): "a program of its own, whose output is a log",

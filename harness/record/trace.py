@@ -43,7 +43,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, NamedTuple, Protocol, Self
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, Self
 
 import numpy as np
 import pyarrow as pa
@@ -52,7 +52,8 @@ from numpy.typing import NDArray
 from pydantic import ConfigDict, with_config
 
 from harness.arrays import Float
-from harness.errors import SchemaError, SimulationDiverged
+from harness.errors import SchemaError, SimulationDiverged, UsageError
+from harness.face import lookup
 from harness.files.bounded import reading
 from harness.files.parquet import MOST_NUMBERS, open_parquet, require_room
 from harness.files.plain import Plain
@@ -163,6 +164,15 @@ class TraceFacts(LogFacts):
 
     episodes: EpisodeFacts = NOTHING_KNOWN
 
+    def __getattr__(self, name: str) -> Any:
+        """Nothing: 0.2 had the facts of the episodes here.
+
+        Raises:
+            AttributeError: Says where they are now.
+        """
+        where = f"write log.facts.episodes.{name}" if name in vars(NOTHING_KNOWN) else "docs/plugins.md tells what is"
+        raise AttributeError(f"the facts of a log have no '{name}': {where}")
+
 
 def episode_facts(log: Log) -> EpisodeFacts:
     """What is known of the episodes of a log; nothing, of one that is no trace."""
@@ -263,8 +273,25 @@ def trace_of(columns: Columns, facts: EpisodeFacts = NOTHING_KNOWN) -> Log:
     return _with_nothing_touched(trace, len(trace))
 
 
+class Names(tuple[str, ...]):
+    """Names of the columns of a trace, of which those who wrote for 0.2 expect the columns themselves."""
+
+    __slots__ = ()
+
+    def __getitem__(self, key: Any) -> Any:
+        """The name at a place, or those of a slice.
+
+        Raises:
+            UsageError: `key` is a name; says what to write.
+        """
+        if isinstance(key, str):
+            raise UsageError(f"log.columns has the names of the columns: write log['{key}'] for the column itself")
+        return super().__getitem__(key)
+
+
 def _with_nothing_touched(trace: Log, rows: int) -> Log:
     """The same trace; no step of one that does not say so touched an obstacle."""
+    trace = replace(trace, columns=Names(trace.columns))
     return trace if OBSTACLE in trace else trace.add({OBSTACLE: np.broadcast_to(np.False_, rows)})
 
 
@@ -377,3 +404,7 @@ def _require_columns(schema: pa.Schema, needed: Sequence[str], path: Path) -> No
 def _require_moderate(least: float, most: float, noun: str) -> None:
     if not (least >= -LARGEST_PAID and most <= LARGEST_PAID):  # a comparison with what is no number is false
         raise SchemaError(f"{noun} holds a value that is not a finite number, or one beyond {LARGEST_PAID:g}")
+
+
+if not TYPE_CHECKING:
+    __getattr__ = partial(lookup, __name__)

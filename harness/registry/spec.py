@@ -252,7 +252,10 @@ def fault_of(module: ModuleType) -> str:
     """Why the hooks of a module cannot be called, with what was meant; empty if they can."""
     wanted = getattr(module, "harness_api", API_VERSION)
     if wanted != API_VERSION:
-        return f"written for harness_api {wanted}, this is {API_VERSION}"
+        return (
+            f"written for harness_api {wanted}, this is {API_VERSION}: run its tests with `harness check`, change what "
+            f"docs/plugins.md lists, and write harness_api = {API_VERSION}"
+        )
     faults = [fault for hook in hooks_of(module) for fault in _faults_of(hook)]
     faults += [f"{name} is not marked: write @harness.hookimpl above it" for name in _unmarked(module)]
     if faults:

@@ -166,7 +166,8 @@ def loaded_by(*arguments):
     code = (
         "import sys; from harness.cli import main\n"
         "try: main(sys.argv[1:])\n"
-        "except SystemExit: print(*(it for it in sys.modules if it.split('.')[0] == 'harness'), file=sys.stderr)"
+        "except SystemExit: print(*(name for name, it in sys.modules.items() "
+        "if name.split('.')[0] == 'harness' and it.__spec__), file=sys.stderr)"
     )
     told = subprocess.run([sys.executable, "-c", code, *arguments], capture_output=True, text=True, check=True)
     return set(told.stderr.split())

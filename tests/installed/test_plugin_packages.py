@@ -8,6 +8,7 @@ import subprocess
 import sys
 import sysconfig
 import tomllib
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -18,6 +19,8 @@ from tests.installed.conftest import make_environment
 EXAMPLES = {
     path.parent.name: path.parent for path in sorted(Path(__file__).parents[2].glob("examples/*/pyproject.toml"))
 }
+EARLIER = zipfile.ZipFile(Path(__file__).parents[1] / "compatibility" / "packages_0_3.zip")
+"""What `harness new-plugin` of 0.3.0 wrote of every kind, and the packages of its examples."""
 NO_TESTS = 5
 """Exit status of pytest where all tests are skipped before they are collected."""
 
@@ -86,6 +89,17 @@ def test_example_passes_its_tests(python, tmp_path, name):
     if tested.returncode == NO_TESTS and "is not installed: pip install" in tested.stdout:
         pytest.skip(next(line for line in tested.stdout.splitlines() if "is not installed" in line))
     assert tested.returncode == 0, tested.stdout
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", sorted({path.partition("/")[0] for path in EARLIER.namelist()}))
+def test_earlier_package_passes_its_tests(python, tmp_path, name):
+    """As its author wrote it for 0.3."""
+    EARLIER.extractall(tmp_path, [path for path in EARLIER.namelist() if path.startswith(f"{name}/")])
+    install(python, tmp_path / name, "--no-deps", cwd=tmp_path)
+    tested = run(python, "-m", "pytest", "-p", "no:cacheprovider", "-rs", name, cwd=tmp_path)
+    skipped = tested.returncode == NO_TESTS and "is not installed: pip install" in tested.stdout
+    assert tested.returncode == 0 or skipped, tested.stdout
 
 
 @pytest.mark.parametrize("name", EXAMPLES)

@@ -116,7 +116,10 @@ INCOMPATIBLE = {
     ),
     "newer interfaces": ("harness_api = 3\n" + _reward(), "written for harness_api 3, this is 2"),
     "interfaces that never were": ("harness_api = [1]\n" + _reward(), "written for harness_api [1], this is 2"),
-    "earlier interfaces": ("harness_api = 1\n" + _reward(), "written for harness_api 1, this is 2"),
+    "earlier interfaces": (
+        "harness_api = 1\n" + _reward(),
+        "written for harness_api 1, this is 2: run its tests",
+    ),
     "no hook": ("import harness\n", "implements no hook: mark its functions with"),
     "strange hook": (
         _plugin_with("pass", "paint(register)"),

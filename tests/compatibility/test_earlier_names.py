@@ -1,0 +1,44 @@
+"""What a plugin of an earlier release is answered: it works with a warning, or hears what to write."""
+
+import importlib
+
+import numpy as np
+import pytest
+
+from harness.errors import UsageError
+from harness.face import LEFT, MOVED
+from harness.record import trace_of
+
+
+@pytest.mark.parametrize(("old", "new"), MOVED.items())
+def test_moved_name_is_the_new_one_with_a_warning(old, new):
+    """Of 0.3 and before: it works, and says until when."""
+    (before, name), (home, after) = (it.rsplit(".", 1) for it in (old, new))
+    with pytest.warns(DeprecationWarning, match=rf"works until .* 0\.6: write `from {home} import {after}`"):
+        found = getattr(importlib.import_module(before), name)
+    assert found is getattr(importlib.import_module(home), after)
+
+
+@pytest.mark.parametrize("name", LEFT)
+def test_name_that_left_says_what_to_write(name):
+    """Imported as a module, or from the module that had it."""
+    home, _, last = name.rpartition(".")
+    with pytest.raises(ImportError, match="is no longer in fd100-harness: ") as caught:
+        exec(f"from {home} import {last}")
+    assert LEFT[name] in str(caught.value)
+
+
+def test_columns_of_a_trace_are_names_now():
+    """A metric of 0.1 or 0.2 read `trace.columns["distance"]`, and `trace.facts.horizon`."""
+    log = trace_of({name: np.zeros(2, int) for name in ("env", "episode", "distance", "reward")})
+    with pytest.raises(UsageError, match=r"write log\['distance'\] for the column"):
+        log.columns["distance"]
+    assert log.columns[0] == "env"
+    with pytest.raises(AttributeError, match=r"write log\.facts\.episodes\.horizon"):
+        _ = log.facts.horizon
+
+
+def test_unknown_module_is_unknown():
+    """Python's own sentence, of what never was."""
+    with pytest.raises(ModuleNotFoundError, match=r"No module named 'harness\.no_such'"):
+        importlib.import_module("harness.no_such")
