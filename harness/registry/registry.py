@@ -107,10 +107,11 @@ def _load_given(given: Given, manager: pluggy.PluginManager, registry: Registry)
 
 def _load_file(file: PluginFile, manager: pluggy.PluginManager, registry: Registry) -> None:
     # here, since it takes what pays and measures steps, which no command needs that is given no file
-    from harness.registry.step_functions import functions_of_file, own_functions
+    from harness.registry.step_functions import for_environments, functions_of_file, own_functions
 
     module = import_file(file)
-    functions = [] if hooks_of(module) else functions_of_file(file, module)
+    taken = {name for kind, name in registry.specs if kind == "rewards"}
+    functions = [] if hooks_of(module) else for_environments(functions_of_file(file, module), taken)
     for function in functions:
         _require_free_function(function, registry)
     specs = [it.spec for it in functions if it.spec] if functions else _specs_of_file(file, module, manager)

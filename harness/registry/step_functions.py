@@ -5,13 +5,13 @@ environment; measures that are plain functions of ``episode``, for an arm; and f
 `ARGUMENTS`, `functools.partial` ones of either, and objects that can be called so. A reward with a memory is a class
 with ``reset()`` whose objects can be called so; each env gets an object of its own. Other classes, such as settings,
 and other functions are the file's own, see `own_functions`. If a file has one reward, the reward has the name of the
-file. If it has several, each has its own name.
+file. If it has several, each has its own name, a class in lower case.
 """
 
 import functools
 import inspect
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import dataclass, replace
 from types import ModuleType
 from typing import Any
 
@@ -30,8 +30,10 @@ from harness.registry.measure_functions import (
 from harness.registry.members import MEMBERS, missing_members
 from harness.registry.plugin_module import import_file, public_classes
 from harness.registry.spec import Spec
-from harness.reward.forms import STEP, takes_alone, takes_step
+from harness.reward.forms import STEP, reward_class, takes_alone, takes_step
 from harness.reward.given import ARGUMENTS, takes_arguments
+from harness.reward.steps import BEFORE, ENVIRONMENT, MissingField
+from harness.reward.terms import needs_of
 
 PLUGIN_METHODS = frozenset(
     name for of in MEMBERS.values() for name, count in of.items() if count is not None and name != "__call__"
@@ -117,7 +119,9 @@ def functions_of_file(file: PluginFile, module: ModuleType) -> list[StepFunction
         for name, it in vars(module).items()
         if name in functions or name in objects or any(it is one for one in classes)
     ]
-    names = [file.stem.lower()] if len(attributes) == 1 and not file.measures else attributes
+    lower = {it: it.lower() for it in attributes if vars(module)[it] in classes and it.lower() not in attributes}
+    names = [lower.get(it, it) for it in attributes]
+    names = [file.stem.lower()] if len(names) == 1 and not file.measures else names
     said = _said(file, module, attributes)
     return [
         StepFunction(
@@ -133,6 +137,23 @@ def functions_of_file(file: PluginFile, module: ModuleType) -> list[StepFunction
         for name, it in zip(names, attributes, strict=True)
         if name not in file.left_out
     ]
+
+
+def for_environments(functions: Iterable[StepFunction], taken: Collection[str]) -> list[StepFunction]:
+    """The same; a reward of a name that is taken by an arm's is one of environments alone, where it reads theirs."""
+    both = [it for it in functions if it.is_of_steps and it.noun == "reward" and it.name in taken]
+    return [replace(it, is_of_steps=False) if it in both and _reads_environment(it) else it for it in functions]
+
+
+def _reads_environment(function: StepFunction) -> bool:
+    """Whether a reward reads what a step of an arm lacks, and one of an environment has."""
+    try:
+        needs_of(reward_class(function.make())())
+    except MissingField as missing:
+        return missing.field.removeprefix(f"{BEFORE}.") in {it.name for it in ENVIRONMENT}
+    except UsageError:  # it fails otherwise, which a run by it says
+        return False
+    return False
 
 
 def own_functions(file: PluginFile, module: ModuleType) -> tuple[str, ...]:

@@ -82,7 +82,8 @@ def _matrix(
             if not all(np.isfinite(run).all() for run in runs):
                 reasons = [f"reward {label} is not finite on the runs of another reward"]
             if reasons:
-                failed.setdefault(label, reasons[0])
+                is_own = training.partition(":")[0] == label.partition(":")[0]  # its own terms say most
+                failed[label] = reasons[0] if is_own else failed.get(label, reasons[0])
             else:
                 row[training] = curve_of(runs).index
     seeds = {label: tuple(sorted(cell.seed for cell in cells)) for label, cells in trainings.items()}

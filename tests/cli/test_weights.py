@@ -77,3 +77,11 @@ def test_the_report_says_what_the_terms_paid(harness, runs):
     assert "What each term paid: gentle:effort=5" in answer.out
     assert "`dock` never paid in 12 steps." in answer.out
     assert "With baseline n/a: No reward 'gentle' is installed" in " ".join(answer.out.split())
+
+
+def test_weight_0_is_the_reason_of_a_run_by_it(harness, trained, quick, tmp_path):
+    """Though trainings by other rewards, which stand first, have another reason."""
+    (tmp_path / "gentle.py").write_text(SOURCE)
+    trained("run --reward gentle:effort=0 --plugin gentle.py --seeds 1 --out mine", *quick)
+    (line,) = harness("score mine --reward gentle").err.splitlines()
+    assert "The term 'effort' was recorded with the weight 0, which cannot be undone" in line

@@ -84,6 +84,26 @@ def test_any_file_may_be_one_of_measures(lay):
     assert read_given([], [path])[0].need["measures"] is True
 
 
+def test_a_class_is_called_in_lower_case(lay):
+    """As classes are named."""
+    registry = _registry(lay("both.py", ONE + MEMORY.replace("class effort", "class Effort")))
+    assert [it.name for it in registry.functions] == ["pays", "effort"]
+
+
+@pytest.mark.parametrize("pays", ["-step.observation[0]", "-step.before.info['x']", "step.terminated"])
+def test_reward_of_an_environment_may_have_the_name_of_an_arms(lay, pays):
+    """The arm's own stays."""
+    registry = load_registry(given=read_given([lay("dense.py", f"def dense(step):\n    return {pays}")]))
+    assert [*registry.functions_of("reward")] == ["dense"]
+    assert registry.get("rewards", "dense").target == "harness_plugins.rewards.dense:Dense"
+
+
+def test_reward_of_an_arm_may_not(lay):
+    """Nobody could tell which of them paid."""
+    with pytest.raises(UsageError, match="the name of reward 'dense' is taken by package fd100-harness"):
+        load_registry(given=read_given([lay("dense.py", "def dense(step):\n    return -step.distance")]))
+
+
 def test_a_measure_may_be_called_as_a_reward(lay):
     """They are different things."""
     registry = _registry(lay("pays.py", ONE), lay("behaviour.py", ONE))
@@ -93,6 +113,7 @@ def test_a_measure_may_be_called_as_a_reward(lay):
 BAD = {
     "other arguments": ("def pay(state):\n    return 1", "it has pay(state), and a reward or a measure takes (step)"),
     "a capital": (ONE.replace("def pays", "def Pays") + MEMORY, "the name 'Pays' must be lower-case letters"),
+    "a class beside a function": (MEMORY + MEMORY.replace("effort", "Effort"), "the name 'Effort' must be lower-case"),
     "lower of nothing": ("lower_is_better = ['x']\n" + ONE, "lower_is_better names 'x', which is none of pays"),
     "lower of a reward": (
         "lower_is_better = ['pays']\n" + ONE,

@@ -337,7 +337,8 @@ def unended_text(facts: TrainingFacts, steps: float) -> str:
     """What to do where no episode of a training ended, in each of whose envs so many steps were taken."""
     limit = facts.spec.get("max_episode_steps")
     if isinstance(limit, int) and steps < limit:
-        return f"train longer: an episode takes up to {limit:,} steps, and each env took {steps:,.0f}"
+        longer = f"train for {limit * facts.num_envs:,} steps or more: an episode takes up to {limit:,}"
+        return f"{longer}, and each of {count_text(facts.num_envs, 'env')} took {steps:,.0f}"
     return "give the environment a time limit"
 
 

@@ -74,7 +74,7 @@ def test_evaluations_that_are_not_there_for_all_do_not_decide(study_folder):
         ),
         (
             ("short", "plain", 2, {"ends": False, "spec": {"id": "Bandit-v0", "max_episode_steps": 500}}),
-            "train longer: an episode takes up to 500 steps, and each env took 100",
+            "train for 500 steps or more: an episode takes up to 500, and each of 1 env took 100",
         ),
         (
             ("other", "plain", 5, {"spec": {"id": "Bandit-v0", "kwargs": {"reward": "plain"}}}),
