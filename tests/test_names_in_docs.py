@@ -12,6 +12,8 @@ from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
+from harness.face import GONE, LEFT, MOVED
+
 ROOT = Path(__file__).parent.parent
 HOMES = {"harness": ROOT / "harness", "harness_plugins": ROOT / "plugins", "harness_robots": ROOT / "robots"}
 PAGES = [
@@ -36,6 +38,8 @@ FILES_OF_READERS = {"behaviour.py"}
 """Files of the reader's own whose name means something to the harness."""
 ENTRY_POINTS = {"harness.pytest_plugin"}
 """Names of entry points, which people type after ``-p`` of pytest, and which are no modules."""
+EARLIER = {*MOVED, *LEFT, *GONE}
+"""Names of earlier releases, which the code answers."""
 FILE_ENDINGS = {"md", "toml", "json", "html"}
 """What makes ``harness.toml`` a file."""
 
@@ -85,7 +89,7 @@ def _names_in_examples(text):
 def _leads_somewhere(name):
     """Whether a dotted name goes from a package of ours to something that exists."""
     parts = name.split(".")
-    if name in ENTRY_POINTS:
+    if name in ENTRY_POINTS | EARLIER:
         return True
     for count in range(len(parts), 0, -1):
         module = ".".join(parts[:count])
