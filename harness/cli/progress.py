@@ -148,11 +148,6 @@ UNENDED_AFTER = 10_000
 """Environment steps without the end of an episode after which that is said; or all steps of a shorter training."""
 
 
-def learned_texts(success: float | None, mean: float | None) -> list[str]:
-    """The share of episodes that reached the target and what they were paid, as far as they are known."""
-    return [text for text in (success_text(success), return_text(mean)) if text]
-
-
 def success_text(success: float | None) -> str:
     """The share of successes as text, ``success 64 %``; empty before an episode has ended."""
     return "" if success is None else f"success {100 * success:.0f} %"
@@ -297,8 +292,10 @@ class LiveProgress:
         self._pace.end(cell, failed=bool(event.reason))
         seconds = max(self._now() - self._started.pop(cell.id), 1e-3)
         scalars = self._scalars.pop(cell.id)
-        learned = learned_texts(scalars.get(SUCCESS), scalars.get(RETURN) if self._has_one_reward else None)
-        done = ", ".join([f"{seconds:.0f} s", f"{cell.steps / seconds:.0f} steps/s", *learned])
+        # Pay of several rewards has no common unit.
+        mean = return_text(scalars.get(RETURN) if self._has_one_reward else None)
+        told = (f"{seconds:.0f} s", f"{cell.steps / seconds:.0f} steps/s", success_text(scalars.get(SUCCESS)), mean)
+        done = ", ".join(filter(None, told))
         outcome = self._failure(event) if event.reason else done
         note = f" ({event.note})" if event.note else ""
         left = f", {self._left_text}" if self._left_text and not self._console.is_terminal else ""

@@ -7,13 +7,13 @@ from harness.cli.flags.shared import AsJson, ExperimentFolder
 from harness.cli.output import say, say_json
 
 if TYPE_CHECKING:
-    from harness.record.status import FolderStatus, Progress
+    from harness.record.status import Progress
+    from harness.record.store import Store
     from harness.results.choosing import Choosing
     from harness.results.results import Standing
+    from harness.results.under_way import SoFar
 
 KINDS = ("done", "failed", "skipped", "damaged", "running", "interrupted", "pending", "not needed")
-NUMBERS_AFTER = 2.0
-"""Seconds: a cell tells its numbers once a second, so that younger ones may not have told any."""
 SHOWN = ("running", "interrupted", "failed", "damaged")
 
 
@@ -24,14 +24,17 @@ def status(
     """Say how many cells are done, what is running, and how long the rest will take. Changes nothing."""
     from harness.cli.progress import left_text
     from harness.record.status import read_status
+    from harness.record.store import Store
 
-    found, standing = read_status(folder), _standing(folder)
+    found, standing, store = read_status(folder), _standing(folder), Store.open(folder)
     if standing is not None:
         found = found.without(standing.not_needed)
     if as_json:
         from harness.results.results import standing_to_json
 
-        say_json({**found.to_json(), **standing_to_json(standing)})
+        told = ((one.cell.id, _so_far(one, store)) for one in found.cells)
+        recorded = {cell: it._asdict() for cell, it in told if it}
+        say_json({**found.to_json(recorded), **standing_to_json(standing)})
         return
     say(f"{folder}: {'a run is using it' if found.is_in_use else 'no run is using it'}")
     if found.note:
@@ -44,7 +47,7 @@ def status(
         say(f"{standing.text[:1].upper()}{standing.text[1:]}")
     for one in found.cells:
         if one.status in SHOWN:
-            say(f"{one.status}: {one.cell.title}: {_detail(one, found)}")
+            say(f"{one.status}: {one.cell.title}: {_detail(one, _so_far(one, store), found.now)}")
 
 
 def _standing(folder: Path) -> "Standing | Choosing | None":
@@ -59,18 +62,20 @@ def _standing(folder: Path) -> "Standing | Choosing | None":
     return standing_of(load_results(folder))
 
 
-def _detail(one: "Progress", found: "FolderStatus") -> str:
+def _so_far(one: "Progress", store: "Store") -> "SoFar | None":
+    """What its rows say of a cell that is running, or was."""
+    if one.running is None:
+        return None
+    from harness.results.under_way import so_far
+
+    return so_far(one.cell, store)
+
+
+def _detail(one: "Progress", told: "SoFar | None", now: float) -> str:
     if one.running is None:
         return one.reason
-    from harness.cli.progress import learned_texts, unended_text
-
-    steps = f"{one.running.steps} of {one.cell.steps} steps"
+    steps = told.text if told else f"{one.running.steps:,} of {one.cell.steps:,} steps"
     if one.status == "interrupted":
         return f"{steps}; run the same command again to go on"
-    seconds = max(one.running.told - one.running.started, 1e-3)
-    mean = one.running.mean_return if len({it.cell.reward.label for it in found.cells}) == 1 else None
-    learned = learned_texts(one.running.success, mean)  # pay of several rewards has no common unit
-    speed = f"{one.running.steps / seconds:.0f} steps/s"
-    unended = unended_text(one.cell, one.running.steps, one.running.mean_return) if seconds >= NUMBERS_AFTER else ""
-    parts = [steps, unended, *learned, speed, f"last message {found.now - one.running.told:.0f} s ago"]
-    return ", ".join(part for part in parts if part)
+    speed = one.running.steps / max(one.running.told - one.running.started, 1e-3)
+    return f"{steps}; {speed:.0f} steps/s, last message {now - one.running.told:.0f} s ago"

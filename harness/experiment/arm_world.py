@@ -1,6 +1,5 @@
 """An arm in a simulator, as a cell trains in it; see `harness.experiment.world.CellWorld`."""
 
-from collections import deque
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cached_property
@@ -19,11 +18,10 @@ from harness.experiment.arm_evaluation import facts_of, record_evaluation
 from harness.experiment.checkpoints.checkpoint import Attempt
 from harness.experiment.trials.tried import Tried
 from harness.experiment.workers.order import named_scalars
-from harness.experiment.world import CellWorld
+from harness.experiment.world import CellWorld, LastEpisodes
 from harness.log import Log
-from harness.log.log import OpenEpisodes
 from harness.policy import Policy
-from harness.progress import LAST_EPISODES, RETURN, SUCCESS, TERMS
+from harness.progress import TERMS
 from harness.record.folder import SUFFIX, TRACE
 from harness.record.returns import PAID, mean_over_episodes, mean_return
 from harness.record.scene import write_scene
@@ -112,14 +110,11 @@ def evaluation_scalars(trace: Log, registry: Registry) -> dict[str, float]:
 ADDED_UP = (*INTEGERS, "reached", "terminated", "truncated", *PAID)
 
 
-class LearningSoFar:
-    """A `Recorder` that hands every row on, and knows what the last `LAST_EPISODES` episodes came to.
+class LearningSoFar(LastEpisodes):
+    """A `Recorder` that hands every row on. A step costs a copy of its rows.
 
-    A step costs a copy of its rows. They are added up when somebody asks, or when there are `BLOCK` of them.
     Episodes that were under way when a killed training went on are left out.
     """
-
-    BLOCK = 4096
 
     def __init__(self, recorder: Recorder, terms: Sequence[str] = ()) -> None:
         """Start before any episode has ended.
@@ -128,34 +123,15 @@ class LearningSoFar:
             recorder: Gets the rows.
             terms: Of the reward, whose columns end each row.
         """
-        self._recorder, self._terms = recorder, [f"{TERMS}/{name}" for name in terms]
-        self._columns = [*map(COLUMN.__getitem__, ADDED_UP), *range(-len(terms), 0)]
-        self._waiting, self._count = list[Rows](), 0
-        # Of each episode that goes on: its pay, success, what each term paid, and whether its start was seen.
-        self._open = OpenEpisodes.none(3 + len(terms))
-        self._ended: deque[Float] = deque(maxlen=LAST_EPISODES)
+        super().__init__(*(f"{TERMS}/{name}" for name in terms))
+        self._recorder = recorder
+        self._places = [*map(COLUMN.__getitem__, ADDED_UP), *range(-len(terms), 0)]
 
     def append(self, rows: Rows) -> None:
         self._recorder.append(rows)
-        self._waiting.append(rows.take(self._columns, axis=1))
-        self._count += len(rows)
-        if self._count >= self.BLOCK:
-            self._add_up()
+        self.take(rows.take(self._places, axis=1))
 
-    def means(self) -> dict[str, float]:
-        """Means over these episodes, by the names of `harness.progress`; empty before one has ended."""
-        self._add_up()
-        if not self._ended:
-            return {}
-        return dict(zip([RETURN, SUCCESS, *self._terms], np.mean(self._ended, axis=0).tolist(), strict=True))
-
-    def _add_up(self) -> None:
-        if not self._waiting:
-            return
-        env, episode, step, reached, terminated, truncated, *paid = np.concatenate(self._waiting).T
-        self._waiting, self._count = [], 0
-        summed = [np.sum(paid[: len(PAID)], axis=0), reached, *paid[len(PAID) :], step == 0]
-        self._open, _, sums = self._open.after(env, episode, np.logical_or(terminated, truncated), summed)
-        sums[1] = sums[1] > 0
-        *numbers, is_whole = sums
-        self._ended.extend(np.array(numbers).T[is_whole > 0])
+    def _columns(self, steps: Float) -> Sequence[Float]:
+        env, episode, step, reached, terminated, truncated, *paid = steps.T
+        ends, pay = np.logical_or(terminated, truncated), np.sum(paid[: len(PAID)], axis=0)
+        return env, episode, ends, step == 0, pay, reached, *paid[len(PAID) :]

@@ -12,7 +12,6 @@ from typing import Any, TypeAlias
 
 from harness.errors import PluginError, SchemaError, UsageError, one_line
 from harness.executor import Event, OnEvent
-from harness.progress import RETURN, SUCCESS
 from harness.record.cell import RUNNING, Cell, Manifest, Running, read_manifest, write_running
 from harness.record.recording.recorded_training import recordings_in
 from harness.record.store import Store
@@ -375,7 +374,7 @@ class Followed:
             running = self._running.setdefault(event.cell.id, Running(self._now()))
             if event.kind == "progress":
                 running = self._tracking.hear(event, running)
-            self._running[event.cell.id] = running.after(event.steps, self._now(), **_shown(event.scalars))
+            self._running[event.cell.id] = running.after(event.steps, self._now())
         self._write(at_once=event.kind != "progress")
         self._on_event(event)
 
@@ -404,9 +403,3 @@ class Followed:
             self._written = self._now()
             write_running(self._store.folder, self._running)
             self._tracking.pass_on()
-
-
-def _shown(scalars: Mapping[str, float]) -> dict[str, float]:
-    """The numbers that ``harness status`` shows."""
-    names = {"success": SUCCESS, "mean_return": RETURN}
-    return {key: scalars[name] for key, name in names.items() if math.isfinite(scalars.get(name, math.nan))}

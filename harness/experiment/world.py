@@ -2,19 +2,24 @@
 
 import time
 from abc import ABC, abstractmethod
+from collections import deque
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, closing, contextmanager, nullcontext
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
+import numpy as np
+
 from harness.algorithm import Algorithm, TrainingEnv
+from harness.arrays import Float
 from harness.executor import NO_SCALARS
 from harness.experiment.checkpoints.checkpoint import Attempt
 from harness.experiment.provenance import describe_environment
 from harness.experiment.workers.order import TELL_EVERY, Beat, Report
+from harness.log.log import OpenEpisodes
 from harness.policy import Policy
-from harness.progress import SPEED, TrainingState
+from harness.progress import LAST_EPISODES, RETURN, SPEED, SUCCESS, TrainingState
 from harness.record.cell import Cell
 from harness.registry.choice import Registry
 
@@ -40,6 +45,50 @@ class Batch(TrainingEnv, Protocol):
 
     def close(self) -> None:
         """Close all envs."""
+
+
+class LastEpisodes:
+    """Knows what the last `LAST_EPISODES` episodes of a training came to.
+
+    Its steps are added up when somebody asks, or when there are `BLOCK` of them.
+    """
+
+    BLOCK = 4096
+
+    def __init__(self, *others: str) -> None:
+        """Start before any episode has ended.
+
+        Args:
+            others: The names of what is added up beside pay and success.
+        """
+        self._names, self._waiting, self._count = (RETURN, SUCCESS, *others), list[Any](), 0
+        self._open = OpenEpisodes.none(1 + len(self._names))
+        self._ended: deque[Float] = deque(maxlen=LAST_EPISODES)
+
+    def take(self, steps: Any) -> None:
+        """Take steps, (steps, numbers), of which nobody changes anything later; `_columns` says what they are."""
+        self._waiting.append(steps)
+        self._count += len(steps)
+        if self._count >= self.BLOCK:
+            self._add_up()
+
+    def means(self) -> dict[str, float]:
+        """Means of what is known of these episodes, by the names of `harness.progress`; empty before one has ended."""
+        self._add_up()
+        told = ((name, of[~np.isnan(of)]) for name, of in zip(self._names, np.array(self._ended).T, strict=False))
+        return {name: float(of.mean()) for name, of in told if len(of)}
+
+    def _columns(self, steps: Float) -> Sequence[Float]:
+        """Env, episode and whether it ends; whether its first step is seen; pay, success and what else is added up."""
+        return [*steps.T]
+
+    def _add_up(self) -> None:
+        if not self._waiting:
+            return
+        env, episode, ends, *summed = self._columns(np.concatenate(self._waiting))
+        self._waiting, self._count = [], 0
+        self._open, _, (is_whole, paid, success, *others) = self._open.after(env, episode, ends, summed)
+        self._ended.extend(np.array([paid, np.minimum(success, 1.0), *others]).T[is_whole > 0])
 
 
 class CellWorld(ABC):

@@ -29,6 +29,7 @@ from harness.log.log import (
     episode_sum,
     episode_sums,
     in_memory,
+    sums_so_far,
 )
 
 __all__ = [
@@ -58,4 +59,5 @@ __all__ = [
     "episode_sum",
     "episode_sums",
     "in_memory",
+    "sums_so_far",
 ]

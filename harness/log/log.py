@@ -311,6 +311,11 @@ def episode_sum(values: Array, discount: float = 1.0) -> float:
     return float(sums_from(np.zeros(1, np.int64), values, discount)[0])
 
 
+def sums_so_far(values: Array) -> Float:
+    """The same of its first steps: of none, of one, and so on, (steps + 1,); they are added one after the other."""
+    return np.concatenate([[0.0], np.cumsum(values, dtype=np.float64)])
+
+
 def sums_from(begins: NDArray[np.int64], values: Array, discount: float = 1.0) -> Float:
     """The same of episodes that follow one another, (episodes,); `begins` are the numbers of their first rows."""
     steps = np.asarray(values, np.float64)

@@ -44,7 +44,6 @@ from harness.record.file_forms import (
     Line,
     Moment,
     Name,
-    Number,
     Seconds,
     Status,
     Whole,
@@ -377,8 +376,6 @@ class Running:
         started: When it began.
         steps: Environment steps done.
         told: When it told so.
-        success: Share of its last episodes that reached the target; None before the first has ended.
-        mean_return: What they were paid on average.
         track: When it was begun that trackers follow, as they were told: earlier than `started` of a cell that goes on
             after a kill. 0 before trackers know of it.
         tracked: Environment steps of which trackers were told.
@@ -387,14 +384,12 @@ class Running:
     started: Seconds
     steps: Whole = 0
     told: Seconds = 0.0
-    success: Annotated[float, Field(ge=0, le=1)] | None = None
-    mean_return: Number | None = None
     track: Seconds = 0.0
     tracked: Whole = 0
 
-    def after(self, steps: int, now: float, **shown: Any) -> Self:
-        """The same cell, when it has told its steps, and its success and return if they are given."""
-        return replace(self, steps=max(steps, self.steps), told=now, **shown)
+    def after(self, steps: int, now: float) -> Self:
+        """The same cell, when it has told its steps."""
+        return replace(self, steps=max(steps, self.steps), told=now)
 
 
 def write_running(folder: Path, running: Mapping[str, Running]) -> None:

@@ -1,7 +1,7 @@
 """How far an experiment has come, as another process sees it: ``harness status``."""
 
 import time
-from collections.abc import Callable, Container, Sequence
+from collections.abc import Callable, Container, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Self
@@ -76,8 +76,8 @@ class FolderStatus:
         waiting = [one.cell for one in self.cells if one.status == "pending"]
         return time_left(ended, running, waiting, len(running))
 
-    def to_json(self) -> dict[str, Any]:
-        """Plain data."""
+    def to_json(self, recorded: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
+        """Plain data; with what is recorded of trainings that go on, by the ids of their cells."""
         return {
             "format": 1,
             "folder": str(self.folder),
@@ -92,8 +92,7 @@ class FolderStatus:
                     "reason": one.reason,
                     "steps": one.steps,
                     "of_steps": one.cell.steps,
-                    "success": getattr(one.running, "success", None),
-                    "mean_return": getattr(one.running, "mean_return", None),
+                    **recorded.get(one.cell.id, {}),
                 }
                 for one in self.cells
             ],

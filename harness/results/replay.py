@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from harness.arrays import Float
 from harness.errors import SchemaError, UsageError
 from harness.eta.manner import OWN_AND_OTHER
-from harness.log import Log
+from harness.log import Log, sums_so_far
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, SCENE, SUFFIX
 from harness.record.returns import PAID, paid_in
@@ -333,7 +333,7 @@ def _episode(results: Results, way: Way, is_measured: bool) -> Episode:
     trace, rows = way.trace, way.rows
     steps = np.unique(np.linspace(0, len(rows) - 1, min(FRAMES, len(rows))).round().astype(np.int64))
     kept = rows[steps]
-    paid = np.cumsum(paid_in(trace)[rows])
+    paid = sums_so_far(paid_in(trace)[rows[1:]])  # the first row is the start
     target = np.stack([trace[f"target_{axis}"][kept] for axis in AXES], axis=1)
     return Episode(
         steps,

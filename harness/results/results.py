@@ -22,7 +22,7 @@ from harness.eta.verdict.looks import LookRuling
 from harness.log import Log
 from harness.measure import Measure
 from harness.record.cell import Cell, Manifest
-from harness.record.folder import TRACE, begun_by, partial_folder
+from harness.record.folder import TRACE, begun_by
 from harness.record.plan_file import StoredPlan
 from harness.record.store import Store
 from harness.record.terms import Terms
@@ -181,10 +181,10 @@ class Results(ABC):
         found = self.store.examine(cell)
         if found.status != "pending":
             return found
-        from harness.results.under_way import told_so_far  # SciPy is loaded where a training goes on alone
+        from harness.results.under_way import so_far  # SciPy is loaded where a training goes on alone
 
-        told = told_so_far(cell, partial_folder(self.store.cell_folder(cell)))
-        return replace(found, reason=told) if told else found
+        told = so_far(cell, self.store)
+        return replace(found, reason=f"{cell.title}: {told.text}") if told else found
 
     # The cells
 

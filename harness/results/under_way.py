@@ -18,9 +18,10 @@ from harness.eta.laws import Better, direction_of
 from harness.log.log import SUCCESS
 from harness.progress import LAST_EPISODES
 from harness.record.cell import Cell
-from harness.record.folder import TRACE, TRAINING_RECORDING
+from harness.record.folder import TRACE, TRAINING_RECORDING, partial_folder
 from harness.record.recording.facts import facts_of
 from harness.record.recording.recorded_training import is_recording, read_recording
+from harness.record.store import Store
 from harness.record.trace import read_trace
 from harness.results.cell_results import learned
 from harness.results.recordings.episodes import episodes_of
@@ -42,21 +43,35 @@ LOW, FIRST = 0.25, 0.25
 """Success that stays is hinted at below the first, and after the second as a share of the training's steps."""
 
 
-def told_so_far(cell: Cell, folder: Path) -> str:
-    """How far the training in a partial folder is, and what its last episodes came to; empty before its first row."""
+class SoFar(NamedTuple):
+    """How far the rows of a training go, and what its last episodes came to."""
+
+    recorded: int | None
+    """Steps; None of damaged rows."""
+    mean_return: float | None
+    """What an episode was paid; None before one has ended."""
+    success: float | None
+    """The share of those that succeeded; None likewise, or where nothing measures it."""
+    text: str
+    """All of it, and what it hints at, for people."""
+
+
+def so_far(cell: Cell, store: Store) -> SoFar | None:
+    """What is there of a training that has not ended; None before its first row."""
     try:
-        found = _recorded(cell, folder)
+        found = _recorded(cell, partial_folder(store.cell_folder(cell)))
     except SchemaError as error:
-        return one_line(error)
+        return SoFar(None, None, None, one_line(error))
     if found is None:
-        return ""
-    told = f"{cell.title} has recorded {found.steps:,} of {cell.steps:,} steps"
-    if not len(found.pay):
-        return f"{told}, and no episode has ended"
-    last = found.pay[-LAST_EPISODES:]
-    success = f", and {found.behaviour[-LAST_EPISODES:].mean():.0%} succeeded" if found.measure == SUCCESS else ""
-    told += f"; its last {len(last)} episodes were paid {last.mean():.4g} on average{success}"
-    return ". ".join(filter(None, (told, found.hint(cell.steps).rstrip("."))))
+        return None
+    told, last = f"{found.steps:,} of {cell.steps:,} steps recorded", found.pay[-LAST_EPISODES:]
+    if not len(last):
+        return SoFar(found.steps, None, None, f"{told}, and no episode has ended")
+    pay, did = float(last.mean()), float(found.behaviour[-LAST_EPISODES:].mean())
+    told += f"; its last {len(last)} episodes were paid {pay:.4g} on average"
+    success = did if found.measure == SUCCESS else None
+    told += "" if success is None else f", and {success:.0%} succeeded"
+    return SoFar(found.steps, pay, success, ". ".join(filter(None, (told, found.hint(cell.steps).rstrip(".")))))
 
 
 def hint_in(cell: Cell, folder: Path) -> str:

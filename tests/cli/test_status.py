@@ -1,12 +1,8 @@
 """``harness status``."""
 
 import json
-from pathlib import Path
 
-from harness.experiment import Plan, check_experiment, expand
 from harness.record import Store
-from harness.registry import load_registry, read_given
-from tests.stores import create_store
 
 
 def test_a_finished_run_is_all_done(harness, experiment):
@@ -48,18 +44,3 @@ def test_status_as_json(harness, quick):
     told = harness("status here --json").json
     assert [cell["status"] for cell in told["cells"]] == ["done", "pending"]
     assert not told["is_in_use"]
-
-
-def test_a_running_training_without_the_end_of_an_episode_is_told(harness, tmp_path):
-    """Two seconds after its begin its numbers are known."""
-    toy = Path(__file__).parents[1] / "experiment" / "environments" / "toy.py"
-    cell = expand(
-        check_experiment({"task": "toy", "algo": "random", "steps": 10**6}), load_registry(given=read_given([toy]))
-    ).cells[0]
-    store = create_store(tmp_path / "here", Plan("near", (cell,), (), {}))
-    shown = []
-    for told in (1001.0, 1002.0):
-        note(store, started=1000.0, steps=20_000, told=told)
-        with store.locked():
-            shown.append("no episode has ended in 20,000 steps of training" in harness("status here").out)
-    assert shown == [False, True]

@@ -4,7 +4,6 @@ import pytest
 
 from harness.executor import Event
 from harness.experiment.followed import WRITE_EVERY, EndedCells, Followed, Trackers, Tracking
-from harness.progress import RETURN, SUCCESS
 from harness.record import Store
 from harness.record.cell import read_running
 from tests.stores import create_store
@@ -40,18 +39,6 @@ def test_running_cells_are_told_now_and_then(followed, tmp_path):
     times.now += WRITE_EVERY
     follow(Event("progress", cell, steps=8))
     assert read_running(tmp_path / "out")[cell.id].steps == 8
-
-
-def test_success_and_return_are_told_too(followed, tmp_path):
-    """They stay until there are newer ones; what is no number is left out."""
-    follow, cell, times, _ = followed
-    follow(Event("started", cell))
-    follow(Event("progress", cell, steps=4, scalars={SUCCESS: 0.25, RETURN: -2.0}))
-    follow(Event("progress", cell, steps=6, scalars={SUCCESS: 0.5, RETURN: float("nan")}))
-    times.now += WRITE_EVERY
-    follow(Event("progress", cell, steps=8))
-    told = read_running(tmp_path / "out")[cell.id]
-    assert (told.steps, told.success, told.mean_return) == (8, 0.5, -2.0)
 
 
 def test_a_cell_without_a_folder_gets_a_manifest(followed, tmp_path):

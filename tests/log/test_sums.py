@@ -8,8 +8,11 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from harness.log import LogFacts, OpenEpisodes, episode_sum, episode_sums, in_memory
+from harness.experiment.arm_world import LearningSoFar
+from harness.log import EPISODES, LogFacts, OpenEpisodes, episode_sum, episode_sums, in_memory, sums_so_far
 from harness.payoff import discounted_sum
+from harness.progress import RETURN
+from harness.record import COLUMN, SCALARS
 from harness.record.returns import PAID, mean_return
 from harness.results import episodes_of
 from harness.results.by_term import by_term
@@ -21,17 +24,19 @@ PAYS = st.floats(-1e3, 1e3, allow_subnormal=False)
 
 @st.composite
 def trainings(draw):
-    """Steps of some envs, their episodes of any lengths and all of them finished; what both terms paid, (2, steps)."""
+    """Steps of some envs, their episodes of any lengths, the last one of an env maybe cut off; what both terms paid."""
     lengths = draw(st.lists(st.lists(st.integers(1, 9), min_size=1, max_size=4), min_size=1, max_size=3))
     order = draw(st.permutations([env for env, of in enumerate(lengths) for _ in range(sum(of))]))
     episode = [np.repeat(np.arange(len(of)), of).tolist() for of in lengths]
     ends = [np.concatenate([np.arange(size) == size - 1 for size in of]).tolist() for of in lengths]
+    if len(lengths[-1]) > 1 and draw(st.booleans()):
+        ends[-1][-1] = False
     columns = {
         "env": np.array(order),
         "episode": np.array([episode[env].pop(0) for env in order]),
         "terminated": np.array([ends[env].pop(0) for env in order]),
-        "truncated": np.zeros(len(order), bool),
     }
+    columns["truncated"] = columns["terminated"] & draw(st.booleans())
     paid = draw(st.lists(st.tuples(PAYS, PAYS), min_size=len(order), max_size=len(order)))
     pays = dict(zip(TERMS, np.array(paid).T, strict=True))
     told = {"reward/own": pays["near"] + pays["effort"], **{f"reward/own/{name}": of for name, of in pays.items()}}
@@ -72,9 +77,22 @@ def piece_by_piece(log, column, discount):
             steps = log.part(slice(begin, begin + size))
             going, _, sums = going.after(steps["env"], steps["episode"], steps["terminated"], [steps[column]])
             told[-1] += sums[0].tolist()
-        assert not len(going.keys)
     assert told[0] == told[1]
     return told[0]
+
+
+def step_by_step(log, column, discount):
+    """The last of the sums so far, as pages of an episode draw."""
+    return [sums_so_far(log[column][rows])[-1] for rows in in_the_order_of_their_ends(log)]
+
+
+def learned(log, column, discount):
+    """As a training in an environment tells, and an arm's: the mean."""
+    rows, learning = np.zeros((len(log), len(SCALARS))), LearningSoFar([])
+    for name, values in {"reward": log[column], **log.rows(EPISODES).columns}.items():
+        rows[:, COLUMN[name]] = values
+    learning.append(rows)
+    return np.full(len(log.episodes), learning.means()[RETURN])
 
 
 def recorded(log, column, discount):
@@ -102,7 +120,7 @@ def certified(log, column, discount):
 
 DOORS = {
     "any term, discounted or not": (by_rows, alone, side_by_side, certified),
-    "any term": (piece_by_piece, of_a_trace, by_its_terms),
+    "any term": (piece_by_piece, step_by_step, of_a_trace, by_its_terms, learned),
     "the reward": (recorded,),
 }
 
@@ -117,7 +135,7 @@ def test_every_door_tells_the_same_sum(asked, door, log, discount, term):
     exact = [fsum(paid * discount**t for t, paid in enumerate(of.tolist())) for of in steps]
     told = door(log, column, discount)
     size = 1e-12 * max(1.0, *(np.abs(of).sum() for of in steps))
-    exact = np.full(len(exact), np.mean(exact)) if door in (of_a_trace, by_its_terms) else exact
+    exact = np.full(len(exact), np.mean(exact)) if door in (of_a_trace, by_its_terms, learned) else exact
     assert told == pytest.approx(exact, rel=1e-12, abs=size)
 
 

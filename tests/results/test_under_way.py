@@ -1,11 +1,14 @@
 """What a report says of trainings that go on, by the rows that they have written."""
 
+import json
 import re
 
 import pytest
 
 import harness
+from harness.cli import main
 from harness.record import Store
+from harness.record.cell import Running, write_running
 from harness.results import load_results
 
 ARM = {"sim": "ideal", "algo": "wander", "reward": "arp", "task": "fd100-reach:horizon=5"}
@@ -36,8 +39,23 @@ def test_report_tells_the_rows_that_are_there(begun):
     """How many steps, and what the last episodes came to; the cell counts as pending all the same."""
     cell, partial = begun
     told = _reason(cell, partial)
-    assert told.startswith(f"{cell.title} has recorded 60 of 60 steps; its last ")
+    assert told.startswith(f"{cell.title}: 60 of 60 steps recorded; its last ")
     assert re.search(r"its last \d+ episodes were paid -?[\d.e+-]+ on average", told)
+
+
+def test_status_tells_the_same_rows(begun, capsys):
+    """What a report says of them, and the numbers for programs."""
+    cell, partial = begun
+    told, folder = _reason(cell, partial), partial.parents[1]
+    write_running(folder, {cell.id: Running(100.0, 6, 103.0)})
+    for flags in ([], ["--json"]):
+        with pytest.raises(SystemExit):
+            main(["status", str(folder), *flags])
+    said, _, numbers = capsys.readouterr().out.partition("{")
+    assert f"interrupted: {told}; run" in " ".join(said.split())
+    (shown,) = [it for it in json.loads(f"{{{numbers}")["cells"] if it["id"] == cell.id]
+    assert shown["recorded"] == 60
+    assert f"were paid {shown['mean_return']:.4g} on average" in shown["text"]
 
 
 def test_damaged_rows_are_told(begun):

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from harness.environment import AnyEnv, Environment
 from harness.errors import UsageError
 from harness.experiment.environments.spaces import Acting
-from harness.log.log import BEHAVIOUR, REWARD, SUCCESS
+from harness.log.log import BEHAVIOUR, REWARD, SUCCESS, episode_sum
 from harness.policy import load_policy
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION_RECORDING, POLICY
@@ -96,7 +96,7 @@ class PlayedAgain:
 
     def told(self, rows: NDArray[np.int_]) -> str:
         """What its own reward has paid so far, and the first measure of behaviour."""
-        told = [f"paid {self._recorded[f'{REWARD}{self.cell.reward.label}'][rows].sum():.4g}"]
+        told = [f"paid {episode_sum(self._recorded[f'{REWARD}{self.cell.reward.label}'][rows]):.4g}"]
         for name in self._recorded.measures[:1]:
             values = self._recorded[f"{BEHAVIOUR}{name}"]
             if len(rows) and np.isfinite(values[rows[-1]]):

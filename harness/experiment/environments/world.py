@@ -7,7 +7,7 @@ import hashlib
 import importlib
 import math
 import shutil
-from collections import Counter, deque
+from collections import Counter
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import closing
 from functools import cached_property
@@ -38,10 +38,10 @@ from harness.experiment.environments.spaces import (
 )
 from harness.experiment.trials.tried import Tried
 from harness.experiment.workers.order import named_scalars
-from harness.experiment.world import CellWorld
+from harness.experiment.world import CellWorld, LastEpisodes
 from harness.log import Log
 from harness.policy import Policy
-from harness.progress import LAST_EPISODES, RETURN, SUCCESS as SUCCEEDED, Ring, TrainingState, as_state
+from harness.progress import Ring, TrainingState, as_state
 from harness.record.folder import EVALUATIONS, TRAINING_RECORDING
 from harness.record.recording.facts import FILE_BEHAVIOUR
 from harness.record.recording.recorded_training import (
@@ -67,8 +67,7 @@ class EnvironmentBatch(VectorEnv[Float32, Actions, Any]):
 
     Attributes:
         environment_steps: Taken so far, counted over all envs.
-        returns: What the last `LAST_EPISODES` episodes were paid, in the order in which they ended.
-        successes: Whether they ended in success; empty where nothing measures that.
+        learning: What the last episodes came to.
         goals: For an algorithm that learns in hindsight; None where the reward is no function of goals.
     """
 
@@ -104,9 +103,7 @@ class EnvironmentBatch(VectorEnv[Float32, Actions, Any]):
         self.goals = Goals(*goal_columns(self._space), pay) if pay else None
         self._log = StepLog()
         self.environment_steps = 0
-        self._paid = np.zeros(self.num_envs)
-        self.returns: deque[float] = deque(maxlen=LAST_EPISODES)
-        self.successes: deque[bool] = deque(maxlen=LAST_EPISODES)
+        self.learning, self._episodes = LastEpisodes(), [0] * self.num_envs
 
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
@@ -114,7 +111,7 @@ class EnvironmentBatch(VectorEnv[Float32, Actions, Any]):
         """Start an episode in every env; a seed is that of the first env, and the next ones have the next."""
         self._log.note_reset(is_plain=seed is None and options is None)
         seeds = _seeds(seed, self.num_envs)
-        self._paid[:] = 0.0
+        self._episodes = [number + 1 for number in self._episodes]
         rows = [env.reset(seed=one, options=options)[0] for env, one in zip(self._envs, seeds, strict=True)]
         observations = np.stack([flat_observation(self._space, row) for row in rows])
         self._log.note_answers(observations)
@@ -133,6 +130,7 @@ class EnvironmentBatch(VectorEnv[Float32, Actions, Any]):
         paid, success = np.empty(self.num_envs), np.zeros(self.num_envs, bool)
         terminated, truncated = np.zeros(self.num_envs, bool), np.zeros(self.num_envs, bool)
         final = np.zeros_like(observations)
+        rows = list[tuple[float, ...]]()
         chosen = [int(action) for action in given] if self._is_discrete else list(given)
         announce_all(self._unwrapped, chosen)
         for k, (env, action) in enumerate(zip(self._envs, chosen, strict=True)):
@@ -140,11 +138,15 @@ class EnvironmentBatch(VectorEnv[Float32, Actions, Any]):
             observations[k], paid[k] = flat_observation(self._space, told), float(reward)
             if self.goals:
                 _require_paid_by_goals(self.goals, told, paid[k])
-            self._paid[k] += paid[k]
-            if terminated[k] or truncated[k]:
-                success[k] = self._end(k, env)
+            number, is_last, did = self._episodes[k], terminated[k] or truncated[k], 0.0
+            if is_last:
+                did = env.recorded.get(f"{FILE_BEHAVIOUR}{SUCCESS}", math.nan)
+                success[k] = did > 0
+                self._episodes[k] += 1
                 final[k] = observations[k]
                 observations[k] = flat_observation(self._space, env.reset()[0])
+            rows.append((k, number, is_last, True, paid[k], did if math.isnan(did) else success[k]))
+        self.learning.take(rows)
         self._log.note_answers(observations, final, paid, terminated, truncated, success)
         self.environment_steps += self.num_envs
         ended = terminated | truncated
@@ -179,15 +181,6 @@ class EnvironmentBatch(VectorEnv[Float32, Actions, Any]):
         """Close the envs, and their recordings."""
         for env in self._envs:
             env.close()
-
-    def _end(self, k: int, env: RecordRewards[Any, Any]) -> bool:
-        """Note an episode that ended; returns whether it ended in success."""
-        self.returns.append(float(self._paid[k]))
-        self._paid[k] = 0.0
-        told = env.recorded.get(f"{FILE_BEHAVIOUR}{SUCCESS}", math.nan)
-        if not math.isnan(told):
-            self.successes.append(told > 0)
-        return told > 0
 
 
 def _require_paid_by_goals(goals: Goals, told: Any, paid: float) -> None:
@@ -334,7 +327,7 @@ class EnvironmentWorld(CellWorld):
 
     def finish(self, folder: Path) -> Sequence[str]:
         ended = []
-        if not self._envs.returns:
+        if not self._envs.learning.means():
             facts = read_facts(folder / TRAINING_RECORDING)
             steps = self._cell.steps / self._algorithm.num_envs
             ended = [f"no episode of the training ended: {unended_text(facts, steps)}"]
@@ -364,8 +357,7 @@ class EnvironmentWorld(CellWorld):
         return self._envs
 
     def _last_episodes(self) -> Mapping[str, float]:
-        told = (RETURN, self._envs.returns), (SUCCEEDED, self._envs.successes)
-        return {name: math.fsum(values) / len(values) for name, values in told if values}
+        return self._envs.learning.means()
 
     def _recording(self, env: AnyEnv, number: int) -> RecordRewards[Any, Any]:
         path, where = self._folder / TRAINING_RECORDING, f" of env {number}" * (self._algorithm.num_envs > 1)

@@ -26,6 +26,7 @@ from harness.log.log import (
     SUCCESS as SUCCESS_NAME,
     TASK,
     Array,
+    episode_sum,
     sums_from,
 )
 from harness.payoff.dataset.rewards import Recorded
@@ -308,7 +309,7 @@ class _Kept:
         own = columns.get(f"{REWARD}{RECORDED}", np.full(1, np.nan))
         if not (np.abs(own) <= LARGEST_PAID).all():
             own = np.full(1, np.nan)
-        episode.recorded, episode.last = episode.recorded + float(own.sum()), float(own[-1])
+        episode.recorded, episode.last = episode.recorded + episode_sum(own), float(own[-1])
         for name, reward in self._rewards.items():
             if name not in self._failed:
                 self._pay(name, reward, rows, episode)

@@ -10,7 +10,7 @@ import numpy as np
 from harness.arrays import Float
 from harness.authoring.commands import Episode, Scene, Show, Side, plugin_flags
 from harness.authoring.pages import render_page, select_points
-from harness.log import episode_sum
+from harness.log import episode_sum, sums_so_far
 from harness.report import Dots, Grid, Line, draw_chart, replay_of
 from harness.text import number, visible
 
@@ -156,7 +156,7 @@ def _terms(shown: Shown) -> Grid:
 
 def _figures(shown: Shown) -> Iterator[Figure]:
     """Pay over time, some measures over time, and pay under noise."""
-    sums = {title: np.concatenate([[0.0], np.cumsum(it.shown.paid)]) for title, it in shown.items()}
+    sums = {title: sums_so_far(it.shown.paid) for title, it in shown.items()}
     yield _over_time("Paid so far", sums, shown, first=0)
     names = dict.fromkeys(name for it in shown.values() for name in it.shown.measures)
     measured = {name: {title: it.shown.measures.get(name, NONE) for title, it in shown.items()} for name in names}
@@ -259,7 +259,7 @@ def _episode(it: Certificate) -> Episode:
         drawn["qpos"][steps],
         drawn["target"][steps],
         drawn["distance"][steps, 0],
-        np.concatenate([[0.0], np.cumsum(shown.paid)])[steps],
+        sums_so_far(shown.paid)[steps],
         "reached" if shown.success[-1] else "ground" if _last(it, "ground") == "1" else "time-out",
         {},
     )
