@@ -143,7 +143,8 @@ def judge(searched: Searched, facts: World, walks: Walks) -> Judged:
     shown = max(told, key=lambda case: (case.three.failure is not None or case.is_alarm, case.lead))
     if not facts.success:
         return Judged(CANNOT_TELL, _on_paid_most(shown), (), shown)
-    return Judged(word, tuple(_lines(word, shown, both, decided, searched, facts)), alarmed, shown)
+    lines = _lines(word, shown, both, decided, searched, facts)
+    return Judged(word, tuple(line[0].upper() + line[1:] for line in lines), alarmed, shown)
 
 
 def paid_by(behaviour: Behaviour, discount: float) -> float:
@@ -360,8 +361,7 @@ def _three_numbers(case: Case) -> str:
             steps = f" ({of.time} step{'s' * (of.time != 1)})" if of.success else ""
             told.append(f"{name} {number(paid_by(of, case.discount))}{steps}")
     told += [] if case.three.success else ["no success was found"]
-    text = f"{rate}{', '.join(told)}."
-    return text[0].upper() + text[1:]
+    return f"{rate}{', '.join(told)}."
 
 
 def _by_which_sum(both: Sequence[tuple[Case, Case]], decided: Sequence[Case], gamma: float) -> str:
@@ -391,22 +391,20 @@ def _on_unsure(decided: Sequence[Case], shown: Case, success: str, is_counted: b
         f"Of the {count - missing} starts where a success is known, on {len(more)} a failure earns more than the "
         f"fastest one: {' against '.join(pair)}."
     )
-    unsure = [case for case in decided if case.word == CANNOT_TELL and case.three.success]
-    late = [case.three.fastest.time for case in unsure if case.is_late and case.three.fastest]
-    close = sum(case.is_close and not case.is_late for case in unsure)
+    late = [case.three.fastest.time for case in decided if case.is_late and case.three.fastest]
+    close = sum(case.is_close and not case.is_late for case in decided)
+    unsure = sum(case.word == CANNOT_TELL for case in decided)
+    late_from = f"the first success that lasts begins at step {min(late, default=0)}, too late to tell what it pays,"
     told = {
         "no success was found": missing,
-        f"the first success that lasts begins at step {min(late, default=0)}, too late to tell what it pays,": len(
-            late
-        ),
+        late_from: len(late),
         "a failure is paid more, by little beside what random actions lose,": close,
-        "successes were too few, or still rose in pay,": len(unsure) - len(late) - close,
+        "successes were too few, or still rose in pay,": unsure - missing - len(late) - close,
     }
-    text = "; ".join(f"{reason} on {of} of {count} starts" for reason, of in told.items() if of)
     return [
         *([certain] if shown in more and count > 1 else ()),
-        f"{text[0].upper()}{text[1:]}.",
-        "Give it a demonstration (--from FOLDER), a policy (--policy FILE.py:NAME), or more steps (--budget).",
+        "; ".join(f"{reason} on {of} of {count} starts" for reason, of in told.items() if of) + ".",
+        "Show it the task by a policy (--policy FILE.py:NAME) or by trainings (--from FOLDER), or raise the --budget.",
     ]
 
 

@@ -176,7 +176,7 @@ SENTENCES = {
     "few successes of the only start": (
         [HACKED], {"successes": 3}, 1, "Successes were too few, or still rose in pay, on 1 of 1 starts."
     ),
-    "a demonstration is asked for": ([three(HOVER)], {}, 2, "Give it a demonstration (--from FOLDER)"),
+    "a demonstration is asked for": ([three(HOVER)], {}, 2, "Show it the task by a policy (--policy FILE.py:NAME)"),
     "all was counted": (
         [three(HOVER)], {"how": "table"}, 1, "All states and actions were counted: none is a success on 1 of 1 starts."
     ),
