@@ -10,6 +10,7 @@ import sys
 import warnings
 from collections.abc import Callable
 from functools import partial
+from importlib.machinery import ModuleSpec
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -64,7 +65,7 @@ def know_earlier_modules() -> None:
     """Have Python know the modules that are no more, whose names are looked up when they are used."""
     for name in GONE:
         module = sys.modules[name] = ModuleType(name)
-        vars(module)["__getattr__"] = partial(lookup, name)
+        vars(module).update(__spec__=ModuleSpec(name, None), __getattr__=partial(lookup, name))
 
 
 def face_of(module: str, path: str) -> tuple[list[str], Callable[[str], Any]]:

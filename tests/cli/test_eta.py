@@ -167,7 +167,7 @@ def loaded_by(*arguments):
         "import sys; from harness.cli import main\n"
         "try: main(sys.argv[1:])\n"
         "except SystemExit: print(*(name for name, it in sys.modules.items() "
-        "if name.split('.')[0] == 'harness' and it.__spec__), file=sys.stderr)"
+        "if name.split('.')[0] == 'harness' and getattr(it, '__file__', None)), file=sys.stderr)"
     )
     told = subprocess.run([sys.executable, "-c", code, *arguments], capture_output=True, text=True, check=True)
     return set(told.stderr.split())

@@ -6,7 +6,7 @@ import sys
 import pytest
 
 MAKERS = {"harness.robot", "harness.policy", "harness.env", "harness.motion", "harness.experiment", "gymnasium"}
-LOADED = "import sys, {module}; print(*sys.modules)"
+LOADED = "import sys, {module}; print(*(name for name, it in sys.modules.items() if getattr(it, '__file__', None)))"
 
 
 def makers_loaded_by(module):

@@ -14,7 +14,7 @@ from harness.cli import main
 def loaded(*arguments):
     with contextlib.redirect_stdout(io.StringIO()), contextlib.suppress(SystemExit):
         main([*arguments])
-    return {name for name in sys.modules if name.startswith("harness") and sys.modules[name].__spec__}
+    return {name for name in sys.modules if name.startswith("harness") and hasattr(sys.modules[name], "__file__")}
 
 print(*sorted(loaded("audit", sys.argv[1])))
 """
