@@ -199,9 +199,9 @@ if TYPE_CHECKING:
     from harness.results.logs.results_of_logs import sort_found as sort_found
     from harness.results.overview import (
         decided_by_text as decided_by_text,
+        measure_text as measure_text,
         overview_of as overview_of,
         short_name as short_name,
-        values_text as values_text,
     )
     from harness.results.recordings.episodes import (
         LAST_SHARE as LAST_SHARE,

@@ -7,6 +7,12 @@ from typing import TYPE_CHECKING
 from harness.face import face_of
 
 if TYPE_CHECKING:
+    from harness.eta.headline import (
+        interval_text as interval_text,
+        is_drawable as is_drawable,
+        ratio_text as ratio_text,
+        ratio_with_interval as ratio_with_interval,
+    )
     from harness.report.document import Fact as Fact
     from harness.report.figures.accumulated import (
         FEWEST as FEWEST,
@@ -74,9 +80,6 @@ if TYPE_CHECKING:
     )
     from harness.report.rows.ratios import (
         BETTER as BETTER,
-        is_drawable as is_drawable,
-        ratio_text as ratio_text,
-        ratio_with_interval as ratio_with_interval,
     )
     from harness.report.rows.returns import (
         PAY as PAY,

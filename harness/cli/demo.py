@@ -96,8 +96,8 @@ def _show(results: "Results") -> None:
     from rich.text import Text
 
     from harness.cli.output import make_table_and_page
+    from harness.eta.headline import format_number
     from harness.record.store import REPORT
-    from harness.report.rows.ratios import format_number
     from harness.report.tables.comparison import comparison_lines
     from harness.report.tables.grid import show
 

@@ -1,18 +1,18 @@
 """The answer about the robot: the words there are, what they are said of, and what counts as a difference."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from math import comb, sqrt
-from typing import Any
+from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 
 from harness.arrays import Float
 from harness.eta.behaviour_change import Change
 from harness.eta.decomposition import OWNER, Splitter, noise_of_means, split_sum
-from harness.eta.index import NOTHING, Ratio, SeedMean, mean_over_seeds
+from harness.eta.index import NEAR_ZERO, NOTHING, Ratio, SeedMean, mean_over_seeds
 from harness.eta.interval import ROUNDING, quantile
 from harness.eta.power import Range
 from harness.eta.splits import BB, BK, KB, KK, Names, Pair, ScoredSums, Split, Splits, SumSplit, means_without_each
@@ -33,6 +33,27 @@ TIME_MARGIN = 0.10
 """A difference of any other measure below this, as a share of its mean size over both rewards, counts as none."""
 LEARNED = 0.10
 """Where both rewards teach success in less than this share of the episodes, neither teaches the task."""
+
+
+Text: TypeAlias = Callable[[float | None], str]
+"""A function that writes a value as text."""
+
+
+def points(share: float | None) -> str:
+    """A share in percentage points."""
+    return f"{100 * (share or 0.0) + 0.0:.1f}"
+
+
+class Bounded(Protocol):
+    """A ratio, a mean or a difference with the ends of its interval."""
+
+    @property
+    def low(self) -> float | None:
+        """The lower end; None where there is none."""
+
+    @property
+    def high(self) -> float | None:
+        """The upper end."""
 
 
 class Answer(StrEnum):
@@ -185,18 +206,17 @@ def return_sentence(names: Names, split: "ReturnSplit") -> str:
     """The pay of an episode: its ratio if there is one, else its difference, and both parts, with their intervals."""
     proposed, baseline = (format_number(split.returns[pair].mean) for pair in (KK, BB))
     told = f"An episode is paid {proposed} with {names.proposed} and {baseline} with {names.baseline}: "
+    total, ratio, flags = split.total, split.ratio, ""
     if split.has_ratio:
-        eta, ruler, behaviour = (_factor_text(it) for it in (split.ratio.eta, split.ratio.ruler, split.ratio.behaviour))
-        told, sign, reason = f"{told}{eta} times as much", "x ", split.ratio.ruler.near_zero or split.ratio.ruler.note
+        told, why = f"{told}{ratio_with_interval(ratio.eta)} times as much", ratio.ruler.why
+        parts = [f"x {ratio_with_interval(it)}" for it in (ratio.ruler, ratio.behaviour) if it.is_telling]
+        flags = "".join(f" The ratio: {flag}." for flag in ratio.flags)
     else:
-        change, ruler, behaviour = (
-            _mean_text(it) for it in (split.total.change, split.total.ruler, split.total.behaviour)
-        )
-        told, sign, reason = f"{told}a change of {change}", "", split.total.ruler.note
-    if not ruler:
-        return f"{told}. It cannot be split: {reason}."
-    flags = "".join(f" The ratio: {flag}." for flag in split.ratio.flags) if split.has_ratio else ""
-    return f"{told}. Rescaling alone (the ruler): {sign}{ruler}. Behaviour: {sign}{behaviour}.{flags}"
+        told, why = f"{told}a change of {mean_with_interval(total.change)}", total.ruler.note
+        parts = [mean_with_interval(it) for it in (total.ruler, total.behaviour) if it.mean is not None]
+    if len(parts) < 2:
+        return f"{told}. It cannot be split: {why}."
+    return f"{told}. Rescaling alone (the ruler): {parts[0]}. Behaviour: {parts[1]}.{flags}"
 
 
 def _ratio_sentence(name: str, amount: str, names: Names, split: Split) -> str:
@@ -206,38 +226,28 @@ def _ratio_sentence(name: str, amount: str, names: Names, split: Split) -> str:
         return f"{name} n/a: {eta.note}."
     if eta.near_zero is not None:
         return f"{name} says little: {eta.near_zero}."
-    told = f"{amount} with {names.proposed} is {_text(eta)} times that with {names.baseline}"
-    if split.ruler.value is None or split.ruler.near_zero is not None:
-        return f"{told}; not split: {split.ruler.near_zero or split.ruler.note}."
+    told = f"{amount} with {names.proposed} is {ratio_with_interval(eta)} times that with {names.baseline}"
+    if not split.ruler.is_telling:
+        return f"{told}; not split: {split.ruler.why}."
     return (
-        f"{told}: x {_text(split.ruler)} by rescaling alone (its ruler), x {_text(split.behaviour)} by other runs (its "
-        "behaviour)."
+        f"{told}: x {ratio_with_interval(split.ruler)} by rescaling alone (its ruler), "
+        f"x {ratio_with_interval(split.behaviour)} by other runs (its behaviour)."
     )
 
 
-def _text(ratio: Ratio) -> str:
-    told = f"{ratio.value:.3g}"
-    if ratio.low is None or ratio.high is None:
-        return told
-    return f"{told} [{ratio.low:.3g}, {ratio.high:.3g}]"
+def ratio_text(ratio: Ratio) -> str:
+    """The ratio, unless it says little because an index is near zero beside the other."""
+    return format_number(ratio.value) if ratio.near_zero is None else NEAR_ZERO
 
 
-def _factor_text(ratio: Ratio) -> str:
-    """A ratio and its interval; empty where it has no value, or says little."""
-    if ratio.value is None or ratio.near_zero is not None:
-        return ""
-    ends = "" if ratio.low is None or ratio.high is None else _ends(ratio.low, ratio.high)
-    return f"{format_number(ratio.value)}{ends}"
+def ratio_with_interval(ratio: Ratio) -> str:
+    """The ratio, and its interval if there is one to show."""
+    return f"{ratio_text(ratio)} {interval_text(ratio, missing='')}".rstrip()
 
 
-def _mean_text(mean: SeedMean) -> str:
-    if mean.mean is None:
-        return ""
-    return signed(mean.mean) + ("" if mean.low is None or mean.high is None else _ends(mean.low, mean.high))
-
-
-def _ends(low: float, high: float) -> str:
-    return f" [{format_number(low)}, {format_number(high)}]"
+def mean_with_interval(mean: SeedMean) -> str:
+    """A difference of means, and its interval if there is one."""
+    return f"{signed(mean.mean)} {interval_text(mean, missing='')}".rstrip()
 
 
 def signed(value: float | None) -> str:
@@ -254,6 +264,19 @@ def format_number(value: float | None) -> str:
     if not -4 <= size < 6:
         return f"{rounded:.2e}"
     return f"{rounded:,.{max(0, 2 - size)}f}"
+
+
+def interval_text(of: Bounded, missing: str = NOTHING, text: Text = format_number) -> str:
+    """The interval of a ratio that says something, of a mean or of a difference; `missing` where there is none."""
+    says_little = isinstance(of, Ratio) and of.near_zero is not None
+    if says_little or of.low is None or of.high is None:
+        return missing
+    return f"[{text(of.low)}, {text(of.high)}]"
+
+
+def is_drawable(ratio: Ratio) -> bool:
+    """Whether a ratio can be drawn: 0 has no logarithm, and a ratio that says little would stretch the axis."""
+    return ratio.is_telling and (ratio.value or 0.0) > 0.0
 
 
 LEVEL = 0.05
@@ -366,8 +389,7 @@ class ReturnSplit:
     @property
     def has_ratio(self) -> bool:
         """Whether the ratio says something; where it does not, the difference is told."""
-        eta = self.ratio.eta
-        return eta.value is not None and eta.value > 0.0 and eta.near_zero is None
+        return is_drawable(self.ratio.eta)
 
     def with_corrected(self, p: float | None) -> "ReturnSplit":
         """The same split with a p-value that holds for all claims that are made together."""

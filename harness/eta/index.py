@@ -87,6 +87,16 @@ class Ratio:
         return (*weak, *self.notes)
 
     @property
+    def is_telling(self) -> bool:
+        """Whether there is a value that says something."""
+        return self.value is not None and self.near_zero is None
+
+    @property
+    def why(self) -> str:
+        """Why there is none."""
+        return self.near_zero or self.note
+
+    @property
     def note(self) -> str:
         """All remarks as one text; may be empty."""
         return "; ".join(self.remarks)

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 from harness.face import face_of
 
 if TYPE_CHECKING:
+    from harness.eta.headline import format_number as format_number
     from harness.report.document import report_text as report_text, shared_facts as shared_facts
     from harness.report.figures.chart import (
         Axis as Axis,
@@ -32,7 +33,6 @@ if TYPE_CHECKING:
     )
     from harness.report.rows.ratios import (
         SPLIT as SPLIT,
-        format_number as format_number,
         scales_text as scales_text,
     )
     from harness.report.rows.returns import Payoffs as Payoffs, return_grid as return_grid, terms_grid as terms_grid

@@ -43,14 +43,6 @@ class Counted(NamedTuple):
     over: Span | None = None
     """The steps of which it tells; None if it is all that are asked about."""
 
-    @property
-    def where(self) -> str:
-        """The same in words; empty if it is all that are asked about."""
-        if self.over is None:
-            return ""
-        begin, end = (f"{it:,.0f}" for it in self.over)
-        return f"after {end} steps" if begin == end else f"from {begin} to {end} steps"
-
 
 class Moment(NamedTuple):
     """One evaluation of one cell."""

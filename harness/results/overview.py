@@ -4,8 +4,19 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from typing import Literal, NamedTuple, TypeAlias
 
+from harness.eta.amounts import short_values
 from harness.eta.behaviour_change import Change
-from harness.eta.headline import SHORT, ReturnSplit, count_seeds, format_number, key_of, signed
+from harness.eta.headline import (
+    SHORT,
+    ReturnSplit,
+    count_seeds,
+    format_number,
+    key_of,
+    mean_with_interval,
+    ratio_text,
+    ratio_with_interval,
+    signed,
+)
 from harness.eta.index import NEAR_ZERO, NOTHING, Ratio
 from harness.eta.manner import TRAINING, WHOLE
 from harness.eta.splits import BB, KK
@@ -117,8 +128,8 @@ def overview_row(name: str, comparison: Comparison, with_intervals: bool, overvi
         return measured
     if overview.numbers == "pay":
         return (*measured, *pay_texts(number.pay, with_intervals))
-    etas = (short_value(number.splits[name].eta, with_intervals) for name in ("eta_N", "eta_P"))
-    return (*measured, *etas, short_value(number.splits["eta_P"].ruler))
+    etas = (_written(number.splits[name].eta, with_intervals) for name in ("eta_N", "eta_P"))
+    return (*measured, *etas, ratio_text(number.splits["eta_P"].ruler))
 
 
 def pay_texts(pay: ReturnSplit | None, with_intervals: bool = False) -> tuple[str, str, str, str]:
@@ -135,30 +146,21 @@ def pay_texts(pay: ReturnSplit | None, with_intervals: bool = False) -> tuple[st
         changed = factor_text(pay.ratio.eta, with_intervals)
         return own, changed, factor_text(pay.ratio.ruler), factor_text(pay.ratio.behaviour)
     change = pay.total.change
-    changed = signed(change.mean) + _ends(change.low, change.high) * with_intervals
+    changed = mean_with_interval(change) if with_intervals else signed(change.mean)
     return own, changed, signed(pay.total.ruler.mean), signed(pay.total.behaviour.mean)
 
 
 def factor_text(ratio: Ratio, with_interval: bool = False) -> str:
     """A ratio as a factor, such as ``x 1.52``."""
-    if ratio.value is None or ratio.near_zero is not None:
-        return NOTHING
-    return f"x {format_number(ratio.value)}" + _ends(ratio.low, ratio.high) * with_interval
+    told = _written(ratio, with_interval)
+    return NOTHING if told in (NOTHING, NEAR_ZERO) else f"x {told}"
 
 
 def measure_text(change: Change | None) -> str:
-    """Both values of a measure; shares as whole percentages."""
+    """Both values of a measure, with as many digits as tell them apart."""
     if change is None or change.baseline is None or change.proposed is None:
         return NOTHING
-    return values_text(change.baseline, change.proposed, change.measure.unit, change.measure.episodes is not None)
-
-
-def values_text(baseline: float, proposed: float, unit: str, is_share: bool) -> str:
-    """Two values with an arrow between them; shares as whole percentages."""
-    if is_share:
-        return f"{100 * baseline:.0f}{ARROW}{100 * proposed:.0f} %"
-    values = ARROW.join(_digits(it, 3) if it else "0" for it in (baseline, proposed))
-    return f"{values}{unit and ' '}{unit}"
+    return ARROW.join(short_values(change))
 
 
 def decider_text(comparison: Comparison) -> str:
@@ -181,13 +183,6 @@ def short_name(key: str) -> str:
     return f"{SHORT.get(name, name.replace('_', ' '))}{blank}{manner}"
 
 
-def short_value(ratio: Ratio, with_interval: bool = False) -> str:
-    """A ratio with three digits, and two for each end of its interval."""
-    if ratio.value is None or ratio.near_zero is not None:
-        return NOTHING if ratio.near_zero is None else NEAR_ZERO
-    return _digits(ratio.value, 3) + _ends(ratio.low, ratio.high) * with_interval
-
-
 def index_rows(combinations: Sequence[Comparison], with_intervals: bool) -> list[tuple[str, ...]]:
     """The note's two etas of each comparison, each beside its ruler x behaviour; none where the overview has them.
 
@@ -200,29 +195,16 @@ def index_rows(combinations: Sequence[Comparison], with_intervals: bool) -> list
         splits, told = comparison.number.index_splits, list[str]()
         for split in map(splits.get, ("eta_N", "eta_P")):
             eta = Ratio(None) if split is None else split.eta
-            told.append(short_value(eta, with_intervals))
-            is_split = split is not None and split.is_scored and eta.value is not None and eta.near_zero is None
-            told.append(
-                f"{short_value(split.ruler)} x {short_value(split.behaviour)}" if split and is_split else NOTHING
-            )
+            text = _written(eta, with_intervals)
+            is_split = split is not None and split.paths and text not in (NOTHING, NEAR_ZERO)
+            parts = f"{ratio_text(split.ruler)} x {ratio_text(split.behaviour)}" if split and is_split else NOTHING
+            told += [text, parts]
         rows += [(name or comparison.proposed, *told)] if splits else []
     return rows
 
 
-def _ends(low: float | None, high: float | None) -> str:
-    return "" if low is None or high is None else f" [{_short(low)}, {_short(high)}]"
-
-
-def _short(end: float) -> str:
-    """Two digits, without the zero before a point."""
-    text = _digits(end, 2)
-    return text.replace("0.", ".", 1) if text.startswith(("0.", "-0.")) else text
-
-
-def _digits(value: float, count: int) -> str:
-    """A number with `count` significant digits, trailing zeros included. From a million on it has an exponent."""
-    text = f"{value:#.{count}g}".rstrip(".")
-    return f"{value:.0f}" if "e" in text and 1.0 <= abs(value) < 1e6 else text
+def _written(ratio: Ratio, with_interval: bool) -> str:
+    return ratio_with_interval(ratio) if with_interval else ratio_text(ratio)
 
 
 def overview_html(combinations: Sequence[Comparison]) -> str:

@@ -287,9 +287,7 @@ def _place(results: Results, found: _Found, success: Order) -> Place:
     for name, lower in LOWER.items():
         for part in ("eta", "behaviour"):
             ratios = {it.proposed: getattr(it.number.splits[name], part) for it in compared}
-            values = {
-                reward: it.value for reward, it in ratios.items() if it.near_zero is None and it.value is not None
-            }
+            values = {reward: it.value for reward, it in ratios.items() if it.is_telling and it.value is not None}
             told = name if part == "eta" else f"{name} {part}"
             etas[told] = _eta_order({results.baseline: 1.0, **values}, lower, success)
     return Place(group.place, group.algorithm.label, found.engine, success, etas)

@@ -12,23 +12,30 @@ from typing_extensions import TypedDict
 from harness.authoring.commands import (
     COUNTED,
     NEAR_ZERO,
-    NOTHING,
     SUCCESS,
     Status,
     decided_by_text,
     deciding_manner,
+    measure_text,
     parse_json,
     read_bytes,
     read_form,
     short_name,
-    values_text,
 )
-from harness.authoring.pages import POOLED_TITLE, UNKNOWN, WideOrNarrow, interim_line, missing_text
+from harness.authoring.pages import (
+    POOLED_TITLE,
+    UNKNOWN,
+    WideOrNarrow,
+    interim_line,
+    interval_text,
+    missing_text,
+    ratio_text,
+)
 from harness.errors import UsageError
-from harness.eta import Answer
+from harness.eta import Answer, Change, Quantity, Ratio
 from harness.files import reading
 from harness.record import EXPERIMENT, PLAN
-from harness.report import Grid, format_number
+from harness.report import Grid
 from harness.text import command_text
 
 RECORD, SUMMARY = "results.json", "summary.md"
@@ -331,11 +338,10 @@ def _interim(record: RecordForm | None) -> list[RenderableType]:
 
 
 def _ratio(ratio: RatioForm, with_intervals: bool) -> str:
-    is_weak = NEAR_ZERO in ratio["note"]
-    told = f"{NEAR_ZERO if is_weak else format_number(ratio['value'])}{'*' if ratio['note'] else ''}"
-    if is_weak or not with_intervals or ratio["low"] is None or ratio["high"] is None:
-        return told
-    return f"{told} [{format_number(ratio['low'])}, {format_number(ratio['high'])}]"
+    weak = ratio["note"] if NEAR_ZERO in ratio["note"] else None
+    found = Ratio(ratio["value"], ratio["low"], ratio["high"], near_zero=weak)
+    interval = interval_text(found, missing="") if with_intervals else ""
+    return f"{ratio_text(found)}{'*' * bool(ratio['note'])} {interval}".rstrip()
 
 
 def _ratios(comparison: ComparisonForm) -> dict[str, RatioForm]:
@@ -362,9 +368,9 @@ def _values(comparison: ComparisonForm, key: str | None) -> str:
     decided = (
         manner or comparison.get("decided_in") or deciding_manner(comparison["deterministic"], comparison["episodes"])
     )
-    for change in comparison["behaviour"]:
-        baseline, proposed = change["baseline"], change["proposed"]
-        if (change["name"], change["manner"]) == (name, decided) and baseline is not None and proposed is not None:
-            is_share = name == SUCCESS or change.get("episodes") is not None
-            return values_text(baseline, proposed, change.get("unit", ""), is_share)
-    return NOTHING
+    for it in comparison["behaviour"]:
+        if (it["name"], it["manner"]) == (name, decided):
+            episodes = it.get("episodes") or (1 if name == SUCCESS else None)
+            measure = Quantity(name, it.get("unit", ""), "", decided, episodes)
+            return measure_text(Change(measure, it["baseline"], it["proposed"], None))
+    return measure_text(None)

@@ -249,8 +249,8 @@ NUMBERS = {
     ),
     "intervals stand behind their values": (
         compared(kb=(-50.0, 200.0), kk=(-50.0, 200.0), seeds=3),
-        "I_P with mine is 2 [2, 2] times that with base: x 2 [2, 2] by rescaling alone "
-        "(its ruler), x 1 [1, 1] by other runs (its behaviour).",
+        "I_P with mine is 2.00 [2.00, 2.00] times that with base: x 2.00 [2.00, 2.00] by rescaling alone "
+        "(its ruler), x 1.00 [1.00, 1.00] by other runs (its behaviour).",
     ),
     "an index that says little has the reason without a number": (
         compared(kb=(-100.0, 4000.0), kk=(-100.0, 1.0)),
@@ -263,12 +263,12 @@ NUMBERS = {
     ),
     "a part near zero is not split": (
         compared(bk=(-100.0, 0.5)),
-        "I_P with mine is 1 times that with base; not split: I_P of the proposed runs under the baseline reward is "
+        "I_P with mine is 1.00 times that with base; not split: I_P of the proposed runs under the baseline reward is "
         "near zero beside that of the baseline.",
     ),
     "what was not scored again": (
         decompose({BB: group(SAME), KK: group((-100.0, 200.0))}, missing="base.csv has no distances to score again"),
-        "I_P with mine is 2 times that with base; not split: base.csv has no distances to score again.",
+        "I_P with mine is 2.00 times that with base; not split: base.csv has no distances to score again.",
     ),
 }
 
@@ -283,7 +283,7 @@ def test_the_number_is_said(found, said):
 def test_both_indices_are_told():
     """I_N first."""
     said = headline_of(compared(**TRIAL)).number
-    assert said.startswith("I_N with mine is 0.09 times that with base: x 0.0615 by ")
+    assert said.startswith("I_N with mine is 0.0900 times that with base: x 0.0615 by ")
     assert said.index("I_N with mine") < said.index("I_P with mine")
 
 

@@ -20,17 +20,17 @@ from harness.results.overview import (
     [
         (Ratio(1.2345), "1.23"),
         (Ratio(0.5), "0.500"),
-        (Ratio(123456.7), "123457"),
+        (Ratio(123456.7), "123,000"),
         (Ratio(2.5e7), "2.50e+07"),
         (Ratio(None), "n/a"),
         (Ratio(1e9, near_zero="I_P of the baseline is near zero"), "near zero"),
-        (Ratio(0.5, 0.25, 12.3), "0.500 [.25, 12]"),
-        (Ratio(-0.5, -0.75, 0.0), "-0.500 [-.75, .0]"),
+        (Ratio(0.5, 0.25, 12.3), "0.500 [0.250, 12.3]"),
+        (Ratio(-0.5, -0.75, 0.0), "-0.500 [-0.750, 0.00]"),
         (Ratio(1.0, 0.0, 2.0, near_zero="I_P"), "near zero"),
     ],
 )
-def test_a_ratio_has_three_digits_and_its_interval_two(ratio, text):
-    """All digits before the point below a million; without the zero before a point; none where it says nothing."""
+def test_a_ratio_and_its_interval_have_three_digits(ratio, text):
+    """Below a million without an exponent; no interval where it says nothing."""
     splits = {name: SimpleNamespace(eta=ratio, ruler=Ratio(1.0)) for name in ("eta_N", "eta_P")}
     headline = SimpleNamespace(answer=SimpleNamespace(value="helps"), decided_by=None)
     told = SimpleNamespace(number=SimpleNamespace(splits=splits), decisive=None, decisive_changes=(), headline=headline)
@@ -38,11 +38,11 @@ def test_a_ratio_has_three_digits_and_its_interval_two(ratio, text):
 
 
 def test_two_values_stand_beside_an_arrow():
-    """A share in whole percent, another measure in its unit: no sign that reads as an inequality."""
+    """As on the page, with the digits that tell them apart: no sign that reads as an inequality."""
     share = Quantity("success_rate", "", "higher", "deterministic", 100)
     time = Quantity("time_to_target", "s", "lower", "deterministic")
-    assert measure_text(Change(share, 0.99, 1.0, None)) == "99 -> 100 %"
-    assert measure_text(Change(time, -1140.0, -78.9, None)) == "-1140 -> -78.9 s"
+    assert measure_text(Change(share, 0.99, 1.0, None)) == "99.0 -> 100.0 %"
+    assert measure_text(Change(time, -1140.0, -78.9, None)) == "-1,140 -> -79 s"
 
 
 def _decided(name):
@@ -58,7 +58,7 @@ def _decided(name):
     [
         (None, "-"),
         ("success_rate", "success"),
-        ("time_to_target", "the time, 0.861 -> 0.370 s"),
+        ("time_to_target", "the time, 0.86 -> 0.37 s"),
         ("success_rate while training", "success while training, 42 -> 61 %"),
     ],
 )

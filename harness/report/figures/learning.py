@@ -6,10 +6,9 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.eta.behaviour_change import Change, performance_profile
-from harness.eta.headline import count_seeds
+from harness.eta.headline import Text, count_seeds
 from harness.report.figures.chart import GAP, Area, Axis, Chart, Dots, Line, Mark, Shape, linear_axis, share_axis
 from harness.report.rows.comparison import percentage
-from harness.report.rows.ratios import Text
 from harness.results.comparison import Comparison
 from harness.results.learning import Learning, LearningCurve, Point
 from harness.results.replay import Trajectories, Trajectory

@@ -8,19 +8,18 @@ from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
 from harness.eta.behaviour_change import Change
-from harness.eta.headline import difference_of
-from harness.eta.index import Ratio, SeedMean
-from harness.eta.splits import Split, SumSplit
-from harness.report.figures.chart import Axis, Chart, Dots, Line, Mark, Note, Shape, linear_axis
-from harness.report.rows.ratios import (
-    NEITHER,
-    better_of,
+from harness.eta.headline import (
+    difference_of,
     format_number,
     interval_text,
     is_drawable,
     ratio_text,
     ratio_with_interval,
 )
+from harness.eta.index import Ratio, SeedMean
+from harness.eta.splits import Split, SumSplit
+from harness.report.figures.chart import Axis, Chart, Dots, Line, Mark, Note, Shape, linear_axis
+from harness.report.rows.ratios import NEITHER, better_of
 
 PATHS = (("proposed runs", 3.5), ("baseline's runs", 6.7))
 """The names of both paths, and where their rows begin, counted down from the top."""

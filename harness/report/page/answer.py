@@ -9,7 +9,16 @@ import numpy as np
 
 from harness.eta.amounts import difference_text, listed, same_text, short_seen_text, short_values, trainings_text
 from harness.eta.behaviour_change import Change
-from harness.eta.headline import SHORT, TIME, Answer, name_of, name_with_article
+from harness.eta.headline import (
+    SHORT,
+    TIME,
+    Answer,
+    format_number,
+    interval_text,
+    name_of,
+    name_with_article,
+    ratio_text,
+)
 from harness.eta.index import NOTHING, Ratio
 from harness.eta.judgement import OPEN, Verdict
 from harness.eta.power import range_text
@@ -27,7 +36,6 @@ from harness.report.rows.comparison import (
     text_of,
     word_of,
 )
-from harness.report.rows.ratios import format_number, interval_text, ratio_text
 from harness.report.rows.returns import PaySentence, pay_of
 from harness.results.comparison import Comparison, Group, pools_of
 from harness.results.pool import Pool
@@ -349,15 +357,16 @@ def _with_pay(card: Card, pay: PaySentence, answer: Answer) -> Card:
     return card._replace(pay=told, is_ruler=pay.is_ruler, why=pay.why, parts=parts)
 
 
-def groups_of(cards: Sequence[Card], comparisons: Sequence[Comparison]) -> list[dict[str, Any]]:
+def groups_of(cards: Sequence[Card], comparisons: Sequence[Comparison], shown: int = 0) -> list[dict[str, Any]]:
     """The comparisons of a page by their answer, with a sentence for all that have none in common.
 
     Args:
         cards: The card of each comparison.
         comparisons: The comparisons.
+        shown: How many of them stand there in full, and so in no group.
     """
     groups: dict[str, list[int]] = {}
-    for number, card in enumerate(cards):
+    for number, card in enumerate(cards[shown:], shown):
         groups.setdefault(card.badge, []).append(number)
     return [
         {

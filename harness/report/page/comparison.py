@@ -5,8 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from harness.eta.amounts import capitalised
-from harness.eta.headline import SUCCESS
+from harness.eta.headline import SUCCESS, Text, format_number
 from harness.record.cell import Cell
 from harness.report.figures.accumulated import draw_both, panels_of
 from harness.report.figures.chart import Chart
@@ -42,7 +41,7 @@ from harness.report.rows.comparison import (
     story,
     text_of,
 )
-from harness.report.rows.ratios import Text, format_number, scales_text, step_text
+from harness.report.rows.ratios import scales_text, step_text
 from harness.report.rows.returns import (
     READING,
     Audits,
@@ -307,7 +306,7 @@ def describe_comparison(comparison: Comparison) -> str:
         else f"trained twice, once paid by {comparison.baseline}, once by {comparison.proposed}"
     )
     what = ", ".join(f"{kind} {label}" for kind, label in group.shown.items())
-    told = f"{capitalised(what)}. {capitalised(compared_text(comparison))}, {group.steps:,} steps each: {paid}."
+    told = f"{what[:1].upper()}{what[1:]}. {compared_text(comparison)}, {group.steps:,} steps each: {paid}."
     scales = scales_text(group.subject)
     return f"{told} {READING} {scales}" if comparison.number.pay else f"{told} {scales}"
 

@@ -36,7 +36,6 @@ def write_eta_page(comparison: ComparedRuns, path: Path) -> None:
     page = Page(
         question=comparison_title(comparison),
         comparisons=[section],
-        ordered=[section],
         has=parts_of([section], has_more=False),
         is_open=True,
         told={**SHARED, "subject": "robot", "cells": "Runs", "is_curve_open": "yes"},

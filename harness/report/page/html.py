@@ -92,10 +92,6 @@ CROSSOVER = (
     "The cross-over is the first step after the first negative one at which the mean is not negative; it may turn "
     "negative again."
 )
-OPEN = 2
-"""Up to this many comparisons are shown in full. If there are more, each is a line that opens."""
-
-
 SHARED = {
     "learning": LEARNING,
     "crossover": CROSSOVER,
@@ -143,9 +139,9 @@ class Page:
 
     question: str
     comparisons: Sequence[Section]
-    ordered: Sequence[Section]
     has: Mapping[str, bool]
     is_open: bool
+    """Whether the first comparison is shown in full: one of another reward. All others are lines that open."""
     told: Mapping[str, str]
     cell_count: str
     setting: str = ""
@@ -202,12 +198,12 @@ def _render(results: Results, audits: Audits) -> str:
     matrix = matrix_of(combinations)
     shows = shows_of(results)
     links = links_of(shows, combinations)
-    is_open = len(combinations) <= OPEN
     sections = [
         comparison_section(results, place, entry.place, points, audits, found)
         for place, (entry, found) in enumerate(zip(matrix.entries, links, strict=True), 1)
     ]
-    groups = groups_of([section.card for section in sections], combinations)
+    is_open = sum(not it.is_control for it in combinations) < 2
+    groups = groups_of([section.card for section in sections], combinations, is_open * 1)
     sides = [side for section in sections if section.frames for side in section.frames.sides]
     ranking, added = list(map(task_rows, ranking_of(results).tasks)), tuple(shown_sections(results).values())
     returns = [(matrix_title(it), return_grid(it)) for it in results.returns]
@@ -224,7 +220,6 @@ def _render(results: Results, audits: Audits) -> str:
         comparisons=sections,
         advice=next((text for it in combinations if (text := until_decided(results, it))), ""),
         groups=groups,
-        ordered=[sections[place] for group in groups for place in group["places"]],
         is_open=is_open,
         pictured=any(side.source for side in sides),
         has=parts_of(sections, bool(ranking or returns or added)),

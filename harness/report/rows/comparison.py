@@ -8,14 +8,14 @@ from typing import NamedTuple
 from harness.eta.amounts import listed, trainings_text
 from harness.eta.behaviour_change import Change, Quantity
 from harness.eta.equal import equal_sentences
-from harness.eta.headline import Answer, count_seeds, count_trainings
+from harness.eta.headline import Answer, Text, count_seeds, count_trainings, format_number, interval_text, points
 from harness.eta.index import NOTHING
 from harness.eta.manner import DETERMINISTIC, EVALUATION, LAST_FIFTH, STOCHASTIC, WHOLE
 from harness.eta.swaps import p_text
 from harness.record.file_forms import Status
 from harness.record.plan_file import EXPERIMENT
 from harness.report.rows import Grid
-from harness.report.rows.ratios import Text, format_number, value_rows
+from harness.report.rows.ratios import value_rows
 from harness.results import Results
 from harness.results.choosing import Choosing
 from harness.results.comparison import Comparison, StepChange, pools_of, still_to_come
@@ -139,7 +139,7 @@ def _title(comparison: Comparison, manner: str) -> str:
     seen = count_of(comparison, manner, episodes)
     if manner in (DETERMINISTIC, STOCHASTIC):
         return f"Behaviour of the trained policies, {manner}, {seen} per seed"
-    where = comparison.measured.counted.get(manner, EPISODES).where
+    where = where_text(comparison, manner)
     # trainings need not have the same number of episodes
     return f"Behaviour {manner}, {f'{seen} or more per seed {where}'.rstrip()}"
 
@@ -165,11 +165,8 @@ def text_of(measure: Quantity) -> Text:
 
 def _difference(change: Change, is_share: bool) -> str:
     """The interval of proposed - baseline."""
-    if change.low is None or change.high is None:
-        return NOTHING
-    if is_share:  # percentage points
-        return f"[{100 * change.low + 0.0:.1f}, {100 * change.high + 0.0:.1f}] pp"
-    return f"[{format_number(change.low)}, {format_number(change.high)}]"
+    told = interval_text(change, text=points if is_share else format_number)
+    return f"{told} pp" if is_share and told != NOTHING else told
 
 
 def percentage(value: float | None) -> str:
@@ -377,6 +374,15 @@ def count_of(comparison: Comparison, manner: str, count: int) -> str:
     return f"{count:,} {comparison.measured.counted.get(manner, EPISODES).noun}{'s' * (count != 1)}"
 
 
+def where_text(comparison: Comparison, manner: str) -> str:
+    """Of which steps a manner tells; empty if it is all that are asked about."""
+    over = comparison.measured.counted.get(manner, EPISODES).over
+    if over is None:
+        return ""
+    begin, end = (f"{it:,.0f}" for it in over)
+    return f"after {end} steps" if begin == end else f"from {begin} to {end} steps"
+
+
 def basis_text(comparison: Comparison) -> str:
     """Which episodes the verdict rests on, where that needs saying; else empty."""
     is_measured = comparison.has_trainings and comparison.measured.changes
@@ -384,7 +390,7 @@ def basis_text(comparison: Comparison) -> str:
         return ""
     count = comparison.measured.episodes[comparison.manner]
     told = f"{count_of(comparison, comparison.manner, count)} or more of each seed"
-    where = comparison.measured.counted.get(comparison.manner, EPISODES).where
+    where = where_text(comparison, comparison.manner)
     rests = "will rest" if comparison.headline.answer is Answer.INTERIM else "rests"
     if comparison.manner.startswith(EVALUATION):
         return f"The verdict {rests} on evaluations of the final policies, {f'{told} {where}'.rstrip()}."

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from harness.eta.headline import interval_text
 from harness.eta.index import NOTHING
 from harness.eta.ranking import Agreement, Answer, Transplant
 from harness.report.rows import Grid
@@ -106,9 +107,8 @@ def agreement_text(agreement: Agreement) -> str:
     """Tau with its interval, or why there is none."""
     if agreement.tau is None:
         return f"tau {NOTHING}, {agreement.note}"
-    if agreement.low is None or agreement.high is None:
-        return f"tau {agreement.tau:.2f} ({agreement.note})"
-    return f"tau {agreement.tau:.2f} {_interval(agreement)}{f' ({agreement.note})' if agreement.note else ''}"
+    note = agreement.note and f"({agreement.note})"
+    return " ".join(filter(None, (f"tau {agreement.tau:.2f}", _interval(agreement, ""), note)))
 
 
 def _votes_text(task: TaskRanking, kind: Kind) -> str:
@@ -118,8 +118,8 @@ def _votes_text(task: TaskRanking, kind: Kind) -> str:
     return f"{len(votes)} {noun}{'s' * (len(votes) != 1)} ({', '.join(votes)})"
 
 
-def _interval(agreement: Agreement) -> str:
-    return f"[{agreement.low:.2f}, {agreement.high:.2f}]"
+def _interval(agreement: Agreement, missing: str = NOTHING) -> str:
+    return interval_text(agreement, missing, lambda end: f"{end or 0.0:.2f}")
 
 
 def _rank_table(task: TaskRanking, score: str) -> RankTable:
@@ -169,10 +169,8 @@ def _choices(task: TaskRanking) -> Grid:
 
 
 def _cost(found: Transplant) -> tuple[str, str, str]:
-    interval = ""
-    if found.low is not None and found.high is not None:
-        interval = f" [{100 * found.low:.0f}, {100 * found.high:.0f}]"
-    return f"{100 * found.cost:.1f}{interval}", found.answer.value.upper(), found.note
+    interval = interval_text(found, "", lambda end: f"{100 * (end or 0.0):.0f}")
+    return f"{100 * found.cost:.1f} {interval}".rstrip(), found.answer.value.upper(), found.note
 
 
 def _agreements(task: TaskRanking) -> Grid:
@@ -180,10 +178,9 @@ def _agreements(task: TaskRanking) -> Grid:
     for pair in task.pairs:
         agreement = pair.agreement
         tau = NOTHING if agreement.tau is None else f"{agreement.tau:.2f}"
-        interval = NOTHING if agreement.low is None else _interval(agreement)
         same = [f"one engine ({pair.votes[0]}): no second vote"] if pair.votes[0] == pair.votes[1] else []
         told = "; ".join([*([agreement.note] if agreement.note else []), *same])
-        rows.append((f"{' / '.join(pair.names)}{_shared(task, pair)}", tau, interval, told))
+        rows.append((f"{' / '.join(pair.names)}{_shared(task, pair)}", tau, _interval(agreement), told))
     return Grid(AGREEMENTS, rows, [])
 
 

@@ -1,11 +1,10 @@
 """Ratios of two rewards and their parts, as text and small grids that the terminal and the page share."""
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from typing import TypeAlias
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
 from harness.eta.curve import Kind
-from harness.eta.headline import format_number as format_number  # noqa: PLC0414 -- with the other texts of numbers here
-from harness.eta.index import NEAR_ZERO, NOTHING, Index, Ratio, SeedMean
+from harness.eta.headline import Text, format_number, interval_text, ratio_text
+from harness.eta.index import NOTHING, Index, Ratio, SeedMean
 from harness.eta.splits import Decomposition, Split, SplitPath, Splits, SumSplit
 from harness.eta.swaps import p_text
 from harness.report.rows import Grid
@@ -26,10 +25,6 @@ PARTS = ("", "ruler", "95% interval", "behaviour", "95% interval")
 PATH_NAMES = ("proposed runs", "baseline's runs")
 NEITHER = "neither"
 BETTER = {"eta_N": "below 1", "eta_P": "above 1"}
-
-
-Text: TypeAlias = Callable[[float | None], str]
-"""A function that writes a value as text."""
 
 
 def scales_text(subject: str) -> str:
@@ -130,29 +125,6 @@ def value_rows(
     intervals = [interval_text(it, "", text) if with_points or it.low != it.high else "" for it in means]
     row = (name, *(text(it.mean) for it in means))
     return [row, ("  95% interval", *intervals)] if any(intervals) else [row]
-
-
-def is_drawable(ratio: Ratio) -> bool:
-    """Whether a ratio can be drawn: 0 has no logarithm, and a ratio that says little would stretch the axis."""
-    return ratio.value is not None and ratio.value > 0.0 and ratio.near_zero is None
-
-
-def ratio_text(ratio: Ratio) -> str:
-    """The ratio, unless it says little because an index is near zero beside the other."""
-    return format_number(ratio.value) if ratio.near_zero is None else NEAR_ZERO
-
-
-def interval_text(of: Ratio | SeedMean, missing: str = NOTHING, text: Text = format_number) -> str:
-    """The interval of a ratio, under the same condition, or of a mean; `missing` if there is none."""
-    says_little = isinstance(of, Ratio) and of.near_zero is not None
-    if says_little or of.low is None or of.high is None:
-        return missing
-    return f"[{text(of.low)}, {text(of.high)}]"
-
-
-def ratio_with_interval(ratio: Ratio) -> str:
-    """The ratio, and its interval if there is one to show."""
-    return f"{ratio_text(ratio)} {interval_text(ratio, missing='')}".rstrip()
 
 
 def _known(splits: Iterable[Split]) -> set[str]:

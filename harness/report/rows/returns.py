@@ -6,14 +6,13 @@ from typing import NamedTuple
 
 from harness.errors import sentence
 from harness.eta.curve import Kind
-from harness.eta.headline import ReturnSplit, format_number, signed
+from harness.eta.headline import ReturnSplit, format_number, is_drawable, signed
 from harness.eta.index import NOTHING, SeedMean
 from harness.eta.splits import BB, KK, Split, Splits, SumSplit
 from harness.registry.choice import parse
 from harness.report.rows import Grid
 from harness.report.rows.ratios import (
     index_grid,
-    is_drawable,
     lines_of,
     split_grids,
     sum_grid,
@@ -148,7 +147,7 @@ def _ratio(told: str, split: Split) -> PaySentence | None:
         return None
     told = told.format(format_number(eta.value))
     if not (is_drawable(split.ruler) and is_drawable(split.behaviour)):
-        return _without_parts(told, split.ruler.near_zero or split.ruler.note)
+        return _without_parts(told, split.ruler.why)
     parts = (("ruler", split.ruler), ("behaviour", split.behaviour))
     return PaySentence(
         told,

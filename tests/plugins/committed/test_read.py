@@ -6,8 +6,8 @@ import pytest
 from rich.console import Console
 
 from harness.errors import SchemaError
+from harness.eta.headline import interval_text
 from harness.report.document import report_text
-from harness.report.rows.ratios import interval_text
 from harness.results.overview import decider_text, measure_text
 from harness_plugins.committed import committed_table, committed_text, is_committed, refuse_committed
 from tests.refusals import refused
