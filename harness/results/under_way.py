@@ -74,12 +74,6 @@ def so_far(cell: Cell, store: Store) -> SoFar | None:
     return SoFar(found.steps, pay, success, ". ".join(filter(None, (told, found.hint(cell.steps).rstrip(".")))))
 
 
-def hint_in(cell: Cell, folder: Path) -> str:
-    """What the training in a folder hints at; see `hint_of`."""
-    found = _recorded(cell, folder)
-    return found.hint(cell.steps) if found else ""
-
-
 class _Recorded(NamedTuple):
     """The episodes of a training that have ended, (episodes,) each; see `hint_of`."""
 
@@ -111,7 +105,7 @@ def _recorded(cell: Cell, folder: Path) -> _Recorded | None:
     if (folder / TRACE).exists():
         trace = read_trace(folder / TRACE)
         steps, (last, reached, pay) = np.cumsum(trace["step"] > 0), learned(trace).reshape(3, -1)
-        return _Recorded(int(steps[-1]), steps[last.astype(int)], pay, reached, SUCCESS, "higher")
+        return _Recorded(int(steps.max(initial=0)), steps[last.astype(int)], pay, reached, SUCCESS, "higher")
     return None
 
 
@@ -159,8 +153,8 @@ def hint_of(
         told = f"In {won} pairs of neighbouring episodes the one that {worse} was paid more"
     elif found := _moved(paid, did, size, least, may_be_low=is_flag and 0 < FIRST * asked <= steps[-1]):
         pair, fell = found
-        before, now = (f"{100 * it:.0f} %" if is_flag else f"{abs(it):.3g}" for it in did.means_of(pair))
-        earned, earns = (f"{it:.3g}" for it in paid.means_of(pair))
+        before, now = (f"{100 * it:.0f} %" if is_flag else f"{abs(it):.3g}" for it in did.of_pair(pair))
+        earned, earns = (f"{it:.3g}" for it in paid.of_pair(pair))
         did_not = "did not: from" if not fell else "rose from" if better == "lower" else "fell from"
         since = f"since step {steps[(pair.begin + pair.width) * size - 1]:,}"
         told = f"Pay rose from {earned} to {earns} {since} while {name} {did_not} {before} to {now}"
@@ -195,41 +189,31 @@ def _moved(paid: "_Series", did: "_Series", size: int, least: float, may_be_low:
     All looks at a training of any length share `ERROR`: each size of block has its part, of that each width, and of
     that each pair of windows that blocks of this size can ever make (Bonferroni).
     """
-    found, fall = list[tuple[float, _Pair, bool]](), _Series(-did.means, did.variances)
+    found = list[tuple[float, _Pair, bool]]()
     for pair in _pairs(len(did.means)):
-        need, (before, now) = pair.needed(size), did.means_of(pair)
-        surprise = paid.surprise(pair) if paid.rise(pair) > 0.0 else 0.0
-        if surprise < need:
+        need, (before, now), (earned, earns) = pair.needed(size), did.of_pair(pair), paid.of_pair(pair)
+        excess = paid.surprise(pair, earns - earned) - need
+        if excess < 0.0:
             continue
-        if before - now >= least and fall.surprise(pair) >= need:
-            found.append((min(surprise, fall.surprise(pair)) - need, pair, True))
+        if before - now >= least and (fell := did.surprise(pair, before - now) - need) >= 0.0:
+            found.append((min(excess, fell), pair, True))
         elif may_be_low and now <= before and now < LOW and did.most(pair, size, need) <= LEAST_SHARE:
-            found.append((surprise - need, pair, False))
+            found.append((excess, pair, False))
     return max(found)[1:] if found else None
 
 
-@dataclass(frozen=True, order=True)
-class _Pair:
-    """Two windows of equally many blocks that do not overlap: where each begins, and its width."""
+class _Pair(NamedTuple):
+    """Two windows of equally many blocks that do not overlap: their width, and where each begins."""
 
     width: int
     begin: int
     last: int
 
-    @property
-    def earlier(self) -> slice:
-        return slice(self.begin, self.begin + self.width)
-
-    @property
-    def later(self) -> slice:
-        return slice(self.last, self.last + self.width)
-
     def needed(self, episodes: int) -> float:
         """What a surprise has to reach, in nats, where a block has so many episodes."""
         size = episodes.bit_length()  # 1, 2, 3 ...: the parts 1 / 2, 1 / 6, 1 / 12 ... make 1 together
         lasts = 2 * MOST // self.width - 3  # where a window may begin that has one before it, in steps of half a width
-        pairs = lasts * (lasts + 1) / 2
-        return log(size * (size + 1) * len(WIDTHS) * pairs / ERROR)
+        return log(size * (size + 1) * len(WIDTHS) * lasts * (lasts + 1) / 2 / ERROR)
 
 
 def _pairs(count: int) -> Iterator[_Pair]:
@@ -237,8 +221,7 @@ def _pairs(count: int) -> Iterator[_Pair]:
     for width in WIDTHS:
         half = width // 2
         last = count // half * half - width
-        for begin in range(0, last - width + 1, half):
-            yield _Pair(width, begin, last)
+        yield from (_Pair(width, begin, last) for begin in range(0, last - width + 1, half))
 
 
 @dataclass(frozen=True, eq=False)
@@ -259,45 +242,35 @@ class _Series:
         blocks = numbers[: len(numbers) // size * size].reshape(-1, size)
         return cls(blocks.mean(axis=1), blocks.var(axis=1, ddof=1) / size if size > 1 else np.zeros(len(blocks)))
 
-    def means_of(self, pair: _Pair) -> tuple[float, float]:
+    def of_pair(self, pair: _Pair) -> tuple[float, float]:
         """The mean of the earlier window and of the later one."""
-        sums, width = self.sums, pair.width
-        first, last = sums[pair.begin + width] - sums[pair.begin], sums[pair.last + width] - sums[pair.last]
-        return first / width, last / width
+        before, now = (float(self.means[it : it + pair.width].mean()) for it in pair[1:])
+        return before, now
 
-    @cached_property
-    def sums(self) -> list[float]:
-        """Sums of the means before each block, and of all."""
-        return [0.0, *np.cumsum(self.means).tolist()]
-
-    def rise(self, pair: _Pair) -> float:
-        """The later window less the earlier one."""
-        before, now = self.means_of(pair)
-        return now - before
-
-    def surprise(self, pair: _Pair) -> float:
-        """The surprise of a rise, in nats: -log p of a t test.
-
-        The error of a window's mean is the largest of three: from block to block in both windows, from block to block
-        in the whole training, which no calm window hides, and within blocks. What neighbours differ by is taken, so
-        that a drift is no error; how alike they are makes it larger.
-        """
-        error, rise = self._error(pair), self.rise(pair)
-        if error == 0.0:
-            return inf if rise > 0.0 else 0.0
-        chance = float(stdtr(2 * pair.width - 2, -rise / sqrt(error)))
+    def surprise(self, pair: _Pair, moved: float) -> float:
+        """The surprise that the mean moved by so much in one direction, in nats: -log p of a t test."""
+        error = self._error(pair)
+        if error == 0.0 or moved <= 0.0:
+            return inf if moved > 0.0 else 0.0
+        chance = float(stdtr(2 * pair.width - 2, -moved / sqrt(error)))
         return -log(chance) if chance > 0.0 else inf
 
     def most(self, pair: _Pair, size: int, need: float) -> float:
         """The most by which success may have risen, up to a chance of exp(-need): k failures are no proof of 0 %."""
-        count = pair.width * size
-        least = 2.0 * (count + 1) / (count + 2) ** 2 / size
-        return self.rise(pair) - float(stdtrit(2 * pair.width - 2, exp(-need))) * sqrt(self._error(pair, least))
+        before, now = self.of_pair(pair)
+        least = 2.0 * (pair.width * size + 1) / (pair.width * size + 2) ** 2 / size
+        return now - before - float(stdtrit(2 * pair.width - 2, exp(-need))) * sqrt(self._error(pair, least))
 
     def _error(self, pair: _Pair, least: float = 0.0) -> float:
-        windows = self.means[pair.earlier], self.means[pair.later]
-        near = float(np.mean([np.mean(np.diff(it) ** 2) for it in windows]))
-        within = float(np.mean(self.variances[pair.earlier]) + np.mean(self.variances[pair.later]))
+        """The largest of three errors, or `least`, of the difference of two windows.
+
+        From block to block in both windows, from block to block in the whole training, which no calm window hides, and
+        within blocks. What neighbours differ by is taken, so that a drift is no error; how alike they are makes it
+        larger.
+        """
+        windows = [slice(it, it + pair.width) for it in pair[1:]]
+        near = float(np.mean([np.mean(np.diff(self.means[it]) ** 2) for it in windows]))
+        within = float(sum(np.mean(self.variances[it]) for it in windows))
         alone = (1.0 - self.alike) / (1.0 + self.alike)  # so much of a block says something new
         return max(near, self.neighbours, within, least) / alone / pair.width
 
