@@ -106,22 +106,16 @@ def evaluate_policy(
             try:
                 for line in tell_normalisation(made, Path(path), policy):
                     recorded.note(line)
-                _act(policy, recorded, range(first_seed, first_seed + episodes))
+                for number in range(first_seed, first_seed + episodes):
+                    (observation, _), ended = recorded.reset(seed=number), False
+                    while not ended:
+                        observation, _, terminated, truncated, _ = recorded.step(policy(observation))
+                        ended = terminated or truncated
             finally:
                 recorded.finish()
     finally:
         if made is not env:
             made.close()
-
-
-def _act(policy: Callable[[Any], Any], env: RecordRewards[Any, Any], seeds: range) -> None:
-    """An episode for each seed."""
-    for seed in seeds:
-        observation, _ = env.reset(seed=seed)
-        ended = False
-        while not ended:
-            observation, _, terminated, truncated, _ = env.step(policy(observation))
-            ended = terminated or truncated
 
 
 @contextmanager
@@ -139,8 +133,14 @@ def _grown_beside(path: Path) -> Iterator[Path]:
         _clear(path, partial)
     yield partial
     with _told(path):
-        if read_facts(partial).closed:  # else it could not be written, which was told
-            _give_name(partial, path)
+        if not read_facts(partial).closed:  # it could not be written, which was told
+            return
+        if not path.exists():
+            publish(partial, path)
+            return
+        for name in sorted(recording_files(partial), key=lambda name: name == facts_name(0)):  # which make it one
+            os.replace(partial / name, path / name)
+        shutil.rmtree(partial)
 
 
 @contextmanager
@@ -160,16 +160,6 @@ def _clear(path: Path, partial: Path) -> None:
             pass
     except Timeout:
         raise UsageError(f"'{path}' is being recorded by another process: name another path, or wait") from None
-    shutil.rmtree(partial)
-
-
-def _give_name(partial: Path, path: Path) -> None:
-    """Move the recording to its place; into a folder that is there already its facts come last, which make it one."""
-    if not path.exists():
-        publish(partial, path)
-        return
-    for name in sorted(recording_files(partial), key=lambda name: name == facts_name(0)):
-        os.replace(partial / name, path / name)
     shutil.rmtree(partial)
 
 

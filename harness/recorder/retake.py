@@ -94,12 +94,11 @@ class Retake:
             log = read_recorder(folder, number)
             rows, facts = _calls_in(folder, log), facts_of(log)
             for env in range(facts.num_envs):
-                yield begin + env, self._walks_of(folder, facts, rows.part(rows["env"] == env))
+                calls, again = rows.part(rows["env"] == env), KeepWalks(self.make())
+                with closing(again), self._recorded(folder, facts, calls, again, Columns({}, {}), 0):
+                    found = again.walks
+                yield begin + env, found
             begin += facts.num_envs
-
-    def _walks_of(self, folder: Path, facts: TrainingFacts, calls: Rows) -> list[Walk]:
-        with closing(KeepWalks(self.make())) as env, self._recorded(folder, facts, calls, env, Columns({}, {}), 0):
-            return env.walks
 
     def _of_recorder(self, folder: Path, facts: TrainingFacts, calls: Rows, done: int) -> Log:
         """Its envs one after the other: each of them went on by itself."""

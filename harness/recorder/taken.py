@@ -266,7 +266,7 @@ class Taken:
         if of_step:
             acted = [actions[0], *actions][-len(ticks) - 1 : -1]
             parts += [list(map(self._acted, acted, ticks)), [self._told[it] for it in places]]
-            ends = [self._ended(ticks, flag, batched) for flag in ("terminated", "truncated")]
+            ends = self._ends(first, batched)
         if self._spaces is not None and not batched:
             space, acts = self._spaces
             kinds = (space, acts, space, None, acts, None)
@@ -277,16 +277,15 @@ class Taken:
         thens = map(Before._make, zip(before, *acted, strict=True))
         return [(Now._make(it),) for it in zip(after, actions, infos, *ends, thens, strict=True)]
 
-    def _ended(self, ticks: Sequence[tuple[Any, ...]], flag: str, batched: bool) -> list[Any]:
-        """Whether steps ended an episode, as functions are given it: of a batch the envs that were reset did not."""
+    def _ends(self, first: int, batched: bool) -> Any:
+        """Whether steps terminated an episode, and truncated it: of a batch the envs that were reset did not."""
         if not batched:
-            flags = (getattr(Rows._make(tick), flag) for tick in ticks)
-            return list(map(bool, flags)) if self._spaces is None else np.concatenate(list(flags)).tolist()
-        made = np.zeros((len(ticks), self._num_envs), bool)
-        for whole, tick in zip(made, map(Rows._make, ticks), strict=True):
-            whole[tick.envs] = getattr(tick, flag)
+            return [list(map(bool, flags)) for flags in self._rows(first)[4:]]
+        made = np.zeros((2, len(self._ticks) - first, self._num_envs), bool)
+        for place, tick in enumerate(self._ticks[first:]):
+            made[:, place, tick[0]] = tick[4:]
         made.setflags(write=False)
-        return list(made)
+        return made
 
     def _acted(self, action: Any, tick: tuple[Any, ...]) -> Any:
         """The action before a step: before the first one of an episode zeros."""

@@ -28,7 +28,10 @@ FIRST_STEPS = 100
 RESTART = "reset"
 """In place of an answer: the function was told that an episode starts."""
 SHARED = "Its copies share a memory, as an attribute of the class. Keep it in self"
-WHAT_TO_WRITE = "Write a class with reset() that keeps in self what it remembers and sets it anew in reset()"
+WHAT_IS_WRONG = (
+    "It remembers something from call to call, as a global variable does, or draws by chance. "
+    "Write a class with reset() that keeps in self what it remembers and sets it anew in reset()"
+)
 
 
 @dataclass(frozen=True)
@@ -93,7 +96,7 @@ class Trial:
         elif not column.remembers:
             again = self._total(column, column.measures[0], step)
             if not _alike(answer, again):
-                return Finding(column, f"{_other(answer, again)} about the same step at once. {_what_is_wrong()}")
+                return Finding(column, f"{_other(answer, again)} about the same step at once. {WHAT_IS_WRONG}")
         noted.append((step, answer))
         return None
 
@@ -127,7 +130,7 @@ class Trial:
         apart = self._first_apart(column, column.measures[0]) or self._apart_backwards(column)
         if not apart or uses_parts_of(column.given, self.env):  # the env stands elsewhere now
             return None
-        return Finding(column, f"{apart}. {_what_is_wrong()}")
+        return Finding(column, f"{apart}. {WHAT_IS_WRONG}")
 
     def _apart_backwards(self, column: Column) -> str:
         """The same of a function as it was at the beginning, from the last step on: it may remember the first one."""
@@ -222,10 +225,6 @@ def _copy(column: Column) -> Any:
         return copy.deepcopy(column.measures[0])
     except Exception:  # whatever objects of users raise
         return None
-
-
-def _what_is_wrong() -> str:
-    return f"It remembers something from call to call, as a global variable does, or draws by chance. {WHAT_TO_WRITE}"
 
 
 def _other(answer: Any, again: Any) -> str:

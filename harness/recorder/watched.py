@@ -30,7 +30,8 @@ def start_watching(folder: Path) -> "subprocess.Popen[bytes]":
 
     A browser opens where a person sits at a desktop. End it by closing its standard input.
     """
-    browser = "--browser" if sys.stdout.isatty() and _has_desktop() else "--no-browser"
+    has_desktop = sys.platform in {"darwin", "win32"} or bool(os.environ.keys() & {"DISPLAY", "WAYLAND_DISPLAY"})
+    browser = "--browser" if sys.stdout.isatty() and has_desktop else "--no-browser"
     call = [sys.executable, "-c", CHILD, "watch", str(folder.absolute()), browser]
     page = subprocess.Popen(call, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
     has_told = threading.Event()
@@ -46,7 +47,3 @@ def _pass_on(lines: IO[bytes], has_told: threading.Event) -> None:
             print_visible(line.decode(errors="replace").rstrip("\n"), err=True)
             has_told.set()
     has_told.set()
-
-
-def _has_desktop() -> bool:
-    return sys.platform in {"darwin", "win32"} or bool(os.environ.keys() & {"DISPLAY", "WAYLAND_DISPLAY"})
