@@ -178,7 +178,7 @@ def _audit(
     if not pairs:
         told.append(
             f"There is only one reward, {rewards[0]}, so none is compared with it. Record another one beside it, see "
-            "docs/your-environment.md"
+            "docs/recording.md"
         )
     known = [name for name in rewards if all(name in it.returns for it in judged)] if success else []
     count, kind = len(compared), "training" if trainings else "evaluation"
