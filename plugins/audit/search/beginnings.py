@@ -1,5 +1,6 @@
 """What a search begins from beside scripts: policies of people, what trainings have done."""
 
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -89,20 +90,30 @@ def acting(world: World, policy: Policy) -> Act:
 
 def _checked(world: World, policy: Act, noun: str) -> Act:
     """A policy that somebody wrote; what it does wrong is said to be its fault, and not the environment's."""
-    space = world.space
 
     def act(observed: Any) -> Any:
         try:
             action = policy(observed)
         except Exception as error:  # whatever functions of users raise
             raise UsageError(f"{noun} fails: {reason_of(error)}") from error
-        numbers = np.asarray(action)
-        fits = numbers.dtype.kind in "biuf" and numbers.size == np.prod(space.shape or ())
-        if not fits or (isinstance(space, Discrete) and not space.contains(int(numbers.item()))):
-            raise UsageError(f"{noun} gives {action!r}, which is no action of {world.name}: {space}")
-        return action
+        with suppress(Exception):  # whatever a space raises of what is not in it
+            return _fitting(world, action)
+        raise UsageError(f"{noun} gives {action!r}, which is no action of {world.name}: {world.space}")
 
     return act
+
+
+def _fitting(world: World, action: Any) -> Any:
+    """An action of somebody's as the world has it.
+
+    Raises:
+        ValueError: It is none.
+    """
+    taken, space = np.asarray(world.written(action)), world.space
+    fits = taken.dtype.kind in "biuf" and taken.size == np.prod(space.shape or ())
+    if not fits or (isinstance(space, Discrete) and not space.contains(int(taken.item()))):
+        raise ValueError(f"{action!r} is not in {space}")
+    return taken
 
 
 def _why_not(world: World, act: Act) -> str:
@@ -130,8 +141,8 @@ def _of_recording(world: World, path: Path) -> list[Beginning]:
     latest = np.argsort(-last)
     done = latest[rows[success][last[latest]] > 0.0] if success in log else latest[:0]
     chosen = dict.fromkeys([*best.tolist(), *latest[:MOST_SEQUENCES].tolist(), *done[:MOST_SEQUENCES].tolist()])
-    shape = (-1, *(world.space.shape or ()))
-    if int(np.prod(rows[ACTION].shape[1:])) != int(np.prod(shape[1:])):
-        return []
-    sequences = [rows[ACTION][parts[number]].reshape(shape).astype(world.space.dtype) for number in chosen]
-    return [Beginning("recorded training", actions) for actions in sequences]
+    with suppress(Exception):  # whatever a space raises of actions of another one
+        sequences = [np.array([_fitting(world, it) for it in rows[ACTION][parts[number]]]) for number in chosen]
+        shape = (-1, *(world.space.shape or ()))
+        return [Beginning("recorded training", it.reshape(shape).astype(world.space.dtype)) for it in sequences]
+    return []

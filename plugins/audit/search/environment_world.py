@@ -2,15 +2,13 @@
 
 import itertools
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import suppress
-from copy import deepcopy
 from functools import cached_property
 from math import isfinite, nan
 from typing import Any
 
 import gymnasium
 import numpy as np
-from gymnasium.spaces import Box, Discrete
+from gymnasium.spaces import Dict, Discrete
 from gymnasium.wrappers import TimeLimit
 
 from harness.arrays import Float, Mask
@@ -22,10 +20,6 @@ from harness.authoring.commands import (
     Now,
     Raised,
     Untold,
-    flat_observation,
-    flat_observations,
-    goal_columns,
-    kind_of_actions,
     made_columns,
     parse_success,
     told_under,
@@ -37,10 +31,14 @@ from harness.log import SUCCESS
 from harness.registry import unknown_name
 
 from ..transitions.audit_rewards import opened_env
-from .world import Shown, Space, Step, World
+from .moves import bounds_of
+from .spaces import Coded, coded, rows_of
+from .world import Shown, Step, World
 
 CUT_AT = 500
 """Steps of an episode that nothing else ends."""
+GOALS = "achieved_goal", "desired_goal"
+"""Keys of observations that hold goals."""
 TOLD_BY_INFO = ("is_success", SUCCESS)
 """Keys under which envs tell success."""
 SAME = 4
@@ -50,7 +48,7 @@ SAME = 4
 class EnvironmentWorld(World):
     """One reward in one env; see `World`.
 
-    Boxes of actions that have other shapes than one row are flat here. What ``info`` does not tell in a step is NaN.
+    What ``info`` does not tell in a step is NaN.
     """
 
     def __init__(
@@ -81,11 +79,8 @@ class EnvironmentWorld(World):
         """
         self.name, self.reward, self.gamma = name, reward, gamma
         self._make, self._columns, self._is_new, env = make, columns, is_new, make()
-        self.space, self.observes = _flat_space(env, name), env.observation_space
-        flat_observations(self.observes)
-        self._goals: tuple[slice, slice] | None = None  # where achieved and desired goals stand in flat observations
-        with suppress(UsageError):
-            self._goals = goal_columns(self.observes)
+        self._coded, self.observes = coded(env.action_space, name), env.observation_space
+        self.space, self._rows = self._coded.space, rows_of(self.observes)
         limit = horizon or _limit_of(env)
         self.horizon = limit or CUT_AT
         self._rule, self._more = parse_success(success), dict[str, str]()
@@ -98,7 +93,7 @@ class EnvironmentWorld(World):
         self._asked: _Asked | None = None
         self._ask(env)
         tried = self.at_random()
-        self.notes = self._find_success(tried)
+        self.notes = (*self._find_success(tried), *filter(None, [self._coded.note]))
         if not limit:
             self.horizon = self._own_limit(tried) or CUT_AT
             if self.horizon == CUT_AT:
@@ -135,6 +130,10 @@ class EnvironmentWorld(World):
             self._asked.close()
             self._asked = None
 
+    def written(self, action: Any) -> Any:
+        """An action of its env as it is coded; see `World`."""
+        return self._coded.encoded(action)
+
     @property
     def terms(self) -> Sequence[str]:  # type: ignore[override]
         """The names of the terms of the reward; none if it has none."""
@@ -150,19 +149,15 @@ class EnvironmentWorld(World):
 
     def nearest(self, shown: Shown) -> tuple[float, Sequence[Float]]:
         """By a measure that tells it, else by observed goals; see `World`."""
-        directions, key, space, seen = self.directions, self._rule.key, self.observes, shown.observed
-        trail: Any = (
-            np.asarray(seen, np.float32).reshape(len(seen), -1)
-            if isinstance(space, Box)
-            else np.stack([flat_observation(space, it) for it in seen])
-        )
+        directions, key, seen, rows = self.directions, self._rule.key, shown.observed, self._rows
+        trails: Any = [np.array([rows.of(it) for it in seen], np.float32)] if rows.size else []
         name = key if self._rule.sign else next((it for it in directions if it != key), "")
         if name:
-            return float(np.fmax.reduce(shown.measures[name] * directions[name])), (trail,)
-        if self._goals is None:
-            return nan, (trail,)
-        achieved, desired = self._goals
-        return -float(np.linalg.norm(trail[1:, achieved] - trail[1:, desired], axis=1).min()), (trail,)
+            return float(np.fmax.reduce(shown.measures[name] * directions[name])), trails
+        if not (isinstance(self.observes, Dict) and {*GOALS} <= self.observes.keys()):
+            return nan, trails
+        achieved, desired = (np.array([it[goal] for it in seen[1:]], np.float32) for goal in GOALS)
+        return -float(np.linalg.norm(achieved - desired, axis=1).min()), trails
 
     def _ask(self, env: AnyEnv) -> None:
         """Ask the reward and all measures about the steps of an env."""
@@ -172,7 +167,7 @@ class EnvironmentWorld(World):
         behaviour = {**columns.behaviour, **self._more}
         self.measures = tuple(behaviour)
         made = made_columns(env, {self.reward: columns.rewards[self.reward]}, behaviour, 1, frozenset())
-        self._asked = _Asked(env, made, self.space)
+        self._asked = _Asked(env, made, self._coded)
 
     def _own_limit(self, tried: Sequence[Shown]) -> int:
         """After how many steps an env ends episodes that says so nowhere; 0 where none tells.
@@ -184,7 +179,7 @@ class EnvironmentWorld(World):
         same = (
             space.start + np.arange(space.n)[:SAME]
             if isinstance(space, Discrete)
-            else [np.clip(np.zeros(space.shape), space.low, space.high)]
+            else [np.clip(np.zeros(space.shape), *bounds_of(space))]
         )
         for start, action in itertools.product(range(2), same):
             played += self.episodes(np.array([start]), lambda *_, action=action: [action])
@@ -226,8 +221,8 @@ class _Asked:
         drew: Whether a reward or a measure drew from a generator that the whole process shares.
     """
 
-    def __init__(self, env: AnyEnv, columns: Sequence[Column], space: Space) -> None:
-        self.env, self.columns, self._space = env, columns, space
+    def __init__(self, env: AnyEnv, columns: Sequence[Column], coding: Coded) -> None:
+        self.env, self.columns, self._coded = env, columns, coding
         self.info: Mapping[str, Any] = {}
         self.drew = False
         self._functions = [it.measures[0] for it in self.columns if it.measures]
@@ -249,11 +244,11 @@ class _Asked:
         return [observation], self._before[:1]
 
     def step(self, actions: Any) -> Step:
-        chosen, env, space = actions[0], self.env, self._space
-        is_discrete = isinstance(space, Discrete)
-        action = int(chosen) if is_discrete else np.array(chosen, space.dtype).reshape(env.action_space.shape)
-        taken = action if is_discrete else action.ravel().copy()  # type: ignore[union-attr]
-        observation, pays, terminated, truncated, self.info = env.step(action)
+        taken: Any = np.array(actions[0], self._coded.space.dtype).ravel()
+        if not self._coded.space.shape:
+            taken = taken.item()
+        action = self._coded.decoded(taken)
+        observation, pays, terminated, truncated, self.info = self.env.step(action)
         ends = bool(terminated), bool(truncated)
         kept, paid, told = self._tell(action, observation, pays, self.info, ends)
         ended = {0: "terminated" if terminated else "truncated"} if terminated or truncated else {}
@@ -303,23 +298,6 @@ class _Asked:
         function = column.measures[0] if column.measures else None
         told = self._guard.reason(function, forms[column.takes_step], error) if function else reason_of(error)
         raise UsageError(f"{column.noun} failed in the episode of start {start}, step {step}: {told}") from error
-
-
-def _flat_space(env: AnyEnv, name: str) -> Space:
-    """The space of actions as a search has it.
-
-    Raises:
-        UsageError: Such actions cannot be searched.
-    """
-    space: Any = env.action_space
-    if isinstance(space, Box) and len(space.shape) != 1:
-        space = Box(space.low.ravel(), space.high.ravel(), dtype=space.dtype)
-    try:
-        kind_of_actions(space)
-    except UsageError as error:
-        raise UsageError(f"{name} cannot be searched: {error}") from error
-    found: Space = space
-    return found if found is not env.action_space else deepcopy(found)
 
 
 def _limit_of(env: AnyEnv) -> int:

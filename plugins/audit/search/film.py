@@ -8,9 +8,8 @@ from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import closing
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-import gymnasium
 import numpy as np
 
 from harness.authoring.commands import let_draw, picture_of, require_pillow, strip_of
@@ -20,6 +19,7 @@ from harness.registry import Registry, given_from_json, given_to_json, load_regi
 from harness.text import one_line_of
 
 from .place import Place
+from .spaces import coded
 from .world import Actions, Data, Shown
 
 if TYPE_CHECKING:
@@ -114,12 +114,11 @@ def draw_film(place: Data, given: Sequence[Data], start: int, actions: Actions, 
 
 def _pictures(env: AnyEnv, name: str, start: int, actions: Actions, clock: Sequence[int]) -> "dict[int, Image.Image]":
     """Pictures by step, those of the clock and the last one."""
-    space: Any = env.action_space
+    decoded = coded(env.action_space, name).decoded
     env.reset(seed=start)
     found = {0: picture_of(env, name)}
     for step, action in enumerate(actions, 1):
-        is_choice = isinstance(space, gymnasium.spaces.Discrete)
-        env.step(int(action) if is_choice else np.array(action, space.dtype).reshape(space.shape))
+        env.step(decoded(action))
         if step in clock or step == len(actions):
             found[step] = picture_of(env, name)
     return found

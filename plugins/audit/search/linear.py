@@ -8,13 +8,14 @@ import itertools
 from collections.abc import Callable, Sequence
 from typing import Any, TypeAlias
 
-import gymnasium
 import numpy as np
 from gymnasium.spaces import Box, Discrete
 from numpy.typing import NDArray
 
 from harness.arrays import Float, Ints
 
+from .moves import bounds_of
+from .spaces import rows_of
 from .table import Keep
 from .world import Data, Outcomes, Rng, World
 
@@ -49,17 +50,15 @@ class Linear:
         self.weights = np.asarray(policy["weights"])
         self.mean, self.inverse = np.asarray(policy["mean"]), 1.0 / np.asarray(policy["scale"])
         self.squares = np.triu_indices(len(self.mean)) if self.weights.shape[1] > 1 + len(self.mean) else None
-        self.observes, self.space = world.observes, world.space
+        self.rows, self.space = rows_of(world.observes), world.space
         if isinstance(self.space, Box):
-            low, high = self.space.low.ravel().astype(np.float64), self.space.high.ravel().astype(np.float64)
-            bound = np.isfinite(low) & np.isfinite(high)
-            low, high = np.where(bound, low, -1.0), np.where(bound, high, 1.0)  # without bounds, middle 0 and half 1
+            low, high = bounds_of(self.space)
             self.middle, self.half = (low + high) / 2.0, (high - low) / 2.0
         self.seen: list[Float] = []
 
     def __call__(self, observed: Any) -> Any:
         """One action."""
-        flat = _flat(self.observes, observed)
+        flat = np.asarray(self.rows.of(observed), np.float64)
         self.seen.append(flat)
         scaled = np.minimum(np.maximum((flat - self.mean) * self.inverse, -FAR), FAR)
         told = self.weights[:, 0] + self.weights[:, 1 : 1 + len(scaled)] @ scaled
@@ -70,12 +69,6 @@ class Linear:
             return int(self.space.start) + choice
         action = self.middle + self.half * np.minimum(np.maximum(told, -1.0), 1.0)
         return action.reshape(self.space.shape).astype(self.space.dtype)
-
-
-def _flat(space: gymnasium.Space[Any], observed: Any) -> Float:
-    if isinstance(space, Box):
-        return np.asarray(observed, np.float64).ravel()
-    return np.asarray(gymnasium.spaces.flatten(space, observed), np.float64)
 
 
 class Scales:
@@ -145,13 +138,14 @@ class Evolutions:
             rng: Draws weights.
         """
         self.world, self.starts, self.keep, self.rng = world, starts, keep, rng
-        self.size = gymnasium.spaces.flatdim(world.observes)
+        rows = rows_of(world.observes)
+        self.size = rows.size
         self.scales = Scales(self.size)
         world.space.seed(int(rng.integers(2**31)))
         seen: list[Float] = []
 
         def at_random(observed: Any) -> Any:
-            seen.append(_flat(world.observes, observed))
+            seen.append(np.asarray(rows.of(observed), np.float64))
             return world.space.sample()
 
         outcomes, actions = world.act(starts, at_random)
@@ -235,11 +229,7 @@ def search_linear(world: World, starts: Ints, keep: Keep, budget: int, rng: Rng)
     Returns:
         The best policies, each for a goal of its own; none where observations are not numbers, or too many.
     """
-    try:
-        size = gymnasium.spaces.flatdim(world.observes)
-    except (NotImplementedError, ValueError):
-        return []
-    if isinstance(world.observes, Discrete) or not 0 < size <= LARGEST:
+    if isinstance(world.observes, Discrete) or not 0 < rows_of(world.observes).size <= LARGEST:
         return []
     stop, evolutions = world.taken + budget, Evolutions(world, starts, keep, rng)
     for number, name in ((number, name) for number in itertools.count() for name in evolutions.goals):

@@ -17,7 +17,7 @@ from harness.arrays import Float
 from .world import Act, Actions, Rng, Space
 
 WIDEST = 3.0
-"""Stands for a bound that is infinite: few environments ask for more than that."""
+"""Numbers without bounds are searched up to this one: few environments ask for more."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,12 +114,20 @@ class Choices:
 Moves: TypeAlias = Reals | Choices
 
 
+def bounds_of(space: gymnasium.spaces.Box) -> tuple[Float, Float]:
+    """The numbers of an action are searched between these, (size,); where nothing bounds one, `WIDEST` does."""
+    low, high = space.low.astype(np.float64).ravel(), space.high.astype(np.float64).ravel()
+    return (
+        np.where(np.isfinite(low), low, np.minimum(high, 0.0) - WIDEST),
+        np.where(np.isfinite(high), high, np.maximum(low, 0.0) + WIDEST),
+    )
+
+
 def moves_in(space: Space) -> Moves:
     """How a search writes the actions of a space."""
     if isinstance(space, gymnasium.spaces.Discrete):
         return Choices(int(space.n), int(space.start))
-    low = np.where(np.isfinite(space.low), space.low, -WIDEST).astype(np.float64).ravel()
-    high = np.where(np.isfinite(space.high), space.high, WIDEST).astype(np.float64).ravel()
+    low, high = bounds_of(space)
     return Reals((low + high) / 2.0, np.maximum((high - low) / 2.0, 1e-9))
 
 

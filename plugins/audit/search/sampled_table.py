@@ -11,8 +11,8 @@ from scipy.sparse import csr_array
 from harness.arrays import Float, Ints, Mask
 from harness.log import episode_sum
 
-from .table import ENOUGH, MOST_ACTIONS, MOST_NEW, ends, key_of, table_policy
-from .world import Act, Data, Rng, Shown, World
+from .table import ENOUGH, MOST_ACTIONS, MOST_NEW, ends, table_policy
+from .world import Act, Data, Rng, Shown, World, key_of
 
 MOST_STATES = 20_000
 KNOWN, FEWEST = 16, 3

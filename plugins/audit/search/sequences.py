@@ -7,18 +7,17 @@ alone, so that a failure is not called better paid only because successes were s
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float, Ints
-from harness.authoring.commands import flat_observation
 
 from .kept import Cells, Kept
 from .moves import Feedback, draw_feedback, moves_in
 from .mutations import Pairs, mutations_of
+from .spaces import rows_of
 from .world import Actions, Data, Outcomes, Rng, World
 
 FAILURES, FAILURES_LATER, SUCCESSES, SUCCESSES_LATER, FASTEST, NEAREST = (
@@ -193,14 +192,14 @@ class Evolution:
 
     def _hold(self, row: Ints, genes: Actions, known: Feedback | None, step: int) -> bool:
         """Play a sequence that holds: as its parent did, changed a little; or from a step on as another, or anyhow."""
-        rng, chance = self._rng, self._rng.random()
+        rng, chance, flat = self._rng, self._rng.random(), rows_of(self.world.observes).of
         if known is not None and chance < 0.6:
             held = known.changed(rng, step)
         elif self._proved and chance < 0.85:
             held = replace(self._proved[rng.integers(len(self._proved))], step=step)
         else:
             held = draw_feedback(rng, self._moves, self._spread, step)
-        policy = held.after(self._moves.played(genes), self._moves, partial(flat_observation, self.world.observes))
+        policy = held.after(self._moves.played(genes), self._moves, lambda seen: np.asarray(flat(seen), np.float32))
         outcomes, taken = self.world.act(self.kept.starts[row], policy)
         self.kept.add(row, taken, outcomes, "search")
         filled = self._moves.written(self.filled(taken[0]))[np.newaxis]

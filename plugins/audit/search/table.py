@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float, Ints, Mask
 
-from .world import Act, Actions, Data, Outcomes, Rng, Shown, World
+from .world import Act, Actions, Data, Outcomes, Rng, Shown, World, key_of
 
 MOST_ACTIONS = 32
 MOST_CELLS = 10_000_000
@@ -70,16 +70,6 @@ class Table:
     paid: Float
     success: Mask
     tried: Mask
-
-
-def key_of(observed: Any) -> str:
-    """What is observed, as a key: equal if every part is."""
-    if isinstance(observed, Mapping):
-        return ",".join(f"{name}={key_of(observed[name])}" for name in sorted(observed))
-    if isinstance(observed, tuple | list):
-        return ",".join(map(key_of, observed))
-    values = np.asarray(observed)
-    return str(values.item()) if values.ndim == 0 else values.tobytes().hex()
 
 
 @dataclass(eq=False)

@@ -11,7 +11,6 @@ from typing import Any, NamedTuple, Protocol, TypeAlias
 
 import gymnasium
 import numpy as np
-from gymnasium.spaces import flatten
 from numpy.typing import NDArray
 
 from harness.arrays import Float, Ints, Mask
@@ -105,6 +104,16 @@ class Beginning:
     start: int | None = None
 
 
+def key_of(observed: Any) -> str:
+    """What is observed, as a key: equal if every part is."""
+    if isinstance(observed, Mapping):
+        return ",".join(f"{name}={key_of(observed[name])}" for name in sorted(observed))
+    if isinstance(observed, tuple | list):
+        return ",".join(map(key_of, observed))
+    values = np.asarray(observed)
+    return str(values.item()) if values.ndim == 0 else values.tobytes().hex()
+
+
 def since(flags: Mask) -> int:
     """The step, from 1, from which on all are True; one more than there are if the last one is not."""
     return int(len(flags) - np.append(flags[::-1], False).argmin() + 1)
@@ -175,6 +184,10 @@ class World(ABC):
     """How many steps a decision counts."""
     taken = 0
     """Steps taken so far; a search's budget is counted in these."""
+
+    def written(self, action: Any) -> Any:
+        """What somebody's policy does as an action of `space`."""
+        return action
 
     @abstractmethod
     def open(self, count: int) -> Batch:
@@ -304,7 +317,7 @@ class World(ABC):
         """Whether two episodes are the same, bit for bit."""
         parts = [
             [it.ended, *(of.tobytes() for of in (it.actions, it.paid, *it.terms.values(), *it.measures.values()))]
-            + [np.asarray(flatten(self.observes, seen)).tobytes() for seen in it.observed]
+            + [key_of(seen) for seen in it.observed]
             for it in (one, other)
         ]
         return parts[0] == parts[1]

@@ -3,7 +3,7 @@
 import gymnasium
 import numpy as np
 import pytest
-from gymnasium.spaces import Box, Dict, Discrete, MultiDiscrete
+from gymnasium.spaces import Box, Dict, Discrete, Sequence, Text
 from numpy.testing import assert_allclose, assert_array_equal, assert_equal
 
 from harness import RecordRewards
@@ -11,6 +11,7 @@ from harness.authoring.commands import Columns
 from harness.registry import choose, load_registry
 from harness_plugins.audit.search.environment_world import of_env
 from harness_plugins.audit.search.place import places_in_environment, world_at
+from tests.plugins.audit.cases.ships import WAYS, Ships
 from tests.refusals import refused
 
 LENGTH = 6
@@ -284,14 +285,27 @@ def test_flat_actions_of_a_matrix():
     assert world.show(0, drawn(world, 1)[0]).actions.shape == (LENGTH, 4)
 
 
-@pytest.mark.parametrize(
-    ("space", "told"),
-    [(Discrete(3, start=1), "counted from 0"), (MultiDiscrete([2, 2]), "take a Discrete space, or a Box")],
-)
-def test_choices_that_begin_elsewhere_and_other_spaces_are_refused(space, told):
-    """In a sentence that says what is allowed."""
-    with refused(told):
+@pytest.mark.parametrize("space", [Text(3), Dict({"say": Text(3), "go": Discrete(2)}), Sequence(Discrete(2))])
+def test_actions_beside_choices_and_numbers_are_refused(space):
+    """With what is taken."""
+    with refused("cannot be searched: its actions are .*A search takes Discrete"):
         world_of(lambda: Dock(space))
+
+
+@pytest.mark.parametrize("takes", WAYS)
+def test_actions_of_a_policy_reach_the_env_as_they_are(takes):
+    """However they are coded, and again where they are played from the code."""
+    env = Ships(takes).make()
+    space, taken = env.action_space, []
+    env.unwrapped.moves = lambda action: taken.append(action) or 0.0
+    world = of_env(env, "own", Columns({"own": "own"}, {}, ()), 0.9)
+    space.seed(0)
+    given = [space.sample() for _ in range(world.horizon)]
+    drawn = iter(given)
+    taken.clear()
+    _, (codes,) = world.act(np.array([0]), lambda seen: world.written(next(drawn)))
+    world.show(0, codes)
+    assert_equal(taken, given * 2)
 
 
 def test_choices():

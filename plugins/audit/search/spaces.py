@@ -1,0 +1,146 @@
+"""Spaces of any environment as a search has them: actions that are counted or one row, and rows of what is observed."""
+
+import itertools
+import math
+from collections.abc import Callable
+from copy import deepcopy
+from typing import Any, NamedTuple, TypeAlias
+
+import gymnasium
+import numpy as np
+from gymnasium.spaces import Box, Dict, Discrete, MultiBinary, MultiDiscrete, Text, Tuple, flatdim, flatten, unflatten
+from numpy.typing import NDArray
+
+from harness.arrays import Float
+from harness.errors import UsageError
+
+from .moves import WIDEST
+
+AnySpace: TypeAlias = gymnasium.Space[Any]
+MOST_CHOICES = 256
+"""Combinations of choices that are counted; where there are more, each part is some numbers of a row."""
+FARTHEST = 1e9
+"""Bounds that lie beyond it are none."""
+Change: TypeAlias = Callable[[Any], Any]
+
+
+class Coded(NamedTuple):
+    """Actions of an environment as a search has them."""
+
+    space: Box | Discrete
+    """The space that is searched."""
+    decoded: Change
+    """From an action of that space to the environment's."""
+    encoded: Change
+    """The way back."""
+    note: str = ""
+    """What a reader of the answer has to know; empty for nothing."""
+
+
+def coded(space: AnySpace, name: str) -> Coded:
+    """How the actions of an environment are searched.
+
+    Raises:
+        UsageError: They have parts that are neither choices nor numbers.
+    """
+    if isinstance(space, Discrete):
+        return Coded(deepcopy(space), int, lambda action: np.asarray(action).item())
+    leaves = _leaves(space)
+    if not all(isinstance(it, Box | MultiDiscrete | MultiBinary | Discrete) for it in leaves):
+        raise UsageError(
+            f"{name} cannot be searched: its actions are {space}. A search takes Discrete, MultiDiscrete, MultiBinary "
+            "and Box, and a Dict or a Tuple of these"
+        )
+    if not any(isinstance(it, Box) for it in leaves):
+        counts = [count for leaf in leaves for count in _counts(leaf)]
+        if math.prod(counts) <= MOST_CHOICES:
+            rows = [_row(leaves, digits) for digits in itertools.product(*map(range, counts))]
+            numbers = {row.tobytes(): number for number, row in enumerate(rows)}
+            return Coded(
+                Discrete(len(rows)),
+                lambda number: unflatten(space, rows[number]),
+                lambda action: numbers[np.asarray(flatten(space, action), float).tobytes()],
+            )
+    flat: Any = gymnasium.spaces.flatten_space(space)
+    is_plain = isinstance(space, Box) and np.issubdtype(space.dtype, np.floating)
+    kind = flat.dtype if is_plain else np.float64
+    low, high = np.where(flat.low < -FARTHEST, -np.inf, flat.low), np.where(flat.high > FARTHEST, np.inf, flat.high)
+    searched = Box(low.astype(kind), high.astype(kind), dtype=kind)
+    note = "" if searched.is_bounded() else f"Nothing bounds its actions: {-WIDEST:g} to {WIDEST:g} is searched."
+    if is_plain:
+        return Coded(searched, lambda row: np.array(row, kind).reshape(space.shape), np.ravel, note)
+    return Coded(
+        searched,
+        lambda row: unflatten(space, _snapped(leaves, row)),
+        lambda action: np.asarray(flatten(space, action), kind),
+        note,
+    )
+
+
+class Rows(NamedTuple):
+    """What is observed as one row of numbers; text, sequences and graphs are left out."""
+
+    size: int
+    """How many numbers there are; 0 for none."""
+    of: Callable[[Any], NDArray[Any]]
+    """A row of an observation, (size,)."""
+
+
+def rows_of(space: AnySpace) -> Rows:
+    """How observations of a space become rows."""
+    if isinstance(space, Dict | Tuple):
+        inner = space.spaces.items() if isinstance(space, Dict) else enumerate(space.spaces)
+        parts = [(key, rows) for key, it in inner if (rows := rows_of(it)).size]
+        if parts:
+            return Rows(
+                sum(rows.size for _, rows in parts),
+                lambda seen: np.concatenate([rows.of(seen[key]) for key, rows in parts]),
+            )
+    try:
+        size = 0 if isinstance(space, Text) else flatdim(space)
+    except (NotImplementedError, ValueError):
+        size = 0
+    return Rows(size, (lambda seen: np.asarray(flatten(space, seen)).ravel()) if size else lambda seen: np.zeros(0))
+
+
+def _leaves(space: AnySpace) -> list[Any]:
+    """Its parts, in the order in which they are flat."""
+    if isinstance(space, Dict | Tuple):
+        parts = space.spaces.values() if isinstance(space, Dict) else space.spaces
+        return [leaf for part in parts for leaf in _leaves(part)]
+    return [space]
+
+
+def _counts(leaf: Any) -> list[int]:
+    """How many choices each number of a part has."""
+    if isinstance(leaf, MultiBinary):
+        return [2] * math.prod(leaf.shape)
+    return [int(leaf.n)] if isinstance(leaf, Discrete) else list(map(int, leaf.nvec.ravel()))
+
+
+def _row(leaves: list[Any], digits: tuple[int, ...]) -> Float:
+    """The flat row of choices: a bit as it is, another one as a row that is 1 at its place."""
+    left = iter(digits)
+    return np.concatenate([
+        [float(digit)] if isinstance(leaf, MultiBinary) else np.eye(count)[digit]
+        for leaf in leaves
+        for count, digit in zip(_counts(leaf), left)  # noqa: B905 -- a part takes as many as it has
+    ])  # fmt: skip
+
+
+def _snapped(leaves: list[Any], row: Float) -> Float:
+    """A flat row of the space that is nearest to numbers: of choices the largest counts."""
+    parts, at = list[Any](), 0
+    for leaf in leaves:
+        if isinstance(leaf, Box):
+            part = row[at : at + math.prod(leaf.shape)]
+            is_whole = not np.issubdtype(leaf.dtype, np.floating)
+            parts.append(np.clip(np.rint(part), leaf.low.ravel(), leaf.high.ravel()) if is_whole else part)
+            at += len(part)
+        else:
+            for count in _counts(leaf):
+                width = 1 if isinstance(leaf, MultiBinary) else count
+                part = row[at : at + width]
+                parts.append(part > 0.5 if width == 1 else np.eye(count)[part.argmax()])
+                at += width
+    return np.concatenate(parts, dtype=np.float64)
