@@ -13,7 +13,7 @@ from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, recording_of
 from harness.record.pace import Kind, kind_of, time_left, took
 from harness.record.store import Store
-from harness.registry.choice import Registry, choose
+from harness.registry.choice import choose
 from harness.results.comparison import Group
 from harness.text import command_text
 
@@ -151,20 +151,14 @@ def _measured(ready: ExperimentRun, cells: Sequence[Cell]) -> tuple[dict[Cell, M
     name = choose(registry, "executors", options.executor).name
     if name != HERE:
         return {}, f"the executor {name} trains elsewhere"
-    together = [it.task.name for it in cells if _is_started(it, registry)]
+    in_environment = (it.task for it in cells if it.is_in_environment)
+    together = [it.name for it in in_environment if hasattr(it.build(registry, "environments"), "make_together")]
     if together:
         return {}, f"{together[0]} starts a program, which is not done for an estimate"
     found = measure_kinds(cells, registry.given, options.at_once)
     reasons = [it for it in found.values() if isinstance(it, str)]
     told = f"a short training here failed: {reasons[0]}" if reasons else ""
     return {cell: it for cell, it in found.items() if isinstance(it, Measured)}, told
-
-
-def _is_started(cell: Cell, registry: Registry) -> bool:
-    """Whether an environment is a program that moves its robots."""
-    if not cell.is_in_environment:
-        return False
-    return hasattr(cell.task.build(registry, "environments"), "make_together")
 
 
 def _horizon_of(store: Store, done: Sequence[Cell]) -> int:

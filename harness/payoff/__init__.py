@@ -14,7 +14,6 @@ if TYPE_CHECKING:
         Rollout as Rollout,
         discounted_sum as discounted_sum,
         finishing_of as finishing_of,
-        never_paid as never_paid,
         pay_distances as pay_distances,
         payoff_of as payoff_of,
         plan_actions as plan_actions,

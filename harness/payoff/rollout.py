@@ -17,9 +17,9 @@ from harness.errors import SimulationDiverged, UsageError, sentence
 from harness.experiment.arm_evaluation import EVALUATION_SEED
 from harness.log.log import sums_from
 from harness.motion import JointLimits, MoveJ
-from harness.reward import LARGEST_PAID, Array, Carry, Paid, Reward, Steps, pay
+from harness.reward import LARGEST_PAID, Carry, Paid, Reward, Steps, pay
 from harness.reward.steps import ARM_BEFORE, DISTANCE, step_between
-from harness.reward.terms import paid_twice, paid_twice_text, require_one_each, require_same
+from harness.reward.terms import Unpaid, paid_twice, paid_twice_text, require_one_each, require_same
 from harness.robot import Robot
 from harness.robot.kinematics import reach_position
 from harness.simulator import Simulator
@@ -147,19 +147,6 @@ def _limits_along(path: JointPath, limits: JointLimits, lower: Float, upper: Flo
 States: TypeAlias = Mapping[str, NDArray[Any]]
 """What n arms were like before the first step and after each one, by the names of `harness.reward.steps.ARM`, (steps +
 1, n, ...); ``distance`` is always there."""
-
-
-@dataclass(frozen=True)
-class Unpaid:
-    """The reward that pays nothing: what its env pays are the event terms alone."""
-
-    def initial_carry(self, begin_distance: Array) -> Carry:
-        """Remembers nothing."""
-        return ()
-
-    def __call__(self, carry: Carry, steps: Steps) -> tuple[Carry, Array]:
-        """Zeros, (num_envs,)."""
-        return carry, 0.0 * steps.distance
 
 
 @dataclass(frozen=True, eq=False)
@@ -430,7 +417,7 @@ class Finishing:
         payoffs: One of each scripted policy, the best return first.
         undiscounted: What pays more than finishing, without discount.
         discounted: The same with it.
-        holding_pays: Whether standing still at the start does.
+        holding_pays: Whether standing still at the start does, by more than nothing, discounted or not.
         steps: How many steps the policies took in all.
         never_paid: The terms that paid nothing in any of them.
         paid_twice: The term that is the sum of all others in all of them; empty if there is none.
@@ -481,14 +468,16 @@ def finishing_of(scores: Sequence[Score], gamma: float) -> Finishing:
         gamma: The learner's discount per step, in (0, 1].
     """
     payoffs = [payoff_of(score, gamma) for score in scores]
+    hold = next(payoff for payoff in payoffs if payoff.policy == HOLD)
+    largest = max(max(abs(payoff.shaped), abs(payoff.shaped_discounted)) for payoff in payoffs)
     return Finishing(
         gamma,
         tuple(sorted(payoffs, key=lambda payoff: -payoff.total)),
         tuple(temptations(scores, 1.0)),
         tuple(temptations(scores, gamma)),
-        holding_pays(payoffs),
+        max(hold.shaped, hold.shaped_discounted) > 1e-3 * largest,
         sum(int(score.rollout.running.sum()) for score in scores),
-        never_paid(scores),
+        tuple(name for name in scores[0].terms if not any(it.terms[name].any() for it in scores)),
         paid_twice({name: np.concatenate([it.terms[name].ravel() for it in scores]) for name in scores[0].terms}),
     )
 
@@ -508,11 +497,6 @@ def payoff_of(score: Score, gamma: float) -> Payoff:
     )
 
 
-def never_paid(scores: Sequence[Score]) -> tuple[str, ...]:
-    """The terms of a reward that paid 0 in every step of every script."""
-    return tuple(name for name in scores[0].terms if not any(score.terms[name].any() for score in scores))
-
-
 def temptations(scores: Sequence[Score], gamma: float) -> list[Temptation]:
     """The scripts that reach the target less often than ``finish`` and earn more, the best first."""
     returns = {score.rollout.script: discounted_sum(score.paid, gamma) for score in scores}
@@ -525,13 +509,6 @@ def temptations(scores: Sequence[Score], gamma: float) -> list[Temptation]:
         if success[name] < success[FINISH] and earned.mean() > finish.mean() + slack
     ]
     return sorted(found, key=lambda temptation: -temptation.margin)
-
-
-def holding_pays(payoffs: Sequence[Payoff]) -> bool:
-    """Whether the shaped reward of standing still at the start adds up to more than nothing, discounted or not."""
-    largest = max(max(abs(payoff.shaped), abs(payoff.shaped_discounted)) for payoff in payoffs)
-    hold = next(payoff for payoff in payoffs if payoff.policy == HOLD)
-    return max(hold.shaped, hold.shaped_discounted) > 1e-3 * largest
 
 
 def _mean_return(values: Float, gamma: float) -> float:

@@ -97,11 +97,9 @@ def scatter(observation: Float32, size: int) -> Float:
         (num_envs, size), in [0, 1).
     """
     rows = np.ascontiguousarray(observation, np.float32) + np.float32(0.0)  # -0 is 0
-    return np.array([_generator(row.tobytes()).random(size) for row in rows]).reshape(len(rows), size)
-
-
-def _generator(seen: bytes) -> np.random.Generator:
-    return np.random.default_rng(int.from_bytes(hashlib.blake2b(seen, digest_size=16).digest()))
+    digests = (hashlib.blake2b(row.tobytes(), digest_size=16).digest() for row in rows)
+    drawn = [np.random.default_rng(int.from_bytes(digest)).random(size) for digest in digests]
+    return np.array(drawn).reshape(len(rows), size)
 
 
 Action = NDArray[Any]

@@ -35,6 +35,19 @@ class Paid(NamedTuple):
     """By name, shape (num_envs,) each; none of a reward that returned a plain array."""
 
 
+@dataclass(frozen=True)
+class Unpaid:
+    """The reward that pays nothing: what its env pays are the event terms alone."""
+
+    def initial_carry(self, begin_distance: Array) -> Carry:
+        """Remembers nothing."""
+        return ()
+
+    def __call__(self, carry: Carry, steps: Steps) -> tuple[Carry, Array]:
+        """Zeros, (num_envs,)."""
+        return carry, 0.0 * steps.distance
+
+
 def pay(reward: Reward, carry: Carry, steps: Steps) -> tuple[Carry, Paid]:
     """What a reward remembers after steps, and what they are paid.
 

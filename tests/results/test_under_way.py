@@ -7,9 +7,10 @@ import pytest
 
 import harness
 from harness.cli import main
-from harness.record import Store
+from harness.record import Store, TraceWriter, partial_folder
 from harness.record.cell import Running, write_running
 from harness.results import load_results
+from harness.results.under_way import so_far
 
 ARM = {"sim": "ideal", "algo": "wander", "reward": "arp", "task": "fd100-reach:horizon=5"}
 CARTPOLE = {"algo": "random", "task": "gymnasium:id=CartPole-v1"}
@@ -56,6 +57,15 @@ def test_status_tells_the_same_rows(begun, capsys):
     (shown,) = [it for it in json.loads(f"{{{numbers}")["cells"] if it["id"] == cell.id]
     assert shown["recorded"] == 60
     assert f"were paid {shown['mean_return']:.4g} on average" in shown["text"]
+
+
+def test_a_trace_without_rows_tells_that(make_cell, tmp_path):
+    """A training has a trace before its first step."""
+    cell, store = make_cell(), Store(tmp_path)
+    folder = partial_folder(store.cell_folder(cell))
+    folder.mkdir(parents=True)
+    TraceWriter(folder / "trace.parquet", 2, 2).keep()
+    assert so_far(cell, store).text == f"0 of {cell.steps} steps recorded, and no episode has ended"
 
 
 def test_damaged_rows_are_told(begun):

@@ -4,7 +4,7 @@ What is recorded of an env: the environment's own rewards and measures, and thos
 these say of each step of random actions.
 """
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import chdir, closing
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -342,16 +342,16 @@ def look_at(task: Choice, registry: Registry) -> Looked:
             raise UsageError(
                 f"{task.label}: goal_rewards names '{name}', which is none of its rewards {', '.join(names)}"
             )
-        actions, unusable = _actions_of(env)
+        unusable = _refusal(lambda: (flat_observations(env.observation_space), kind_of_actions(env.action_space)))
         return Looked(
             task.label,
             names,
             measures,
             baseline,
-            actions,
+            None if unusable else kind_of_actions(env.action_space),
             unusable,
             in_hindsight,
-            _goalless(env),
+            _refusal(lambda: goal_columns(env.observation_space)),
             bool(env.metadata.get(ARM)),
             environment,
             registry,
@@ -376,17 +376,9 @@ def why_not_in(looked: Looked, algorithm: Choice, reward: str, registry: Registr
     return ""
 
 
-def _actions_of(env: AnyEnv) -> tuple[ActionSpace | None, str]:
+def _refusal(ask: Callable[[], object]) -> str:
     try:
-        flat_observations(env.observation_space)
-        return kind_of_actions(env.action_space), ""
-    except UsageError as error:
-        return None, str(error)
-
-
-def _goalless(env: AnyEnv) -> str:
-    try:
-        goal_columns(env.observation_space)
+        ask()
     except UsageError as error:
         return str(error)
     return ""

@@ -18,7 +18,7 @@ from harness.record.trace import TraceWriter, read_trace
 from harness.registry.choice import Choice, Registry
 from harness.reward import Array, Carry, Reward, Steps, pay
 from harness.reward.steps import NOT_RECORDED
-from harness.reward.terms import one_each
+from harness.reward.terms import Unpaid, one_each
 from harness.robot import Robot
 from harness.robot.robot import load_robot
 from harness.task import Task
@@ -82,7 +82,7 @@ def _try_measures(
 
 def _trace_of(robot: Robot, task: Task) -> Log:
     with tempfile.TemporaryDirectory(prefix="harness-trial-") as folder:
-        env = ReachVectorEnv(IdealSimulator(), robot, task, _Unpaid(), ARMS, records=NOT_RECORDED)
+        env = ReachVectorEnv(IdealSimulator(), robot, task, Unpaid(), ARMS, records=NOT_RECORDED)
         path, size = Path(folder) / TRACE, env.episodes.action.shape[1]
         with TraceWriter(path, robot.dof, size, extras=env.episodes.extras) as env.recorder:
             _act(env)
@@ -95,16 +95,6 @@ def _act(env: ReachVectorEnv) -> None:
     env.reset(seed=0)
     for _ in range(min(env.task.horizon, MOST_STEPS)):
         env.step(env.action_space.sample())
-
-
-class _Unpaid:
-    """A reward that pays nothing."""
-
-    def initial_carry(self, begin_distance: Array) -> Carry:
-        return ()
-
-    def __call__(self, carry: Carry, steps: Steps) -> tuple[Carry, Array | Mapping[str, Array]]:
-        return carry, np.zeros(ARMS)
 
 
 class _Watched:

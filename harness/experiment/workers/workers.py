@@ -227,19 +227,16 @@ def _start(environment: Mapping[str, str]) -> "subprocess.Popen[str]":
 
     It ends when its standard input is closed, as it is when this process ends (`harness.experiment.workers.worker`).
     """
+    # It imports from the working directory only if this process does so too.
+    flags = [] if sys.path[:1] in ([""], [os.getcwd()]) else ["-P"]
     return subprocess.Popen(
-        [sys.executable, *_path_flags(), "-m", "harness.experiment.workers.worker"],
+        [sys.executable, *flags, "-m", "harness.experiment.workers.worker"],
         stdin=subprocess.PIPE,
         text=True,
         env={**os.environ, **ONE_THREAD, **environment},
         start_new_session=True,  # Ctrl-C reaches this process alone, which stops the others
         stdout=subprocess.PIPE,
     )
-
-
-def _path_flags() -> list[str]:
-    """Flags that keep a worker from importing from the working directory, if this process does not do so either."""
-    return [] if sys.path[:1] in ([""], [os.getcwd()]) else ["-P"]
 
 
 def stop_processes(processes: Collection["subprocess.Popen[str]"]) -> None:

@@ -7,7 +7,7 @@ import pytest
 from numpy.random import default_rng
 
 from harness.eta import SeedMean
-from harness.payoff import finishing_of, never_paid, payoff_of, score_rollout, temptations
+from harness.payoff import finishing_of, payoff_of, score_rollout, temptations
 from harness.results.recordings.episodes import Episodes
 from harness_plugins.audit.questions import deciding_measure, on_best, rank_success
 from harness_plugins.audit.recorded.earned import Earned
@@ -100,7 +100,7 @@ def test_a_term_that_never_pays_is_told(scores, by_script):
     reward = scores(lambda step: {
         "reach": -step.distance, "dock": 1.0 * (step.distance < -1.0), "farthest": 1.0 * (step.distance == last)
     })  # fmt: skip
-    assert (never_paid(reward), never_paid(scores(BASELINE))) == (("dock",), ())
+    assert [finishing_of(it, 0.95).never_paid for it in (reward, scores(BASELINE))] == [("dock",), ()]
 
 
 def test_finishing_is_told_in_one_answer(scores):

@@ -7,8 +7,8 @@ from numpy.testing import assert_array_equal
 from harness import RecordRewards
 from harness.authoring.commands import Columns
 from harness.env import World as Arm, kinematics_policy
-from harness.payoff.rollout import Unpaid
 from harness.reach import ReachTask
+from harness.reward.terms import Unpaid
 from harness_plugins.audit.search.arm_world import ArmWorld
 from harness_plugins.audit.search.beginnings import of_folder, policy_named
 from harness_plugins.audit.search.environment_world import of_env
