@@ -330,8 +330,7 @@ def _counts(comparison: ComparisonForm) -> str:
 
 def _interim(record: RecordForm | None) -> list[RenderableType]:
     """A line that the plan was not trained to its end when the records were written; none where it was."""
-    answers = {it["headline"]["answer"] for it in record["combinations"]} if record else set[str]()
-    if record is None or Answer.INTERIM not in answers:
+    if record is None or all(it["headline"]["answer"] != Answer.INTERIM for it in record["combinations"]):
         return []
     missing = sum(cell["status"] not in COUNTED for cell in record["cells"])
     return [Text(interim_line(missing_text(UNKNOWN if record.get("recovered") else missing)))]

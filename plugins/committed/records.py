@@ -48,20 +48,15 @@ def write_summary(results: Results, folder: Path) -> None:
     if not results.is_experiment:
         raise UsageError("--summary does not go with a folder of recorded trainings: leave it out")
     drawn = draw_figures(results)
+    here = f'path = "{Path.cwd().as_posix()}/'  # files of plugins that lie below it are named from there
     files = {
-        EXPERIMENT: _portable(results).encode(),
+        EXPERIMENT: results.experiment_text.replace(here, 'path = "').encode(),
         RECORD: f"{report_text(results)}\n".encode(),
         CELLS: write_cells(results).encode(),
         CURVES: write_curves(results.combinations),
         SUMMARY: write_markdown(results, drawn.overview, drawn.pictures).encode(),
     }
     put_files(folder, {**files, **drawn.files}, FIGURES)
-
-
-def _portable(results: Results) -> str:
-    """The experiment's file. Files of plugins that lie below the current folder are named from there."""
-    text, here = results.experiment_text, f"{Path.cwd().as_posix()}/"
-    return text.replace(f'path = "{here}', 'path = "')
 
 
 FIGURES = "figures"
@@ -149,18 +144,14 @@ def put_files(folder: Path, files: Mapping[str, bytes], figures: str) -> None:
             (folder / name).parent.mkdir(exist_ok=True)
             os.replace(partial / name, folder / name)
         for path in (folder / figures).glob("*.svg"):
-            if f"{figures}/{path.name}" not in files and _is_ours(path):
+            is_old = f"{figures}/{path.name}" not in files and FIGURE.fullmatch(path.stem)
+            if is_old and CREATOR.encode() in path.read_bytes():
                 path.unlink()
     except OSError as error:
         raise UsageError(f"The summary '{folder}' cannot be written: {error.strerror}") from error
     finally:
         with suppress(OSError):  # not there if it could not be made
             shutil.rmtree(partial)
-
-
-def _is_ours(path: Path) -> bool:
-    """Whether a figure is ours, by its name and by its creator."""
-    return bool(FIGURE.fullmatch(path.stem)) and CREATOR.encode() in path.read_bytes()
 
 
 def _write(partial: Path, files: Mapping[str, bytes]) -> None:

@@ -10,6 +10,7 @@ from statistics import median
 import numpy as np
 import pytest
 
+from harness.record import read_recording
 from harness.registry import load_registry
 from harness.report import comparison_table, overview_table, report_text, write_html
 from harness.results import load_results
@@ -285,6 +286,37 @@ def test_every_view_says_the_same(situation, tmp_path, name):
     texts = {view: _plain(text) for view, text in views.texts.items()}
     for sentence, where in sentences(views).items():
         assert [view for view in where if view in texts and _plain(sentence) not in texts[view]] == [], sentence
+
+
+@pytest.mark.parametrize("name", AGENTS)
+def test_a_caption_is_true_of_its_numbers(situation, tmp_path, name):
+    """Computed again from the recordings: the mean over trainings of the episodes that ended in a twentieth of it."""
+    write_html(situation(name), tmp_path / "page.html")
+    page = unescape((tmp_path / "page.html").read_text()).replace("\u202f", "").replace("−", "-")
+    panels = re.findall(r"<h4>([^<]*) while learning</h4>.*?<figcaption>(.*?)</figcaption>", page, re.DOTALL)
+    assert len(panels) >= 2
+    for heading, caption in panels:
+        column = f"reward/{heading.split()[-1]}" if heading.startswith("Return") else f"behaviour/{heading.lower()}"
+        assert "of the episodes of the training that ended in one of 20 equal parts of its steps" in caption
+        told = re.findall(r"(\w+) (\S+) after (\d+) steps, (\S+) after (\d+) steps", caption)
+        assert len(told) == len(AGENTS[name])
+        for reward, first, begin, last, end in told:
+            assert agrees(first, _ended_by(tmp_path / "runs", reward, column, int(begin)))
+            assert agrees(last, _ended_by(tmp_path / "runs", reward, column, int(end)))
+
+
+def _ended_by(folder, reward, column, end):
+    """The mean over trainings of the episodes that ended in the twentieth of the steps up to that one."""
+    means = []
+    for seed in range(5):
+        log = read_recording(folder / f"{reward}-{seed}")
+        begin = max(cut for cut in (-(-len(log) * part // 20) for part in range(20)) if cut < end)
+        starts = np.flatnonzero(log["step"] == 0)
+        ends = np.append(starts[1:], len(log))
+        there = [slice(*of) for of in zip(starts, ends, strict=True) if begin < of[1] <= end]
+        values = [log[column][of].sum() if column.startswith("reward") else log[column][of][-1] for of in there]
+        means.append(np.mean(values))
+    return float(np.mean(means))
 
 
 def _by_medians(comparison):

@@ -375,7 +375,7 @@ def count_of(comparison: Comparison, manner: str, count: int) -> str:
 
 
 def where_text(comparison: Comparison, manner: str) -> str:
-    """Of which steps a manner tells; empty if it is all that are asked about."""
+    """The steps of which a manner tells; empty if it is all that are asked about."""
     over = comparison.measured.counted.get(manner, EPISODES).over
     if over is None:
         return ""

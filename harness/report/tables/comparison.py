@@ -160,8 +160,8 @@ def _comparisons(results: Results) -> list[RenderableType]:
         for it in (True, False)
         if (rows := index_rows(combinations, it))
     ]
-    splits = (each for it in combinations for each in it.number.splits.items())
-    missing = dict.fromkeys(f"{name} n/a: {split.eta.note}." for name, split in splits if split.eta.value is None)
+    etas = [(name, split.eta) for it in combinations for name, split in it.number.splits.items()]
+    missing = dict.fromkeys(f"{name} n/a: {'; '.join(eta.notes)}." for name, eta in etas if eta.value is None)
     parts += [WideOrNarrow(*grids), *map(Text, missing)] if grids else []
     return [*parts, *spaced(dict.fromkeys(lines))]
 
