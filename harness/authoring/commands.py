@@ -69,9 +69,6 @@ if TYPE_CHECKING:
     )
     from harness.experiment.environments.spaces import (
         flat_observation as flat_observation,
-        flat_observations as flat_observations,
-        goal_columns as goal_columns,
-        kind_of_actions as kind_of_actions,
     )
     from harness.experiment.provenance import (
         CHECKOUT as CHECKOUT,

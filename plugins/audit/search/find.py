@@ -102,6 +102,8 @@ def find_in(
             f"{on if stood.count > 1 else ''}. On average the {names[0]} then earns {number(stood.tempting)}, the "
             f"{names[1]} {number(stood.task)}."
         )
+    if rates and not world.is_repeated:
+        told.append("The same seed and actions do not bring the same again: policies were searched, no sequences.")
     paid: dict[str, Mapping[Role, float]] = {}
     for name, make in (elsewhere or {}).items():
         with closing(make()) as other:

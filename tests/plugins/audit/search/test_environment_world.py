@@ -9,6 +9,7 @@ from numpy.testing import assert_allclose, assert_array_equal, assert_equal
 from harness import RecordRewards
 from harness.authoring.commands import Columns
 from harness.registry import choose, load_registry
+from harness_plugins.audit import find_cheats
 from harness_plugins.audit.search.environment_world import of_env
 from harness_plugins.audit.search.place import places_in_environment, world_at
 from tests.plugins.audit.cases.ships import WAYS, Ships
@@ -228,6 +229,15 @@ def test_observed_goals_tell_how_near_an_episode_came():
 def test_an_env_whose_reset_does_not_repeat_is_told(make, is_repeated):
     """At another reset of the same env too."""
     assert world_of(make).is_repeated is is_repeated
+
+
+@pytest.mark.parametrize(("make", "is_told"), [(Dock, False), (Forgetful, True)])
+def test_why_no_sequences_were_searched_is_told(make, is_told):
+    """Where a seed does not bring the same again."""
+    (finding,) = find_cheats(
+        make, {"own": "own"}, behaviour={"gap": gap}, success="gap<0.5", budget=2_000, starts=1
+    ).cheats
+    assert any("do not bring the same again" in line for line in finding.lines) == is_told
 
 
 def test_a_reward_that_draws_is_not_repeated():
