@@ -18,6 +18,7 @@ def test_the_answer_is_right(takes, sees, harness):
     answer = harness("audit", f"ships:takes={takes},sees={sees}", "--reward", "own,hover", *CALL, "--json")
     assert answer.status == 0, answer.err
     assert [it["answer"] for it in answer.json["cheats"]] == ["NOTHING FOUND", "PAYS FOR FAILING"]
+    assert answer.json["env"].startswith("ships")  # as it was typed, not what the class is called
 
 
 @pytest.mark.parametrize("takes", ["pair", "mixed"])

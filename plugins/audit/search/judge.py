@@ -387,10 +387,13 @@ def _on_unsure(decided: Sequence[Case], shown: Case, success: str, is_counted: b
         ]
     more = [case for case in decided if case.tempting == "failure" and case.lead > 1.0]
     pair = [number(paid_by(of, shown.discount)) for of in (shown.three.failure, shown.three.fastest) if of]
-    certain = (
-        f"Of the {count - missing} starts where a success is known, on {len(more)} a failure earns more than the "
-        f"fastest one: {' against '.join(pair)}."
+    known = count - missing
+    where = (
+        "On the one start where a success is known"
+        if known == 1
+        else f"Of the {known} starts where a success is known, on {len(more)}"
     )
+    certain = f"{where} a failure earns more than the fastest one: {' against '.join(pair)}."
     late = [case.three.fastest.time for case in decided if case.is_late and case.three.fastest]
     close = sum(case.is_close and not case.is_late for case in decided)
     unsure = sum(case.word == CANNOT_TELL for case in decided)

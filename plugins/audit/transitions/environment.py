@@ -1,6 +1,7 @@
 """The rewards of an environment that a plugin names, beside one another; see `audit_rewards`."""
 
 from contextlib import closing
+from dataclasses import replace
 
 from harness.authoring.commands import blamed_on, columns_of, look_at
 from harness.environment import Environment
@@ -39,7 +40,7 @@ def audit_environment(
         columns = columns_of(environment, env, registry, (baseline, *choices))
         named = dict.fromkeys(choice.label for choice in (baseline, *choices))
         given = {name: columns.rewards[name] for name in named}
-        return audit_rewards(
+        found = audit_rewards(
             env,
             given,
             gamma=gamma,
@@ -47,3 +48,7 @@ def audit_environment(
             behaviour=columns.behaviour,
             compared=tuple(named),
         )
+        if env.spec is not None:
+            return found
+        title = found.title.replace(found.facts["env"], task.label, 1)  # what was typed, of a class without an id
+        return replace(found, title=title, facts={**found.facts, "env": task.label})
