@@ -204,6 +204,7 @@ def _render(results: Results, audits: Audits) -> str:
     ]
     is_open = sum(not it.is_control for it in combinations) < 2
     groups = groups_of([section.card for section in sections], combinations, is_open * 1)
+    shown = sections[:1] if is_open else sections  # the controls beside it are lines that open
     sides = [side for section in sections if section.frames for side in section.frames.sides]
     ranking, added = list(map(task_rows, ranking_of(results).tasks)), tuple(shown_sections(results).values())
     returns = [(matrix_title(it), return_grid(it)) for it in results.returns]
@@ -221,8 +222,8 @@ def _render(results: Results, audits: Audits) -> str:
         advice=next((text for it in combinations if (text := until_decided(results, it))), ""),
         groups=groups,
         is_open=is_open,
-        pictured=any(side.source for side in sides),
-        has=parts_of(sections, bool(ranking or returns or added)),
+        pictured=any(side.source for section in shown if section.frames for side in section.frames.sides),
+        has=parts_of(shown, bool(ranking or returns or added or sections[1:])),
         told=_told(results),
         pools=pool_cards(combinations),
         choosing=choosing_told(results),
@@ -246,8 +247,8 @@ def parts_of(sections: Sequence[Section], has_more: bool) -> dict[str, bool]:
     """Which parts of the page have something to show. A part that has nothing is left out.
 
     Args:
-        sections: The comparisons.
-        has_more: Whether there is something that is told of all of them together.
+        sections: The comparisons that stand there in full; all of them, where none does.
+        has_more: Whether there is something that is told of several comparisons together.
     """
     parts = ("behaviour", "learning", "terms", "number")
     has = {part: any(getattr(section, part) for section in sections) for part in parts}

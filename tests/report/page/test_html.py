@@ -276,6 +276,15 @@ def test_null_control_is_no_question(build, write):
     assert "both times paid by baseline, the second time with other seeds" in text
 
 
+def test_null_control_fills_no_part_of_a_reward_that_is_not_trained(build, write):
+    """Each part of the page is of the reward that stands there in full; the control is a line that opens."""
+    pending = {("arp", seed): ("pending", "") for seed in range(3)}
+    assert {"does", "number"} <= write(build(a_a=True)).ids
+    page = write(build(a_a=True, ended=pending))
+    assert "number" not in page.ids
+    assert "#number" not in page.links
+
+
 def test_failed_write_leaves_the_old_page(build, tmp_path, monkeypatch):
     """When writing fails, the old page is whole, nothing else is left, and the error is one line."""
     path = tmp_path / "pages" / "report.html"
