@@ -8,7 +8,9 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from harness.authoring.commands import Auc, Finishing, Said
+from harness.cli.fail_on import Said
+from harness.eta.auc import Auc
+from harness.payoff.rollout import Finishing
 from harness.screen import FAILING, NOTHING
 from harness.text import number
 

@@ -7,23 +7,11 @@ from functools import partial as partial_of
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from harness.authoring.commands import (
-    AsFormat,
-    AsJson,
-    FailOn,
-    LeftOut,
-    Measures,
-    Partial,
-    Places,
-    PluginFiles,
-    RobotName,
-    SortBy,
-    TaskName,
-    complain,
-    names_dataset,
-    say,
-    say_json,
-)
+from harness.cli.datasets import names_dataset
+from harness.cli.flags.dataset import Partial, Places
+from harness.cli.flags.logs import AsFormat, LeftOut, SortBy
+from harness.cli.flags.shared import AsJson, FailOn, Measures, PluginFiles, RobotName, TaskName
+from harness.cli.output import complain, say, say_json
 from harness.errors import UsageError
 
 from .flags import (
@@ -139,7 +127,7 @@ def audit(
 
     failing: tuple[str, ...] = ()
     if fail_on:  # what decides is loaded where the flag is given
-        from harness.authoring.commands import named_answers
+        from harness.cli.fail_on import named_answers
 
         failing = named_answers(fail_on, "pay", "ranking")
     if subject is not None and task is not None:
@@ -229,7 +217,7 @@ def _ended(failing: Sequence[str], found: "Sequence[Audit | DatasetAudit]", stat
     """The exit status by what was answered."""
     if not failing:
         return status
-    from harness.authoring.commands import status_of
+    from harness.cli.fail_on import status_of
 
     return status_of(failing, [said for it in found for said in it.said], status)
 
@@ -240,8 +228,9 @@ def _kind_of(subject: str | None, task: str | None, registry: "Registry") -> str
     Raises:
         UsageError: There is nothing of that name.
     """
-    from harness.authoring.commands import has_recordings, kind_of_task, require_known
     from harness.record import Store
+    from harness.registry.choice import kind_of_task, require_known
+    from harness.results.recordings.recordings import has_recordings
 
     if subject is not None and Path(subject).exists():
         folder = Path(subject)
@@ -376,7 +365,7 @@ def _watched(asked: "Search", world: "World") -> Iterator[None]:
     """On a terminal, a line on standard error that says how much of a world was searched."""
     from rich.text import Text
 
-    from harness.authoring.commands import Terminal
+    from harness.report.tables.grid import Terminal
 
     class Taken:
         """The line, anew whenever it is drawn."""
@@ -394,7 +383,7 @@ def _show(found: Sequence[Any], table: Callable[[Any], Any], as_json: bool, wron
     if as_json:
         say_json(found[0].to_json() if len(found) == 1 else [it.to_json() for it in found])
     else:
-        from harness.authoring.commands import show
+        from harness.report.tables.grid import show
 
         for number, it in enumerate(found):
             if number:
@@ -423,7 +412,7 @@ def _of_folder(
     out = tuple(leave_out or ())
     only = split_list(reward) if reward else []
     if kind == LOGS:
-        from harness.authoring.commands import find_logs
+        from harness.log.open_log import find_logs
 
         return audit_logs(folder, find_logs(folder, registry, log_format or ""), only, sort or "", out)
     if kind == EXPERIMENT:
@@ -431,7 +420,7 @@ def _of_folder(
 
         results = load_results(folder, told=Told(leave_out=out), registry=registry)
         if isinstance(results, Traces):
-            from harness.authoring.commands import audits_of
+            from harness.cli.output import audits_of
 
             from .recorded.experiment import audit_experiment
 
@@ -460,9 +449,9 @@ def _of_task(
     needs_scripts: bool,
 ) -> "tuple[list[Audit], list[Place]]":
     """An audit of each reward by scripts, where they can do the task, and where a search looks."""
-    from harness.authoring.commands import NoScriptsError
     from harness.env import IdealSimulator
     from harness.payoff import record_rollouts, score_rollout
+    from harness.payoff.rollout import NoScriptsError
     from harness.registry import choose, split_list
     from harness.task import choose_task
 
@@ -514,7 +503,7 @@ def _of_task(
 @contextmanager
 def _named(choice: "Choice", registry: "Registry") -> Iterator[None]:
     """Whatever a reward raises in this block is said to be the reward's."""
-    from harness.authoring.commands import blamed_on
+    from harness.registry.spec import blamed_on
 
     try:
         with blamed_on(registry.get("rewards", choice.name), "it was audited"):

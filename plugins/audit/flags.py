@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from harness.authoring.commands import REWARDS, SIMULATORS, TASKS, flag
+from harness.cli.flags.shared import REWARDS, SIMULATORS, TASKS, flag
 
 Subject = Annotated[
     str | None,

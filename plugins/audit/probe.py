@@ -5,8 +5,9 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from harness.arrays import Float
-from harness.authoring.commands import DISTANCE, Score, States, pay_along
+from harness.payoff.rollout import Score, States, pay_along
 from harness.reward import MissingField, Reward
+from harness.reward.steps import DISTANCE
 
 EACH = 16
 """Episodes of each of the three kinds."""

@@ -7,9 +7,10 @@ from collections.abc import Hashable, Sequence
 
 import numpy as np
 
-from harness.authoring.commands import Auc, Episodes
 from harness.eta import auc_of
+from harness.eta.auc import Auc
 from harness.log import SUCCESS
+from harness.results.recordings.episodes import Episodes
 
 from .recorded.earned import Earned, best_paid
 

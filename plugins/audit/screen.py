@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 
 from pydantic import Field
 
-from harness.authoring.commands import FINISH, pays_of
+from harness.cli.output import pays_of
 from harness.errors import reason_of
+from harness.payoff.rollout import FINISH
 from harness.screen import CANNOT_TELL, FAILING, Screened
 
 if TYPE_CHECKING:

@@ -9,36 +9,8 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from harness.authoring.commands import Learning
-from harness.authoring.pages import (
-    BETTER,
-    CHARACTER,
-    FEWEST,
-    PAY,
-    POINTS,
-    CurvePanel,
-    Mark,
-    SplitRow,
-    compared_text,
-    draw_both,
-    draw_ratio,
-    draw_split,
-    flat_text,
-    is_drawable,
-    learning_heading,
-    learning_names,
-    number_of,
-    panels_of,
-    percentage,
-    ratio_axis,
-    reward_range,
-    rewards_text,
-    seeds_text,
-    splits_of,
-    tell_apart,
-    text_of,
-)
 from harness.eta import Split, no_splits
+from harness.eta.headline import is_drawable
 from harness.report import (
     Axis,
     Chart,
@@ -50,7 +22,16 @@ from harness.report import (
     format_number,
     scales_text,
 )
+from harness.report.figures.accumulated import FEWEST, POINTS, CurvePanel, draw_both, panels_of, reward_range
+from harness.report.figures.chart import Mark
+from harness.report.figures.draw import CHARACTER
+from harness.report.figures.learning import flat_text, learning_heading, learning_names
+from harness.report.figures.split import SplitRow, draw_ratio, draw_split, number_of, ratio_axis
+from harness.report.rows.comparison import compared_text, percentage, rewards_text, seeds_text, tell_apart, text_of
+from harness.report.rows.ratios import BETTER
+from harness.report.rows.returns import PAY, splits_of
 from harness.results import Comparison
+from harness.results.learning import Learning
 
 from .svg import INTERVALS, TitledChart, draw_svg
 

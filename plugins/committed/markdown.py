@@ -6,30 +6,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from datetime import datetime, timedelta
 from typing import Final, NamedTuple, TypeAlias
 
-from harness.authoring.commands import NOTHING, Alone, Status, overview_of
-from harness.authoring.pages import (
-    ALONE,
-    CHOOSING,
-    CHOOSING_TITLE,
-    POOLED,
-    POOLED_TITLE,
-    alone_grid,
-    behaviour_row,
-    count_cells,
-    interim_text,
-    number_grids,
-    pooled_answers,
-    ratio_text,
-    ratio_with_interval,
-    remarks_on_cells,
-    rewards_text,
-    setting_of,
-    story,
-    terms_of,
-    word_of,
-)
 from harness.eta import Split
+from harness.eta.headline import ratio_text, ratio_with_interval
+from harness.eta.index import NOTHING
 from harness.record import EXPERIMENT, Manifest
+from harness.record.file_forms import Status
 from harness.report import (
     SPLIT,
     Grid,
@@ -45,7 +26,27 @@ from harness.report import (
     terms_grid,
     what_decides,
 )
+from harness.report.rows.comparison import (
+    ALONE,
+    CHOOSING,
+    CHOOSING_TITLE,
+    POOLED,
+    POOLED_TITLE,
+    alone_grid,
+    behaviour_row,
+    count_cells,
+    interim_text,
+    pooled_answers,
+    remarks_on_cells,
+    rewards_text,
+    setting_of,
+    story,
+    word_of,
+)
+from harness.report.rows.returns import number_grids, terms_of
 from harness.results import Comparison, Group, Results, told_manifests
+from harness.results.overview import overview_of
+from harness.results.trainings import Alone
 from harness.text import visible
 
 SIDES = ("baseline", "proposed", "random")

@@ -9,33 +9,20 @@ from rich.console import Group, RenderableType
 from rich.text import Text
 from typing_extensions import TypedDict
 
-from harness.authoring.commands import (
-    COUNTED,
-    NEAR_ZERO,
-    SUCCESS,
-    Status,
-    decided_by_text,
-    deciding_manner,
-    measure_text,
-    parse_json,
-    read_bytes,
-    read_form,
-    short_name,
-)
-from harness.authoring.pages import (
-    POOLED_TITLE,
-    UNKNOWN,
-    WideOrNarrow,
-    interim_line,
-    interval_text,
-    missing_text,
-    ratio_text,
-)
 from harness.errors import UsageError
 from harness.eta import Answer, Change, Quantity, Ratio
+from harness.eta.headline import SUCCESS, interval_text, ratio_text
+from harness.eta.index import NEAR_ZERO
 from harness.files import reading
+from harness.files.bounded import parse_json, read_bytes
 from harness.record import EXPERIMENT, PLAN
+from harness.record.file_forms import Status, read_form
 from harness.report import Grid
+from harness.report.rows.comparison import POOLED_TITLE, interim_line
+from harness.report.tables.comparison import WideOrNarrow
+from harness.results.comparison import deciding_manner
+from harness.results.overview import decided_by_text, measure_text, short_name
+from harness.results.verdicts import COUNTED, UNKNOWN, missing_text
 from harness.text import command_text
 
 RECORD, SUMMARY = "results.json", "summary.md"

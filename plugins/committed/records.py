@@ -18,7 +18,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
-from harness.authoring.commands import Records
+from harness.cli.records import Records
 from harness.errors import UsageError
 from harness.record import EXPERIMENT, PLAN
 from harness.report import report_text

@@ -6,10 +6,11 @@ from typing import NamedTuple
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
-from harness.authoring.pages import (
+from harness.report import Chart, Dots, Line, typeset
+from harness.report.figures.chart import chart_style
+from harness.report.figures.draw import (
     CHARACTER,
     SAMPLE,
-    chart_style,
     draw_figure,
     draw_sample,
     figure_height,
@@ -18,7 +19,6 @@ from harness.authoring.pages import (
     set_text,
     width_of,
 )
-from harness.report import Chart, Dots, Line, typeset
 from harness.text import visible
 
 CREATOR = "harness report --summary"

@@ -10,11 +10,11 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from harness.authoring.commands import RANDOM
-from harness.authoring.pages import plain_text
 from harness.eta import GroupCurve, curve_of
 from harness.record import Manifest
+from harness.report.page.answer import plain_text
 from harness.results import Comparison, Results, told_manifests
+from harness.results.table import RANDOM
 
 OWN = ("first_negative", "crossover", "I_N", "I_P", "final_accumulated_reward")
 """Columns on the single run, under the reward that paid it. The indices are not rounded."""

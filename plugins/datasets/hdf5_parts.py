@@ -10,10 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Ints
-from harness.authoring.commands import MOST_EPISODES
 from harness.errors import SchemaError
 from harness.files import reading, require_regular
-from harness.record.dataset.open_dataset import open_hdf5
+from harness.record.dataset.open_dataset import MOST_EPISODES, open_hdf5
 
 from .dataset import MOST_KEYS, MOST_NUMBERS, require_readable, rows_at_once
 from .steps import Source, Steps, nothing_told

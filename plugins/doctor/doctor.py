@@ -10,19 +10,13 @@ from importlib.metadata import Distribution, PackageNotFoundError, PackagePath, 
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from harness.authoring.commands import (
-    CHECKOUT,
-    describe_machine,
-    examined,
-    example_run,
-    hidden_commands,
-    say,
-    source_commit,
-    usable,
-    versions_behind,
-)
+from harness.cli.commands import hidden_commands
+from harness.cli.output import say
+from harness.cli.runnable import example_run, usable
+from harness.experiment.provenance import CHECKOUT, describe_machine, source_commit, versions_behind
 from harness.hookspecs import NOUNS
 from harness.registry import OURS, Plugin, Registry, load_registry
+from harness.registry.targets import examined
 
 from .trials import half_installed, try_all
 

@@ -14,11 +14,11 @@ from contextlib import closing
 from typing import NamedTuple
 
 import harness
-from harness.authoring.commands import is_met
 from harness.environment import Environment, examples_of
 from harness.errors import reason_of
 from harness.hookspecs import NOUNS
 from harness.registry import Registry, choose, load_registry
+from harness.registry.spec import is_met
 from harness.text import one_line_of, print_visible
 
 LIMIT = 60.0

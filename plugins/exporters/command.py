@@ -8,11 +8,14 @@ from typing import Annotated, Any
 
 import typer
 
-from harness.authoring.commands import files_in, folder_lock, make_folder, read_folder, say, storage_errors
+from harness.cli.output import say
 from harness.errors import UsageError
 from harness.files import is_partial, write_whole
+from harness.files.bounded import files_in
 from harness.policy import CARD, Network, load_policy
+from harness.policy.policy import read_folder
 from harness.record import POLICY, Store
+from harness.record.out_folder import folder_lock, make_folder, storage_errors
 from harness.text import command_text
 
 UNFINISHED = ".export.partial"
@@ -65,8 +68,8 @@ def _write_model(folder: Path, file: Path) -> None:
 
 def _write_runs(folder: Path, out: Path) -> int:
     """Write the trainings as CSV files; the exit status, 1 if a cell is damaged."""
-    from harness.authoring.commands import has_recordings
     from harness.results import load_results
+    from harness.results.recordings.recordings import has_recordings
 
     from .csv_runs import write_recordings, write_runs
 

@@ -8,21 +8,13 @@ import pyarrow as pa
 import pyarrow.csv
 
 from harness.arrays import Float
-from harness.authoring.commands import (
-    FLAGS,
-    INTEGERS,
-    ROWS,
-    TERM,
-    TICK,
-    TICK_IN_FILE,
-    TRAINING_RECORDING,
-    facts_of,
-    file_column,
-    is_recording,
-    recordings_in,
-    whole_file,
-)
+from harness.files.bounded import whole_file
+from harness.log.log import ROWS
 from harness.record import TRACE, read_recording, read_trace
+from harness.record.folder import TRAINING_RECORDING
+from harness.record.recording.facts import facts_of, file_column
+from harness.record.recording.recorded_training import FLAGS, INTEGERS, TICK, TICK_IN_FILE, is_recording, recordings_in
+from harness.record.trace import TERM
 from harness.results import Group, Results
 from harness.score import EVENTS
 from harness.text import file_stems

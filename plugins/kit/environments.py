@@ -9,19 +9,6 @@ from typing import Any
 import numpy as np
 from gymnasium.utils.env_checker import check_env
 
-from harness.authoring.checking import (
-    ACHIEVED,
-    DESIRED,
-    Column,
-    RandomStep,
-    Untold,
-    flat_observations,
-    goal_columns,
-    kind_of_actions,
-    made_columns,
-    random_steps,
-    value_of,
-)
 from harness.environment import (
     AnyEnv,
     Environment,
@@ -32,6 +19,10 @@ from harness.environment import (
     lower_is_better,
 )
 from harness.errors import UsageError
+from harness.experiment.environments.plan import RandomStep, random_steps, value_of
+from harness.experiment.environments.spaces import ACHIEVED, DESIRED, flat_observations, goal_columns, kind_of_actions
+from harness.recorder.column import Column, made_columns
+from harness.reward.given import Untold
 
 from .contract import check, raise_first, require, settings_are_frozen, settings_survive_json
 

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.authoring.checking import FLAGS, INTEGERS, NOTHING_KNOWN, NUMBERS, OBSTACLE, QVEL, with_episode_facts
 from harness.log import Log
 from harness.measure import Measure
 from harness.record import EpisodeFacts, trace_of
+from harness.record.trace import FLAGS, INTEGERS, NOTHING_KNOWN, NUMBERS, OBSTACLE, QVEL, with_episode_facts
 
 from .contract import check, raise_first, require, settings_are_frozen, settings_survive_json
 

@@ -15,7 +15,7 @@ from typing import Annotated
 
 import typer
 
-from harness.authoring.commands import say
+from harness.cli.output import say
 from harness.errors import UsageError
 from harness.hookspecs import NOUNS, WORDS
 from harness.registry import Registry, load_registry, unknown_name

@@ -9,7 +9,7 @@ import numpy as np
 
 from harness import load_robot
 from harness.authoring import run_job
-from harness.authoring.checking import closed_motion
+from harness.authoring.closed_motion import closed_motion
 from harness.errors import UsageError
 from harness.executor import Job
 from harness.experiment import check_experiment, expand

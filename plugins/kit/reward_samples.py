@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 
 from harness.arrays import Float
-from harness.authoring.checking import DISTANCE, SIZES, call_noted, made_up, map_steps, step_between
 from harness.reward import Array, Carry, Paid, Reward, Steps, pay as pay_aloud
+from harness.reward.steps import DISTANCE, map_steps, step_between
+from harness.reward.terms import SIZES, call_noted, made_up
 
 STEPS, NUM_ENVS = 20, 4
 HORIZON = 100

@@ -5,8 +5,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from harness.authoring.checking import is_plain_function, map_steps, rows_of
 from harness.reward import Array, Carry, Paid, Reward, Steps
+from harness.reward.forms import is_plain_function
+from harness.reward.steps import map_steps, rows_of
 
 from .contract import check, raise_first, require, settings_are_frozen, settings_survive_json
 from .memory import require_nothing_kept

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from harness import load_robot
 from harness.algorithm import ActionSpace, Algorithm, Goals, needs_goals
 from harness.arrays import Float, Float32, Mask
-from harness.authoring.checking import Actions, Infos
 from harness.env import IdealSimulator, ReachVectorEnv
+from harness.env.vector_env import Actions, Infos
 from harness.payoff import discounted_sum
 from harness.policy import Policy
 from harness.progress import Progress

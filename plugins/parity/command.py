@@ -5,7 +5,8 @@ from typing import Annotated
 
 import typer
 
-from harness.authoring.commands import ROBOT, ROBOTS, SIMULATORS, AsJson, PluginFiles, say, say_json
+from harness.cli.flags.shared import ROBOT, ROBOTS, SIMULATORS, AsJson, PluginFiles
+from harness.cli.output import say, say_json
 from harness.errors import UsageError
 
 SimulatorNames = Annotated[
@@ -66,7 +67,7 @@ def parity(
     if as_json:
         say_json(found.to_json())
     else:
-        from harness.authoring.commands import show
+        from harness.report.tables.grid import show
 
         from .page import parity_table
 

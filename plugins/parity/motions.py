@@ -8,7 +8,7 @@ import numpy as np
 
 from harness.arrays import Float, Mask
 from harness.authoring import link_frames
-from harness.authoring.commands import few_points
+from harness.env.solid_probes import few_points
 from harness.robot import Robot, Solids, build_solids
 
 CLEARANCE = 0.1

@@ -8,7 +8,7 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.authoring import link_frames, reach_position
-from harness.authoring.commands import Probe, few_points, probes_of
+from harness.env.solid_probes import Probe, few_points, probes_of
 from harness.robot import Robot, Solids, build_solids
 
 from .classes import CONTACT, SMOOTH, class_motions, in_order

@@ -10,9 +10,12 @@ from rich.console import Group, RenderableType
 from rich.text import Text
 
 from harness.arrays import Float
-from harness.authoring.commands import NOTHING, missing_in_words
-from harness.authoring.pages import render_page, select_points, show_grid, write_page
+from harness.env.solid_probes import missing_in_words
+from harness.eta.index import NOTHING
 from harness.report import Axis, Chart, Grid, Line, draw_chart, linear_axis
+from harness.report.figures.accumulated import select_points
+from harness.report.page.page import render_page, write_page
+from harness.report.tables.grid import show_grid
 from harness.text import number
 
 from .classes import CONTACT, CREEP, FAST, NEAR, SINGULAR, SLOW, SMOOTH, Told

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from harness.authoring.commands import Probe
+from harness.env.solid_probes import Probe
 from harness.simulator import family_of
 
 from .classes import CONTACT, FAST, SINGULAR, Told, told_by

@@ -6,7 +6,7 @@ from typing import Annotated, ClassVar
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.authoring.wrapped_reward import WrappedReward
+from harness.authoring import WrappedReward
 from harness.reward import Array, Carry, Steps, pay
 
 from ..factors import Factor

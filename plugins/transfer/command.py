@@ -4,15 +4,8 @@ from typing import Annotated
 
 import typer
 
-from harness.authoring.commands import (
-    SIMULATORS,
-    AsJson,
-    ExperimentFolder,
-    PluginFiles,
-    kept_when_interrupted,
-    say,
-    say_json,
-)
+from harness.cli.flags.shared import SIMULATORS, AsJson, ExperimentFolder, PluginFiles
+from harness.cli.output import kept_when_interrupted, say, say_json
 
 
 def transfer(
@@ -36,7 +29,7 @@ def transfer(
 
     Trains nothing. What is evaluated already is not evaluated again.
     """
-    from harness.authoring.commands import worker_count
+    from harness.experiment.workers.workers import worker_count
     from harness.registry import load_registry, read_given
     from harness.results import load_results
 
@@ -53,7 +46,7 @@ def transfer(
     if as_json:
         say_json(transfers.to_json())
     elif transfers.matrices:
-        from harness.authoring.commands import show
+        from harness.report.tables.grid import show
 
         from .shown import transfer_table
 

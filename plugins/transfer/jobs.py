@@ -8,25 +8,18 @@ from pathlib import Path
 from typing import Any, ClassVar, Literal, NamedTuple, Self, TypeAlias
 
 from harness import load_robot
-from harness.authoring.commands import (
-    PLANNED,
-    News,
-    Report,
-    blamed_on,
-    describe_environment,
-    draft_of,
-    leave_record,
-    now,
-    record_evaluation,
-    run_orders,
-    storage_errors,
-    worker_count,
-)
 from harness.env import build_world
 from harness.errors import HarnessError, UsageError
 from harness.experiment import Order
+from harness.experiment.arm_evaluation import record_evaluation
+from harness.experiment.provenance import describe_environment
+from harness.experiment.run_cell import draft_of, leave_record
+from harness.experiment.workers.order import Report
+from harness.experiment.workers.workers import News, run_orders, worker_count
 from harness.policy import load_policy
 from harness.record import EVALUATION, POLICY, Cell, Store, read_manifest
+from harness.record.cell import now
+from harness.record.out_folder import storage_errors
 from harness.registry import (
     Choice,
     Given,
@@ -38,6 +31,7 @@ from harness.registry import (
     read_given,
     split_list,
 )
+from harness.registry.spec import PLANNED, blamed_on
 from harness.results import Results, load_results
 from harness.simulator import require_drives
 from harness.text import command_text

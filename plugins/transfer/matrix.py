@@ -5,11 +5,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeAlias
 
-from harness.authoring.commands import SUCCESS, mean_return
-from harness.authoring.pages import render_page
 from harness.eta import SHARE, SeedMean, mean_over_seeds
+from harness.eta.headline import SUCCESS
 from harness.record import EVALUATION, Cell, read_trace
+from harness.record.returns import mean_return
 from harness.registry import Choice
+from harness.report.page.page import render_page
 from harness.results import Group, Results
 
 from .record import TRANSFER, TransferRecord, policy_digest, read_record_of, read_transfer, simulator_id

@@ -7,7 +7,7 @@ from types import TracebackType
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-from harness.authoring.commands import Terminal
+from harness.report.tables.grid import Terminal
 
 from .jobs import TransferEvent, TransferPlan
 

@@ -6,10 +6,10 @@ from typing import NamedTuple
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from harness.authoring.commands import NOTHING
-from harness.authoring.pages import show_grid
 from harness.eta import SeedMean
+from harness.eta.index import NOTHING
 from harness.report import Grid, format_number
+from harness.report.tables.grid import show_grid
 
 from .matrix import Failure, TransferMatrix, Transfers
 

@@ -5,7 +5,8 @@ from typing import Annotated
 
 import typer
 
-from harness.authoring.commands import ExperimentFolder, PluginFiles, say
+from harness.cli.flags.shared import ExperimentFolder, PluginFiles
+from harness.cli.output import say
 from harness.errors import UsageError
 
 MOST_CELLS = 4

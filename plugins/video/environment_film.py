@@ -6,10 +6,13 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from harness.authoring.commands import BACKGROUND, PlayedAgain, find_done, require_pillow
 from harness.errors import UsageError
+from harness.experiment.environments.played_again import PlayedAgain
 from harness.record import Cell
+from harness.registry.spec import require_pillow
 from harness.results import Results
+from harness.results.replay import find_done
+from harness.scene.picture import BACKGROUND
 
 from .film import COLOURS, HEIGHT, WIDTH, Frame, clock_of, frame_of, view_of
 

@@ -13,23 +13,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from harness.arrays import Float
-from harness.authoring.commands import (
-    BACKGROUND,
-    TARGET,
-    Episode,
-    Scene,
-    Show,
-    Side,
-    chain_of,
-    corners_of,
-    draw_arm,
-    require_pillow,
-    whole_file,
-)
-from harness.authoring.pages import SIDES, light_colours
 from harness.errors import UsageError
+from harness.files.bounded import whole_file
+from harness.record.scene import Scene
+from harness.registry.spec import require_pillow
+from harness.report.figures.chart import SIDES, light_colours
+from harness.results.replay import Episode, Show, Side
 from harness.robot import end_effector_position
 from harness.scene import Camera, camera_for
+from harness.scene.picture import BACKGROUND, TARGET, chain_of, corners_of, draw_arm
 from harness.text import visible
 
 if TYPE_CHECKING:

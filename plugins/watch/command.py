@@ -6,8 +6,8 @@ from typing import Annotated
 
 import typer
 
-from harness.authoring.commands import say
-from harness.authoring.pages import write_page
+from harness.cli.output import say
+from harness.report.page.page import write_page
 
 
 def watch(

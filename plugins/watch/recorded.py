@@ -10,23 +10,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float
-from harness.authoring.commands import (
-    FLAGS,
-    INTEGERS,
-    PAID,
-    TERM,
-    TICK,
-    is_held,
-    part_paths,
-    parts_of,
-    read_facts,
-    read_recorder,
-    recorder_numbers,
-    term_column,
-)
 from harness.eta import direction_of
 from harness.log import BEHAVIOUR, REWARD, SUCCESS, OpenEpisodes
 from harness.record import TrainingFacts, paid_in, read_trace
+from harness.record.folder import parts_of
+from harness.record.out_folder import is_held
+from harness.record.recording.facts import term_column
+from harness.record.recording.recorded_training import (
+    FLAGS,
+    INTEGERS,
+    TICK,
+    part_paths,
+    read_facts,
+    read_recorder,
+    recorder_numbers,
+)
+from harness.record.returns import PAID
+from harness.record.trace import TERM
 from harness.results import are_flags, hint_of, measure_of
 
 from .blocks import BEHAVIOUR as BEHAVIOUR_AT, OWN, PAY, Blocks

@@ -13,7 +13,8 @@ from threading import Lock, Thread
 from time import monotonic
 from typing import Generic, TypeVar
 
-from harness.authoring.commands import complain, describe_unexpected
+from harness.cli.output import complain
+from harness.cli.unexpected import describe_unexpected
 from harness.errors import HarnessError, UsageError, one_line
 
 T = TypeVar("T")

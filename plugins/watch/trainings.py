@@ -8,17 +8,14 @@ from functools import cache
 from pathlib import Path
 from typing import Any, Literal, TypeAlias, TypeVar
 
-from harness.authoring.commands import (
-    TRAINING_RECORDING,
-    FolderStatus,
-    left_text,
-    read_status,
-    recordings_in,
-)
+from harness.cli.progress import left_text
 from harness.errors import HarnessError, SchemaError, UsageError, one_line
 from harness.eta import Better
 from harness.log import SUCCESS
 from harness.record import MANIFEST, PLAN, TRACE, Cell, Store, partial_folder, read_manifest, read_plan
+from harness.record.folder import TRAINING_RECORDING
+from harness.record.recording.recorded_training import recordings_in
+from harness.record.status import FolderStatus, read_status
 
 from .blocks import BEHAVIOUR, Blocks
 from .recorded import Recording, Trace

@@ -8,11 +8,12 @@ from html import escape
 from pathlib import Path
 from typing import NamedTuple
 
-from harness.authoring.pages import overview_grids, render_page
 from harness.errors import UsageError
 from harness.record import Store
 from harness.registry import load_registry
 from harness.report import question, replay_of
+from harness.report.page.page import render_page
+from harness.report.tables.comparison import overview_grids
 from harness.results import load_results, shows_of
 
 from .cards import rows_of

@@ -11,31 +11,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float, Ints, Mask
-from harness.authoring.commands import (
-    Auc,
-    Labels,
-    PaidDataset,
-    Payer,
-    dataset_facts,
-    given_rewards,
-    open_dataset,
-    parse_success,
-    read_labels,
-    rewards_of,
-    rounded,
-    share_of,
-)
 from harness.errors import UsageError
 from harness.eta import CANNOT_TELL, auc_of, line_of
+from harness.eta.auc import Auc, share_of
+from harness.eta.rescaling import rounded
 from harness.log import RECORDED, Log
 from harness.payoff import pay_dataset
+from harness.payoff.dataset.paid_dataset import Labels, PaidDataset
+from harness.payoff.dataset.rewards import given_rewards, rewards_of
+from harness.payoff.dataset.steps import Payer
+from harness.record.dataset.labels import parse_success, read_labels
+from harness.record.dataset.open_dataset import dataset_facts, open_dataset
 from harness.registry import Registry, load_registry
 
 from ..recorded.pair import Paid, Pair, compare_paid, pair_of
 from .dataset_audit import DatasetAudit, PaidStep, RewardAnswer, WrongPair
 
 if TYPE_CHECKING:
-    from harness.authoring.commands import ArmPlaces
+    from harness.score.places import ArmPlaces
 
 
 UNPAID = (
@@ -188,7 +181,7 @@ def audit_dataset(
     plugins = registry or load_registry()
     arm = None
     if places is not None or robot is not None:
-        from harness.authoring.commands import places_of
+        from harness.payoff.dataset.arm_pay import places_of
 
         arm = places_of(places, robot, plugins)
     by_file = cluster == FILE

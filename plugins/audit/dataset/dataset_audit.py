@@ -8,8 +8,9 @@ from rich.console import Group, RenderableType
 from rich.text import Text
 
 from harness.arrays import Float
-from harness.authoring.commands import Auc, DatasetFacts
 from harness.eta import AGAINST, CANNOT_TELL, RANKS, SeedMean
+from harness.eta.auc import Auc
+from harness.record.dataset.open_dataset import DatasetFacts
 from harness.text import number
 
 from ..recorded.pair import Pair, mean_json
@@ -25,7 +26,7 @@ from ..recorded.pair_grid import (
 )
 
 if TYPE_CHECKING:
-    from harness.authoring.commands import Said
+    from harness.cli.fail_on import Said
 
 Lines: TypeAlias = tuple[str, ...]
 """Sentences, or names, a line each."""
@@ -156,7 +157,7 @@ class DatasetAudit:
     @property
     def said(self) -> "tuple[Said, ...]":
         """The answers that ``--fail-on`` may name."""
-        from harness.authoring.commands import Said
+        from harness.cli.fail_on import Said
 
         levels = [(f"{it.name} beside the beginner's", it.by_level) for it in self.rewards]
         found = [*((it.name, it.by_success) for it in self.rewards), *levels]

@@ -4,10 +4,11 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.authoring.commands import Auc
-from harness.authoring.pages import render_page, select_points, write_page
 from harness.eta import AGAINST, CANNOT_TELL, RANKS
+from harness.eta.auc import Auc
 from harness.report import Chart, Grid, Line, draw_chart
+from harness.report.figures.accumulated import select_points
+from harness.report.page.page import render_page, write_page
 from harness.text import number
 
 from ..chart import chart_of

@@ -12,7 +12,7 @@ from harness.eta import SeedMean, mean_over_seeds
 from .pair import mean_json
 
 if TYPE_CHECKING:
-    from harness.authoring.commands import Episodes, Part
+    from harness.results.recordings.episodes import Episodes, Part
 
 
 @dataclass(frozen=True)

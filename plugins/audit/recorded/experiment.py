@@ -5,12 +5,13 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.authoring.commands import SUCCESS, Episodes, Part, count_text
 from harness.errors import Unscored, UsageError
+from harness.eta.headline import SUCCESS
 from harness.log import REWARD, START, Log, LogFacts, in_memory
 from harness.record import TRACE, Cell, read_trace
 from harness.registry import Choice
 from harness.results import CellResults, Traces
+from harness.results.recordings.episodes import Episodes, Part, count_text
 from harness.score import InstalledReward
 
 from ..audit import Audit

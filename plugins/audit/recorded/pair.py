@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from harness.arrays import Float
-from harness.authoring.commands import PayLine, rounded
 from harness.eta import Rescaling, SeedMean, line_of, mean_over_seeds, rescaling_of
+from harness.eta.rescaling import PayLine, rounded
 from harness.log import BEHAVIOUR, EPISODES, REWARD, Log
 
 from ..distance import Distance, Form, centred_unit, compare_forms, distance_between

@@ -5,30 +5,19 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from harness.authoring.commands import (
-    ACTED_AT_RANDOM,
-    LAST_SHARE,
-    NO_NAME,
-    Account,
-    Found,
-    Missing,
-    Run,
-    account_of,
-    account_of_runs,
-    count_text,
-    env_of,
-    facts_notes,
-    is_left_out,
-    read_all,
-    read_trainings,
-    require_comparable,
-    sort_found,
-)
 from harness.errors import UsageError
 from harness.eta import CANNOT_TELL
+from harness.eta.laws import Account, Missing, is_left_out
+from harness.eta.manner import ACTED_AT_RANDOM
 from harness.log import SUCCESS
+from harness.log.open_log import Found
 from harness.registry import unknown_name
 from harness.results import Told
+from harness.results.logs.read_logs import account_of, facts_notes, read_trainings, require_comparable
+from harness.results.logs.results_of_logs import sort_found
+from harness.results.recordings.episodes import LAST_SHARE, count_text
+from harness.results.recordings.recordings import account_of_runs, env_of, read_all
+from harness.results.recordings.runs import NO_NAME, Run
 
 from ..audit import Audit
 from ..questions import (

@@ -10,11 +10,11 @@ import numpy as np
 from gymnasium.vector import AutoresetMode
 
 from harness.arrays import Float, Ints, Mask
-from harness.authoring.commands import TERM, ReachVectorEnv
-from harness.env import World as Arm, kinematics_policy, why_not_kinematics
+from harness.env import ReachVectorEnv, World as Arm, kinematics_policy, why_not_kinematics
 from harness.log import SUCCESS
 from harness.motion import MoveJ
 from harness.payoff import SCRIPTS, plan_actions
+from harness.record.trace import TERM
 from harness.task import goal_of
 
 from .world import REWARD, Beginning, Shown, Space, Step, World

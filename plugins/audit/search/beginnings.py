@@ -7,12 +7,16 @@ from typing import Any
 import numpy as np
 from gymnasium.spaces import Discrete
 
-from harness.authoring.commands import TRAINING_RECORDING, facts_of, flat_observation, import_file, recordings_in
 from harness.errors import UsageError, reason_of
+from harness.experiment.environments.spaces import flat_observation
 from harness.log import ACTION, BEHAVIOUR, REWARD, SUCCESS
 from harness.policy import CARD, Policy, load_policy
 from harness.record import POLICY, Store, read_recording
+from harness.record.folder import TRAINING_RECORDING
+from harness.record.recording.facts import facts_of
+from harness.record.recording.recorded_training import recordings_in
 from harness.registry import read_given
+from harness.registry.plugin_module import import_file
 
 from .world import Act, Beginning, World
 

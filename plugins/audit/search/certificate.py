@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from pydantic import ConfigDict, Field, StringConstraints, with_config
 from typing_extensions import TypedDict
 
-from harness.authoring.commands import ChoiceForm, read_form
 from harness.files import read_sealed, reading, seal, write_whole
 from harness.log import episode_sum
+from harness.record.file_forms import ChoiceForm, read_form
 from harness.text import file_stems, number
 
 from .behaviour import Role

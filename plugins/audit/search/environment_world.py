@@ -12,23 +12,15 @@ from gymnasium.spaces import Dict, Discrete
 from gymnasium.wrappers import TimeLimit
 
 from harness.arrays import Float, Mask
-from harness.authoring.commands import (
-    Before,
-    Column,
-    Columns,
-    Guard,
-    Now,
-    Raised,
-    Untold,
-    made_columns,
-    parse_success,
-    told_under,
-    zeros_of,
-)
 from harness.environment import AnyEnv
 from harness.errors import UsageError, reason_of
 from harness.log import SUCCESS
+from harness.record.dataset.labels import parse_success
+from harness.recorder.column import Column, made_columns
+from harness.recorder.env_facts import Columns
+from harness.recorder.guard import Guard, Raised
 from harness.registry import unknown_name
+from harness.reward.given import Before, Now, Untold, told_under, zeros_of
 
 from ..transitions.audit_rewards import opened_env
 from .moves import bounds_of

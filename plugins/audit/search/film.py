@@ -12,10 +12,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from harness.authoring.commands import let_draw, picture_of, require_pillow, strip_of
 from harness.environment import AnyEnv
 from harness.errors import HarnessError, reason_of
+from harness.experiment.environments.frames import strip_of
+from harness.experiment.environments.played_again import let_draw, picture_of
 from harness.registry import Registry, given_from_json, given_to_json, load_registry
+from harness.registry.spec import require_pillow
 from harness.text import one_line_of
 
 from .place import Place

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from harness.authoring.commands import Columns, paid_twice, paid_twice_text
 from harness.environment import AnyEnv
 from harness.errors import UsageError, sentence
+from harness.recorder.env_facts import Columns
 from harness.registry import Registry
+from harness.reward.terms import paid_twice, paid_twice_text
 from harness.text import number
 
 from ..transitions.audit_rewards import GAMMA, ByName

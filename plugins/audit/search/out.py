@@ -8,12 +8,13 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.authoring.commands import Scene, make_folder, read_scene, refuse_links, storage_errors, write_scene
-from harness.authoring.pages import write_page
 from harness.errors import SchemaError, UsageError, one_line
 from harness.files import write_whole
 from harness.record import Store
+from harness.record.out_folder import make_folder, refuse_links, storage_errors
+from harness.record.scene import Scene, read_scene, write_scene
 from harness.registry import Registry, choose, require_given
+from harness.report.page.page import write_page
 from harness.robot import load_robot
 from harness.scene import scene_of
 

@@ -8,10 +8,13 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from harness.arrays import Float
-from harness.authoring.commands import Episode, Scene, Show, Side, plugin_flags
-from harness.authoring.pages import render_page, select_points
 from harness.log import episode_sum, sums_so_far
+from harness.record.scene import Scene
+from harness.registry.given import plugin_flags
 from harness.report import Dots, Grid, Line, draw_chart, replay_of
+from harness.report.figures.accumulated import select_points
+from harness.report.page.page import render_page
+from harness.results.replay import Episode, Show, Side
 from harness.text import number, visible
 
 from ..chart import chart_of

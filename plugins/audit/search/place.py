@@ -8,20 +8,15 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from harness.authoring.commands import (
-    Columns,
-    blamed_on,
-    columns_of,
-    describe_machine,
-    look_at,
-    source_of,
-    usable,
-    versions_behind,
-    versions_of,
-)
+from harness.cli.runnable import usable
 from harness.env import IdealSimulator, World as Arm
 from harness.environment import AnyEnv, Environment
+from harness.experiment.environments.plan import columns_of, look_at
+from harness.experiment.provenance import describe_machine, versions_behind
+from harness.recorder.column import source_of
+from harness.recorder.env_facts import Columns, versions_of
 from harness.registry import Choice, Registry, choose, source_hash, split_list
+from harness.registry.spec import blamed_on
 from harness.robot import load_robot
 from harness.task import choose_task
 

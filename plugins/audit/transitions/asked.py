@@ -6,9 +6,14 @@ from typing import Any
 import numpy as np
 
 from harness.arrays import Float
-from harness.authoring.commands import BEFORE, Before, Guard, Walk, differs, made_columns, steps_type
 from harness.errors import reason_of
+from harness.recorder.column import made_columns
+from harness.recorder.guard import Guard
+from harness.recorder.recorder import differs
+from harness.recorder.sealed import Walk
 from harness.reward import MissingField
+from harness.reward.given import Before
+from harness.reward.steps import BEFORE, steps_type
 
 OfTransition = Callable[[Any, Any, Any], float]
 """R(s, a, s')."""

@@ -9,12 +9,16 @@ import gymnasium
 import numpy as np
 from gymnasium.wrappers import TimeLimit
 
-from harness.authoring.commands import OWN, Episodes, KeepWalks, RecordRewards, Walk, count_text, facts_of
 from harness.errors import UsageError
 from harness.log import REWARD, Log
 from harness.record import read_recording
+from harness.record.recording.facts import facts_of
+from harness.recorder.record_rewards import RecordRewards
+from harness.recorder.sealed import KeepWalks, Walk
 from harness.results import episodes_of
+from harness.results.recordings.episodes import Episodes, count_text
 from harness.reward import Given
+from harness.reward.given import OWN
 
 from ..audit import Audit
 from ..distance import FORMS, Form

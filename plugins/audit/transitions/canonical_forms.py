@@ -23,7 +23,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from harness.arrays import Float
-from harness.authoring.commands import Walk
+from harness.recorder.sealed import Walk
 
 from ..distance import DARD, EPIC, FORMS, STARC, Form, centred_unit, unit
 from .asked import NoTransitionReward, OfTransition

@@ -3,9 +3,10 @@
 from contextlib import closing
 from dataclasses import replace
 
-from harness.authoring.commands import blamed_on, columns_of, look_at
 from harness.environment import Environment
+from harness.experiment.environments.plan import columns_of, look_at
 from harness.registry import Choice, Registry, split_list
+from harness.registry.spec import blamed_on
 
 from ..audit import Audit
 from .audit_rewards import EPISODES, audit_rewards

@@ -19,9 +19,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float, read_only
-from harness.authoring.commands import Walk, paid_along, step_between
 from harness.payoff import Rollout
+from harness.payoff.rollout import paid_along
+from harness.recorder.sealed import Walk
 from harness.reward import Carry, Reward, pay, take
+from harness.reward.steps import step_between
 
 from ..distance import Form
 from .asked import NoTransitionReward

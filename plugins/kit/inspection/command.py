@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from harness.authoring.commands import ROBOT, AsJson, PluginFiles, say, say_json
+from harness.cli.flags.shared import ROBOT, AsJson, PluginFiles
+from harness.cli.output import say, say_json
 from harness.errors import UsageError
 
 if TYPE_CHECKING:

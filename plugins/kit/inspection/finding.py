@@ -4,8 +4,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, Literal, NamedTuple, Self, TypeAlias
 
-from harness.authoring.checking import PluginFile, is_class_name
 from harness.registry import read_given
+from harness.registry.given import PluginFile, is_class_name
 
 
 @dataclass(frozen=True)

@@ -12,11 +12,12 @@ from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple, Self
 
-from harness.authoring.checking import Offspring, Pool, print_into
-from harness.authoring.commands import Report
 from harness.errors import UsageError
 from harness.executor import Limits
 from harness.experiment import Order
+from harness.experiment.workers.order import Report
+from harness.experiment.workers.worker import print_into
+from harness.experiment.workers.workers import Offspring, Pool
 from harness.record import partial_folder
 
 from .ending import ending_in_words, place_in, split_output

@@ -17,11 +17,13 @@ from typing import Any, TypeAlias
 import typer
 
 from harness import load_robot
-from harness.authoring.checking import PluginFile, is_path, why_unfit
 from harness.errors import HarnessError, PluginError, UsageError, one_line
 from harness.hookspecs import KINDS, NOUNS, WORDS
 from harness.registry import Given, Registry, Spec, choose, load_registry, parse, read_given, unknown_name
+from harness.registry.given import PluginFile
+from harness.registry.targets import why_unfit
 from harness.robot import Robot
+from harness.robot.robot import is_path
 from harness.task import choose_task
 
 from ..contract import Check, violations

@@ -13,8 +13,8 @@ from unittest import mock
 
 import numpy as np
 
-from harness.authoring.checking import HEAD
 from harness.log import BEHAVIOUR, Log, LogFacts, LogFormat, Rows, Unit
+from harness.log.format import HEAD
 
 from ..contract import require
 

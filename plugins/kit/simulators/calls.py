@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from harness.arrays import Float
-from harness.authoring.checking import LoggedSimulation
+from harness.env.ideal import LoggedSimulation
 from harness.progress import TrainingState
 from harness.robot import Robot
 from harness.simulator import Simulator, State

@@ -9,9 +9,9 @@ from typing import Any, cast
 import numpy as np
 
 from harness.arrays import Float
-from harness.authoring.checking import energy
 from harness.errors import UsageError
 from harness.robot import Robot, Servo, read_bodies
+from harness.robot.energy import energy
 from harness.simulator import Simulation, Simulator, State, drives_with_servo
 
 from ..contract import Check, check, require, violations

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float
-from harness.authoring.commands import find_missing, missing_in_words, probes_of
+from harness.env.solid_probes import find_missing, missing_in_words, probes_of
 from harness.errors import UsageError
 from harness.robot import Robot
 from harness.simulator import Simulation, Simulator, State

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import harness
-from harness.authoring.commands import columns_of
+from harness.experiment.environments.plan import columns_of
 from harness.payoff import payoff_of, score_rollout
 from harness.record import read_recording
 from harness.registry import choose, load_registry, read_given

@@ -5,9 +5,9 @@ import pytest
 from numpy.testing import assert_array_equal
 
 from harness import RecordRewards
-from harness.authoring.commands import Columns
 from harness.env import World as Arm, kinematics_policy
 from harness.reach import ReachTask
+from harness.recorder.env_facts import Columns
 from harness.reward.terms import Unpaid
 from harness_plugins.audit.search.arm_world import ArmWorld
 from harness_plugins.audit.search.beginnings import of_folder, policy_named

@@ -7,7 +7,7 @@ from gymnasium.spaces import Box, Dict, Discrete, Sequence, Text
 from numpy.testing import assert_allclose, assert_array_equal, assert_equal
 
 from harness import RecordRewards
-from harness.authoring.commands import Columns
+from harness.recorder.env_facts import Columns
 from harness.registry import choose, load_registry
 from harness_plugins.audit import find_cheats
 from harness_plugins.audit.search.environment_world import of_env

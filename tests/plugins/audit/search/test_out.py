@@ -74,7 +74,8 @@ def docked(tmp_path_factory, registry):
 AGAIN = f"""
 import sys
 from pathlib import Path
-from harness.authoring.commands import load_registry, read_given
+from harness.registry.given import read_given
+from harness.registry.registry import load_registry
 from harness_plugins.audit.search.out import replay_file
 registry = load_registry(given=read_given(["{DOCKING}"]))
 for path in sys.argv[1:]:

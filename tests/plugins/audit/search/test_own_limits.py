@@ -3,7 +3,7 @@
 import gymnasium
 import pytest
 
-from harness.authoring.commands import Columns
+from harness.recorder.env_facts import Columns
 from harness_plugins.audit.search.environment_world import of_env
 from tests.plugins.audit.search.contracts import CONTRACTS, ContractEnv
 from tests.plugins.audit.search.toy_worlds import Graph
