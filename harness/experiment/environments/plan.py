@@ -25,7 +25,7 @@ from harness.environment import (
 from harness.errors import UsageError, reason_of
 from harness.eta.interval import UNBOUNDED
 from harness.eta.laws import direction_of, may_be_flag, require_direction
-from harness.experiment.environments.spaces import flat_observation, flat_observations, goal_columns, kind_of_actions
+from harness.experiment.environments.spaces import flat_observations, goal_columns, kind_of_actions, rows_of
 from harness.recorder.column import Column, for_env, made_columns
 from harness.recorder.env_facts import Columns
 from harness.recorder.guard import Guard
@@ -75,7 +75,7 @@ def random_steps(
         columns: The rewards and measures.
         cut_at: After so many steps another episode begins.
     """
-    guard = Guard()
+    guard, rows = Guard(), rows_of(env.observation_space)
     before, number = _begin(env, columns, guard, seed), 0
     env.action_space.seed(seed)
     for done in range(1, count + 1):
@@ -85,7 +85,7 @@ def random_steps(
         if number == 1:
             before = before._replace(action=zeros_of(guard.seal(action)))
         seen = Now._make((*sealed, bool(terminated), bool(truncated), before))
-        numbers = [*flat_observation(env.observation_space, seen.observation).tolist(), float(paid)]
+        numbers = [*rows.of(seen.observation).tolist(), float(paid)]
         yield RandomStep(done, number, seen, paid, ended, numbers, guard)
         before = Before._make(seen[:3])
         if ended or done == cut_at:

@@ -1,10 +1,12 @@
 """Observations and actions of policies in somebody's environment: flat numbers in, a box or a choice out."""
 
-from typing import Any
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import gymnasium
 import numpy as np
-from gymnasium.spaces import Box, Dict, Discrete, flatdim, flatten
+from gymnasium.spaces import Box, Dict, Discrete, Text, Tuple, flatdim, flatten
+from numpy.typing import NDArray
 
 from harness.algorithm import ActionSpace
 from harness.arrays import Float32
@@ -18,29 +20,50 @@ ACHIEVED, DESIRED = "achieved_goal", "desired_goal"
 """Keys of observations that hold goals."""
 
 
+class Rows(NamedTuple):
+    """What is observed as one row of numbers; text, sequences and graphs are left out."""
+
+    size: int
+    """How many numbers there are; 0 for none."""
+    of: Callable[[Any], NDArray[Any]]
+    """A row of an observation, (size,); a dict in the order of the space's keys."""
+
+    def batch(self, observation: Any) -> Float32:
+        """One observation as policies take them, (1, size)."""
+        return np.asarray(self.of(observation), np.float32)[np.newaxis]
+
+
+def rows_of(space: gymnasium.Space[Any]) -> Rows:
+    """How observations of a space become rows."""
+    if isinstance(space, Dict | Tuple):
+        inner = space.spaces.items() if isinstance(space, Dict) else enumerate(space.spaces)
+        parts = [(key, rows) for key, it in inner if (rows := rows_of(it)).size]
+        if parts:
+            return Rows(
+                sum(rows.size for _, rows in parts),
+                lambda seen: np.concatenate([rows.of(seen[key]) for key, rows in parts]),
+            )
+    try:
+        size = 0 if isinstance(space, Text) else flatdim(space)
+    except (NotImplementedError, ValueError):
+        size = 0
+    return Rows(size, (lambda seen: np.asarray(flatten(space, seen)).ravel()) if size else lambda seen: np.zeros(0))
+
+
 def flat_observations(space: gymnasium.Space[Any]) -> Box:
-    """The space of `flat_observation`, (observation_size,) of float32.
+    """The space of the rows, (observation_size,) of float32.
 
     Raises:
         UsageError: Observations of `space` have no fixed number of numbers, or too many.
     """
-    try:
-        size = flatdim(space)
-    except (NotImplementedError, ValueError) as error:
-        raise UsageError(f"its observations are {space}, which cannot be put into one row of numbers") from error
+    size = rows_of(space).size
     if not 0 < size <= MOST_NUMBERS:
-        raise UsageError(f"an observation has {size:,} numbers: 1 to {MOST_NUMBERS:,} are allowed")
+        raise UsageError(f"its observations are {space}, of {size:,} numbers: 1 to {MOST_NUMBERS:,} are allowed")
     return Box(-np.inf, np.inf, (size,), np.float32)
 
 
-def flat_observation(space: gymnasium.Space[Any], observation: Any) -> Float32:
-    """An observation as one row of numbers, (observation_size,); a dict in the order of the space's keys."""
-    flat: Float32 = np.asarray(flatten(space, observation), np.float32).ravel()
-    return flat
-
-
 def goal_columns(space: gymnasium.Space[Any]) -> tuple[slice, slice]:
-    """The columns of the achieved and of the desired goal in a `flat_observation`.
+    """The columns of the achieved and of the desired goal in a row of `rows_of`.
 
     Raises:
         UsageError: Observations of `space` tell of no goals.
@@ -92,10 +115,10 @@ class Acting:
             policy: Of which spaces it has to have.
             rng: What it draws actions from; None if it takes the one action of each observation.
         """
-        self._space, self._policy, self._type = env.observation_space, policy, env.action_space.dtype
+        self._rows, self._policy, self._type = rows_of(env.observation_space), policy, env.action_space.dtype
         self._rng = rng
 
     def __call__(self, observation: Any) -> Any:
         """The action in the form that the env takes."""
-        action = self._policy.act(flat_observation(self._space, observation)[np.newaxis], self._rng)[0]
+        action = self._policy.act(self._rows.batch(observation), self._rng)[0]
         return int(action) if np.ndim(action) == 0 else np.asarray(action, self._type)

@@ -32,9 +32,9 @@ from harness.experiment.environments.spaces import (
     DESIRED,
     Acting,
     flat_actions,
-    flat_observation,
     flat_observations,
     goal_columns,
+    rows_of,
 )
 from harness.experiment.trials.tried import Tried
 from harness.experiment.workers.order import named_scalars
@@ -93,14 +93,14 @@ class EnvironmentBatch(VectorEnv[Float32, Actions, Any]):
         """
         self._envs, self.num_envs, self._seed, self._tell = envs, len(envs), seed, tell
         self._unwrapped = [env.unwrapped for env in envs]
-        self._space, actions = envs[0].observation_space, envs[0].action_space
-        self.single_observation_space = flat = flat_observations(self._space)
+        space, actions = envs[0].observation_space, envs[0].action_space
+        self._row, self.single_observation_space = rows_of(space).of, (flat := flat_observations(space))
         self.single_action_space = flat_actions(actions)
         self.observation_space = batch_space(flat, self.num_envs)
         self._shape = self.num_envs, *flat.shape
         self.action_space = batch_space(self.single_action_space, self.num_envs)
         self._is_discrete, self._action_type = isinstance(actions, Discrete), actions.dtype
-        self.goals = Goals(*goal_columns(self._space), pay) if pay else None
+        self.goals = Goals(*goal_columns(space), pay) if pay else None
         self._log = StepLog()
         self.environment_steps = 0
         self.learning, self._episodes = LastEpisodes(), [0] * self.num_envs
@@ -113,7 +113,7 @@ class EnvironmentBatch(VectorEnv[Float32, Actions, Any]):
         seeds = _seeds(seed, self.num_envs)
         self._episodes = [number + 1 for number in self._episodes]
         rows = [env.reset(seed=one, options=options)[0] for env, one in zip(self._envs, seeds, strict=True)]
-        observations = np.stack([flat_observation(self._space, row) for row in rows])
+        observations = np.stack([self._row(it) for it in rows], dtype=np.float32)
         self._log.note_answers(observations)
         return observations, {}
 
@@ -135,7 +135,7 @@ class EnvironmentBatch(VectorEnv[Float32, Actions, Any]):
         announce_all(self._unwrapped, chosen)
         for k, (env, action) in enumerate(zip(self._envs, chosen, strict=True)):
             told, reward, terminated[k], truncated[k], _ = env.step(action)
-            observations[k], paid[k] = flat_observation(self._space, told), float(reward)
+            observations[k], paid[k] = self._row(told), float(reward)
             if self.goals:
                 _require_paid_by_goals(self.goals, told, paid[k])
             number, is_last, did = self._episodes[k], terminated[k] or truncated[k], 0.0
@@ -144,7 +144,7 @@ class EnvironmentBatch(VectorEnv[Float32, Actions, Any]):
                 success[k] = did > 0
                 self._episodes[k] += 1
                 final[k] = observations[k]
-                observations[k] = flat_observation(self._space, env.reset()[0])
+                observations[k] = self._row(env.reset()[0])
             rows.append((k, number, is_last, True, paid[k], did if math.isnan(did) else success[k]))
         self.learning.take(rows)
         self._log.note_answers(observations, final, paid, terminated, truncated, success)

@@ -8,7 +8,7 @@ import numpy as np
 from gymnasium.spaces import Discrete
 
 from harness.errors import UsageError, reason_of
-from harness.experiment.environments.spaces import flat_observation
+from harness.experiment.environments.spaces import rows_of
 from harness.log import ACTION, BEHAVIOUR, REWARD, SUCCESS
 from harness.policy import CARD, Policy, load_policy
 from harness.record import POLICY, Store, read_recording
@@ -89,7 +89,8 @@ def of_folder(world: World, folder: Path) -> list[Beginning]:
 
 def acting(world: World, policy: Policy) -> Act:
     """A saved policy as a function of one observation: the one action of each."""
-    return lambda seen: policy.act(flat_observation(world.observes, seen)[np.newaxis])[0]
+    rows = rows_of(world.observes)
+    return lambda seen: policy.act(rows.batch(seen))[0]
 
 
 def _checked(world: World, policy: Act, noun: str) -> Act:

@@ -14,6 +14,7 @@ from gymnasium.wrappers import TimeLimit
 from harness.arrays import Float, Mask
 from harness.environment import AnyEnv
 from harness.errors import UsageError, reason_of
+from harness.experiment.environments.spaces import rows_of
 from harness.log import SUCCESS
 from harness.record.dataset.labels import parse_success
 from harness.recorder.column import Column, made_columns
@@ -24,7 +25,7 @@ from harness.reward.given import Before, Now, Untold, told_under, zeros_of
 
 from ..transitions.audit_rewards import opened_env
 from .moves import bounds_of
-from .spaces import Coded, coded, rows_of
+from .spaces import Coded, coded
 from .world import Shown, Step, World
 
 CUT_AT = 500

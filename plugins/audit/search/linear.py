@@ -13,9 +13,9 @@ from gymnasium.spaces import Box, Discrete
 from numpy.typing import NDArray
 
 from harness.arrays import Float, Ints
+from harness.experiment.environments.spaces import rows_of
 
 from .moves import bounds_of
-from .spaces import rows_of
 from .table import Keep
 from .world import Data, Outcomes, Rng, World
 

@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float, Ints
+from harness.experiment.environments.spaces import rows_of
 
 from .kept import Cells, Kept
 from .moves import Feedback, draw_feedback, moves_in
 from .mutations import Pairs, mutations_of
-from .spaces import rows_of
 from .world import Actions, Data, Outcomes, Rng, World
 
 FAILURES, FAILURES_LATER, SUCCESSES, SUCCESSES_LATER, FASTEST, NEAREST = (

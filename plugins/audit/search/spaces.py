@@ -1,4 +1,4 @@
-"""Spaces of any environment as a search has them: actions that are counted or one row, and rows of what is observed."""
+"""Spaces of any environment as a search has them: actions that are counted, or one row of numbers."""
 
 import itertools
 import math
@@ -8,8 +8,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 import gymnasium
 import numpy as np
-from gymnasium.spaces import Box, Dict, Discrete, MultiBinary, MultiDiscrete, Text, Tuple, flatdim, flatten, unflatten
-from numpy.typing import NDArray
+from gymnasium.spaces import Box, Dict, Discrete, MultiBinary, MultiDiscrete, Tuple, flatten, unflatten
 
 from harness.arrays import Float
 from harness.errors import UsageError
@@ -75,32 +74,6 @@ def coded(space: AnySpace, name: str) -> Coded:
         lambda action: np.asarray(flatten(space, action), kind),
         note,
     )
-
-
-class Rows(NamedTuple):
-    """What is observed as one row of numbers; text, sequences and graphs are left out."""
-
-    size: int
-    """How many numbers there are; 0 for none."""
-    of: Callable[[Any], NDArray[Any]]
-    """A row of an observation, (size,)."""
-
-
-def rows_of(space: AnySpace) -> Rows:
-    """How observations of a space become rows."""
-    if isinstance(space, Dict | Tuple):
-        inner = space.spaces.items() if isinstance(space, Dict) else enumerate(space.spaces)
-        parts = [(key, rows) for key, it in inner if (rows := rows_of(it)).size]
-        if parts:
-            return Rows(
-                sum(rows.size for _, rows in parts),
-                lambda seen: np.concatenate([rows.of(seen[key]) for key, rows in parts]),
-            )
-    try:
-        size = 0 if isinstance(space, Text) else flatdim(space)
-    except (NotImplementedError, ValueError):
-        size = 0
-    return Rows(size, (lambda seen: np.asarray(flatten(space, seen)).ravel()) if size else lambda seen: np.zeros(0))
 
 
 def _leaves(space: AnySpace) -> list[Any]:
