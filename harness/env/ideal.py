@@ -69,7 +69,10 @@ class IdealSimulation:
         frames = child_frames(self.robot.chain, qpos)
         tip = (frames[-1] @ self.robot.chain.T_last_tip)[:, :3, 3]
         heights = [tip[:, 2], *(frame[:, 2, 3] for frame in frames[1:])]  # the first joint's origin stands still
-        contact = (np.min(heights, axis=0) <= 0.0) | self._solids.touch_ground(link_frames(self.robot.chain, qpos))
+        contact = np.min(heights, axis=0) <= 0.0
+        near = self._solids.is_near_ground(np.stack([frame[:, :3].transpose(1, 2, 0) for frame in frames])) & ~contact
+        if near.any():
+            contact[near] = self._solids.touch_ground(link_frames(self.robot.chain, qpos[near]))
         self._tip[self._awake], self._contact[self._awake] = tip, contact
         return State(self.qpos.copy(), self.qvel.copy(), self._tip.copy(), self._contact.copy())
 

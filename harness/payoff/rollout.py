@@ -101,7 +101,8 @@ def plan_actions(
     if script == RANDOM:
         return rng.uniform(-1.0, 1.0, (task.horizon, *start.shape)).astype(np.float32)
     path = JointPath(robot, start, _pose_at(robot, target, start) - start, target)
-    first, second = (path.first_within(stop * task.epsilon) for stop in STOPS[script])
+    places = {stop: path.first_within(stop * task.epsilon) for stop in {*STOPS[script]}}
+    first, second = map(places.__getitem__, STOPS[script])
     speeds = _speeds_along(path, motion.limits, first, second, task.horizon)
     actions: Float32 = (speeds[:, :, None] * path.change / motion.limits.max_speed).astype(np.float32)
     return actions

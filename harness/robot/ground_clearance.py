@@ -97,6 +97,16 @@ class Solids:
             np.minimum(lowest, cloud.lowest(frames), out=lowest)
         return lowest
 
+    def is_near_ground(self, frames: Float) -> Mask:
+        """Whether a ball around shapes reaches below the plane z = 0, shape (n,); where none does, no shape does.
+
+        Frames that differ by rounding alone from those that `lowest` is given do as well.
+        """
+        near = self._bounds_reach_ground(frames[:, 2])
+        for cloud in self.clouds:
+            near |= cloud.ball_reaches_ground(frames)
+        return near
+
     def touch_ground(self, frames: Float) -> Mask:
         """Whether any shape reaches below the plane z = 0, shape (n,); arguments as for `lowest`."""
         contact, upward = np.zeros(frames.shape[-1], bool), frames[:, 2]

@@ -2,13 +2,12 @@
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from harness.cli.fail_on import Said
 from harness.eta.auc import Auc
 from harness.payoff.rollout import Finishing
 from harness.screen import FAILING, NOTHING
@@ -31,6 +30,9 @@ from .recorded.pair_grid import (
 from .search.disturb import NOISES
 from .search.finding import Finding
 from .search.finding_grid import finding_parts
+
+if TYPE_CHECKING:
+    from harness.cli.fail_on import Said
 
 COLUMN = (
     "Compare down a column: each reward has a scale of its own. Means whose intervals overlap may differ by chance. "
@@ -135,8 +137,10 @@ class Audit:
         return as_text(audit_table(self))
 
     @property
-    def said(self) -> tuple[Said, ...]:
+    def said(self) -> "tuple[Said, ...]":
         """The answers that ``--fail-on`` may name; scripts answer where nothing was searched."""
+        from harness.cli.fail_on import Said
+
         found = [Said("pay", f"{it.reward} in {it.world}", it.word) for it in self.cheats]
         if self.scripts is not None and not found:
             of = self.scripts.finishing

@@ -14,6 +14,8 @@ from .pair import mean_json
 if TYPE_CHECKING:
     from harness.results.recordings.episodes import Episodes, Part
 
+RANDOM = "random actions"
+
 
 @dataclass(frozen=True)
 class Earned:

@@ -16,10 +16,10 @@ from harness.score import InstalledReward
 
 from ..audit import Audit
 from ..questions import NO_FORMS, NOT_RANKED, on_best
-from .earned import Earned, earned_in_episodes, earned_in_parts
+from .earned import RANDOM, Earned, earned_in_episodes, earned_in_parts
 from .pair import MOST, pairs_in
 from .pair_grid import SCALE
-from .recordings import RANDOM, chosen_rewards, title_of
+from .recordings import chosen_rewards, title_of
 
 KEYS = ["env", "episode", "step", "terminated", "truncated"]
 

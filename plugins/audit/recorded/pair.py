@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from harness.arrays import Float
+from harness.arrays import Float, Ints
 from harness.eta import Rescaling, SeedMean, line_of, mean_over_seeds, rescaling_of
 from harness.eta.rescaling import PayLine, rounded
 from harness.log import BEHAVIOUR, EPISODES, REWARD, Log
@@ -85,28 +85,38 @@ def _pearson(values: Mapping[str, Float], one: str, other: str) -> float | None:
 
 
 def _order(returns: Mapping[str, Float], one: str, other: str) -> tuple[float | None, float | None]:
-    """The shares of `Apart`. From Kendall's tau-b, which scipy finds without looking at all pairs."""
-    from scipy.stats import kendalltau
-
-    count = len(returns[one])
-    pairs = count * (count - 1) // 2
+    """The shares of `Apart`."""
+    # Sums in another order differ in the last digits: such returns are equal.
+    first, second = (np.unique(rounded(returns[name]), return_inverse=True)[1] for name in (one, other))
+    pairs, ties_one, ties_other, ties = (
+        _pairs(np.unique(values, axis=0, return_counts=True)[1])
+        for values in (np.zeros_like(first), first, second, np.stack([first, second], axis=1))
+    )
     if not pairs:
         return None, None
-    # Sums in another order differ in the last digits: such returns are equal.
-    first, second = (rounded(returns[name]) for name in (one, other))
-    ties_one, ties_other = _ties(first), _ties(second)
-    apart = pairs - ties_one - ties_other + _ties(np.stack([first, second], axis=1))
-    if not apart:
-        return None, 0.0
-    tau = float(kendalltau(first, second).statistic)
-    surplus = round(tau * float(np.sqrt(pairs - ties_one) * np.sqrt(pairs - ties_other)))
-    return (apart - surplus) / 2 / apart, apart / pairs
+    apart = pairs - ties_one - ties_other + ties
+    return (_inversions(second[np.lexsort((second, first))]) / apart if apart else None), apart / pairs
 
 
-def _ties(values: Float) -> int:
-    """How many pairs of rows are equal."""
-    _, counts = np.unique(values, axis=0, return_counts=True)
-    return int((counts.astype(np.int64) * (counts - 1) // 2).sum())
+def _pairs(counts: Ints) -> int:
+    """How many pairs groups of so many have."""
+    return int((counts * (counts - 1) // 2).sum())
+
+
+def _inversions(places: Ints) -> int:
+    """How many pairs stand in falling order, without looking at all of them.
+
+    The larger number of such a pair has the first bit that differs. So for each bit the ones are counted that stand
+    before a zero, of numbers with the same bits above.
+    """
+    found = 0
+    for bit in range(int(places.max(initial=0)).bit_length()):
+        order = np.argsort(places >> (bit + 1), kind="stable")
+        above, is_one = places[order] >> (bit + 1), (places[order] >> bit) & 1
+        begins = np.searchsorted(above, above)  # where the numbers with these bits above begin
+        before = np.cumsum(is_one) - is_one
+        found += int(((1 - is_one) * (before - before[begins])).sum())
+    return found
 
 
 MOST = 3

@@ -28,11 +28,10 @@ from ..questions import (
     on_best,
     rank_success,
 )
-from .earned import Earned, earned_in_episodes, earned_in_parts
+from .earned import RANDOM, Earned, earned_in_episodes, earned_in_parts
 from .pair import MOST, pairs_in
 from .pair_grid import SCALE
 
-RANDOM = "random actions"
 INTERIM = "Interim: {} missing"
 
 

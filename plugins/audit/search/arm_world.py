@@ -126,8 +126,7 @@ class ArmWorld(World):
         qpos, target = self._places(starts)
         for script in SCRIPTS[:-1]:
             planned = plan_actions(script, robot, task, qpos, target, np.random.default_rng(0))
-            decided = planned[:: self.period].swapaxes(0, 1)
-            found += [Beginning(f"script {script}", it, start=int(at)) for it, at in zip(decided, starts, strict=True)]
+            found.append(Beginning(f"script {script}", [*planned[:: self.period].swapaxes(0, 1)]))
         return found
 
     def _places(self, starts: Sequence[int]) -> tuple[Float, Float]:

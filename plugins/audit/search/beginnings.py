@@ -149,5 +149,5 @@ def _of_recording(world: World, path: Path) -> list[Beginning]:
     with suppress(Exception):  # whatever a space raises of actions of another one
         sequences = [np.array([_fitting(world, it) for it in rows[ACTION][parts[number]]]) for number in chosen]
         shape = (-1, *(world.space.shape or ()))
-        return [Beginning("recorded training", it.reshape(shape).astype(world.space.dtype)) for it in sequences]
+        return [Beginning("recorded training", [it.reshape(shape).astype(world.space.dtype)]) for it in sequences]
     return []

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, closing, nullcontext
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -86,7 +87,7 @@ def find_in(
         *(beginning for folder in asked.folders for beginning in of_folder(world, folder)),
     ]
     searched = search(world, starts, asked.budget, asked.seed, begun)
-    judged = judge(searched, world, lambda of: _walks(world, of, searched.rates))
+    judged = judge(searched, world, cache(lambda of: _walks(world, of, searched.rates)))
     rng, rates = np.random.default_rng([asked.seed, asked.budget]), searched.rates
     given = {it.made_by: it.act for it in begun if it.act is not None}
     three = judged.shown.three.by_role()

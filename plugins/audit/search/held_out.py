@@ -1,13 +1,14 @@
 """Where chance decides: policies, and what they come to from starts that no search has played."""
 
 from collections.abc import Sequence
+from statistics import NormalDist
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import ndtri, stdtrit
 
 from harness.arrays import Ints
+from harness.eta.interval import CONFIDENCE, quantile
 
 from .behaviour import Behaviour, Rated, Rates, Searched, Three
 from .linear import LINEAR, Linear, search_linear
@@ -25,8 +26,6 @@ CLEARLY = 0.05
 """Rates of success that differ by no more than this are about the same."""
 AS_FAST = 1.1
 """A policy is about as fast as the fastest one if its successes take at most so much longer on average."""
-UPPER = 0.975
-"""Intervals leave 2.5 % out on each side."""
 
 
 def act_of(policy: Data, world: World) -> Act:
@@ -50,13 +49,13 @@ def mean_interval(values: NDArray[Any]) -> tuple[float, float, float]:
     mean, count = float(np.mean(values)), len(values)
     if count < 2:
         return mean, np.nan, np.nan
-    half = float(stdtrit(count - 1, UPPER) * np.std(values, ddof=1) / np.sqrt(count))
+    half = float(quantile(CONFIDENCE, count - 1) * np.std(values, ddof=1) / np.sqrt(count))
     return mean, mean - half, mean + half
 
 
 def share_interval(flags: NDArray[np.bool_]) -> tuple[float, float, float]:
     """A share and its 95 % interval by Wilson (1927): share, low, high."""
-    share, count, z = float(np.mean(flags)), len(flags), float(ndtri(UPPER))
+    share, count, z = float(np.mean(flags)), len(flags), NormalDist().inv_cdf(0.5 + CONFIDENCE / 2.0)
     weight = z**2 / count
     middle = (share + weight / 2.0) / (1.0 + weight)
     half = z * np.sqrt(share * (1.0 - share) / count + weight / (4.0 * count)) / (1.0 + weight)

@@ -13,6 +13,7 @@ from harness.env import IdealSimulator, World as Arm
 from harness.environment import AnyEnv, Environment
 from harness.experiment.environments.plan import columns_of, look_at
 from harness.experiment.provenance import describe_machine, versions_behind
+from harness.files.plain import Plain
 from harness.recorder.column import source_of
 from harness.recorder.env_facts import Columns, versions_of
 from harness.registry import Choice, Registry, choose, source_hash, split_list
@@ -34,7 +35,7 @@ ENGINES = ("mujoco", "Box2D", "pybullet", "pymunk", "pygame", "brax", "jax", "to
 
 
 @dataclass(frozen=True)
-class Place:
+class Place(Plain):
     """One reward in one task or environment.
 
     Attributes:
@@ -67,26 +68,6 @@ class Place:
         """What it is called."""
         engine = f" in {self.simulator.label}" if self.simulator else ""
         return self.task.label if self.is_environment else f"{self.task.label}, {self.robot}{engine}"
-
-    def to_json(self) -> Data:
-        """Plain data; `from_json` gives the same back."""
-        return {
-            **vars(self),
-            "task": self.task.to_json(),
-            "reward": self.reward.to_json(),
-            "simulator": self.simulator and self.simulator.to_json(),
-            "plugins": [dict(need) for need in self.plugins],
-        }
-
-    @classmethod
-    def from_json(cls, data: Data) -> "Place":
-        """What `to_json` told.
-
-        Raises:
-            ValueError: A name in it has several lines.
-        """
-        choices = {name: data[name] and Choice.from_json(data[name]) for name in ("task", "reward", "simulator")}
-        return cls(**{**data, **choices, "plugins": tuple(data["plugins"])})
 
 
 def places_on_task(

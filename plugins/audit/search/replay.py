@@ -128,14 +128,10 @@ def certify(
     certificates, refused = list[Certificate](), list[str]()
     with closing(make()) as world:
         place = replace(place, horizon=world.horizon)
-        for role in ROLES:
-            shown = finding.shown.get(role)
-            if shown is None:
-                continue
-            searched, policy = finding.searched, finding.three[role].policy
-            rates = searched.rates
-            known = [] if rates is None else vars(rates).values()
-            rated = next((it for it in known if it is not None and it.policy is policy), None)
+        for role in (it for it in ROLES if it in finding.shown):
+            searched, behaviour = finding.searched, finding.three[role]
+            known = vars(searched.rates).values() if searched.rates else ()
+            rated = next((it for it in known if it is not None and it.policy is behaviour.policy), None)
             found = replay(
                 Certificate(
                     role,
@@ -149,17 +145,17 @@ def certify(
                     place,
                     runs_on,
                     {
-                        "made_by": finding.three[role].made_by,
+                        "made_by": behaviour.made_by,
                         "seed": seed,
                         "budget": budget,
                         "steps": searched.steps,
                         "how": list(searched.how),
                     },
-                    shown,
+                    finding.shown[role],
                     tuple(row for row in finding.noise if row.role == role),
                     {name: paid[role] for name, paid in finding.elsewhere.items() if role in paid},
-                    policy=None if rated is None else dict(rated.policy),
-                    rating=None if rated is None else rating_of(rated.outcomes, rated.starts),
+                    policy=rated and dict(rated.policy),
+                    rating=rated and rating_of(rated.outcomes, rated.starts),
                 ),
                 world,
             )

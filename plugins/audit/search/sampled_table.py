@@ -6,7 +6,6 @@ from typing import Any, TypeAlias
 
 import numpy as np
 from gymnasium.spaces import Discrete
-from scipy.sparse import csr_array
 
 from harness.arrays import Float, Ints, Mask
 from harness.log import episode_sum
@@ -63,7 +62,7 @@ class Sampled:
     paid: Float
     ended_well: Float
     success: Float
-    moves: csr_array
+    moves: Any
 
     def succeeds(self, discount: float) -> Float:
         """What each action is worth for success alone: 1 for an end in it, and for all steps in it together."""
@@ -124,6 +123,8 @@ class Counts:
 
     def means(self) -> Sampled:
         """What was counted, as shares of how often it was tried."""
+        from scipy.sparse import csr_array
+
         shape = len(self.states), int(self.space.n)
         tried, paid, ended_well, success = np.zeros(shape, np.int64), *(np.zeros(shape) for _ in range(3))
         rows, columns, shares = list[int](), list[int](), list[float]()

@@ -46,18 +46,14 @@ def search(
     evolution = Evolution(world, kept, rng)
     episodes = budget // (world.horizon * len(starts))
     paid, discounted = evolution.random(int(np.clip(AT_RANDOM * episodes, FEWEST, ROUNDS)))
-    for beginning in beginnings:  # policies at every start, actions where they were made for, or everywhere
-        rows = np.arange(len(starts))
-        if beginning.start is not None:
-            rows = np.flatnonzero(kept.starts == beginning.start)
-        if not len(rows):
-            continue
-        if beginning.actions is not None:
-            taken = [evolution.filled(beginning.actions)] * len(rows)
-            outcomes = world.play(kept.starts[rows], np.stack(taken))
-        elif beginning.act is not None:
-            outcomes, taken = world.act(kept.starts[rows], beginning.act)
-        evolution.take(rows, taken, outcomes, beginning.made_by)
+    for beginning in beginnings:
+        if beginning.act is not None:
+            outcomes, taken = world.act(kept.starts, beginning.act)
+        else:
+            filled = [evolution.filled(it) for it in beginning.actions]
+            taken = filled * (len(starts) // len(filled))
+            outcomes = world.play(kept.starts, np.stack(taken))
+        evolution.take(np.arange(len(starts)), taken, outcomes, beginning.made_by)
     climbing = [0.0] * len(starts)
     how: tuple[str, ...] = (TABLE,)
     is_table = search_tables(world, list(starts), evolution.take, int(IN_TABLES * budget), rng)

@@ -148,15 +148,13 @@ class Evolution:
     def random(self, rounds: int) -> tuple[Float, Float]:
         """Random actions at every start: what they are paid, and discounted, (rounds, starts) each; then noise."""
         count, steps = len(self.kept.starts), self.world.horizon
-        paid, seen = [], list[Float]()
-        for colour in (self._moves.white, self._moves.coloured):
-            for _ in range(rounds):
-                outcomes, _ = self.play(np.arange(count), colour(self._rng, count, steps), np.full(count, None))
-                paid.append((outcomes.paid, outcomes.discounted))
-                seen += outcomes.trails
+        colours = [self._moves.white] * rounds + [self._moves.coloured] * rounds
+        genes = np.concatenate([colour(self._rng, count, steps) for colour in colours])
+        outcomes, _ = self.play(np.tile(np.arange(count), len(colours)), genes, np.full(len(genes), None))
+        seen = outcomes.trails
         if seen and seen[0].shape[1] <= MOST_SEEN and self.world.together == 1:
             self._spread = np.maximum(np.concatenate(seen).std(axis=0), 1e-3)
-        plain, later = np.stack(paid[:rounds]).transpose(1, 0, 2)
+        plain, later = (it.reshape(-1, count)[:rounds] for it in (outcomes.paid, outcomes.discounted))
         return plain, later
 
     def generation(self, children: int, ending: bool) -> None:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float, Ints, Mask
-from harness.log import episode_sum
+from harness.log.log import sums_from
 
 Actions: TypeAlias = NDArray[Any]
 """Those of one episode: (steps, action_size) inside the box, or (steps,) of choices."""
@@ -93,15 +93,13 @@ class Beginning:
 
     Attributes:
         made_by: What it comes from, in words: ``script creep``.
-        actions: Of one episode, of any length; None for a policy.
+        actions: Of an episode for each start, or of one for all, of any length; none for a policy.
         act: A policy; None for actions.
-        start: The start that the actions were made for; None for any.
     """
 
     made_by: str
-    actions: Actions | None = None
+    actions: Sequence[Actions] = ()
     act: Act | None = None
-    start: int | None = None
 
 
 def key_of(observed: Any) -> str:
@@ -232,11 +230,7 @@ class World(ABC):
             starts: The seed of each one's reset, (n,).
             actions: (n, horizon, action_size), or (n, horizon) of choices.
         """
-        return self._outcomes([
-            it
-            for some in self._parts(starts)
-            for it in self.episodes(starts[some], lambda step, *_, some=some: actions[some, step])
-        ])  # fmt: skip
+        return self._outcomes(self._played(starts, actions))
 
     def act(self, starts: Ints, policy: Act) -> tuple[Outcomes, list[Actions]]:
         """Play n episodes of a policy; also returns the actions that it took, of each episode."""
@@ -259,11 +253,11 @@ class World(ABC):
 
     def at_random(self, starts: Iterable[int] = range(TRIED)) -> list[Shown]:
         """An episode of random actions from each start, drawn by its seed."""
-        shown = []
-        for start in starts:
+        seeds, drawn = list(starts), list[list[Any]]()
+        for start in seeds:
             self.space.seed(start)
-            shown += self.episodes(np.array([start]), lambda *_: [self.space.sample()])
-        return shown
+            drawn.append([self.space.sample() for _ in range(self.horizon)])
+        return self._played(np.array(seeds), np.array(drawn))
 
     def episodes(self, starts: Ints, choose: Choose, most: int | None = None) -> list[Shown]:
         """Play episodes side by side, of at most so many steps."""
@@ -296,15 +290,24 @@ class World(ABC):
         still = np.zeros(self.space.shape or (), self.space.dtype)
         return lambda _, seen, ended: [still if k in ended else policy(it) for k, it in enumerate(seen)]
 
+    def _played(self, starts: Ints, actions: Actions) -> list[Shown]:
+        """Play episodes of given actions; see `play`."""
+        return [
+            it
+            for some in self._parts(starts)
+            for it in self.episodes(starts[some], lambda step, *_, some=some: actions[some, step])
+        ]
+
     def _parts(self, starts: Sequence[int] | Ints) -> list[slice]:
         return [slice(at, min(at + self.together, len(starts))) for at in range(0, len(starts), self.together)]
 
     def _outcomes(self, shown: Sequence[Shown]) -> Outcomes:
-        near = [self.nearest(it) for it in shown]
+        near, steps = [self.nearest(it) for it in shown], np.array([len(it.paid) for it in shown])
+        begins, paid = np.cumsum(steps) - steps, np.concatenate([it.paid for it in shown])
         return Outcomes(
-            np.array([len(it.paid) for it in shown]),
-            np.array([episode_sum(it.paid) for it in shown]),
-            np.array([episode_sum(it.paid, self.gamma) for it in shown]),
+            steps,
+            sums_from(begins, paid),
+            sums_from(begins, paid, self.gamma),
             np.array([it.success[-1] for it in shown]),
             np.array([since(it.success) if it.success[-1] else self.horizon for it in shown]),
             np.array([it.success.mean() for it in shown]),

@@ -23,12 +23,11 @@ from harness.reward.given import OWN
 from ..audit import Audit
 from ..distance import FORMS, Form
 from ..questions import NO_SCRIPTS, NO_SUCCESS, deciding_measure, on_best, rank_success
-from ..recorded.earned import earned_in_episodes
+from ..recorded.earned import RANDOM, earned_in_episodes
 from ..recorded.pair import pairs_in
 from ..recorded.pair_grid import SCALE
-from ..recorded.recordings import RANDOM
 from .asked import of_transitions
-from .canonical_forms import draw_coverages, forms_of, one_by_one
+from .canonical_forms import cover, forms_of, one_by_one
 
 GAMMA, EPISODES = 0.99, 10
 MEASUREMENTS = 5
@@ -203,9 +202,9 @@ def _forms(taken: _Taken, rewards: ByName, gamma: float) -> dict[str, Mapping[st
     """Each reward in every canonical form, or why it has none."""
     log = taken.log
     pays, reasons = of_transitions(rewards, taken.walks, {name: log[f"{REWARD}{name}"] for name in rewards})
-    coverages = draw_coverages(taken.walks, taken.rng)
+    coverage = cover([len(walk.actions) for walk in taken.walks], taken.rng)
     return {
-        name: forms_of(one_by_one(pays[name]), gamma, coverages)
+        name: forms_of(one_by_one(pays[name], taken.walks), gamma, coverage)
         if name in pays
         else dict.fromkeys(FORMS, reasons[name])
         for name in rewards

@@ -16,16 +16,16 @@ It is the form that the paper calls value-adjusted levelling, with the recorded 
 may follow a. Each of the three is unchanged to rounding when gamma phi(s') - phi(s) is added to R, whatever phi is.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
-from harness.arrays import Float
+from harness.arrays import Float, Ints
 from harness.recorder.sealed import Walk
 
-from ..distance import DARD, EPIC, FORMS, STARC, Form, centred_unit, unit
+from ..distance import DARD, EPIC, STARC, Form, centred_unit, unit
 from .asked import NoTransitionReward, OfTransition
 
 TRANSITIONS = 500
@@ -35,151 +35,127 @@ SAMPLES = 64
 NEAR = 5
 """Steps that are at most so many before or after are near in time."""
 
-Step: TypeAlias = tuple[Any, Any, Any]
-"""State, action and next state, as a `Walk` has them."""
-Ask: TypeAlias = Callable[[Sequence[Step]], Float]
-"""R(s, a, s') of some steps, (steps,)."""
+Ask: TypeAlias = Callable[[Ints, Ints, Ints], Float]
+"""R(s, a, s') of some steps, (steps,), by rows of a `Coverage`: that of s, of the state that a was taken in, of s'."""
 
 
-def one_by_one(pay: OfTransition) -> Ask:
-    """Ask a reward of single transitions."""
-    return lambda steps: np.array([pay(*step) for step in steps])
+def one_by_one(pay: OfTransition, walks: Sequence[Walk]) -> Ask:
+    """Ask a reward of single transitions about the states and actions of walks."""
+    states = [state for walk in walks for state in walk.states]
+    actions = [action for walk in walks for action in (*walk.actions, None)]  # no step leaves a last state
+    return lambda *steps: np.array(
+        [pay(states[s], actions[a], states[after]) for s, a, after in zip(*steps, strict=True)]
+    )
 
 
 @dataclass(frozen=True, eq=False)
 class Coverage:
-    """Which transitions of an episode are compared, and what EPIC sets beside them.
+    """Which transitions are compared, and what EPIC sets beside them. A state is a row, one episode after the other.
 
     Attributes:
-        walk: The episode.
-        chosen: Numbers of the steps that are compared, counted from 0, rising.
-        actions: EPIC's A, (samples,).
+        begin: Of each row, the first one of its episode, (rows,).
+        last: Likewise the last one.
+        chosen: The rows from which the steps that are compared lead to the next row, rising.
+        actions: EPIC's A: the rows from which they were taken, (samples,).
         states: EPIC's S', as many.
     """
 
-    walk: Walk
-    chosen: Sequence[int]
-    actions: Sequence[Any]
-    states: Sequence[Any]
+    begin: Ints
+    last: Ints
+    chosen: Ints
+    actions: Ints
+    states: Ints
+
+    def near(self, rows: Ints) -> tuple[Ints, Ints, Ints]:
+        """The steps that are near in time to rows, at least one of each, row after row.
+
+        Returns:
+            Which of the rows, from 0, and the row that the step leaves, (pairs,) both; how many there are of each row.
+        """
+        low = np.minimum(np.maximum(self.begin[rows], rows - NEAR), self.last[rows] - 1)
+        counts = np.minimum(rows + NEAR + 1, self.last[rows]) - low
+        beside = np.repeat(np.arange(len(rows)), counts)
+        return beside, np.arange(len(beside)) + np.repeat(low - np.cumsum(counts) + counts, counts), counts
 
 
-def draw_coverages(walks: Sequence[Walk], rng: np.random.Generator, most: int = TRANSITIONS) -> list[Coverage]:
+def cover(lengths: Sequence[int], rng: np.random.Generator, most: int = TRANSITIONS) -> Coverage:
     """The transitions that are compared, `most` of them, and EPIC's samples: actions and states, of all that were met.
 
-    All walks have the same samples, so that EPIC's form is one function. A walk of which nothing is compared is left
-    out.
+    Args:
+        lengths: Steps of the episodes, each at least one.
+        rng: Draws the samples.
+        most: See above.
     """
-    ends = np.cumsum([len(walk.actions) for walk in walks])
-    begins, count = [0, *ends[:-1].tolist()], int(ends[-1])
-    chosen = np.unique(np.linspace(0, count - 1, min(most, count)).round().astype(int))
-    actions = [action for walk in walks for action in walk.actions]
-    states = [state for walk in walks for state in walk.states[1:]]
-    drawn = [[values[place] for place in rng.integers(count, size=SAMPLES)] for values in (actions, states)]
-    found = [
-        Coverage(walk, (chosen[(begin <= chosen) & (chosen < end)] - begin).tolist(), *drawn)
-        for walk, begin, end in zip(walks, begins, ends, strict=True)
-    ]
-    return [coverage for coverage in found if coverage.chosen]
+    rows = np.asarray(lengths) + 1
+    last = np.repeat(np.cumsum(rows) - 1, rows)
+    steps = np.flatnonzero(np.arange(len(last)) < last)
+    chosen = np.unique(np.linspace(0, len(steps) - 1, min(most, len(steps))).round().astype(int))
+    actions, states = (steps[rng.integers(len(steps), size=SAMPLES)] for _ in range(2))
+    return Coverage(last + 1 - np.repeat(rows, rows), last, steps[chosen], actions, states + 1)
 
 
-def forms_of(ask: Ask, gamma: float, coverages: Sequence[Coverage]) -> dict[str, Form]:
+def forms_of(ask: Ask, gamma: float, coverage: Coverage) -> dict[str, Form]:
     """A reward in all of `FORMS`.
 
     Args:
         ask: The reward.
         gamma: Discount per step; at 1 the reward has no STARC form.
-        coverages: Of the walks, see `draw_coverages`.
+        coverage: Of the walks, see `cover`.
     """
-    return {form: _form(ask, form, gamma, coverages) for form in FORMS}
-
-
-def _form(ask: Ask, form: str, gamma: float, coverages: Sequence[Coverage]) -> Form:
-    if form == STARC and gamma == 1.0:
-        return "it takes the value of a state away, which needs a discount below 1"
-    try:
-        with np.errstate(all="ignore"):  # what is not finite is refused
-            values = np.concatenate([_FORM[form](ask, gamma, coverage) for coverage in coverages])
-            largest = max(float(np.abs(paid_by(ask, coverage)).max()) for coverage in coverages)
-    except NoTransitionReward as error:
-        return str(error)
-    # EPIC and DARD compare by correlation; STARC's standard form has length 1, and keeps its mean.
-    return (unit if form == STARC else centred_unit)(values, largest)
+    forms: dict[str, Form] = {}
+    for form, values_of in _FORM.items():
+        try:
+            with np.errstate(all="ignore"):  # what is not finite is refused
+                values, largest = values_of(ask, gamma, coverage), float(np.abs(paid_by(ask, coverage)).max())
+        except NoTransitionReward as error:
+            forms[form] = str(error)
+        else:  # EPIC and DARD compare by correlation; STARC's standard form has length 1, and keeps its mean
+            forms[form] = (unit if form == STARC else centred_unit)(values, largest)
+    return forms
 
 
 def paid_by(ask: Ask, coverage: Coverage) -> Float:
     """R itself of the compared transitions, (compared,)."""
-    walk = coverage.walk
-    return ask([(walk.states[t], walk.actions[t], walk.states[t + 1]) for t in coverage.chosen])
+    return ask(coverage.chosen, coverage.chosen, coverage.chosen + 1)
 
 
 def epic_form(ask: Ask, gamma: float, coverage: Coverage) -> Float:
     """EPIC's form of the compared transitions, but for its constant, (compared,)."""
-    numbers = sorted({number for t in coverage.chosen for number in (t, t + 1)})  # one step's end is another's begin
-    steps = list(zip(coverage.actions, coverage.states, strict=True))
-    states = (coverage.walk.states[number] for number in numbers)
-    elsewhere = dict(zip(numbers, _means(ask, ([(state, *step) for step in steps] for state in states)), strict=True))
-    shaping = np.array([gamma * elsewhere[t + 1] - elsewhere[t] for t in coverage.chosen])
-    form: Float = paid_by(ask, coverage) + shaping
+    ends = np.stack([coverage.chosen, coverage.chosen + 1])
+    rows, place = np.unique(ends, return_inverse=True)  # one step's end is another's begin
+    count = len(coverage.actions)
+    elsewhere = ask(np.repeat(rows, count), *(np.tile(it, len(rows)) for it in (coverage.actions, coverage.states)))
+    before, after = elsewhere.reshape(-1, count).mean(axis=1)[place.reshape(ends.shape)]
+    form: Float = paid_by(ask, coverage) + gamma * after - before
     return form
 
 
 def dard_form(ask: Ask, gamma: float, coverage: Coverage) -> Float:
     """DARD's form of the compared transitions, (compared,)."""
-    states, actions = coverage.walk.states, coverage.walk.actions
-    last = len(actions)
-    beside = [near(t, last) for t in coverage.chosen]
-    pairs = [(t, k) for t, numbers in zip(coverage.chosen, beside, strict=True) for k in numbers]
-    after = ask([(states[t + 1], actions[k], states[min(k + 2, last)]) for t, k in pairs])
-    here = ask([(states[t], actions[k], states[k + 1]) for t, k in pairs])
-    beyond = ask([(states[k + 1], actions[k], states[min(k + 2, last)]) for t, k in pairs])
-    form: Float = paid_by(ask, coverage) + _mean_of_each(gamma * after - here - gamma * beyond, map(len, beside))
+    beside, k, counts = coverage.near(coverage.chosen)
+    t, end = coverage.chosen[beside], np.minimum(k + 2, coverage.last[k])
+    rest = gamma * ask(t + 1, k, end) - ask(t, k, k + 1) - gamma * ask(k + 1, k, end)
+    form: Float = paid_by(ask, coverage) + np.bincount(beside, rest) / counts
     return form
 
 
 def starc_form(ask: Ask, gamma: float, coverage: Coverage) -> Float:
-    """STARC's form of the compared transitions, (compared,); gamma is below 1."""
-    value = _values(ask, gamma, coverage.walk)
-    chosen = np.asarray(coverage.chosen)
-    form: Float = paid_by(ask, coverage) + gamma * value[chosen + 1] - value[chosen]
+    """STARC's form of the compared transitions, (compared,); gamma is below 1.
+
+    The value of a state depends on those near in time only: the matrix is banded, and its time grows with the steps.
+    """
+    from scipy.linalg import solve_banded
+
+    if gamma == 1.0:
+        raise NoTransitionReward("it takes the value of a state away, which needs a discount below 1")
+    rows, below, above = np.arange(len(coverage.begin)), NEAR, NEAR + 1
+    t, k, counts = coverage.near(rows)
+    bands = np.zeros((below + above + 1, len(rows)))
+    bands[above] = 1.0
+    bands[above + t - (k + 1), k + 1] -= gamma / counts[t]
+    value = solve_banded((below, above), bands, np.bincount(t, ask(t, k, k + 1)) / counts)
+    form: Float = paid_by(ask, coverage) + gamma * value[coverage.chosen + 1] - value[coverage.chosen]
     return form
 
 
 _FORM: Mapping[str, Callable[[Ask, float, Coverage], Float]] = {EPIC: epic_form, DARD: dard_form, STARC: starc_form}
-
-
-def near(t: int, steps: int) -> range:
-    """Numbers of the steps of an episode that are near in time to state t, at least one."""
-    return range(min(max(0, t - NEAR), steps - 1), min(t + NEAR + 1, steps))
-
-
-def _values(ask: Ask, gamma: float, walk: Walk) -> Float:
-    """V of all states of an episode, (steps + 1,).
-
-    A state depends on those near in time only: the matrix is banded, and its time grows with the episode's length.
-    """
-    from scipy.linalg import solve_banded
-
-    steps = len(walk.actions)
-    below, above = NEAR, NEAR + 1
-    bands = np.zeros((below + above + 1, steps + 1))
-    bands[above] = 1.0
-    beside = [near(t, steps) for t in range(steps + 1)]
-    for t, numbers in enumerate(beside):
-        for k in numbers:
-            bands[above + t - (k + 1), k + 1] -= gamma / len(numbers)
-    starts = zip(walk.states, beside, strict=True)
-    paid = _means(ask, ([(state, walk.actions[k], walk.states[k + 1]) for k in numbers] for state, numbers in starts))
-    value: Float = solve_banded((below, above), bands, paid)
-    return value
-
-
-def _means(ask: Ask, groups: Iterable[Sequence[Step]]) -> Float:
-    """The mean of what the steps of each group are paid, (groups,)."""
-    listed = list(groups)
-    return _mean_of_each(ask([step for group in listed for step in group]), map(len, listed))
-
-
-def _mean_of_each(values: Float, counts: Iterable[int]) -> Float:
-    """Means of so many values each, one after the other."""
-    ends = np.cumsum([*counts])
-    return np.array([part.mean() for part in np.split(values, ends[:-1])])

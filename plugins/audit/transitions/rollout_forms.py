@@ -1,6 +1,6 @@
 """EPIC, DARD and STARC of an arm's rewards: they are asked about recorded states and actions.
 
-A rollout of n episodes is n walks. A state is a row of it: the fields of `harness.reward.steps.ARM` after a step, or at
+A state is a row of a rollout: the fields of `harness.reward.steps.ARM` after a step, or at
 the start; the begin distance, the smallest distance so far and the step count of its episode; and what the reward
 remembers there. R(s, a, s') is what a step from s to s' is paid, whether the arm could do it or not:
 
@@ -18,16 +18,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.arrays import Float, read_only
+from harness.arrays import Float, Ints, read_only
 from harness.payoff import Rollout
 from harness.payoff.rollout import paid_along
-from harness.recorder.sealed import Walk
 from harness.reward import Carry, Reward, pay, take
 from harness.reward.steps import step_between
 
 from ..distance import Form
 from .asked import NoTransitionReward
-from .canonical_forms import Ask, Step, draw_coverages, forms_of
+from .canonical_forms import Ask, cover, forms_of
 
 COMPARED = 2_000
 """So many of all recorded steps are compared, evenly spread."""
@@ -39,23 +38,23 @@ BEGIN, BEST, COUNT = "begin_distance", "previous_best", "step"
 
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """The states of some rollouts, one after the other.
+    """The states of some rollouts, one episode after the other.
 
     Attributes:
         columns: Their fields, (rows, ...) each; of their episodes `BEGIN`, and `BEST` until then, [m]; and `COUNT` of
-            the step that follows, counted from 1.
-        walks: The episodes. A state is the number of its row, and an action that of the row after its step.
+            the step that follows, counted from 1. An action is that of the step before.
+        lengths: Steps of the episodes.
+        numbers: Which of all rows they are, rollout after rollout, step after step, episode after episode, (rows,).
     """
 
     columns: Mapping[str, NDArray[Any]]
-    walks: Sequence[Walk]
+    lengths: Sequence[int]
+    numbers: Ints
 
 
 def rows_of_rollouts(rollouts: Sequence[Rollout]) -> Rows:
-    """Rollout after rollout, step after step, episode after episode."""
-    parts: list[dict[str, NDArray[Any]]] = []
-    walks: list[Walk] = []
-    first = 0
+    """The first `EPISODES` of each rollout, one after the other."""
+    parts, lengths, numbers, first = list[dict[str, NDArray[Any]]](), list[int](), list[Ints](), 0
     for rollout in rollouts:
         distances = rollout.distances
         count, size = distances.shape
@@ -63,27 +62,27 @@ def rows_of_rollouts(rollouts: Sequence[Rollout]) -> Rows:
         step = np.broadcast_to(np.arange(1.0, count + 1.0)[:, None], distances.shape)
         best = np.minimum.accumulate(distances, axis=0)
         parts.append({**rollout.states, BEGIN: begin, BEST: best, COUNT: step})
-        for episode, length in enumerate(rollout.running.sum(axis=0)[:EPISODES].tolist()):
-            numbers = range(first + episode, first + episode + (length + 1) * size, size)
-            walks.append(Walk(numbers, numbers[1:]))
+        of = rollout.running.sum(axis=0)[:EPISODES].tolist()
+        lengths += of
+        numbers += [first + episode + size * np.arange(length + 1) for episode, length in enumerate(of)]
         first += count * size
+    rows = np.concatenate(numbers)
     columns = {
-        name: read_only(np.concatenate([part[name].reshape(-1, *part[name].shape[2:]) for part in parts]))
+        name: read_only(np.concatenate([part[name].reshape(-1, *part[name].shape[2:]) for part in parts])[rows])
         for name in parts[0]
     }
-    return Rows(columns, walks)
+    return Rows(columns, lengths, rows)
 
 
 def ask_of(reward: Reward, rollouts: Sequence[Rollout], rows: Rows) -> Ask:
-    """The reward as a function of rows, ``(state, action, next state)``; see the top of this module."""
+    """The reward as a function of rows, see the top of this module."""
     # with a step on the spot at the end, so that what is remembered in the last state is told too
     longer = [{name: np.concatenate([it, it[-1:]]) for name, it in of.states.items()} for of in rollouts]
-    carry = _joined([carry for states in longer for carry, _ in paid_along(reward, states)])
+    carry = take(_joined([carry for states in longer for carry, _ in paid_along(reward, states)]), rows.numbers)
 
-    def ask(steps: Sequence[Step]) -> Float:
-        begin, act, end = np.array(steps).T
+    def ask(begin: Ints, act: Ints, end: Ints) -> Float:
         state = {name: rows.columns[name][begin] for name in rollouts[0].states}
-        after = {name: rows.columns[name][act if name == ACTION else end] for name in state}
+        after = {name: rows.columns[name][act + 1 if name == ACTION else end] for name in state}
         asked = step_between(state, after, *(rows.columns[name][begin] for name in (BEGIN, BEST, COUNT)))
         values = np.asarray(pay(reward, take(carry, begin), asked)[1].total, np.float64)
         if not np.isfinite(values).all():
@@ -102,8 +101,8 @@ def forms_of_rollouts(reward: Reward, rollouts: Sequence[Rollout], gamma: float)
         gamma: Discount per step.
     """
     rows = rows_of_rollouts(rollouts)
-    coverages = draw_coverages(rows.walks, np.random.default_rng(0), COMPARED)
-    return forms_of(ask_of(reward, rollouts, rows), gamma, coverages)
+    coverage = cover(rows.lengths, np.random.default_rng(0), COMPARED)
+    return forms_of(ask_of(reward, rollouts, rows), gamma, coverage)
 
 
 def _joined(carries: Sequence[Carry]) -> Carry:

@@ -152,8 +152,8 @@ def test_episodes_do_not_depend_on_those_beside_them():
 def test_success_is_reaching():
     """The script that finishes succeeds in the step in which it ends, and the one that holds never does."""
     world = world_of(ReachTask(horizon=60))
-    by_script = {it.made_by: it for it in world.scripts([0]) if it.actions is not None}
-    made = np.stack([by_script[f"script {name}"].actions for name in ("finish", "hold")])
+    by_script = {it.made_by: it for it in world.scripts([0]) if it.act is None}
+    made = np.stack([by_script[f"script {name}"].actions[0] for name in ("finish", "hold")])
     outcomes = world.play(np.zeros(2, int), made)
     assert outcomes.success.tolist() == [True, False]
     assert outcomes.time.tolist() == [outcomes.steps[0], 60]

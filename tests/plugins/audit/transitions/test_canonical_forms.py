@@ -1,21 +1,21 @@
 """EPIC, DARD and STARC: what they leave unchanged, and what they come to where it can be written down."""
 
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 from numpy.random import default_rng
+from numpy.testing import assert_array_equal
 
 from harness.recorder.sealed import Walk
 from harness_plugins.audit.distance import FORMS, centred_unit, distance_between
 from harness_plugins.audit.transitions.canonical_forms import (
-    Coverage,
+    cover,
     dard_form,
-    draw_coverages,
     epic_form,
     forms_of,
-    near,
     one_by_one,
     starc_form,
 )
@@ -31,9 +31,9 @@ def table(seed):
     return default_rng(seed).normal(size=(STATES, ACTIONS, STATES))
 
 
-def asked(values):
-    """The reward as a function."""
-    return one_by_one(lambda state, action, following: float(values[state, action, following]))
+def asked(values, of):
+    """The reward as a function of the rows of walks."""
+    return one_by_one(lambda state, action, following: float(values[state, action, following]), of)
 
 
 def walks(seed, lengths=(1, 2, 30)):
@@ -42,14 +42,15 @@ def walks(seed, lengths=(1, 2, 30)):
     return [Walk(rng.integers(STATES, size=n + 1).tolist(), rng.integers(ACTIONS, size=n).tolist()) for n in lengths]
 
 
-def coverages(seed, **given):
+def covered(of, seed=0):
     """Of these walks."""
-    return draw_coverages(walks(seed, **given), default_rng(seed))
+    return cover([len(walk.actions) for walk in of], default_rng(seed))
 
 
 def distances(one, other, gamma, seed):
     """By form."""
-    forms = [forms_of(asked(values), gamma, coverages(seed)) for values in (one, other)]
+    met = walks(seed)
+    forms = [forms_of(asked(values, met), gamma, covered(met, seed)) for values in (one, other)]
     return {form: distance_between(forms[0][form], forms[1][form]) for form in FORMS}
 
 
@@ -82,12 +83,11 @@ def test_epic_is_exact_where_every_transition_is_met(seed, gamma):
     for values in rewards:
         mean = values.mean(axis=(1, 2))
         expected.append(values + gamma * mean[None, None, :] - mean[:, None, None] - gamma * values.mean())
-    actions, states = zip(*list(product(range(ACTIONS), range(STATES))), strict=True)
-    met = [
-        Coverage(Walk([state, following], [action]), [0], actions, states)
-        for state, action, following in product(range(STATES), range(ACTIONS), range(STATES))
-    ]
-    found = [np.concatenate([epic_form(asked(values), gamma, it) for it in met]) for values in rewards]
+    steps = list(product(range(STATES), range(ACTIONS), range(STATES)))
+    met = [Walk([state, following], [action]) for state, action, following in steps]
+    rows = {(action, following): 2 * number for number, (_, action, following) in enumerate(steps)}
+    whole = replace(covered(met), actions=np.array([*rows.values()]), states=np.array([*rows.values()]) + 1)
+    found = [epic_form(asked(values, met), gamma, whole) for values in rewards]
     assert found[0] + gamma * -rewards[0].mean() == pytest.approx(expected[0].ravel())
     rho = np.corrcoef(expected[0].ravel(), expected[1].ravel())[0, 1]
     assert distance_between(*(centred_unit(it, 1.0) for it in found)) == pytest.approx(np.sqrt((1.0 - rho) / 2.0))
@@ -97,13 +97,13 @@ def test_starc_takes_the_value_away():
     """Found again by a full matrix."""
     (walk,), values, gamma = walks(3, lengths=(20,)), table(3), 0.9
     matrix, paid = np.eye(21), np.zeros(21)
-    for t in range(21):
-        for k in near(t, 20):
-            matrix[t, k + 1] -= gamma / len(near(t, 20))
-            paid[t] += values[walk.states[t], walk.actions[k], walk.states[k + 1]] / len(near(t, 20))
+    beside, steps, counts = covered([walk]).near(np.arange(21))
+    for t, k in zip(beside, steps, strict=True):
+        matrix[t, k + 1] -= gamma / counts[t]
+        paid[t] += values[walk.states[t], walk.actions[k], walk.states[k + 1]] / counts[t]
     value = np.linalg.solve(matrix, paid)
     own = [values[walk.states[t], walk.actions[t], walk.states[t + 1]] for t in range(20)]
-    found = starc_form(asked(values), gamma, Coverage(walk, range(20), [], []))
+    found = starc_form(asked(values, [walk]), gamma, covered([walk]))
     assert found == pytest.approx(np.array(own) + gamma * value[1:] - value[:-1])
 
 
@@ -118,19 +118,30 @@ def test_dard_sets_a_step_beside_those_near_in_time():
         gamma * reward(1, 0, 2) - reward(0, 0, 1) - gamma * reward(1, 0, 2),
         gamma * reward(1, 1, 2) - reward(0, 1, 2) - gamma * reward(2, 1, 2),
     ]
-    found = dard_form(asked(values), gamma, Coverage(walk, [0], [], []))
+    found = dard_form(asked(values, [walk]), gamma, replace(covered([walk]), chosen=np.array([0])))
     assert found == pytest.approx([reward(0, 0, 1) + np.mean(terms)])
 
 
 def test_only_steps_near_in_time_count():
     """A reward that is another one far away changes nothing here."""
     walk = Walk(list(range(60)), [0] * 59)
+    third = replace(covered([walk]), chosen=np.array([3]))
     plain, far = (lambda s, a, n: float(s * n)), (lambda s, a, n: float(s * n) if n < 40 else 1e9)
-    assert dard_form(one_by_one(plain), 0.9, Coverage(walk, [3], [], [])) == dard_form(
-        one_by_one(far), 0.9, Coverage(walk, [3], [], [])
-    )
-    assert list(near(3, 59)) == list(range(9))
-    assert list(near(59, 59)) == list(range(54, 59))
+    assert dard_form(one_by_one(plain, [walk]), 0.9, third) == dard_form(one_by_one(far, [walk]), 0.9, third)
+    assert third.near(np.array([3]))[1].tolist() == list(range(9))
+    assert third.near(np.array([59]))[1].tolist() == list(range(54, 59))
+
+
+@given(st.lists(st.integers(1, 20), min_size=1, max_size=5))
+@settings(max_examples=25)
+def test_steps_near_in_time_are_of_the_same_episode(lengths):
+    """Every state has some, also the last one."""
+    whole = cover(lengths, default_rng(0))
+    rows = np.arange(sum(lengths) + len(lengths))
+    beside, steps, counts = whole.near(rows)
+    assert (counts > 0).all()
+    assert_array_equal(whole.begin[steps], whole.begin[rows[beside]])
+    assert (steps < whole.last[steps]).all()
 
 
 def test_reward_that_is_nothing_but_shaping_has_no_distance():
@@ -147,16 +158,15 @@ def test_starc_keeps_the_mean_and_epic_does_not():
     def pay(state, action, following):
         return float(action == 2)
 
-    forms = forms_of(one_by_one(pay), 0.9, coverages(0))
+    forms = forms_of(one_by_one(pay, walks(0)), 0.9, covered(walks(0)))
     epic, starc = forms["EPIC"], forms["STARC"]
     assert epic.mean() == pytest.approx(0.0, abs=1e-12)
     assert abs(starc.mean()) > 1e-3
 
 
 def test_transitions_are_spread_over_all_walks():
-    """At most 500 of them, each once, and EPIC's samples the same for all."""
-    found = coverages(0, lengths=(400, 1, 599))
-    assert sum(len(it.chosen) for it in found) == 500
-    assert [it.chosen[-1] for it in (found[0], found[2])] == [pytest.approx(399, abs=2), 598]
-    assert found[0].actions is found[2].actions
-    assert len(found[0].states) == 64
+    """At most 500 of them, each once, and as many samples as there should be."""
+    found = cover([400, 1, 599], default_rng(0))
+    assert len(np.unique(found.chosen)) == len(found.chosen) == 500
+    assert [found.chosen[found.chosen <= 400][-1], found.chosen[-1]] == [pytest.approx(399, abs=2), 401 + 2 + 598]
+    assert len(found.actions) == len(found.states) == 64

@@ -89,15 +89,16 @@ def test_a_weight_changes_the_distance(distances):
 def test_asked_about_its_own_steps_a_reward_pays_what_it_paid(rollouts, reward):
     """Whatever it reads and remembers, in every step of every script."""
     rows = rows_of_rollouts(rollouts)
-    ask, walks = ask_of(reward, rollouts, rows), iter(rows.walks)
+    ask, begin, lengths = ask_of(reward, rollouts, rows), 0, iter(rows.lengths)
     for rollout in rollouts:
         values = score_rollout(reward, rollout).values
         for episode in range(rollout.running.shape[1]):
-            walk = next(walks)
-            steps = list(zip(walk.states, walk.actions, walk.states[1:], strict=False))
-            assert len(steps) == len(walk.actions) == len(walk.states) - 1 == rollout.steps[episode]
-            assert_array_equal(ask(steps), values[: len(steps), episode])
-    assert not [*walks]
+            length = next(lengths)
+            steps = begin + np.arange(length)
+            assert length == rollout.steps[episode]
+            assert_array_equal(ask(steps, steps, steps + 1), values[:length, episode])
+            begin += length + 1
+    assert not [*lengths]
 
 
 def test_what_is_asked_of_a_step_that_nobody_took(rollouts):
@@ -108,17 +109,19 @@ def test_what_is_asked_of_a_step_that_nobody_took(rollouts):
         seen.append(step)
         return 0.0 * step.action[:, 0]
 
-    ask_of(reward_class(look)(), rollouts, rows)([(7, 3, 41)])
+    first = len(rows.numbers) - rows.lengths[-1] - 1  # of the last episode
+    s, a, after = ([first + 7], [3], [41])
+    ask_of(reward_class(look)(), rollouts, rows)(*map(np.array, (s, a, after)))
     step, columns = seen[-1], rows.columns
     for name in ("qpos", "qvel", "end_effector", "target", "distance", "ground"):
-        assert (getattr(step, name) == columns[name][[41]]).all()
-        assert (getattr(step.before, name) == columns[name][[7]]).all()
-    assert (step.action == columns["action"][[3]]).all()
-    assert (step.before.action == columns["action"][[7]]).all()
-    assert step.previous_distance == columns["distance"][7]
-    assert step.begin_distance == columns["distance"][7 % 4]
-    assert step.delta_distance == step.distance - columns["distance"][[3, 7]].min()
-    assert step.step == 2.0
+        assert (getattr(step, name) == columns[name][after]).all()
+        assert (getattr(step.before, name) == columns[name][s]).all()
+    assert (step.action == columns["action"][[4]]).all()
+    assert (step.before.action == columns["action"][s]).all()
+    assert step.previous_distance == columns["distance"][s]
+    assert step.begin_distance == columns["distance"][first]
+    assert step.delta_distance == step.distance - columns["distance"][first : first + 8].min()
+    assert step.step == 8.0
 
 
 def test_a_number_that_is_not_finite_is_a_reason(distances):
