@@ -3,8 +3,8 @@
 A Sphinx extension. It writes them into ``docs/generated`` before Sphinx looks for pages; nothing there is kept. The
 committed records, the robots' read-mes and the files at the repository's top become pages too; links lead there.
 
-``docs/index.md`` decides what stands in the sidebar: each of its headings is a caption, and the links in the lists
-below are its pages. So the index reads the same on a forge. Links lead to all other pages; records are not searched.
+``docs/index.md`` decides what stands in the sidebar: each item of its list begins with a caption, and the links behind
+it are its pages. So the index reads the same on a forge. Links lead to all other pages; records are not searched.
 """
 
 import importlib
@@ -47,11 +47,11 @@ MODULES = (
     "harness_plugins.sb3",
 )  # fmt: skip
 """Modules that people import; each has a page."""
-SECTION = re.compile(r"^## (.+)$", re.MULTILINE)
-ENTRY = re.compile(r"^\* .*?\]\(([\w./-]+\.md)\)", re.MULTILINE)
-"""A line of a list whose first link leads to a page."""
+SECTION = re.compile(r"^\* \*\*(.+?):\*\* (.*?)(?=^\S|^$|\Z)", re.MULTILINE | re.DOTALL)
+"""An item of a list: its caption, and the links behind it."""
+ENTRY = re.compile(r"\]\(([\w./-]+\.md)\)")
 GENERATED = {"Look up": ("commands", "experiment-file", "built-in", "checks", "api")}
-"""By heading of the index: pages that stand there and are on no forge, since they are made from the code."""
+"""By caption of the index: pages that stand there and are on no forge, since they are made from the code."""
 KINDS = tuple(kind for kind in NOUNS if kind not in {"robots", "commands"})
 MARKUP = re.compile(r"\[/?(?:bold|dim|italic|cyan|green|yellow|red|/)?\]")
 
@@ -128,12 +128,8 @@ def _lead_to_pages(app: Sphinx, page: str, content: list[str]) -> None:
 
 
 def sidebar(index: str) -> dict[str, list[str]]:
-    """By heading of the index, whose text is `index`: the pages that it lists, by their names for Sphinx."""
-    headings = SECTION.split(index)[1:]
-    pages = {
-        title: [_page_name(path) for path in ENTRY.findall(text)]
-        for title, text in zip(headings[::2], headings[1::2], strict=True)
-    }
+    """By caption of the index, whose text is `index`: the pages that it lists, by their names for Sphinx."""
+    pages = {title: [_page_name(path) for path in ENTRY.findall(text)] for title, text in SECTION.findall(index)}
     for title, names in GENERATED.items():
         pages.setdefault(title, []).extend(f"{FOLDER}/{name}" for name in names)
     return {title: names for title, names in pages.items() if names}

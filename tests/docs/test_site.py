@@ -62,12 +62,12 @@ def test_records_are_in_no_sidebar():
     assert not [name for names in sidebar(INDEX).values() for name in names if "records" in name]
 
 
-def test_sidebar_follows_the_lists_of_the_index():
-    """The first link of a line counts, headings are captions, and pages from the code stand under "Look up"."""
-    index = "# Top\n* [no](no.md)\n## A\n* [x](x.md), [y](y.md)\n## B\ntext [z](z.md)\n## C\n* [c](../CHANGELOG.md)\n"
+def test_sidebar_follows_the_list_of_the_index():
+    """Each item begins with a caption; other links are no entries, and pages from the code stand under "Look up"."""
+    index = "# Top\n[no](no.md)\n\n* **A:** [x](x.md),\n  [y](y.md)\n* [z](z.md)\n* **C:** [c](../CHANGELOG.md)\n"
     told = sidebar(index)
     assert told.pop("Look up")[-1] == "generated/api"
-    assert told == {"A": ["x"], "C": ["generated/CHANGELOG"]}
+    assert told == {"A": ["x", "y"], "C": ["generated/CHANGELOG"]}
 
 
 def test_index_reads_on_a_forge():
