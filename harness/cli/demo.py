@@ -98,10 +98,11 @@ def _show(results: "Results") -> None:
     from harness.cli.output import make_table_and_page
     from harness.eta.headline import format_number
     from harness.record.store import REPORT
-    from harness.report.tables.comparison import comparison_lines
+    from harness.report.facts import overview_facts
+    from harness.report.tables.facts import FactsTable
     from harness.report.tables.grid import show
 
-    show(comparison_lines(results.combinations))
+    show(FactsTable(overview_facts(results.combinations)))
     (comparison,) = results.combinations
     same, recorded = _same_steps(results)
     pay = comparison.number.pay

@@ -227,7 +227,8 @@ def _show(comparison: "ComparedRuns", plot: Path | None, as_json: bool) -> None:
     if as_json:
         say_json(comparison.to_json())
     else:
-        from harness.report.tables.eta import eta_table
+        from harness.report.facts import eta_facts
+        from harness.report.tables.facts import FactsTable
         from harness.report.tables.grid import show
 
-        show(eta_table(comparison))
+        show(FactsTable(eta_facts(comparison)))

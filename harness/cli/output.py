@@ -149,15 +149,13 @@ def write_page_of(results: "Results", html: Path) -> None:
 
 def _print_tables(results: "Results", details: bool, command: str) -> None:
     """The overview, or all there is; in both what commands of plugins have to say."""
-    from harness.report.tables.comparison import comparison_table, overview_table, ranking_table
+    from harness.report.facts import all_facts, first_facts
+    from harness.report.tables.facts import FactsTable
     from harness.report.tables.grid import show
     from harness.section import shown_sections
 
     sections = shown_sections(results)
-    show(comparison_table(results) if details else overview_table(results, command))
-    ranking = ranking_table(results, details)
-    if ranking is not None:
-        show(ranking)
+    show(FactsTable(all_facts(results) if details else first_facts(results, command)))
     for section in sections.values():
         show(section.table())
 

@@ -161,11 +161,12 @@ def _returns_of(folder: Path) -> "list[ReturnMatrix]":
 
 
 def _print_returns(matrices: "Sequence[ReturnMatrix]") -> None:
+    from harness.report.rows import Fact
     from harness.report.rows.returns import matrix_title, return_grid
-    from harness.report.tables.grid import show, show_titled
+    from harness.report.tables.facts import FactsTable
+    from harness.report.tables.grid import show
 
-    for matrix in matrices:
-        show(show_titled(matrix_title(matrix), return_grid(matrix)))
+    show(FactsTable(Fact(matrix_title(it), grids=(return_grid(it),)) for it in matrices))
 
 
 def _what_was_paid(paid: "Paid") -> str:
@@ -229,8 +230,9 @@ def _score_files(
 
 
 def _print_table(matrices: "Sequence[ScoreMatrix]", results: "Results") -> None:
+    from harness.report.facts import score_facts
+    from harness.report.tables.facts import FactsTable
     from harness.report.tables.grid import show
-    from harness.report.tables.score import score_table
 
-    show(score_table(matrices))
+    show(FactsTable(score_facts(matrices)))
     say(f"What each step pays: scores.parquet in each folder of {results.store.folder / 'cells'}")

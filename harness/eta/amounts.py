@@ -21,25 +21,28 @@ LUCK = 0.05
 """A share of failing trainings that would show no failure more rarely than this is ruled out."""
 
 
-def seen_text(names: Names, deciding: Sequence[Change], where: str) -> str:
+def seen_text(names: Names, deciding: Sequence[Change], where: str, asides: Sequence[str]) -> str:
     """What was seen of every measure, a sentence each; how many trainings failed, or learned, stands with the first.
 
     Args:
         names: The names of the rewards.
         deciding: The measures that decide.
         where: Over which places these are means, in words; empty for a single place.
+        asides: What stands before the number of each measure, such as that the answer is not about it.
     """
     counted = counted_text(names, deciding)
-    lines = [_whole(names, it, where, is_first=it is deciding[0]) for it in deciding]
+    told = zip(asides, deciding, strict=True)
+    lines = [capitalised(f"{aside}{_whole(names, it, where, is_first=it is deciding[0])}") for aside, it in told]
     if is_hardly_learned(deciding[0]):
         return " ".join([f"{counted}.", *(f"{line}." for line in lines)])
     return " ".join([f"{lines[0]}; {counted}.", *(f"{line}." for line in lines[1:])])
 
 
-def short_seen_text(names: Names, deciding: Sequence[Change]) -> str:
+def short_seen_text(names: Names, deciding: Sequence[Change], asides: Sequence[str]) -> str:
     """The differences alone, with their intervals, and how many trainings failed or learned."""
-    differences = capitalised(", ".join(f"{name_of(it)} {difference_text(it, 2)}{_side(it)}" for it in deciding))
-    return f"{differences}. {counted_text(names, deciding)}."
+    told = zip(asides, deciding, strict=True)
+    differences = ", ".join(f"{aside}{name_of(it)} {difference_text(it, 2)}{_side(it)}" for aside, it in told)
+    return f"{capitalised(differences)}. {counted_text(names, deciding)}."
 
 
 def difference_text(change: Change, digits: int, where: str = "") -> str:
@@ -143,7 +146,7 @@ def listed(texts: Sequence[str], word: str = "and") -> str:
 
 def _whole(names: Names, change: Change, where: str, *, is_first: bool) -> str:
     """The difference, its interval, and both values; only the first measure has to say whose value is whose."""
-    told = f"{capitalised(name_of(change))} {difference_text(change, 3, where)}{_side(change)}"
+    told = f"{name_of(change)} {difference_text(change, 3, where)}{_side(change)}"
     if change.is_relative:
         return told
     baseline, proposed = (f"{value}{_unit(change)}" for value in _values(change, 3))

@@ -57,6 +57,8 @@ LOST = (
 )
 NO_TEST = "No test is made without them."
 UNSEEN_SUCCESS = "also where trainings succeed that were not seen"
+NOT_TOLD, OTHER_WAY = "not told apart: ", "the other way: "
+"""What stands before the number of a measure that the answer is not about, or that goes against it."""
 DECIDED = (Answer.HELPS, Answer.HURTS, Answer.LEARNS_FASTER, Answer.LEARNS_SLOWER, Answer.MIXED)
 """Answers that a bound gave: new trainings would differ too."""
 TOLD = (*DECIDED, Answer.AHEAD, Answer.BEHIND)
@@ -163,6 +165,17 @@ class Verdict:
         return passing[0] if self.ruling.is_decided else min(passing, key=self.ruling.of_measures.__getitem__)
 
     @property
+    def asides(self) -> list[str]:
+        """What stands before the number of each measure whose answer is another one than that of `decider`."""
+        if self.answer not in TOLD:
+            return [""] * len(self.deciding)
+        signs, own = self.ruling.signs, self.ruling.signs[self.decider]
+        return [
+            NOT_TOLD if at not in self.passing else "" if signs[at] == own else OTHER_WAY
+            for at in range(len(self.deciding))
+        ]
+
+    @property
     def is_little(self) -> bool:
         """Whether the differences of all measures that pass are smaller than their margins."""
         passing = (self.deciding[at] for at in self.passing)
@@ -242,7 +255,7 @@ class Verdict:
 
     def _sentences(self) -> list[str]:
         names, deciding, answer = self.names, self.deciding, self.answer
-        seen = seen_text(names, deciding, self.where)
+        seen = seen_text(names, deciding, self.where, self.asides)
         if answer in DECIDED:
             return [seen, self._sides() if answer is Answer.MIXED else self._clear(), self.sure]
         if answer in OPEN:

@@ -7,6 +7,14 @@ from harness.face import face_of
 if TYPE_CHECKING:
     from harness.eta.headline import format_number as format_number
     from harness.report.document import report_text as report_text, shared_facts as shared_facts
+    from harness.report.facts import (
+        all_facts as all_facts,
+        comparison_facts as comparison_facts,
+        eta_facts as eta_facts,
+        first_facts as first_facts,
+        how_to_read as how_to_read,
+        score_facts as score_facts,
+    )
     from harness.report.figures.chart import (
         Axis as Axis,
         Chart as Chart,
@@ -21,7 +29,7 @@ if TYPE_CHECKING:
     from harness.report.page.html import write_html as write_html
     from harness.report.page.page import typeset as typeset
     from harness.report.replay.section import replay_of as replay_of
-    from harness.report.rows import Grid as Grid
+    from harness.report.rows import Fact as Fact, Grid as Grid
     from harness.report.rows.comparison import (
         along_grid as along_grid,
         basis_text as basis_text,
@@ -36,12 +44,6 @@ if TYPE_CHECKING:
         scales_text as scales_text,
     )
     from harness.report.rows.returns import Payoffs as Payoffs, return_grid as return_grid, terms_grid as terms_grid
-    from harness.report.tables.comparison import (
-        comparison_table as comparison_table,
-        overview_table as overview_table,
-        ranking_table as ranking_table,
-    )
-    from harness.report.tables.eta import eta_table as eta_table
-    from harness.report.tables.score import score_table as score_table
+    from harness.report.tables.facts import FactsTable as FactsTable
 else:
     __all__, __getattr__ = face_of(__name__, __file__)

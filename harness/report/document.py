@@ -3,9 +3,11 @@
 import json
 from collections import Counter
 from collections.abc import Iterable
+from dataclasses import asdict
 from typing import Any, NamedTuple
 
 from harness.record.cell import Manifest
+from harness.report.facts import first_facts
 from harness.report.rows.comparison import again_text, choosing_told
 from harness.results import Results
 from harness.results.ranking import ranking_of
@@ -84,6 +86,7 @@ def report_to_json(results: Results) -> dict[str, Any]:
     data |= {name: section.to_json() for name, section in shown_sections(results).items()}
     data |= {"reward_terms": [it.to_json() for it in results.terms]} if results.terms else {}
     data |= {"alone": [it.to_json() for it in results.alone]} if results.alone else {}
+    data["facts"] = [asdict(it) for it in first_facts(results)]
     return data
 
 

@@ -207,12 +207,17 @@ def _written(ratio: Ratio, with_interval: bool) -> str:
     return ratio_with_interval(ratio) if with_interval else ratio_text(ratio)
 
 
+def overview_rows(combinations: Sequence[Comparison]) -> list[tuple[str, ...]]:
+    """A line for each comparison, with intervals."""
+    named = zip(line_names(combinations), combinations, strict=True)
+    return [overview_row(name, it, True, overview_of(combinations)) for name, it in named]
+
+
 def overview_html(combinations: Sequence[Comparison]) -> str:
     """A table with a row per comparison, for a notebook; empty without any."""
     if not combinations:
         return ""
-    names, overview = line_names(combinations), overview_of(combinations)
-    rows = [overview_row(name, it, True, overview) for name, it in zip(names, combinations, strict=True)]
+    overview, rows = overview_of(combinations), overview_rows(combinations)
     lines = [_html_row("th", overview.headings), *(_html_row("td", row) for row in rows)]
     shared = escape(visible(shared_text(combinations)))
     return f"<p><b>{shared}</b></p><table>{''.join(lines)}</table><p>{escape(overview.reading)}</p>"

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from math import degrees
 from pathlib import Path
 from typing import NamedTuple
@@ -128,10 +129,8 @@ def pair_grids(parity: Parity) -> list[Grid]:
         _pair_grid(f"against {parity.reference}", [(pair.b, pair) for pair in first]),
         _pair_grid("the others", [(pair_name(pair), pair) for pair in rest]),
     ]
-    full = [grid for grid in grids if grid.rows]
-    if full:
-        full[-1].notes.append(PAIR_NOTE)
-    return full
+    *full, last = [grid for grid in grids if grid.rows] or [Grid((), [], [])]
+    return [*full, replace(last, notes=[*last.notes, PAIR_NOTE])] if last.rows else []
 
 
 def failures(parity: Parity) -> list[str]:

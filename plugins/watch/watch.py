@@ -12,8 +12,8 @@ from harness.errors import UsageError
 from harness.record import Store
 from harness.registry import load_registry
 from harness.report import question, replay_of
+from harness.report.facts import overview_grids
 from harness.report.page.page import render_page
-from harness.report.tables.comparison import overview_grids
 from harness.results import load_results, shows_of
 
 from .cards import rows_of

@@ -15,7 +15,7 @@ from harness.experiment import check_experiment, expand
 from harness.experiment.run_cell import run_cell
 from harness.record import read_recording
 from harness.registry import load_registry, read_given
-from harness.report import comparison_table, overview_table, report_text, write_html
+from harness.report import FactsTable, all_facts, first_facts, report_text, write_html
 from harness.results import load_results
 from harness_plugins.committed import write_summary
 from tests.report.conftest import printed, squeezed
@@ -59,10 +59,10 @@ def test_json_says_it(results):
     assert [it["below"] for it in comparison["paid_at_random"]] == [5, 0]
 
 
-@pytest.mark.parametrize("table", [lambda results: overview_table(results, "more"), comparison_table])
-def test_the_terminal_says_it(results, table):
+@pytest.mark.parametrize("facts", [first_facts, all_facts])
+def test_the_terminal_says_it(results, facts):
     """At a glance, and with all details."""
-    assert squeezed(printed(table(results))).count(TOLD) == 1
+    assert squeezed(printed(FactsTable(facts(results)))).count(TOLD) == 1
 
 
 def test_page_and_summary_say_it(results, tmp_path):

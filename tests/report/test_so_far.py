@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from harness.report import comparison_table, overview_table, what_decides, write_html
+from harness.report import FactsTable, all_facts, first_facts, what_decides, write_html
 from harness.report.page.html import PROMISE
 from tests.report.conftest import printed, squeezed, words_of
 
@@ -25,8 +25,8 @@ def ahead(build):
 def _shown(results, page):
     write_html(results, page)
     text = page.read_text()
-    yield "terminal", printed(overview_table(results, ""), 200)
-    yield "details", printed(comparison_table(results), 200)
+    yield "terminal", printed(FactsTable(first_facts(results, "")), 200)
+    yield "details", printed(FactsTable(all_facts(results)), 200)
     yield "page", words_of(text)
     yield "colours", " ".join(re.findall(r'class="((?:card|badge|symbol|dot|line)[^"]*)"', text))
     yield "json", json.dumps(results.to_json())

@@ -8,11 +8,12 @@ from importlib import import_module
 from statistics import median
 
 import numpy as np
+import pyarrow.parquet as pq
 import pytest
 
 from harness.record import read_recording
 from harness.registry import load_registry
-from harness.report import comparison_table, overview_table, report_text, write_html
+from harness.report import FactsTable, all_facts, first_facts, report_text, write_html
 from harness.results import load_results
 from harness_plugins.committed import committed_table, write_summary
 from tests.report.conftest import printed
@@ -89,8 +90,8 @@ class Views:
         write_html(results, folder / "page.html")
         self.json = json.loads(report_text(results))
         self.texts = {
-            "terminal": printed(overview_table(results, "more"), 400),
-            "details": printed(comparison_table(results), 400),
+            "terminal": printed(FactsTable(first_facts(results, "more")), 400),
+            "details": printed(FactsTable(all_facts(results)), 400),
             "page": (folder / "page.html").read_text(),
         }
         if results.is_experiment:
@@ -219,11 +220,11 @@ def _forest(page):
 
 def _entry(row):
     """Of a line in the table of all comparisons."""
-    cells = dict(re.findall(r'data-label="([^"]*)"><span>(.*?)</span>', row))
-    named = {key.replace("pay, ", "pay ").rpartition(", ")[2]: _plain(text) for key, text in cells.items()}
-    keys = ("baseline", "proposed", "pay baseline", "pay proposed", "eta_N", "eta_P")
-    told = {key: named[key] for key in keys if key in named}
-    return {"answer": re.search(r'class="badge [\w-]+">(.*?)</b>', row)[1], **told}
+    cells = {key: _plain(text) for key, text in re.findall(r'data-label="([^"]*)">(.*?)</td>', row)}
+    sides = next(text for key, text in cells.items() if re.fullmatch(r"success.*|behaviour", key))
+    told = {key: text for key, text in cells.items() if key in ("pay of an episode", "eta_N", "eta_P")}
+    both = {key: text.replace("->", " -> ") for key, text in {**told, "sides": sides}.items()}
+    return _sides({"answer": re.search(r'class="badge [\w-]+">(.*?)</b>', row)[1], **both})
 
 
 def _plain(text):
@@ -319,28 +320,65 @@ def _ended_by(folder, reward, column, end):
     return float(np.mean(means))
 
 
+DRAWN = ("nothing differs", "one seed", "helps", "hurts", "ahead so far", "neither learns", "no index", "large")
+
+
+@pytest.mark.parametrize("name", [*DRAWN, "stochastic", "evaluated on the way"])
+def test_a_caption_of_curves_is_true_of_the_traces(situation, tmp_path, name):
+    """Computed again from what each step paid: where the mean of the running sums turns negative, and where back."""
+    results = situation(name)
+    write_html(results, tmp_path / "page.html")
+    page = (tmp_path / "page.html").read_text()
+    captions = re.findall(
+        r"<h4>(?:Baseline|Proposed): (\w+)</h4>.*?<figcaption>First negative step: (\S+)\. Cross-over step: (\S+)\.<",
+        page,
+        re.DOTALL,
+    )
+    assert {reward for reward, *_ in captions} == {"baseline", "arp"}
+    for reward, first, crossover in captions:
+        folders = [results.folder / "cells" / it.id for it in results.done_cells if it.reward.label == reward]
+        mean = np.mean([pq.read_table(it / "trace.parquet")["reward"].to_numpy().cumsum() for it in folders], axis=0)
+        begin = next((at for at, value in enumerate(mean) if value < 0.0), None)
+        end = next((at for at, value in enumerate(mean) if begin is not None and at > begin and value >= 0.0), None)
+        assert [first, crossover] == ["never" if it is None else str(it) for it in (begin, end)]
+
+
 def _by_medians(comparison):
     """The same with what another mean says of the proposed reward."""
     changes = [replace(it, proposed=median(it.values[1])) for it in comparison.measured.changes if it.values[1]]
     return replace(comparison, measured=replace(comparison.measured, changes=tuple(changes)))
 
 
-TABLES, PAGE, COMMITTED = "harness.report.tables.comparison", "harness.report.page", "harness_plugins.committed"
+def _with_other_numbers(facts):
+    """The same facts with another number in each row that has one."""
+    return [
+        replace(
+            fact,
+            grids=tuple(
+                replace(grid, rows=[tuple(re.sub(r"\d(?=\.|%| %)", "7", it) for it in row) for row in grid.rows])
+                for grid in fact.grids
+            ),
+        )
+        for fact in facts
+    ]
+
+
+FACTS, PAGE, COMMITTED = "harness.report.facts", "harness.report.page", "harness_plugins.committed"
 
 
 @pytest.mark.parametrize(
     ("target", "mutant"),
     [
-        (f"{TABLES}.overview_row", lambda of: lambda name, it, *more: of(name, _by_medians(it), *more)),
-        (f"{TABLES}.behaviour_grids", lambda of: lambda it: of(_by_medians(it))),
-        (f"{TABLES}.word_of", lambda of: lambda answer: "HURTS"),
-        (f"{TABLES}.index_rows", lambda of: lambda *given: [(row[0], "1.01", *row[2:]) for row in of(*given)]),
-        (f"{PAGE}.comparison.behaviour_grids", lambda of: lambda it: of(_by_medians(it))),
+        (f"{FACTS}.overview_row", lambda of: lambda name, it, *more: of(name, _by_medians(it), *more)),
+        (f"{FACTS}.behaviour_grids", lambda of: lambda it: of(_by_medians(it))),
+        (f"{FACTS}.word_of", lambda of: lambda answer: "HURTS"),
+        (f"{FACTS}.index_rows", lambda of: lambda *given: [(row[0], "1.01", *row[2:]) for row in of(*given)]),
         (f"{PAGE}.answer.word_of", lambda of: lambda answer: "HURTS"),
         (f"{PAGE}.answer.behaviour_row", lambda of: lambda it: of(replace(it, baseline=0.1))),
-        (f"{COMMITTED}.markdown.behaviour_grids", lambda of: lambda it: of(_by_medians(it))),
-        (f"{COMMITTED}.markdown.word_of", lambda of: lambda answer: "HURTS"),
-        (f"{COMMITTED}.read.measure_text", lambda of: lambda it: of(it and replace(it, proposed=0.5))),
+        (f"{PAGE}.comparison.comparison_grids", lambda of: lambda results, it: of(results, _by_medians(it))),
+        (f"{COMMITTED}.markdown.comparison_facts", lambda of: lambda *given: _with_other_numbers(of(*given))),
+        (f"{COMMITTED}.read.FactsTable", lambda of: lambda facts: of(_with_other_numbers(facts))),
+        (f"{__name__}.FactsTable", lambda of: lambda facts: of(_with_other_numbers(facts))),
     ],
 )
 def test_a_view_that_computes_by_itself_is_caught(situation, tmp_path, monkeypatch, target, mutant):

@@ -13,22 +13,18 @@ from harness.eta.headline import (
     SHORT,
     TIME,
     Answer,
-    format_number,
-    interval_text,
     name_of,
     name_with_article,
-    ratio_text,
 )
-from harness.eta.index import NOTHING, Ratio
 from harness.eta.judgement import OPEN, Verdict
 from harness.eta.power import range_text
-from harness.eta.splits import BB, KK, Names
+from harness.eta.splits import Names
 from harness.eta.swaps import luck_text
 from harness.eta.verdict.ruling import Ruling
 from harness.report.figures.split import draw_interval, draw_part, draw_trainings
+from harness.report.rows import Grid
 from harness.report.rows.comparison import (
     badge_of,
-    behaviour_row,
     beside_answer,
     percentage,
     symbol_of,
@@ -38,22 +34,9 @@ from harness.report.rows.comparison import (
 )
 from harness.report.rows.returns import PaySentence, pay_of
 from harness.results.comparison import Comparison, Group, pools_of
+from harness.results.overview import overview_of, overview_rows
 from harness.results.pool import Pool
 from harness.text import visible
-
-
-class Sortable(NamedTuple):
-    """A value of the table."""
-
-    text: str
-    detail: str
-    """A smaller text beside the value: its interval."""
-    key: str
-    """The key to sort by. It is empty if there is no value; such rows come last."""
-
-
-NONE = Sortable(NOTHING, "", "")
-"""In place of a value that is not known."""
 
 
 class Entry(NamedTuple):
@@ -67,7 +50,6 @@ class Entry(NamedTuple):
     symbol: str
     difference: str
     """Difference of the measure that decides, of a share in percentage points; empty if it is not known."""
-    values: tuple[Sortable, ...]
 
 
 class Matrix(NamedTuple):
@@ -81,8 +63,8 @@ class Matrix(NamedTuple):
     entries: list[Entry]
     counts: list[tuple[str, str, int]]
     """How many comparisons have each answer: its badge, its words, the number."""
-    headings: tuple[str, ...]
-    """The headings of the values of an entry."""
+    table: Grid
+    """A row for each entry, as a terminal shows it."""
     told: str
     """What the map shows in each place, in a sentence."""
 
@@ -104,9 +86,9 @@ def matrix_of(combinations: Sequence[Comparison]) -> Matrix:
     described = [
         (*_describe(it.group), *([f"against {it.baseline}"] if len(baselines) > 1 else [])) for it in combinations
     ]
-    apart, kinds = tell_apart(described), _kinds(combinations)
+    apart = tell_apart(described)
     entries = [
-        _entry(number, place, comparison, kinds)
+        _entry(number, place, comparison)
         for number, (place, comparison) in enumerate(zip(apart.names, combinations, strict=True), 1)
     ]
     places = list(dict.fromkeys(apart.names))
@@ -118,28 +100,13 @@ def matrix_of(combinations: Sequence[Comparison]) -> Matrix:
         for answer in Answer
     ]
     shared = apart.shared if len(baselines) > 1 else f"{apart.shared}, against {''.join(baselines)}"
-    name, unit = kinds.measure, " [pp]" if kinds.is_share else ""
-    headings = (*kinds.numbers, f"{name}, baseline", f"{name}, proposed", f"difference{unit}")
-    told = f"{name.capitalize()}, proposed - baseline{', in percentage points' if kinds.is_share else ''}."
-    return Matrix(shared, places, rows, entries, [count for count in counts if count[2]], headings, told)
-
-
-class _Kinds(NamedTuple):
-    """Which numbers there are in some comparison."""
-
-    measure: str
-    is_share: bool
-    numbers: tuple[str, ...]
-    """Their headings: of the pay of an episode, or else of both indices."""
-
-
-def _kinds(combinations: Sequence[Comparison]) -> _Kinds:
     decisive = [it.decisive for it in combinations if it.decisive is not None]
+    is_share = bool(decisive) and all(text_of(it.measure) is percentage for it in decisive)
     names = dict.fromkeys(SHORT.get(it.name, it.name.replace("_", " ")) for it in decisive)
-    pays, is_share = [it.number.pay for it in combinations], all(text_of(it.measure) is percentage for it in decisive)
-    has_ratios = any(pay.has_ratio for pay in pays if pay is not None)
-    numbers = ("pay, baseline", "pay, proposed", "pay, ratio")[: 2 + has_ratios] if any(pays) else ("eta_N", "eta_P")
-    return _Kinds(" / ".join(names) or "behaviour", is_share, numbers)
+    name = " / ".join(names) or "behaviour"
+    told = f"{name.capitalize()}, proposed - baseline{', in percentage points' if is_share else ''}."
+    table = Grid(overview_of(combinations).headings if combinations else (), overview_rows(combinations), [])
+    return Matrix(shared, places, rows, entries, [count for count in counts if count[2]], table, told)
 
 
 def comparisons_csv(combinations: Sequence[Comparison]) -> str:
@@ -179,10 +146,9 @@ def _describe(group: Group) -> tuple[str, ...]:
     return (*group.shown.values(), f"{group.steps:,} steps", *evaluated)
 
 
-def _entry(number: int, place: str, comparison: Comparison, kinds: _Kinds) -> Entry:
+def _entry(number: int, place: str, comparison: Comparison) -> Entry:
     answer, change = comparison.headline.answer, comparison.decisive
     difference = "" if change is None or change.difference is None else _points(change)
-    numbers = _numbers(comparison)
     return Entry(
         f"combination-{number}",
         place,
@@ -191,7 +157,6 @@ def _entry(number: int, place: str, comparison: Comparison, kinds: _Kinds) -> En
         badge_of(answer),
         symbol_of(answer),
         difference,
-        (*(numbers.get(it, NONE) for it in kinds.numbers), *_measured(change)),
     )
 
 
@@ -199,37 +164,6 @@ def _points(change: Change) -> str:
     """The difference of a measure; of a share in percentage points."""
     difference = change.difference or 0.0
     return f"{100 * difference:+.1f}" if text_of(change.measure) is percentage else f"{difference:+.3g}"
-
-
-def _numbers(comparison: Comparison) -> dict[str, Sortable]:
-    """By heading, the numbers that are known."""
-    number, pay = comparison.number, comparison.number.pay
-    found = {"eta_N": _ratio(number.eta_n), "eta_P": _ratio(number.eta_p)}
-    if pay is None:
-        return found
-    means = {"pay, baseline": pay.returns[BB].mean, "pay, proposed": pay.returns[KK].mean}
-    sides = {name: Sortable(format_number(mean), "", _key(mean)) for name, mean in means.items()}
-    return {**found, **sides, "pay, ratio": _ratio(pay.ratio.eta)}
-
-
-def _ratio(eta: Ratio) -> Sortable:
-    return Sortable(ratio_text(eta), interval_text(eta, missing=""), _key(eta.value))
-
-
-def _measured(change: Change | None) -> tuple[Sortable, ...]:
-    if change is None:
-        return (NONE,) * 3
-    told = behaviour_row(change)
-    sides = ((told.baseline, change.baseline), (told.proposed, change.proposed))
-    values = [Sortable(text, "", _key(value)) for text, value in sides]
-    if change.difference is None:
-        return (*values, NONE)
-    interval = "" if change.low is None else told.difference.removesuffix(" pp")
-    return (*values, Sortable(_points(change), interval, _key(change.difference)))
-
-
-def _key(value: float | None) -> str:
-    return "" if value is None else repr(value)
 
 
 class Row(NamedTuple):
@@ -299,7 +233,7 @@ def pool_card(found: Pool | Comparison) -> Card:
     changes, names = verdict.deciding, verdict.names
     order = [*by, *(at for at in range(len(changes)) if at not in by)]
     rows = tuple(_row(changes[at], at, verdict.ruling, at in by) for at in order)
-    seen, sure = (short_seen_text(names, changes), _sure(verdict, by)) if changes else ("", "")
+    seen, sure = (short_seen_text(names, changes, verdict.asides), _sure(verdict, by)) if changes else ("", "")
     return Card(names.proposed, word_of(answer), badge_of(answer), found.lead, rows, sure, seen)
 
 

@@ -2,11 +2,12 @@
 
 import base64
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 from harness.eta.headline import SUCCESS, Text, format_number
 from harness.record.cell import Cell
+from harness.report.facts import comparison_grids
 from harness.report.figures.accumulated import draw_both, panels_of
 from harness.report.figures.chart import Chart
 from harness.report.figures.draw import draw_chart
@@ -28,14 +29,11 @@ from harness.report.rows import Grid
 from harness.report.rows.comparison import (
     BETWEEN,
     alone_grid,
-    along_grid,
     basis_text,
-    behaviour_grids,
     claims_text,
     compared_text,
     percentage,
     rewards_text,
-    seeds_grid,
     setting_of,
     shown_changes,
     story,
@@ -47,9 +45,7 @@ from harness.report.rows.returns import (
     Audits,
     Story,
     changed_text,
-    number_grids,
     payoff_story,
-    returns_grid,
     terms_grid,
     terms_of,
 )
@@ -230,13 +226,11 @@ def comparison_section(
         links: To its episodes.
     """
     comparison = results.combinations[place - 1]
-    grids, bars = behaviour_grids(comparison), outcome_bars(comparison)
+    grids, bars = comparison_grids(results, comparison), outcome_bars(comparison)
     changes = shown_changes(comparison, comparison.manner)
     told = rewards_text(comparison) if comparison.is_control else comparison.proposed
-    returned = returns_grid(comparison)
     splits, indices, curves = _split_panels(comparison), _index_panels(comparison), _curve_panels(comparison, points)
     payoffs = payoff_story(comparison, audits)
-    numbers = number_grids(comparison, results.kind, with_paths=True)[bool(returned.rows or returned.notes) :]
     robot = f"{comparison.headline.robot} {basis_text(comparison)}".strip()
     full = (robot, comparison.pay_sentence, comparison.index_sentence)
     return Section(
@@ -244,11 +238,11 @@ def comparison_section(
         place=place,
         still=links.still if links else None,
         full=[text for text in full if text],
-        returns=returned._replace(title="") if returned.rows or returned.notes else None,
+        returns=next((replace(it, title="") for it in grids["pay"]), None),
         mixtures=[mixture.text for mixture in comparison.measured.mixtures],
         tests=claims_text(comparison),
         summary=describe_comparison(comparison),
-        behaviour=grids[0] if grids else None,
+        behaviour=next(iter(grids["behaviour"]), None),
         strips=[draw_strip(change) for change in changes],
         meanings=[_meaning(results, change.name) for change in changes],
         outcomes=bars,
@@ -260,17 +254,15 @@ def comparison_section(
             for it in changes
         ],
         learning=_learned(results, comparison),
-        terms=[terms_grid(it)._replace(title=it.reward) for it in terms_of(results, comparison)],
+        terms=[replace(terms_grid(it), title=it.reward) for it in terms_of(results, comparison)],
         splits=splits,
         indices=indices,
         curves=curves,
         payoffs=payoffs,
         profiles=_profile_panels(comparison),
-        other_behaviour=[
-            grid for grid in [along_grid(comparison), *grids[1:], seeds_grid(comparison)] if grid.rows or grid.notes
-        ],
-        numbers=numbers,
-        number=bool(comparison.seeds and (splits or indices or curves or payoffs or numbers or returned.rows)),
+        other_behaviour=grids["other behaviour"],
+        numbers=grids["numbers"],
+        number=bool(comparison.seeds and (splits or indices or curves or payoffs or grids["numbers"] or grids["pay"])),
         trajectories=_trajectory_panels(results, comparison),
     )
 
@@ -291,7 +283,7 @@ def alone_section(results: Results, alone: Alone) -> dict[str, Any]:
         "grid": alone_grid(alone),
         "story": [text for text in (story(alone), *map(changed_text, terms)) if text],
         "learning": _learning_panels(alone.learning, alone.shown, texts),
-        "terms": [terms_grid(it)._replace(title="") for it in terms],
+        "terms": [replace(terms_grid(it), title="") for it in terms],
     }
 
 

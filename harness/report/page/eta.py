@@ -5,6 +5,7 @@ from pathlib import Path
 from harness.eta.curve import GroupCurve
 from harness.eta.headline import Answer
 from harness.eta.splits import BB, KK
+from harness.report.facts import comparison_title, eta_grids, runs_text
 from harness.report.figures.accumulated import draw_curve
 from harness.report.figures.chart import Chart, Line, linear_axis
 from harness.report.figures.draw import draw_chart
@@ -15,7 +16,6 @@ from harness.report.page.html import SHARED, Page, parts_of, render
 from harness.report.page.page import write_page
 from harness.report.rows.comparison import badge_of, word_of
 from harness.report.rows.ratios import scales_text
-from harness.report.tables.eta import comparison_title, grids_of, runs_text
 from harness.score.compare import ComparedRuns
 
 FIGURE = "The {kind} reward of every run over environment steps, and the mean of each group."
@@ -61,7 +61,7 @@ def _section(comparison: ComparedRuns) -> Section:
             if chart is not None
         ],
         curves=[Panel("Both groups", figure, THIN)],
-        numbers=[grid for grid in grids_of(comparison, with_paths=True) if grid.rows or grid.notes],
+        numbers=[grid for grid in eta_grids(comparison) if grid.rows or grid.notes],
     )
 
 

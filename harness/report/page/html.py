@@ -17,7 +17,7 @@ from harness.report.figures.split import EXPLANATION as FOREST
 from harness.report.page.answer import Card, Matrix, comparisons_csv, groups_of, matrix_of, pool_cards
 from harness.report.page.comparison import Section, alone_section, comparison_section
 from harness.report.page.page import render_page, write_page
-from harness.report.replay.section import Link, Replay, links_of, replay_of
+from harness.report.replay.section import Replay, links_of, replay_of
 from harness.report.rows import Grid
 from harness.report.rows.comparison import (
     ALONE,
@@ -151,7 +151,6 @@ class Page:
     alone: Sequence[Mapping[str, Any]] = ()
     beside: str = ""
     matrix: Matrix | None = None
-    success: Sequence[Mapping[str, Link | None]] = ()
     advice: str = ""
     groups: Sequence[Mapping[str, Any]] = ()
     pictured: bool = False
@@ -217,7 +216,6 @@ def _render(results: Results, audits: Audits) -> str:
         alone=[alone_section(results, it) for it in results.alone],
         beside=beside(results, results.alone),
         matrix=matrix,
-        success=[found.success if found else {} for found in links],
         comparisons=sections,
         advice=next((text for it in combinations if (text := until_decided(results, it))), ""),
         groups=groups,

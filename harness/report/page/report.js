@@ -23,11 +23,12 @@ for (const index of document.querySelectorAll("nav details")) {
   document.addEventListener("click", (event) => { if (!index.contains(event.target)) index.open = false; });
 }
 
-/** What a cell is sorted by; null where it has no value. */
+/** What a cell is sorted by: the last number before an interval, as of "0 -> 86 %"; null where it has none. */
 function keyOf(row, column) {
   const cell = row.cells[column];
   if (!("key" in cell.dataset)) return cell.textContent.trim();
-  return cell.dataset.key === "" ? null : Number(cell.dataset.key);
+  const numbers = cell.dataset.key.split("[")[0].match(/-?[\d.,]+(?:e[+-]?\d+)?/g);
+  return numbers && Number(numbers.at(-1).replaceAll(",", ""));
 }
 
 function sort(table, column, down) {

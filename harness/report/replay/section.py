@@ -149,14 +149,6 @@ class EpisodeLinks:
         return self._link(side, index, self._told(change, values[index], self.show.sides[side].episodes[index]))
 
     @property
-    def success(self) -> dict[str, Link | None]:
-        """Links by column of the overview: to an episode that reached the target, else to one that failed."""
-        return {
-            column: next(filter(None, (self.ending(side, end) for end in ENDS)), None)
-            for side, column in ((BASELINE, "success, baseline"), (PROPOSED, "success, proposed"))
-        }
-
-    @property
     def kinds(self) -> list[tuple[str, Link]]:
         """How often pairs end so, and a link to the typical one, of each way to end; the most frequent one first."""
         pairs = self.show.pairs

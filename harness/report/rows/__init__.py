@@ -1,13 +1,52 @@
-"""What a report says, as text: what the terminal, the page and the summary share."""
+"""What a report says, as plain data. Terminal, page, summary and records show it, and compute nothing."""
 
-from typing import NamedTuple
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
 
 
-class Grid(NamedTuple):
-    """A small table, ready to print: a name in the first column, then values; notes below."""
+@dataclass(frozen=True)
+class Grid:
+    """A small table, ready to print: a name in the first column, then values; notes below.
+
+    Attributes:
+        headings: One for each column.
+        rows: As long as `headings`.
+        notes: Lines below.
+        title: Above the table. As the heading of the names it would wrap.
+    """
 
     headings: tuple[str, ...]
-    rows: list[tuple[str, ...]]
-    notes: list[str]
+    rows: Sequence[tuple[str, ...]]
+    notes: Sequence[str]
     title: str = ""
-    """The title above the grid. As the heading of the names it would wrap."""
+
+
+@dataclass(frozen=True)
+class Fact:
+    """A part of what a report says, with a blank line before it.
+
+    Attributes:
+        title: Above it; of an answer the subject and the word, such as ``The robot: HELPS``.
+        lines: Sentences, or lines.
+        grids: Small tables, below one another.
+        narrower: The same tables with less beside each value, where the window is not wide enough for `grids`: two
+            ways, of which the last one is for the narrowest window; empty where there is one way.
+        kind: ``reading``: how to read what stands above it.
+    """
+
+    title: str = ""
+    lines: tuple[str, ...] = ()
+    grids: tuple[Grid, ...] = ()
+    narrower: tuple[tuple[Grid, ...], ...] = ()
+    kind: Literal["", "reading"] = ""
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether it says nothing."""
+        return not (self.title or any(self.lines) or any(it.rows or it.notes for it in self.grids))
+
+
+def paragraphs(*texts: str) -> list[Fact]:
+    """A fact for each text, without the empty ones; each text once."""
+    return [Fact(lines=(text,)) for text in dict.fromkeys(filter(None, texts))]

@@ -69,9 +69,9 @@ def split_grid(splits: Splits) -> Grid:
     return Grid(headings, rows, _part_notes(parts, _known(splits.values())), "ruler x behaviour")
 
 
-def split_grids(splits: Splits, with_paths: bool) -> list[Grid]:
-    """The ratios, their parts, and on request both paths of every split."""
-    return [of(splits) for of in (ratio_grid, split_grid, path_grid)[: 2 + with_paths]]
+def split_grids(splits: Splits) -> list[Grid]:
+    """The ratios, their parts, and both paths of every split."""
+    return [ratio_grid(splits), split_grid(splits), path_grid(splits)]
 
 
 def path_grid(splits: Splits) -> Grid:

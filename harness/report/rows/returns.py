@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 from harness.errors import sentence
@@ -181,23 +182,21 @@ def splits_of(comparison: Comparison) -> Splits:
     return {**main, **(comparison.number.index_splits if comparison.number.is_split else {})}
 
 
-def number_grids(comparison: Comparison, kind: Kind, with_paths: bool = False) -> list[Grid]:
-    """The grids that have something to show, in the order in which they are read.
+def number_grids(comparison: Comparison, kind: Kind) -> list[Grid]:
+    """The tables of ratios and indices, in the order in which they are read.
 
     Args:
         comparison: The comparison.
         kind: Of the curves that the indices are read from.
-        with_paths: Whether both paths of every split are shown too.
     """
-    number, grids = comparison.number, [returns_grid(comparison)]
+    number, grids = comparison.number, list[Grid]()
     returned = {f"pay, {manner}": split.ratio for manner, split in number.returns.items()}
     indices = number.index_splits or number.splits if number.has_pay else {}
     for name, found in ((PAY, returned), (INDICES, indices)):
-        of_name = split_grids(found, with_paths) if found else []
-        grids += [grid._replace(title=f"{name}: {grid.title}") for grid in of_name]
+        grids += [replace(grid, title=f"{name}: {grid.title}") for grid in split_grids(found)]
     if number.decomposition is not None:
         grids += [sum_grid(number.decomposition.total), index_grid(number.decomposition, kind)]
-    return [grid for grid in grids if grid.rows or grid.notes]
+    return grids
 
 
 TERMS_TITLE = "What each term paid"

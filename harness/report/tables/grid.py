@@ -6,7 +6,7 @@ from types import MappingProxyType
 
 from rich import box
 from rich.cells import cell_len
-from rich.console import Console, ConsoleOptions, Group, RenderableType
+from rich.console import Console, ConsoleOptions, RenderableType
 from rich.segment import Segment
 from rich.table import Table
 from rich.text import Text
@@ -62,16 +62,6 @@ def show_grid(grid: Grid, styles: Mapping[str, str] = NO_STYLES) -> list[Rendera
     parts = [Text(grid.title, style="bold"), *parts] if grid.rows and grid.title else parts
     parts += map(Text, grid.notes)
     return [Text(), *parts] if parts else []
-
-
-def show_titled(title: str, *grids: Grid) -> RenderableType:
-    """Grids below a title."""
-    return Group(Text(title, style="bold"), *(part for grid in grids for part in show_grid(grid)), Text())
-
-
-def spaced(lines: Iterable[str]) -> list[RenderableType]:
-    """Each line that is not empty, below an empty line."""
-    return [part for line in lines if line for part in (Text(), Text(line))]
 
 
 class GridTable:

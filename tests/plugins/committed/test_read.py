@@ -1,17 +1,16 @@
 """Committed records, as a terminal shows them."""
 
 import json
+import re
 
 import pytest
 from rich.console import Console
 
 from harness.errors import SchemaError
-from harness.eta.headline import interval_text
-from harness.report.document import report_text
-from harness.results.overview import decider_text, measure_text
+from harness.report import FactsTable, first_facts, report_text
 from harness_plugins.committed import committed_table, committed_text, is_committed, refuse_committed
 from tests.refusals import refused
-from tests.report.conftest import squeezed
+from tests.report.conftest import printed
 
 
 @pytest.fixture
@@ -43,52 +42,29 @@ def test_records_are_told_from_an_experiment(build, commit):
     assert is_committed(commit(results))
 
 
-def test_every_comparison_has_a_line(build, commit):
-    """With the answer and the success that the experiment itself has; what is the same in all is said once."""
+def test_records_say_what_the_report_said_first(build, commit):
+    """Line by line, in a wide window and in a narrow one."""
     results = build(seeds=1, simulators=("mujoco", "pybullet"), proposed={"arp": (9, 30), "relative": (30, 9)})
-    lines = lines_of(commit(results))
-    assert lines[:2] == [
-        "Committed records of 6 cells, 6 done.",
-        "sac · fd100 · fd100-reach · against baseline · 40 steps",
-    ]
-    rows = [line for line in lines if line.startswith(("mujoco ·", "pybullet ·"))]
-    assert len(rows) == len(results.combinations) == 4
-    for row, it in zip(rows, results.combinations, strict=True):
-        assert row.startswith(f"{it.group.labels['simulator']} · {it.proposed} ")
-        assert f" {it.headline.answer.value.upper()} " in row
-        assert f" {decider_text(it)} " in row
-        assert f" {measure_text(it.decisive)} " in row
-    text = squeezed("\n".join(lines))
-    for pool in results.pools:
-        assert f"Over all places: {pool.headline.answer.value.upper()}. {pool.headline.robot}" in text
+    folder = commit(results)
+    for width in (60, 120, 200):
+        first, _, *rest = lines_of(folder, width)
+        assert first == "Committed records of 6 cells, 6 done."
+        report = [line.rstrip() for line in printed(FactsTable(first_facts(results)), width).splitlines()]
+        assert rest[: len(report)] == report
 
 
-def test_intervals_stand_beside_the_ratios_where_there_is_room(build, commit):
-    """Those of the experiment; a narrow window has the ratios alone."""
-    results = build()
-    (combination,) = results.combinations
-    wide, narrow = (
-        next(line for line in lines_of(folder, width) if line.startswith("arp "))
-        for folder in [commit(results)]
-        for width in (120, 60)
-    )
-    assert interval_text(combination.number.eta_p) in wide
-    assert "[" not in narrow
-
-
-def test_a_single_comparison_is_told_in_sentences(build, commit):
-    """Both answers."""
-    results = build()
-    text = " ".join(lines_of(commit(results)))
-    (combination,) = results.combinations
-    assert combination.headline.robot in text
-    assert combination.headline.number in text
-
-
-def test_what_is_to_be_kept_in_mind_stands_below(build, commit):
-    """A number with a star has a remark."""
-    lines = lines_of(commit(build(seeds=1, baseline=(39, 0))))
-    assert any(line.startswith("* arp: eta_P: ") for line in lines)
+def test_records_of_an_earlier_release_show_their_page_of_text(build, commit):
+    """They have no facts; without that page the file is named that lacks."""
+    folder = commit(build())
+    data = json.loads((folder / "results.json").read_text())
+    del data["facts"]
+    (folder / "results.json").write_text(json.dumps(data))
+    with pytest.raises(SchemaError, match=r"summary\.md is no readable record"):
+        committed_table(folder)
+    (folder / "summary.md").write_text("# arp-2021\n\n| reward | answer |\n| --- | --- |\n| arp | HURTS |\n")
+    text = "\n".join(lines_of(folder))
+    assert re.search("reward +answer", text)
+    assert re.search("arp +HURTS", text)
 
 
 def test_the_way_to_the_cells_is_told(build, commit):
@@ -110,7 +86,7 @@ def test_what_needs_cells_is_refused(build, commit):
         refuse_committed(commit(build()), "--html")
 
 
-@pytest.mark.parametrize("broken", ["", "[]", '{"combinations": [{"steps": "many"}], "cells": []}'])
+@pytest.mark.parametrize("broken", ["", "[]", '{"cells": [], "facts": [{"title": 1}]}'])
 def test_damaged_records_are_refused(tmp_path, broken):
     """One line that names the file."""
     (tmp_path / "results.json").write_text(broken)
@@ -126,16 +102,3 @@ def test_the_committed_records_of_the_project_open(request):
     (dense,) = (line for line in lines if line.startswith("dense "))
     assert " the time, 0.770 -> 0.365 s " in dense
     assert " near zero* " in dense
-
-
-def test_records_of_an_unfinished_plan_say_so_first(build, commit):
-    """As the report that they were written with did."""
-    first, second, *_ = lines_of(commit(build(ended={("arp", 2): ("pending", ""), ("arp", 1): ("failed", "x")})))
-    assert first == "Committed records of 6 cells, 4 done."
-    assert second.startswith("Interim: 2 trainings are missing.")
-
-
-def test_records_count_the_trainings_of_each_reward(build, commit):
-    """They need not be as many."""
-    lines = lines_of(commit(build(ended={("arp", 2): ("failed", "it broke")})))
-    assert any(line.startswith("arp ") and " 3 / 2 " in line for line in lines)

@@ -1,5 +1,6 @@
 """The map of answers and the table."""
 
+from harness.report.facts import overview_grids
 from harness.report.page.answer import matrix_of
 
 
@@ -33,16 +34,12 @@ def test_null_control_is_marked(build):
     assert [reward for reward, _ in matrix_of(build(a_a=True).combinations).rows] == ["arp", "baseline (A/A)"]
 
 
-def test_table_is_sorted_by_numbers(build):
-    """Exact ones; what is not known has none."""
-    results = build(seeds=1, baseline=(39, 0))
-    (entry,) = matrix_of(results.combinations).entries
-    baseline, proposed, ratio, *_ = entry.values
-    pay = results.combinations[0].number.pay
-    assert [float(it.key) for it in (baseline, proposed)] == [
-        pay.returns[who, who].mean for who in ("baseline", "proposed")
-    ]
-    assert ratio.key == ("" if pay.ratio.eta.value is None else repr(pay.ratio.eta.value))
+def test_the_table_is_that_of_the_terminal(build):
+    """Line by line, with intervals."""
+    results = build(simulators=("mujoco", "pybullet"))
+    (grid,) = overview_grids(results.combinations, with_intervals=True)
+    table = matrix_of(results.combinations).table
+    assert (table.headings, table.rows) == (grid.headings, grid.rows)
 
 
 def test_nothing_compared_is_an_empty_map():

@@ -75,15 +75,6 @@ def test_a_measure_that_no_episode_has_leads_nowhere(links):
     assert links.showing(BASELINE, change("time_to_target", "s", None, None)) is None
 
 
-def test_success_leads_to_a_success_or_to_a_failure(links):
-    """Where nothing succeeds one sees how it fails."""
-    told = {column: link.title for column, link in links.success.items()}
-    assert told == {
-        "success, baseline": "Watch episode 1 of seed 0: reached",
-        "success, proposed": "Watch episode 1 of seed 0: time-out",
-    }
-
-
 def test_every_kind_of_pair_has_a_link(links):
     """With its share, the most frequent one first, to the typical pair of it."""
     assert links.kinds == [

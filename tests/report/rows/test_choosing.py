@@ -3,7 +3,7 @@
 import pytest
 
 from harness.registry import load_registry
-from harness.report import choosing_told, overview_table, question
+from harness.report import FactsTable, choosing_told, first_facts, question
 from harness_plugins.committed import committed_table, write_summary
 from tests.report import conftest
 from tests.results.folders import fail
@@ -27,7 +27,7 @@ def over(folder):
 
 def printed(results, *console):
     """What goes to a terminal."""
-    return conftest.printed(overview_table(results, "more"), *console)
+    return conftest.printed(FactsTable(first_facts(results, "more")), *console)
 
 
 def test_before_anybody_left_there_is_nothing_to_tell(folder):
@@ -86,7 +86,7 @@ def test_a_summary_tells_of_it(over, tmp_path):
     """With its table; what a terminal says of the records begins with it."""
     write_summary(over.results, tmp_path / "told")
     page = (tmp_path / "told" / "summary.md").read_text()
-    assert "## How far the candidates went\n\n**dense went furthest" in page
+    assert page.index("**dense went furthest") < page.index("**How far the candidates went.**")
     assert "| dense | 90.0% |" in page
     told = conftest.printed(committed_table(tmp_path / "told"), 200).splitlines()
     assert choosing_told(over.results).sentence in told[:3]

@@ -5,7 +5,8 @@ from dataclasses import replace
 import pytest
 
 from harness.eta import order_rewards
-from harness.report import ranking_table, write_html
+from harness.report import FactsTable, write_html
+from harness.report.facts import ranking_facts
 from harness.report.rows.ranking import task_rows
 from harness.results.ranking import EtaOrder, Place, compare_places
 from tests.report.conftest import printed
@@ -66,12 +67,15 @@ def test_places_of_one_engine_are_told(task):
 def test_terminal_has_lines_and_on_request_tables(build):
     """Without several places it has nothing."""
     results = build(simulators=("mujoco", "pybullet"), reached={"arp": lambda seed: [8] * 4})
-    short, long = printed(ranking_table(results, False), 160), printed(ranking_table(results, True), 160)
+    short, long = (
+        printed(FactsTable(ranking_facts(results, with_all=False)), 160),
+        printed(FactsTable(ranking_facts(results, with_all=True)), 160),
+    )
     assert "another reward chosen in another place? yes 0" in short
     assert "the seeds leave every order open" in short
     assert "chosen in -> used in" not in short
     assert "chosen in -> used in" in long
-    assert ranking_table(build(seeds=1), False) is None
+    assert ranking_facts(build(seeds=1), with_all=False) == []
 
 
 def test_page_has_a_section_where_there_is_something_to_compare(build, tmp_path):

@@ -4,7 +4,7 @@ from functools import cache
 
 import pytest
 
-from harness.report import SPLIT, along_grid, behaviour_grids, comparison_table, what_decides
+from harness.report import SPLIT, FactsTable, all_facts, along_grid, behaviour_grids, what_decides
 from harness.report.rows.ratios import index_grid, ratio_grid, split_grid, sum_grid
 from tests.report import conftest
 from tests.report.conftest import MIXTURE, NO_PAIR, squeezed
@@ -26,7 +26,7 @@ CASES = {
 
 def printed(results, *console, **given):
     """What goes to a terminal."""
-    return conftest.printed(comparison_table(results), *console, **given)
+    return conftest.printed(FactsTable(all_facts(results)), *console, **given)
 
 
 def grids_of(combination):
@@ -94,7 +94,7 @@ def test_answer_comes_first(build):
     results = build()
     (combination,) = results.combinations
     text = squeezed(printed(results))
-    words = [combination.headline.robot, "The robot: CANNOT TELL", "The pay of an episode", combination.pay_sentence]
+    words = ["The robot: CANNOT TELL", combination.headline.robot, "The pay of an episode", combination.pay_sentence]
     titles = [
         "The note's eta_N",
         "Behaviour of the",

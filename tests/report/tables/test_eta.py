@@ -4,14 +4,14 @@ from dataclasses import replace
 
 import pytest
 
-from harness.report import eta_table, scales_text
+from harness.report import FactsTable, eta_facts, scales_text
 from harness.report.rows.ratios import index_grid, ratio_grid, split_grid
 from tests.report import conftest
 
 
 def printed(comparison, *console, **given):
     """What goes to a terminal."""
-    return conftest.printed(eta_table(comparison), *console, **given)
+    return conftest.printed(FactsTable(eta_facts(comparison)), *console, **given)
 
 
 @pytest.mark.parametrize("width", [60, 80])

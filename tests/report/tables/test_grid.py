@@ -1,5 +1,7 @@
 """A grid in windows of every width."""
 
+from dataclasses import replace
+
 from rich.console import Group
 
 from harness.report import Grid
@@ -72,9 +74,9 @@ def test_empty_grid_is_nothing():
 
 def test_title_stands_above_its_rows():
     """Whole and once, also where the table is divided; without rows there is none."""
-    titled = GRID._replace(title="Behaviour of the trained policies")
+    titled = replace(GRID, title="Behaviour of the trained policies")
     for width in (40, 100):
         text = printed(titled, width).strip()
         assert text.startswith("Behaviour of the trained policies\n")
         assert text.count("Behaviour of") == 1
-    assert printed(titled._replace(rows=[]), 100).strip() == "a note"
+    assert printed(replace(titled, rows=[]), 100).strip() == "a note"

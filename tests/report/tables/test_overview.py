@@ -1,4 +1,4 @@
-from harness.report import overview_table
+from harness.report import FactsTable, first_facts
 from harness.results import pay_texts
 from tests.report import conftest
 from tests.report.conftest import MIXTURE, squeezed
@@ -9,7 +9,7 @@ REWARDS = {"arp": (9, 30), "relative": (9, 20), "scaled:factor=1.5": (9, 30)}
 
 def printed(results, *console, **given):
     """What goes to a terminal."""
-    return conftest.printed(overview_table(results, "harness report DIR --details"), *console, **given)
+    return conftest.printed(FactsTable(first_facts(results, "harness report DIR --details")), *console, **given)
 
 
 def test_nothing_is_cut(build, subtests):

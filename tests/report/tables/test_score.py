@@ -3,7 +3,7 @@
 import pytest
 
 from harness.registry import choose
-from harness.report import score_table
+from harness.report import FactsTable, score_facts
 from harness.results import score_matrices
 from tests.report.conftest import printed
 
@@ -20,7 +20,7 @@ def matrix(build):
 @pytest.mark.parametrize("width", [60, 80])
 def test_each_index_has_a_table(matrix, width):
     """Below what the cells share: a row per scoring reward, a column per training; sums with one decimal."""
-    text = printed(score_table([matrix]), width)
+    text = printed(FactsTable(score_facts([matrix])), width)
     assert text.startswith("mujoco · sac · fd100 · fd100-reach\n")
     rows = [line.split() for line in text.splitlines()]
     assert sum(row[-2:] == ["baseline", "arp"] for row in rows) == 2
