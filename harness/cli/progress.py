@@ -24,6 +24,7 @@ from harness.text import LONGEST_MESSAGE
 
 if TYPE_CHECKING:
     from harness.experiment.foresee import Foreseen
+    from harness.results.under_way import SoFar
 
 
 LARGE = 1e9
@@ -192,6 +193,7 @@ class LiveProgress:
         *,
         at_most: bool = False,
         now: Callable[[], float] = time.monotonic,
+        so_far: "Callable[[Cell], SoFar | None] | None" = None,
     ) -> None:
         """Show nothing yet.
 
@@ -202,8 +204,9 @@ class LiveProgress:
             log_of: Where the log of a cell that failed is; None where there is none to look at.
             at_most: Whether the run may end before all cells have: where the answer stands.
             now: The time, [s].
+            so_far: What is there of a training, asked at each tenth of it; None where nobody looks.
         """
-        self._log_of, self._at_most, self._now = log_of, at_most, now
+        self._log_of, self._at_most, self._now, self._so_far = log_of, at_most, now, so_far
         self._begun = self._printed = math.inf
         self._left_told = False
         self._has_one_reward = len({cell.reward.label for cell in cells}) == 1
@@ -228,6 +231,7 @@ class LiveProgress:
         self._total, self._ended = len(cells), len(done)
         self._failed: set[str] = set()
         self._warned: set[str] = set()
+        self._tenths, self._hints = dict[str, int](), dict[str, str]()
         if done:
             self._console.print(f"{len(done)} of {len(cells)} cells were done before and are not run again")
 
@@ -276,6 +280,10 @@ class LiveProgress:
         self._steps[cell.id] = event.steps
         if SPEED in event.scalars:  # with it comes the return, if an episode has ended
             self._warn_of_no_end(cell, event.steps)
+        tenth = 10 * event.steps // cell.steps
+        if self._so_far and tenth > self._tenths.get(cell.id, 0):
+            self._tenths[cell.id] = tenth
+            self._tell_hint(cell, self._so_far(cell))
 
     def _warn_of_no_end(self, cell: Cell, steps: int) -> None:
         """Say once that no episode of a training has ended, when that is odd."""
@@ -283,6 +291,12 @@ class LiveProgress:
         if told and cell.id not in self._warned:
             self._warned.add(cell.id)
             self.warn(f"{cell.title}: {told}")
+
+    def _tell_hint(self, cell: Cell, told: "SoFar | None") -> None:
+        """Say what a training hints at where nothing was said, and that it does so no more."""
+        if told and bool(told.hint) != bool(self._hints.get(cell.id)):
+            self._hints[cell.id] = told.hint
+            self.warn(f"{cell.title}: {told.hint or 'What was hinted at holds no more.'}")
 
     def _end(self, event: Event) -> None:
         cell = event.cell

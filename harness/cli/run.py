@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass, fields
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -29,6 +30,7 @@ from harness.cli.flags.shared import (
 )
 from harness.cli.help import HelpAll, takes
 from harness.cli.output import complain, kept_when_interrupted, say, say_json
+from harness.cli.status import so_far_of
 from harness.errors import UsageError
 from harness.text import command_text
 
@@ -313,6 +315,7 @@ def train(ready: "ExperimentRun", quiet: bool, watch: bool = False) -> "tuple[Re
             console,
             ready.store.log_of,
             at_most=ready.plan.terms.has_plan,
+            so_far=partial(so_far_of, store=ready.store),
         ) as progress,
     ):
         results = begun.run(progress, progress.warn)

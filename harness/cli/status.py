@@ -7,6 +7,7 @@ from harness.cli.flags.shared import AsJson, ExperimentFolder
 from harness.cli.output import say, say_json
 
 if TYPE_CHECKING:
+    from harness.record.cell import Cell
     from harness.record.status import Progress
     from harness.record.store import Store
     from harness.results.choosing import Choosing
@@ -32,8 +33,8 @@ def status(
     if as_json:
         from harness.results.results import standing_to_json
 
-        told = ((one.cell.id, _so_far(one, store)) for one in found.cells)
-        recorded = {cell: it._asdict() for cell, it in told if it}
+        told = ((one.cell, so_far_of(one.cell, store)) for one in found.cells if one.running)
+        recorded = {cell.id: it._asdict() for cell, it in told if it}
         say_json({**found.to_json(recorded), **standing_to_json(standing)})
         return
     say(f"{folder}: {'a run is using it' if found.is_in_use else 'no run is using it'}")
@@ -47,7 +48,7 @@ def status(
         say(f"{standing.text[:1].upper()}{standing.text[1:]}")
     for one in found.cells:
         if one.status in SHOWN:
-            say(f"{one.status}: {one.cell.title}: {_detail(one, _so_far(one, store), found.now)}")
+            say(f"{one.status}: {one.cell.title}: {_detail(one, store, found.now)}")
 
 
 def _standing(folder: Path) -> "Standing | Choosing | None":
@@ -62,19 +63,17 @@ def _standing(folder: Path) -> "Standing | Choosing | None":
     return standing_of(load_results(folder))
 
 
-def _so_far(one: "Progress", store: "Store") -> "SoFar | None":
+def so_far_of(cell: "Cell", store: "Store") -> "SoFar | None":
     """What its rows say of a cell that is running, or was."""
-    if one.running is None:
-        return None
     from harness.results.under_way import so_far
 
-    return so_far(one.cell, store)
+    return so_far(cell, store)
 
 
-def _detail(one: "Progress", told: "SoFar | None", now: float) -> str:
+def _detail(one: "Progress", store: "Store", now: float) -> str:
     if one.running is None:
         return one.reason
-    steps = told.text if told else f"{one.running.steps:,} of {one.cell.steps:,} steps"
+    steps = told.text if (told := so_far_of(one.cell, store)) else f"{one.running.steps:,} of {one.cell.steps:,} steps"
     if one.status == "interrupted":
         return f"{steps}; run the same command again to go on"
     speed = one.running.steps / max(one.running.told - one.running.started, 1e-3)

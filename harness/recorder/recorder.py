@@ -39,7 +39,7 @@ from harness.recorder.trial import FIRST_STEPS, Finding, Trial
 from harness.recorder.watched import start_watching
 from harness.recorder.wrapped import tell_wrapped_pay
 from harness.reward.given import OWN
-from harness.text import visible
+from harness.text import print_visible, visible
 
 NO_SEED = -1
 NO_RESET = (NO_SEED, 0)
@@ -483,11 +483,20 @@ class Recorder:
                 self.taken.make()
             self._stopped = True
             self._writer.close()
+            if not (was_stopped or self._asked.evaluation or self._asked.number):
+                self._tell_hint()
         except OSError:
             if not was_stopped:
                 raise
         finally:
             self._end_page()
+
+    def _tell_hint(self) -> None:
+        """Say at the end of a training what it hints at."""
+        from harness.results.under_way import of_recording  # SciPy is loaded where a training ends
+
+        if told := of_recording(self._path).hint(self._asked.steps_asked):
+            print_visible(f"harness: {self._path}: {told}", err=True)
 
     def _end_page(self) -> None:
         if self._page is not None:

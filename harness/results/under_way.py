@@ -4,13 +4,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from math import ceil, exp, inf, log, log2, sqrt
+from math import ceil, inf, log, log2, sqrt
 from pathlib import Path
 from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import stdtr, stdtrit
+from scipy.special import stdtr
 
 from harness.arrays import Float
 from harness.errors import SchemaError, one_line
@@ -27,20 +27,23 @@ from harness.results.cell_results import learned
 from harness.results.recordings.episodes import episodes_of
 
 ERROR = 0.05
-"""Each of the two rules errs in at most this share of trainings in which there is nothing to hint at.
+"""Whoever bets on neighbours, or on low success, wins as much as is asked for in at most this share of trainings.
 
-In simulations 23 of 1,100 had a line, 100 of each of 11 kinds, at any of 62 looks. That holds where chance hits each
-episode anew, or half of a deviation stays to the next one. Luck that lasts is a fall while it lasts: where nine tenths
-of a deviation stay, 10 % of trainings have a line, of success 28 % (`tests.plugins.watch.cases.nulls`).
+That holds where chance hits each episode anew. Luck that lasts is a fall, or low success, while it lasts:
+`tests.plugins.watch.cases.nulls` counts how often.
 """
 BETS = np.array([0.2, 0.5, 0.8])
 """Shares of their money that three players bet on each pair of neighbours."""
-MOST, WIDTHS = 64, (4, 8, 16)
-"""The most blocks of a training, and how many make the windows that are compared."""
+RARE = np.array([0.02, 0.1])
+"""Chances of success of two players who bet that it is below `LOW`."""
+MOST, LEAST = 64, 5
+"""The most blocks of a training, and the least of each half."""
 LEAST_SHARE, LEAST_OF_RANGE = 0.1, 0.2
 """A smaller change of success does not matter; of another measure one by less of the range of all blocks."""
-LOW, FIRST = 0.25, 0.25
+LOW, FIRST = 0.25, 1.0 / 3.0
 """Success that stays is hinted at below the first, and after the second as a share of the training's steps."""
+ROSE, FELL = -log(0.005), -log(0.0001)
+"""What pay that rose, and behaviour that fell, has to reach as a surprise, in nats."""
 
 
 class SoFar(NamedTuple):
@@ -52,29 +55,32 @@ class SoFar(NamedTuple):
     """What an episode was paid; None before one has ended."""
     success: float | None
     """The share of those that succeeded; None likewise, or where nothing measures it."""
+    hint: str
+    """What it hints at; see `hint_of`."""
     text: str
-    """All of it, and what it hints at, for people."""
+    """All of it, for people."""
 
 
 def so_far(cell: Cell, store: Store) -> SoFar | None:
     """What is there of a training that has not ended; None before its first row."""
     try:
-        found = _recorded(cell, partial_folder(store.cell_folder(cell)))
+        found = _recorded(partial_folder(store.cell_folder(cell)))
     except SchemaError as error:
-        return SoFar(None, None, None, one_line(error))
+        return SoFar(None, None, None, "", one_line(error))
     if found is None:
         return None
     told, last = f"{found.steps:,} of {cell.steps:,} steps recorded", found.pay[-LAST_EPISODES:]
     if not len(last):
-        return SoFar(found.steps, None, None, f"{told}, and no episode has ended")
+        return SoFar(found.steps, None, None, "", f"{told}, and no episode has ended")
     pay, did = float(last.mean()), float(found.behaviour[-LAST_EPISODES:].mean())
     told += f"; its last {len(last)} episodes were paid {pay:.4g} on average"
     success = did if found.measure == SUCCESS else None
     told += "" if success is None else f", and {success:.0%} succeeded"
-    return SoFar(found.steps, pay, success, ". ".join(filter(None, (told, found.hint(cell.steps).rstrip(".")))))
+    hint = found.hint(cell.steps)
+    return SoFar(found.steps, pay, success, hint, ". ".join(filter(None, (told, hint.rstrip(".")))))
 
 
-class _Recorded(NamedTuple):
+class Recorded(NamedTuple):
     """The episodes of a training that have ended, (episodes,) each; see `hint_of`."""
 
     steps: int
@@ -85,27 +91,36 @@ class _Recorded(NamedTuple):
     better: Better
 
     def hint(self, asked: int) -> str:
+        """What they hint at in a training of so many steps; of 0, if nobody said how many."""
         return hint_of(*self[1:], asked)
 
 
-def _recorded(cell: Cell, folder: Path) -> _Recorded | None:
+def of_recording(folder: Path) -> Recorded:
+    """What a recorded training has, one that goes on too.
+
+    Raises:
+        SchemaError: It is damaged.
+    """
+    log = read_recording(folder)
+    facts, episodes = facts_of(log), episodes_of(log)
+    measure = measure_of(facts.behaviour)
+    behaviour = episodes.behaviour.get(measure, np.full(len(episodes.last), np.nan))
+    better = direction_of(measure, facts.lower_is_better, facts.higher_is_better, is_flag=are_flags(behaviour))
+    return Recorded(len(log), episodes.last + 1, episodes.returns[facts.trained_with], behaviour, measure, better)
+
+
+def _recorded(folder: Path) -> Recorded | None:
     """What a folder has of a cell's training; None before the first row.
 
     Raises:
         SchemaError: It is damaged.
     """
     if is_recording(folder / TRAINING_RECORDING):
-        recording = read_recording(folder / TRAINING_RECORDING)
-        log, facts = recording.load(), facts_of(recording)
-        episodes, measure = episodes_of(log), measure_of(facts.behaviour)
-        behaviour = episodes.behaviour.get(measure, np.full(len(episodes.last), np.nan))
-        better = direction_of(measure, facts.lower_is_better, facts.higher_is_better, is_flag=are_flags(behaviour))
-        pay = episodes.returns[cell.reward.label]
-        return _Recorded(len(log), episodes.last + 1, pay, behaviour, measure, better)
+        return of_recording(folder / TRAINING_RECORDING)
     if (folder / TRACE).exists():
         trace = read_trace(folder / TRACE)
         steps, (last, reached, pay) = np.cumsum(trace["step"] > 0), learned(trace).reshape(3, -1)
-        return _Recorded(int(steps.max(initial=0)), steps[last.astype(int)], pay, reached, SUCCESS, "higher")
+        return Recorded(int(steps.max(initial=0)), steps[last.astype(int)], pay, reached, SUCCESS, "higher")
     return None
 
 
@@ -124,7 +139,7 @@ def hint_of(
 ) -> str:
     """What a training's episodes hint at so far, in one line; empty if nothing, or if the behaviour has improved.
 
-    Neighbours: of two episodes beside one another the worse one is mostly paid more. Windows: pay rose while the
+    Neighbours: of two episodes beside one another the worse one is mostly paid more. Halves: pay rose while the
     behaviour fell, or while success stayed low.
 
     Args:
@@ -135,7 +150,7 @@ def hint_of(
         better: Which values are better; where nobody says it, nothing is hinted at.
         asked: How many steps there will be. Where nobody said it, 0, success that stays is not hinted at.
     """
-    if not better or len(pay) < 2 * WIDTHS[0] or np.isnan(behaviour).any():
+    if not better or len(pay) < 2 * LEAST or np.isnan(behaviour).any():
         return ""
     is_flag = are_flags(behaviour)
     good, size = -behaviour if better == "lower" else behaviour, 2 ** max(0, ceil(log2(len(pay) / MOST)))
@@ -151,13 +166,15 @@ def hint_of(
         worse = "failed" if is_flag else f"had the worse {name}"
         won = f"{np.count_nonzero(wins == 1.0):,} of {len(wins):,}"
         told = f"In {won} pairs of neighbouring episodes the one that {worse} was paid more"
-    elif found := _moved(paid, did, size, least, may_be_low=is_flag and 0 < FIRST * asked <= steps[-1]):
-        pair, fell = found
-        before, now = (f"{100 * it:.0f} %" if is_flag else f"{abs(it):.3g}" for it in did.of_pair(pair))
-        earned, earns = (f"{it:.3g}" for it in paid.of_pair(pair))
-        did_not = "did not: from" if not fell else "rose from" if better == "lower" else "fell from"
-        since = f"since step {steps[(pair.begin + pair.width) * size - 1]:,}"
-        told = f"Pay rose from {earned} to {earns} {since} while {name} {did_not} {before} to {now}"
+    elif paid.half >= LEAST and paid.surprise() >= ROSE:
+        before, now = did.halves
+        fell = before - now >= least and did.surprise(-1.0) >= FELL
+        if fell or (now <= before and is_flag and 0 < FIRST * asked <= steps[-1] and _stays_low(good, steps, asked)):
+            earned, earns = (f"{it:.3g}" for it in paid.halves)
+            first, last = (f"{100 * it:.0f} %" if is_flag else f"{abs(it):.3g}" for it in (before, now))
+            did_not = "did not: from" if not fell else "rose from" if better == "lower" else "fell from"
+            since = f"since step {steps[(len(paid.means) - paid.half) * size - 1]:,}"
+            told = f"Pay rose from {earned} to {earns} {since} while {name} {did_not} {first} to {last}"
     return told and f"{told}. It is a hint, not a verdict."
 
 
@@ -183,45 +200,14 @@ def _won(pay: Float, good: Float) -> Iterator[float]:
     yield from (signs[signs != 0.0] < 0.0).tolist()
 
 
-def _moved(paid: "_Series", did: "_Series", size: int, least: float, may_be_low: bool) -> "tuple[_Pair, bool] | None":
-    """Two windows between which pay surely rose, and whether the behaviour surely fell by `least`; or else stayed low.
+def _stays_low(good: Float, steps: NDArray[np.int64], asked: int) -> bool:
+    """Whether the chance of success is surely below `LOW`.
 
-    All looks at a training of any length share `ERROR`: each size of block has its part, of that each width, and of
-    that each pair of windows that blocks of this size can ever make (Bonferroni).
+    Players bet on that, half of their money from the first episode on, and half of it after `FIRST` of the steps.
     """
-    found = list[tuple[float, _Pair, bool]]()
-    for pair in _pairs(len(did.means)):
-        need, (before, now), (earned, earns) = pair.needed(size), did.of_pair(pair), paid.of_pair(pair)
-        excess = paid.surprise(pair, earns - earned) - need
-        if excess < 0.0:
-            continue
-        if before - now >= least and (fell := did.surprise(pair, before - now) - need) >= 0.0:
-            found.append((min(excess, fell), pair, True))
-        elif may_be_low and now <= before and now < LOW and did.most(pair, size, need) <= LEAST_SHARE:
-            found.append((excess, pair, False))
-    return max(found)[1:] if found else None
-
-
-class _Pair(NamedTuple):
-    """Two windows of equally many blocks that do not overlap: their width, and where each begins."""
-
-    width: int
-    begin: int
-    last: int
-
-    def needed(self, episodes: int) -> float:
-        """What a surprise has to reach, in nats, where a block has so many episodes."""
-        size = episodes.bit_length()  # 1, 2, 3 ...: the parts 1 / 2, 1 / 6, 1 / 12 ... make 1 together
-        lasts = 2 * MOST // self.width - 3  # where a window may begin that has one before it, in steps of half a width
-        return log(size * (size + 1) * len(WIDTHS) * lasts * (lasts + 1) / 2 / ERROR)
-
-
-def _pairs(count: int) -> Iterator[_Pair]:
-    """The newest window of each width, which moves by half of it, with each one before it."""
-    for width in WIDTHS:
-        half = width // 2
-        last = count // half * half - width
-        yield from (_Pair(width, begin, last) for begin in range(0, last - width + 1, half))
+    odds = np.log(np.array([(1.0 - RARE) / (1.0 - LOW), RARE / LOW]))
+    money = [np.logaddexp.reduce(odds[it.astype(int)].sum(axis=0)) for it in (good, good[steps >= FIRST * asked])]
+    return bool(np.logaddexp.reduce(money) >= log(2 * len(RARE) / ERROR))
 
 
 @dataclass(frozen=True, eq=False)
@@ -242,42 +228,34 @@ class _Series:
         blocks = numbers[: len(numbers) // size * size].reshape(-1, size)
         return cls(blocks.mean(axis=1), blocks.var(axis=1, ddof=1) / size if size > 1 else np.zeros(len(blocks)))
 
-    def of_pair(self, pair: _Pair) -> tuple[float, float]:
-        """The mean of the earlier window and of the later one."""
-        before, now = (float(self.means[it : it + pair.width].mean()) for it in pair[1:])
-        return before, now
+    @property
+    def half(self) -> int:
+        """Blocks of each half."""
+        return len(self.means) // 2
 
-    def surprise(self, pair: _Pair, moved: float) -> float:
-        """The surprise that the mean moved by so much in one direction, in nats: -log p of a t test."""
-        error = self._error(pair)
+    @property
+    def halves(self) -> tuple[float, float]:
+        """The mean of the earlier half and of the later one."""
+        return float(self.means[: self.half].mean()), float(self.means[-self.half :].mean())
+
+    def surprise(self, sign: float = 1.0) -> float:
+        """The surprise that the mean rose, or with -1 fell, as it did, in nats: -log p of a t test."""
+        before, now = self.halves
+        moved, error = sign * (now - before), self._error
         if error == 0.0 or moved <= 0.0:
             return inf if moved > 0.0 else 0.0
-        chance = float(stdtr(2 * pair.width - 2, -moved / sqrt(error)))
+        chance = float(stdtr(2 * self.half - 2, -moved / sqrt(error)))
         return -log(chance) if chance > 0.0 else inf
 
-    def most(self, pair: _Pair, size: int, need: float) -> float:
-        """The most by which success may have risen, up to a chance of exp(-need): k failures are no proof of 0 %."""
-        before, now = self.of_pair(pair)
-        least = 2.0 * (pair.width * size + 1) / (pair.width * size + 2) ** 2 / size
-        return now - before - float(stdtrit(2 * pair.width - 2, exp(-need))) * sqrt(self._error(pair, least))
+    @property
+    def _error(self) -> float:
+        """The larger of two errors of the difference of the halves: from block to block, and within blocks.
 
-    def _error(self, pair: _Pair, least: float = 0.0) -> float:
-        """The largest of three errors, or `least`, of the difference of two windows.
-
-        From block to block in both windows, from block to block in the whole training, which no calm window hides, and
-        within blocks. What neighbours differ by is taken, so that a drift is no error; how alike they are makes it
-        larger.
+        What neighbours differ by is taken, so that a drift is no error; how alike they are makes it larger.
         """
-        windows = [slice(it, it + pair.width) for it in pair[1:]]
-        near = float(np.mean([np.mean(np.diff(self.means[it]) ** 2) for it in windows]))
-        within = float(sum(np.mean(self.variances[it]) for it in windows))
+        within = 2.0 * float(np.mean(self.variances))
         alone = (1.0 - self.alike) / (1.0 + self.alike)  # so much of a block says something new
-        return max(near, self.neighbours, within, least) / alone / pair.width
-
-    @cached_property
-    def neighbours(self) -> float:
-        """Mean squared difference of neighbours in the whole training."""
-        return float(np.mean(np.diff(self.means) ** 2))
+        return max(float(np.mean(np.diff(self.means) ** 2)), within) / alone / self.half
 
     @cached_property
     def alike(self) -> float:

@@ -33,6 +33,8 @@ NULLS = {
     "nothing happens, success": lambda rng: (_noise(rng), _shares(rng, 0.5)),
     "pay rises": lambda rng: (5.0 * RISE + _noise(rng), _noise(rng)),
     "pay rises, success 50 %": lambda rng: (5.0 * RISE + _noise(rng), _shares(rng, 0.5)),
+    "pay rises, success 30 %": lambda rng: (5.0 * RISE + _noise(rng), _shares(rng, 0.3)),
+    "nothing happens, success 2 %": lambda rng: (_noise(rng), _shares(rng, 0.02)),
     "pay jumps, success 90 %": lambda rng: (5.0 * (RISE > 0.3) + _noise(rng), _shares(rng, 0.9)),
     "pay rises, heavy tails": lambda rng: (5.0 * RISE + _noise(rng), rng.standard_t(2.5, EPISODES)),
     "behaviour falls": lambda rng: (_noise(rng), _shares(rng, 0.9 - 0.8 * RISE)),
