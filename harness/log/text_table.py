@@ -178,6 +178,15 @@ def head_of(path: Path, head: bytes) -> str:
     return "" if "\0" in text else text if text.lstrip()[:1] == "[" else text[: text.rfind("\n") + 1]
 
 
+def first_rows(path: Path, text: str, names: Sequence[str] = ()) -> TextTable:
+    """The table in the beginning of a file; its header alone if a row is damaged, nothing of anything else."""
+    lines = text.splitlines(keepends=True)
+    for count in (len(lines), 2 if text.startswith("#") else 1):  # the reader names the damaged line
+        with suppress(SchemaError):
+            return parse_table(path, "".join(lines[:count]), names)
+    return TextTable(path, (), {}, ())
+
+
 def parse_table(path: Path, text: str, names: Sequence[str] = ()) -> TextTable:
     """A table of a text whose first row names the columns, or of objects of JSON, one a line or all in a list.
 

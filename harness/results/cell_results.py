@@ -12,7 +12,7 @@ from typing import Any, Self, TypeVar
 import numpy as np
 
 from harness.arrays import Float
-from harness.errors import Unmeasured, Unscored
+from harness.errors import Unmeasured, Unscored, one_line
 from harness.eta.headline import SUCCESS
 from harness.eta.manner import OWN_AND_OTHER, TRAINING
 from harness.log import Log
@@ -30,10 +30,11 @@ from harness.record.trace import (
     with_episode_facts,
 )
 from harness.registry.choice import Choice, Registry
+from harness.registry.sources import fingerprint
 from harness.results.by_term import ByTerm, by_term, part_of
 from harness.results.comparison import Group
 from harness.results.kept import Kept
-from harness.results.metrics import Unmeasurable, Values, load_metrics, value_of, with_fingerprints
+from harness.results.metrics import Unmeasurable, Values, load_metrics, value_of
 from harness.results.recordings.episodes import Did, Episodes, Part
 from harness.results.table import RANDOM as AT_RANDOM, Numbers
 from harness.reward import Paid
@@ -103,8 +104,15 @@ class Cells:
 
     @cached_property
     def fingerprinted(self) -> dict[str, tuple[Measure, str]]:
-        """The metrics, each with its fingerprint."""
-        return with_fingerprints(self.metrics)
+        """The metrics, each with its fingerprint. One whose sources cannot be read becomes `Unmeasurable`."""
+        found = dict[str, tuple[Measure, str]]()
+        for name, metric in self.metrics.items():
+            try:
+                found[name] = metric, fingerprint(metric)
+            except Exception as error:  # a plugin may be of any make
+                instead = Unmeasurable(f"its sources cannot be read: {one_line(error)}")
+                found[name] = instead, fingerprint(instead)
+        return found
 
     def add(self, done: Manifest) -> "CellResults":
         """Take in a done cell; one that was trained again takes its own place."""
@@ -441,12 +449,12 @@ class CellResults(Did):
         The reason of a failure is noted but not kept, because the metric may be mended.
         """
         values = Values()
-        for name, (metric, fingerprint) in self._cells.fingerprinted.items():
+        for name, (metric, code) in self._cells.fingerprinted.items():
             values[name], make = None, partial(_value_of, metric, part)
             try:
                 if isinstance(metric, Unmeasurable):  # no trace has to be read for it
                     raise Unmeasured(metric.reason)
-                values[name] = self._ask(file, f"{part}{name}", make, code=fingerprint)
+                values[name] = self._ask(file, f"{part}{name}", make, code=code)
             except Unmeasured as error:
                 self.reasons.setdefault(name, str(error))
         return values

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from harness.errors import SchemaError, Unmeasured, UsageError, one_line, reason_of
+from harness.errors import SchemaError, Unmeasured, UsageError, reason_of
 from harness.eta.behaviour_change import Quantity
 from harness.eta.headline import DECIDING, SUCCESS
 from harness.eta.interval import are_bounds
@@ -22,7 +22,6 @@ from harness.log import Log
 from harness.measure import Measure, bounds_of, is_error, is_share, is_time, needs_of
 from harness.record.cell import KERNEL, SHOWN_DIGITS, Manifest
 from harness.registry.choice import Choice, Registry, choose, split_list
-from harness.registry.sources import fingerprint
 from harness.registry.spec import unknown_name
 
 Values: TypeAlias = dict[str, float | None]
@@ -287,18 +286,6 @@ def measure_of(
     if not (manifest.error and is_error(metric)):
         return found
     return found._replace(unit=manifest.unit, title=name.replace("_", " ").replace("distance", manifest.error))
-
-
-def with_fingerprints(metrics: Mapping[str, Measure]) -> dict[str, tuple[Measure, str]]:
-    """Each metric with its fingerprint. A metric whose sources cannot be read becomes `Unmeasurable`."""
-    found = dict[str, tuple[Measure, str]]()
-    for name, metric in metrics.items():
-        try:
-            found[name] = metric, fingerprint(metric)
-        except Exception as error:  # a plugin may be of any make
-            instead = Unmeasurable(f"its sources cannot be read: {one_line(error)}")
-            found[name] = instead, fingerprint(instead)
-    return found
 
 
 def _usable(registry: Registry, name: str) -> Measure:

@@ -233,10 +233,11 @@ def find_done(results: Results, name: str) -> Cell:
 class Way(NamedTuple):
     """One episode of an evaluation as it was recorded."""
 
-    cell: Cell
     trace: Log
     rows: NDArray[np.int64]
-    number: int
+    seed: int = 0
+    """Of its training."""
+    number: int = 0
     """From 0."""
 
     @property
@@ -280,9 +281,7 @@ def _show(results: Results, shown: ShownCells, most: int, room: int = 0) -> Show
     pairs, kinds = None, dict[int, int]()
     if shown.comparison is not None:
         ends = [kind_of(*(way.outcome == "reached" for way in ways)) for ways in met]
-        found = (
-            Met(one.cell.seed, one.number, kind, it.took - one.took) for (one, it), kind in zip(met, ends, strict=True)
-        )
+        found = (Met(one.seed, one.number, kind, it.took - one.took) for (one, it), kind in zip(met, ends, strict=True))
         pairs = Pairs(kinds_of("reach", shown.comparison.proposed, "es"), tuple(found))
     chosen = choose(outcomes, pairs)
     measured, chosen = set(chosen[:MOST]), sorted(_within(met, chosen, most, room if pairs else 0))
@@ -294,7 +293,7 @@ def _show(results: Results, shown: ShownCells, most: int, room: int = 0) -> Show
         sides.append(
             Side(
                 title,
-                tuple(ways[place].cell.seed for place in chosen),
+                tuple(ways[place].seed for place in chosen),
                 scene,
                 tuple(_episode(results, ways[place], place in measured) for place in chosen),
                 facts.control_period or CONTROL_PERIOD,
@@ -326,7 +325,7 @@ def _ways(cell: Cell, folder: Path, name: str, scene: Scene) -> list[Way]:
     dof = trace["qpos"].shape[1]
     if dof != len(scene.joints):
         raise SchemaError(f"{path} has {dof} joint positions a row, the arm {len(scene.joints)} joints")
-    return [Way(cell, trace, rows, number) for number, rows in enumerate(trace.episodes[:READ])]
+    return [Way(trace, rows, cell.seed, number) for number, rows in enumerate(trace.episodes[:READ])]
 
 
 def _episode(results: Results, way: Way, is_measured: bool) -> Episode:
@@ -334,17 +333,21 @@ def _episode(results: Results, way: Way, is_measured: bool) -> Episode:
     steps = np.unique(np.linspace(0, len(rows) - 1, min(FRAMES, len(rows))).round().astype(np.int64))
     kept = rows[steps]
     paid = sums_so_far(paid_in(trace)[rows[1:]])  # the first row is the start
-    target = np.stack([trace[f"target_{axis}"][kept] for axis in AXES], axis=1)
     return Episode(
         steps,
         trace["qpos"][kept],
-        target,
+        _places(trace, "target", kept),
         trace["distance"][kept],
         paid[steps],
         way.outcome,
         results.measure(_alone(trace, rows)) if is_measured else {},
         _obstacles(trace, rows),
     )
+
+
+def _places(trace: Log, name: str, rows: NDArray[np.int64]) -> Float:
+    """Where a point is in some rows, (rows, 3), world frame, [m]."""
+    return np.stack([trace[f"{name}_{axis}"][rows] for axis in AXES], axis=1)
 
 
 def _obstacles(trace: Log, rows: NDArray[np.int64]) -> Float:
@@ -404,16 +407,10 @@ def trajectories_of(results: Results, comparison: Comparison) -> Trajectories | 
     files = [results.store.cell_folder(cells[0]) / EVALUATION for cells in cells_by_seed(results, comparison) if cells]
     if comparison.is_control or not files or not all(map(Path.is_file, files)):  # recordings of no arm
         return None
-    baseline, proposed = map(_read, files)
-    return Trajectories(comparison.seeds[0], baseline, proposed)
-
-
-def _read(path: Path) -> tuple[Trajectory, ...]:
-    trace = read_trace(path)
     found = []
-    for rows in trace.episodes[:EPISODES]:
-        reached = trace["reached"][rows]
-        way = rows[: reached.argmax() + 1] if reached.any() else rows
-        points, targets = (np.stack([trace[f"{it}_{axis}"][way] for axis in AXES], axis=1) for it in POINTS)
-        found.append(Trajectory(points, targets[0], bool(reached.any())))
-    return tuple(found)
+    for trace in map(read_trace, files):
+        ways = [Way(trace, rows) for rows in trace.episodes[:EPISODES]]
+        places = [[_places(trace, name, it.rows[: it.took + 1]) for name in POINTS] for it in ways]
+        ends = [it.outcome == "reached" for it in ways]
+        found.append(tuple(Trajectory(way, target[0], end) for (way, target), end in zip(places, ends, strict=True)))
+    return Trajectories(comparison.seeds[0], *found)

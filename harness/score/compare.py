@@ -195,7 +195,10 @@ def compare_logs(
     for log in (*baseline, *proposed):
         if with_events and any(name not in log for name in EVENTS):
             raise UsageError(f"{log.facts.path} has no event terms: leave out --with-events")
-    groups = [_in_order_of_seeds(baseline), _in_order_of_seeds(proposed)]
+    groups = [
+        sorted(group, key=lambda log: log.facts.seed or 0) if _seeds(group) else list(group)
+        for group in (baseline, proposed)
+    ]
     _require_apart(*groups)
     given = (baseline_reward, proposed_reward)
     guesses = [_reward_of(group, name, registry) for group, name in zip(groups, given, strict=True)]
@@ -289,11 +292,6 @@ def _seeds(group: Sequence[Log]) -> list[int]:
     """The seed of each log; empty where that of one is not known."""
     known = [log.facts.seed for log in group if log.facts.seed is not None]
     return known if len(known) == len(group) else []
-
-
-def _in_order_of_seeds(group: Sequence[Log]) -> list[Log]:
-    """The logs by seed if all seeds are known, else as given."""
-    return sorted(group, key=lambda log: log.facts.seed or 0) if _seeds(group) else list(group)
 
 
 HELD = 250_000

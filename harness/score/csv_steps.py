@@ -31,12 +31,12 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.csv
 
-from harness.errors import SchemaError, UsageError
+from harness.errors import UsageError
 from harness.files.bounded import require_regular
 from harness.log import Log, LogFacts
 from harness.log.format import HEAD
 from harness.log.log import LARGEST, RECORDED, REWARD, Array, Columns
-from harness.log.text_table import TextTable, head_of, parse_table
+from harness.log.text_table import first_rows, head_of
 from harness.reward.row_steps import TOUCHED
 from harness.score.row_meaning import NEEDED, RECORD, RowWatch, roles_in, why_no_steps
 from harness.text import shortened
@@ -178,7 +178,7 @@ class StepsCsv:
 
     def recognises(self, path: Path, head: bytes) -> bool:
         """A CSV file with a column 'reward' of numbers, whose first rows may be steps, and are no episodes."""
-        table = _first_rows(path, head)
+        table = first_rows(path, head_of(path, head))
         if "reward" not in (names := _spelled(table.names)) or why_no_steps(table):
             return False
         told = [cell.strip().lower() for cell in table.cells[table.names[names.index("reward")]]]
@@ -207,7 +207,7 @@ def open_csv(path: Path) -> Log:
     """
     header = read_header(path)
     with path.open("rb") as file:
-        table = _first_rows(path, file.read(HEAD))
+        table = first_rows(path, head_of(path, file.read(HEAD)))
         file.seek(-1, os.SEEK_END)
         is_cut = file.read() not in (b"\n", b"\r")
     if column := why_no_steps(table):
@@ -280,15 +280,6 @@ def _read_rows(columns: Columns, last_step: int, episodes: dict[int, int]) -> di
 
 def _spelled(header: Iterable[str]) -> list[str]:
     return [name.strip().lower() for name in header]
-
-
-def _first_rows(path: Path, head: bytes) -> TextTable:
-    """The table in the first bytes of a file; its header alone if a row is damaged, nothing of anything else."""
-    text = head_of(path, head)
-    for rows in (text, text[: text.find("\n") + 1]):
-        with suppress(SchemaError):  # the reader names the line
-            return parse_table(path, rows)
-    return TextTable(path, (), {}, ())
 
 
 def _read(path: Path, header: list[str], places: Mapping[str, int], names: tuple[str, ...]) -> Iterator[Columns]:

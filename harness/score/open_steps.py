@@ -100,12 +100,13 @@ def _only_log(path: Path, name: str, registry: Registry) -> Log:
     Raises:
         UsageError: Its rows are no steps, or it holds several trainings.
     """
-    log, *others = open_logs(path, registry, name)
-    if log.facts.unit != "step":
-        raise UsageError(f"{path} is {log.facts.format}: a row is {_NOUNS[log.facts.unit]}, and {NEEDED}; {RECORD}")
-    if others:
-        raise UsageError(f"{path} holds {len(others) + 1} trainings: give each run a file of its own")
-    return log
+    logs = open_logs(path, registry, name)
+    facts = logs[0].facts
+    if facts.unit != "step":
+        raise UsageError(f"{path} is {facts.format}: a row is {_NOUNS[facts.unit]}, and {NEEDED}; {RECORD}")
+    if len(logs) > 1:
+        raise UsageError(f"{path} holds {len(logs)} trainings: give each run a file of its own")
+    return logs[0]
 
 
 def matched_paths(patterns: str | Iterable[str], *, folders: bool = False) -> list[Path]:

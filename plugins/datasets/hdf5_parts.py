@@ -97,43 +97,43 @@ def address(found: Any) -> int:
     return int(h5py.h5o.get_info(found.id).addr)
 
 
-def group_of(path: Path, parent: Any, key: str, most: int = MOST_KEYS) -> Any:
+def group_of(parent: Any, key: str, most: int = MOST_KEYS) -> Any:
     """A group in a group, of at most so many parts; see `member_of`.
 
     Raises:
         SchemaError: It is none, or has more parts.
     """
-    found = member_of(path, parent, key)
+    found = member_of(parent, key)
     if isinstance(found, Array):
-        raise SchemaError(f"{path}: {_place(parent, key)} is no group")
+        raise SchemaError(f"{_place(parent, key)} is no group")
     if len(found) > most:
-        raise SchemaError(f"{path}: {_place(parent, key)} has {len(found):,} parts, {most:,} are allowed")
+        raise SchemaError(f"{_place(parent, key)} has {len(found):,} parts, {most:,} are allowed")
     return found
 
 
-def array_of(path: Path, parent: Any, key: str) -> Array:
+def array_of(parent: Any, key: str) -> Array:
     """An array in a group, or in groups of it; see `find_array`.
 
     Raises:
         SchemaError: There is none.
     """
-    found = find_array(path, parent, key)
+    found = find_array(parent, key)
     if found is None:
-        raise SchemaError(f"{path}: {parent.name} has no {key}, or a group in its place")
+        raise SchemaError(f"{parent.file.filename}: {parent.name} has no {key}, or a group in its place")
     return found
 
 
-def find_array(path: Path, parent: Any, key: str) -> Array | None:
+def find_array(parent: Any, key: str) -> Array | None:
     """An array in a group, or in groups of it, ``a/b``; None if there is none."""
     found = parent
     for name in key.split("/"):
         if isinstance(found, Array) or not found.id.links.exists(name.encode()):
             return None
-        found = member_of(path, found, name)
+        found = member_of(found, name)
     return found if isinstance(found, Array) else None
 
 
-def member_of(path: Path, parent: Any, key: str) -> Any:
+def member_of(parent: Any, key: str) -> Any:
     """A group or an `Array` in a group; one that lies in another file is refused.
 
     Raises:
@@ -145,33 +145,32 @@ def member_of(path: Path, parent: Any, key: str) -> Any:
     try:
         link = parent.id.links.get_info(key.encode()).type
     except (KeyError, RuntimeError, ValueError):  # none of that name, or text that is no name
-        raise SchemaError(f"{path}: {parent.name} has no {key}") from None
+        raise SchemaError(f"{parent.file.filename}: {parent.name} has no {key}") from None
     if link != h5l.TYPE_HARD:
-        raise SchemaError(f"{path}: {_place(parent, key)} is a link to somewhere else, which is not followed")
+        raise SchemaError(f"{_place(parent, key)} is a link to somewhere else, which is not followed")
     found = h5o.open(parent.id, key.encode())  # h5py's own brackets look up the file for each part
     if isinstance(found, h5g.GroupID):
         return h5py.Group(found)
     if not isinstance(found, h5d.DatasetID):
-        raise SchemaError(f"{path}: {_place(parent, key)} is a type, no data")
+        raise SchemaError(f"{_place(parent, key)} is a type, no data")
     array, plan = Array(found), found.get_create_plist()
     layout = plan.get_layout()
     if layout == h5d.VIRTUAL or (layout == h5d.CONTIGUOUS and plan.get_external_count()):
-        raise SchemaError(f"{path}: {_place(parent, key)} takes its numbers from other files, which is not followed")
+        raise SchemaError(f"{_place(parent, key)} takes its numbers from other files, which is not followed")
     if layout == h5d.CHUNKED and math.prod(plan.get_chunk()) * array.dtype.itemsize > CHUNK_BYTES:
-        raise SchemaError(f"{path}: {_place(parent, key)} has chunks of more than {CHUNK_BYTES:,} bytes")
+        raise SchemaError(f"{_place(parent, key)} has chunks of more than {CHUNK_BYTES:,} bytes")
     return array
 
 
 def _place(parent: Any, key: str) -> str:
-    """Where a part stands in its file: ``/data/demo_0``."""
-    return f"{parent.name.rstrip('/')}/{key}"
+    """Its file, and where a part stands in it: ``low_dim.hdf5: /data/demo_0``."""
+    return f"{parent.file.filename}: {parent.name.rstrip('/')}/{key}"
 
 
 class Walk:
     """Looks at what stands below a group: each group once, and no more than `MOST_KEYS` parts of all of them."""
 
-    def __init__(self, path: Path) -> None:
-        self._path = path
+    def __init__(self) -> None:
         self._groups: set[int] = set()
         self._count = 0
 
@@ -192,24 +191,25 @@ class Walk:
         if isinstance(found, Array):
             yield place, found
             return
+        where = f"{found.file.filename}: {found.name}"
         if depth > DEEPEST:
-            raise SchemaError(f"{self._path}: {found.name} is nested too deeply")
-        if (where := address(found)) in self._groups:
-            raise SchemaError(f"{self._path}: {found.name} is another name for a group that stands elsewhere too")
-        self._groups.add(where)
+            raise SchemaError(f"{where} is nested too deeply")
+        if (begin := address(found)) in self._groups:
+            raise SchemaError(f"{where} is another name for a group that stands elsewhere too")
+        self._groups.add(begin)
         for key in found:
             self._count += 1
             if self._count > MOST_KEYS:
-                raise SchemaError(f"{self._path}: {found.name}: an episode has more than {MOST_KEYS:,} parts")
+                raise SchemaError(f"{where}: an episode has more than {MOST_KEYS:,} parts")
             if (inner := f"{place}/{key}") not in left_out:
-                yield from self.arrays(member_of(self._path, found, key), inner, left_out, depth + 1)
+                yield from self.arrays(member_of(found, key), inner, left_out, depth + 1)
 
 
-def infos_of(path: Path, episode: Any) -> dict[str, Array]:
+def infos_of(episode: Any) -> dict[str, Array]:
     """The arrays of numbers among the infos of an episode, by key, ``a/b``."""
     if "infos" not in episode:
         return {}
-    found = Walk(path).arrays(group_of(path, episode, "infos"), "infos")
+    found = Walk().arrays(group_of(episode, "infos"), "infos")
     return {place.removeprefix("infos/"): array for place, array in found if array.holds_numbers}
 
 

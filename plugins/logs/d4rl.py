@@ -68,7 +68,7 @@ class D4RL:
         if self.horizon < 0:
             raise UsageError(f"horizon={self.horizon}: after at least 1 step an episode is cut, or 0 where nobody says")
         with opened(path, "D4RL data set") as file:
-            arrays, infos = _arrays(path, file), _infos(path, file)
+            arrays, infos = _arrays(file), _infos(file)
             total = len(arrays["rewards"])
             if total > MOST_ROWS:
                 raise SchemaError(f"{path} has {total:,} steps, {MOST_ROWS:,} are allowed")
@@ -77,7 +77,7 @@ class D4RL:
         facts = DatasetFacts(path=path, format="D4RL", name=f"d4rl:{path}", notes=notes)
         source = source_of(facts, self.success, self.cluster, infos, sees_last=NEXT in arrays)
         columns = ("episode", "step", *layout.flags, *PLACES, OBSERVATION, *(f"{INFO}{key}" for key in infos))
-        return (source.log(columns, partial(tables_of, path, source, partial(_runs, path, source, layout))),)
+        return (source.log(columns, partial(tables_of, path, source, partial(_runs, source, layout))),)
 
     def write_example(self, folder: Path) -> Path:
         """Two episodes: one ends, one is cut."""
@@ -106,30 +106,30 @@ class _Layout(NamedTuple):
     flags: Mapping[str, Mask]
 
 
-def _arrays(path: Path, file: Any) -> dict[str, Array]:
+def _arrays(file: Any) -> dict[str, Array]:
     """What has a row for each step.
 
     Raises:
         SchemaError: Something is missing, or they have different numbers of rows.
     """
-    if find_array(path, file, OF_D3RLPY) is not None:
+    if find_array(file, OF_D3RLPY) is not None:
         raise SchemaError(
-            f"{path} was written by d3rlpy: it has {OF_D3RLPY}, and whether a row's reward is that of its action or of "
-            "the one before depends on the version. Write the episodes as a Minari data set"
+            f"{file.filename} was written by d3rlpy: it has {OF_D3RLPY}, and whether a row's reward is that of its "
+            "action or of the one before depends on the version. Write the episodes as a Minari data set"
         )
-    arrays = {key: array_of(path, file, key) for key in ("observations", "actions", "rewards", "terminals")}
-    arrays |= {key: found for key in ("timeouts", NEXT) if (found := find_array(path, file, key)) is not None}
+    arrays = {key: array_of(file, key) for key in ("observations", "actions", "rewards", "terminals")}
+    arrays |= {key: found for key in ("timeouts", NEXT) if (found := find_array(file, key)) is not None}
     for key, array in arrays.items():
         if not array.shape or not array.holds_numbers:
             kind = f"{list(array.shape)} of {array.dtype}"
-            raise SchemaError(f"{path}: {key} holds no rows of at most {MOST_NUMBERS:,} numbers, but {kind}")
+            raise SchemaError(f"{file.filename}: {key} holds no rows of at most {MOST_NUMBERS:,} numbers, but {kind}")
     rows = {key: len(array) for key, array in arrays.items()}
     if len({*rows.values()}) > 1:
         told = ", ".join(f"{key} {count:,}" for key, count in rows.items())
-        raise SchemaError(f"{path}: a row of each array is a step. It has: {told}")
+        raise SchemaError(f"{file.filename}: a row of each array is a step. It has: {told}")
     if NEXT in arrays and arrays[NEXT].shape != arrays["observations"].shape:
         told = f"{list(arrays[NEXT].shape)}, and observations {list(arrays['observations'].shape)}"
-        raise SchemaError(f"{path}: {NEXT} are {told}")
+        raise SchemaError(f"{file.filename}: {NEXT} are {told}")
     return arrays
 
 
@@ -147,10 +147,10 @@ def _flag(path: Path, arrays: Mapping[str, Array], key: str) -> Mask:
     return is_true
 
 
-def _infos(path: Path, file: Any) -> dict[str, Array]:
+def _infos(file: Any) -> dict[str, Array]:
     """What the environment told after each step, by key; other arrays say nothing of steps."""
-    steps = len(array_of(path, file, "rewards"))
-    return {key: array for key, array in infos_of(path, file).items() if len(array) == steps}
+    steps = len(array_of(file, "rewards"))
+    return {key: array for key, array in infos_of(file).items() if len(array) == steps}
 
 
 def _episodes_of(path: Path, arrays: Mapping[str, Array], horizon: int) -> tuple[_Layout, tuple[str, ...]]:
@@ -214,13 +214,13 @@ def _go_on(arrays: Mapping[str, Array]) -> Mask:
     return found
 
 
-def _runs(path: Path, source: Source, layout: _Layout, file: Any, names: tuple[str, ...]) -> Iterator[Run]:
+def _runs(source: Source, layout: _Layout, file: Any, names: tuple[str, ...]) -> Iterator[Run]:
     """The steps of all episodes."""
-    arrays, infos = _arrays(path, file), _infos(path, file)
+    arrays, infos = _arrays(file), _infos(file)
     found = {name: arrays[key] for name, key in PLACES.items()}
     found[OBSERVATION] = arrays.get(NEXT, arrays["observations"])
     found |= {f"{INFO}{key}": array for key, array in infos.items()}
     found |= {name: infos[key] for name, key in source.keys.items() if key}
     follows = "" if NEXT in arrays else OBSERVATION
     parts = {name: Stretch(array, int(name == follows)) for name, array in found.items() if name in names}
-    yield Run(layout.episode, parts, str(path), known=layout.flags)
+    yield Run(layout.episode, parts, file.filename, known=layout.flags)

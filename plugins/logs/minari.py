@@ -81,7 +81,7 @@ class Minari:
         with opened(place, "Minari data set") as file:
             metadata = read_metadata(folder, file)
             require_known(place, metadata)
-            seen = _overview(place, file)
+            seen = _overview(file)
             episodes, steps = (whole(metadata.get(key)) for key in ("total_episodes", "total_steps"))
             belonging, notes = take_census(
                 place, seen.steps, partial=self.partial, episodes=episodes, steps=steps, lengths=seen.told
@@ -100,10 +100,10 @@ class Minari:
             )
             source = source_of(facts, self.success, self.cluster, told, sees_last=True)
             keys = {f"{REWARD}{RECORDED}": "rewards", **{f"{INFO}{key}": f"infos/{key}" for key in seen.infos}}
-            layout = _Layout(place, numbers, pictures, keys, source.rule.key)
+            layout = _Layout(numbers, pictures, keys, source.rule.key)
             columns = ["episode", "step", *keys]
             if numbers:
-                group = group_of(place, file, f"episode_{numbers[0]}")
+                group = group_of(file, f"episode_{numbers[0]}")
                 columns += [name for name, key in FLAGS.items() if key in group]
                 columns += layout.vectors(group)
         return (source.log(columns, partial(tables_of, place, source, layout.runs)),)
@@ -159,29 +159,29 @@ def _notes(pictures: frozenset[str], seen: _Overview, metadata: Mapping[str, Any
         yield "It was put together from several data sets, and nothing says which episode is of which"
 
 
-def _overview(path: Path, file: Any) -> _Overview:
+def _overview(file: Any) -> _Overview:
     if len(file) > MOST_EPISODES:
-        raise SchemaError(f"{path} has {len(file):,} episodes, {MOST_EPISODES:,} are allowed")
+        raise SchemaError(f"{file.filename} has {len(file):,} episodes, {MOST_EPISODES:,} are allowed")
     names = list(file)
     numbers = sorted(int(found[1]) for key in names if (found := _EPISODE.fullmatch(key)))
     if not numbers:
-        raise SchemaError(f"{path} has no episode")
+        raise SchemaError(f"{file.filename} has no episode")
     strangers = tuple(key for key in names if not _EPISODE.fullmatch(key))[:5]
     seen = _Overview({}, {}, {}, {}, set(), strangers)
     numbers_at: dict[int, int] = {}
     for number in numbers:
-        group = group_of(path, file, f"episode_{number}")
+        group = group_of(file, f"episode_{number}")
         first = numbers_at.setdefault(address(group), number)
         if first != number:
             seen.again.add(number)
             seen.steps[number] = seen.steps[first]
             continue
-        seen.steps[number] = len(array_of(path, group, "rewards"))
+        seen.steps[number] = len(array_of(group, "rewards"))
         if (told := whole(group.attrs.get("total_steps"))) is not None:
             seen.told[number] = told
-        infos = group_of(path, group, "infos") if "infos" in group else ()
+        infos = group_of(group, "infos") if "infos" in group else ()
         if any(key not in seen.infos for key in infos):  # else nothing is opened
-            seen.infos.update(dict.fromkeys(infos_of(path, group)))
+            seen.infos.update(dict.fromkeys(infos_of(group)))
         seen.attributes.update(dict.fromkeys(key for key in (*group.attrs, *group) if key not in STEP_DATA))
     return seen
 
@@ -190,14 +190,12 @@ class _Layout(NamedTuple):
     """What is read of each episode.
 
     Attributes:
-        path: The file.
         numbers: Of the episodes.
         pictures: Parts of the observation that are left out.
         keys: By column what an episode calls it, ``infos/KEY``.
         success: The key that says it; empty where nothing does.
     """
 
-    path: Path
     numbers: tuple[int, ...]
     pictures: frozenset[str]
     keys: Mapping[str, str]
@@ -205,13 +203,15 @@ class _Layout(NamedTuple):
 
     def vectors(self, group: Any) -> dict[str, Stretch]:
         """Where stands what was seen and done in an episode, by column."""
-        walk, found = Walk(self.path), dict[str, Stretch]()
+        walk, found = Walk(), dict[str, Stretch]()
         for place, column in PLACES.items():
             if place in self.pictures:
                 continue
-            for part, array in walk.arrays(member_of(self.path, group, place), place, self.pictures):
+            for part, array in walk.arrays(member_of(group, place), place, self.pictures):
                 if not array.shape or not array.holds_numbers:
-                    raise SchemaError(f"{self.path}: {part} holds no rows of at most {MOST_NUMBERS:,} numbers")
+                    raise SchemaError(
+                        f"{group.file.filename}: {part} holds no rows of at most {MOST_NUMBERS:,} numbers"
+                    )
                 name = f"{column}{part.removeprefix(place)}"
                 if column == OBSERVATION:
                     found[f"{BEFORE}{name}"] = Stretch(array)
@@ -225,19 +225,19 @@ class _Layout(NamedTuple):
             SchemaError: Its arrays have other rows than an episode of Minari has.
         """
         for number in self.numbers:
-            group, where = group_of(self.path, file, f"episode_{number}"), f"{self.path}, episode {number}"
-            steps, parts = len(array_of(self.path, group, "rewards")), self.vectors(group)
+            group, where = group_of(file, f"episode_{number}"), f"{file.filename}, episode {number}"
+            steps, parts = len(array_of(group, "rewards")), self.vectors(group)
             for name, it in parts.items():
                 if len(it.array) != steps + (not name.startswith(ACTION)):
                     told = f"{steps:,} rewards, and {len(it.array):,} rows of {name}"
                     raise SchemaError(f"{where} has {told}; a Minari episode has one observation more than actions")
             parts = {name: it for name, it in parts.items() if name in names}
             for name, key in {**FLAGS, **self.keys, LABEL: f"infos/{self.success}"}.items():
-                if name in names and (part := _rows(find_array(self.path, group, key), steps)):
+                if name in names and (part := _rows(find_array(group, key), steps)):
                     parts[name] = part
-            if LABEL in {*names} - {*parts} and (part := _rows(find_array(self.path, group, self.success), steps)):
+            if LABEL in {*names} - {*parts} and (part := _rows(find_array(group, self.success), steps)):
                 parts[LABEL] = part
-            told_of = partial(_told, self.path, group, steps)
+            told_of = partial(_told, group, steps)
             yield Run(np.full(steps, number), parts, where, told_of)
 
 
@@ -248,13 +248,13 @@ def _rows(found: Array | None, steps: int) -> Stretch | None:
     return Stretch(found, len(found) - steps)
 
 
-def _told(path: Path, group: Any, steps: int, number: int, key: str) -> Any:
+def _told(group: Any, steps: int, number: int, key: str) -> Any:
     """What an attribute of an episode says, one number in infos or beside the steps, or the info of the first step."""
     if key in group.attrs:
         return group.attrs[key]
-    found = find_array(path, group, f"infos/{key}")
+    found = find_array(group, f"infos/{key}")
     if found is None:
-        found = find_array(path, group, key)
+        found = find_array(group, key)
     part = None if found is None else _rows(found, steps)
     if part is not None:
         return part.array[part.first : part.first + 1]

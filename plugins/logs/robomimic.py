@@ -56,11 +56,11 @@ class Robomimic:
     def read(self, path: Path) -> tuple[Log, ...]:
         """The data set; its steps are read later."""
         with opened(path, "robomimic data set") as file:
-            data = group_of(path, file, DATA, MOST_EPISODES)
-            seen = _overview(path, data)
+            data = group_of(file, DATA, MOST_EPISODES)
+            seen = _overview(data)
             total = whole(data.attrs.get("total"))
             belonging, notes = take_census(path, seen.steps, partial=self.partial, steps=total, lengths=seen.told)
-            masks = _masks(path, file)
+            masks = _masks(file)
             listed = masks.get(self.mask, frozenset(seen.groups.values()))
             if self.mask and self.mask not in masks:
                 there, hint = ", ".join(masks) or "none", did_you_mean(self.mask, masks)
@@ -70,9 +70,9 @@ class Robomimic:
             groups = {it: seen.groups[it] for it in sorted(belonging) if seen.steps[it] and seen.groups[it] in listed}
             if not groups:
                 raise SchemaError(f"{path} has no demonstration with a step")
-            demo = group_of(path, data, next(iter(groups.values())))
-            keys, pictures = _keys_seen(path, demo)
-            places = {name: key for name, key in ARRAYS.items() if find_array(path, demo, key) is not None}
+            demo = group_of(data, next(iter(groups.values())))
+            keys, pictures = _keys_seen(demo)
+            places = {name: key for name, key in ARRAYS.items() if find_array(demo, key) is not None}
             env = data.attrs.get("env_args")
             after = "next_obs" if "next_obs" in demo else "obs"
         told = (*places.values(), *seen.attributes)
@@ -92,7 +92,7 @@ class Robomimic:
         }
         columns = ("episode", "step", ACTION, *places)
         places |= {ACTION: "actions", **single}
-        return (source.log(columns, partial(tables_of, path, source, partial(_runs, path, groups, places))),)
+        return (source.log(columns, partial(tables_of, path, source, partial(_runs, groups, places))),)
 
     def write_example(self, folder: Path) -> Path:
         """Two demonstrations."""
@@ -121,7 +121,7 @@ class _Overview(NamedTuple):
     attributes: dict[str, None]
 
 
-def _overview(path: Path, data: Any) -> _Overview:
+def _overview(data: Any) -> _Overview:
     """Look at all demonstrations.
 
     Raises:
@@ -132,26 +132,29 @@ def _overview(path: Path, data: Any) -> _Overview:
         found = _DEMO.fullmatch(key)
         if found is None:
             name = one_line_of(shortened(key, 80))
-            raise SchemaError(f"{path}: {DATA} holds '{name}': a demonstration is called demo_ and a number, as demo_0")
+            raise SchemaError(
+                f"{data.file.filename}: {DATA} holds '{name}': a demonstration is called demo_ and a number, as demo_0"
+            )
         if seen.groups.setdefault(int(found[1]), key) != key:
-            raise SchemaError(f"{path}: {DATA} holds {seen.groups[int(found[1])]} and {key}, which have one number")
-        demo, number = group_of(path, data, key), int(found[1])
-        seen.steps[number] = len(array_of(path, demo, "actions"))
+            told = f"{seen.groups[int(found[1])]} and {key}, which have one number"
+            raise SchemaError(f"{data.file.filename}: {DATA} holds {told}")
+        demo, number = group_of(data, key), int(found[1])
+        seen.steps[number] = len(array_of(demo, "actions"))
         if (told := whole(demo.attrs.get("num_samples"))) is not None:
             seen.told[number] = told
         seen.attributes.update(dict.fromkeys(key for key in demo.attrs if key not in ("num_samples", "model_file")))
     return seen
 
 
-def _masks(path: Path, file: Any) -> dict[str, frozenset[str]]:
+def _masks(file: Any) -> dict[str, frozenset[str]]:
     """By filter key, the names of the demonstrations that it lists."""
-    masks = group_of(path, file, MASK) if MASK in file else ()
-    return {key: frozenset(map(text_of, np.ravel(array_of(path, masks, key).value))) for key in masks}
+    masks = group_of(file, MASK) if MASK in file else ()
+    return {key: frozenset(map(text_of, np.ravel(array_of(masks, key).value))) for key in masks}
 
 
-def _keys_seen(path: Path, demo: Any) -> tuple[tuple[str, ...], tuple[str, ...]]:
+def _keys_seen(demo: Any) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Keys of observations that are read, and of those that are not: pictures, texts, and what is too large."""
-    seen = {key: array_of(path, demo, f"obs/{key}") for key in group_of(path, demo, "obs")} if "obs" in demo else {}
+    seen = {key: array_of(demo, f"obs/{key}") for key in group_of(demo, "obs")} if "obs" in demo else {}
     numbers = [key for key, it in seen.items() if it.shape and it.holds_numbers]
     read = tuple(key for key in numbers if seen[key].dtype != np.uint8 or len(seen[key].shape) != 4)
     return read, tuple(key for key in seen if key not in read)
@@ -171,13 +174,10 @@ def _notes(
         yield f"All demonstrations are read. Of a filter key alone: robomimic:mask=KEY:FILE ({shortened(told, 300)})"
 
 
-def _runs(
-    path: Path, groups: Mapping[int, str], places: Mapping[str, str], file: Any, names: tuple[str, ...]
-) -> Iterator[Run]:
+def _runs(groups: Mapping[int, str], places: Mapping[str, str], file: Any, names: tuple[str, ...]) -> Iterator[Run]:
     """The steps of each demonstration.
 
     Args:
-        path: The file.
         groups: Names of the demonstrations' groups, by their numbers.
         places: By column where it stands in a demonstration.
         file: The file, open.
@@ -186,10 +186,10 @@ def _runs(
     Raises:
         SchemaError: An array has other rows than the demonstration has actions.
     """
-    data = group_of(path, file, DATA, MOST_EPISODES)
+    data = group_of(file, DATA, MOST_EPISODES)
     for number, key in groups.items():
-        demo, where = group_of(path, data, key), f"{path}: {key}"
-        arrays = {name: array_of(path, demo, place) for name, place in places.items() if name in (ACTION, *names)}
+        demo, where = group_of(data, key), f"{file.filename}: {key}"
+        arrays = {name: array_of(demo, place) for name, place in places.items() if name in (ACTION, *names)}
         steps = len(arrays[ACTION])
         for name, array in arrays.items():
             if len(array) != steps or not array.holds_numbers:

@@ -18,7 +18,7 @@ from harness.errors import AskedError, SchemaError, UsageError, reason_of
 from harness.files.bounded import read_json
 from harness.log import BEHAVIOUR, SUCCESS, Log, LogFacts, in_memory
 from harness.log.log import require_columns
-from harness.log.text_table import NOTHING, TRUTH, TextTable, head_of, parse_table, read_text
+from harness.log.text_table import NOTHING, TRUTH, TextTable, first_rows, head_of, parse_table, read_text
 from harness.score.row_meaning import (
     ENV,
     INDEX,
@@ -107,13 +107,7 @@ class Table(Roles):
         if path.is_dir() or (path.name == "result.json" and path.with_name("progress.csv").exists()):  # of one training
             return bool(_curves_in(path))
         text = head_of(path, head)
-        lines = text.splitlines(keepends=True)
-        for kept in (len(lines), 2 if text.startswith("#") else 1):  # a row further down may be damaged
-            with suppress(SchemaError):
-                table = parse_table(path, "".join(lines[:kept]), _bare_names(path, text))
-                break
-        else:
-            return False
+        table = first_rows(path, text, _bare_names(path, text))
         names = table.names
         if names[:3] == MONITOR:
             return bool(table.comments) or MONITORED.fullmatch(path.name) is not None

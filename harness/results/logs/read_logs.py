@@ -69,26 +69,25 @@ def require_comparable(trainings: Sequence[Training]) -> None:
     Raises:
         UsageError: They are not; says what was found, and the flags that say it otherwise.
     """
-    _require_one(trainings, lambda it: it.env, "mixes trainings in several envs", "Name one env's folder")
-    algorithm = "mixes trainings by several algorithms"
-    _require_one(trainings, lambda it: it.algorithm, algorithm, "Name one algorithm's folder")
+
+    def require(told: Callable[[LogFacts], str], problem: str, remedy: str) -> None:
+        named = [(told(it.facts), f"{it.reward}: {it.shown}") for it in trainings]
+        require_one(named, f"The folder {problem}", remedy)
+
+    require(lambda it: it.env, "mixes trainings in several envs", "Name one env's folder")
+    require(lambda it: it.algorithm, "mixes trainings by several algorithms", "Name one algorithm's folder")
     for training in trainings:
         if len(training.logs) > 1 and training.facts.unit == "step":
             raise UsageError(
                 f"{training.shown} has {len(training.logs)} logs of the steps of one training, which are not joined. "
                 "--sort '{reward}/{seed}' says that each is a training"
             )
-    _require_one(trainings, _kind_of, "cannot compare logs of several kinds", FLAG)
+    require(_kind_of, "cannot compare logs of several kinds", FLAG)
 
 
 def _kind_of(facts: LogFacts) -> str:
-    thinned = f", {facts.thinned}" if facts.thinned else ""
-    return f"{facts.unit}s of {facts.format}{' of evaluations' * facts.evaluation}{thinned}"
-
-
-def _require_one(trainings: Iterable[Training], of: Callable[[LogFacts], str], problem: str, remedy: str) -> None:
-    told = ((of(it.facts), f"{it.reward}: {it.shown}") for it in trainings)
-    require_one((it for it in told if it[0]), f"The folder {problem}", remedy)
+    kind = f"{facts.unit}s of {facts.format}{' of evaluations' * facts.evaluation}"
+    return ", ".join(filter(None, (kind, facts.thinned)))
 
 
 def account_of(
@@ -237,11 +236,9 @@ def read_trainings(trainings: Sequence[Training], measures: Sequence[str]) -> tu
     until = min(steps.values())
     runs = [_run(it, of, measures) for it, of in steps.items()]
     runs = _at_one_moment(runs, [_evaluations(it, measures, until) for it in steps], until)
-    beside = Curves(tuple(it.episodes.curve for it in runs if isinstance(it.episodes, Points)))
-    found = [
-        replace(it, episodes=replace(it.episodes, beside=beside)) if isinstance(it.episodes, Points) else it
-        for it in runs
-    ]
+    curves = {it: it.episodes for it in runs if isinstance(it.episodes, Points)}
+    beside = Curves(tuple(it.curve for it in curves.values()))
+    found = [replace(it, episodes=replace(curves[it], beside=beside)) if it in curves else it for it in runs]
     return found, list(steps.values()), noun
 
 
@@ -265,14 +262,9 @@ def _at_one_moment(runs: Sequence[Run], evaluated: Sequence[Sequence[Run]], step
 
 def _curve_of(evaluated: Sequence[Run]) -> Points:
     """Evaluations as points of a curve, each at its moment."""
-    told = [
-        [it.facts.after - 1, *part.returns.values(), *part.behaviour.values()]
-        for it in evaluated
-        for part in (it.whole,)
-    ]
-    numbers = np.array(told, np.float64).T
-    found = Episodes.of(evaluated[0].facts, numbers)
-    return Points(**vars(found), since=numbers[0] + 1.0, beside=Curves(()))
+    told = [[it.facts.after - 1, *it.whole.returns.values(), *it.whole.behaviour.values()] for it in evaluated]
+    found = Episodes.of(evaluated[0].facts, np.array(told, np.float64).T)
+    return Points(**vars(found), since=found.last + 1.0, beside=Curves(()))
 
 
 def _require_steps(trainings: Sequence[Training], noun: str, *, is_evaluated: bool) -> None:

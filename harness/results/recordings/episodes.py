@@ -104,10 +104,8 @@ class Episodes:
     @property
     def ends(self) -> tuple[Part, Part]:
         """The first ones and the last ones; see `harness.results.by_term.part_of`."""
-        last = self.last
-        count = min(part_of(len(last)), len(last))
-        start = self.part(0, int(last[count - 1]) + 1 if count else 0)
-        return start, self.part(int(last[-count]), int(last[-1]) + 1) if count else start
+        last, count = self.last.tolist() or [-1], min(part_of(len(self.last)), len(self.last)) or 1
+        return self.part(0, last[count - 1] + 1), self.part(last[-count], last[-1] + 1)
 
     def knows(self, reward: str) -> bool:
         """Whether it is known what a reward paid all episodes."""
@@ -209,15 +207,12 @@ class Did(ABC):
         """
         return ""
 
-    @cached_property
-    def _acted(self) -> Measured:
-        did = {manner: dict(part.behaviour) for manner, part in self._manners.items()}
-        return Measured(did, {manner: part.episodes for manner, part in self._manners.items()}, {}, self.reasons)
-
     @property
     def measured(self) -> Measured:
         """Every measure, by manner."""
-        return self._acted._replace(random=self._floor)
+        did = {manner: dict(part.behaviour) for manner, part in self._manners.items()}
+        counts = {manner: part.episodes for manner, part in self._manners.items()}
+        return Measured(did, counts, self._floor, self.reasons)
 
     @cached_property
     def moments(self) -> tuple[Moment, ...]:

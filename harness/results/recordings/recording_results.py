@@ -92,7 +92,7 @@ def _digest(recording: Log) -> str:
 class RecordingResults:
     """The results of one recording. Every method raises SchemaError if it has to read a file that is damaged.
 
-    The recording is held from the first method that needs its steps until `finish`.
+    The recording is held from the first method that needs its steps until `keep`.
 
     Attributes:
         path: Its folder.
@@ -151,14 +151,10 @@ class RecordingResults:
         return ByTerm.again(*told)
 
     def keep(self) -> None:
-        """Compute all of it, and keep it."""
+        """Compute all of it, keep what is new, and drop the recording."""
         for reward in self.facts.rewards:
             self.paid_by(reward)
             self.terms_paid(reward)
-        self.finish()
-
-    def finish(self) -> None:
-        """Keep what is new, and drop the recording."""
         self._held = None
         self._kept.save()
 

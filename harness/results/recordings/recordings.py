@@ -303,11 +303,9 @@ def _weighed(paths: Sequence[Path]) -> list[str]:
 
 
 def _read(folder: Path, path: Path, weighed: Sequence[str] = ()) -> Run:
-    recorded = RecordingResults(folder, path, weighed)
-    facts = recorded.facts
-    seed = -1 if facts.seed is None else facts.seed
-    run = Run(recorded, facts, seed, recorded.steps, recorded.episodes, recorded.likeness)
-    recorded.keep()
+    it = RecordingResults(folder, path, weighed)
+    run = Run(it, it.facts, -1 if it.facts.seed is None else it.facts.seed, it.steps, it.episodes, it.likeness)
+    it.keep()
     return run
 
 
@@ -317,7 +315,7 @@ def env_of(folder: Path, runs: Sequence[Run]) -> tuple[str, list[str]]:
     Raises:
         UsageError: There are several.
     """
-    named = ((run.facts.env or NO_NAME, f"'{run.path}'") for run in runs)
+    named = [(run.facts.env or NO_NAME, f"'{run.path}'") for run in runs]
     name = require_one(named, f"'{folder}' mixes trainings in several envs", "Name a folder of one env")
     given = {str(run.facts.spec.get("kwargs") or {}) for run in runs}
     return name, [f"The env was made with different arguments: {' and '.join(sorted(given))}"] * (len(given) > 1)
@@ -572,10 +570,7 @@ def numbers_in_environment(folder: Path, files: Path) -> Numbers:
     Raises:
         SchemaError: The recording of its evaluation is damaged.
     """
-    found = RecordingResults(folder, files / EVALUATION_RECORDING)
-    part = found.episodes.part(0, found.steps)
-    found.keep()
-    return numbers_of_part(part)
+    return numbers_of_part(_read(folder, files / EVALUATION_RECORDING).whole)
 
 
 def numbers_of_part(part: Part) -> Numbers:

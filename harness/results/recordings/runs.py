@@ -303,9 +303,10 @@ def require_one(told: Iterable[tuple[str, str]], problem: str, remedy: str) -> s
     Raises:
         UsageError: They tell several.
     """
-    found: dict[str, str] = {}
+    found = dict[str, str]()
     for value, where in told:
         found.setdefault(value, where)
+    found.pop("", None)
     if len(found) > 1:
         raise UsageError(f"{problem}: {', '.join(f'{value} ({where})' for value, where in found.items())}. {remedy}")
     return next(iter(found), "")
