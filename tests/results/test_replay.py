@@ -106,7 +106,7 @@ def test_an_obstacle_is_a_way_to_end_and_is_shown():
     """Those that a trace does not have are none; seven zeros are none either."""
     trace = recorded_trace(0, ("obstacle", "ground"))
     first, second = trace.episodes
-    assert [replay.Way(None, trace, rows, 0).outcome for rows in (first, second)] == ["obstacle", "ground"]
+    assert [replay.Way(trace, rows).outcome for rows in (first, second)] == ["obstacle", "ground"]
     assert replay._obstacles(trace, first).shape == (0, 7)
     sphere = [0.5, 0.1, 0.6, 0.0, 0.0, 0.0, 0.08]
     cluttered = trace_of({**trace.rows().columns, "obstacles": np.tile([*sphere, *[0.0] * 7], (len(trace), 1))})
