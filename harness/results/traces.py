@@ -1,6 +1,6 @@
 """The done cells of arms as trainings that are compared: what their traces say, each thing computed once."""
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from functools import cached_property, partial
 from itertools import combinations
 from pathlib import Path
@@ -21,9 +21,8 @@ from harness.results.metrics import measure_of
 from harness.results.results import Results, ReturnMatrix
 from harness.results.table import Numbers
 from harness.results.trainings import Match, Trainings
-from harness.score.installed_reward import InstalledReward
 
-EVENTS, UNFINISHED = "", "no finished episode in some seeds"
+UNFINISHED = "no finished episode in some seeds"
 
 
 class Traces(Results):
@@ -95,18 +94,18 @@ class Traces(Results):
         return (self._matrix(it, scoring) for it in self.trainings)
 
     def _matrix(self, of: Trainings, scoring: Iterable[Choice]) -> ReturnMatrix:
-        taught, payers = dict[str, list[CellResults]](), dict[str, InstalledReward | str]()
-        for it in scoring:  # a reward, or why it cannot pay what it paid; one that taught nobody is not checked
-            runs = taught[it.label] = [run for run in of.members(it.label) if isinstance(run, CellResults)]
+        members = {it.label: [run for run in of.members(it.label) if isinstance(run, CellResults)] for it in scoring}
+        taught, rows = {label: runs for label, runs in members.items() if runs}, dict[str, dict[str, SeedMean]]()
+        for it in scoring:  # a reward that cannot pay what it paid has no row; one that taught nobody is not checked
             try:
-                payers[it.label] = runs[0].unchanged(EVALUATION) if runs else self.cells.installed(it)
+                runs = taught.get(it.label)
+                payer = runs[0].unchanged(EVALUATION) if runs else self.cells.installed(it)
+                paid = partial(CellResults.evaluation_return, reward=payer)
+                rows[it.label] = {label: _mean(runs, paid) for label, runs in taught.items()}
             except Unscored as unscored:
-                payers[it.label] = str(unscored)
-        columns = {label: _column(runs, payers) for label, runs in taught.items() if runs}
-        rows = {payer: {trained: column[payer] for trained, column in columns.items()} for payer in payers}
-        return ReturnMatrix(
-            of.group, tuple(columns), rows, {label: column[EVENTS] for label, column in columns.items()}
-        )
+                rows[it.label] = dict.fromkeys(taught, SeedMean(None, notes=(str(unscored),)))
+        events = {label: _mean(runs, lambda run: run.recorded_return("events")) for label, runs in taught.items()}
+        return ReturnMatrix(of.group, tuple(taught), rows, events)
 
     def _examine(self, cell: Cell) -> Manifest:
         """What there is to say of a cell. Files that are what was written may still hold what no cell can have done."""
@@ -138,23 +137,11 @@ class Traces(Results):
         return self.run(cell).recorded
 
 
-def _column(runs: Sequence[CellResults], payers: Mapping[str, InstalledReward | str]) -> dict[str, SeedMean]:
-    """What each reward pays trainings by one, and what events paid."""
-
-    def mean(paid: Callable[[CellResults], float | None]) -> SeedMean:
-        try:
-            values = list(map(paid, runs))
-        except Unscored as unscored:
-            return SeedMean(None, notes=(str(unscored),))
-        known = [value for value in values if value is not None]
-        return mean_over_seeds(known, None if len(known) == len(values) else UNFINISHED)
-
-    return {
-        EVENTS: mean(lambda run: run.recorded_return("events")),
-        **{
-            payer: SeedMean(None, notes=(it,))
-            if isinstance(it, str)
-            else mean(partial(CellResults.evaluation_return, reward=it))
-            for payer, it in payers.items()
-        },
-    }
+def _mean(runs: Sequence[CellResults], paid: Callable[[CellResults], float | None]) -> SeedMean:
+    """What trainings by one reward are paid."""
+    try:
+        values = list(map(paid, runs))
+    except Unscored as unscored:
+        return SeedMean(None, notes=(str(unscored),))
+    known = [value for value in values if value is not None]
+    return mean_over_seeds(known, None if len(known) == len(values) else UNFINISHED)

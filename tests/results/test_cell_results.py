@@ -135,7 +135,7 @@ def test_what_was_kept_of_a_damaged_cell_is_not_taken_for_it(ended, damage):
 @pytest.mark.parametrize(
     ("code", "read"),
     [
-        ("harness.results.metrics.fingerprint", FOLLOWS),
+        ("harness.results.cell_results.fingerprint", FOLLOWS),
         ("harness.score.installed_reward.fingerprint", {*FOLLOWS, "random.parquet"}),
     ],
     ids=["metrics", "rewards"],

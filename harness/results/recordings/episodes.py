@@ -207,12 +207,15 @@ class Did(ABC):
         """
         return ""
 
+    @cached_property
+    def _acted(self) -> Measured:
+        did = {manner: dict(part.behaviour) for manner, part in self._manners.items()}
+        return Measured(did, {manner: part.episodes for manner, part in self._manners.items()}, {}, self.reasons)
+
     @property
     def measured(self) -> Measured:
         """Every measure, by manner."""
-        did = {manner: dict(part.behaviour) for manner, part in self._manners.items()}
-        counts = {manner: part.episodes for manner, part in self._manners.items()}
-        return Measured(did, counts, self._floor, self.reasons)
+        return self._acted._replace(random=self._floor)
 
     @cached_property
     def moments(self) -> tuple[Moment, ...]:

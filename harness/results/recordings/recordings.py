@@ -426,6 +426,10 @@ class Recordings(Results):
             require_measures(self._shown, {name for names in known for name in names})
         return found
 
+    @property
+    def _compared(self) -> list[tuple[Sequence[Cell], Runs]]:
+        return [(cells, runs) for cells, runs in self.read.values() if isinstance(runs, Runs)]
+
     def _trainings(self, runs: Runs) -> Trainings:
         deciding = runs.measures[:1]
         keys = [key for reward in runs.trained for key in sorted(runs.members) if key[0] == reward]
@@ -470,7 +474,7 @@ class Recordings(Results):
 
     @cached_property
     def trainings(self) -> list[Trainings]:
-        return [self._trainings(runs) for _, runs in self.read.values() if isinstance(runs, Runs)]
+        return [self._trainings(runs) for _, runs in self._compared]
 
     def _lines(self) -> Iterable[str]:
         told: dict[str, None] = {}
@@ -485,7 +489,18 @@ class Recordings(Results):
 
     def _matrices(self) -> Iterator[ReturnMatrix]:
         """See `Results`; one for each manner."""
-        return (matrix for it in self.trainings for matrix in _returns(it))
+        for _, runs in self._compared:
+            taught = {
+                name: [run.parts(runs.steps) for key, run in sorted(runs.members.items()) if key[0] == name]
+                for name in runs.trained
+            }
+            for manner in MANNERS:
+                if any(manner in parts for of in taught.values() for parts in of):
+                    rows = {
+                        payer: {name: _paid([parts.get(manner) for parts in of], payer) for name, of in taught.items()}
+                        for payer in runs.rewards
+                    }
+                    yield ReturnMatrix(runs.group, tuple(taught), rows, {}, manner)
 
     def numbers(self, cell: Cell) -> Numbers:
         """See `Results`: means over the episodes of the final policy, else over those that say most about it."""
@@ -516,35 +531,18 @@ class Recordings(Results):
         """The trainings that were read, those of the null control too, by id of the cell."""
         return {
             cell.id: run
-            for cells, runs in self.read.values()
-            if isinstance(runs, Runs)
+            for cells, runs in self._compared
             for of in ({it.key: it for it in (*runs.members.values(), *runs.control.values())},)
             for cell in cells
             if (run := of.get((cell.reward.label, cell.seed)))
         }
 
 
-def _returns(trainings: Trainings) -> list[ReturnMatrix]:
-    rewards = trainings.read.rewards if trainings.read else ()
-    parts = {key: run.parts(run.cut) for key, run in trainings.runs.items() if isinstance(run, Run)}
-
-    def mean(manner: str, payer: str, trained: str) -> SeedMean:
-        of = [found.get(manner) for (reward, _), found in parts.items() if reward == trained]
-        whys = (part.reasons.get(payer, "not recorded") for part in of if part and part.returns.get(payer) is None)
-        paid = [part.returns.get(payer) if part else None for part in of]
-        return mean_of_known(paid, f"seeds have none: {next(whys, 'not recorded')}")
-
-    return [
-        ReturnMatrix(
-            trainings.group,
-            tuple(trainings.rewards),
-            {payer: {trained: mean(manner, payer, trained) for trained in trainings.rewards} for payer in rewards},
-            {},
-            manner,
-        )
-        for manner in MANNERS
-        if any(manner in found for found in parts.values())
-    ]
+def _paid(parts: Sequence[Part | None], payer: str) -> SeedMean:
+    """What a reward pays an episode of each of some trainings."""
+    whys = (part.reasons.get(payer, "not recorded") for part in parts if part and part.returns.get(payer) is None)
+    paid = [part.returns.get(payer) if part else None for part in parts]
+    return mean_of_known(paid, f"seeds have none: {next(whys, 'not recorded')}")
 
 
 def plan_of(runs: Runs) -> StoredPlan:
