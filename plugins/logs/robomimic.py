@@ -136,8 +136,8 @@ def _overview(data: Any) -> _Overview:
                 f"{data.file.filename}: {DATA} holds '{name}': a demonstration is called demo_ and a number, as demo_0"
             )
         if seen.groups.setdefault(int(found[1]), key) != key:
-            told = f"{seen.groups[int(found[1])]} and {key}, which have one number"
-            raise SchemaError(f"{data.file.filename}: {DATA} holds {told}")
+            twice = f"{seen.groups[int(found[1])]} and {key}, which have one number"
+            raise SchemaError(f"{data.file.filename}: {DATA} holds {twice}")
         demo, number = group_of(data, key), int(found[1])
         seen.steps[number] = len(array_of(demo, "actions"))
         if (told := whole(demo.attrs.get("num_samples"))) is not None:

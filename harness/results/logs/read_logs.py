@@ -264,7 +264,7 @@ def _curve_of(evaluated: Sequence[Run]) -> Points:
     """Evaluations as points of a curve, each at its moment."""
     told = [[it.facts.after - 1, *it.whole.returns.values(), *it.whole.behaviour.values()] for it in evaluated]
     found = Episodes.of(evaluated[0].facts, np.array(told, np.float64).T)
-    return Points(**vars(found), since=found.last + 1.0, beside=Curves(()))
+    return Points(**vars(found), since=(found.last + 1).astype(np.float64), beside=Curves(()))
 
 
 def _require_steps(trainings: Sequence[Training], noun: str, *, is_evaluated: bool) -> None:
