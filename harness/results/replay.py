@@ -236,7 +236,7 @@ class Way(NamedTuple):
     trace: Log
     rows: NDArray[np.int64]
     seed: int = 0
-    """Of its training."""
+    """The seed of its training."""
     number: int = 0
     """From 0."""
 

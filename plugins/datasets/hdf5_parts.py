@@ -163,7 +163,7 @@ def member_of(parent: Any, key: str) -> Any:
 
 
 def _place(parent: Any, key: str) -> str:
-    """Its file, and where a part stands in it: ``low_dim.hdf5: /data/demo_0``."""
+    """Where a part stands, behind the name of its file: ``low_dim.hdf5: /data/demo_0``."""
     return f"{parent.file.filename}: {parent.name.rstrip('/')}/{key}"
 
 
