@@ -14,20 +14,22 @@ from typing import Any, get_args
 import numpy as np
 
 from harness.algorithm import IN_ENVIRONMENTS
-from harness.conditions import Conditions, conditions_of
+from harness.conditions.conditions import Conditions, conditions_of
 from harness.env.arm_observation import ArmObservation, GoalObservation
 from harness.environment import Environment
 from harness.errors import HarnessError, UsageError
 from harness.hookspecs import NOUNS
 from harness.log import LogFormat
 from harness.measure import Measure, needs_of as measure_needs
-from harness.motion import MODES, Discrete, MoveJ
+from harness.motion.discrete import Discrete
+from harness.motion.modes import MODES
+from harness.motion.motion import MoveJ
 from harness.registry.choice import Registry, choose, parse
 from harness.registry.members import Parameter, parameters_of, values_of
 from harness.registry.spec import Spec, blamed_on
 from harness.registry.step_functions import WHAT_ONE_TAKES
-from harness.reward import MissingField, Reward
-from harness.reward.steps import ARM, ENVIRONMENT
+from harness.reward import Reward
+from harness.reward.steps import ARM, ENVIRONMENT, MissingField
 from harness.reward.terms import needs_of
 from harness.robot import Robot
 from harness.robot.chain_end import tip_of

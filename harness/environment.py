@@ -135,3 +135,5 @@ def rewards_of(environment: Environment, env: AnyEnv) -> dict[str, Given]:
 
 if not TYPE_CHECKING:
     __getattr__ = partial(lookup, __name__)
+
+__all__ = ["AnyEnv", "Environment", "GoalReward"]

@@ -18,7 +18,28 @@
 To catch all of them, catch `HarnessError`.
 """
 
-from harness.text import one_line_of
+from harness.text import command_text, one_line_of, print_visible, shortened
+
+__all__ = [
+    "AskedError",
+    "ContractViolation",
+    "HarnessError",
+    "MissingSolid",
+    "NewerFormat",
+    "PluginError",
+    "SchemaError",
+    "SimulationDiverged",
+    "StorageError",
+    "Unmeasured",
+    "Unscored",
+    "UsageError",
+    "command_text",
+    "one_line",
+    "one_line_of",
+    "print_visible",
+    "reason_of",
+    "shortened",
+]
 
 
 class HarnessError(Exception):

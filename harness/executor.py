@@ -9,7 +9,10 @@ from typing import Any, Literal, NamedTuple, Protocol, Self, TypeAlias
 
 from harness.files.plain import Plain
 from harness.record.cell import Cell
+from harness.record.folder import partial_folder
 from harness.registry.given import Given
+
+__all__ = ["Cell", "Event", "Executor", "Job", "OnEvent", "Word", "partial_folder"]
 
 NO_SCALARS: Mapping[str, float] = MappingProxyType({})
 

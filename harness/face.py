@@ -16,6 +16,15 @@ from types import ModuleType
 from typing import Any
 
 MOVED = {
+    "harness.authoring.Categorical": "harness.policy.Categorical",
+    "harness.authoring.Deterministic": "harness.policy.Deterministic",
+    "harness.authoring.Gaussian": "harness.policy.Gaussian",
+    "harness.authoring.Greedy": "harness.policy.Greedy",
+    "harness.authoring.SquashedGaussian": "harness.policy.SquashedGaussian",
+    "harness.authoring.forward": "harness.robot.forward",
+    "harness.authoring.link_frames": "harness.robot.link_frames",
+    "harness.authoring.reach_position": "harness.robot.reach_position",
+    "harness.authoring.servo_of": "harness.simulator.servo_of",
     "harness.environment.Measure": "harness.reward.Given",
     "harness.metric.Metric": "harness.measure.Measure",
     "harness.robot.inverse_kinematics.reach_position": "harness.robot.reach_position",
@@ -23,10 +32,18 @@ MOVED = {
 """By name, where it is now. They leave with 0.6."""
 _KIT = "the checks of plugins are in harness_plugins.kit, as in `from harness_plugins.kit import check_metric`"
 LEFT = {
+    **dict.fromkeys(
+        ("harness.policy.CARD", "harness.policy.FORMAT", "harness.policy.WEIGHTS", "harness.policy.Network"),
+        "`harness.policy.load_policy(folder)` reads what `Policy.save` writes",
+    ),
+    **dict.fromkeys(
+        ("harness.reward.put", "harness.reward.replace_where", "harness.reward.take", "harness.reward.Selection"),
+        "a carry is an array, or a tuple of arrays, with a row for each episode: index it",
+    ),
     "harness.audit_dataset": "type `harness audit FILE`",
     "harness.audit_rewards": "type `harness audit --reward NAME`",
     "harness.record.trace.Trace": "write `from harness.log import Log`; log['distance'] is a column, and "
-    "`harness.record.trace_of(columns)` makes a log for a test",
+    "`harness.authoring.trace_of(columns)` makes a log for a test",
     "harness.score.open_recording": "type `harness score FILE`",
     "harness.testing": _KIT,
     "harness_plugins.kit.check_export": "type `harness export FOLDER --format NAME` and load what it wrote",

@@ -10,6 +10,18 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from harness.policy import Policy
 
+__all__ = [
+    "RETURN",
+    "SCALARS_EVERY",
+    "TOLD_EVERY",
+    "Progress",
+    "Ring",
+    "TrainingState",
+    "as_state",
+    "prefixed",
+    "under",
+]
+
 
 @dataclass(frozen=True, eq=False)
 class Ring:

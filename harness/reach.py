@@ -11,18 +11,21 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from harness.arrays import Float, Mask
-from harness.conditions import Conditions
 from harness.conditions.clearance import Clearance
+from harness.conditions.conditions import Conditions
 from harness.conditions.obstacles import distance_from, parse_obstacles
 from harness.env.arm_observation import ArmObservation, GoalObservation
 from harness.errors import UsageError
 from harness.goal import Situation
-from harness.motion import Motion, Setting, build_motion
+from harness.motion.modes import build_motion
+from harness.motion.motion import Motion, Setting
 from harness.reward import LARGEST_FACTOR
 from harness.robot import Robot
 from harness.robot.kinematics import end_effector_position, in_mount, reach_position, read_only
 from harness.robot.robot import FD100_REACH
 from harness.task import LONGEST_EPISODE, Targets, goal_of
+
+__all__ = ["FD100_REACH", "Pay", "Positive", "ReachTask", "place_box"]
 
 Positive = Annotated[float, Field(gt=0)]
 Metres3 = tuple[float, float, float]

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
     from harness.results import Results
 
+__all__ = ["Section", "Shown"]
+
 
 class Shown(Protocol):
     """What a section says of one experiment."""

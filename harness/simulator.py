@@ -11,6 +11,8 @@ from harness.robot import Robot
 from harness.robot.joint_limits import Servo
 from harness.robot.settings import FILE, SERVO
 
+__all__ = ["Simulation", "Simulator", "State", "servo_of"]
+
 
 class State(NamedTuple):
     """What a simulation reads from its engine. Frame: world, right-handed, z up, origin at the robot's base.

@@ -7,14 +7,27 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 import numpy as np
 
 from harness.arrays import Float, Float32, Mask
-from harness.goal import Goal
-from harness.motion import Motion
+from harness.goal import Goal, Situation
+from harness.motion.modes import build_motion
+from harness.motion.motion import Motion, Setting
 from harness.registry.choice import Choice, Registry, choose
 from harness.robot import Robot
 from harness.robot.robot import load_robot
 
 if TYPE_CHECKING:
     from harness.env.episodes import Episodes
+
+__all__ = [
+    "LONGEST_EPISODE",
+    "Goal",
+    "Motion",
+    "Observation",
+    "Setting",
+    "Situation",
+    "Targets",
+    "Task",
+    "build_motion",
+]
 
 LONGEST_EPISODE = 1_000_000_000
 """The most steps of an episode: as many as a training may have."""

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, Protocol, TypeAlias
 
+__all__ = ["Outcome", "Track", "TrackedCell", "Tracker"]
+
 Outcome: TypeAlias = Literal["done", "failed", "interrupted"]
 
 

@@ -11,12 +11,22 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from harness.arrays import Float
-from harness.errors import SchemaError, UsageError
-from harness.log import BEHAVIOUR, LARGEST, RECORDED, REWARD, SINCE, SUCCESS, Log, LogFacts, Unit, in_memory
-from harness.log.log import require_columns
+from harness.errors import SchemaError, UsageError, shortened
+from harness.log import (
+    BEHAVIOUR,
+    LARGEST,
+    RECORDED,
+    REWARD,
+    SINCE,
+    SUCCESS,
+    Log,
+    LogFacts,
+    Unit,
+    in_memory,
+    require_columns,
+)
 from harness.progress import RETURN
 from harness.score.row_meaning import EPISODE, LENGTH
-from harness.text import shortened
 
 LAST_100 = "a mean over the last 100 episodes"
 ONE = "that of an episode"

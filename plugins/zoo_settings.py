@@ -5,7 +5,7 @@ from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
 
-from harness.files.bounded import read_text
+from harness.files import read_text
 
 PAIR = re.compile(r"^[ -]*- (?P<key>\w+)\n +- (?P<value>[^\n]+)$", re.MULTILINE)
 """A key and its value in an ordered mapping, as PyYAML writes it: a list of pairs. No other YAML is read, and none of

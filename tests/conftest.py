@@ -15,9 +15,10 @@ from hypothesis import settings
 from numpy.random import default_rng
 
 import harness
-from harness.experiment import ExperimentRun, Plan
+from harness.experiment.experiment import ExperimentRun
+from harness.experiment.plan import Plan
 from harness.experiment.workers.workers import News
-from harness.files import note_made
+from harness.files.bounded import note_made
 from harness.policy.discrete import ChoosingNetwork
 from harness.record import EVALUATION, REPORT, Cell, Store
 from harness.registry import Choice, load_registry

@@ -14,7 +14,8 @@ from scipy.spatial.transform import Rotation
 
 import harness
 from harness.reach import FD100_CENTER, FD100_HALF_EXTENT, FD100_MOUNT, ReachTask, place_box, way_to_mount
-from harness.robot import reach_position, read_robot
+from harness.robot import reach_position
+from harness.robot.robot import read_robot
 from tests.refusals import refused
 from tests.robot.brought_arms import TABLE_MOUNT, changed, read_arm
 

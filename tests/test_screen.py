@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import pytest
 
-from harness.experiment import check_experiment, expand
+from harness.experiment.plan import check_experiment, expand
 from harness.registry import Registry, Spec, load_registry
 from harness.screen import CANNOT_TELL, FAILING, NOTHING, Screened, screened
 

@@ -39,14 +39,16 @@ OUTSIDE = re.compile(r"\[([^]]*)\]\((?:\.\./)+([\w./-]+)(#[\w-]+)?\)")
 RECORD = re.compile(r"results/reference/([\w/-]+)/summary\.md")
 """Records may stand in a folder of several; pages of them stand beside one another."""
 ROBOT = re.compile(r"robots/(\w+)/README\.md")
-MODULES = (
-    "harness", "harness.simulator", "harness.task", "harness.goal", "harness.environment", "harness.reward",
-    "harness.algorithm", "harness.measure", "harness.executor", "harness.tracker", "harness.log", "harness.log.log",
-    "harness.progress", "harness.reach", "harness.robot", "harness.policy", "harness.results", "harness.errors",
-    "harness.hookspecs", "harness.authoring", "harness_plugins.kit", "harness_plugins.kit.pytest_plugin",
+PUBLIC = (
+    "harness", "harness.simulator", "harness.task", "harness.reach", "harness.environment", "harness.reward",
+    "harness.algorithm", "harness.progress", "harness.policy", "harness.measure", "harness.executor",
+    "harness.tracker", "harness.log", "harness.files", "harness.robot", "harness.results", "harness.screen",
+    "harness.section", "harness.errors", "harness.arrays", "harness.authoring", "harness_plugins.kit",
     "harness_plugins.sb3",
 )  # fmt: skip
-"""Modules that people import; each has a page."""
+"""The modules whose names, those of ``__all__``, are for everybody: all that a plugin may import."""
+MODULES = (*PUBLIC, "harness.log.log", "harness.hookspecs", "harness_plugins.kit.pytest_plugin")
+"""Each has a page; the last ones tell the columns of a log, the hooks, and the fixtures for tests."""
 SECTION = re.compile(r"^\* \*\*(.+?):\*\* (.*?)(?=^\S|^$|\Z)", re.MULTILINE | re.DOTALL)
 """An item of a list: its caption, and the links behind it."""
 ENTRY = re.compile(r"\]\(([\w./-]+\.md)\)")
@@ -251,8 +253,45 @@ def api_page() -> str:
             "What you import, from the docstrings. Arrays name their shape, quantities their unit. NOTE, ARP and UNITY "
             "are the three [sources](../sources.md). NOTE eq. 21 is equation 21 of [the note](../note.md).",
             _table(("module", "what it has"), rows),
+            "## Public names",
+            "[What stays](../plugins.md#what-stays) holds for these.",
+            *(f"```python\n{text}\n```" for text in map("\n".join, map(signatures, PUBLIC))),
         ]
     )
+
+
+def signatures(module: str) -> list[str]:
+    """A line for each public name of a module, with its arguments and their defaults; of an interface, its members."""
+    loaded = importlib.import_module(module)
+    return [line for name in loaded.__all__ for line in _signatures(f"{module}.{name}", getattr(loaded, name))]
+
+
+def _signatures(name: str, thing: Any) -> Iterator[str]:
+    is_error = inspect.isclass(thing) and issubclass(thing, BaseException)
+    if getattr(thing, "_is_protocol", False):
+        yield name
+        members = [it for it in dir(thing) if not it.startswith("_") or it == "__call__"]
+        for member in members:
+            yield from _signatures(f"{name}.{member}", inspect.getattr_static(thing, member))
+    elif is_error or thing is Any or not (inspect.isclass(thing) or inspect.isroutine(thing)):
+        yield name
+    else:
+        plain = inspect.signature(thing).replace(return_annotation=inspect.Signature.empty)
+        yield f"{name}{plain.replace(parameters=list(map(_bare, plain.parameters.values())))}"
+
+
+class _Dots:
+    """A default that is no plain value."""
+
+    def __repr__(self) -> str:
+        return "..."
+
+
+def _bare(parameter: inspect.Parameter) -> inspect.Parameter:
+    """An argument without its type."""
+    is_plain = isinstance(parameter.default, bool | int | float | str | None)
+    default = parameter.default if is_plain or parameter.default is parameter.empty else _Dots()
+    return parameter.replace(annotation=parameter.empty, default=default)
 
 
 def module_page(module: str) -> str:

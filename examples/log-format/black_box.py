@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from harness.errors import SchemaError
-from harness.files.bounded import read_bytes, reading
+from harness.files import read_bytes, reading
 from harness.log import Log, LogFacts, in_memory
 
 MAGIC = b"BLACKBOX"

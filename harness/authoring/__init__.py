@@ -1,4 +1,4 @@
-"""Building blocks for plugin authors, which the core itself does not use. docs/authoring.md explains each name."""
+"""Building blocks for plugin authors, which the core itself does not use. docs/authoring.md explains most of them."""
 
 from typing import TYPE_CHECKING
 
@@ -22,24 +22,31 @@ if TYPE_CHECKING:
     from harness.authoring.servo_track import ServoTrack as ServoTrack
     from harness.authoring.substeps import Substeps as Substeps
     from harness.authoring.wrapped_reward import WrappedReward as WrappedReward
+    from harness.env.episodes import Episodes as Episodes
+    from harness.env.vector_env import ReachVectorEnv as ReachVectorEnv
     from harness.experiment.jobs import (
         events_of as events_of,
         order_of as order_of,
         run_job as run_job,
         run_jobs as run_jobs,
     )
-    from harness.policy import (
-        Categorical as Categorical,
-        Deterministic as Deterministic,
-        Gaussian as Gaussian,
-        Greedy as Greedy,
-        SquashedGaussian as SquashedGaussian,
+    from harness.experiment.plan import check_experiment as check_experiment, expand as expand
+    from harness.record.dataset.open_dataset import DatasetFacts as DatasetFacts
+    from harness.record.trace import episode_facts as episode_facts, trace_of as trace_of
+    from harness.registry.allowed import (
+        is_allowed_program as is_allowed_program,
+        require_allowed as require_allowed,
+        require_program as require_program,
     )
-    from harness.robot.kinematics import (
-        forward as forward,
-        link_frames as link_frames,
-        reach_position as reach_position,
+    from harness.registry.registry import load_registry as load_registry
+    from harness.registry.spec import did_you_mean as did_you_mean, unknown_name as unknown_name
+    from harness.registry.toml_file import read_toml as read_toml
+    from harness.scene.picture import (
+        Camera as Camera,
+        StillFrames as StillFrames,
+        camera_for as camera_for,
+        seen_of as seen_of,
     )
-    from harness.simulator import servo_of as servo_of
+    from harness.score.places import parse_places as parse_places
 else:
     __all__, __getattr__ = face_of(__name__, __file__)

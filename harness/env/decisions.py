@@ -7,17 +7,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float, Mask
-from harness.conditions import conditions_of
+from harness.conditions.conditions import conditions_of
 from harness.env.episodes import Episodes
 from harness.env.ideal import LoggedSimulation
 from harness.env.random_streams import TRIES, Seed, Streams
 from harness.env.surroundings import Surroundings, extra_columns
 from harness.errors import UsageError
-from harness.motion import Discrete, Motion, Move
+from harness.motion.discrete import Discrete
+from harness.motion.motion import Motion, Move
 from harness.progress import TrainingState, as_state, prefixed, under
 from harness.record.trace import QVEL, TERM, Recorder
-from harness.reward import Carry, Reward, Steps, pay, replace_where
-from harness.reward.reward import is_finite, require_finite
+from harness.reward import (
+    Carry,
+    Reward,
+    Steps,
+    pay,
+)
+from harness.reward.reward import is_finite, replace_where, require_finite
 from harness.reward.terms import Needs, require_same, shown_needs
 from harness.robot import Robot
 from harness.simulator import Simulation, Simulator, State
@@ -352,7 +358,7 @@ class Decisions:
         self, simulator: Simulator, robot: Robot, task: Task, motion: Motion, reward: Reward, num_envs: int,
         recorder: Recorder | None, resumable: bool, records: Collection[str] = (),
     ) -> None:  # fmt: skip
-        """Open the simulator; see `harness.env.ReachVectorEnv`."""
+        """Open the simulator; see `harness.env.vector_env.ReachVectorEnv`."""
         self._num_envs, conditions = num_envs, conditions_of(task)
         # Asked for once: a task may be a dataclass with checks, and these are read in every step.
         self._decision_period, self._goes_on = task.decision_period, not task.ends_at_target

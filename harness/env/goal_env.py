@@ -13,14 +13,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from harness.arrays import Float
-from harness.conditions import conditions_of
+from harness.conditions.conditions import conditions_of
 from harness.env.arm_observation import ArmObservation
 from harness.env.decisions import GROUND
 from harness.env.vector_env import Action, Given, ReachEnv
 from harness.errors import UsageError
 from harness.registry.choice import Registry, build_defaults, choose
 from harness.registry.registry import load_registry
-from harness.reward import MissingField, Reward, Sample, pay
+from harness.reward import Reward, Sample, pay
+from harness.reward.steps import MissingField
 from harness.task import Task
 
 GoalObservation: TypeAlias = dict[str, NDArray[Any]]

@@ -6,14 +6,14 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.arrays import Float, Mask
-from harness.conditions import Conditions
+from harness.arrays import Float, Ints, Mask
 from harness.conditions.clearance import Clearance, draw_clutter
+from harness.conditions.conditions import Conditions
 from harness.conditions.obstacles import NUMBERS
 from harness.conditions.varied_robot import draw_robot
 from harness.env.episodes import Episodes
 from harness.env.random_streams import Seed
-from harness.motion import Motion
+from harness.motion.motion import Motion
 from harness.progress import TrainingState, as_state, prefixed, under
 from harness.robot import Robot
 from harness.robot.kinematics import reach_position
@@ -45,7 +45,7 @@ class VariedSimulation:
             num_envs: How many envs.
             control_period: See `harness.simulator.Simulator.open`.
         """
-        self.arms: NDArray[np.int64] = np.zeros(num_envs, np.int64)
+        self.arms: Ints = np.zeros(num_envs, np.int64)
         self._simulator, self._robot, self._period = simulator, robot, control_period
         self._present = np.full(num_envs, -1)
         self._open: list[Simulation | None] = [None] * num_envs
@@ -212,7 +212,7 @@ class Senses:
         self._history[...], self._queue[...] = state["history"], state["queue"]
         self._blocks[:] = -1
 
-    def _noise_now(self) -> list[NDArray[np.float64]]:
+    def _noise_now(self) -> list[Float]:
         """The noise of joints, speeds, their changes, target and action in the present steps, (num_envs, ...) each."""
         steps = self._episodes.step.astype(int)
         blocks = steps // BLOCK
@@ -240,7 +240,7 @@ def extra_columns(conditions: Conditions) -> dict[str, int]:
 
 
 class Surroundings:
-    """The conditions of a task, for a `harness.env.ReachVectorEnv`.
+    """The conditions of a task, for a `harness.env.vector_env.ReachVectorEnv`.
 
     Each episode has a key, drawn from the env's own stream at its start: its arm, obstacles and noise follow from it.
 

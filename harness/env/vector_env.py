@@ -15,7 +15,8 @@ from harness.arrays import Float, Float32, Mask
 from harness.env.decisions import REACHED, Decisions
 from harness.env.random_streams import Seed
 from harness.errors import UsageError
-from harness.motion import Discrete, Motion
+from harness.motion.discrete import Discrete
+from harness.motion.motion import Motion
 from harness.progress import TrainingState
 from harness.record.cell import Cell
 from harness.record.trace import COLUMN, Recorder
@@ -246,7 +247,7 @@ class World:
     records: tuple[str, ...] = ()
 
     def open(self, num_envs: int, **options: Any) -> ReachVectorEnv:
-        """An environment of `num_envs` arms; `options` go to `harness.env.ReachVectorEnv`."""
+        """An environment of `num_envs` arms; `options` go to `harness.env.vector_env.ReachVectorEnv`."""
         return ReachVectorEnv(
             self.simulator, self.robot, self.task, self.reward, num_envs, records=self.records, **options
         )

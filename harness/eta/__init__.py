@@ -12,7 +12,7 @@ if TYPE_CHECKING:
         change_of as change_of,
         together as together,
     )
-    from harness.eta.curve import GroupCurve as GroupCurve, Kind as Kind, curve_of as curve_of
+    from harness.eta.curve import GroupCurve as GroupCurve, curve_of as curve_of
     from harness.eta.decomposition import decompose as decompose
     from harness.eta.equal import equal_sentences as equal_sentences, equal_trainings as equal_trainings
     from harness.eta.headline import (
@@ -31,12 +31,10 @@ if TYPE_CHECKING:
     from harness.eta.interval import SHARE as SHARE, UNBOUNDED as UNBOUNDED
     from harness.eta.judgement import Verdict as Verdict, lead_of as lead_of
     from harness.eta.laws import (
-        Better as Better,
         Curve as Curve,
         Curves as Curves,
         Span as Span,
         counted as counted,
-        direction_of as direction_of,
         latest_shared as latest_shared,
         require_share as require_share,
         shortfall_beside as shortfall_beside,
@@ -55,11 +53,8 @@ if TYPE_CHECKING:
         BK as BK,
         KB as KB,
         KK as KK,
-        Decomposition as Decomposition,
         Names as Names,
-        Pair as Pair,
         Split as Split,
-        no_splits as no_splits,
     )
     from harness.eta.swaps import Swaps as Swaps, corrected_p as corrected_p, p_of as p_of, swaps_of as swaps_of
     from harness.eta.verdict.halving import (

@@ -22,7 +22,7 @@ from typing import Any, Literal, NamedTuple, TypeAlias, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.arrays import Float, Mask
+from harness.arrays import Float, Ints, Mask
 from harness.eta.index import SeedMean
 from harness.eta.interval import CONFIDENCE, LEAST_SEEDS, SHARE, Interval, quantile
 from harness.eta.rescaling import rounded
@@ -81,7 +81,7 @@ class _Task(NamedTuple):
     """
 
     weight: float
-    rows: NDArray[np.int64]
+    rows: Ints
     above: Mask
     apart: Float
     value: float
@@ -170,7 +170,7 @@ class _Spread(NamedTuple):
     freedom: float
 
 
-def _spread(members: Sequence[_Task], value: float, group: NDArray[np.int64]) -> _Spread:
+def _spread(members: Sequence[_Task], value: float, group: Ints) -> _Spread:
     """From what each cluster adds to the AUC, by task and kind.
 
     Where all episodes of a task and kind are of one cluster, they show no variance. The model's of one episode takes
@@ -255,7 +255,7 @@ def _ends(value: float, model: Callable[[Float | float], Any], scale: float, rea
     return float(ends[0]), float(ends[-1])
 
 
-def share_of(part: Float, whole: Float, clusters: NDArray[np.int64]) -> SeedMean:
+def share_of(part: Float, whole: Float, clusters: Ints) -> SeedMean:
     """How large the sum of `part` is in that of `whole`.
 
     Args:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float32
-from harness.conditions import conditions_of
+from harness.conditions.conditions import conditions_of
 from harness.conditions.varied_robot import Factors, draw_factors
 from harness.env.arm_observation import kinematics_policy, why_not_kinematics
 from harness.env.vector_env import ReachVectorEnv, World

@@ -10,9 +10,8 @@ import numpy as np
 
 from harness.algorithm import Algorithm
 from harness.arrays import Float
-from harness.env import ReachVectorEnv
 from harness.env.solid_probes import require_solids
-from harness.env.vector_env import World, build_world
+from harness.env.vector_env import ReachVectorEnv, World, build_world
 from harness.eta.manner import Acted
 from harness.experiment.arm_evaluation import facts_of, record_evaluation
 from harness.experiment.checkpoints.checkpoint import Attempt

@@ -354,7 +354,7 @@ def _discrete(task: Choice, problem: str, robot: "Robot", registry: Registry) ->
 
 
 def _space_of(task: Choice, robot: "Robot", registry: Registry) -> ActionSpace:
-    from harness.motion import Discrete
+    from harness.motion.discrete import Discrete
 
     built = task.build(registry, "tasks")
     with blamed_on(registry.get("tasks", task.name), PLANNED):

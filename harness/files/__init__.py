@@ -1,51 +1,20 @@
 """Files as strangers may have made them, and as ours have to be: whole, sealed, known again."""
 
-from harness.files.bounded import (
-    changed_since_made,
-    digest_of,
-    forget_made,
-    is_inside,
-    is_partial,
-    is_plain,
-    kind_at,
-    making,
-    note_made,
-    open_regular,
-    read_json,
-    read_sealed,
-    read_sums,
-    read_text,
-    reading,
-    require_regular,
-    seal,
-    twins,
-    unseal,
-    whole_files,
-    write_whole,
-)
-from harness.files.plain import Plain
+from typing import TYPE_CHECKING
 
-__all__ = [
-    "Plain",
-    "changed_since_made",
-    "digest_of",
-    "forget_made",
-    "is_inside",
-    "is_partial",
-    "is_plain",
-    "kind_at",
-    "making",
-    "note_made",
-    "open_regular",
-    "read_json",
-    "read_sealed",
-    "read_sums",
-    "read_text",
-    "reading",
-    "require_regular",
-    "seal",
-    "twins",
-    "unseal",
-    "whole_files",
-    "write_whole",
-]
+from harness.face import face_of
+
+if TYPE_CHECKING:
+    from harness.files.apart import run_apart as run_apart
+    from harness.files.bounded import (
+        names_in_hdf5 as names_in_hdf5,
+        open_regular as open_regular,
+        parse_json as parse_json,
+        read_bytes as read_bytes,
+        read_json as read_json,
+        read_text as read_text,
+        reading as reading,
+        require_regular as require_regular,
+    )
+else:
+    __all__, __getattr__ = face_of(__name__, __file__)

@@ -1,63 +1,36 @@
 """One type for everything that was kept of a training: what a reader of logs gives, and what an author of one imports.
 
 A `Log` is facts and named columns of rows. A row is a step, an episode, or a point of a curve. `LogFormat` is the
-interface that a reader fills; `harness.log.open_log` finds the reader of a file or a folder.
+interface that a reader fills.
 """
 
-from harness.log.facts import Failed, LogFacts, Unit
-from harness.log.format import LogFormat
+from typing import TYPE_CHECKING
+
+from harness.face import face_of
+from harness.log.facts import Failed as Failed, LogFacts as LogFacts, Unit as Unit
+from harness.log.format import LogFormat as LogFormat
 from harness.log.log import (
-    ACTION,
-    BEFORE,
-    BEHAVIOUR,
-    EPISODES,
-    FILE,
-    INFO,
-    LARGEST,
-    OBSERVATION,
-    OPERATOR,
-    RECORDED,
-    REWARD,
-    SEEN,
-    SINCE,
-    START,
-    SUCCESS,
-    TASK,
-    Log,
-    OpenEpisodes,
-    Rows,
-    episode_sum,
-    episode_sums,
-    in_memory,
-    sums_so_far,
+    ACTION as ACTION,
+    BEFORE as BEFORE,
+    BEHAVIOUR as BEHAVIOUR,
+    EPISODES as EPISODES,
+    FILE as FILE,
+    INFO as INFO,
+    LARGEST as LARGEST,
+    OBSERVATION as OBSERVATION,
+    OPERATOR as OPERATOR,
+    RECORDED as RECORDED,
+    REWARD as REWARD,
+    SEEN as SEEN,
+    SINCE as SINCE,
+    START as START,
+    SUCCESS as SUCCESS,
+    TASK as TASK,
+    Log as Log,
+    Rows as Rows,
+    in_memory as in_memory,
+    require_columns as require_columns,
 )
 
-__all__ = [
-    "ACTION",
-    "BEFORE",
-    "BEHAVIOUR",
-    "EPISODES",
-    "FILE",
-    "INFO",
-    "LARGEST",
-    "OBSERVATION",
-    "OPERATOR",
-    "RECORDED",
-    "REWARD",
-    "SEEN",
-    "SINCE",
-    "START",
-    "SUCCESS",
-    "TASK",
-    "Failed",
-    "Log",
-    "LogFacts",
-    "LogFormat",
-    "OpenEpisodes",
-    "Rows",
-    "Unit",
-    "episode_sum",
-    "episode_sums",
-    "in_memory",
-    "sums_so_far",
-]
+if not TYPE_CHECKING:
+    __all__, __getattr__ = face_of(__name__, __file__)

@@ -46,7 +46,7 @@ from typing import Any, Self, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.arrays import Float
+from harness.arrays import Float, Ints, Mask
 from harness.errors import SchemaError, UsageError
 from harness.log.facts import LogFacts
 from harness.reward.steps import nearest
@@ -99,7 +99,7 @@ class Rows:
     def __contains__(self, name: object) -> bool:
         return name in self.columns
 
-    def part(self, rows: slice | NDArray[np.int64] | NDArray[np.bool_]) -> "Rows":
+    def part(self, rows: slice | Ints | Mask) -> "Rows":
         """Some of them, in order."""
         begins = rows.start or 0 if isinstance(rows, slice) else 0
         return Rows({name: values[rows] for name, values in self.columns.items()}, self.first + begins)
@@ -219,13 +219,13 @@ class Log:
         return tuple(name.removeprefix(begin) for name in self.names if name.startswith(begin))
 
     @cached_property
-    def last_rows(self) -> NDArray[np.int64]:
+    def last_rows(self) -> Ints:
         """The row numbers of the ends of finished episodes, in the order of the rows; of a log of steps."""
-        ended: NDArray[np.int64] = np.flatnonzero(self["terminated"] | self["truncated"])
+        ended: Ints = np.flatnonzero(self["terminated"] | self["truncated"])
         return ended
 
     @cached_property
-    def episodes(self) -> list[NDArray[np.int64]]:
+    def episodes(self) -> list[Ints]:
         """The row numbers of each finished episode in order, by env, its start row first; of a log of steps."""
         env, episode, terminated, truncated = map(self.load(EPISODES).__getitem__, EPISODES)
         return episode_rows(env, episode, terminated | truncated)
@@ -264,7 +264,7 @@ class Log:
         """The same log with further columns, (rows, ...) each; one that it has already is replaced."""
         return replace(self, known={**self.known, **columns})
 
-    def part(self, rows: slice | NDArray[np.int64] | NDArray[np.bool_]) -> "Log":
+    def part(self, rows: slice | Ints | Mask) -> "Log":
         """Some rows of it, by their numbers or flags, in the order in which they are given."""
         return Log(self.facts, self.names, lambda names: [{name: self[name][rows] for name in names}])
 
@@ -279,7 +279,7 @@ def in_memory(facts: LogFacts, columns: Columns) -> Log:
     return Log(facts, tuple(columns), lambda names: [{name: columns[name] for name in names}], dict(columns))
 
 
-def episode_rows(env: Array, episode: Array, ended: NDArray[np.bool_] | None = None) -> list[NDArray[np.int64]]:
+def episode_rows(env: Array, episode: Array, ended: Mask | None = None) -> list[Ints]:
     """Row numbers of each episode, by env and in order.
 
     Args:
@@ -293,7 +293,7 @@ def episode_rows(env: Array, episode: Array, ended: NDArray[np.bool_] | None = N
     return parts if ended is None else [rows for rows in parts if ended[rows[-1]]]
 
 
-def episode_sums(values: Array, episodes: Sequence[NDArray[np.int64]], discount: float = 1.0) -> Float:
+def episode_sums(values: Array, episodes: Sequence[Ints], discount: float = 1.0) -> Float:
     """The sum of `values`, one per row, over each of some episodes, (episodes,).
 
     Args:
@@ -316,7 +316,7 @@ def sums_so_far(values: Array) -> Float:
     return np.concatenate([[0.0], np.cumsum(values, dtype=np.float64)])
 
 
-def sums_from(begins: NDArray[np.int64], values: Array, discount: float = 1.0) -> Float:
+def sums_from(begins: Ints, values: Array, discount: float = 1.0) -> Float:
     """The same of episodes that follow one another, (episodes,); `begins` are the numbers of their first rows."""
     steps = np.asarray(values, np.float64)
     if discount != 1.0:
@@ -339,7 +339,7 @@ class OpenEpisodes:
         sums: Of each column, (columns, episodes).
     """
 
-    keys: NDArray[np.int64]
+    keys: Ints
     sums: Float
 
     @classmethod
@@ -347,9 +347,7 @@ class OpenEpisodes:
         """Before the first step."""
         return cls(np.empty(0, np.int64), np.empty((columns, 0)))
 
-    def after(
-        self, env: Array, episode: Array, ends: Array, columns: Sequence[Array]
-    ) -> tuple[Self, NDArray[np.int64], Float]:
+    def after(self, env: Array, episode: Array, ends: Array, columns: Sequence[Array]) -> tuple[Self, Ints, Float]:
         """What is open after more steps; which of these ended an episode; the sums over these, (columns, episodes).
 
         Args:

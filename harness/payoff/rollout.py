@@ -16,8 +16,15 @@ from harness.env.vector_env import ReachVectorEnv, World
 from harness.errors import SimulationDiverged, UsageError, sentence
 from harness.experiment.arm_evaluation import EVALUATION_SEED
 from harness.log.log import sums_from
-from harness.motion import JointLimits, MoveJ
-from harness.reward import LARGEST_PAID, Carry, Paid, Reward, Steps, pay
+from harness.motion.motion import JointLimits, MoveJ
+from harness.reward import (
+    Carry,
+    Paid,
+    Reward,
+    Steps,
+    pay,
+)
+from harness.reward.reward import LARGEST_PAID
 from harness.reward.steps import ARM_BEFORE, DISTANCE, step_between
 from harness.reward.terms import Unpaid, paid_twice, paid_twice_text, require_one_each, require_same
 from harness.robot import Robot

@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Self, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.arrays import Float32
+from harness.arrays import Float32, Ints
 from harness.policy.policy import Network, Policy, require_sound, scatter
 
 
@@ -28,7 +28,7 @@ class UniformChoice(Policy):
     algorithm: str = ""
     weights: Mapping[str, Float32] = field(default_factory=dict, init=False)
 
-    def act(self, observation: Float32, rng: np.random.Generator | None = None) -> NDArray[np.int64]:
+    def act(self, observation: Float32, rng: np.random.Generator | None = None) -> Ints:
         if rng is not None:
             return rng.integers(self.choices, size=len(observation))
         return (self.choices * scatter(observation, 1)[:, 0]).astype(np.int64)

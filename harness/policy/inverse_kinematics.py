@@ -37,7 +37,7 @@ class InverseKinematics(Policy):
 
     Attributes:
         weights: ``joints`` (dof, 4, 4), ``axes`` (dof, 3) and ``tip`` (4, 4) of the `harness.robot.kinematics.Chain`;
-            ``lower``, ``upper``, ``max_speed`` and ``max_change`` (dof,) of the `harness.motion.JointLimits`.
+            ``lower``, ``upper``, ``max_speed`` and ``max_change`` (dof,) of the `harness.motion.motion.JointLimits`.
         joint_kinds: How each joint moves, as in the chain.
         mode: The action mode, one of `MODES`.
         period: Control period, [s].

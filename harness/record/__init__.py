@@ -17,10 +17,9 @@ if TYPE_CHECKING:
         TRACE as TRACE,
         partial_folder as partial_folder,
     )
-    from harness.record.plan_file import EXPERIMENT as EXPERIMENT, PLAN as PLAN, read_plan as read_plan
+    from harness.record.plan_file import EXPERIMENT as EXPERIMENT, PLAN as PLAN
     from harness.record.recording.facts import TrainingFacts as TrainingFacts
     from harness.record.recording.recorded_training import read_recording as read_recording
-    from harness.record.returns import paid_in as paid_in
     from harness.record.store import CELLS as CELLS, REPORT as REPORT, RESULTS as RESULTS, Store as Store
     from harness.record.terms import Terms as Terms
     from harness.record.trace import (

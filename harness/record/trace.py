@@ -62,7 +62,7 @@ from harness.log.log import Columns
 from harness.record.file_forms import read_form
 from harness.record.folder import parts_of
 from harness.record.parts import PART_BYTES, PART_ROWS, RowsWriter, open_part, rows_of
-from harness.reward import LARGEST_PAID
+from harness.reward.reward import LARGEST_PAID
 from harness.text import shortened
 
 FORMAT = 3

@@ -17,7 +17,6 @@ import numpy as np
 from gymnasium import Space
 from gymnasium.spaces import Box, Discrete, MultiBinary, MultiDiscrete
 from gymnasium.vector import VectorEnv
-from numpy.typing import NDArray
 
 from harness.arrays import Float
 from harness.errors import StorageError, UsageError, reason_of
@@ -170,7 +169,7 @@ def type_of_action(action: Any) -> str:
     return next((name for name, python in PYTHON_TYPES.items() if type(action) is python), "")
 
 
-def action_of(numbers: NDArray[np.float64], facts: ActionFacts) -> Any:
+def action_of(numbers: Float, facts: ActionFacts) -> Any:
     """The action that numbers of its shape tell of, in the type in which it was given."""
     if facts.type in PYTHON_TYPES:
         return PYTHON_TYPES[facts.type](np.asarray(numbers).item())

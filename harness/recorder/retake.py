@@ -14,8 +14,8 @@ from typing import Any
 
 import gymnasium
 import numpy as np
-from numpy.typing import NDArray
 
+from harness.arrays import Float
 from harness.errors import UsageError, one_line
 from harness.log import Log, Rows, in_memory
 from harness.record.recording.facts import ActionFacts, TrainingFacts, facts_of, file_column, term_column
@@ -102,7 +102,7 @@ class Retake:
 
     def _of_recorder(self, folder: Path, facts: TrainingFacts, calls: Rows, done: int) -> Log:
         """Its envs one after the other: each of them went on by itself."""
-        values: dict[str, NDArray[np.float64]] = {}
+        values: dict[str, Float] = {}
         scores: list[Log] = []
         for env in range(facts.num_envs):
             rows = np.flatnonzero(calls["env"] == env)

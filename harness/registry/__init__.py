@@ -7,7 +7,6 @@ from harness.face import face_of
 if TYPE_CHECKING:
     from harness.registry.choice import (
         Choice as Choice,
-        Plugin as Plugin,
         Registry as Registry,
         build_defaults as build_defaults,
         choose as choose,
@@ -15,7 +14,6 @@ if TYPE_CHECKING:
         split_list as split_list,
     )
     from harness.registry.given import (
-        Given as Given,
         given_from_json as given_from_json,
         given_to_json as given_to_json,
         read_given as read_given,

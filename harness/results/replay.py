@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from harness.arrays import Float
 from harness.errors import SchemaError, UsageError
 from harness.eta.manner import OWN_AND_OTHER
-from harness.log import Log, sums_so_far
+from harness.log import Log
+from harness.log.log import sums_so_far
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, SCENE, SUFFIX
 from harness.record.returns import PAID, paid_in

@@ -1,34 +1,17 @@
 """What an author of rewards imports; see `harness.reward.reward` for the interface."""
 
-from harness.reward.given import Given
-from harness.reward.reward import (
-    LARGEST_FACTOR,
-    LARGEST_PAID,
-    Array,
-    Carry,
-    Reward,
-    Selection,
-    put,
-    replace_where,
-    take,
-)
-from harness.reward.steps import MissingField, Sample, Steps
-from harness.reward.terms import Paid, pay
+from typing import TYPE_CHECKING
 
-__all__ = [
-    "LARGEST_FACTOR",
-    "LARGEST_PAID",
-    "Array",
-    "Carry",
-    "Given",
-    "MissingField",
-    "Paid",
-    "Reward",
-    "Sample",
-    "Selection",
-    "Steps",
-    "pay",
-    "put",
-    "replace_where",
-    "take",
-]
+from harness.face import face_of
+from harness.reward.given import Given as Given
+from harness.reward.reward import (
+    LARGEST_FACTOR as LARGEST_FACTOR,
+    Array as Array,
+    Carry as Carry,
+    Reward as Reward,
+)
+from harness.reward.steps import Sample as Sample, Steps as Steps
+from harness.reward.terms import Paid as Paid, pay as pay
+
+if not TYPE_CHECKING:
+    __all__, __getattr__ = face_of(__name__, __file__)

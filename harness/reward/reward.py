@@ -8,16 +8,15 @@ from math import hypot, isfinite, isnan
 from typing import Any, Protocol, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
-from harness.arrays import Mask
+from harness.arrays import Ints, Mask
 from harness.errors import SimulationDiverged
 from harness.reward.steps import Steps
 
 Carry: TypeAlias = Any
 """What a reward remembers inside an episode: an array with a leading num_envs axis, or a tuple of such, or ``()``."""
 
-Selection: TypeAlias = NDArray[np.int64] | Mask
+Selection: TypeAlias = Ints | Mask
 """Some of several episodes: their numbers, or a mask."""
 
 

@@ -7,7 +7,7 @@ from typing import Any, Protocol, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.arrays import Mask, read_only
+from harness.arrays import Ints, Mask, read_only
 from harness.reward.steps import Steps, rows_of, step_between
 
 TOUCHED = ("reached", "terminated", "truncated")
@@ -36,7 +36,7 @@ class Recorded(Protocol):
     def __contains__(self, name: object) -> bool: ...
 
 
-def part_of(rows: Rows, which: NDArray[np.int64] | slice) -> Rows:
+def part_of(rows: Rows, which: Ints | slice) -> Rows:
     """Some rows, in order."""
     return {name: column[which] for name, column in rows.items()}
 
@@ -101,7 +101,7 @@ def steps_of_run(run: Recorded, fields: Collection[str]) -> Steps:
     return steps if order is None else rows_of(steps, np.argsort(order))
 
 
-def by_env(rows: Rows, env: NDArray[Any]) -> tuple[Rows, NDArray[np.int64] | None]:
+def by_env(rows: Rows, env: NDArray[Any]) -> tuple[Rows, Ints | None]:
     """All rows of a run, one env after the other, and the number that each had before; None if that is its own."""
     if (env[1:] == env[:-1]).all():
         return rows, None

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from xml.etree.ElementTree import Element
 
 import numpy as np
-from numpy.typing import NDArray
 
+from harness.arrays import Mask
 from harness.errors import UsageError
 from harness.robot.kinematics import Chain, build_chain, position_jacobian
 from harness.robot.urdf import Joint, Urdf, linked, parse_urdf, read_chain
@@ -199,8 +199,8 @@ def tip_of(urdf_text: str, end_effector: str, chain: Chain) -> Tip:
     )
 
 
-def _move_tip(chain: Chain) -> NDArray[np.bool_]:
+def _move_tip(chain: Chain) -> Mask:
     """Which joints move the end effector in some pose, (dof,)."""
     poses = np.random.default_rng(0).uniform(-1.0, 1.0, (POSES, chain.dof))
-    moved: NDArray[np.bool_] = np.linalg.norm(position_jacobian(chain, poses), axis=1).max(axis=0) > STILL
+    moved: Mask = np.linalg.norm(position_jacobian(chain, poses), axis=1).max(axis=0) > STILL
     return moved

@@ -21,7 +21,7 @@ from xml.etree.ElementTree import Element
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.arrays import Float
+from harness.arrays import Float, Ints
 from harness.errors import UsageError
 from harness.files.bounded import kind_at, read_bytes
 from harness.robot.packages import package_folders
@@ -218,7 +218,7 @@ def _read_obj(data: bytes) -> Mesh:
     return Mesh(vertices, corners.astype(np.int32))
 
 
-def _require_corners(numbers: NDArray[np.int64], count: int) -> None:
+def _require_corners(numbers: Ints, count: int) -> None:
     """Raises unless all triangles have corners among `count` points."""
     if numbers.size and not 0 <= numbers.min() <= numbers.max() < count:
         raise ValueError("it has triangles with corners that it does not have")

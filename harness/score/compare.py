@@ -15,20 +15,20 @@ from harness.eta import (
     BK,
     KB,
     KK,
-    Decomposition,
     GroupCurve,
-    Kind,
     Names,
-    Pair,
     corrected_p,
     decompose,
     number_sentence,
 )
+from harness.eta.curve import Kind
 from harness.eta.laws import counted, shortfall_beside
+from harness.eta.splits import Decomposition, Pair
 from harness.log import Log, Rows
 from harness.log.log import ROWS
 from harness.registry.choice import Registry, choose
-from harness.reward import MissingField, Reward
+from harness.reward import Reward
+from harness.reward.steps import MissingField
 from harness.score.csv_steps import EVENTS
 from harness.score.scorer import Payer, can_be_paid, pay_column
 

@@ -12,7 +12,8 @@ from harness.log import Log
 from harness.record.trace import TERM, terms_of
 from harness.registry.choice import Choice, Registry
 from harness.registry.sources import fingerprint
-from harness.reward import MissingField, Paid, Reward
+from harness.reward import Paid, Reward
+from harness.reward.steps import MissingField
 from harness.reward.terms import needs_of
 from harness.score.scorer import pay_log
 from harness.score.weights import reweighted

@@ -12,7 +12,15 @@ from harness.arrays import Float, Ints, Mask
 from harness.errors import UsageError
 from harness.log import Log, Rows
 from harness.log.log import RECORDED, REWARD
-from harness.reward import Carry, MissingField, Paid, Reward, Sample, Steps, pay, put, take
+from harness.reward import (
+    Carry,
+    Paid,
+    Reward,
+    Sample,
+    Steps,
+    pay,
+)
+from harness.reward.reward import put, take
 from harness.reward.row_steps import (
     DISTANCES,
     FIELDS,
@@ -24,7 +32,7 @@ from harness.reward.row_steps import (
     part_of,
     steps_of_rows,
 )
-from harness.reward.steps import BEFORE, NOT_RECORDED, rows_of
+from harness.reward.steps import BEFORE, NOT_RECORDED, MissingField, rows_of
 from harness.reward.terms import shown_needs
 
 SCORED = ("env", "step", *DISTANCES, *TOUCHED)

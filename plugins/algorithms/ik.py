@@ -6,7 +6,7 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from harness.algorithm import ActionSpace
-from harness.authoring.act_without_learning import act_for
+from harness.authoring import act_for
 from harness.env.arm_observation import kinematics_policy, why_not_kinematics
 from harness.policy import InverseKinematics
 from harness.progress import Progress
@@ -16,7 +16,7 @@ from harness.task import Task
 from ..hyperparameters import MOST_ENVS
 
 if TYPE_CHECKING:
-    from harness.env import ReachVectorEnv
+    from harness.authoring import ReachVectorEnv
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from harness.algorithm import ActionSpace, TrainingEnv
-from harness.authoring.act_without_learning import act_for
+from harness.authoring import act_for
 from harness.policy import Policy, Uniform, UniformChoice
 from harness.progress import Progress
 

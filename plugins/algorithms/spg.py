@@ -19,7 +19,7 @@ from pydantic.dataclasses import dataclass
 
 from harness.algorithm import ActionSpace, TrainingEnv
 from harness.arrays import Float32, Mask
-from harness.authoring.generator_state import pack_generator, restore_generator
+from harness.authoring import pack_generator, restore_generator
 from harness.policy import Gaussian
 from harness.progress import Progress, TrainingState, as_state, prefixed, under
 

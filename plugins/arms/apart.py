@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float, Mask
+from harness.authoring import StillFrames
 from harness.robot import Robot
-from harness.scene.picture import StillFrames
 from harness.simulator import State
 
 

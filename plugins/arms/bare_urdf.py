@@ -3,8 +3,7 @@
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
-from harness.robot import Robot
-from harness.robot.urdf import parse_urdf
+from harness.robot import Robot, parse_urdf
 
 OF_LINK, OF_JOINT = {"inertial"}, {"parent", "child", "origin", "axis"}
 """The tags that are kept in a link and in a joint."""

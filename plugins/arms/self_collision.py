@@ -7,9 +7,7 @@ joint moves.
 from collections.abc import Iterable
 from itertools import combinations
 
-from harness.robot import Robot
-from harness.robot.shapes import Shape, moving_carrier
-from harness.robot.urdf import parse_urdf
+from harness.robot import Robot, Shape, moving_carrier, parse_urdf
 
 Pair = tuple[int, int]
 """Two groups, the lower number first."""

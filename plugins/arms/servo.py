@@ -6,10 +6,9 @@ from typing import Protocol
 import numpy as np
 
 from harness.arrays import Float, Mask
-from harness.authoring.servo_track import ServoTrack, servo_of
-from harness.authoring.substeps import Substeps
+from harness.authoring import ServoTrack, Substeps
 from harness.robot import Robot
-from harness.simulator import State
+from harness.simulator import State, servo_of
 
 from .apart import ArmAlone, Arms, Frames
 

@@ -416,7 +416,9 @@ def _of_folder(
 
         return audit_logs(folder, find_logs(folder, registry, log_format or ""), only, sort or "", out)
     if kind == EXPERIMENT:
-        from harness.results import Told, Traces, load_results
+        from harness.results import load_results
+        from harness.results.logs.told import Told
+        from harness.results.traces import Traces
 
         results = load_results(folder, told=Told(leave_out=out), registry=registry)
         if isinstance(results, Traces):
@@ -449,9 +451,8 @@ def _of_task(
     needs_scripts: bool,
 ) -> "tuple[list[Audit], list[Place]]":
     """An audit of each reward by scripts, where they can do the task, and where a search looks."""
-    from harness.env import IdealSimulator
-    from harness.payoff import record_rollouts, score_rollout
-    from harness.payoff.rollout import NoScriptsError
+    from harness.env.ideal import IdealSimulator
+    from harness.payoff.rollout import NoScriptsError, record_rollouts, score_rollout
     from harness.registry import choose, split_list
     from harness.task import choose_task
 

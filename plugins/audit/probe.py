@@ -6,8 +6,8 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.payoff.rollout import Score, States, pay_along
-from harness.reward import MissingField, Reward
-from harness.reward.steps import DISTANCE
+from harness.reward import Reward
+from harness.reward.steps import DISTANCE, MissingField
 
 EACH = 16
 """Episodes of each of the three kinds."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from harness.arrays import Float
-from harness.payoff import Rollout, discounted_sum, pay_distances
+from harness.payoff.rollout import Rollout, discounted_sum, pay_distances
 from harness.reward import Reward
 from harness.text import number
 

@@ -6,8 +6,20 @@ import numpy as np
 
 from harness.eta import line_of
 from harness.log import SUCCESS
-from harness.payoff import Rollout, discounted_sum, finishing_of, score_rollout
-from harness.payoff.rollout import CREEP, FINISH, HOLD, HOVER, Score, on_finishing, on_terms, under_noise
+from harness.payoff.rollout import (
+    CREEP,
+    FINISH,
+    HOLD,
+    HOVER,
+    Rollout,
+    Score,
+    discounted_sum,
+    finishing_of,
+    on_finishing,
+    on_terms,
+    score_rollout,
+    under_noise,
+)
 from harness.results.recordings.episodes import Episodes
 from harness.reward import Reward
 from harness.text import number

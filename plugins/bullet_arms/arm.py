@@ -7,7 +7,7 @@ import numpy as np
 import pybullet
 
 from harness.arrays import Float
-from harness.authoring.substeps import Substeps
+from harness.authoring import Substeps
 from harness.robot import Robot
 from harness.simulator import State
 

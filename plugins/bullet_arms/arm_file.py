@@ -15,9 +15,7 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from harness.arrays import Float
-from harness.robot import Robot
-from harness.robot.meshes import HEADER, TRIANGLE, read_mesh
-from harness.robot.shapes import read_points
+from harness.robot import Robot, read_mesh, read_points
 
 
 @contextmanager
@@ -65,11 +63,11 @@ def _set_solid(collision: Element, owner: str, folder: Path) -> None:
 
 def _write_stl(corners: Float, folder: Path) -> str:
     """Write triangles, (count, 3, 3), [m], as a new binary STL; its path."""
-    triangles = np.zeros(len(corners), TRIANGLE)
-    triangles["corners"] = corners
+    triangles = np.zeros(len(corners), "12<f4, <u2")  # normal and corners, an attribute
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     # Bullet draws what has no normals black.
-    triangles["normal"] = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+    triangles["f0"] = np.hstack([normals, corners.reshape(-1, 9)])
     path, count = folder / f"{len(list(folder.iterdir()))}.stl", len(corners).to_bytes(4, "little")
-    path.write_bytes(bytes(HEADER - len(count)) + count + triangles.tobytes())
+    path.write_bytes(bytes(80) + count + triangles.tobytes())
     return str(path)

@@ -8,9 +8,9 @@ import pybullet
 from numpy.typing import NDArray
 
 from harness.arrays import Float
+from harness.authoring import Camera, camera_for, seen_of
 from harness.errors import UsageError
 from harness.robot import Robot
-from harness.scene.picture import Camera, camera_for, seen_of
 
 from .arm_file import file_of_arm
 from .world import LOAD_FLAGS, load_body, numbers, set_joints

@@ -6,9 +6,8 @@ import numpy as np
 import pybullet
 
 from harness.arrays import Float
-from harness.authoring.substeps import Substeps
-from harness.robot import Robot
-from harness.robot.joint_limits import Servo
+from harness.authoring import Substeps
+from harness.robot import Robot, Servo
 
 from ..arms.dry_friction import DryFriction
 from .arm import Arm

@@ -14,9 +14,8 @@ import numpy as np
 import pybullet
 
 from harness.arrays import Float
-from harness.errors import MissingSolid, UsageError
+from harness.errors import MissingSolid, UsageError, print_visible
 from harness.robot import Robot
-from harness.text import print_visible
 
 GRAVITY = -9.81
 """Along z, [m/s^2]."""

@@ -9,8 +9,9 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from harness.eta import Split, no_splits
+from harness.eta import Split
 from harness.eta.headline import is_drawable
+from harness.eta.splits import no_splits
 from harness.report import (
     Axis,
     Chart,

@@ -9,7 +9,9 @@ from typing import NamedTuple, TypeAlias
 from harness.record import EXPERIMENT, Manifest
 from harness.record.file_forms import Status
 from harness.report import Fact, all_facts, comparison_facts, first_facts, how_to_read, question, shared_facts
-from harness.results import Comparison, Group, Results, told_manifests
+from harness.results import Results
+from harness.results.comparison import Comparison, Group
+from harness.results.results import told_manifests
 from harness.text import visible
 
 Pictures: TypeAlias = Mapping[str, str]

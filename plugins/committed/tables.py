@@ -13,7 +13,8 @@ import pyarrow.parquet as pq
 from harness.eta import GroupCurve, curve_of
 from harness.record import Manifest
 from harness.report.page.answer import plain_text
-from harness.results import Comparison, Results, told_manifests
+from harness.results import Comparison, Results
+from harness.results.results import told_manifests
 from harness.results.table import RANDOM
 
 OWN = ("first_negative", "crossover", "I_N", "I_P", "final_accumulated_reward")

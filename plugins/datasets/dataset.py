@@ -6,9 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from harness.errors import SchemaError, UsageError
-from harness.registry import did_you_mean
-from harness.text import shortened
+from harness.authoring import did_you_mean
+from harness.errors import SchemaError, UsageError, shortened
 
 SHOWN = 5
 """So many numbers of episodes are told."""

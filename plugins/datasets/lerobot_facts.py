@@ -8,11 +8,9 @@ from typing import Any, NamedTuple
 
 import pyarrow.parquet as pq
 
-from harness.errors import NewerFormat, SchemaError
-from harness.files import read_json, require_regular
-from harness.files.bounded import parse_json, read_bytes
+from harness.errors import NewerFormat, SchemaError, shortened
+from harness.files import parse_json, read_bytes, read_json, require_regular
 from harness.record.dataset.open_dataset import MOST_EPISODES
-from harness.text import shortened
 
 from .dataset import MOST_KEYS, MOST_NUMBERS, whole
 

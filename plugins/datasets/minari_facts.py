@@ -8,9 +8,8 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from harness.errors import NewerFormat, SchemaError, UsageError
+from harness.errors import NewerFormat, SchemaError, UsageError, shortened
 from harness.files import read_json, reading
-from harness.text import shortened
 
 from .dataset import MOST_NUMBERS
 from .hdf5_parts import DEEPEST

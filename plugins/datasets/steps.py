@@ -11,11 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float, Ints, Mask
-from harness.errors import SchemaError
+from harness.authoring import DatasetFacts
+from harness.errors import SchemaError, shortened
 from harness.log import BEHAVIOUR, INFO, OBSERVATION, OPERATOR, RECORDED, REWARD, SEEN, SUCCESS, TASK, Log
 from harness.record.dataset.labels import UNKNOWN, SuccessRule, parse_success
-from harness.record.dataset.open_dataset import DatasetFacts
-from harness.text import shortened
 
 from .dataset import OPERATOR_KEYS, SUCCESS_KEYS, chosen_key
 

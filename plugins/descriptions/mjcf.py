@@ -19,11 +19,9 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.errors import UsageError
-from harness.files.apart import run_apart
-from harness.robot import Description
+from harness.files import run_apart
+from harness.robot import Description, is_readable
 from harness.robot.chain_end import TOOL
-from harness.robot.meshes import is_readable
-from harness.robot.urdf import free_name
 
 from .mjcf_bounds import require_bounded
 
@@ -416,7 +414,9 @@ def _distinct(names: list[str], taken: set[str], ending: str = "") -> list[str]:
     """The names, each made another one where it comes again."""
     given: list[str] = []
     for name in names:
-        free = free_name(f"{name}{ending}" if name in taken else name, taken)
+        free = f"{name}{ending}" if name in taken else name
+        while free in taken:
+            free += "_"
         taken.add(free)
         given.append(free)
     return given

@@ -12,8 +12,8 @@ from pathlib import Path
 from xml.etree.ElementTree import Element
 
 from harness.errors import UsageError, reason_of
-from harness.files.bounded import open_regular, read_text
-from harness.robot.urdf import BoundedBuilder
+from harness.files import open_regular, read_text
+from harness.robot import BoundedBuilder
 
 MOST_BYTES, MOST_FILE_BYTES = 16 * 2**20, 64 * 2**20
 """The most bytes of an XML file, and of a mesh, a picture or a height field."""

@@ -13,12 +13,10 @@ from errno import EINVAL
 from pathlib import Path
 from typing import Any
 
-from harness.errors import UsageError, one_line
-from harness.files.apart import run_apart
-from harness.registry.allowed import is_allowed_program
-from harness.robot import Description
-from harness.robot.packages import package_folders
-from harness.text import command_text
+from harness.authoring import is_allowed_program
+from harness.errors import UsageError, command_text, one_line
+from harness.files import run_apart
+from harness.robot import Description, package_folders
 
 CPU_SECONDS, MEMORY = 10, 2**29
 """What it may compute, [s], and its bytes of data; a public arm takes one."""

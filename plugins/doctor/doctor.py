@@ -15,7 +15,8 @@ from harness.cli.output import say
 from harness.cli.runnable import example_run, usable
 from harness.experiment.provenance import CHECKOUT, describe_machine, source_commit, versions_behind
 from harness.hookspecs import NOUNS
-from harness.registry import OURS, Plugin, Registry, load_registry
+from harness.registry import OURS, Registry, load_registry
+from harness.registry.choice import Plugin
 from harness.registry.targets import examined
 
 from .trials import half_installed, try_all

@@ -13,9 +13,9 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from harness.arrays import Float
+from harness.authoring import require_allowed
 from harness.environment import AnyEnv, GoalReward
 from harness.errors import UsageError
-from harness.registry.allowed import require_allowed
 from harness.reward import Given
 
 EXAMPLES = {

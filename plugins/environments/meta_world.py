@@ -8,9 +8,9 @@ import gymnasium
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
+from harness.authoring import unknown_name
 from harness.environment import AnyEnv
 from harness.errors import UsageError
-from harness.registry.spec import unknown_name
 from harness.reward import Given
 from harness.task import LONGEST_EPISODE
 

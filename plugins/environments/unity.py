@@ -11,14 +11,12 @@ import numpy as np
 from pydantic import Field, ValidationInfo, model_validator
 from pydantic.dataclasses import dataclass
 
-from harness.authoring import ObservedReward
+from harness.authoring import ObservedReward, load_registry, parse_places, require_program
 from harness.environment import AnyEnv
 from harness.errors import UsageError
-from harness.registry.allowed import require_program
 from harness.registry.choice import build_defaults
-from harness.registry.registry import load_registry
 from harness.reward import Given, Reward
-from harness.score.places import RENEWED, ArmPlaces, parse_places
+from harness.score.places import RENEWED, ArmPlaces
 
 OWN = "own"
 DISTANCES = ("begin_distance", "closest_distance", "final_distance")

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from harness.authoring import run_jobs
 from harness.executor import Job, OnEvent
-from harness.experiment.jobs import run_jobs
 
 
 @dataclass(frozen=True)

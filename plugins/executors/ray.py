@@ -44,7 +44,7 @@ class Ray:
         if not jobs:
             return
         # Imported here: the settings above are checked before anything runs, and Ray takes a second.
-        from harness.registry.toml_file import read_toml
+        from harness.authoring import read_toml
 
         from ..ray_cluster.connection import connected
         from ..ray_cluster.fleet import Fleet, Needs

@@ -10,11 +10,11 @@ import typer
 
 from harness.cli.output import say
 from harness.errors import UsageError
-from harness.files import is_partial, write_whole
-from harness.files.bounded import files_in
-from harness.policy import CARD, Network, load_policy
-from harness.policy.policy import read_folder
+from harness.files.bounded import files_in, is_partial, write_whole
+from harness.policy import load_policy
+from harness.policy.policy import Network, read_folder
 from harness.record import POLICY, Store
+from harness.record.folder import CARD
 from harness.record.out_folder import folder_lock, make_folder, storage_errors
 from harness.text import command_text
 

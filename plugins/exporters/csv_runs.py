@@ -16,7 +16,7 @@ from harness.record.recording.facts import facts_of, file_column
 from harness.record.recording.recorded_training import FLAGS, INTEGERS, TICK, TICK_IN_FILE, is_recording, recordings_in
 from harness.record.trace import TERM
 from harness.results import Group, Results
-from harness.score import EVENTS
+from harness.score.csv_steps import EVENTS
 from harness.text import file_stems
 
 

@@ -8,8 +8,7 @@ import numpy as np
 import onnx
 from onnx import TensorProto, helper, numpy_helper
 
-from harness.policy import Network
-from harness.policy.policy import MEAN, STD, ContinuousNetwork
+from harness.policy.policy import MEAN, STD, ContinuousNetwork, Network
 
 OPSET, IR_VERSION = 17, 8
 """Versions of ONNX from 2022. They have all that these models need, and programs of that age can read them."""

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from harness.algorithm import TrainingEnv
 from harness.arrays import Float32, Mask
-from harness.authoring.generator_state import pack_generator, restore_generator
+from harness.authoring import pack_generator, restore_generator
 from harness.policy import SquashedGaussian
 from harness.progress import SCALARS_EVERY, TOLD_EVERY, Progress, Ring, TrainingState, as_state, prefixed, under
 

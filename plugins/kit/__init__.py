@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 from harness.face import face_of
 
 if TYPE_CHECKING:
-    from harness.env import IdealSimulator as IdealSimulator
+    from harness.env.ideal import IdealSimulator as IdealSimulator
 
     from .algorithms import ALGORITHM_CHECKS as ALGORITHM_CHECKS, check_algorithm as check_algorithm
     from .contract import Check as Check, check as check, violations as violations

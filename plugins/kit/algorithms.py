@@ -18,7 +18,7 @@ import numpy as np
 
 from harness.algorithm import Algorithm, learns, needs_goals
 from harness.arrays import Float, Mask
-from harness.env import ReachVectorEnv
+from harness.env.vector_env import ReachVectorEnv
 from harness.experiment.checkpoints.checkpoint import Checkpoint, read_checkpoint, store
 from harness.policy import Policy, load_policy
 from harness.progress import TrainingState

@@ -12,7 +12,7 @@ from harness.authoring import run_job
 from harness.authoring.closed_motion import closed_motion
 from harness.errors import UsageError
 from harness.executor import Job
-from harness.experiment import check_experiment, expand
+from harness.experiment.plan import check_experiment, expand
 from harness.record import Manifest
 from harness.registry import choose, load_registry
 from harness.robot import Robot

@@ -11,7 +11,7 @@ import pytest
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from harness.env import ReachVectorEnv
+    from harness.env.vector_env import ReachVectorEnv
     from harness.record import Manifest
     from harness.simulator import Simulation
 

@@ -8,11 +8,11 @@ import numpy as np
 
 from harness import load_robot
 from harness.arrays import Float
-from harness.authoring import link_frames, reach_position
-from harness.env import require_solids
+from harness.env.solid_probes import require_solids
 from harness.errors import MissingSolid, PluginError, UsageError
 from harness.registry import choose, load_registry
 from harness.robot import Robot, build_solids, read_mesh
+from harness.robot.kinematics import link_frames, reach_position
 from harness.robot.settings import FILE
 
 from .contract import check, raise_first, require

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import get_args
 
 from harness.executor import Event, Executor, Job
-from harness.experiment import check_experiment, expand
+from harness.experiment.plan import check_experiment, expand
 from harness.record import read_manifest
 from harness.registry import load_registry
 from harness.tracker import Outcome, TrackedCell, Tracker

@@ -7,10 +7,11 @@ import numpy as np
 
 from harness import load_robot
 from harness.arrays import Float, Float32, Mask
-from harness.authoring import reach_position
-from harness.env import IdealSimulator, ReachVectorEnv
+from harness.env.ideal import IdealSimulator
+from harness.env.vector_env import ReachVectorEnv
 from harness.goal import Goal, Situation
-from harness.robot import Robot, reach_pose, rotation_of_axes
+from harness.robot import Robot, rotation_of_axes
+from harness.robot.kinematics import reach_pose, reach_position
 from harness.task import Task, goal_of, varies
 
 from .contract import check, raise_first, require, settings_are_frozen, settings_survive_json

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from harness import load_robot
 from harness.algorithm import ActionSpace, Algorithm, Goals, needs_goals
 from harness.arrays import Float, Float32, Mask
-from harness.env import IdealSimulator, ReachVectorEnv
-from harness.env.vector_env import Actions, Infos
-from harness.payoff import discounted_sum
+from harness.env.ideal import IdealSimulator
+from harness.env.vector_env import Actions, Infos, ReachVectorEnv
+from harness.payoff.rollout import discounted_sum
 from harness.policy import Policy
 from harness.progress import Progress
 from harness.reach import ReachTask
@@ -233,7 +233,7 @@ def mean_return(training: Training) -> float:
     """The mean return of episodes in which the policy of a training acts without noise."""
     env = WatchedEnv(EVALUATION_EPISODES, training.env.space, training.env.goals is not None)
     seen, _ = env.reset(seed=ENV_SEED)
-    running, paid = np.ones(env.num_envs, bool), list[NDArray[np.float64]]()
+    running, paid = np.ones(env.num_envs, bool), list[Float]()
     while running.any():
         seen, rewards, terminated, truncated, _ = env.step(training.policy.act(seen))
         paid.append(np.where(running, rewards, 0.0))

@@ -14,11 +14,19 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from harness.arrays import Ints, Mask
+from harness.authoring import DatasetFacts
 from harness.errors import SchemaError, UsageError
-from harness.files.bounded import names_in_hdf5
-from harness.log import Log
-from harness.log.log import ACTION, BEFORE, INFO, OBSERVATION, RECORDED, REWARD
-from harness.record.dataset.open_dataset import HDF5_SIGNATURE, DatasetFacts
+from harness.files import names_in_hdf5
+from harness.log import (
+    ACTION,
+    BEFORE,
+    INFO,
+    OBSERVATION,
+    RECORDED,
+    REWARD,
+    Log,
+)
+from harness.record.dataset.open_dataset import HDF5_SIGNATURE
 
 from ..datasets.dataset import (
     MOST_NUMBERS,

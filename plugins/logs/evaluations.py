@@ -10,9 +10,17 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.errors import SchemaError
-from harness.files.bounded import open_regular, reading
-from harness.log import Log, LogFacts, in_memory
-from harness.log.log import BEHAVIOUR, LARGEST, RECORDED, REWARD, SUCCESS
+from harness.files import open_regular, reading
+from harness.log import (
+    BEHAVIOUR,
+    LARGEST,
+    RECORDED,
+    REWARD,
+    SUCCESS,
+    Log,
+    LogFacts,
+    in_memory,
+)
 
 from ..zoo_settings import zoo_settings
 

@@ -21,12 +21,20 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from harness.arrays import Ints
-from harness.errors import SchemaError, UsageError
-from harness.files.bounded import reading, require_regular
-from harness.log import Log
-from harness.log.log import ACTION, BEFORE, FILE as FILE_COLUMN, INFO, OBSERVATION, RECORDED, REWARD, TASK
-from harness.record.dataset.open_dataset import DatasetFacts
-from harness.text import shortened
+from harness.authoring import DatasetFacts
+from harness.errors import SchemaError, UsageError, shortened
+from harness.files import reading, require_regular
+from harness.log import (
+    ACTION,
+    BEFORE,
+    FILE as FILE_COLUMN,
+    INFO,
+    OBSERVATION,
+    RECORDED,
+    REWARD,
+    TASK,
+    Log,
+)
 
 from ..datasets.dataset import (
     NOTHING_SEEN,

@@ -14,11 +14,18 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from harness.errors import SchemaError
-from harness.log import Log
-from harness.log.log import ACTION, BEFORE, INFO, OBSERVATION, RECORDED, REWARD
-from harness.record.dataset.open_dataset import MOST_EPISODES, DatasetFacts
-from harness.text import shortened
+from harness.authoring import DatasetFacts
+from harness.errors import SchemaError, shortened
+from harness.log import (
+    ACTION,
+    BEFORE,
+    INFO,
+    OBSERVATION,
+    RECORDED,
+    REWARD,
+    Log,
+)
+from harness.record.dataset.open_dataset import MOST_EPISODES
 
 from ..datasets.dataset import (
     MOST_NUMBERS,

@@ -10,13 +10,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from harness.errors import SchemaError, UsageError
-from harness.files.bounded import names_in_hdf5
-from harness.log import Log
-from harness.log.log import ACTION, BEFORE, OBSERVATION, RECORDED, REWARD
-from harness.record.dataset.open_dataset import HDF5_SIGNATURE, MOST_EPISODES, DatasetFacts
-from harness.registry.spec import did_you_mean
-from harness.text import one_line_of, shortened
+from harness.authoring import DatasetFacts, did_you_mean
+from harness.errors import SchemaError, UsageError, one_line_of, shortened
+from harness.files import names_in_hdf5
+from harness.log import (
+    ACTION,
+    BEFORE,
+    OBSERVATION,
+    RECORDED,
+    REWARD,
+    Log,
+)
+from harness.record.dataset.open_dataset import HDF5_SIGNATURE, MOST_EPISODES
 
 from ..datasets.dataset import (
     NOTHING_SEEN,

@@ -14,10 +14,9 @@ from pathlib import Path
 import numpy as np
 
 from harness.arrays import Float
-from harness.errors import AskedError, SchemaError, UsageError, reason_of
-from harness.files.bounded import read_json
-from harness.log import BEHAVIOUR, SUCCESS, Log, LogFacts, in_memory
-from harness.log.log import require_columns
+from harness.errors import AskedError, SchemaError, UsageError, reason_of, shortened
+from harness.files import read_json
+from harness.log import BEHAVIOUR, SUCCESS, Log, LogFacts, in_memory, require_columns
 from harness.log.text_table import NOTHING, TRUTH, TextTable, first_rows, head_of, parse_table, read_text
 from harness.score.row_meaning import (
     ENV,
@@ -30,7 +29,6 @@ from harness.score.row_meaning import (
     split,
     why_no_steps,
 )
-from harness.text import shortened
 
 from ..curves import (
     OF_ALL,

@@ -12,7 +12,7 @@ import numpy as np
 
 from harness.errors import SchemaError
 from harness.eta.laws import NEARLY_ALL
-from harness.files.bounded import reading, require_regular
+from harness.files import reading, require_regular
 from harness.log import Log, LogFacts
 
 from ..curves import Roles, cleanrl_run, curve

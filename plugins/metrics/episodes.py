@@ -6,22 +6,21 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from harness.arrays import Float
+from harness.arrays import Float, Ints
+from harness.authoring import episode_facts
 from harness.errors import Unmeasured
 from harness.log import Log
-from harness.record.trace import OBSTACLE, episode_facts
 
 
-def steps_to_target(trace: Log) -> NDArray[np.int64]:
+def steps_to_target(trace: Log) -> Ints:
     """How many environment steps each finished episode takes to its first target, (episodes,).
 
     The number is 0 if the episode reaches no target. The order is that of `Log.episodes`.
     """
     reached = trace["reached"]
     first = np.array([rows[reached[rows].argmax()] for rows in trace.episodes], np.int64)
-    steps: NDArray[np.int64] = np.where(reached[first], trace["step"][first], 0)
+    steps: Ints = np.where(reached[first], trace["step"][first], 0)
     return steps
 
 
@@ -105,7 +104,7 @@ class ObstacleHits:
     def __call__(self, trace: Log) -> float | None:
         """None without a finished episode, or if the task has no obstacles."""
         ends = trace.last_rows
-        return float(trace[OBSTACLE][ends].mean()) if OBSTACLE in trace.columns and len(ends) else None
+        return float(trace["obstacle"][ends].mean()) if "obstacle" in trace.columns and len(ends) else None
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float, Mask
-from harness.authoring.servo_track import ServoTrack
-from harness.robot.joint_limits import Servo
+from harness.authoring import ServoTrack
+from harness.robot import Servo
 from harness.simulator import State
 
 from .engine import mujoco

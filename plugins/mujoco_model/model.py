@@ -16,10 +16,7 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float
 from harness.errors import UsageError
-from harness.robot import Robot
-from harness.robot.joint_limits import Servo
-from harness.robot.meshes import read_mesh
-from harness.robot.shapes import Shape, read_origin, read_scale
+from harness.robot import Robot, Servo, Shape, read_mesh, read_origin, read_scale
 
 GREY = [0.7, 0.7, 0.7, 1.0]
 """Red, green, blue and opacity, 0 to 1, of a surface without a colour."""

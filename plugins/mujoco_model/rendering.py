@@ -19,9 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float
+from harness.authoring import Camera, camera_for, seen_of
 from harness.errors import UsageError, one_line
 from harness.robot import Robot
-from harness.scene.picture import Camera, camera_for, seen_of
 
 from .engine import choices_kept, mujoco
 from .model import TARGET

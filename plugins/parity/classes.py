@@ -6,7 +6,7 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 
 from harness.arrays import Float
-from harness.motion import JointLimits
+from harness.motion.motion import JointLimits
 from harness.robot import Robot
 
 from .motions import (

@@ -7,9 +7,10 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from harness.arrays import Float, Mask
-from harness.authoring import link_frames
 from harness.env.solid_probes import few_points
-from harness.robot import Robot, Solids, build_solids
+from harness.robot import Robot, build_solids
+from harness.robot.ground_clearance import Solids
+from harness.robot.kinematics import link_frames
 
 CLEARANCE = 0.1
 """Height that the tip and each joint keep above the ground, as a share of the arm's reach."""

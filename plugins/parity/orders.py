@@ -7,9 +7,10 @@ from typing import NamedTuple
 import numpy as np
 
 from harness.arrays import Float
-from harness.authoring import link_frames, reach_position
 from harness.env.solid_probes import Probe, few_points, probes_of
-from harness.robot import Robot, Solids, build_solids
+from harness.robot import Robot, build_solids
+from harness.robot.ground_clearance import Solids
+from harness.robot.kinematics import link_frames, reach_position
 
 from .classes import CONTACT, SMOOTH, class_motions, in_order
 from .motions import ACCELERATION, SPEED, Held, draw_start, smooth_motions

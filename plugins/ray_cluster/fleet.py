@@ -14,15 +14,12 @@ from typing import Any, Final, NamedTuple
 import ray
 from ray.util.scheduling_strategies import NodeAffinitySchedulingStrategy
 
-from harness.authoring.folder_parts import Part, add_part, parts_of
-from harness.errors import UsageError, one_line
-from harness.executor import Event, Job, OnEvent
+from harness.authoring import Part, add_part, load_registry, parts_of
+from harness.errors import UsageError, one_line, one_line_of, print_visible
+from harness.executor import Cell, Event, Job, OnEvent, partial_folder
 from harness.experiment.installation import describe_installation, differences
-from harness.record.cell import Cell
-from harness.record.folder import partial_folder, publish
+from harness.record.folder import publish
 from harness.registry.given import Given, given_to_json
-from harness.registry.registry import load_registry
-from harness.text import one_line_of, print_visible
 
 from .node import Ended, Found, Slot, Told, look_around
 

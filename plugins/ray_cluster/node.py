@@ -9,13 +9,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final, NamedTuple, TypeAlias
 
-from harness.authoring.folder_parts import Part, add_parts, parts_of
-from harness.executor import Job, Word
+from harness.authoring import Part, add_parts, order_of, parts_of
+from harness.executor import Cell, Job, Word, partial_folder
 from harness.experiment.installation import describe_workers
-from harness.experiment.jobs import order_of
 from harness.experiment.workers.workers import Pool
-from harness.record.cell import Cell
-from harness.record.folder import partial_folder
 from harness.registry.given import given_from_json
 
 TELL_EVERY: Final = 0.5

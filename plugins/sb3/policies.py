@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from harness.arrays import Float32
-from harness.authoring.layers import layer_weights
+from harness.authoring import layer_weights
 from harness.policy import Categorical, Deterministic, Gaussian, Greedy, SquashedGaussian
 
 

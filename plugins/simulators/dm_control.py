@@ -10,11 +10,10 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from harness.arrays import Float, Mask
-from harness.authoring.servo_track import servo_of
-from harness.authoring.substeps import Substeps
+from harness.authoring import Substeps
 from harness.errors import SimulationDiverged
 from harness.robot import Robot
-from harness.simulator import State
+from harness.simulator import State, servo_of
 
 from ..mujoco_model import TOUCH, RampFeed, Renderer, ServoFeed, build_model, import_engine
 

@@ -19,13 +19,10 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
 from harness.arrays import Float
-from harness.authoring.servo_track import servo_of
-from harness.authoring.substeps import Substeps
+from harness.authoring import Substeps
 from harness.errors import SimulationDiverged, UsageError
-from harness.robot import Robot
-from harness.robot.joint_limits import Servo
-from harness.robot.shapes import Shape
-from harness.simulator import State
+from harness.robot import Robot, Servo, Shape
+from harness.simulator import State, servo_of
 
 from ..arms.apart import ArmsApart
 from ..arms.bare_urdf import bare_urdf

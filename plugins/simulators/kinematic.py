@@ -7,10 +7,8 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from harness.arrays import Float, Mask
-from harness.robot import Robot
-from harness.robot.ground_clearance import build_solids
-from harness.robot.kinematics import link_frames
-from harness.scene.picture import StillFrames
+from harness.authoring import StillFrames
+from harness.robot import Robot, build_solids, link_frames
 from harness.simulator import State
 
 

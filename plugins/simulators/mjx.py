@@ -12,11 +12,9 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from harness.arrays import Float, Mask
-from harness.authoring.ground_contact import GroundContact
-from harness.authoring.substeps import Substeps
+from harness.authoring import GroundContact, StillFrames, Substeps
 from harness.errors import UsageError
 from harness.robot import Robot
-from harness.scene.picture import StillFrames
 from harness.simulator import State
 
 from ..mujoco_model import build_model, mujoco

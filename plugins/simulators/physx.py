@@ -7,18 +7,14 @@ from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.arrays import Float
-from harness.authoring.servo_track import servo_of
-from harness.authoring.substeps import Substeps
+from harness.arrays import Float, Float32
+from harness.authoring import Substeps
 from harness.errors import UsageError
-from harness.robot import Robot
-from harness.robot.joint_limits import Servo
-from harness.robot.shapes import Shape
-from harness.simulator import State
+from harness.robot import Robot, Servo, Shape
+from harness.simulator import State, servo_of
 
 from ..arms.apart import ArmsApart
 from ..arms.bare_urdf import bare_urdf
@@ -127,7 +123,7 @@ class Body:
         self.tip = self.arm.find_link_by_name(robot.end_effector_link)
         self._rest = np.zeros(len(names), np.float32)
 
-    def put(self, positions: NDArray[np.float32]) -> None:
+    def put(self, positions: Float32) -> None:
         """Put the arm at rest at `positions`, (dof,), in PhysX's order."""
         self.arm.set_qpos(positions)
         self.arm.set_qvel(self._rest)
@@ -190,7 +186,7 @@ class Probe:
     def __init__(self, model: Model) -> None:
         self._body = Body(model)
 
-    def touches(self, positions: NDArray[np.float32]) -> bool:
+    def touches(self, positions: Float32) -> bool:
         """Whether a shape is in the ground at `positions`, (dof,), in PhysX's order."""
         body = self._body
         body.arm.set_root_pose(ALOFT)

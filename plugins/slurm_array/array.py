@@ -2,14 +2,15 @@
 
 import sys
 import time
+import types
 from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
-from harness.executor import NO_SCALARS, Event, Job, OnEvent
+from harness.executor import Event, Job, OnEvent, partial_folder
 from harness.record.cell import write_log
-from harness.record.folder import LOG, partial_folder
+from harness.record.folder import LOG
 
 from .cluster import Cluster, SubmittedJob
 from .task import CellTask, Told
@@ -81,7 +82,7 @@ class Array:
         kind: Any,
         steps: int = 0,
         reason: str = "",
-        scalars: Mapping[str, float] = NO_SCALARS,
+        scalars: Mapping[str, float] = types.MappingProxyType({}),
     ) -> None:
         if kind == "started" and cell.has_begun:
             return  # it was queued again

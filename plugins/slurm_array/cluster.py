@@ -13,9 +13,8 @@ from typing import Any, Final, TypeAlias
 import submitit
 from submitit.core.utils import FailedJobError, FailedSubmissionError
 
-from harness.errors import UsageError, one_line
+from harness.errors import UsageError, one_line, one_line_of
 from harness.files.bounded import STATE, state_folder
-from harness.text import one_line_of
 
 from .task import CellTask
 

@@ -7,9 +7,8 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from harness.arrays import Float
-from harness.reach import Positive, ReachTask, place_box
+from harness.reach import FD100_REACH, Positive, ReachTask, place_box
 from harness.robot import Robot
-from harness.robot.robot import FD100_REACH
 
 CENTER = np.array([0.75, 0.0, 0.06])
 HALF_EXTENT = np.array([0.15, 0.5, 0.02])

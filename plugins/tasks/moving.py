@@ -8,9 +8,9 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from harness.arrays import Float
-from harness.goal import Goal, Situation
 from harness.reach import ReachTask
 from harness.robot import Robot
+from harness.task import Goal, Situation
 
 
 @dataclass(frozen=True)

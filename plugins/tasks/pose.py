@@ -9,10 +9,16 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from harness.arrays import Float
-from harness.goal import Goal, Situation
 from harness.reach import Positive, ReachTask
-from harness.robot import Robot
-from harness.robot.kinematics import axes_of_rotation, forward, reach_position, rotation_between, rotation_of_axes
+from harness.robot import (
+    Robot,
+    axes_of_rotation,
+    forward,
+    reach_position,
+    rotation_between,
+    rotation_of_axes,
+)
+from harness.task import Goal, Situation
 
 
 @dataclass(frozen=True)

@@ -10,13 +10,11 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from harness.arrays import Float, Float32
-from harness.env.episodes import Episodes
+from harness.authoring import Episodes
 from harness.errors import UsageError
-from harness.motion import Motion, Setting, build_motion
 from harness.reach import Pay
-from harness.robot import Robot
-from harness.robot.kinematics import forward, reach_position
-from harness.task import LONGEST_EPISODE, Targets
+from harness.robot import Robot, forward, reach_position
+from harness.task import LONGEST_EPISODE, Motion, Setting, Targets, build_motion
 
 Positive = Annotated[float, Field(gt=0)]
 Count = Annotated[int, Field(gt=0, le=LONGEST_EPISODE)]

@@ -5,7 +5,6 @@ from typing import Annotated, ClassVar
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.conditions import later_than
 from harness.conditions.conditions import (
     ActionDelay,
     ActionNoise,
@@ -17,6 +16,7 @@ from harness.conditions.conditions import (
     ObstacleCount,
     SpeedNoise,
     TargetNoise,
+    later_than,
 )
 from harness.reach import Positive, ReachTask
 

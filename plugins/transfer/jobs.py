@@ -8,13 +8,12 @@ from pathlib import Path
 from typing import Any, ClassVar, Literal, NamedTuple, Self, TypeAlias
 
 from harness import load_robot
-from harness.env import build_world
+from harness.env.vector_env import build_world
 from harness.errors import HarnessError, UsageError
-from harness.experiment import Order
 from harness.experiment.arm_evaluation import record_evaluation
 from harness.experiment.provenance import describe_environment
 from harness.experiment.run_cell import draft_of, leave_record
-from harness.experiment.workers.order import Report
+from harness.experiment.workers.order import Order, Report
 from harness.experiment.workers.workers import News, run_orders, worker_count
 from harness.policy import load_policy
 from harness.record import EVALUATION, POLICY, Cell, Store, read_manifest
@@ -22,7 +21,6 @@ from harness.record.cell import now
 from harness.record.out_folder import storage_errors
 from harness.registry import (
     Choice,
-    Given,
     Registry,
     choose,
     given_from_json,
@@ -31,6 +29,7 @@ from harness.registry import (
     read_given,
     split_list,
 )
+from harness.registry.given import Given
 from harness.registry.spec import PLANNED, blamed_on
 from harness.results import Results, load_results
 from harness.simulator import require_drives

@@ -15,11 +15,11 @@ from typing import Annotated, ClassVar
 from pydantic import ConfigDict, StringConstraints, with_config
 
 from harness.errors import NewerFormat, SchemaError
-from harness.files import digest_of
-from harness.policy import WEIGHTS
+from harness.files.bounded import digest_of
 from harness.record import MANIFEST, POLICY
 from harness.record.cell import Ending, read_record, require_files
 from harness.record.file_forms import Chosen
+from harness.record.folder import WEIGHTS
 from harness.registry import Choice
 
 TRANSFER = "transfer"

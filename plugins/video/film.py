@@ -19,9 +19,8 @@ from harness.record.scene import Scene
 from harness.registry.spec import require_pillow
 from harness.report.figures.chart import SIDES, light_colours
 from harness.results.replay import Episode, Show, Side
-from harness.robot import end_effector_position
-from harness.scene import Camera, camera_for
-from harness.scene.picture import BACKGROUND, TARGET, chain_of, corners_of, draw_arm
+from harness.robot.kinematics import end_effector_position
+from harness.scene.picture import BACKGROUND, TARGET, Camera, camera_for, chain_of, corners_of, draw_arm
 from harness.text import visible
 
 if TYPE_CHECKING:

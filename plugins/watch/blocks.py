@@ -6,9 +6,8 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
-from harness.arrays import Float
+from harness.arrays import Float, Ints
 
 MOST = 64
 """The most blocks of a training. Where there would be more, each two become one."""
@@ -31,12 +30,12 @@ class Blocks:
     """
 
     terms: tuple[str, ...]
-    steps: NDArray[np.int64]
-    episodes: NDArray[np.int64]
+    steps: Ints
+    episodes: Ints
     means: Float
 
     @classmethod
-    def of(cls, terms: Sequence[str], steps: NDArray[np.int64], numbers: Float) -> Self:
+    def of(cls, terms: Sequence[str], steps: Ints, numbers: Float) -> Self:
         """The blocks of episodes in the order in which they ended.
 
         Args:

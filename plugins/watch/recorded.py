@@ -9,10 +9,11 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.arrays import Float
-from harness.eta import direction_of
-from harness.log import BEHAVIOUR, REWARD, SUCCESS, OpenEpisodes
-from harness.record import TrainingFacts, paid_in, read_trace
+from harness.arrays import Float, Ints, Mask
+from harness.eta.laws import direction_of
+from harness.log import BEHAVIOUR, REWARD, SUCCESS
+from harness.log.log import OpenEpisodes
+from harness.record import TrainingFacts, read_trace
 from harness.record.folder import parts_of
 from harness.record.out_folder import is_held
 from harness.record.recording.facts import term_column
@@ -25,9 +26,9 @@ from harness.record.recording.recorded_training import (
     read_recorder,
     recorder_numbers,
 )
-from harness.record.returns import PAID
+from harness.record.returns import PAID, paid_in
 from harness.record.trace import TERM
-from harness.results import are_flags, hint_of, measure_of
+from harness.results.under_way import are_flags, hint_of, measure_of
 
 from .blocks import BEHAVIOUR as BEHAVIOUR_AT, OWN, PAY, Blocks
 
@@ -35,16 +36,16 @@ from .blocks import BEHAVIOUR as BEHAVIOUR_AT, OWN, PAY, Blocks
 class Told(NamedTuple):
     """Rows of a training, (rows,) each; `times` grow. What is summed is pay, behaviour, and what each term paid."""
 
-    times: NDArray[np.int64]
+    times: Ints
     env: NDArray[Any]
     episode: NDArray[Any]
-    ends: NDArray[np.bool_]
+    ends: Mask
     summed: Sequence[NDArray[Any]]
     steps: int
     """How many steps these are."""
 
 
-Ended: TypeAlias = tuple[NDArray[np.int64], Float]
+Ended: TypeAlias = tuple[Ints, Float]
 """Episodes that have ended, in order: times of their last rows, (episodes,), and their sums, (episodes, numbers)."""
 
 
@@ -104,7 +105,7 @@ class Recording:
         folder: Of the recording.
         blocks: What its episodes came to.
         better: Which values of the behaviour are; empty if nobody says it.
-        hint: What its episodes hint at; see `harness.results.hint_of`.
+        hint: What its episodes hint at; see `harness.results.under_way.hint_of`.
         steps: How many are recorded.
     """
 
@@ -186,7 +187,7 @@ class Trace:
 
     Attributes:
         blocks: What its episodes came to.
-        hint: What they hint at; see `harness.results.hint_of`.
+        hint: What they hint at; see `harness.results.under_way.hint_of`.
     """
 
     def __init__(self, path: Path) -> None:

@@ -10,10 +10,19 @@ from typing import Any, Literal, TypeAlias, TypeVar
 
 from harness.cli.progress import left_text
 from harness.errors import HarnessError, SchemaError, UsageError, one_line
-from harness.eta import Better
+from harness.eta.laws import Better
 from harness.log import SUCCESS
-from harness.record import MANIFEST, PLAN, TRACE, Cell, Store, partial_folder, read_manifest, read_plan
+from harness.record import (
+    MANIFEST,
+    PLAN,
+    TRACE,
+    Cell,
+    Store,
+    partial_folder,
+    read_manifest,
+)
 from harness.record.folder import TRAINING_RECORDING
+from harness.record.plan_file import read_plan
 from harness.record.recording.recorded_training import recordings_in
 from harness.record.status import FolderStatus, read_status
 

@@ -14,7 +14,8 @@ from harness.registry import load_registry
 from harness.report import question, replay_of
 from harness.report.facts import overview_grids
 from harness.report.page.page import render_page
-from harness.results import load_results, shows_of
+from harness.results import load_results
+from harness.results.replay import shows_of
 
 from .cards import rows_of
 from .serving import Kept, serving

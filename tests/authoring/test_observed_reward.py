@@ -9,7 +9,7 @@ from numpy.random import default_rng
 
 import harness
 from harness.authoring import ObservedReward
-from harness.env import ReachVectorEnv
+from harness.env.vector_env import ReachVectorEnv
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
 from harness.score.places import parse_places

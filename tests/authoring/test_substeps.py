@@ -6,7 +6,8 @@ from numpy.linalg import norm
 
 import harness
 from harness.authoring import Substeps
-from harness.motion import Setting, build_motion
+from harness.motion.modes import build_motion
+from harness.motion.motion import Setting
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
 from tests.refusals import refused

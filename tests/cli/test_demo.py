@@ -6,7 +6,8 @@ import sys
 
 from numpy.testing import assert_array_equal
 
-from harness.results import load_results, shows_of
+from harness.results import load_results
+from harness.results.replay import shows_of
 
 
 def test_the_number_grows_and_the_arm_moves_the_same(harness, tmp_path):

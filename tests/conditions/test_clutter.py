@@ -5,8 +5,8 @@ from numpy.random import default_rng
 from numpy.testing import assert_allclose
 
 import harness
-from harness.conditions import Conditions
 from harness.conditions.clearance import MARGIN, Clearance, draw_clutter
+from harness.conditions.conditions import Conditions
 from harness.conditions.obstacles import distance_from, there
 from harness.reach import ReachTask
 from harness.robot import reach_position

@@ -8,9 +8,10 @@ from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal
 
 import harness
-from harness.conditions import Conditions
+from harness.conditions.conditions import Conditions
 from harness.conditions.varied_robot import Factors, draw_factors, draw_robot, vary_robot
-from harness.robot import Servo, parse_urdf, read_bodies
+from harness.robot import Servo, parse_urdf
+from harness.robot.energy import read_bodies
 
 ARM = harness.load_robot("fd100")
 LINKS = len(draw_factors(Conditions(), ARM, 0).masses)

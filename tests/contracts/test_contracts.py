@@ -12,7 +12,7 @@ import harness
 from harness.errors import ContractViolation
 from harness.log.format import HEAD
 from harness.log.open_log import formats_of
-from harness.motion import MODES
+from harness.motion.modes import MODES
 from harness.registry.registry import load_registry
 from harness.robot.ground_clearance import build_solids
 from harness_plugins.kit import (

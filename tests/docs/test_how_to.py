@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from harness.env import ReachVectorEnv
+from harness.env.vector_env import ReachVectorEnv
 from harness.policy import load_policy
 from harness.results import load_results
 from tests.docs.pages import ROOT, blocks_of

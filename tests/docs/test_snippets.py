@@ -18,8 +18,7 @@ from typer.exceptions import TyperException
 
 from harness.cli import main
 from harness.cli.app import build_app
-from harness.experiment import check_experiment, expand
-from harness.experiment.plan import Experiment
+from harness.experiment.plan import Experiment, check_experiment, expand
 from harness.registry import load_registry
 from harness_plugins.kit.new_plugin import PluginName, package_files
 from tests.docs.pages import ROOT, Command, blocks, blocks_of, commands_of

@@ -6,7 +6,8 @@ from numpy.linalg import norm
 from numpy.testing import assert_allclose, assert_array_equal
 
 import harness
-from harness.env import ArmObservation, ReachVectorEnv
+from harness.env.arm_observation import ArmObservation
+from harness.env.vector_env import ReachVectorEnv
 from harness.reach import ReachTask
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.kit.trainings import NegativeDistance

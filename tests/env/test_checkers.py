@@ -7,7 +7,7 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 from stable_baselines3.common import env_checker
 
-from harness.motion import MODES
+from harness.motion.modes import MODES
 from harness.registry import load_registry
 
 INNER = [f"discrete:action={mode}" for mode in MODES if mode != "discrete"]

@@ -8,7 +8,7 @@ from gymnasium.vector import AutoresetMode
 from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal
 
-from harness.env import IdealSimulation
+from harness.env.ideal import IdealSimulation
 from harness.reach import ReachTask
 from harness.record import TraceWriter, read_trace
 from harness.robot import reach_position

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from harness.env import IdealSimulation
+from harness.env.ideal import IdealSimulation
 from harness.errors import SimulationDiverged
 from harness.record import TraceWriter, read_trace
 from harness_plugins.kit import IdealSimulator

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from harness.env import Episodes
+from harness.env.episodes import Episodes
 from harness.record import COLUMN, SCALARS
 from harness.simulator import State
 

@@ -9,8 +9,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 from stable_baselines3 import SAC, HerReplayBuffer
 from stable_baselines3.common import env_checker
 
-from harness.env import ReachEnv
 from harness.env.goal_env import NEEDED, ReachGoalEnv, forgets_the_way
+from harness.env.vector_env import ReachEnv
 from harness.reach import ReachTask
 from harness.task import Targets
 from tests.refusals import refused

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import harness
-from harness.env import IdealSimulation, ReachVectorEnv, World
+from harness.env.ideal import IdealSimulation
+from harness.env.vector_env import ReachVectorEnv, World
 from harness.errors import SchemaError
 from harness.reach import ReachTask
 from harness_plugins.kit import IdealSimulator

@@ -7,7 +7,7 @@ from numpy.random import default_rng
 from numpy.testing import assert_array_equal
 
 import harness
-from harness.env import ReachEnv
+from harness.env.vector_env import ReachEnv
 from tests.refusals import refused
 
 TASK = "fd100-reach:horizon=5"

@@ -7,8 +7,8 @@ import pytest
 from numpy.testing import assert_array_equal
 
 import harness
-from harness.env import IdealSimulation, IdealSimulator, require_solids
-from harness.env.solid_probes import DEPTH, GAP, find_missing, missing_in_words, probes_of
+from harness.env.ideal import IdealSimulation, IdealSimulator
+from harness.env.solid_probes import DEPTH, GAP, find_missing, missing_in_words, probes_of, require_solids
 from harness.errors import MissingSolid
 from harness.robot import Robot, build_solids, link_frames
 

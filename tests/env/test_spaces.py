@@ -9,7 +9,7 @@ from gymnasium.vector import AutoresetMode
 from numpy.testing import assert_array_equal
 
 import harness
-from harness.env import ReachVectorEnv
+from harness.env.vector_env import ReachVectorEnv
 from harness.reach import ReachTask
 from tests.refusals import refused
 

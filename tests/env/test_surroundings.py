@@ -9,7 +9,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 import harness
 from harness.conditions.clearance import Clearance
 from harness.conditions.varied_robot import draw_robot
-from harness.env import ArmObservation, surroundings
+from harness.env import surroundings
+from harness.env.arm_observation import ArmObservation
 from harness.reach import ReachTask
 from harness_plugins.simulators.kinematic import Kinematic
 

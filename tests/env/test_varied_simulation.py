@@ -6,7 +6,7 @@ import numpy as np
 from numpy.testing import assert_allclose
 
 import harness
-from harness.env import IdealSimulation
+from harness.env.ideal import IdealSimulation
 from harness.env.surroundings import MOST_IDLE, VariedSimulation
 from harness_plugins.kit import IdealSimulator
 

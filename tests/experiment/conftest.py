@@ -8,8 +8,8 @@ import sys
 import pytest
 
 from harness.executor import CellOptions, Word
-from harness.experiment import Order
 from harness.experiment.run_cell import TrainCell, run_cell
+from harness.experiment.workers.order import Order
 from harness.experiment.workers.worker import DONE
 
 WORKER = [sys.executable, "-m", "harness.experiment.workers.worker"]

@@ -6,9 +6,9 @@ import pyarrow.parquet as pq
 import pytest
 
 import harness
-from harness.experiment import check_experiment, expand
 from harness.experiment.arm_world import evaluation_scalars
 from harness.experiment.experiment import check
+from harness.experiment.plan import check_experiment, expand
 from harness.experiment.trials.arm_trial import try_arm
 from harness.experiment.trials.tried import Tried
 from harness.record import read_trace

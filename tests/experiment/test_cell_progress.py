@@ -10,7 +10,6 @@ from numpy.testing import assert_allclose, assert_array_equal
 from harness.executor import CellOptions
 from harness.experiment import arm_evaluation
 from harness.experiment.run_cell import run_cell
-from harness.policy import WEIGHTS
 from harness.progress import RETURN, SPEED, SUCCESS
 from harness.record import (
     EVALUATION,
@@ -24,7 +23,7 @@ from harness.record import (
     read_manifest,
     read_trace,
 )
-from harness.record.folder import evaluation_files
+from harness.record.folder import WEIGHTS, evaluation_files
 from harness.record.trace import episode_facts
 from harness.registry import Choice
 

@@ -8,9 +8,11 @@ import pytest
 
 from harness.errors import UsageError
 from harness.executor import Event
-from harness.experiment import ExperimentRun, RunOptions, changed
+from harness.experiment import changed
 from harness.experiment.changed import Change, changed_cells, refuse_changed
+from harness.experiment.experiment import ExperimentRun
 from harness.experiment.provenance import describe_environment
+from harness.experiment.run_options import RunOptions
 from harness.record import Store, partial_folder, read_manifest
 from harness.registry import Choice, load_registry
 from harness.robot.robot import load_robot

@@ -2,7 +2,7 @@
 
 import pytest
 
-from harness.experiment import check_experiment, expand
+from harness.experiment.plan import check_experiment, expand
 from harness.record import DERIVED
 from harness.results.cell_results import CellResults
 

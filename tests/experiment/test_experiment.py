@@ -7,8 +7,9 @@ import pytest
 
 import harness
 from harness.executor import Event, Limits
-from harness.experiment import ExperimentRun, RunOptions, check_experiment, expand
-from harness.experiment.experiment import check, default_folder, run
+from harness.experiment.experiment import ExperimentRun, check, default_folder, run
+from harness.experiment.plan import check_experiment, expand
+from harness.experiment.run_options import RunOptions
 from harness.record import LOG, Manifest, Store, partial_folder
 from harness.registry import Choice
 from harness.results import Results, load_results

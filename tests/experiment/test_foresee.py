@@ -5,9 +5,10 @@ from dataclasses import replace
 import pytest
 
 from harness.cli.progress import foreseen_lines
-from harness.experiment import RunOptions, check_experiment
 from harness.experiment.experiment import check, prepare
 from harness.experiment.foresee import foresee
+from harness.experiment.plan import check_experiment
+from harness.experiment.run_options import RunOptions
 from tests.refusals import refused
 
 ASKED = {"sim": "ideal", "algo": "wander", "reward": "arp", "seeds": 2, "steps": 12, "evaluation_episodes": 2}

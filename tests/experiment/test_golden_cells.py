@@ -15,7 +15,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from harness.executor import CellOptions
-from harness.experiment import check_experiment, expand
+from harness.experiment.plan import check_experiment, expand
 from harness.experiment.run_cell import run_cell
 from harness.record import partial_folder, read_recording, read_trace
 from harness.registry import load_registry

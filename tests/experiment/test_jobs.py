@@ -3,8 +3,8 @@
 import pytest
 
 from harness.executor import CellOptions, Job, Limits
-from harness.experiment import check_experiment, expand
 from harness.experiment.jobs import order_of, run_job, run_jobs
+from harness.experiment.plan import check_experiment, expand
 from harness.experiment.workers.order import read_order
 from harness.record import EVALUATION, POLICY, TRACE
 from harness.registry import load_registry

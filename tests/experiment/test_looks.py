@@ -6,10 +6,11 @@ import pytest
 
 from harness.errors import UsageError
 from harness.eta.verdict.looks import ONE_PLACE, SEVERAL_PLACES
-from harness.experiment import RunOptions, check_experiment, expand
 from harness.experiment.experiment import prepare
 from harness.experiment.looks import own_seed
-from harness.files import read_sealed, seal
+from harness.experiment.plan import check_experiment, expand
+from harness.experiment.run_options import RunOptions
+from harness.files.bounded import read_sealed, seal
 from harness.record import Store, Terms
 from harness.registry import Choice
 from tests.left import files_of

@@ -8,7 +8,7 @@ import pytest
 import tomli_w
 
 import harness_robots
-from harness.experiment import check_experiment, expand, read_experiment
+from harness.experiment.plan import check_experiment, expand, read_experiment
 from harness.record.store import EXPERIMENT
 from harness.registry import choose, load_registry
 from harness.robot.robot import load_robot

@@ -3,9 +3,8 @@
 from dataclasses import fields
 from typing import get_type_hints
 
-from harness.experiment import RunOptions
 from harness.experiment.plan import Experiment
-from harness.experiment.run_options import RunArguments
+from harness.experiment.run_options import RunArguments, RunOptions
 
 
 def test_arguments_are_all_fields_in_their_order():

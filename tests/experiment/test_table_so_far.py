@@ -3,8 +3,8 @@
 import pyarrow.parquet as pq
 import pytest
 
-from harness.experiment import check_experiment, expand
 from harness.experiment.followed import EVERY, EndedCells
+from harness.experiment.plan import check_experiment, expand
 from harness.experiment.verify import verify
 from harness.record import RESULTS, Store, read_manifest
 from harness.results.cell_results import CellResults

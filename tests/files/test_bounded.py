@@ -7,7 +7,13 @@ import h5py
 import pytest
 
 from harness.errors import SchemaError, UsageError
-from harness.files import digest_of, open_regular, read_json, read_text, reading
+from harness.files import (
+    open_regular,
+    read_json,
+    read_text,
+    reading,
+)
+from harness.files.bounded import digest_of
 from tests.refusals import refused
 
 

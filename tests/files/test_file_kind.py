@@ -11,7 +11,8 @@ import pyarrow.parquet as pq
 import pytest
 
 from harness.errors import SchemaError
-from harness.files import kind_at, reading
+from harness.files import reading
+from harness.files.bounded import kind_at
 
 
 def write_npz(path):

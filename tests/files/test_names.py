@@ -1,6 +1,6 @@
 """Names that stand in a file and become paths."""
 
-from harness.files import is_inside, is_plain, twins
+from harness.files.bounded import is_inside, is_plain, twins
 
 
 def test_names_of_files_are_plain(subtests):

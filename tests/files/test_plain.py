@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import pytest
 
-from harness.files import Plain
+from harness.files.plain import Plain
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from harness.errors import NewerFormat, SchemaError
-from harness.files import read_sealed, seal, unseal
+from harness.files.bounded import read_sealed, seal, unseal
 
 JSON = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False, allow_infinity=False) | st.text(),

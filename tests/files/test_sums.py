@@ -5,8 +5,15 @@ import subprocess
 
 import pytest
 
-from harness.files import changed_since_made, forget_made, making, note_made, read_sums
-from harness.files.bounded import FIRST_LINE, SUMS
+from harness.files.bounded import (
+    FIRST_LINE,
+    SUMS,
+    changed_since_made,
+    forget_made,
+    making,
+    note_made,
+    read_sums,
+)
 
 
 @pytest.fixture

@@ -6,8 +6,7 @@ from pathlib import Path
 import pytest
 
 import harness.files.bounded
-from harness.files import is_partial, whole_files, write_whole
-from harness.files.bounded import whole_file
+from harness.files.bounded import is_partial, whole_file, whole_files, write_whole
 
 
 def test_file_takes_the_place_of_the_old_one(tmp_path):

@@ -15,13 +15,11 @@ import safetensors.numpy
 import trimesh
 from numpy.random import default_rng
 
-from harness.experiment import check_experiment, expand, read_experiment
-from harness.files import seal, unseal
+from harness.experiment.plan import check_experiment, expand, read_experiment
+from harness.files.bounded import seal, unseal
 from harness.log.open_log import open_logs
-from harness.motion import JointLimits
+from harness.motion.motion import JointLimits
 from harness.policy import (
-    CARD,
-    WEIGHTS,
     Greedy,
     InverseKinematics,
     SquashedGaussian,
@@ -39,7 +37,7 @@ from harness.record import (
     read_trace,
 )
 from harness.record.dataset.labels import SuccessRule, read_labels
-from harness.record.folder import SCENE
+from harness.record.folder import CARD, SCENE, WEIGHTS
 from harness.record.recording.recording_writer import RecordingWriter
 from harness.record.scene import read_scene, write_scene
 from harness.registry import choose

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from harness.experiment import Plan
+from harness.experiment.plan import Plan
 from harness.record import TRACE, Cell
 from harness.registry import Choice
 from tests.laws.said import INTERIM, REFUSED, answered, remedies, say, typed

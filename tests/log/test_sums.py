@@ -9,13 +9,19 @@ import pytest
 from hypothesis import given, strategies as st
 
 from harness.experiment.arm_world import LearningSoFar
-from harness.log import EPISODES, LogFacts, OpenEpisodes, episode_sum, episode_sums, in_memory, sums_so_far
-from harness.payoff import discounted_sum
+from harness.log import EPISODES, LogFacts, in_memory
+from harness.log.log import (
+    OpenEpisodes,
+    episode_sum,
+    episode_sums,
+    sums_so_far,
+)
+from harness.payoff.rollout import discounted_sum
 from harness.progress import RETURN
 from harness.record import COLUMN, SCALARS
 from harness.record.returns import PAID, mean_return
-from harness.results import episodes_of
 from harness.results.by_term import by_term
+from harness.results.recordings.episodes import episodes_of
 from tests.plugins.audit.search.certified import certificate_of
 
 TERMS = ("near", "effort")

@@ -8,9 +8,10 @@ import pytest
 from numpy.linalg import norm
 from numpy.random import default_rng
 
-from harness.motion import Setting
-from harness.robot import Robot, load_robot
+from harness.motion.motion import Setting
+from harness.robot import Robot
 from harness.robot.kinematics import build_chain
+from harness.robot.robot import load_robot
 from harness.robot.urdf import Joint
 
 PERIOD = 0.1

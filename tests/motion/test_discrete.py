@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from harness.motion import Discrete, build_motion
+from harness.motion.discrete import Discrete
+from harness.motion.modes import build_motion
 from tests.refusals import refused
 
 INNER = ("movej", "movej-absolute", "movel", "movea", "set-joints")

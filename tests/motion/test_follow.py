@@ -8,7 +8,7 @@ from numpy.random import default_rng
 from numpy.testing import assert_allclose
 
 import harness
-from harness.motion import build_motion
+from harness.motion.modes import build_motion
 from harness.motion.tip import Follower
 
 

@@ -5,8 +5,7 @@ import pytest
 from hypothesis import given, strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
-from harness.motion import JointLimits
-from harness.motion.motion import stopping_speed
+from harness.motion.motion import JointLimits, stopping_speed
 
 WANTED = st.lists(st.sampled_from([-1.0, -0.4, 0.0, 0.3, 1.0]), min_size=1, max_size=40)
 

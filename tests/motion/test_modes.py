@@ -5,7 +5,8 @@ import pytest
 from numpy.random import default_rng
 from numpy.testing import assert_allclose
 
-from harness.motion import MODES, Discrete, build_motion
+from harness.motion.discrete import Discrete
+from harness.motion.modes import MODES, build_motion
 from harness.reach import ReachTask
 from harness.registry import choose, load_registry
 from harness.registry.members import parameters_of

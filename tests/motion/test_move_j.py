@@ -8,7 +8,7 @@ from hypothesis import given, strategies as st
 from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal
 
-from harness.motion import MoveJ
+from harness.motion.motion import MoveJ
 
 
 @pytest.fixture(scope="module")

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from harness.experiment import Plan
-from harness.files import digest_of
+from harness.experiment.plan import Plan
+from harness.files.bounded import digest_of
 from harness.record import EVALUATION, MANIFEST, TRACE, Cell
 from harness.registry import Choice
 from tests.cli.forging import change as sealed_again

@@ -12,7 +12,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from numpy.random import default_rng
 
-from harness.files import seal
+from harness.files.bounded import seal
 from tests.oracles.answers import etas, indices
 from tests.oracles.trial import Shown, Trial, call_json
 

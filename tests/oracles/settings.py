@@ -9,8 +9,9 @@ import safetensors.numpy
 from numpy.random import default_rng
 
 from harness.errors import HarnessError
-from harness.experiment import expand, read_experiment
-from harness.policy import CARD, WEIGHTS, load_policy
+from harness.experiment.plan import expand, read_experiment
+from harness.policy import load_policy
+from harness.record.folder import CARD, WEIGHTS
 from harness.registry import load_registry
 from tests.oracles.trial import Refused, Trial
 

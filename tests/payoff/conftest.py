@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from harness import load_robot
-from harness.payoff import record_rollouts
+from harness.payoff.rollout import record_rollouts
 from harness.reach import ReachTask
 from harness.registry import choose, load_registry
 from harness_plugins.kit import IdealSimulator

@@ -8,10 +8,15 @@ from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_equal
 
 from harness import load_robot
-from harness.env import ReachVectorEnv
+from harness.env.vector_env import ReachVectorEnv
 from harness.errors import UsageError
 from harness.experiment.arm_evaluation import EVALUATION_SEED
-from harness.payoff import SCRIPTS, plan_actions, record_rollouts, score_rollout
+from harness.payoff.rollout import (
+    SCRIPTS,
+    plan_actions,
+    record_rollouts,
+    score_rollout,
+)
 from harness.reach import ReachTask
 from harness.record.trace import TERM
 from harness.registry import choose, load_registry

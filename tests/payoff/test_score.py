@@ -5,8 +5,8 @@ import pytest
 from numpy.testing import assert_array_equal
 
 from harness.errors import SimulationDiverged
-from harness.payoff import pay_distances, score_rollout, steps_along
-from harness.reward import MissingField
+from harness.payoff.rollout import pay_distances, score_rollout, steps_along
+from harness.reward.steps import MissingField
 from tests.payoff.conftest import Counting, Paying
 from tests.refusals import refused
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.random import default_rng
 
-from harness.payoff import SCRIPTS, plan_actions, record_rollouts
+from harness.payoff.rollout import SCRIPTS, plan_actions, record_rollouts
 from harness.reach import ReachTask
 from harness_plugins.kit import IdealSimulator
 

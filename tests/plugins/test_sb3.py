@@ -8,7 +8,7 @@ from numpy.testing import assert_array_equal
 from stable_baselines3.common.vec_env import VecEnv
 
 import harness
-from harness.env import ReachVectorEnv
+from harness.env.vector_env import ReachVectorEnv
 from harness.progress import Progress
 from harness.reach import ReachTask
 from harness.robot.kinematics import reach_position

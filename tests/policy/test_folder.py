@@ -16,22 +16,19 @@ from numpy.testing import assert_array_equal
 
 from harness.errors import SchemaError
 from harness.policy import (
-    CARD,
-    FORMAT,
-    WEIGHTS,
     Categorical,
     Deterministic,
     Gaussian,
     Greedy,
-    Network,
     Policy,
     SquashedGaussian,
     Uniform,
     UniformChoice,
-    every_kind,
     load_policy,
 )
-from harness.policy.policy import ACTIVATIONS
+from harness.policy.kinds import every_kind
+from harness.policy.policy import ACTIVATIONS, FORMAT, Network
+from harness.record.folder import CARD, WEIGHTS
 
 Make = Callable[..., Network]
 

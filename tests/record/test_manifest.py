@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from harness.errors import NewerFormat, SchemaError
-from harness.files import seal, unseal
+from harness.files.bounded import seal, unseal
 from harness.record import LOG, MANIFEST, TRACE, Manifest, Store, read_manifest
 
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 
 from harness.errors import UsageError
-from harness.experiment import check_experiment, expand
+from harness.experiment.plan import check_experiment, expand
 from harness.experiment.verify import verify
 from harness.record import (
     EVALUATION,

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from harness.record import read_recording
-from harness.recorder import GivenUp, Noted, taken
+from harness.recorder import taken
+from harness.recorder.recorder import GivenUp, Noted
 from tests.recorder.conftest import MODES, Counting, recorder, take
 
 LAST = 300

@@ -10,7 +10,8 @@ import pytest
 import harness
 from harness.errors import UsageError
 from harness.record import read_recording
-from harness.recorder import Columns, Retake
+from harness.recorder.env_facts import Columns
+from harness.recorder.retake import Retake
 from tests.recorder.conftest import recorder, take
 
 

@@ -10,7 +10,9 @@ import harness
 from harness.errors import SchemaError, UsageError
 from harness.record import read_recording
 from harness.record.recording.recording_writer import RecordingWriter
-from harness.recorder import Columns, GivenUp, Retake
+from harness.recorder.env_facts import Columns
+from harness.recorder.recorder import GivenUp
+from harness.recorder.retake import Retake
 from harness.reward.terms import sum_of
 from harness.score.weighted_recordings import weighed
 from tests.record.recording.told import terms_of

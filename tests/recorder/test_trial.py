@@ -9,7 +9,7 @@ import pytest
 import harness
 from harness.errors import UsageError
 from harness.record import read_recording
-from harness.recorder import GivenUp, Noted
+from harness.recorder.recorder import GivenUp, Noted
 from tests.recorder.conftest import recorder, take
 
 MEMORY = {}

@@ -12,7 +12,7 @@ from gymnasium.wrappers import NormalizeObservation, NormalizeReward, TransformR
 import harness
 from harness.errors import UsageError
 from harness.record import read_recording
-from harness.recorder import Noted
+from harness.recorder.recorder import Noted
 from tests.recorder.conftest import take
 
 ACTION = np.array([0.5], np.float32)

@@ -15,12 +15,14 @@ import pytest
 from rich.console import Console
 
 from harness.errors import UsageError
-from harness.experiment import Plan
+from harness.experiment.plan import Plan
 from harness.record import COLUMN, EVALUATION, RANDOM, SCALARS, TRACE, Cell, Manifest, TraceWriter, trace_of
 from harness.record.trace import FLAGS, INTEGERS
 from harness.registry import Choice, choose, load_registry
 from harness.results import load_results
-from harness.score import compare_logs, match_steps, pay_log
+from harness.score.compare import compare_logs
+from harness.score.open_steps import match_steps
+from harness.score.scorer import pay_log
 from tests.stores import create_store
 
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)

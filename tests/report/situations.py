@@ -15,7 +15,8 @@ from harness.eta import TRAINING, Quantity, change_of, swaps_of
 from harness.record import Terms
 from harness.registry import Choice
 from harness.report.page.answer import card_of, pool_card
-from harness.results import Behaviour, Comparison, Group
+from harness.results import Comparison, Group
+from harness.results.comparison import Behaviour
 from harness.results.overview import decider_text
 from harness.results.verdicts import with_verdicts
 

@@ -11,7 +11,7 @@ import pytest
 
 from harness.eta import Ruling
 from harness.executor import CellOptions
-from harness.experiment import check_experiment, expand
+from harness.experiment.plan import check_experiment, expand
 from harness.experiment.run_cell import run_cell
 from harness.record import read_recording
 from harness.registry import load_registry, read_given

@@ -4,7 +4,7 @@ from weakref import WeakSet
 
 import pytest
 
-from harness.experiment import check_experiment, expand
+from harness.experiment.plan import check_experiment, expand
 from harness.record import read_trace
 from harness.registry import load_registry
 from harness.results import load_results

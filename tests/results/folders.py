@@ -7,7 +7,8 @@ import numpy as np
 from harness.record import COLUMN, SCALARS, Manifest, TraceWriter
 from harness.record.trace import NOTHING_KNOWN, EpisodeFacts
 from harness.registry import Choice
-from harness.results import Told, load_results
+from harness.results import load_results
+from harness.results.logs.told import Told
 
 BASELINE = Choice("baseline", (), "baseline")
 ARP = Choice("arp", (("k1", 1.0), ("k2", 1.5)), "arp")

@@ -8,7 +8,8 @@ import pytest
 from harness.eta import Answer, Ruling
 from harness.record.cell import BROUGHT
 from harness.registry import Choice
-from harness.results import Group, StepChange
+from harness.results import Group
+from harness.results.comparison import StepChange
 from harness.results.verdicts import with_verdicts
 from tests.results.told import SUCCESS, change, comparison, rates
 

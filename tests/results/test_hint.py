@@ -6,8 +6,7 @@ import pytest
 from numpy.random import default_rng
 from scipy import stats
 
-from harness.results import hint_of
-from harness.results.under_way import _Series
+from harness.results.under_way import _Series, hint_of
 from tests.plugins.watch.cases.make import KEPT
 from tests.plugins.watch.cases.nulls import NULLS, count_hints
 from tests.plugins.watch.cases.table import CASES

@@ -4,9 +4,8 @@ from itertools import product
 
 import pytest
 
-from harness.results import Pairs, shows_of
-from harness.results.pairs import BOTH, FIRST, NEITHER, SECOND, Met, kind_of, kinds_of
-from harness.results.replay import choose
+from harness.results.pairs import BOTH, FIRST, NEITHER, SECOND, Met, Pairs, kind_of, kinds_of
+from harness.results.replay import choose, shows_of
 
 KINDS = kinds_of("reach", "arp", "es")
 

@@ -3,7 +3,7 @@
 import pyarrow.parquet as pq
 import pytest
 
-from harness.experiment import Plan
+from harness.experiment.plan import Plan
 from harness.record.cell import BROUGHT
 from harness.registry import Choice
 from harness.report.rows.comparison import remarks_on_cells

@@ -7,8 +7,8 @@ import pytest
 
 from harness.errors import SchemaError, UsageError
 from harness.record import read_trace, trace_of
-from harness.results import first_show, replay, show_cells, shows_of
-from harness.results.replay import ShownCells, choose
+from harness.results import replay
+from harness.results.replay import ShownCells, choose, first_show, show_cells, shows_of
 from harness_plugins.kit.metrics import recorded_trace
 
 R, G, T = "reached", "ground", "time-out"

@@ -7,7 +7,7 @@ import pytest
 
 from harness.record import read_trace
 from harness.registry import Choice
-from harness.score import pay_log
+from harness.score.scorer import pay_log
 
 
 @pytest.fixture

@@ -7,7 +7,7 @@ import numpy as np
 
 from harness.eta import curve_of
 from harness.registry import choose, load_registry
-from harness.results import score_matrices
+from harness.results.score_matrix import score_matrices
 from tests.results.folders import ARP_RUNS, BASELINE_RUNS, paid
 from tests.results.test_traces import BROKEN
 

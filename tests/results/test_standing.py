@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from harness.record import Terms
-from harness.results import standing_of, told_manifests
+from harness.results.results import standing_of, told_manifests
 from harness.results.verdicts import Seen
 from tests.results.folders import fail
 from tests.results.in_looks import REWARDS

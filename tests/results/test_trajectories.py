@@ -5,7 +5,8 @@ import pytest
 
 from harness.record import COLUMN, SCALARS, Manifest, TraceWriter
 from harness.registry import Choice
-from harness.results import Comparison, Group, load_results, trajectories_of
+from harness.results import Comparison, Group, load_results
+from harness.results.replay import trajectories_of
 from tests.stores import create_store
 
 REACHED = [(0, 0, 0, 1, 0), (1, 0, 0, 1, 1)]

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from harness.record import Terms
-from harness.results import Behaviour, StepChange
-from harness.results.comparison import still_to_come
+from harness.results.comparison import Behaviour, StepChange, still_to_come
 from harness.results.verdicts import with_verdicts
 from tests.results.told import SUCCESS, change, comparison, rates
 

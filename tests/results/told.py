@@ -4,7 +4,8 @@ import numpy as np
 
 from harness.eta import Quantity, change_of, swaps_of
 from harness.registry import Choice
-from harness.results import Behaviour, Comparison, Group
+from harness.results import Comparison, Group
+from harness.results.comparison import Behaviour
 
 SUCCESS = Quantity("success_rate", "", "higher", "deterministic", 100)
 TIME = Quantity("time_to_target", "s", "lower", "deterministic", bounds=(0.0, 5.0))

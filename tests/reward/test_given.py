@@ -5,8 +5,8 @@ import functools
 import numpy as np
 import pytest
 
-from harness.reward import MissingField
 from harness.reward.given import Before, Now, Terms, Untold, opened, told_under, weights_of, zeros_of
+from harness.reward.steps import MissingField
 from tests.refusals import refused
 
 STEP = Now._make((2.0, 3.0, {"left": 4.0}, False, True, Before._make((1.0, 0.5, {}))))

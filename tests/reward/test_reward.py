@@ -5,8 +5,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-from harness.reward import Sample, pay, put, replace_where, take
+from harness.reward import Sample, pay
 from harness.reward.forms import is_plain_function, reward_class
+from harness.reward.reward import put, replace_where, take
 from harness.reward.steps import map_steps, rows_of, step_between
 from harness.reward.terms import made_up, needs_of
 

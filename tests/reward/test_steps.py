@@ -5,8 +5,8 @@ import pytest
 from numpy.testing import assert_array_equal
 
 from harness.errors import UsageError
-from harness.reward import MissingField, Sample
-from harness.reward.steps import ARM, ARM_BEFORE, BEFORE
+from harness.reward import Sample
+from harness.reward.steps import ARM, ARM_BEFORE, BEFORE, MissingField
 from harness.reward.terms import made_up
 
 

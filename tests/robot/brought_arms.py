@@ -5,7 +5,7 @@ import pinocchio
 from numpy.random import default_rng
 
 from harness.registry import choose, load_registry
-from harness.robot import read_robot
+from harness.robot.robot import read_robot
 
 BODY = (
     '<inertial><origin xyz="0 0 0.1"/><mass value="1.0"/>'

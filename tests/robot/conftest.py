@@ -2,7 +2,8 @@
 
 import pytest
 
-from harness.robot import attach_shapes, parse_urdf, read_shapes
+from harness.robot import parse_urdf
+from harness.robot.shapes import attach_shapes, read_shapes
 
 ARM = """
 <robot name="arm">

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from harness.robot import read_robot
+from harness.robot.robot import read_robot
 from tests.refusals import refused
 from tests.robot.brought_arms import (
     ARM,

@@ -7,8 +7,8 @@ import pytest
 
 from harness.errors import PluginError, UsageError
 from harness.registry import Registry, Spec
-from harness.robot import Description, load_robot, read_robot
-from harness.robot.robot import is_path
+from harness.robot import Description
+from harness.robot.robot import is_path, load_robot, read_robot
 from tests.refusals import refused
 from tests.robot.brought_arms import ARM, read_arm
 

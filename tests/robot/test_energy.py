@@ -7,8 +7,8 @@ from numpy.testing import assert_allclose
 
 import harness
 from harness.registry import load_registry
-from harness.robot import read_bodies, read_robot
-from harness.robot.energy import GRAVITY, energy, least_work
+from harness.robot.energy import GRAVITY, energy, least_work, read_bodies
+from harness.robot.robot import read_robot
 
 REGISTRY = load_registry()
 SLIDER = """

@@ -7,8 +7,16 @@ import pytest
 from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal
 
-from harness.robot import Chain, Shape, build_solids, forward, link_frames, parse_urdf, read_chain
+from harness.robot import (
+    Chain,
+    Shape,
+    build_solids,
+    forward,
+    link_frames,
+    parse_urdf,
+)
 from harness.robot.kinematics import build_chain, transform
+from harness.robot.urdf import read_chain
 from tests.refusals import refused
 
 CORNERS = np.array(np.meshgrid([-0.1, 0.1], [-0.2, 0.2], [-0.3, 0.3])).reshape(3, -1).T

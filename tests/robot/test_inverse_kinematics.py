@@ -6,8 +6,8 @@ from numpy.random import default_rng
 from numpy.testing import assert_array_equal
 
 import harness
-from harness.robot import forward, reach_pose, reach_position
-from harness.robot.kinematics import rotation_between
+from harness.robot import forward, reach_position
+from harness.robot.kinematics import reach_pose, rotation_between
 
 ROBOT = harness.load_robot("fd100")
 COUNT = 200

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.robot import read_robot
+from harness.robot.robot import read_robot
 from tests.robot.brought_arms import ARM, JAW, changed, read_arm
 
 

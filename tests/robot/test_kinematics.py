@@ -8,8 +8,15 @@ from numpy.linalg import norm
 from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal
 
-from harness.robot import end_effector_position, forward, parse_urdf, read_chain
-from harness.robot.kinematics import build_chain, pose_jacobian, position_jacobian, rotation_between
+from harness.robot import forward, parse_urdf
+from harness.robot.kinematics import (
+    build_chain,
+    end_effector_position,
+    pose_jacobian,
+    position_jacobian,
+    rotation_between,
+)
+from harness.robot.urdf import read_chain
 from tests.refusals import refused
 
 MASS = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'

@@ -8,8 +8,8 @@ from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.spatial.transform import Rotation
 
-from harness.robot import Shape, build_solids, end_effector_position, link_frames
-from harness.robot.kinematics import build_chain
+from harness.robot import Shape, build_solids, link_frames
+from harness.robot.kinematics import build_chain, end_effector_position
 from harness.robot.resting_pose import choose_home
 from harness.robot.urdf import Joint
 from tests.refusals import refused

@@ -13,7 +13,8 @@ from numpy.linalg import norm
 from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal
 
-from harness.robot import read_robot, robot as robot_module
+from harness.robot import robot as robot_module
+from harness.robot.robot import read_robot
 from tests.refusals import refused
 from tests.robot.test_meshes import CORNERS, binary_stl, collada
 

@@ -9,8 +9,9 @@ from numpy.random import default_rng
 from numpy.testing import assert_array_equal
 
 import harness
-from harness.robot import Servo, read_bodies, read_robot
-from harness.robot.energy import energy
+from harness.robot import Servo
+from harness.robot.energy import energy, read_bodies
+from harness.robot.robot import read_robot
 from tests.refusals import refused
 
 URDF = """

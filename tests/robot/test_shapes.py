@@ -8,8 +8,9 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.spatial import ConvexHull
 
-from harness.robot import attach_shapes, parse_urdf, read_shapes
+from harness.robot import parse_urdf
 from harness.robot.kinematics import transform
+from harness.robot.shapes import attach_shapes, read_shapes
 from tests.refusals import refused
 
 

@@ -5,8 +5,8 @@ import re
 
 import pytest
 
-from harness.robot import parse_urdf, read_chain
-from harness.robot.urdf import Joint
+from harness.robot import parse_urdf
+from harness.robot.urdf import Joint, read_chain
 from tests.refusals import refused
 
 ARM = """

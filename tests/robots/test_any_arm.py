@@ -14,7 +14,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import harness
 from harness.registry import load_registry
-from harness.robot import build_solids, link_frames, read_robot
+from harness.robot import build_solids, link_frames
+from harness.robot.robot import read_robot
 from harness_plugins.bullet_arms import Clients, FreeArm, file_of_arm
 from harness_plugins.kit.simulators.checks import SIMULATOR_CHECKS
 from harness_plugins.kit.simulators.states import frames_show_the_target, render_gives_a_frame_or_says_why_not

@@ -14,7 +14,7 @@ from numpy.random import default_rng
 from numpy.testing import assert_allclose
 
 import harness_robots
-from harness.robot import read_robot
+from harness.robot.robot import read_robot
 
 ROBOT = read_robot(harness_robots.FD100)
 LINKS = ElementTree.fromstring(ROBOT.urdf).findall("link")

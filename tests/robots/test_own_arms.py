@@ -9,7 +9,8 @@ from numpy.random import default_rng
 from numpy.testing import assert_allclose
 
 import harness
-from harness.robot import parse_urdf, read_chain
+from harness.robot import parse_urdf
+from harness.robot.urdf import read_chain
 
 DIGESTS = {
     "fd100": (

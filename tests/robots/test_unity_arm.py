@@ -15,7 +15,8 @@ from numpy.testing import assert_allclose
 
 import harness
 import harness_robots
-from harness.robot import forward, read_robot
+from harness.robot import forward
+from harness.robot.robot import read_robot
 
 ROBOT = read_robot(harness_robots.UNITY_ARM)
 LINKS = {link.get("name"): link for link in ElementTree.fromstring(ROBOT.urdf).findall("link")}

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from harness.record.scene import scene_from_json
-from harness.robot import load_robot, read_robot
-from harness.scene import scene_of
-from harness.scene.scene import surface
+from harness.robot.robot import load_robot, read_robot
+from harness.scene.scene import scene_of, surface
 from tests.robot.test_meshes import binary_stl
 
 LINK = """<link name="{name}">

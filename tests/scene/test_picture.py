@@ -4,8 +4,7 @@ import numpy as np
 from numpy.testing import assert_allclose
 
 from harness.record.scene import Scene
-from harness.scene import Camera, camera_for
-from harness.scene.picture import BACKGROUND, corners_of, draw_arm, draw_still
+from harness.scene.picture import BACKGROUND, Camera, camera_for, corners_of, draw_arm, draw_still
 
 HOMELESS = np.empty((0, 3))
 

@@ -6,10 +6,10 @@ from numpy.linalg import norm
 from numpy.random import default_rng
 from numpy.testing import assert_allclose
 
-from harness.robot import child_frames, end_effector_position, load_robot
-from harness.scene import scene_of
+from harness.robot.kinematics import child_frames, end_effector_position
+from harness.robot.robot import load_robot
 from harness.scene.picture import chain_of, corners_of
-from harness.scene.scene import FEWEST, GREY, TRIANGLES
+from harness.scene.scene import FEWEST, GREY, TRIANGLES, scene_of
 from tests.scene.conftest import meshed
 
 RNG = default_rng(5)

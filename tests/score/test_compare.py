@@ -14,7 +14,8 @@ import harness.score.compare
 from harness.hookspecs import PROJECT
 from harness.record.cell_log import cell_log
 from harness.registry import Choice, load_registry
-from harness.score import compare_logs, match_steps
+from harness.score.compare import compare_logs
+from harness.score.open_steps import match_steps
 from tests.oracles.answers import first_negative_and_crossover, indices
 from tests.refusals import refused
 from tests.score.conftest import HEADER, arp, write_run

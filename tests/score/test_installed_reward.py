@@ -6,7 +6,8 @@ import pytest
 from harness.errors import Unscored
 from harness.record import trace_of
 from harness.registry import Choice, choose, load_registry
-from harness.score import InstalledReward, pay_log
+from harness.score.installed_reward import InstalledReward
+from harness.score.scorer import pay_log
 
 
 @pytest.fixture(scope="module")

@@ -11,9 +11,9 @@ from harness.errors import SchemaError, UsageError
 from harness.record import TraceWriter
 from harness.record.cell_log import cell_of
 from harness.registry import Choice
-from harness.score import EVENTS, StepsCsv, can_be_paid, match_steps, pay_log
-from harness.score.csv_steps import PAY, STEPS
-from harness.score.open_steps import open_steps
+from harness.score.csv_steps import EVENTS, PAY, STEPS, StepsCsv
+from harness.score.open_steps import match_steps, open_steps
+from harness.score.scorer import can_be_paid, pay_log
 from harness_plugins.rewards.relative import Relative
 from tests.refusals import refused
 

@@ -8,7 +8,7 @@ from hypothesis import given, strategies as st
 
 from harness.registry import choose, load_registry
 from harness.reward import Sample
-from harness.score import ArmPay, parse_place, parse_places
+from harness.score.places import ArmPay, parse_place, parse_places
 from tests.refusals import refused
 
 ROWS = np.arange(12.0).reshape(2, 6)

@@ -3,7 +3,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from harness import load_robot
-from harness.env import ReachVectorEnv
+from harness.env.vector_env import ReachVectorEnv
 from harness.reach import ReachTask
 from harness.record import TraceWriter
 from harness.registry import choose, load_registry, read_given

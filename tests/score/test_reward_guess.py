@@ -8,7 +8,7 @@ import pytest
 from harness.errors import UsageError
 from harness.hookspecs import PROJECT
 from harness.registry import Choice, load_registry
-from harness.score import compare_logs, guess_reward
+from harness.score.compare import compare_logs, guess_reward
 from harness.score.open_steps import open_steps
 from tests.score.conftest import HEADER, arp, write_run
 

@@ -13,7 +13,7 @@ from hypothesis import given, strategies as st
 
 import harness
 import harness.score.scorer as module
-from harness.env import ReachVectorEnv
+from harness.env.vector_env import ReachVectorEnv
 from harness.reach import ReachTask
 from harness.record import TraceWriter, read_trace
 from harness.record.cell_log import cell_log
@@ -23,7 +23,7 @@ from harness.reward import Sample
 from harness.reward.row_steps import DISTANCES, part_of
 from harness.reward.terms import ROWS
 from harness.robot import reach_position
-from harness.score import Payer, Scorer, pay_log
+from harness.score.scorer import Payer, Scorer, pay_log
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.tasks.unity import Arp2021
 

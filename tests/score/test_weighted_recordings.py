@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from harness.record import read_recording
-from harness.score import pay_by_weights, recorded_weights, recordings_of
+from harness.score.weighted_recordings import pay_by_weights, recorded_weights, recordings_of
 from tests.record.recording.told import terms_of
 from tests.refusals import refused
 from tests.results.recordings.test_terms import _record

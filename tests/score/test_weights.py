@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from harness.registry import Choice
-from harness.score import label_by_terms, recorded_choice, reweighted
+from harness.score.weights import label_by_terms, recorded_choice, reweighted
 from tests.refusals import refused
 
 TERMS = {"reach": np.array([0.0, -1.0, -0.5]), "effort": np.array([0.0, -0.2, 0.3])}

@@ -5,8 +5,8 @@ import pytest
 from mesh_arm.robot import FOLDER
 
 from harness import load_robot
+from harness.authoring import load_registry
 from harness.reach import ReachTask
-from harness.registry.registry import load_registry
 from harness_plugins.kit import check_robot, check_simulator
 
 

@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from harness.arrays import Float, Mask
-from harness.authoring import GroundContact, Substeps
+from harness.authoring import GroundContact, StillFrames, Substeps
 from harness.robot import Robot
-from harness.scene.picture import StillFrames
 from harness.simulator import State
 
 

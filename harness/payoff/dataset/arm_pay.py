@@ -9,8 +9,9 @@ from harness.log import Rows
 from harness.log.log import ACTION, OBSERVATION
 from harness.payoff.dataset.steps import VECTORS, Payer, flat_rows, seen_after, vectors_of
 from harness.registry.choice import Registry
-from harness.reward import MissingField, Paid, Reward
+from harness.reward import Paid, Reward
 from harness.reward.reward import is_finite
+from harness.reward.steps import MissingField
 from harness.score.places import JOINTS_DEG, ArmPay, ArmPlaces, fields_read, parse_places
 
 

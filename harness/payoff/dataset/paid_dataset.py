@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.arrays import Float, Mask
+from harness.arrays import Float, Float32, Ints, Mask
 from harness.errors import HarnessError, SchemaError, Unscored, one_line
 from harness.log import Log, Rows
 from harness.log.log import (
@@ -33,7 +33,7 @@ from harness.payoff.dataset.rewards import Recorded
 from harness.payoff.dataset.steps import Movement, Payer, seen_after, steps_by_episode
 from harness.record.dataset.labels import FAILURE, SUCCESS, UNKNOWN
 from harness.record.dataset.open_dataset import MOST_EPISODES, DatasetFacts, dataset_facts
-from harness.reward import LARGEST_PAID
+from harness.reward.reward import LARGEST_PAID
 
 if TYPE_CHECKING:
     from harness.score.places import ArmPlaces
@@ -67,7 +67,7 @@ class Fingerprint:
         self._parts[name].update(_packed(values).tobytes())
 
 
-def _packed(values: Array) -> NDArray[np.float32]:
+def _packed(values: Array) -> Float32:
     with np.errstate(over="ignore", invalid="ignore"):
         return np.ascontiguousarray(values, np.float32) + np.float32(0.0)
 
@@ -109,8 +109,8 @@ class PaidDataset:
     failed: Mapping[str, str]
     lost: Mapping[str, Mask]
     moved: Float
-    begins: NDArray[np.int64]
-    numbers: NDArray[np.int64]
+    begins: Ints
+    numbers: Ints
     told: NDArray[np.int8]
     shown_last: Mask
     recorded: Float
@@ -388,7 +388,7 @@ class _Kept:
         )
 
 
-def _told_of(told: Float, begins: NDArray[np.int64]) -> tuple[NDArray[np.int8], Mask]:
+def _told_of(told: Float, begins: Ints) -> tuple[NDArray[np.int8], Mask]:
     """Whether each episode succeeded, and whether its last step alone says so.
 
     A step that is a success makes the episode one. It is a failure if all steps from the first that is known are

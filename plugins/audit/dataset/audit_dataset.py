@@ -16,8 +16,7 @@ from harness.eta import CANNOT_TELL, auc_of, line_of
 from harness.eta.auc import Auc, share_of
 from harness.eta.rescaling import rounded
 from harness.log import RECORDED, Log
-from harness.payoff import pay_dataset
-from harness.payoff.dataset.paid_dataset import Labels, PaidDataset
+from harness.payoff.dataset.paid_dataset import Labels, PaidDataset, pay_dataset
 from harness.payoff.dataset.rewards import given_rewards, rewards_of
 from harness.payoff.dataset.steps import Payer
 from harness.record.dataset.labels import parse_success, read_labels

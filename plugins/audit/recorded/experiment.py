@@ -10,9 +10,10 @@ from harness.eta.headline import SUCCESS
 from harness.log import REWARD, START, Log, LogFacts, in_memory
 from harness.record import TRACE, Cell, read_trace
 from harness.registry import Choice
-from harness.results import CellResults, Traces
+from harness.results.cell_results import CellResults
 from harness.results.recordings.episodes import Episodes, Part, count_text
-from harness.score import InstalledReward
+from harness.results.traces import Traces
+from harness.score.installed_reward import InstalledReward
 
 from ..audit import Audit
 from ..questions import NO_FORMS, NOT_RANKED, on_best

@@ -41,7 +41,7 @@ def paid_in(log: Log) -> Paid:
     Args:
         log: Of steps, of episodes, or of points, which are taken for episodes. Its start rows are no steps.
     """
-    from harness.results import episodes_of
+    from harness.results.recordings.episodes import episodes_of
 
     episodes, unknown = episodes_of(log), {}
     pays = {name: np.asarray(log[f"{REWARD}{name}"], np.float64) for name in episodes.returns}

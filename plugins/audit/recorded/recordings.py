@@ -12,9 +12,9 @@ from harness.eta.manner import ACTED_AT_RANDOM
 from harness.log import SUCCESS
 from harness.log.open_log import Found
 from harness.registry import unknown_name
-from harness.results import Told
 from harness.results.logs.read_logs import account_of, facts_notes, read_trainings, require_comparable
 from harness.results.logs.results_of_logs import sort_found
+from harness.results.logs.told import Told
 from harness.results.recordings.episodes import LAST_SHARE, count_text
 from harness.results.recordings.recordings import account_of_runs, env_of, read_all
 from harness.results.recordings.runs import NO_NAME, Run

@@ -10,9 +10,9 @@ from gymnasium.spaces import Discrete
 from harness.errors import UsageError, reason_of
 from harness.experiment.environments.spaces import rows_of
 from harness.log import ACTION, BEHAVIOUR, REWARD, SUCCESS
-from harness.policy import CARD, Policy, load_policy
+from harness.policy import Policy, load_policy
 from harness.record import POLICY, Store, read_recording
-from harness.record.folder import TRAINING_RECORDING
+from harness.record.folder import CARD, TRAINING_RECORDING
 from harness.record.recording.facts import facts_of
 from harness.record.recording.recorded_training import recordings_in
 from harness.registry import read_given

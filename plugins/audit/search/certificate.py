@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from pydantic import ConfigDict, Field, StringConstraints, with_config
 from typing_extensions import TypedDict
 
-from harness.files import read_sealed, reading, seal, write_whole
-from harness.log import episode_sum
+from harness.files import reading
+from harness.files.bounded import read_sealed, seal, write_whole
+from harness.log.log import episode_sum
 from harness.record.file_forms import ChoiceForm, read_form
 from harness.text import file_stems, number
 

@@ -9,14 +9,14 @@ from pathlib import Path
 import numpy as np
 
 from harness.errors import SchemaError, UsageError, one_line
-from harness.files import write_whole
+from harness.files.bounded import write_whole
 from harness.record import Store
 from harness.record.out_folder import make_folder, refuse_links, storage_errors
 from harness.record.scene import Scene, read_scene, write_scene
 from harness.registry import Registry, choose, require_given
 from harness.report.page.page import write_page
-from harness.robot import load_robot
-from harness.scene import scene_of
+from harness.robot.robot import load_robot
+from harness.scene.scene import scene_of
 
 from .behaviour import ROLES
 from .certificate import BEGINS, NOUN, Certificate, file_names, read_certificate, write_certificate

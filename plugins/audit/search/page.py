@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from harness.arrays import Float
-from harness.log import episode_sum, sums_so_far
+from harness.log.log import episode_sum, sums_so_far
 from harness.record.scene import Scene
 from harness.registry.given import plugin_flags
 from harness.report import Dots, Grid, Line, draw_chart, replay_of

@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from harness.cli.runnable import usable
-from harness.env import IdealSimulator, World as Arm
+from harness.env.ideal import IdealSimulator
+from harness.env.vector_env import World as Arm
 from harness.environment import AnyEnv, Environment
 from harness.experiment.environments.plan import columns_of, look_at
 from harness.experiment.provenance import describe_machine, versions_behind
@@ -18,7 +19,7 @@ from harness.recorder.column import source_of
 from harness.recorder.env_facts import Columns, versions_of
 from harness.registry import Choice, Registry, choose, source_hash, split_list
 from harness.registry.spec import blamed_on
-from harness.robot import load_robot
+from harness.robot.robot import load_robot
 from harness.task import choose_task
 
 from ..transitions.audit_rewards import GAMMA

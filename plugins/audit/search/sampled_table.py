@@ -8,7 +8,7 @@ import numpy as np
 from gymnasium.spaces import Discrete
 
 from harness.arrays import Float, Ints, Mask
-from harness.log import episode_sum
+from harness.log.log import episode_sum
 
 from .table import ENOUGH, MOST_ACTIONS, MOST_NEW, ends, table_policy
 from .world import Act, Data, Rng, Shown, World, key_of

@@ -11,9 +11,8 @@ from harness.recorder.column import made_columns
 from harness.recorder.guard import Guard
 from harness.recorder.recorder import differs
 from harness.recorder.sealed import Walk
-from harness.reward import MissingField
 from harness.reward.given import Before
-from harness.reward.steps import BEFORE, steps_type
+from harness.reward.steps import BEFORE, MissingField, steps_type
 
 OfTransition = Callable[[Any, Any, Any], float]
 """R(s, a, s')."""

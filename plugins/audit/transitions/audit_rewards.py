@@ -15,8 +15,7 @@ from harness.record import read_recording
 from harness.record.recording.facts import facts_of
 from harness.recorder.record_rewards import RecordRewards
 from harness.recorder.sealed import KeepWalks, Walk
-from harness.results import episodes_of
-from harness.results.recordings.episodes import Episodes, count_text
+from harness.results.recordings.episodes import Episodes, count_text, episodes_of
 from harness.reward import Given
 from harness.reward.given import OWN
 

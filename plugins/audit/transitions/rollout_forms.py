@@ -19,9 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float, Ints, read_only
-from harness.payoff import Rollout
-from harness.payoff.rollout import paid_along
-from harness.reward import Carry, Reward, pay, take
+from harness.payoff.rollout import Rollout, paid_along
+from harness.reward import Carry, Reward, pay
+from harness.reward.reward import take
 from harness.reward.steps import step_between
 
 from ..distance import Form

@@ -14,8 +14,7 @@ from typing import Any, ClassVar, NamedTuple, Self
 
 from harness.errors import UsageError
 from harness.executor import Limits
-from harness.experiment import Order
-from harness.experiment.workers.order import Report
+from harness.experiment.workers.order import Order, Report
 from harness.experiment.workers.worker import print_into
 from harness.experiment.workers.workers import Offspring, Pool
 from harness.record import partial_folder

@@ -19,8 +19,16 @@ import typer
 from harness import load_robot
 from harness.errors import HarnessError, PluginError, UsageError, one_line
 from harness.hookspecs import KINDS, NOUNS, WORDS
-from harness.registry import Given, Registry, Spec, choose, load_registry, parse, read_given, unknown_name
-from harness.registry.given import PluginFile
+from harness.registry import (
+    Registry,
+    Spec,
+    choose,
+    load_registry,
+    parse,
+    read_given,
+    unknown_name,
+)
+from harness.registry.given import Given, PluginFile
 from harness.registry.targets import why_unfit
 from harness.robot import Robot
 from harness.robot.robot import is_path

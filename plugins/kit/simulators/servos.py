@@ -10,8 +10,8 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.errors import UsageError
-from harness.robot import Robot, Servo, read_bodies
-from harness.robot.energy import energy
+from harness.robot import Robot, Servo
+from harness.robot.energy import energy, read_bodies
 from harness.simulator import Simulation, Simulator, State, drives_with_servo
 
 from ..contract import Check, check, require, violations

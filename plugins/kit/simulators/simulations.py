@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float, Mask
-from harness.authoring import reach_position
-from harness.motion import MoveJ
+from harness.motion.motion import MoveJ
 from harness.robot import Robot
+from harness.robot.kinematics import reach_position
 from harness.simulator import Simulation, Simulator, State
 
 from ..contract import require

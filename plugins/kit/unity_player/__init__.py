@@ -10,7 +10,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from harness.files import write_whole
+from harness.files.bounded import write_whole
 from harness.text import command_text
 
 MODULE = "harness_plugins.kit.unity_player"

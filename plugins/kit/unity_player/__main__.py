@@ -21,7 +21,8 @@ from mlagents_envs.side_channel.side_channel_manager import SideChannelManager
 
 from harness import load_robot
 from harness.arrays import Float, Float32
-from harness.env import IdealSimulator, ReachVectorEnv
+from harness.env.ideal import IdealSimulator
+from harness.env.vector_env import ReachVectorEnv
 from harness.registry import choose, load_registry
 
 from . import write_unity_player

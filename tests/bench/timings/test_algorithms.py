@@ -3,7 +3,7 @@
 import pytest
 
 import harness
-from harness.env import ReachEnv
+from harness.env.vector_env import ReachEnv
 from harness.progress import Progress
 from harness.record import TraceWriter
 from harness_plugins.algorithms.ddqn import Ddqn

@@ -8,7 +8,7 @@ import pytest
 from numpy.random import default_rng
 
 import harness
-from harness.experiment import check_experiment, expand
+from harness.experiment.plan import check_experiment, expand
 from harness.experiment.run_cell import run_cell
 from harness.registry import load_registry
 

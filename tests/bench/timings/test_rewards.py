@@ -5,7 +5,7 @@ import pytest
 from numpy.random import default_rng
 
 import harness
-from harness.env import ReachVectorEnv
+from harness.env.vector_env import ReachVectorEnv
 from harness.reach import ReachTask
 from harness.registry import choose, load_registry
 from harness.reward.forms import reward_class

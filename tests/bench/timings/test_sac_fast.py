@@ -5,7 +5,7 @@ from unittest import mock
 import pytest
 
 import harness
-from harness.env import ReachEnv
+from harness.env.vector_env import ReachEnv
 from harness.progress import Progress
 from harness_plugins.algorithms.sac import Sac
 from harness_plugins.algorithms.sac_fast import SacFast

@@ -7,8 +7,7 @@ from numpy.random import default_rng
 from harness.record import trace_of
 from harness.registry import choose, load_registry
 from harness.reward.row_steps import DISTANCES, part_of
-from harness.score import Scorer, pay_log
-from harness.score.scorer import BLOCK
+from harness.score.scorer import BLOCK, Scorer, pay_log
 
 pytestmark = [
     pytest.mark.bench,

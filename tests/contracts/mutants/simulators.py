@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 
 import harness
-from harness.authoring import link_frames
 from harness.registry.registry import load_registry
 from harness.robot.ground_clearance import build_solids
+from harness.robot.kinematics import link_frames
 from harness.simulator import State
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.kit.simulators.simulations import PERIOD

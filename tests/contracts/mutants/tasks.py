@@ -7,7 +7,7 @@ from pydantic.dataclasses import dataclass
 
 import harness
 from harness.goal import Goal
-from harness.motion import Move, MoveJ
+from harness.motion.motion import Move, MoveJ
 from harness.reach import ReachTask
 from harness.registry.registry import load_registry
 from harness.task import Targets

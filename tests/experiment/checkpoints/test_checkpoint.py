@@ -11,10 +11,10 @@ from numpy.testing import assert_array_equal
 from harness.authoring.generator_state import pack_generator, restore_generator
 from harness.errors import SchemaError
 from harness.executor import CellOptions
-from harness.experiment import ExperimentRun, provenance, run_cell as cell_progress
+from harness.experiment import provenance, run_cell as cell_progress
 from harness.experiment.checkpoints.checkpoint import Checkpoint, read_checkpoint
+from harness.experiment.experiment import ExperimentRun
 from harness.experiment.run_cell import run_cell
-from harness.policy import WEIGHTS
 from harness.record import (
     EVALUATION,
     LOG,
@@ -26,6 +26,7 @@ from harness.record import (
     partial_folder,
     read_manifest,
 )
+from harness.record.folder import WEIGHTS
 from harness.record.parts import PART_ROWS
 from harness.record.trace import require_rows
 from harness.registry import Choice

@@ -7,9 +7,10 @@ import pytest
 
 from harness.cli.progress import foreseen_lines
 from harness.errors import PluginError
-from harness.experiment import RunOptions, check_experiment, expand
 from harness.experiment.experiment import check
 from harness.experiment.foresee import foresee
+from harness.experiment.plan import check_experiment, expand
+from harness.experiment.run_options import RunOptions
 from harness.record import Store
 from harness.registry import Choice, load_registry, read_given
 from tests.stores import create_store

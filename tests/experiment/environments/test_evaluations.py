@@ -4,12 +4,12 @@ from pathlib import Path
 
 import pytest
 
-from harness.experiment import expand, read_experiment
 from harness.experiment.experiment import run
+from harness.experiment.plan import expand, read_experiment
 from harness.record import EXPERIMENT, RANDOM, read_recording
 from harness.record.folder import evaluation_files, recording_of
 from harness.registry import load_registry, read_given
-from harness.results import ranking_of
+from harness.results.ranking import ranking_of
 from tests.refusals import refused
 
 HERE = Path(__file__).parent

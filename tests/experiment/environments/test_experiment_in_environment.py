@@ -14,9 +14,10 @@ import pytest
 from numpy.testing import assert_array_equal
 
 from harness.executor import CellOptions
-from harness.experiment import RunOptions, check_experiment, expand
 from harness.experiment.experiment import check, prepare
+from harness.experiment.plan import check_experiment, expand
 from harness.experiment.run_cell import run_cell
+from harness.experiment.run_options import RunOptions
 from harness.experiment.verify import verify
 from harness.policy import load_policy
 from harness.progress import RETURN, SUCCESS

@@ -7,12 +7,16 @@ import gymnasium
 import numpy as np
 import pytest
 
-from harness.env import ArmObservation, Episodes, ReachVectorEnv, decisions
+from harness.env import decisions
+from harness.env.arm_observation import ArmObservation
 from harness.env.decisions import Shaping, Starts
+from harness.env.episodes import Episodes
+from harness.env.vector_env import ReachVectorEnv
 from harness.executor import CellOptions
-from harness.experiment import check_experiment, expand, run_cell as cells
+from harness.experiment import run_cell as cells
 from harness.experiment.environments import world as worlds
 from harness.experiment.environments.world import EnvironmentBatch
+from harness.experiment.plan import check_experiment, expand
 from harness.policy import Deterministic, Uniform
 from harness.recorder import gate
 

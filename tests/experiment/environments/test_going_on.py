@@ -6,7 +6,7 @@ import shutil
 import pytest
 
 from harness.executor import CellOptions
-from harness.experiment import check_experiment, expand
+from harness.experiment.plan import check_experiment, expand
 from harness.experiment.run_cell import run_cell
 from harness.experiment.workers import order
 from harness.record import LOG, MANIFEST, partial_folder, read_manifest

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from harness.executor import CellOptions
-from harness.experiment import check_experiment, expand
+from harness.experiment.plan import check_experiment, expand
 from harness.experiment.run_cell import run_cell
 from harness.record import read_recording
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import harness
-from harness.experiment import check_experiment, expand
+from harness.experiment.plan import check_experiment, expand
 from harness.experiment.verify import verify
 from harness.record import Store, read_recording
 from harness.registry import load_registry, read_given

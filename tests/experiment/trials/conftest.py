@@ -2,7 +2,7 @@
 
 import pytest
 
-from harness.experiment import check_experiment, expand
+from harness.experiment.plan import check_experiment, expand
 from harness.registry import load_registry, read_given
 
 HEAD = "observation, action, next_observation, info"

@@ -2,7 +2,7 @@
 
 import pytest
 
-from harness.experiment import check_experiment, expand
+from harness.experiment.plan import check_experiment, expand
 from harness.experiment.trials.arm_trial import try_arm
 from harness.experiment.trials.tried import Fault, Tried
 from harness.registry import load_registry, read_given

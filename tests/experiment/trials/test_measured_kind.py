@@ -2,7 +2,7 @@
 
 import pytest
 
-from harness.experiment import check_experiment, expand
+from harness.experiment.plan import check_experiment, expand
 from harness.experiment.trials.measured_kind import MOST, Measured, Watched, _Enough, measure_kinds
 from harness.record.pace import kind_of
 from harness.registry import load_registry

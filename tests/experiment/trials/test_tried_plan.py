@@ -6,8 +6,9 @@ from dataclasses import replace
 import pytest
 
 import harness
-from harness.experiment import RunOptions, check_experiment
 from harness.experiment.experiment import check
+from harness.experiment.plan import check_experiment
+from harness.experiment.run_options import RunOptions
 from harness.experiment.trials.tried_plan import try_plan
 from harness.record import Terms
 from tests.experiment.trials.conftest import planned

@@ -4,10 +4,9 @@ import json
 from pathlib import Path
 
 from harness.executor import CellOptions
-from harness.experiment import Order
 from harness.experiment.installation import Describe
 from harness.experiment.run_cell import TrainCell
-from harness.experiment.workers.order import read_order
+from harness.experiment.workers.order import Order, read_order
 from harness.registry import Choice
 from harness.registry.given import PluginClass, PluginFile
 from harness_plugins.transfer.jobs import EvaluateElsewhere

@@ -8,8 +8,8 @@ from contextlib import contextmanager
 
 import pytest
 
-from harness.experiment import Order
 from harness.experiment.run_cell import TrainCell
+from harness.experiment.workers.order import Order
 from harness.experiment.workers.worker import DONE, STALE
 from harness.record import LOG, partial_folder, read_manifest
 from harness.registry import Choice

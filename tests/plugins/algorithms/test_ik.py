@@ -9,12 +9,13 @@ from numpy.testing import assert_array_equal
 
 import harness
 from harness.algorithm import learns, why_not
-from harness.env import ArmObservation, kinematics_policy
+from harness.env.arm_observation import ArmObservation, kinematics_policy
 from harness.errors import SchemaError
-from harness.experiment import check_experiment, expand
 from harness.experiment.arm_evaluation import EVALUATION_SEED
-from harness.policy import CARD, InverseKinematics, Uniform, load_policy
+from harness.experiment.plan import check_experiment, expand
+from harness.policy import InverseKinematics, Uniform, load_policy
 from harness.reach import ReachTask
+from harness.record.folder import CARD
 from harness.registry import choose, load_registry
 from harness_plugins.algorithms.ik import Ik
 from harness_plugins.kit.trainings import observations, train

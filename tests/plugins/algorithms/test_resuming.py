@@ -3,7 +3,7 @@
 import pytest
 
 import harness
-from harness.env import World
+from harness.env.vector_env import World
 from harness.registry import choose, load_registry
 from harness.registry.choice import build_defaults
 from harness_plugins.kit.algorithms import differences, train_with_checkpoints

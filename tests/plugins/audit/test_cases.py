@@ -8,7 +8,7 @@ import pytest
 
 import harness
 from harness.experiment.environments.plan import columns_of
-from harness.payoff import payoff_of, score_rollout
+from harness.payoff.rollout import payoff_of, score_rollout
 from harness.record import read_recording
 from harness.registry import choose, load_registry, read_given
 from tests.plugins.audit.cases.policies import POLICIES

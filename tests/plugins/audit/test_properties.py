@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.random import default_rng
 
-from harness.payoff import score_rollout
+from harness.payoff.rollout import score_rollout
 from harness_plugins.audit.probe import needed_beside_distances, probe_distances
 from harness_plugins.audit.properties import (
     bounded,

@@ -7,7 +7,12 @@ import pytest
 from numpy.random import default_rng
 
 from harness.eta import SeedMean
-from harness.payoff import finishing_of, payoff_of, score_rollout, temptations
+from harness.payoff.rollout import (
+    finishing_of,
+    payoff_of,
+    score_rollout,
+    temptations,
+)
 from harness.results.recordings.episodes import Episodes
 from harness_plugins.audit.questions import deciding_measure, on_best, rank_success
 from harness_plugins.audit.recorded.earned import Earned

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import pytest
 
 import harness
-from harness.experiment import check_experiment, expand
+from harness.experiment.plan import check_experiment, expand
 from harness.registry import load_registry, read_given
 from harness.screen import CANNOT_TELL, FAILING, NOTHING
 from harness_plugins.audit import Cheats

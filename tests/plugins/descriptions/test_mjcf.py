@@ -12,7 +12,8 @@ from numpy.random import default_rng
 
 from harness.errors import UsageError
 from harness.files.apart import run_apart
-from harness.robot import link_frames, read_robot
+from harness.robot import link_frames
+from harness.robot.robot import read_robot
 from harness_plugins.descriptions.mjcf import SPEEDS, Mjcf, _rotation, _rpy, _turn
 from tests.plugins.descriptions.hostile_mjcf import MODELS, arm, write_hostile
 

@@ -4,7 +4,7 @@ import pytest
 
 from harness.errors import UsageError
 from harness.registry.allowed import PROGRAMS, allow_programs, allow_typed
-from harness.robot import read_robot
+from harness.robot.robot import read_robot
 from harness_plugins.descriptions.xacro_file import EXAMPLE
 
 pytest.importorskip("xacro")

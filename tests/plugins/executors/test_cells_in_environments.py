@@ -7,7 +7,7 @@ import pytest
 
 from harness.authoring.folder_parts import Part, add_parts
 from harness.executor import CellOptions, Event, Job, Word
-from harness.experiment import check_experiment, expand
+from harness.experiment.plan import check_experiment, expand
 from harness.experiment.run_cell import run_cell
 from harness.record import EVALUATION_RECORDING, LOG, MANIFEST, POLICY, RANDOM
 from harness.record.cell import digests_in

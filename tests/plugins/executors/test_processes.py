@@ -10,8 +10,8 @@ import sys
 import pytest
 
 from harness.executor import CellOptions, Job, Limits
-from harness.experiment import Order
 from harness.experiment.run_cell import TrainCell
+from harness.experiment.workers.order import Order
 from harness.record import LOG, partial_folder, read_manifest
 from harness_plugins.executors.processes import Processes
 

@@ -14,9 +14,8 @@ import pytest
 
 import harness
 from harness.executor import CellOptions, Job
-from harness.experiment import expand
 from harness.experiment.jobs import run_jobs
-from harness.experiment.plan import Experiment
+from harness.experiment.plan import Experiment, expand
 from harness.record import LOG, MANIFEST, Store
 from harness.registry import load_registry
 from harness_plugins.executors.ray import Ray

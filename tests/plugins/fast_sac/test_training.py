@@ -9,7 +9,7 @@ import pytest
 import stable_baselines3
 from numpy.testing import assert_allclose, assert_array_equal
 
-from harness.env import ReachVectorEnv
+from harness.env.vector_env import ReachVectorEnv
 from harness.policy import Policy
 from harness.progress import Progress
 from harness_plugins.algorithms.sac import Sac

@@ -8,7 +8,7 @@ import pytest
 from rich.console import Console
 
 from harness import load_robot
-from harness.env import IdealSimulation
+from harness.env.ideal import IdealSimulation
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.parity import Setting, compare_simulators, parity_table
 from harness_plugins.parity.contenders import Contenders

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from harness.registry import load_registry
-from harness.robot import build_solids, link_frames, read_robot
+from harness.robot import build_solids, link_frames
+from harness.robot.robot import read_robot
 from harness_plugins.parity import Setting, choose_contenders, compare_simulators
 from harness_plugins.parity.motions import GroundClearance
 from harness_plugins.parity.orders import draw_orders

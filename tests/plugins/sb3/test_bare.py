@@ -5,7 +5,7 @@ from unittest import mock
 import stable_baselines3
 
 import harness
-from harness.env import ReachEnv
+from harness.env.vector_env import ReachEnv
 from harness.progress import Progress
 from harness_plugins.algorithms.ddqn import Ddqn
 from harness_plugins.algorithms.dqn import Dqn

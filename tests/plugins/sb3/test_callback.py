@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import harness
-from harness.env import ReachVectorEnv
+from harness.env.vector_env import ReachVectorEnv
 from harness.progress import Progress
 from harness.reach import ReachTask
 from harness_plugins.kit import IdealSimulator

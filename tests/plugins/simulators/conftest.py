@@ -11,9 +11,10 @@ from numpy.random import default_rng
 from numpy.testing import assert_array_equal
 
 import harness
-from harness.motion import MoveJ
+from harness.motion.motion import MoveJ
 from harness.registry import load_registry
-from harness.robot import attach_shapes, parse_urdf, read_shapes
+from harness.robot import parse_urdf
+from harness.robot.shapes import attach_shapes, read_shapes
 from harness.simulator import State
 
 REGISTRY = load_registry()

@@ -12,7 +12,8 @@ from numpy.testing import assert_array_equal
 
 import harness
 from harness.errors import MissingSolid
-from harness.robot import build_solids, link_frames, read_robot
+from harness.robot import build_solids, link_frames
+from harness.robot.robot import read_robot
 from harness_plugins.simulators.pybullet import PyBullet
 
 CORNERS = np.array([[x, y, z] for x in (-0.03, 0.03) for y in (-0.03, 0.03) for z in (0.0, 0.3)])

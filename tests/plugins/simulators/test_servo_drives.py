@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import harness
 from harness.authoring import ServoTrack
-from harness.robot import read_robot
+from harness.robot.robot import read_robot
 from harness.simulator import State
 from harness_plugins.kit import SIMULATOR_CHECKS, violations
 from harness_plugins.mujoco_model import build_model

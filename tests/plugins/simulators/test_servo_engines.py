@@ -11,8 +11,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from harness.registry import choose
-from harness.robot import read_bodies, read_robot
-from harness.robot.energy import energy
+from harness.robot.energy import energy, read_bodies
+from harness.robot.robot import read_robot
 from harness.simulator import State
 from tests.plugins.simulators.conftest import PERIOD, REGISTRY, ROBOT, open_simulator
 from tests.refusals import refused

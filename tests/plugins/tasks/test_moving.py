@@ -7,7 +7,8 @@ from numpy.linalg import norm
 from numpy.testing import assert_allclose
 
 import harness
-from harness.env import ReachVectorEnv, kinematics_policy
+from harness.env.arm_observation import kinematics_policy
+from harness.env.vector_env import ReachVectorEnv
 from harness.goal import Situation
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.kit.trainings import NegativeDistance

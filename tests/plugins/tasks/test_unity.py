@@ -8,7 +8,7 @@ from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal
 
 import harness
-from harness.env import ReachVectorEnv
+from harness.env.vector_env import ReachVectorEnv
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.kit.trainings import NegativeDistance
 from harness_plugins.tasks import unity

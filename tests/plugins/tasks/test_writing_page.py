@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import harness
-from harness.env import why_not_kinematics
+from harness.env.arm_observation import why_not_kinematics
 from harness.goal import Situation
 from harness_plugins.kit import check_task
 

@@ -13,10 +13,10 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from harness import load_robot
 from harness.errors import NewerFormat
-from harness.experiment import check_experiment, expand
-from harness.policy import WEIGHTS
+from harness.experiment.plan import check_experiment, expand
 from harness.record import EVALUATION, MANIFEST, POLICY, Cell, partial_folder, read_manifest, read_trace
 from harness.record.cell import BROUGHT
+from harness.record.folder import WEIGHTS
 from harness.registry import Choice, choose, load_registry
 from harness.results import load_results
 from harness_plugins.transfer import (

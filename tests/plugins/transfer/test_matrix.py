@@ -6,8 +6,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from harness.policy import WEIGHTS
 from harness.record import COLUMN, EVALUATION, POLICY, SCALARS, Manifest, TraceWriter
+from harness.record.folder import WEIGHTS
 from harness.registry import Choice
 from harness.results import Results, load_results
 from harness_plugins.transfer import TRANSFER, TransferRecord, load_transfers, simulator_id

@@ -6,7 +6,8 @@ from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal
 
 from harness import load_robot
-from harness.env import IdealSimulator, ReachVectorEnv
+from harness.env.ideal import IdealSimulator
+from harness.env.vector_env import ReachVectorEnv
 from harness.registry import choose, load_registry
 from harness_plugins.environments.unity import Unity
 from tests.refusals import refused

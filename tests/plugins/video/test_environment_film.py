@@ -8,7 +8,7 @@ from PIL import Image
 
 from harness.cli import main
 from harness.executor import CellOptions
-from harness.experiment import check_experiment, expand
+from harness.experiment.plan import check_experiment, expand
 from harness.experiment.run_cell import run_cell
 from harness.registry import load_registry, read_given
 from harness.results import load_results

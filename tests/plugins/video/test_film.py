@@ -12,7 +12,7 @@ from PIL import Image, ImageColor
 
 from harness import load_robot
 from harness.results.replay import Episode, Show, Side
-from harness.scene import scene_of
+from harness.scene.scene import scene_of
 from harness_plugins.video.film import FRAMES, HEIGHT, HELD, LINE, RATE, WIDTH, Frame, film_of, write_film
 from tests.refusals import refused
 

@@ -4,7 +4,7 @@ import pyarrow.parquet as pq
 from numpy.testing import assert_array_equal
 
 from harness.record import read_recording
-from harness.results import episodes_of
+from harness.results.recordings.episodes import episodes_of
 from harness_plugins.watch.recorded import Recording
 
 

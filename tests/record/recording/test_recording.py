@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from harness.errors import NewerFormat, SchemaError, UsageError
-from harness.files import seal, unseal
+from harness.files.bounded import seal, unseal
 from harness.log import in_memory
 from harness.record import TrainingFacts, read_recording
 from harness.record.recording.facts import Failure, Source

@@ -6,7 +6,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from harness.report import Line
 from harness.report.figures.learning import describe_trajectories, draw_trajectories
-from harness.results import Trajectories, Trajectory
+from harness.results.replay import Trajectories, Trajectory
 
 HIT = Trajectory(np.array([[0.0, 1.0, 2.0], [0.123456, 1.5, 2.5]]), np.array([0.1, 1.5, 2.5]), reached=True)
 MISS = Trajectory(np.array([[0.0, 0.0, 0.0], [5.0, -1.0, 3.0]]), np.array([-1.0, 0.0, 0.0]), reached=False)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from harness.report import write_html
-from harness.results import shows_of
-from harness.robot import end_effector_position
+from harness.results.replay import shows_of
+from harness.robot.kinematics import end_effector_position
 from harness.scene.picture import chain_of
 from harness_plugins.watch.watch import served
 from tests.report.conftest import NO_WEBGL

@@ -8,8 +8,8 @@ import pytest
 from harness.eta import Change, Quantity
 from harness.record.scene import Scene, SceneJoint, write_scene
 from harness.report.replay.section import EpisodeLinks, links_of
-from harness.results import Pairs, shows_of
-from harness.results.pairs import Met, kinds_of
+from harness.results.pairs import Met, Pairs, kinds_of
+from harness.results.replay import shows_of
 
 BASELINE, PROPOSED = range(2)
 BOTH, FIRST, SECOND, NEITHER = range(4)

@@ -13,8 +13,8 @@ from numpy.testing import assert_allclose
 from harness.record.scene import scene_from_json
 from harness.report import replay_of, write_html
 from harness.report.replay.section import replay_data
-from harness.results import shows_of
-from harness.robot import end_effector_position
+from harness.results.replay import shows_of
+from harness.robot.kinematics import end_effector_position
 from harness.scene.picture import chain_of
 
 MANY = 24

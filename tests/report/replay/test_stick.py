@@ -5,8 +5,8 @@ import re
 from numpy.testing import assert_allclose
 
 from harness.report.replay.section import draw_sticks, joints_of
-from harness.results import shows_of
-from harness.robot import end_effector_position
+from harness.results.replay import shows_of
+from harness.robot.kinematics import end_effector_position
 from harness.scene.picture import chain_of
 
 

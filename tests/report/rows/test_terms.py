@@ -8,7 +8,8 @@ import pytest
 from harness.eta import mean_over_seeds
 from harness.report import terms_grid
 from harness.report.rows.returns import never_texts
-from harness.results import Group, TermPaid, TermsPaid
+from harness.results import Group
+from harness.results.trainings import TermPaid, TermsPaid
 
 
 def _mean(*values):

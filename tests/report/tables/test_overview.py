@@ -1,5 +1,5 @@
 from harness.report import FactsTable, first_facts
-from harness.results import pay_texts
+from harness.results.overview import pay_texts
 from tests.report import conftest
 from tests.report.conftest import MIXTURE, squeezed
 from tests.report.tables.test_comparison import CASES

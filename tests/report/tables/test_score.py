@@ -4,7 +4,7 @@ import pytest
 
 from harness.registry import choose
 from harness.report import FactsTable, score_facts
-from harness.results import score_matrices
+from harness.results.score_matrix import score_matrices
 from tests.report.conftest import printed
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from harness.log.open_log import find_logs
 from harness.registry import load_registry
-from harness.results import sort_logs
+from harness.results.logs.trainings import sort_logs
 
 
 @pytest.fixture

@@ -8,8 +8,8 @@ from hypothesis import given, strategies as st
 
 from harness.errors import SchemaError, UsageError
 from harness.log import LogFacts, in_memory
-from harness.results import Deciding
 from harness.results.logs.read_logs import runs_of
+from harness.results.logs.told import Deciding
 from harness.results.logs.trainings import Sorted, Training
 
 LENGTHS = (("base", 20), ("arp", 10))

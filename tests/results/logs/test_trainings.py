@@ -3,7 +3,7 @@ import pytest
 
 from harness.errors import UsageError
 from harness.log import LogFacts, in_memory
-from harness.results import require_several, sort_logs
+from harness.results.logs.trainings import require_several, sort_logs
 from tests.results.logs.conftest import sorts_of
 
 

@@ -7,7 +7,7 @@ import pytest
 from harness.errors import UsageError
 from harness.record import TrainingFacts
 from harness.record.recording.recorded_training import facts_name
-from harness.results import Told
+from harness.results.logs.told import Told
 from harness.results.recordings.recordings import read_all, read_runs
 from tests.results.recordings.conftest import PAYS, PULLS, record
 

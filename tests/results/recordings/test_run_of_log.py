@@ -8,8 +8,7 @@ import pytest
 
 from harness.errors import SchemaError, Unscored, UsageError
 from harness.log import Failed, Log, LogFacts, in_memory
-from harness.results import episodes_of
-from harness.results.recordings.episodes import require_ends
+from harness.results.recordings.episodes import episodes_of, require_ends
 from harness.results.recordings.runs import run_of
 
 

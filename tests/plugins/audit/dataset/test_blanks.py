@@ -4,8 +4,10 @@ import h5py
 import numpy as np
 import pytest
 
-from harness.payoff import of_arm, pay_dataset, step_by_step
+from harness.payoff.dataset.arm_pay import of_arm
+from harness.payoff.dataset.paid_dataset import pay_dataset
 from harness.payoff.dataset.rewards import Recorded
+from harness.payoff.dataset.step_by_step import step_by_step
 from harness.score.places import parse_places
 from tests.payoff.conftest import named
 from tests.plugins.audit.dataset.test_dataset_audit import reaching

@@ -8,13 +8,16 @@ import pytest
 from numpy.random import default_rng
 
 from harness import load_robot
-from harness.payoff import of_arm, pay_dataset, step_by_step, write_dataset_scores
 from harness.payoff.dataset import paid_dataset
+from harness.payoff.dataset.arm_pay import of_arm
+from harness.payoff.dataset.paid_dataset import pay_dataset
 from harness.payoff.dataset.rewards import Recorded
+from harness.payoff.dataset.scores_file import write_dataset_scores
+from harness.payoff.dataset.step_by_step import step_by_step
 from harness.record.dataset.labels import FAILURE, SUCCESS, UNKNOWN
 from harness.reward.forms import reward_class
 from harness.reward.terms import sum_of
-from harness.score import ArmPay, parse_places
+from harness.score.places import ArmPay, parse_places
 from harness_plugins.audit import audit_dataset
 from harness_plugins.datasets import dataset as sizes
 from tests.payoff.conftest import named

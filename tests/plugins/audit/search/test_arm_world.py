@@ -11,9 +11,9 @@ from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal, assert_equal
 
 import harness
-from harness.env import ReachVectorEnv, World as Arm
+from harness.env.vector_env import ReachVectorEnv, World as Arm
 from harness.errors import SimulationDiverged
-from harness.log import episode_sum
+from harness.log.log import episode_sum
 from harness.reach import ReachTask
 from harness.registry import choose, load_registry
 from harness_plugins.audit.search.arm_world import ArmWorld

@@ -5,7 +5,8 @@ import pytest
 from numpy.testing import assert_array_equal
 
 from harness import RecordRewards
-from harness.env import World as Arm, kinematics_policy
+from harness.env.arm_observation import kinematics_policy
+from harness.env.vector_env import World as Arm
 from harness.reach import ReachTask
 from harness.recorder.env_facts import Columns
 from harness.reward.terms import Unpaid

@@ -13,7 +13,7 @@ from hypothesis import given, strategies as st
 from hypothesis.extra.numpy import arrays
 
 from harness.errors import NewerFormat, SchemaError
-from harness.files import seal
+from harness.files.bounded import seal
 from harness_plugins.audit import read_certificate, write_certificate
 from harness_plugins.audit.search.certificate import array_of, file_names, numbers_of
 from tests.plugins.audit.search.certified import certificate_of, place_of

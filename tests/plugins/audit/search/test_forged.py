@@ -8,7 +8,7 @@ from functools import cache
 import pytest
 
 from harness.errors import HarnessError
-from harness.files import seal
+from harness.files.bounded import seal
 from harness.registry import choose, load_registry, read_given
 from harness_plugins.audit import replay_file
 from harness_plugins.audit.search import find

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from harness import load_robot
-from harness.scene import scene_of
+from harness.scene.scene import scene_of
 from harness_plugins.audit import cheats_page
 from harness_plugins.audit.search.replay import certify
 from tests.plugins.audit.search.certified import RUNS_ON, Line, drawn_of, film_of, finding_of, place_of

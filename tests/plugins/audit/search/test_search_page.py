@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from harness import load_robot
-from harness.scene import scene_of
+from harness.scene.scene import scene_of
 from harness_plugins.audit import cheats_page
 from harness_plugins.audit.search.film import Film
 from harness_plugins.audit.search.replay import certify

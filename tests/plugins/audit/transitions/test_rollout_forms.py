@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-from harness.payoff import record_rollouts, score_rollout
+from harness.payoff.rollout import record_rollouts, score_rollout
 from harness.reach import ReachTask
 from harness.reward.forms import reward_class
 from harness_plugins.audit.distance import FORMS, compare_forms

@@ -10,7 +10,7 @@ from numpy.random import default_rng
 from scipy import stats
 from scipy.signal import lfilter
 
-from harness.results import hint_of
+from harness.results.under_way import hint_of
 
 EPISODES = 500
 
