@@ -99,8 +99,7 @@ def _show(results: "Results") -> None:
     from harness.eta.headline import format_number
     from harness.record.store import REPORT
     from harness.report.facts import overview_facts
-    from harness.report.tables.facts import FactsTable
-    from harness.report.tables.grid import show
+    from harness.report.tables.grid import FactsTable, show
 
     show(FactsTable(overview_facts(results.combinations)))
     (comparison,) = results.combinations

@@ -228,7 +228,6 @@ def _show(comparison: "ComparedRuns", plot: Path | None, as_json: bool) -> None:
         say_json(comparison.to_json())
     else:
         from harness.report.facts import eta_facts
-        from harness.report.tables.facts import FactsTable
-        from harness.report.tables.grid import show
+        from harness.report.tables.grid import FactsTable, show
 
         show(FactsTable(eta_facts(comparison)))

@@ -150,8 +150,7 @@ def write_page_of(results: "Results", html: Path) -> None:
 def _print_tables(results: "Results", details: bool, command: str) -> None:
     """The overview, or all there is; in both what commands of plugins have to say."""
     from harness.report.facts import all_facts, first_facts
-    from harness.report.tables.facts import FactsTable
-    from harness.report.tables.grid import show
+    from harness.report.tables.grid import FactsTable, show
     from harness.section import shown_sections
 
     sections = shown_sections(results)

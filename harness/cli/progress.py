@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from harness.results.under_way import SoFar
 
 
+HINT_EVERY = 30.0
+"""How often a training is asked what it hints at, [s]. All of its rows are read then."""
 LARGE = 1e9
 """The bytes of memory from which on they are told."""
 UNITS = ("B", "KB", "MB", "GB", "TB")
@@ -204,7 +206,7 @@ class LiveProgress:
             log_of: Where the log of a cell that failed is; None where there is none to look at.
             at_most: Whether the run may end before all cells have: where the answer stands.
             now: The time, [s].
-            so_far: What is there of a training, asked at each tenth of it; None where nobody looks.
+            so_far: What is there of a training, asked every `HINT_EVERY` seconds; None where nobody looks.
         """
         self._log_of, self._at_most, self._now, self._so_far = log_of, at_most, now, so_far
         self._begun = self._printed = math.inf
@@ -231,7 +233,7 @@ class LiveProgress:
         self._total, self._ended = len(cells), len(done)
         self._failed: set[str] = set()
         self._warned: set[str] = set()
-        self._tenths, self._hints = dict[str, int](), dict[str, str]()
+        self._looked, self._hints = dict[str, float](), dict[str, str]()
         if done:
             self._console.print(f"{len(done)} of {len(cells)} cells were done before and are not run again")
 
@@ -280,9 +282,8 @@ class LiveProgress:
         self._steps[cell.id] = event.steps
         if SPEED in event.scalars:  # with it comes the return, if an episode has ended
             self._warn_of_no_end(cell, event.steps)
-        tenth = 10 * event.steps // cell.steps
-        if self._so_far and tenth > self._tenths.get(cell.id, 0):
-            self._tenths[cell.id] = tenth
+        if self._so_far and self._now() - self._looked.get(cell.id, self._started[cell.id]) >= HINT_EVERY:
+            self._looked[cell.id] = self._now()
             self._tell_hint(cell, self._so_far(cell))
 
     def _warn_of_no_end(self, cell: Cell, steps: int) -> None:

@@ -163,8 +163,7 @@ def _returns_of(folder: Path) -> "list[ReturnMatrix]":
 def _print_returns(matrices: "Sequence[ReturnMatrix]") -> None:
     from harness.report.rows import Fact
     from harness.report.rows.returns import matrix_title, return_grid
-    from harness.report.tables.facts import FactsTable
-    from harness.report.tables.grid import show
+    from harness.report.tables.grid import FactsTable, show
 
     show(FactsTable(Fact(matrix_title(it), grids=(return_grid(it),)) for it in matrices))
 
@@ -231,8 +230,7 @@ def _score_files(
 
 def _print_table(matrices: "Sequence[ScoreMatrix]", results: "Results") -> None:
     from harness.report.facts import score_facts
-    from harness.report.tables.facts import FactsTable
-    from harness.report.tables.grid import show
+    from harness.report.tables.grid import FactsTable, show
 
     show(FactsTable(score_facts(matrices)))
     say(f"What each step pays: scores.parquet in each folder of {results.store.folder / 'cells'}")

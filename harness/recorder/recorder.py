@@ -40,6 +40,8 @@ from harness.recorder.wrapped import tell_wrapped_pay
 from harness.reward.given import OWN
 from harness.text import print_visible, visible
 
+FEWEST = 9
+"""Fewer episodes than these hint at nothing, whatever they are; see `harness.results.under_way.hint_of`."""
 NO_SEED = -1
 NO_RESET = (NO_SEED, 0)
 """Before a step in the middle of an episode."""
@@ -482,7 +484,8 @@ class Recorder:
                 self.taken.make()
             self._stopped = True
             self._writer.close()
-            if not (was_stopped or self._asked.evaluation or self._asked.number):
+            is_training = not (was_stopped or self._asked.evaluation or self._asked.number)
+            if is_training and sum(self.next_episodes) > FEWEST:
                 self._tell_hint()
         except OSError:
             if not was_stopped:

@@ -44,6 +44,6 @@ if TYPE_CHECKING:
         scales_text as scales_text,
     )
     from harness.report.rows.returns import Payoffs as Payoffs, return_grid as return_grid, terms_grid as terms_grid
-    from harness.report.tables.facts import FactsTable as FactsTable
+    from harness.report.tables.grid import FactsTable as FactsTable
 else:
     __all__, __getattr__ = face_of(__name__, __file__)

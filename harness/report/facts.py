@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from harness.eta.index import NOTHING
-from harness.report.rows import Fact, Grid, paragraphs
+from harness.report.rows import Fact, Grid
 from harness.report.rows.comparison import (
     ALONE,
     CHOOSING,
@@ -74,6 +74,11 @@ FEW = 3
 """Measures that are shown at a glance."""
 ETAS = ("", "eta_N", "its parts", "eta_P", "its parts")
 UNKNOWN = "an unknown reward"
+
+
+def paragraphs(*texts: str) -> list[Fact]:
+    """A fact for each text, without the empty ones; each text once."""
+    return [Fact(lines=(text,)) for text in dict.fromkeys(filter(None, texts))]
 
 
 def first_facts(results: Results, more: str = "") -> list[Fact]:

@@ -4,6 +4,7 @@ import io
 import json
 import re
 from functools import partial
+from itertools import count
 
 import gymnasium
 import numpy as np
@@ -127,7 +128,9 @@ def words(cell, partial_, capsys, action):
         main(["status", str(folder)])
     said["status"], said["report"] = capsys.readouterr().out, _reason(cell, partial_)
     console = Console(file=io.StringIO(), width=120)
-    with LiveProgress([cell], [], console, so_far=partial(so_far_of, store=store)) as progress:
+    clock = count(0.0, 31.0)
+    look = partial(so_far_of, store=store)
+    with LiveProgress([cell], [], console, so_far=look, now=lambda: next(clock)) as progress:
         progress(Event("started", cell))
         progress(Event("progress", cell, steps=cell.steps, scalars={}))
     said["progress line"] = console.file.getvalue()

@@ -105,8 +105,10 @@ def matrix_of(combinations: Sequence[Comparison]) -> Matrix:
     names = dict.fromkeys(SHORT.get(it.name, it.name.replace("_", " ")) for it in decisive)
     name = " / ".join(names) or "behaviour"
     told = f"{name.capitalize()}, proposed - baseline{', in percentage points' if is_share else ''}."
-    table = Grid(overview_of(combinations).headings if combinations else (), overview_rows(combinations), [])
-    return Matrix(shared, places, rows, entries, [count for count in counts if count[2]], table, told)
+    headings, lines = (overview_of(combinations).headings, overview_rows(combinations)) if combinations else ((), [])
+    return Matrix(
+        shared, places, rows, entries, [count for count in counts if count[2]], Grid(headings, lines, []), told
+    )
 
 
 def comparisons_csv(combinations: Sequence[Comparison]) -> str:

@@ -40,13 +40,3 @@ class Fact:
     grids: tuple[Grid, ...] = ()
     narrower: tuple[tuple[Grid, ...], ...] = ()
     kind: Literal["", "reading"] = ""
-
-    @property
-    def is_empty(self) -> bool:
-        """Whether it says nothing."""
-        return not (self.title or any(self.lines) or any(it.rows or it.notes for it in self.grids))
-
-
-def paragraphs(*texts: str) -> list[Fact]:
-    """A fact for each text, without the empty ones; each text once."""
-    return [Fact(lines=(text,)) for text in dict.fromkeys(filter(None, texts))]

@@ -11,7 +11,7 @@ from rich.segment import Segment
 from rich.table import Table
 from rich.text import Text
 
-from harness.report.rows import Grid
+from harness.report.rows import Fact, Grid
 from harness.text import visible
 
 WIDEST = 100
@@ -114,3 +114,30 @@ def _table(grid: Grid, columns: range, width: int, styles: Mapping[str, str]) ->
     for row in grid.rows:  # Text, not str: "[m]" is no markup
         table.add_row(Text(row[0]), *(Text(row[column], styles.get(row[column], "")) for column in columns))
     return table
+
+
+class FactsTable:
+    """Facts of a report below one another. Of several ways to show tables the widest one that fits is taken.
+
+    Args:
+        facts: What to show, in this order; those that say nothing are left out.
+    """
+
+    def __init__(self, facts: Iterable[Fact]) -> None:
+        self._facts = [it for it in facts if any((it.title, *it.lines)) or any(of.rows or of.notes for of in it.grids)]
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[RenderableType]:
+        """Called by rich, which knows how wide the terminal is."""
+        from harness.report.rows.comparison import STYLES  # whoever shows an answer has loaded it
+
+        for number, fact in enumerate(self._facts):
+            head = [Text(fact.title, "bold")] * bool(fact.title)
+            for line in fact.lines:
+                word, colon, rest = line.partition(": ")
+                told = Text.assemble((word, STYLES[word]), colon, rest) if word in STYLES else Text(line)
+                head.append(Text(line, "dim") if fact.kind == "reading" else told)
+            ways = (fact.grids, *fact.narrower)
+            fits = (it for it in ways if all(len(divide_columns(grid, options.max_width)) == 1 for grid in it))
+            tables = [part for grid in next(fits, ways[min(1, len(ways) - 1)]) for part in show_grid(grid, STYLES)]
+            parts = [Text(), *head, *tables] if head else tables
+            yield from parts if number else parts[1:]
