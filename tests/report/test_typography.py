@@ -46,6 +46,8 @@ def test_what_people_type_stays(subtests):
     [
         ("eta_N = ruler x 2", "η<sub>N</sub> = ruler × 2"),
         ("I_P", "I<sub>P</sub>"),
+        ("x 1.50", "× 1.50"),
+        ("x [m]", "x [m]"),
         ("the mean: eta", "the mean: η"),
         ("beta, my_eta_N and eta:k=2", "beta, my_eta_N and eta:k=2"),
         ("", ""),

@@ -19,7 +19,7 @@ BEFORE = r"(?<![^\s\[(−])"
 """Where a number begins: at the beginning of the text, or behind a space, a bracket or a minus."""
 UNITS = "%|°|s|ms|µs|min|h|mm|cm|m|km|rad|N|Nm|kg|g|Hz|kHz|px|pp|B|kB|MB|GB|TB|KiB|MiB|GiB"
 
-SIGN = re.compile(r"(?<=\s)(?:x|->|<=|>=)(?=\s)")
+SIGN = re.compile(r"(?<=\s)(?:x|->|<=|>=)(?=\s)|^x(?=\s\d)")
 MINUS = re.compile(BEFORE + r"-(?=\.?\d)")
 SCIENTIFIC = re.compile(BEFORE + r"(\d+(?:\.\d+)?)e([+-]?)0*(\d+)(?![\w.])")
 POWER = re.compile(r"(?<=[\w)])\^(-?\d+)\b")
