@@ -227,7 +227,7 @@ def _show(comparison: "ComparedRuns", plot: Path | None, as_json: bool) -> None:
     if as_json:
         say_json(comparison.to_json())
     else:
-        from harness.report.facts import eta_facts
+        from harness.report.rows.ratios import eta_facts
         from harness.report.tables.grid import FactsTable, show
 
         show(FactsTable(eta_facts(comparison)))

@@ -485,7 +485,7 @@ class Recorder:
             self._stopped = True
             self._writer.close()
             is_training = not (was_stopped or self._asked.evaluation or self._asked.number)
-            if is_training and sum(self.next_episodes) > FEWEST:
+            if is_training and self.taken is not None and self.taken.at[1] >= FEWEST:
                 self._tell_hint()
         except OSError:
             if not was_stopped:

@@ -107,7 +107,7 @@ class Taken:
         """
         self._recorder, self._guard, self.columns = recorder, recorder.guard, recorder.columns
         self._num_envs, self._spaces = num_envs, spaces
-        self.time, self._due, self._at = recorder.next_time, 0.0, (0, 0, 0)
+        self.time, self._due, self.at = recorder.next_time, 0.0, (0, 0, 0)
         self.paid: Any = NAN
         self.last: list[float] = []
         self._are_finite = True  # all numbers of the steps so far
@@ -204,7 +204,7 @@ class Taken:
             self.make()
         if recorder.trial is not None:
             if self.tried == FIRST_STEPS:
-                recorder.end_trial(self._at)
+                recorder.end_trial(self.at)
             elif ended:
                 self.end_episode()
 
@@ -222,13 +222,13 @@ class Taken:
     def end_episode(self) -> None:
         """Ask again about the first one."""
         if self.tried:
-            self._recorder.end_episode(self._at)
+            self._recorder.end_episode(self.at)
 
     def end(self) -> None:
         """Make rows of all, and ask once more about the first steps, which a memory may show late."""
         self.make()
         if self.tried:
-            self._recorder.end_all(self._at)
+            self._recorder.end_all(self.at)
 
     def _rows(self, first: int) -> Rows:
         """From a tick on."""
@@ -420,7 +420,7 @@ class Taken:
                     self._recorder.give_up(column, rows.place(0), reason)
             if len(rows.paid):
                 self._write(rows, self._said | self._ask(self._later, 0))
-                self._at = rows.place(-min(len(rows.paid), self._num_envs))
+                self.at = rows.place(-min(len(rows.paid), self._num_envs))
         finally:
             self.time += count
             self._clear()

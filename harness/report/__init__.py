@@ -10,7 +10,6 @@ if TYPE_CHECKING:
     from harness.report.facts import (
         all_facts as all_facts,
         comparison_facts as comparison_facts,
-        eta_facts as eta_facts,
         first_facts as first_facts,
         how_to_read as how_to_read,
         score_facts as score_facts,
@@ -41,6 +40,7 @@ if TYPE_CHECKING:
     )
     from harness.report.rows.ratios import (
         SPLIT as SPLIT,
+        eta_facts as eta_facts,
         scales_text as scales_text,
     )
     from harness.report.rows.returns import Payoffs as Payoffs, return_grid as return_grid, terms_grid as terms_grid

@@ -35,7 +35,7 @@ from harness.report.rows.comparison import (
     word_of,
 )
 from harness.report.rows.ranking import AGREEMENT, CHOICE, EXPLANATION as RANKED, TITLE as RANKING, task_rows
-from harness.report.rows.ratios import SPLIT, index_grid, scales_text, split_grid, split_grids, sum_grid
+from harness.report.rows.ratios import SPLIT, scales_text, split_grid
 from harness.report.rows.returns import (
     EXPLANATION,
     INDICES,
@@ -67,13 +67,11 @@ from harness.results.ranking import ranking_of
 from harness.results.results import ReturnMatrix
 from harness.results.score_matrix import ScoreMatrix
 from harness.results.trainings import Alone
-from harness.score.compare import ComparedRuns
 from harness.text import shortened
 
 FEW = 3
 """Measures that are shown at a glance."""
 ETAS = ("", "eta_N", "its parts", "eta_P", "its parts")
-UNKNOWN = "an unknown reward"
 
 
 def paragraphs(*texts: str) -> list[Fact]:
@@ -282,42 +280,6 @@ def _with_others(results: Results) -> list[ReturnMatrix]:
     """The first table of returns of each group that has rewards which taught nobody: the lines above leave them out."""
     first = {matrix.group: matrix for matrix in reversed(results.returns)}
     return [it for it in first.values() if set(it.returns) - set(it.trained_with)]
-
-
-def eta_facts(comparison: ComparedRuns) -> list[Fact]:
-    """Two groups of recorded runs: the number in words first, then what it rests on."""
-    notes = tuple(f"* {note}" for note in comparison.notes)
-    return [
-        Fact(comparison_title(comparison), (runs_text(comparison), *notes)),
-        Fact(comparison.number, grids=tuple(eta_grids(comparison))),
-        *paragraphs(scales_text("robot")),
-    ]
-
-
-def eta_grids(comparison: ComparedRuns) -> list[Grid]:
-    """Every number of two groups of recorded runs."""
-    found = comparison.decomposition
-    return [*split_grids(found.splits), sum_grid(found.total), index_grid(found, comparison.kind)]
-
-
-def comparison_title(comparison: ComparedRuns) -> str:
-    """Which rewards were compared, as far as they are known."""
-    names = {who: name or UNKNOWN for who, name in comparison.rewards.items()}
-    return f"proposed {names['proposed']} against {names['baseline']}"
-
-
-def runs_text(comparison: ComparedRuns) -> str:
-    """How many runs there are, and which part of them is not compared."""
-    parts = []
-    for who, count in comparison.runs.items():
-        left_out = comparison.rows_left_out[who]
-        cut = f" ({_count(left_out, 'row')} behind the shortest run left out)" if left_out else ""
-        parts.append(f"{who} {_count(count, 'run')}{cut}")
-    return ", ".join(parts) + (", event terms included" if comparison.with_events else "")
-
-
-def _count(number: int, noun: str) -> str:
-    return f"{number:,} {noun}{'s' * (number != 1)}"
 
 
 def score_facts(matrices: Sequence[ScoreMatrix]) -> list[Fact]:

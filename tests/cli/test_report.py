@@ -29,6 +29,7 @@ def test_json_is_all_that_goes_to_standard_output(harness, experiment):
         "looks",
         "choosing",
         "cells",
+        "facts",
         "not_measured",
         "equal_trainings",
         "evaluation_returns",

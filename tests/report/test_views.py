@@ -374,7 +374,7 @@ FACTS, PAGE, COMMITTED = "harness.report.facts", "harness.report.page", "harness
         (f"{FACTS}.word_of", lambda of: lambda answer: "HURTS"),
         (f"{FACTS}.index_rows", lambda of: lambda *given: [(row[0], "1.01", *row[2:]) for row in of(*given)]),
         (f"{PAGE}.answer.word_of", lambda of: lambda answer: "HURTS"),
-        (f"{PAGE}.answer.behaviour_row", lambda of: lambda it: of(replace(it, baseline=0.1))),
+        (f"{PAGE}.answer.overview_rows", lambda of: lambda found: of(list(map(_by_medians, found)))),
         (f"{PAGE}.comparison.comparison_grids", lambda of: lambda results, it: of(results, _by_medians(it))),
         (f"{COMMITTED}.markdown.comparison_facts", lambda of: lambda *given: _with_other_numbers(of(*given))),
         (f"{COMMITTED}.read.FactsTable", lambda of: lambda facts: of(_with_other_numbers(facts))),

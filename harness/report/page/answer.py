@@ -24,10 +24,10 @@ from harness.eta.verdict.ruling import Ruling
 from harness.report.figures.split import draw_interval, draw_part, draw_trainings
 from harness.report.rows import Grid
 from harness.report.rows.comparison import (
+    SYMBOLS,
     badge_of,
     beside_answer,
     percentage,
-    symbol_of,
     tell_apart,
     text_of,
     word_of,
@@ -157,7 +157,7 @@ def _entry(number: int, place: str, comparison: Comparison) -> Entry:
         f"{comparison.proposed} (A/A)" if comparison.is_control else comparison.proposed,
         word_of(answer),
         badge_of(answer),
-        symbol_of(answer),
+        SYMBOLS[answer],
         difference,
     )
 

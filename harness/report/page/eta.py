@@ -5,7 +5,6 @@ from pathlib import Path
 from harness.eta.curve import GroupCurve
 from harness.eta.headline import Answer
 from harness.eta.splits import BB, KK
-from harness.report.facts import comparison_title, eta_grids, runs_text
 from harness.report.figures.accumulated import draw_curve
 from harness.report.figures.chart import Chart, Line, linear_axis
 from harness.report.figures.draw import draw_chart
@@ -15,7 +14,7 @@ from harness.report.page.comparison import Panel, Section
 from harness.report.page.html import SHARED, Page, parts_of, render
 from harness.report.page.page import write_page
 from harness.report.rows.comparison import badge_of, word_of
-from harness.report.rows.ratios import scales_text
+from harness.report.rows.ratios import comparison_title, eta_grids, runs_text, scales_text
 from harness.score.compare import ComparedRuns
 
 FIGURE = "The {kind} reward of every run over environment steps, and the mean of each group."

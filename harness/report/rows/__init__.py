@@ -40,3 +40,15 @@ class Fact:
     grids: tuple[Grid, ...] = ()
     narrower: tuple[tuple[Grid, ...], ...] = ()
     kind: Literal["", "reading"] = ""
+
+
+STYLES = {
+    "HELPS": "bold green",
+    "HURTS": "bold red",
+    "LEARNS FASTER": "green",
+    "LEARNS SLOWER": "red",
+    "MIXED": "bold magenta",
+    "AHEAD SO FAR": "cyan",
+    "BEHIND SO FAR": "cyan",
+}
+"""Styles of rich for the words of answers in a terminal. The words say everything without a colour too."""

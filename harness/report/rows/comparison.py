@@ -226,42 +226,27 @@ def _way(stages: Stages) -> str:
     return f"from {text(stages.start.mean)} to {text(stages.end.mean)}"
 
 
-class Look(NamedTuple):
-    """How one answer looks."""
-
-    symbol: str
-    """Tells the answers apart without colour."""
-    style: str = ""
-    """The style of rich for the word in a terminal; empty for plain text."""
-
-
-LOOKS = {
-    Answer.HELPS: Look("▲", "bold green"),
-    Answer.HURTS: Look("▼", "bold red"),
-    Answer.LEARNS_FASTER: Look("»", "green"),
-    Answer.LEARNS_SLOWER: Look("«", "red"),
-    Answer.MIXED: Look("±", "bold magenta"),
-    Answer.NO_DIFFERENCE: Look("="),
-    Answer.NEITHER_LEARNS: Look("0"),
-    Answer.AHEAD: Look("△", "cyan"),
-    Answer.BEHIND: Look("▽", "cyan"),
-    Answer.CANNOT_TELL: Look("?"),
-    Answer.INTERIM: Look("…"),
+SYMBOLS = {
+    Answer.HELPS: "▲",
+    Answer.HURTS: "▼",
+    Answer.LEARNS_FASTER: "»",
+    Answer.LEARNS_SLOWER: "«",
+    Answer.MIXED: "±",
+    Answer.NO_DIFFERENCE: "=",
+    Answer.NEITHER_LEARNS: "0",
+    Answer.AHEAD: "△",
+    Answer.BEHIND: "▽",
+    Answer.CANNOT_TELL: "?",
+    Answer.INTERIM: "…",
 }
-STYLES = {answer.value.upper(): look.style for answer, look in LOOKS.items() if look.style}
-"""Styles by word. The words say everything without a colour too."""
-LEGEND = ", ".join(f"{look.symbol} {answer.value}" for answer, look in LOOKS.items())
+"""They tell answers apart without colour."""
+LEGEND = ", ".join(f"{symbol} {answer.value}" for answer, symbol in SYMBOLS.items())
 """What the symbols mean."""
 
 
 def word_of(answer: Answer) -> str:
     """The answer as a badge shows it."""
     return answer.value.upper()
-
-
-def symbol_of(answer: Answer) -> str:
-    """The symbol of an answer."""
-    return LOOKS[answer].symbol
 
 
 def badge_of(answer: Answer) -> str:

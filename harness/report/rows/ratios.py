@@ -1,13 +1,17 @@
 """Ratios of two rewards and their parts, as text and small grids that the terminal and the page share."""
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING
 
 from harness.eta.curve import Kind
 from harness.eta.headline import Text, format_number, interval_text, ratio_text
 from harness.eta.index import NOTHING, Index, Ratio, SeedMean
 from harness.eta.splits import Decomposition, Split, SplitPath, Splits, SumSplit
 from harness.eta.swaps import p_text
-from harness.report.rows import Grid
+from harness.report.rows import Fact, Grid
+
+if TYPE_CHECKING:
+    from harness.score.compare import ComparedRuns
 
 SCALES = "Each reward pays on its own scale, so that pay does not say how the {subject} behaves."
 SPLIT = (
@@ -24,6 +28,7 @@ LABELS = {"per_seed": "seed by seed", "noise": "noise"}
 PARTS = ("", "ruler", "95% interval", "behaviour", "95% interval")
 PATH_NAMES = ("proposed runs", "baseline's runs")
 NEITHER = "neither"
+UNKNOWN = "an unknown reward"
 BETTER = {"eta_N": "below 1", "eta_P": "above 1"}
 
 
@@ -173,3 +178,39 @@ def _texts(index: Index) -> Iterator[str]:
     yield f"{index.steps:,}"
     for total in (index.I_N, index.I_P, index.total):
         yield f"{total:,.1f}"
+
+
+def eta_facts(comparison: "ComparedRuns") -> list[Fact]:
+    """Two groups of recorded runs: the number in words first, then what it rests on."""
+    notes = tuple(f"* {note}" for note in comparison.notes)
+    return [
+        Fact(comparison_title(comparison), (runs_text(comparison), *notes)),
+        Fact(comparison.number, grids=tuple(eta_grids(comparison))),
+        Fact(lines=(scales_text("robot"),)),
+    ]
+
+
+def eta_grids(comparison: "ComparedRuns") -> list[Grid]:
+    """Every number of two groups of recorded runs."""
+    found = comparison.decomposition
+    return [*split_grids(found.splits), sum_grid(found.total), index_grid(found, comparison.kind)]
+
+
+def comparison_title(comparison: "ComparedRuns") -> str:
+    """Which rewards were compared, as far as they are known."""
+    names = {who: name or UNKNOWN for who, name in comparison.rewards.items()}
+    return f"proposed {names['proposed']} against {names['baseline']}"
+
+
+def runs_text(comparison: "ComparedRuns") -> str:
+    """How many runs there are, and which part of them is not compared."""
+    parts = []
+    for who, count in comparison.runs.items():
+        left_out = comparison.rows_left_out[who]
+        cut = f" ({_count(left_out, 'row')} behind the shortest run left out)" if left_out else ""
+        parts.append(f"{who} {_count(count, 'run')}{cut}")
+    return ", ".join(parts) + (", event terms included" if comparison.with_events else "")
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number:,} {noun}{'s' * (number != 1)}"

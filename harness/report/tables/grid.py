@@ -11,7 +11,7 @@ from rich.segment import Segment
 from rich.table import Table
 from rich.text import Text
 
-from harness.report.rows import Fact, Grid
+from harness.report.rows import STYLES, Fact, Grid
 from harness.text import visible
 
 WIDEST = 100
@@ -128,8 +128,6 @@ class FactsTable:
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[RenderableType]:
         """Called by rich, which knows how wide the terminal is."""
-        from harness.report.rows.comparison import STYLES  # whoever shows an answer has loaded it
-
         for number, fact in enumerate(self._facts):
             head = [Text(fact.title, "bold")] * bool(fact.title)
             for line in fact.lines:
