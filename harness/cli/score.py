@@ -161,11 +161,10 @@ def _returns_of(folder: Path) -> "list[ReturnMatrix]":
 
 
 def _print_returns(matrices: "Sequence[ReturnMatrix]") -> None:
-    from harness.report.rows import Fact
-    from harness.report.rows.returns import matrix_title, return_grid
+    from harness.report.facts import return_facts
     from harness.report.tables.grid import FactsTable, show
 
-    show(FactsTable(Fact(matrix_title(it), grids=(return_grid(it),)) for it in matrices))
+    show(FactsTable(return_facts(matrices)))
 
 
 def _what_was_paid(paid: "Paid") -> str:

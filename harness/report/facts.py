@@ -1,6 +1,6 @@
 """What a report says, in its order: the facts that the terminal, the page, the summary and its records show."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 from harness.eta.index import NOTHING
@@ -96,7 +96,7 @@ def first_facts(results: Results, more: str = "") -> list[Fact]:
         facts += alone_facts(results, with_all=False)
     mixtures = (mixture.text for it in combinations for mixture in it.measured.mixtures)
     facts += paragraphs(*mixtures, *_not_split(combinations), *never_texts(results))
-    facts += [Fact(matrix_title(it), grids=(return_grid(it),)) for it in _with_others(results)]
+    facts += return_facts(_with_others(results))
     facts += [*_cells(results), *ranking_facts(results, with_all=False)]
     return facts + paragraphs(f"All numbers behind this: {more}" if more and (combinations or results.alone) else "")
 
@@ -108,7 +108,7 @@ def all_facts(results: Results) -> list[Fact]:
     facts += alone_facts(results, with_all=True)
     facts += [fact for it in combinations for fact in comparison_facts(results, it)]
     facts += [how_to_read(results)] if any(it.has_trainings for it in combinations) else []
-    facts += [Fact(matrix_title(it), grids=(return_grid(it),)) for it in results.returns]
+    facts += return_facts(results.returns)
     facts += [Fact(lines=(EXPLANATION,), kind="reading")] if results.returns else []
     return [*facts, *_cells(results), *ranking_facts(results, with_all=True)]
 
@@ -274,6 +274,11 @@ def _not_split(combinations: Sequence[Comparison]) -> list[str]:
     numbers = (it.number for it in combinations if it.seeds)
     told = (it.index_splits for it in numbers if it.pay is None and not it.is_split)
     return [note for splits in told for note in split_grid(splits).notes]
+
+
+def return_facts(matrices: Iterable[ReturnMatrix]) -> list[Fact]:
+    """What each reward pays the policies that each reward taught, a table for each group of trainings."""
+    return [Fact(matrix_title(it), grids=(return_grid(it),)) for it in matrices]
 
 
 def _with_others(results: Results) -> list[ReturnMatrix]:

@@ -144,6 +144,7 @@ BROKEN = {
     "live page": "harness_plugins.watch.recorded.hint_of",
     "progress line": "harness.cli.progress.LiveProgress._tell_hint",
     "recorder": "harness.recorder.recorder.Recorder._tell_hint",
+    "report": "harness.results.under_way.so_far",
     "status": "harness.cli.status.so_far_of",
 }
 """Doors, and what makes each of them silent."""
@@ -163,6 +164,6 @@ def test_a_hint_stands_at_every_door(begun, capsys):
 @pytest.mark.parametrize("door", BROKEN)
 @pytest.mark.parametrize("begun", [CARTPOLE], indirect=True, ids=[""])
 def test_a_door_that_says_nothing_is_found(begun, door, capsys, monkeypatch):
-    """The mutants: one door is shut, and no other."""
+    """The mutants, a door each."""
     monkeypatch.setattr(BROKEN[door], lambda *given, **named: "" if door == "live page" else None)
     assert door in _silent(words(*begun, capsys, 1))
