@@ -86,14 +86,16 @@ def first_facts(results: Results, more: str = "") -> list[Fact]:
 
     Args:
         results: The experiment, or the recordings.
-        more: The command that shows everything behind these facts.
+        more: The command that shows everything behind these facts. Without one no command is told that names a folder:
+            the facts are kept, and may be read on another machine.
     """
     combinations, chosen = results.combinations, choosing_facts(results)
     facts = [*_said(results), *chosen]
     if combinations:
         facts += [*paragraphs(interim_text(results)), *overview_facts(combinations), *_in_sentences(results)]
+        facts += _advice(results) if more and len(combinations) == 1 else []
     elif not chosen:
-        facts += alone_facts(results, with_all=False)
+        facts += [*alone_facts(results, with_all=False), *(_beside(results) if more else [])]
     mixtures = (mixture.text for it in combinations for mixture in it.measured.mixtures)
     facts += paragraphs(*mixtures, *_not_split(combinations), *never_texts(results))
     facts += return_facts(_with_others(results))
@@ -101,12 +103,18 @@ def first_facts(results: Results, more: str = "") -> list[Fact]:
     return facts + paragraphs(f"All numbers behind this: {more}" if more and (combinations or results.alone) else "")
 
 
-def all_facts(results: Results) -> list[Fact]:
-    """Everything that the first facts rest on: a part for each comparison, what the rewards pay, then the cells."""
+def all_facts(results: Results, *, with_commands: bool = True) -> list[Fact]:
+    """Everything that the first facts rest on: a part for each comparison, what the rewards pay, then the cells.
+
+    Args:
+        results: The experiment, or the recordings.
+        with_commands: Whether commands are told that name a folder; see `first_facts`.
+    """
     combinations = results.combinations
     facts = [*_said(results), *paragraphs(interim_text(results)), *pooled_facts(combinations)]
-    facts += alone_facts(results, with_all=True)
+    facts += [*alone_facts(results, with_all=True), *(_beside(results) if with_commands else [])]
     facts += [fact for it in combinations for fact in comparison_facts(results, it)]
+    facts += _advice(results) if with_commands else []
     facts += [how_to_read(results)] if any(it.has_trainings for it in combinations) else []
     facts += return_facts(results.returns)
     facts += [Fact(lines=(EXPLANATION,), kind="reading")] if results.returns else []
@@ -121,7 +129,7 @@ def comparison_facts(results: Results, comparison: Comparison) -> list[Fact]:
     facts = [
         Fact(f"{group.title}: {rewards_text(comparison)}", (compared, *mixtures)),
         Fact(f"The {group.subject}: {word_of(headline.answer)}", (headline.robot,)),
-        *paragraphs(*beside_answer(comparison), basis_text(comparison), advice(results, comparison)),
+        *paragraphs(*beside_answer(comparison), basis_text(comparison)),
     ]
     told = {PAY: comparison.pay_sentence, INDICES: comparison.index_sentence}
     facts += [Fact(title, (text,)) for title, text in told.items() if text]
@@ -201,13 +209,24 @@ def _narrow(grid: Grid) -> Grid:
 
 
 def _in_sentences(results: Results) -> list[Fact]:
-    """What to know of the lines above; of one comparison both answers and how to get one."""
+    """What to know of the lines above; of one comparison both answers."""
     combinations = results.combinations
     lines = [*(line for it in combinations for line in beside_answer(it)), *map(basis_text, combinations)]
     if len(combinations) == 1:
         only = combinations[0]
-        lines = [only.headline.robot, *lines, only.pay_sentence, advice(results, only)]
+        lines = [only.headline.robot, *lines, only.pay_sentence]
     return paragraphs(*lines)
+
+
+def _advice(results: Results) -> list[Fact]:
+    """How to get an answer where there is none."""
+    return paragraphs(*(advice(results, it) for it in results.combinations))
+
+
+def _beside(results: Results) -> list[Fact]:
+    """How to compare a reward that stands alone."""
+    told = beside(results, results.alone)
+    return paragraphs(told and f"To compare it with another reward: {told}")
 
 
 def pooled_facts(combinations: Sequence[Comparison]) -> list[Fact]:
@@ -232,12 +251,8 @@ def alone_facts(results: Results, *, with_all: bool) -> list[Fact]:
         results: The experiment, or the recordings.
         with_all: Whether every measure, every interval and every term is shown.
     """
-    if not results.alone:
-        return []
-    told = beside(results, results.alone)
     facts = [fact for it in results.alone for fact in _alone(results, it, with_all)]
-    compare = f"To compare it with another reward: {told}" if told else ""
-    return [*facts, Fact(lines=(ALONE,), kind="reading"), *paragraphs(compare)]
+    return [*facts, Fact(lines=(ALONE,), kind="reading")] if facts else []
 
 
 def _alone(results: Results, alone: Alone, with_all: bool) -> Iterator[Fact]:

@@ -56,6 +56,9 @@ def committed_table(folder: Path) -> RenderableType:
     """
     with reading(folder / RECORD, "record"):
         record = read_form(RecordForm, parse_json(read_bytes(folder / RECORD, MOST_BYTES)))
+        for grid in (it for fact in record.get("facts", []) for way in (fact.grids, *fact.narrower) for it in way):
+            if {*map(len, grid.rows)} - {len(grid.headings)}:
+                raise ValueError(f"a row of '{grid.title}' is not as long as its headings")
     done = sum(cell["status"] == "done" for cell in record["cells"])
     head = Text(f"Committed records of {len(record['cells'])} cells, {done} done.\n")
     facts = record.get("facts")

@@ -53,6 +53,16 @@ def test_records_say_what_the_report_said_first(build, commit):
         assert rest[: len(report)] == report
 
 
+def test_records_name_no_folder_of_the_machine(build, commit):
+    """Advice to train more names one: it stands in the report alone."""
+    results = build()
+    folder = commit(results)
+    assert any("--until decided" in line for fact in first_facts(results, "more") for line in fact.lines)
+    told = json.dumps(json.loads((folder / "results.json").read_text())["facts"])
+    assert str(results.folder) not in told
+    assert "--until decided" not in told
+
+
 def test_records_of_an_earlier_release_show_their_page_of_text(build, commit):
     """They have no facts; without that page the file is named that lacks."""
     folder = commit(build())
@@ -86,7 +96,15 @@ def test_what_needs_cells_is_refused(build, commit):
         refuse_committed(commit(build()), "--html")
 
 
-@pytest.mark.parametrize("broken", ["", "[]", '{"cells": [], "facts": [{"title": 1}]}'])
+@pytest.mark.parametrize(
+    "broken",
+    [
+        "",
+        "[]",
+        '{"cells": [], "facts": [{"title": 1}]}',
+        '{"cells": [], "facts": [{"grids": [{"headings": ["a", "b"], "rows": [["1"]], "notes": []}]}]}',
+    ],
+)
 def test_damaged_records_are_refused(tmp_path, broken):
     """One line that names the file."""
     (tmp_path / "results.json").write_text(broken)
