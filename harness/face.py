@@ -30,7 +30,7 @@ MOVED = {
     "harness.robot.inverse_kinematics.reach_position": "harness.robot.reach_position",
 }
 """By name, where it is now. They leave with 0.6."""
-_KIT = "the checks of plugins are in harness_plugins.kit, as in `from harness_plugins.kit import check_metric`"
+_KIT = "the checks of plugins are in harness_plugins.kit, as in `from harness_plugins.kit import check_contract`"
 LEFT = {
     **dict.fromkeys(
         ("harness.policy.CARD", "harness.policy.FORMAT", "harness.policy.WEIGHTS", "harness.policy.Network"),

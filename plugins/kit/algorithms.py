@@ -23,7 +23,7 @@ from harness.experiment.checkpoints.checkpoint import Checkpoint, read_checkpoin
 from harness.policy import Policy, load_policy
 from harness.progress import TrainingState
 
-from .contract import check, raise_first, require, settings_are_frozen, settings_survive_json
+from .contract import check, require, settings_are_frozen, settings_survive_json
 from .trainings import (
     ENV_SEED,
     Told,
@@ -257,15 +257,6 @@ LONGER, EVERY = 336, 120
 """The steps of a training with checkpoints, and from one to the next."""
 MIN_RISE = 5.0
 """The least rise of the mean return, [m]: 20 steps on the way instead of away from it bring several times as much."""
-
-
-def check_algorithm(algorithm: Algorithm) -> None:
-    """Run all `ALGORITHM_CHECKS`.
-
-    Raises:
-        ContractViolation: At the first check that fails.
-    """
-    raise_first(ALGORITHM_CHECKS, algorithm)
 
 
 @check("algo-action-spaces")

@@ -77,12 +77,6 @@ def violations(checks: Iterable[Check], *subject: Any) -> Iterator[ContractViola
             yield _violation(each, f"raised {one_line(error)}", error)
 
 
-def raise_first(checks: Iterable[Check], *subject: Any) -> None:
-    """Raise the first of the `violations`; the checks after it are not run."""
-    for violation in violations(checks, *subject):
-        raise violation
-
-
 @check("settings-frozen")
 def settings_are_frozen(plugin: Any, *_: Any) -> None:
     """The plugin is an instance of a frozen dataclass: what a run was set to cannot change while it runs."""

@@ -24,20 +24,11 @@ from harness.experiment.environments.spaces import ACHIEVED, DESIRED, flat_obser
 from harness.recorder.column import Column, made_columns
 from harness.reward.given import Untold
 
-from .contract import check, raise_first, require, settings_are_frozen, settings_survive_json
+from .contract import check, require, settings_are_frozen, settings_survive_json
 
 STEPS, LONGEST = 100, 20_000
 """The steps that are tried, and the most that an episode may take."""
 Row = list[float]
-
-
-def check_environment(environment: Environment) -> None:
-    """Run all `ENVIRONMENT_CHECKS`.
-
-    Raises:
-        ContractViolation: At the first check that fails.
-    """
-    raise_first(ENVIRONMENT_CHECKS, environment)
 
 
 @check("environment-api")

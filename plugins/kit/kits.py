@@ -1,22 +1,30 @@
 """All checks, by the kind of what they check."""
 
+import tempfile
 import time
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
+from harness import load_robot
 from harness.algorithm import Algorithm, learns
+from harness.errors import UsageError
+from harness.hookspecs import WORDS
 from harness.measure import Measure
+from harness.registry import unknown_name
 from harness.reward import Reward
 from harness.robot import Robot
 from harness.simulator import Simulator
 from harness.task import Task
 
 from .algorithms import ALGORITHM_CHECKS, ALGORITHM_WARNINGS
-from .contract import Check, check, require
+from .contract import Check, check, require, violations
 from .environments import ENVIRONMENT_CHECKS
 from .logs.checks import LOG_CHECKS
 from .metrics import ALL_ENDS, METRIC_CHECKS, recorded_trace
@@ -167,3 +175,57 @@ KITS: Mapping[str, Kit] = MappingProxyType(
     }
 )
 """By kind, as `harness.hookspecs.KINDS` has them; the other kinds have none."""
+CHECKS: Mapping[str, tuple[Check, ...]] = MappingProxyType(
+    {WORDS[kind]: kit.contract for kind, kit in KITS.items()} | {"robot": ROBOT_CHECKS}
+)
+"""What has to hold, by the word for a kind that ``harness check --kind`` takes; of a robot, what needs no simulator."""
+WITH_ROBOT = ("simulator", "task")
+"""The kinds that are checked with a robot."""
+WITH_FOLDER = ("log", "executor", "tracker")
+"""The kinds whose checks write into an empty folder."""
+
+
+def check_contract(kind: str, subject: Any, robot: Robot | None = None, *, folder: Path | None = None) -> None:
+    """Run all `CHECKS` of a kind, up to the first that fails.
+
+    Args:
+        kind: Its word, such as ``reward``: a key of `CHECKS`.
+        subject: The plugin. A robot may also be a registered name, or the path of a URDF or of a folder with
+            ``robot.toml``. Give a tracker settings with which nothing leaves this machine.
+        robot: With which a simulator or a task is checked. None: ``fd100``, and the task's own.
+        folder: A log format, an executor and a tracker work in it; every machine of an executor has to see it. None:
+            one for temporary files.
+
+    Raises:
+        ContractViolation: A check fails.
+        UsageError: There is no such kind, it takes no such argument, or the robot cannot be read.
+    """
+    if kind not in CHECKS:
+        raise UsageError(unknown_name("kind of contract", kind, CHECKS))
+    for word, given, kinds in (("robot", robot, WITH_ROBOT), ("folder", folder, WITH_FOLDER)):
+        if given is not None and kind not in kinds:
+            raise UsageError(f"A {kind} is checked without a {word}: leave {word}= out")
+    if kind == "robot" and not isinstance(subject, Robot):
+        subject = load_robot(subject)
+    # What is no task at all names no robot: the checks say what it is.
+    beside = [robot or load_robot(getattr(subject, "robot", "fd100"))] if kind in WITH_ROBOT else []
+    for each in CHECKS[kind]:
+        with tempfile.TemporaryDirectory(dir=folder) as place:
+            for violation in violations([each], subject, *beside, *[Path(place)] * (kind in WITH_FOLDER)):
+                raise violation
+
+
+def earlier(name: str) -> Any:
+    """What 0.3 had for each kind, ``check_reward`` and ``REWARD_CHECKS``, with a warning; None of another name."""
+    kind = name.lower().removeprefix("check_").removesuffix("_checks").removesuffix("_format")
+    if kind not in CHECKS or name not in (f"check_{kind}", "check_log_format", f"{kind.upper()}_CHECKS"):
+        return None
+    use = f"CHECKS['{kind}']" if name.isupper() else f"check_contract('{kind}', ...)"
+    told = f"harness_plugins.kit.{name} works until fd100-harness 0.6: write {use}"
+    warnings.warn(told, DeprecationWarning, stacklevel=3)
+    word = "folder" if kind in WITH_FOLDER else "robot"
+
+    def check_kind(subject: Any, beside: Any = None, **named: Any) -> None:
+        check_contract(kind, subject, **{word: beside} | named)
+
+    return CHECKS[kind] if name.isupper() else check_kind

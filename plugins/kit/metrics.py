@@ -13,7 +13,7 @@ from harness.measure import Measure
 from harness.record import EpisodeFacts, trace_of
 from harness.record.trace import FLAGS, INTEGERS, NOTHING_KNOWN, NUMBERS, OBSTACLE, QVEL, with_episode_facts
 
-from .contract import check, raise_first, require, settings_are_frozen, settings_survive_json
+from .contract import check, require, settings_are_frozen, settings_survive_json
 
 REWARDS = ("reward", "reward_ground", "reward_target", "reward_step")
 DOF = 2
@@ -69,15 +69,6 @@ SOME_ENDS: tuple[tuple[str, ...], ...] = (
     ("",),
     ("", "ground"),
 )
-
-
-def check_metric(metric: Measure) -> None:
-    """Run all `METRIC_CHECKS`.
-
-    Raises:
-        ContractViolation: At the first check that fails.
-    """
-    raise_first(METRIC_CHECKS, metric)
 
 
 @check("metric-unit")

@@ -9,7 +9,7 @@ from harness.reward import Array, Carry, Paid, Reward, Steps
 from harness.reward.forms import is_plain_function
 from harness.reward.steps import map_steps, rows_of
 
-from .contract import check, raise_first, require, settings_are_frozen, settings_survive_json
+from .contract import check, require, settings_are_frozen, settings_survive_json
 from .memory import require_nothing_kept
 from .reward_samples import (
     HORIZON,
@@ -64,15 +64,6 @@ def _bytes_of(carry: Carry) -> int:
 
 BONUS = 0.5
 """Half of what the task pays for an event: a jump of the value by more is an event's."""
-
-
-def check_reward(reward: Reward) -> None:
-    """Run all `REWARD_CHECKS`.
-
-    Raises:
-        ContractViolation: At the first check that fails.
-    """
-    raise_first(REWARD_CHECKS, reward)
 
 
 @check("reward-shape")

@@ -6,7 +6,6 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from harness import load_robot
 from harness.arrays import Float
 from harness.env.solid_probes import require_solids
 from harness.errors import MissingSolid, PluginError, UsageError
@@ -15,7 +14,7 @@ from harness.robot import Robot, build_solids, read_mesh
 from harness.robot.kinematics import link_frames, reach_position
 from harness.robot.settings import FILE
 
-from .contract import check, raise_first, require
+from .contract import check, require
 
 POSES = 20
 STEP = 1e-6
@@ -30,19 +29,6 @@ LIGHTEST = 1e-5
 """[kg]; what stands for no mass is less."""
 HEAVIEST, LONGEST = 1e4, 1e2
 """[kg] of a link and [m] of a reach: more is a wrong unit."""
-
-
-def check_robot(robot: Robot | str | Path) -> None:
-    """Run all `ROBOT_CHECKS`.
-
-    Args:
-        robot: To be checked; or a registered name, a URDF's path, or the path of a folder with ``robot.toml``.
-
-    Raises:
-        ContractViolation: At the first check that fails.
-        UsageError: The robot cannot be read at all; says what to correct.
-    """
-    raise_first(ROBOT_CHECKS, robot if isinstance(robot, Robot) else load_robot(robot))
 
 
 @check("robot-limits")

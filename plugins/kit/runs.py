@@ -1,7 +1,6 @@
 """What an executor and a tracker must satisfy at the least; their packages test by a run what else they do."""
 
 import math
-import tempfile
 from pathlib import Path
 from typing import get_args
 
@@ -11,7 +10,7 @@ from harness.record import read_manifest
 from harness.registry import load_registry
 from harness.tracker import Outcome, TrackedCell, Tracker
 
-from .contract import check, raise_first, require, settings_are_frozen, settings_survive_json
+from .contract import check, require, settings_are_frozen, settings_survive_json
 
 SMALL = {"sim": "kinematic", "algo": "random", "baseline": "baseline", "reward": [], "seeds": [0, 1]}
 """An experiment of two cells of a moment."""
@@ -47,31 +46,3 @@ def cells_are_tracked_side_by_side(tracker: Tracker, folder: Path) -> None:
 
 EXECUTOR_CHECKS = (settings_are_frozen, settings_survive_json, every_cell_is_done)
 TRACKER_CHECKS = (settings_are_frozen, settings_survive_json, cells_are_tracked_side_by_side)
-
-
-def check_executor(executor: Executor, folder: Path | None = None) -> None:
-    """Run all `EXECUTOR_CHECKS`.
-
-    Args:
-        executor: To be checked.
-        folder: To work in; every machine of the executor has to see it. One for temporary files if None.
-
-    Raises:
-        ContractViolation: At the first check that fails.
-    """
-    with tempfile.TemporaryDirectory(dir=folder) as place:
-        raise_first(EXECUTOR_CHECKS, executor, Path(place))
-
-
-def check_tracker(tracker: Tracker, folder: Path | None = None) -> None:
-    """Run all `TRACKER_CHECKS`; give settings with which nothing leaves this machine.
-
-    Args:
-        tracker: To be checked.
-        folder: To work in; one for temporary files if None.
-
-    Raises:
-        ContractViolation: At the first check that fails.
-    """
-    with tempfile.TemporaryDirectory(dir=folder) as place:
-        raise_first(TRACKER_CHECKS, tracker, Path(place))

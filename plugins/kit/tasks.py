@@ -14,7 +14,7 @@ from harness.robot import Robot, rotation_of_axes
 from harness.robot.kinematics import reach_pose, reach_position
 from harness.task import Task, goal_of, varies
 
-from .contract import check, raise_first, require, settings_are_frozen, settings_survive_json
+from .contract import check, require, settings_are_frozen, settings_survive_json
 from .trainings import NegativeDistance
 
 COUNT = 16
@@ -207,20 +207,6 @@ SEARCHES = 8
 UNLIKELY = 1e-6
 """So seldom two draws of one distribution look as different."""
 NUM_ENVS = 3
-
-
-def check_task(task: Task, robot: Robot | None = None) -> None:
-    """Run all `TASK_CHECKS`.
-
-    Args:
-        task: To be checked.
-        robot: To do it; the task's own if None.
-
-    Raises:
-        ContractViolation: At the first check that fails.
-    """
-    # What is no task at all names no robot: the checks say what it is.
-    raise_first(TASK_CHECKS, task, robot or load_robot(getattr(task, "robot", "fd100")))
 
 
 @check("task-numbers")

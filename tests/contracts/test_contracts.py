@@ -4,31 +4,23 @@ import io
 import subprocess
 import sys
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import harness
-from harness.errors import ContractViolation
+from harness.errors import ContractViolation, UsageError
 from harness.log.format import HEAD
 from harness.log.open_log import formats_of
 from harness.motion.modes import MODES
 from harness.registry.registry import load_registry
 from harness.robot.ground_clearance import build_solids
-from harness_plugins.kit import (
-    Check,
-    IdealSimulator,
-    check_algorithm,
-    check_metric,
-    check_reward,
-    check_simulator,
-    check_task,
-    violations,
-)
-from harness_plugins.kit.contract import require
+from harness_plugins.kit import CHECKS, IdealSimulator, check_contract, violations
+from harness_plugins.kit.contract import Check, require
 from harness_plugins.kit.kits import KITS
 
-from .mutants import metrics
+from .mutants import metrics, trackers
 
 REGISTRY = load_registry()
 ROBOT = harness.load_robot("fd100", REGISTRY)
@@ -186,17 +178,46 @@ def test_log_format_is_told_apart(name, tmp_path):
     assert [each for each, it in formats_of(REGISTRY).items() if it.recognises(example, head)] == [name]
 
 
-@pytest.mark.parametrize("check", [check_simulator, check_reward, check_algorithm, check_metric, check_task])
-def test_first_violation_is_raised(check):
+@pytest.mark.parametrize("kind", sorted(set(CHECKS) - {"robot"}))
+def test_first_violation_is_raised(kind):
     """Something that is no plugin at all fails at the first check, which the error names."""
     with pytest.raises(ContractViolation, match="settings-frozen: object is no dataclass") as caught:
-        check(object())
+        check_contract(kind, object())
     assert caught.value.check == "settings-frozen"
+
+
+@pytest.mark.parametrize(
+    ("given", "named", "message"),
+    [
+        (("rewards", metrics.Sound()), {}, r"No kind of contract 'rewards'\. .* Did you mean 'reward'\?"),
+        (("metric", metrics.Sound(), ROBOT), {}, r"A metric is checked without a robot: leave robot= out"),
+        (("task", object()), {"folder": Path()}, r"A task is checked without a folder: leave folder= out"),
+        (("robot", "no-such-arm"), {}, r"no-such-arm"),
+    ],
+)
+def test_contract_that_there_is_not_is_refused(given, named, message):
+    """Nothing that is given is passed over."""
+    with pytest.raises(UsageError, match=message):
+        check_contract(*given, **named)
+
+
+def test_names_of_0_3_check_as_before(tmp_path):
+    """They warn; a folder stands in the place where it stood."""
+    from harness_plugins import kit
+
+    with pytest.warns(DeprecationWarning, match=r"works until fd100-harness 0\.6: write CHECKS\['log'\]$"):
+        assert kit.LOG_CHECKS is CHECKS["log"]
+    with pytest.warns(DeprecationWarning, match=r"write check_contract\('tracker', ...\)$"):
+        check = kit.check_tracker
+    check(trackers.SOUND[0], tmp_path)
+    assert list(tmp_path.iterdir()) == []
+    with pytest.raises(AttributeError, match="check_screen"):
+        _ = kit.check_screen
 
 
 def test_all_is_well_without_an_error():
     """What keeps the contract passes through all checks without a word."""
-    assert check_metric(metrics.Sound()) is None
+    assert check_contract("metric", metrics.Sound()) is None
 
 
 def test_a_check_writes_what_it_was_given():

@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 
 from harness.hookspecs import KINDS
-from harness_plugins.kit import Check
+from harness_plugins.kit.contract import Check
 from harness_plugins.kit.kits import KITS
 
 from .test_mutants import ROWS

@@ -124,9 +124,9 @@ def test_example_reward_keeps_its_contract(monkeypatch):
     monkeypatch.syspath_prepend(EXAMPLES["memory-reward"])
     from memory_reward.reward import Steady
 
-    from harness_plugins.kit import check_reward
+    from harness_plugins.kit import check_contract
 
-    check_reward(Steady())
+    check_contract("reward", Steady())
 
 
 def test_example_robot_is_read():

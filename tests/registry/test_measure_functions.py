@@ -9,7 +9,7 @@ from harness.errors import Unmeasured, UsageError
 from harness.measure import bounds_of, is_share, needs_of
 from harness.record.trace import episode_facts, trace_of
 from harness.registry import build_defaults, fingerprint, load_registry, read_given
-from harness_plugins.kit import check_metric
+from harness_plugins.kit import check_contract
 from harness_plugins.kit.metrics import recorded_trace
 
 ENDS = ("reached", "ground", "truncated", "truncated", "")
@@ -201,7 +201,7 @@ def test_file_for_environments_alone_may_call_anything_bounds(tmp_path):
 )
 def test_it_keeps_the_contract_of_metrics(made, source):
     """Every check, on traces of all kinds."""
-    check_metric(made(source))
+    check_contract("metric", made(source))
 
 
 def test_its_fingerprint_follows_an_edit(tmp_path):

@@ -6,7 +6,7 @@ import numpy as np
 from memory_reward.reward import Steady
 
 from harness.reward import Sample
-from harness_plugins.kit import check_reward
+from harness_plugins.kit import check_contract
 
 BEGIN = np.array([0.5])
 
@@ -19,7 +19,7 @@ def step(before: float, after: float) -> Sample:
 
 def test_contract() -> None:
     """It is finite, pure, the same in any batch, and works with arrays of any library."""
-    check_reward(Steady())
+    check_contract("reward", Steady())
 
 
 def test_known_steps() -> None:

@@ -7,7 +7,7 @@ from mesh_arm.robot import FOLDER
 from harness import load_robot
 from harness.authoring import load_registry
 from harness.reach import ReachTask
-from harness_plugins.kit import check_robot, check_simulator
+from harness_plugins.kit import check_contract
 
 
 @pytest.mark.parametrize("name", ["kinematic", "mujoco", "pybullet"])
@@ -16,12 +16,12 @@ def test_moves_in_a_simulator(name: str) -> None:
     spec = load_registry().get("simulators", name)
     if spec.missing:
         pytest.skip(f"{', '.join(spec.missing)} is not installed: {spec.remedy}")
-    check_simulator(spec.load()(), load_robot(FOLDER))
+    check_contract("simulator", spec.load()(), load_robot(FOLDER))
 
 
 def test_contract() -> None:
     """Its files make an arm that can be computed with."""
-    check_robot(FOLDER)
+    check_contract("robot", FOLDER)
 
 
 def test_joints_and_reach() -> None:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from harness import load_robot
-from harness_plugins.kit import check_simulator
+from harness_plugins.kit import check_contract
 
 pytest.importorskip("pinocchio", reason="pinocchio is not installed: pip install pin")
 
@@ -14,7 +14,7 @@ from pinocchio_simulator.simulator import Pinocchio
 @pytest.mark.parametrize("robot", ["fd100", "unity-arm"])
 def test_contract(robot: str) -> None:
     """It tracks, touches, resets and repeats as the harness relies on."""
-    check_simulator(Pinocchio(), load_robot(robot))
+    check_contract("simulator", Pinocchio(), load_robot(robot))
 
 
 def test_joints_move_one_another() -> None:

@@ -2,9 +2,9 @@
 
 from cautious_reward.reward import Cautious
 
-from harness_plugins.kit import check_reward
+from harness_plugins.kit import check_contract
 
 
 def test_contract() -> None:
     """It is finite, pure, the same in any batch, and works with arrays of any library."""
-    check_reward(Cautious())
+    check_contract("reward", Cautious())

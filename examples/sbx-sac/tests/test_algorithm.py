@@ -5,7 +5,7 @@ import pytest
 
 from harness import make_env
 from harness.progress import Progress
-from harness_plugins.kit import check_algorithm
+from harness_plugins.kit import check_contract
 
 pytest.importorskip("sbx", reason="sbx is not installed: pip install sbx-rl")
 
@@ -17,7 +17,7 @@ from harness_plugins.sb3 import VecEnvAdapter
 
 def test_contract() -> None:
     """It learns an easy task, keeps its budget, and repeats itself by its seed; some minutes."""
-    check_algorithm(SbxSac())
+    check_contract("algorithm", SbxSac())
 
 
 def test_policy_is_the_librarys() -> None:

@@ -35,15 +35,11 @@ from harness.robot.robot import is_path
 from harness.task import choose_task
 
 from ..contract import Check, violations
-from ..kits import KITS, Kit
+from ..kits import KITS, WITH_FOLDER, WITH_ROBOT, Kit
 from .ending import is_plugins_own
 from .finding import LOADS, TARGET, Asked, Finding, Outline, PlannedCheck
 
 DEFAULT_ROBOT = "fd100"
-WITH_ROBOT = ("simulators", "tasks")
-"""The kinds that are checked with a robot."""
-WITH_FOLDER = ("logs", "executors", "trackers")
-"""The kinds whose checks write into an empty folder."""
 NO_KIT = "there is no contract kit for this kind of plugin: test what it does in its own package"
 
 Tell: TypeAlias = Callable[[str], None]
@@ -137,7 +133,7 @@ def run_check(subject: Subject, name: str) -> Finding:
     begun = time.perf_counter()
     try:
         with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
-            place = (Path(folder),) if subject.outline.kind in WITH_FOLDER else ()
+            place = (Path(folder),) if WORDS.get(subject.outline.kind) in WITH_FOLDER else ()
             failed = next(violations([check], *subject.arguments, *place), None)
         cause = failed and failed.__cause__
     except BaseException as error:  # as KeyboardInterrupt, which nobody but the plugin raises here
@@ -175,7 +171,7 @@ def _import_in_words(plugin: EntryPoint | Given) -> str:
 def _open(registry: Registry, kind: str, asked: Asked, tell: Tell) -> Subject:
     if kind == "robots":
         return _open_robot(registry, asked.name)
-    if asked.robot is not None and kind not in WITH_ROBOT:
+    if asked.robot is not None and WORDS[kind] not in WITH_ROBOT:
         raise UsageError(f"{NOUNS[kind]} '{asked.name}' is checked without a robot: leave --robot out")
     spec = registry.get(kind, parse(asked.name)[0])
     tell(f"{NOUNS[kind]} '{spec.name}' was imported and built")

@@ -4,7 +4,6 @@ All of them look at the log that the format writes itself, `harness.log.LogForma
 """
 
 import shutil
-import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,7 +13,7 @@ import numpy as np
 from harness.errors import SchemaError, UsageError, one_line
 from harness.log import BEHAVIOUR, LARGEST, REWARD, SINCE, Log, LogFacts, LogFormat, Rows
 
-from ..contract import check, raise_first, require, settings_are_frozen, settings_survive_json
+from ..contract import check, require, settings_are_frozen, settings_survive_json
 from .examples import (
     NEEDED,
     broken_types,
@@ -180,21 +179,6 @@ NO_COLUMN = "reward/there-is-no-such"
 ROUNDING = 1e-6
 KNOWN = (REWARD, "time", "length")
 """Begins the names of columns that have a number in every row."""
-
-
-def check_log_format(reader: LogFormat, folder: Path | None = None) -> None:
-    """Run all `LOG_CHECKS`.
-
-    Args:
-        reader: The log format to be checked.
-        folder: To work in; one for temporary files if None.
-
-    Raises:
-        ContractViolation: At the first check that fails.
-    """
-    for each in LOG_CHECKS:
-        with tempfile.TemporaryDirectory(dir=folder) as place:
-            raise_first([each], reader, Path(place))
 
 
 @check("log-example")

@@ -1,10 +1,6 @@
 """What a simulator must satisfy, in the order in which it is checked. Each check takes the simulator and a robot."""
 
-from harness import load_robot
-from harness.robot import Robot
-from harness.simulator import Simulator
-
-from ..contract import raise_first, settings_are_frozen, settings_survive_json
+from ..contract import settings_are_frozen, settings_survive_json
 from .calls import (
     a_simulation_has_its_methods,
     an_env_in_a_batch_is_as_one_alone,
@@ -105,16 +101,3 @@ SIMULATOR_CHECKS = (
 )
 
 SIMULATOR_WARNINGS = (frames_were_tried,)
-
-
-def check_simulator(simulator: Simulator, robot: Robot | None = None) -> None:
-    """Run all `SIMULATOR_CHECKS`.
-
-    Args:
-        simulator: To be checked.
-        robot: To be simulated; fd100 if None.
-
-    Raises:
-        ContractViolation: At the first check that fails.
-    """
-    raise_first(SIMULATOR_CHECKS, simulator, robot or load_robot("fd100"))

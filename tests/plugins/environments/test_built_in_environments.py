@@ -11,7 +11,7 @@ from gymnasium.spaces import Box, Dict
 
 from harness.environment import goal_rewards
 from harness.registry import choose, load_registry
-from harness_plugins.kit import check_environment
+from harness_plugins.kit import check_contract
 from tests.refusals import refused
 
 GIVEN = (
@@ -39,7 +39,7 @@ def _built(given):
 @pytest.mark.parametrize("given", GIVEN)
 def test_it_keeps_the_contract(given):
     """As anybody's environment has to."""
-    check_environment(_built(given))
+    check_contract("environment", _built(given))
 
 
 def test_any_id_is_made_with_what_is_given():

@@ -7,7 +7,7 @@ from numpy.testing import assert_array_equal
 
 from harness.registry import build
 from harness.reward import Sample
-from harness_plugins.kit import check_reward
+from harness_plugins.kit import check_contract
 from harness_plugins.rewards.aarp import Aarp
 from harness_plugins.rewards.arp import Arp
 from tests.refusals import refused
@@ -20,8 +20,8 @@ DOUBLING = Aarp(k1=1.0, k2=1.0, growth=2.0, k_max=4.0)
 
 def test_contract():
     """It keeps the contract of rewards, also where the gain soon meets its cap."""
-    check_reward(Aarp())
-    check_reward(DOUBLING)
+    check_contract("reward", Aarp())
+    check_contract("reward", DOUBLING)
 
 
 def test_values_by_hand(episode):

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, strategies as st
 from numpy.testing import assert_array_equal
 
-from harness_plugins.kit import check_reward
+from harness_plugins.kit import check_contract
 from harness_plugins.rewards.adaptive import Adaptive
 
 METRES = st.integers(0, 3072).map(lambda n: n / 1024)
@@ -18,8 +18,8 @@ GAINS = st.floats(0.01, 10.0)
 
 def test_contract():
     """It keeps the contract of rewards."""
-    check_reward(Adaptive())
-    check_reward(Adaptive(k_far=2.0, k_near=0.5))
+    check_contract("reward", Adaptive())
+    check_contract("reward", Adaptive(k_far=2.0, k_near=0.5))
 
 
 def test_value_by_hand(episode, subtests):

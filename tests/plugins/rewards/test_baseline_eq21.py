@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given, strategies as st
 from numpy.testing import assert_array_equal
 
-from harness_plugins.kit import check_reward
+from harness_plugins.kit import check_contract
 from harness_plugins.rewards.baseline import Baseline
 from harness_plugins.rewards.baseline_eq21 import BaselineEq21
 
@@ -16,7 +16,7 @@ DISTANCES = st.lists(METRES, min_size=2, max_size=30)
 
 def test_contract():
     """It keeps the contract of rewards."""
-    check_reward(BaselineEq21())
+    check_contract("reward", BaselineEq21())
 
 
 def test_value_by_hand(episode, subtests):

@@ -7,7 +7,7 @@ from hypothesis import given, strategies as st
 from numpy.testing import assert_array_equal
 
 from harness.registry import build
-from harness_plugins.kit import check_reward
+from harness_plugins.kit import check_contract
 from harness_plugins.rewards.dense import Dense
 from tests.refusals import refused
 
@@ -17,7 +17,7 @@ DISTANCES = st.lists(METRES, min_size=2, max_size=30)
 
 def test_contract():
     """It keeps the contract of rewards."""
-    check_reward(Dense())
+    check_contract("reward", Dense())
 
 
 @pytest.mark.parametrize(("scale", "distance", "expected"), [(1.0, 0.25, -0.25), (2.0, 1.5, -3.0), (1.0, 0.0, 0.0)])

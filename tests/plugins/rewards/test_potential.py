@@ -9,7 +9,7 @@ from numpy.testing import assert_array_equal
 
 from harness.registry import build
 from harness_plugins.algorithms.sac import Sac
-from harness_plugins.kit import check_reward
+from harness_plugins.kit import check_contract
 from harness_plugins.rewards.potential import Potential
 from tests.refusals import refused
 
@@ -20,8 +20,8 @@ GAMMAS = st.floats(0.01, 1.0)
 
 def test_contract():
     """It keeps the contract of rewards, discounted or not."""
-    check_reward(Potential())
-    check_reward(Potential(gamma=1.0, scale=3.0))
+    check_contract("reward", Potential())
+    check_contract("reward", Potential(gamma=1.0, scale=3.0))
 
 
 def test_value_by_hand(episode, subtests):

@@ -8,7 +8,7 @@ from hypothesis import given, strategies as st
 from numpy.testing import assert_array_equal
 
 from harness.registry import build
-from harness_plugins.kit import check_reward
+from harness_plugins.kit import check_contract
 from harness_plugins.rewards.relative import FLOOR, Relative
 from tests.refusals import refused
 
@@ -21,7 +21,7 @@ CURRENT = Relative(denominator="current")
 @pytest.mark.parametrize("denominator", ["larger", "current"])
 def test_contract(denominator):
     """It keeps the contract of rewards, with either denominator."""
-    check_reward(build(Relative, {"denominator": denominator}, "reward"))
+    check_contract("reward", build(Relative, {"denominator": denominator}, "reward"))
 
 
 def test_unknown_denominator_is_refused():

@@ -6,7 +6,7 @@ from numpy.testing import assert_array_equal
 
 import harness
 from harness.registry import choose, load_registry
-from harness_plugins.kit import check_reward
+from harness_plugins.kit import check_contract
 from harness_plugins.rewards.aarp import Aarp
 from harness_plugins.rewards.arp import Arp
 from harness_plugins.rewards.scaled import Scaled
@@ -20,7 +20,7 @@ DISTANCES = st.lists(st.floats(0.0, 3.0), min_size=2, max_size=20)
 @pytest.mark.parametrize("reward", OTHERS)
 def test_contract(reward):
     """It keeps the contract of rewards, whatever it multiplies."""
-    check_reward(Scaled(reward=reward, factor=1.25))
+    check_contract("reward", Scaled(reward=reward, factor=1.25))
 
 
 @pytest.mark.parametrize("reward", OTHERS)

@@ -5,7 +5,7 @@ from hypothesis import given, settings, strategies as st
 from numpy.testing import assert_array_equal
 
 from harness.registry import choose, load_registry
-from harness_plugins.kit import check_reward
+from harness_plugins.kit import check_contract
 from harness_plugins.rewards.aarp import Aarp
 from harness_plugins.rewards.shifted import Shifted
 from tests.refusals import refused
@@ -19,7 +19,7 @@ def test_contract(subtests):
     """It keeps the contract of rewards, whatever it adds to."""
     for reward in OTHERS:
         with subtests.test(reward=reward):
-            check_reward(Shifted(reward=reward, offset=-0.5))
+            check_contract("reward", Shifted(reward=reward, offset=-0.5))
 
 
 @settings(max_examples=25)  # each looks all plugins up

@@ -13,7 +13,7 @@ import harness
 from harness.authoring import ServoTrack
 from harness.robot.robot import read_robot
 from harness.simulator import State
-from harness_plugins.kit import SIMULATOR_CHECKS, violations
+from harness_plugins.kit import CHECKS, violations
 from harness_plugins.mujoco_model import build_model
 from harness_plugins.simulators.dm_control import DmControl
 from harness_plugins.simulators.mujoco import Mujoco
@@ -85,7 +85,7 @@ def test_dm_control_moves_as_mujoco():
 
 def test_checks_of_exact_tracking_are_left_out():
     """Drives with limits lag behind their targets, and break no contract by that."""
-    checks = [check for check in SIMULATOR_CHECKS if check.name in EXACT]
+    checks = [check for check in CHECKS["simulator"] if check.name in EXACT]
     assert len(checks) == len(EXACT)
     assert list(violations(checks, Mujoco(drive="servo"), ROBOT)) == []
 

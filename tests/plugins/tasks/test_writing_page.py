@@ -9,7 +9,7 @@ import pytest
 import harness
 from harness.env.arm_observation import why_not_kinematics
 from harness.goal import Situation
-from harness_plugins.kit import check_task
+from harness_plugins.kit import check_contract
 
 PAGE = (Path(__file__).parents[3] / "docs" / "writing" / "task.md").read_text()
 ROBOT = harness.load_robot("fd100")
@@ -26,7 +26,7 @@ def task():
 
 def test_task_of_the_page_passes_every_check(task):
     """As it stands there."""
-    check_task(task, ROBOT)
+    check_contract("task", task, ROBOT)
 
 
 def test_tilt_is_an_error(task):
