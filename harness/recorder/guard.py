@@ -5,7 +5,6 @@ where it does not return, it is ended.
 """
 
 import ctypes
-import operator
 import pickle
 import random
 import struct
@@ -13,7 +12,6 @@ import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
-from itertools import starmap
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -216,12 +214,12 @@ class Guard:
             is_watched: Whether one of them might draw: unless all of them only compute, see
                 `harness.recorder.computing.only_computes`. These are asked together, and ended if one does not return.
         """
-        answers, self.drew = list[Any](), dict[int, str]()
+        answers: list[Any] = []
+        self.drew = {}
         if not is_watched and not self.is_open:
             while (done := len(answers)) < len(functions):
-                asked = [(function, *step) for function, step in zip(functions[done:], steps[done:], strict=True)]
                 try:
-                    self._call(answers.extend, (starmap(operator.call, asked),), pays)
+                    self._call(answers.extend, (map(_said, functions[done:], steps[done:]),), pays)
                 except FAILURES as error:
                     if isinstance(error, TimeoutError) and done < len(answers):
                         continue  # it may have been all of them together
@@ -282,6 +280,10 @@ class Guard:
                 )
                 return f"it writes into its {name}, which others read too: {instead} ({one_line(error)})"
         return one_line(error)
+
+
+def _said(function: Function, step: Asking) -> Any:
+    return function(*step)
 
 
 _NAMES = {4: ("observation", "action", "next_observation", "info"), 1: STEP_PARTS}

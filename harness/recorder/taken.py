@@ -300,7 +300,7 @@ class Taken:
 
     def _ask(self, columns: Sequence[Column], first: int) -> dict[Column, Any]:
         """By column the numbers of the steps from a tick on, (rows, 1 + terms): fewer rows where it failed."""
-        recorder, rows, found = self._recorder, self._rows(first), dict[Column, Any]()
+        recorder, rows, found = self._recorder, self._rows(first), {}
         known: dict[tuple[bool, bool], list[Asking]] = {}
         for column in [it for it in columns if not it.given_up and len(rows.paid)]:
             steps: list[Asking] = []

@@ -22,7 +22,7 @@ from harness.errors import UsageError
 from harness.reward.forms import STEP, takes_step, weighted
 from harness.reward.reward import LARGEST_FACTOR, Reward
 from harness.reward.steps import BEFORE, ENVIRONMENT, Steps, nearest, rows_of, steps_type
-from harness.reward.terms import Paid, paid_of, pay
+from harness.reward.terms import paid_of, pay
 
 Given: TypeAlias = Callable[..., Any] | str | Mapping[str, Callable[..., Any] | str]
 """A function, a key of ``info``, ``"own"``, or terms by name."""
@@ -165,7 +165,7 @@ class OfArm:
 
     def __call__(self, step: Steps) -> Any:
         """What the step pays; of a reward with terms these, and what the task pays."""
-        arm, paid = step.info[ARM], list[Paid]()
+        arm, paid = step.info[ARM], []
         for row, begin in enumerate(arm.begin_distance.tolist()):
             if begin != self._begin:  # the first target, or the next one
                 self._begin, self._carry = begin, self.reward.initial_carry(arm.begin_distance[row : row + 1])

@@ -8,7 +8,7 @@ import json
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
@@ -233,16 +233,16 @@ class _Layout(NamedTuple):
         """
         for number in self.numbers:
             group, where = group_of(file, f"episode_{number}"), f"{file.filename}, episode {number}"
-            steps, parts = len(array_of(group, "rewards")), self.vectors(group)
+            steps, parts, find = len(array_of(group, "rewards")), self.vectors(group), cache(partial(find_array, group))
             for name, it in parts.items():
                 if len(it.array) != steps + (not name.startswith(ACTION)):
                     told = f"{steps:,} rewards, and {len(it.array):,} rows of {name}"
                     raise SchemaError(f"{where} has {told}; a Minari episode has one observation more than actions")
             parts = {name: it for name, it in parts.items() if name in names}
             for name, key in {**FLAGS, **self.keys, LABEL: f"infos/{self.success}"}.items():
-                if name in names and (part := _rows(find_array(group, key), steps)):
+                if name in names and (part := _rows(find(key), steps)):
                     parts[name] = part
-            if LABEL in {*names} - {*parts} and (part := _rows(find_array(group, self.success), steps)):
+            if LABEL in {*names} - {*parts} and (part := _rows(find(self.success), steps)):
                 parts[LABEL] = part
             told_of = partial(_told, group, steps)
             yield Run(np.full(steps, number), parts, where, told_of)
