@@ -182,6 +182,17 @@ class Raised:
     error: BaseException
 
 
+def said(answer: Any) -> Any:
+    """An answer of `Guard.ask`.
+
+    Raises:
+        Exception: What the function raised in its place.
+    """
+    if isinstance(answer, Raised):
+        raise answer.error if isinstance(answer.error, Exception) else RuntimeError(one_line(answer.error))
+    return answer
+
+
 class Guard:
     """Asks functions about steps.
 
@@ -219,7 +230,7 @@ class Guard:
         if not is_watched and not self.is_open:
             while (done := len(answers)) < len(functions):
                 try:
-                    self._call(answers.extend, (map(_said, functions[done:], steps[done:]),), pays)
+                    self._call(answers.extend, (map(_answer, functions[done:], steps[done:]),), pays)
                 except FAILURES as error:
                     if isinstance(error, TimeoutError) and done < len(answers):
                         continue  # it may have been all of them together
@@ -252,10 +263,7 @@ class Guard:
         Raises:
             Exception: Whatever it raises; TimeoutError if it does not return.
         """
-        (found,) = self.ask([function], [step], is_watched=is_watched)
-        if isinstance(found, Raised):
-            raise found.error if isinstance(found.error, Exception) else RuntimeError(one_line(found.error))
-        return found
+        return said(*self.ask([function], [step], is_watched=is_watched))
 
     def reason(self, function: Function, step: Asking, error: BaseException) -> str:
         """Why it failed, in one line. If it writes into what it is given, that is the reason.
@@ -282,7 +290,7 @@ class Guard:
         return one_line(error)
 
 
-def _said(function: Function, step: Asking) -> Any:
+def _answer(function: Function, step: Asking) -> Any:
     return function(*step)
 
 

@@ -18,7 +18,7 @@ from harness.errors import Unscored, UsageError, sentence
 from harness.record.recording.facts import FILE_REWARD
 from harness.recorder.column import Column, as_number
 from harness.recorder.computing import only_computes
-from harness.recorder.guard import Asking, Guard, Raised
+from harness.recorder.guard import Asking, Guard, Raised, said
 from harness.recorder.limit import LONGEST
 from harness.recorder.own_copies import as_defined, uses_parts_of
 from harness.reward import Steps
@@ -280,22 +280,27 @@ class Guarded:
         """The terms that it has paid so far; none of a reward that pays a plain number."""
         return self._column.terms or ()
 
-    def __call__(self, step: Steps) -> list[float]:
-        """What the reward pays for a step, then each of its terms.
+    def __call__(self, steps: Sequence[Steps]) -> list[list[float]]:
+        """What the reward pays for each step, then each of its terms.
 
         Raises:
             UsageError: It remembers something that nobody restarts.
-            Unscored: It reads what the step does not have, or its terms are no terms.
+            Unscored: It reads what a step does not have, or its terms are no terms.
             Exception: Whatever it raises.
         """
-        asking = self._column.arguments(step)
+        asked = list(map(self._column.arguments, steps))
+        found = self._guard.ask([self._column.given] * len(asked), asked, is_watched=self._is_watched)
+        drew = self._guard.drew.keys()
+        return [self._numbers(*it, place in drew) for place, it in enumerate(zip(asked, found, strict=True))]
+
+    def _numbers(self, asking: Asking, answer: Any, drew: bool) -> list[float]:
         try:
-            numbers = self._column.numbers(self._guard.answer(self._column.given, asking, self._is_watched))
+            numbers = self._column.numbers(said(answer))
         except (UsageError, Untold) as error:
             raise Unscored(str(error)) from error
         if self._steps < FIRST_STEPS and not self._column.remembers:
             self._steps += 1
-            found = self._trial.note(self._column, asking, numbers[0], bool(self._guard.drew))
+            found = self._trial.note(self._column, asking, numbers[0], drew)
             if self._steps == FIRST_STEPS:
                 found = found or next(self._trial.look([self._column]), None)
             if found is not None:

@@ -47,11 +47,11 @@ class _StepByStep:
     def __init__(self, reward: Guarded) -> None:
         self._reward = reward
         self._before: Any = None
-        self._is_blind = False
+        self._is_blind = self._has_blanks = False
 
     def __call__(self, rows: Rows) -> Paid:
         if rows["step"][0] <= 1:
-            self._before, self._is_blind = None, False
+            self._before, self._is_blind, self._has_blanks = None, False, False
             if callable(reset := getattr(self._reward, "reset", None)):
                 reset()
         for values in rows.columns.values():
@@ -64,7 +64,7 @@ class _StepByStep:
             observed, observations = unseen, iter([unseen] * count)
         else:
             observed, observations = next(each_row(started, 1)) if begun[0] else blank, each_row(after, count)
-        infos, paid = infos_of(rows.columns), list[list[float]]()
+        infos, steps = infos_of(rows.columns), list[Steps]()
         for row, action in enumerate(each_row(vectors_of(rows.columns, ACTION), count)):
             info = ReadOnlyDict({key: values[row] for key, values in infos.items()})
             if self._before is None:
@@ -74,11 +74,13 @@ class _StepByStep:
             now = next(observations)
             did, now = action if done[row] else blank, now if comes[row] or row >= seen else blank
             self._before, observed = (did, info), now if row < seen else unseen
-            step = _Recorded._make((observed, did, info, before))
-            if row < seen:
-                paid.append(self._with_blanks(step, blank))
-            elif (last := self._without_next(step, unseen)) is not None:
-                paid.append(last)
+            steps.append(_Recorded._make((observed, did, info, before)))
+            self._has_blanks |= did is blank or now is blank or observed is blank
+        if self._has_blanks:
+            paid = [self._with_blanks(step, blank) for step in steps[:seen]]
+        else:
+            paid = self._reward(steps[:seen])
+        paid += filter(None, (self._without_next(step, unseen) for step in steps[seen:]))
         if unseen.looked_at and seen == count:  # and went on
             unseen[0]
         numbers = np.array(paid).reshape(len(paid), 1 + len(self._reward.terms)).T
@@ -88,7 +90,7 @@ class _StepByStep:
         """What it pays a step; NaN from where on it looks at what is not finite, to the end of the episode."""
         if not self._is_blind:
             try:
-                paid = self._reward(step)
+                (paid,) = self._reward([step])
             except Exception:
                 if not blank.looked_at:
                     raise
@@ -98,7 +100,7 @@ class _StepByStep:
     def _without_next(self, step: Steps, unseen: Unseen) -> list[float] | None:
         """What it pays a step after which nothing was seen; None of one that looks at what came then."""
         try:
-            paid = self._reward(step)
+            (paid,) = self._reward([step])
         except Exception:  # whatever it makes of what is not there
             return None
         return None if unseen.looked_at else paid
@@ -124,6 +126,9 @@ def number_or_nan(value: Any) -> float:
         ValueError: It is of another shape.
         TypeError: It is no number.
     """
-    if isinstance(value, np.ndarray) and value.shape == ():
-        value = value[()]
-    return math.nan if isinstance(value, float | np.floating) and not math.isfinite(value) else as_number(value)
+    try:
+        return as_number(value)
+    except ValueError:
+        if np.ndim(value):
+            raise
+        return math.nan
