@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Literal, NamedTuple, Protocol, Self, TypeAlias
+from typing import Literal, NamedTuple, Protocol, Self, TypeAlias
 
 from harness.files.plain import Plain
 from harness.record.cell import Cell
@@ -18,7 +18,7 @@ NO_SCALARS: Mapping[str, float] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
-class Limits(Plain):
+class Limits:
     """What a cell may take before its process is ended and the cell counts as failed; 0 for no limit.
 
     Attributes:
@@ -33,7 +33,7 @@ class Limits(Plain):
 
 
 @dataclass(frozen=True)
-class CellOptions(Plain):
+class CellOptions:
     """How a cell is run; nothing here changes its result.
 
     Attributes:
@@ -55,22 +55,14 @@ class CellOptions(Plain):
     plugins: tuple[Given, ...] = ()
 
 
-class Job(NamedTuple):
+@dataclass(frozen=True)
+class Job(Plain):
     """What to give to `harness.experiment.run_cell.run_cell`."""
 
     cell: Cell
     folder: Path
     """The folder that the job has to leave."""
     options: CellOptions = CellOptions()
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data; `from_json` gives the same job back."""
-        return {"cell": self.cell.to_json(), "folder": str(self.folder), "options": self.options.to_json()}
-
-    @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> "Job":
-        """The job that `to_json` told."""
-        return cls(Cell.from_json(data["cell"]), Path(data["folder"]), CellOptions.from_json(data["options"]))
 
 
 class Word(NamedTuple):

@@ -22,6 +22,7 @@ from harness.eta.interval import (
 from harness.eta.manner import TRAINING, WHOLE
 from harness.eta.swaps import ALPHA, Swaps, p_of
 from harness.eta.verdict.question import BOTH, LEAST_SEEDS, Question
+from harness.files.plain import Plain, tells
 
 NO_WORD = 0.0
 """The level of an experiment that is not trained to its end: no p is so small."""
@@ -29,6 +30,7 @@ FAILED = 0.5
 """A training failed if its policy succeeds in less than this share of its episodes."""
 
 
+@tells("name", "unit", "better", "manner", "episodes", "title")
 class Quantity(NamedTuple):
     """A measure of behaviour."""
 
@@ -79,10 +81,6 @@ class Quantity(NamedTuple):
         ours, theirs = (int(np.less(values, FAILED).sum()) for values in (baseline, proposed))
         return ours, theirs
 
-    def to_json(self) -> dict[str, Any]:
-        """Plain data; JSON has no infinite bounds, so it has none."""
-        return {name: value for name, value in self._asdict().items() if name != "bounds"}
-
 
 Values = Mapping[int, float]
 """A value of each training, by seed."""
@@ -90,8 +88,25 @@ Sides = tuple[Values, Values]
 """The values of the baseline's trainings, and of the proposed reward's; not paired, and not as many everywhere."""
 
 
+@tells(
+    "*measure",
+    "baseline",
+    "proposed",
+    "random",
+    "seeds",
+    "difference",
+    "low",
+    "high",
+    "p",
+    "p_corrected=corrected",
+    "result=direction",
+    "interquartile_means=middles",
+    "probability_of_improvement=improvement",
+    "failed",
+    "reason",
+)
 @dataclass(frozen=True)
-class Change:
+class Change(Plain):
     """Means over trainings of one measure, which does not depend on any reward; see `together` for those over places.
 
     Attributes:
@@ -232,26 +247,12 @@ class Change:
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
         return {
-            **self.measure.to_json(),
-            "baseline": self.baseline,
-            "proposed": self.proposed,
-            "random": self.random,
-            "seeds": self.seeds,
+            **super().to_json(),
             "left_out": sum(self.without),
-            "difference": self.difference,
-            "low": self.low,
-            "high": self.high,
-            "p": self.p,
-            "p_corrected": self.corrected,
-            "result": self.direction,
-            "interquartile_means": list(self.middles),
-            "probability_of_improvement": self.improvement,
-            "failed": self.failed and list(self.failed),
             "trainings": {
                 side: {str(seed): value for seed, value in values.items()}
                 for side, values in zip(("baseline", "proposed"), self.trainings, strict=True)
             },
-            "reason": self.reason,
         }
 
 

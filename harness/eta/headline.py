@@ -17,6 +17,7 @@ from harness.eta.interval import ROUNDING, quantile
 from harness.eta.power import Range
 from harness.eta.splits import BB, BK, KB, KK, Names, Pair, ScoredSums, Split, Splits, SumSplit, means_without_each
 from harness.eta.swaps import Swaps, p_of
+from harness.files.plain import Plain, tells
 
 SUCCESS, TIME = "success_rate", "time_to_target"
 DECIDING = (SUCCESS, TIME)
@@ -76,8 +77,9 @@ class Answer(StrEnum):
     """Trainings are missing, and no plan of looks says what may be concluded without them."""
 
 
+@tells("answer=answer.value", "behaviour=robot", "number", "decided_by", "seeds_to_decide")
 @dataclass(frozen=True)
-class Headline:
+class Headline(Plain):
     """Two answers: about the robot, and about the number.
 
     Attributes:
@@ -94,16 +96,6 @@ class Headline:
     number: str
     decided_by: str | None = None
     seeds_to_decide: Range | None = None
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        return {
-            "answer": self.answer.value,
-            "behaviour": self.robot,
-            "number": self.number,
-            "decided_by": self.decided_by,
-            "seeds_to_decide": self.seeds_to_decide and list(self.seeds_to_decide),
-        }
 
 
 def is_within(change: Change, margin: float) -> bool:
@@ -285,8 +277,9 @@ OF_RANDOM = 0.01
 """The part of it that is spent on the mean of random actions."""
 
 
+@tells("reward", "trained", "random=at_random", "below", "p")
 @dataclass(frozen=True)
-class PaidAtRandom:
+class PaidAtRandom(Plain):
     """What a reward pays its own policies, and what it pays random actions in the same episodes.
 
     Attributes:
@@ -330,16 +323,6 @@ class PaidAtRandom:
             f"says nothing about what {self.reward} asks for. The test is made to err in at most {LEVEL:.0%} of cases."
         )
 
-    def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        return {
-            "reward": self.reward,
-            "trained": list(self.trained),
-            "random": self.at_random,
-            "below": self.below,
-            "p": self.p,
-        }
-
 
 def paid_at_random(reward: str, trained: Sequence[float], episodes: Float) -> PaidAtRandom | None:
     """What a reward pays beside random actions; None without two episodes of these, or without a training.
@@ -367,8 +350,9 @@ Returns = Mapping[Pair, Sequence[float]]
 """R_r(q) of each seed by (r, q): the reward that scores, and the reward whose training is scored."""
 
 
+@tells("returns=paid", "ratio", "difference=total")
 @dataclass(frozen=True)
-class ReturnSplit:
+class ReturnSplit(Plain):
     """The mean return of two trainings.
 
     Attributes:
@@ -395,16 +379,13 @@ class ReturnSplit:
         """The same split with a p-value that holds for all claims that are made together."""
         return replace(self, ratio=replace(self.ratio, corrected=p))
 
-    def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        return {
-            "returns": [
-                {"paid_by": payer, "trained_by": trained, **mean.to_json()}
-                for (payer, trained), mean in self.returns.items()
-            ],
-            "ratio": self.ratio.to_json(),
-            "difference": self.total.to_json(),
-        }
+    @property
+    def paid(self) -> list[dict[str, Any]]:
+        """The returns, each with the reward that pays and the reward whose training is paid."""
+        return [
+            {"paid_by": payer, "trained_by": trained, **mean.to_json()}
+            for (payer, trained), mean in self.returns.items()
+        ]
 
 
 def split_returns(

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from harness.eta.interval import CONFIDENCE, UNBOUNDED, Bounds, cut_to, mean_bounds, why_no_interval
+from harness.files.plain import Plain, tells
 
 DECIMALS = 1
 """I_N and I_P are shown rounded to 0.1, as published; ratios are taken before rounding."""
@@ -17,8 +18,9 @@ NOTHING, NEAR_ZERO = "n/a", "near zero"
 """What is shown of a ratio without a value, and of one that says little."""
 
 
+@tells("first_negative", "crossover", "steps", "I_N", "I_P", "total")
 @dataclass(frozen=True)
-class Index:
+class Index(Plain):
     """The index of a group of runs, read from its mean curve.
 
     Attributes:
@@ -49,17 +51,6 @@ class Index:
     def total(self) -> float:
         """I_N + I_P, NOTE eq. 38: the sum of the whole mean curve, rounded to 0.1."""
         return round(self.negative_sum + self.positive_sum, DECIMALS) + 0.0
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data, the sums rounded."""
-        return {
-            "first_negative": self.first_negative,
-            "crossover": self.crossover,
-            "steps": self.steps,
-            "I_N": self.I_N,
-            "I_P": self.I_P,
-            "total": self.total,
-        }
 
 
 @dataclass(frozen=True)

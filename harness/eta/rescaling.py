@@ -10,8 +10,8 @@ two steps of its line, see `PayLine`.
 """
 
 from collections.abc import Sequence, Set
-from dataclasses import asdict, dataclass, field
-from typing import Any, TypeAlias
+from dataclasses import dataclass, field
+from typing import TypeAlias
 
 import numpy as np
 
@@ -54,7 +54,7 @@ class PayLine(Plain):
 
 
 @dataclass(frozen=True)
-class Rescaling:
+class Rescaling(Plain):
     """A reward that is ``factor`` x another one + ``offset``.
 
     Attributes:
@@ -97,11 +97,6 @@ class Rescaling:
         if self.offset == 0.0:
             return f"is {scaled}"
         return f"is {scaled} {'-' if self.offset < 0.0 else '+'} {_digits(abs(self.offset))}"
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data; ``can_end`` stands there only where it is true."""
-        told = asdict(self)
-        return told if self.can_end else {key: value for key, value in told.items() if key != "can_end"}
 
 
 def line_of(one: Float, other: Float, *, can_end: bool = False) -> PayLine | None:

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal, NamedTuple, TypeAlias
+from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from harness.arrays import Float
 from harness.eta.curve import GroupCurve
 from harness.eta.index import Index, Ratio, SeedMean
 from harness.eta.interval import Sums
-from harness.files.plain import Plain
+from harness.files.plain import Plain, tells
 
 Who: TypeAlias = Literal["baseline", "proposed"]
 Pair: TypeAlias = tuple[Who, Who]
@@ -124,8 +124,9 @@ class SplitPath(NamedTuple):
     behaviour: Ratio
 
 
+@tells("eta", "per_seed", "ruler", "behaviour", "interaction", "noise", "paths", "p", "p_corrected=corrected", "flags")
 @dataclass(frozen=True)
-class Split:
+class Split(Plain):
     """One index's eta, and what it is made of.
 
     Attributes:
@@ -185,17 +186,6 @@ class Split:
         """What stands in the way of one answer."""
         return tuple(flag for flag in (self.averaging, self.opposition) if flag)
 
-    def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        parts = ("eta", "per_seed", "ruler", "behaviour", "interaction", "noise")
-        return {
-            **{name: getattr(self, name).to_json() for name in parts},
-            "paths": [{name: part.to_json() for name, part in path._asdict().items()} for path in self.paths],
-            "p": self.p,
-            "p_corrected": self.corrected,
-            "flags": list(self.flags),
-        }
-
 
 Splits: TypeAlias = Mapping[str, Split]
 """By ``eta_N`` and ``eta_P``."""
@@ -216,8 +206,9 @@ class SumSplit(Plain):
     behaviour: SeedMean
 
 
+@tells("baseline", "proposed", "*splits", "total")
 @dataclass(frozen=True)
-class Decomposition:
+class Decomposition(Plain):
     """Both etas, split.
 
     Attributes:
@@ -262,23 +253,9 @@ class Decomposition:
             positive=replace(self.positive, corrected=positive),
         )
 
-    def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        return {
-            "baseline": self.baseline.to_json(),
-            "proposed": self.proposed.to_json(),
-            **splits_to_json(self.splits),
-            "total": self.total.to_json(),
-        }
-
 
 def no_splits(reason: str) -> Splits:
     """Where there is nothing to compare."""
     nothing = Ratio(None, notes=(reason,))
     empty = Split(nothing, nothing, nothing, nothing, nothing, noise=nothing)
     return {"eta_N": empty, "eta_P": empty}
-
-
-def splits_to_json(given: Splits) -> dict[str, Any]:
-    """Plain data of eta_N's split and eta_P's."""
-    return {name: split.to_json() for name, split in given.items()}

@@ -6,9 +6,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from harness.eta.verdict.halving import Schedule, schedule_of
+from harness.eta.verdict.halving import Rung, Schedule, schedule_of
 from harness.experiment.experiment import ExperimentRun
 from harness.experiment.trials.measured_kind import Measured, horizon_in, measure_kinds
+from harness.files.plain import Plain, tells
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, recording_of
 from harness.record.pace import Kind, kind_of, time_left, took
@@ -21,8 +22,9 @@ HERE = "processes"
 """The executor that trains on this machine."""
 
 
+@tells("folder", "is_new", "left", "at_once", "seconds", "bytes", "unknown", "looks", "rungs", "measured", "memory")
 @dataclass(frozen=True)
-class Foreseen:
+class Foreseen(Plain):
     """What a run would do.
 
     Attributes:
@@ -64,6 +66,11 @@ class Foreseen:
     memory: int = 0
 
     @property
+    def rungs(self) -> tuple[Rung, ...]:
+        """Of the schedule; none as long as it is not known."""
+        return self.schedule.rungs if self.schedule else ()
+
+    @property
     def candidates(self) -> tuple[str, ...]:
         """The rewards that are trained first."""
         cells = (*self.done, *self.to_do)
@@ -79,20 +86,10 @@ class Foreseen:
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
         return {
-            "folder": str(self.folder),
-            "is_new": self.is_new,
-            "done": [_cell_to_json(cell) for cell in self.done],
-            "to_do": [_cell_to_json(cell) for cell in self.to_do],
-            "left": self.left,
+            **super().to_json(),
+            "done": [*map(_cell_to_json, self.done)],
+            "to_do": [*map(_cell_to_json, self.to_do)],
             "skipped": [{**_cell_to_json(cell), "reason": reason} for cell, reason in self.skipped],
-            "at_once": self.at_once,
-            "seconds": self.seconds,
-            "bytes": self.bytes,
-            "unknown": self.unknown,
-            "looks": list(self.looks),
-            "rungs": [rung._asdict() for rung in self.schedule.rungs] if self.schedule else [],
-            "measured": self.measured,
-            "memory": self.memory,
         }
 
 

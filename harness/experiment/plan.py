@@ -245,7 +245,7 @@ def expand(experiment: Experiment, registry: Registry, begun: Begun = lambda pla
 
 def _goes_on(old: Choice, new: Choice) -> str:
     """The line that an algorithm keeps the defaults with which a folder was begun."""
-    then = dict(old.params)
+    then = old.named
     values = [f"{key}={then.get(key, 'default')}" for key, value in new.params if then.get(key) != value]
     return f"the folder was begun with {old.name}:{','.join(values)} and goes on so; in a new folder it is {new.label}"
 

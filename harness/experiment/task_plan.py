@@ -340,7 +340,7 @@ def task_for(algorithm: Choice, task: Choice, robot: "Robot", registry: Registry
 
 
 def _discrete(task: Choice, problem: str, robot: "Robot", registry: Registry) -> Choice:
-    params = dict(task.params)
+    params = task.named
     if not isinstance(params.get("action"), str):
         raise UsageError(f"{problem}, and it has no parameter 'action' to choose others")
     try:
@@ -350,7 +350,7 @@ def _discrete(task: Choice, problem: str, robot: "Robot", registry: Registry) ->
             return form
     except UsageError as error:
         raise UsageError(f"{problem}, and it has no discrete form: {error}") from error
-    raise UsageError(f"{problem}, with action={dict(form.params)['action']} too")
+    raise UsageError(f"{problem}, with action={form.named['action']} too")
 
 
 def _space_of(task: Choice, robot: "Robot", registry: Registry) -> ActionSpace:

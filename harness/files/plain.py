@@ -1,37 +1,58 @@
-"""Frozen dataclasses as plain data."""
+"""Frozen dataclasses and named tuples as plain data: the one place that writes them for JSON and reads them again."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import fields, is_dataclass
 from functools import cache
 from itertools import repeat
+from operator import attrgetter
 from pathlib import Path
 from types import UnionType
-from typing import Any, Self, cast, get_args, get_origin, get_type_hints
+from typing import Any, Self, TypeVar, cast, get_args, get_origin, get_type_hints
+
+T = TypeVar("T")
+
+
+def tells(*names: str) -> Callable[[T], T]:
+    """Decorate a dataclass or a named tuple that does not tell each of its fields, or more than these.
+
+    Args:
+        names: Of fields, properties and class variables, in order. A name may lead on, ``group.steps``. In ``key=name``
+            the key is another than the name. Behind a star the value is told without a key of its own: its keys stand
+            here, and None has none.
+    """
+
+    def mark(kind: Any) -> Any:
+        kind.TELLS = names
+        return kind
+
+    return mark
 
 
 class Plain:
-    """What gives a dataclass `to_json` and `from_json`, field by field."""
+    """What gives a dataclass `to_json` and `from_json`."""
 
     def to_json(self) -> dict[str, Any]:
-        """Plain data; `from_json` gives the same back."""
-        return {field.name: to_plain(getattr(self, field.name)) for field in fields(cast(Any, self))}
+        """Plain data; `from_json` gives the same back where every field is told."""
+        return _told(self)
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Self:
         """What `to_json` told, also after a way through JSON; a key that is missing has its default."""
-        return cls(
-            **{name: from_plain(kind, data[name]) for name, kind in _kinds(cast(Any, cls)).items() if name in data}
-        )
+        return cast(Self, _made(cls, data))
 
 
 def to_plain(value: Any) -> Any:
-    """A field's value as plain data: lists for tuples and sets, text for paths."""
+    """A value as plain data: lists for tuples, sets and arrays, text for paths."""
     if hasattr(value, "to_json"):
         return value.to_json()
-    if isinstance(value, frozenset):
-        return sorted(value)
-    if isinstance(value, tuple):
-        return [to_plain(item) for item in value]
+    if _has_fields(type(value)):
+        return _told(value)
+    if isinstance(value, Mapping):
+        return {key: to_plain(item) for key, item in value.items()}
+    if isinstance(value, tuple | list | frozenset):
+        return [to_plain(item) for item in (sorted(value) if isinstance(value, frozenset) else value)]
+    if hasattr(value, "tolist"):
+        return value.tolist()
     return str(value) if isinstance(value, Path) else value
 
 
@@ -42,19 +63,37 @@ def from_plain(kind: Any, data: Any) -> Any:
     parts = get_args(kind)
     if hasattr(kind, "from_json"):
         return kind.from_json(data)
+    if _has_fields(kind):
+        return _made(kind, data)
     if get_origin(kind) is frozenset:
         return frozenset(data)
     if get_origin(kind) is tuple:
         return tuple(map(from_plain, repeat(parts[0]) if parts[1:] == (...,) else parts, data))
     if isinstance(data, Mapping):  # one of several dataclasses: that which has these fields
-        dataclasses = filter(is_dataclass, parts)
-        kind = next((part for part in dataclasses if data.keys() <= _kinds(cast(Any, part)).keys()), kind)
-        return from_plain(kind, data) if hasattr(kind, "from_json") else data
+        kind = next((part for part in parts if _has_fields(part) and data.keys() <= _kinds(part).keys()), None)
+        return data if kind is None else from_plain(kind, data)
     return Path(data) if kind is Path else data
+
+
+def _has_fields(kind: Any) -> bool:
+    return hasattr(kind, "_fields") or is_dataclass(kind)
+
+
+def _told(value: Any) -> dict[str, Any]:
+    told: dict[str, Any] = {}
+    for entry in getattr(value, "TELLS", None) or _kinds(cast(Any, type(value))):
+        key, _, name = entry.rpartition("=")
+        item = to_plain(attrgetter(name.removeprefix("*"))(value))
+        told |= item or {} if name.startswith("*") else {key or name: item}
+    return told
+
+
+def _made(kind: Any, data: Any) -> Any:
+    return kind(**{name: from_plain(part, data[name]) for name, part in _kinds(kind).items() if name in data})
 
 
 @cache
 def _kinds(target: Any) -> dict[str, Any]:
-    """The types of a dataclass's fields, by name."""
+    """The types of a dataclass's fields, or of a named tuple's, by name."""
     hints = get_type_hints(target)
-    return {field.name: hints[field.name] for field in fields(target)}
+    return {name: hints[name] for name in getattr(target, "_fields", None) or [it.name for it in fields(target)]}

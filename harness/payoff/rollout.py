@@ -15,6 +15,7 @@ from harness.arrays import Float, Float32, Mask, read_only
 from harness.env.vector_env import ReachVectorEnv, World
 from harness.errors import SimulationDiverged, UsageError, sentence
 from harness.experiment.arm_evaluation import EVALUATION_SEED
+from harness.files.plain import tells
 from harness.log.log import sums_from
 from harness.motion.motion import JointLimits, MoveJ
 from harness.reward import (
@@ -392,6 +393,7 @@ class Payoff:
         return {name: value for name, value in asdict(self).items() if name != "terms" or value}
 
 
+@tells("policy", "gamma", "earns", "finish_earns", "share", "margin")
 @dataclass(frozen=True)
 class Temptation:
     """A policy that does not finish and earns more than the one that does, event terms included.

@@ -167,7 +167,7 @@ class Cell(Plain):
     @property
     def drives_with_servo(self) -> bool:
         """Whether the drives of the robot's robot.toml move the arm: their numbers decide the result then."""
-        return dict(self.simulator.params).get("drive") == "servo"
+        return self.simulator.named.get("drive") == "servo"
 
     def to_json(self) -> dict[str, Any]:
         """Plain data; `from_json` gives the same cell back."""

@@ -6,12 +6,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Self
 
+from harness.files.plain import tells, to_plain
 from harness.record.cell import Cell, Manifest, Running, read_manifest, read_running
 from harness.record.pace import Begun, time_left
 from harness.record.plan_file import StoredPlan, read_plan
 from harness.record.store import Store
 
 
+@tells("id=cell.id", "title=cell.title", "status", "reason", "steps", "of_steps=cell.steps")
 @dataclass(frozen=True)
 class Progress:
     """The progress of one cell.
@@ -84,18 +86,7 @@ class FolderStatus:
             "is_in_use": self.is_in_use,
             "seconds_left": self.seconds_left,
             "recovered": self.note,
-            "cells": [
-                {
-                    "id": one.cell.id,
-                    "title": one.cell.title,
-                    "status": one.status,
-                    "reason": one.reason,
-                    "steps": one.steps,
-                    "of_steps": one.cell.steps,
-                    **recorded.get(one.cell.id, {}),
-                }
-                for one in self.cells
-            ],
+            "cells": [{**to_plain(one), **recorded.get(one.cell.id, {})} for one in self.cells],
         }
 
 

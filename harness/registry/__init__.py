@@ -14,8 +14,6 @@ if TYPE_CHECKING:
         split_list as split_list,
     )
     from harness.registry.given import (
-        given_from_json as given_from_json,
-        given_to_json as given_to_json,
         read_given as read_given,
         require_given as require_given,
         split_measures as split_measures,

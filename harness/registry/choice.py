@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from harness.errors import PluginError, UsageError, sentence
+from harness.files.plain import Plain, tells
 from harness.hookspecs import KINDS, NOUNS
 from harness.registry.given import Given, PluginFile
 from harness.registry.members import build, parameters_of, require_members, resolved, values_of
@@ -232,8 +233,9 @@ SYNTAX = "write name or name:key=value,key=value"
 _NAME_WITH_PARAMS = re.compile(r"[\w./-]+:\w+=")
 
 
+@tells("name", "label", "params=named")
 @dataclass(frozen=True)
-class Choice:
+class Choice(Plain):
     """A registered name with all its parameters, those left at their defaults included.
 
     Attributes:
@@ -247,9 +249,10 @@ class Choice:
     params: tuple[tuple[str, Any], ...] = ()
     label: str = ""
 
-    def to_json(self) -> dict[str, Any]:
-        """Plain data; `from_json` gives the same choice back."""
-        return {"name": self.name, "label": self.label, "params": {key: _plain(value) for key, value in self.params}}
+    @property
+    def named(self) -> dict[str, Any]:
+        """The parameters by their names."""
+        return dict(self.params)
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> "Choice":
@@ -266,14 +269,14 @@ class Choice:
 
     def label_with(self, name: str) -> str:
         """The label with a numeric parameter that it leaves out at its default; the label alone without such a one."""
-        value = dict(self.params).get(name)
+        value = self.named.get(name)
         if isinstance(value, bool) or not isinstance(value, int | float) or re.search(rf"[:,]{name}=", self.label):
             return self.label
         return f"{self.label}{',' if ':' in self.label else ':'}{name}={_text(value)}"
 
     def build(self, registry: Registry, kind: str) -> Any:
         """The chosen thing: the registered target, with these parameters."""
-        return _build(registry.get(kind, self.name), dict(self.params), f"{NOUNS[kind]} '{self.name}'", registry)
+        return _build(registry.get(kind, self.name), self.named, f"{NOUNS[kind]} '{self.name}'", registry)
 
 
 def choose(registry: Registry, kind: str, given: str | Mapping[str, Any], defaults: Defaults = "") -> Choice:
@@ -466,10 +469,6 @@ def _name_and_params(given: Mapping[str, Any]) -> tuple[str, dict[str, Any]]:
     if not isinstance(name, str):
         raise UsageError(f"{dict(given)} has no name: write {{name = '...', key = value}}")
     return name, params
-
-
-def _plain(value: Any) -> Any:
-    return [_plain(item) for item in value] if isinstance(value, tuple) else value
 
 
 def _frozen(value: Any) -> Any:

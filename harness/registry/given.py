@@ -18,7 +18,6 @@ from typing import Any, TypeAlias
 
 from harness.errors import UsageError, one_line
 from harness.files.bounded import read_text
-from harness.files.plain import Plain, from_plain
 from harness.hookspecs import WORDS
 from harness.registry.members import MEMBERS, missing_members, sample_of
 from harness.registry.sources import imports_of
@@ -38,7 +37,7 @@ _CLASS = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_]\w*")
 
 
 @dataclass(frozen=True)
-class PluginFile(Plain):
+class PluginFile:
     """A Python file that registers plugins, as it was when it was read.
 
     Attributes:
@@ -90,7 +89,7 @@ class PluginFile(Plain):
 
 
 @dataclass(frozen=True)
-class PluginClass(Plain):
+class PluginClass:
     """A class that a worker can import.
 
     Attributes:
@@ -119,17 +118,6 @@ class PluginClass(Plain):
 
 
 Given: TypeAlias = PluginFile | PluginClass
-
-
-def given_to_json(given: Iterable[Given]) -> list[dict[str, Any]]:
-    """Plain data; `given_from_json` gives the same back."""
-    return [plugin.to_json() for plugin in given]
-
-
-def given_from_json(data: Iterable[Mapping[str, Any]]) -> tuple[Given, ...]:
-    """What `given_to_json` told."""
-    given: tuple[Given, ...] = from_plain(tuple[Given, ...], data)
-    return given
 
 
 def read_given(

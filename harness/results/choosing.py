@@ -12,6 +12,7 @@ from harness.arrays import Float
 from harness.eta.interval import UNBOUNDED, Bounds
 from harness.eta.manner import LAST
 from harness.eta.verdict.halving import Halving, Schedule, fewest, halve, schedule_of
+from harness.files.plain import Plain, tells, to_plain
 from harness.record.cell import Cell, Manifest
 from harness.record.terms import Terms
 from harness.results.comparison import Group, deciding_manner
@@ -19,8 +20,9 @@ from harness.results.trainings import Match, Trained, Trainings
 from harness.results.verdicts import ENDED, Seen
 
 
+@tells("budget", "*halving", "most_trainings_left=most_left", "is_over")
 @dataclass(frozen=True, eq=False)
-class Choosing:
+class Choosing(Plain):
     """How an experiment stands that sees which of several rewards goes furthest, and asks about that one.
 
     Attributes:
@@ -224,15 +226,8 @@ class Choosing:
 
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
-        rungs, fresh = (self.schedule.rungs, self.schedule.fresh) if self.schedule else ((), None)
-        return {
-            "budget": self.budget,
-            "rungs": [rung._asdict() for rung in rungs],
-            "fresh": fresh,
-            **self.halving.to_json(),
-            "most_trainings_left": self.most_left,
-            "is_over": self.is_over,
-        }
+        rungs, fresh = self.schedule or ((), None)
+        return {**super().to_json(), "rungs": to_plain(rungs), "fresh": fresh}
 
 
 def _decides(of: Trainings, run: Trained) -> tuple[float, Bounds] | None:

@@ -25,9 +25,10 @@ from harness.eta.index import Ratio
 from harness.eta.judgement import Verdict, lead_of
 from harness.eta.manner import DETERMINISTIC, LAST, OWN_AND_OTHER, STOCHASTIC, TRAINING, WHOLE
 from harness.eta.rescaling import Rescaling
-from harness.eta.splits import Decomposition, Names, Pair, Splits, no_splits, splits_to_json
+from harness.eta.splits import Decomposition, Names, Pair, Splits, no_splits
 from harness.eta.swaps import corrected_where_known
 from harness.eta.verdict.ruling import Ruling
+from harness.files.plain import Plain, tells
 from harness.record.cell import BROUGHT, DISCOUNT, EVALUATION_HORIZON, UNKNOWN_ALGORITHM, Cell
 from harness.registry.choice import Choice
 from harness.results.metrics import Counted, Mixture
@@ -38,6 +39,7 @@ UNTOLD = (None, *BROUGHT, UNKNOWN_ALGORITHM)
 """What stands where there is nothing to tell."""
 
 
+@tells("*labels", "steps", "deterministic")
 class Group(NamedTuple):
     """What compared cells share: everything that decides a result, except the seed and what is compared.
 
@@ -99,10 +101,6 @@ class Group(NamedTuple):
         """How the policies acted when they were evaluated."""
         return "deterministically" if self.deterministic else "stochastically"
 
-    def to_json(self) -> dict[str, Any]:
-        """The labels as plain data."""
-        return {**self.labels, "steps": self.steps, "deterministic": self.deterministic}
-
 
 def deciding_manner(deterministic: bool, episodes: Mapping[str, int]) -> str:
     """The manner of acting that decides about a robot: the one that the cells name, unless it has fewer episodes.
@@ -116,17 +114,13 @@ def deciding_manner(deterministic: bool, episodes: Mapping[str, int]) -> str:
     return max(acted, key=lambda manner: (acted[manner], manner == own), default=own)
 
 
+@tells("steps", "behaviour=changes", "answer")
 class StepChange(NamedTuple):
     """The measures that decide about the robot, at an evaluation before the trainings ended."""
 
     steps: int
     """Environment steps of training before the evaluation."""
     changes: tuple[Change, ...]
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        behaviour = [change.to_json() for change in self.changes]
-        return {"steps": self.steps, "behaviour": behaviour, "answer": self.answer}
 
     @property
     def answer(self) -> str:
@@ -276,8 +270,29 @@ class Number:
         return self.index_sentence(names) or self.pay_sentence(names)
 
 
+@tells(
+    "*group",
+    "baseline",
+    "proposed",
+    "is_control",
+    "seeds",
+    "mixtures=measured.mixtures",
+    "test=answer.ruling",
+    "deciding=measured.deciding",
+    "decided_in=answered_in",
+    "same_steps=measured.same_steps",
+    "paid_at_random=measured.paid",
+    "not_maximised",
+    "returns=number.returns",
+    "returns_missing=number.missing",
+    "*number.splits",
+    "claims=answer.claims",
+    "episodes=measured.episodes",
+    "behaviour=measured.changes",
+    "along_the_budget=measured.along",
+)
 @dataclass(frozen=True, eq=False)
-class Comparison:
+class Comparison(Plain):
     """One proposed reward against the baseline, with one algorithm in one place: a simulator or an environment.
 
     Attributes:
@@ -471,35 +486,16 @@ class Comparison:
 
     def to_json(self) -> dict[str, Any]:
         """Plain data, without the curves; docs/json.md explains it."""
-        measured, number, ruling, indices = self.measured, self.number, self.answer.ruling, self.number.decomposition
-        headline = {**self.headline.to_json(), "pay": self.pay_sentence}
-        over = {manner: list(it.over) for manner, it in measured.counted.items() if it.over}
+        indices = self.number.decomposition
+        over = {manner: list(it.over) for manner, it in self.measured.counted.items() if it.over}
         return {
-            **self.group.to_json(),
-            "baseline": self.baseline,
-            "proposed": self.proposed,
-            "is_control": self.is_control,
-            "seeds": list(self.seeds),
+            **super().to_json(),
             "trained": dict(zip(("baseline", "proposed"), map(list, self.trained), strict=True)),
-            "mixtures": [mixture.to_json() for mixture in measured.mixtures],
-            "headline": headline,
-            "test": ruling and ruling.to_json(),
-            "deciding": list(measured.deciding),
-            "decided_in": self.answered_in,
-            "same_steps": measured.same_steps,
-            "paid_at_random": [it.to_json() for it in measured.paid],
-            "not_maximised": list(self.not_maximised),
-            "returns": {manner: split.to_json() for manner, split in number.returns.items()},
-            "returns_missing": dict(number.missing),
-            **splits_to_json(number.splits),
+            "headline": {**self.headline.to_json(), "pay": self.pay_sentence},
             "total": indices and indices.total.to_json(),
             "baseline_index": indices and indices.baseline.to_json(),
             "proposed_index": indices and indices.proposed.to_json(),
-            "claims": self.answer.claims,
-            "episodes": dict(measured.episodes),
             **({"over": over} if over else {}),
-            "behaviour": [change.to_json() for change in measured.changes],
-            "along_the_budget": [moment.to_json() for moment in measured.along],
         }
 
     def __repr__(self) -> str:

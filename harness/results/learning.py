@@ -8,22 +8,20 @@ from typing import Any, NamedTuple
 
 from harness.eta.index import SeedMean, mean_of_known
 from harness.eta.interval import UNBOUNDED, Bounds
+from harness.files.plain import tells, to_plain
 from harness.results.metrics import Moment, Values
 
 STRETCHES = 20
 """How many stretches a training has, each a point of its curve: the mean over the episodes that ended in it."""
 
 
+@tells("steps", "*value")
 class Point(NamedTuple):
     """A point of a curve."""
 
     steps: int
     """Environment steps. It is the mean if the seeds were not evaluated after the same number of steps."""
     value: SeedMean
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        return {"steps": self.steps, **self.value.to_json()}
 
 
 @dataclass(frozen=True)
@@ -76,10 +74,7 @@ class Learning:
         """Plain data of two: the curves by metric, and the runs that they are means of."""
         sides = dict(zip(("baseline", "proposed"), self.curves, strict=True))
         metrics = {
-            name: {
-                **{side: [it.to_json() for it in curve.points[name]] for side, curve in sides.items()},
-                "random": value,
-            }
+            name: {**{side: curve.points[name] for side, curve in sides.items()}, "random": value}
             for name, value in self.random.items()
         }
         runs = {
@@ -89,7 +84,7 @@ class Learning:
             ]
             for side, curve in sides.items()
         }
-        return {"of": self.curves[0].of, "metrics": metrics, "runs": runs}
+        return {"of": self.curves[0].of, "metrics": to_plain(metrics), "runs": runs}
 
 
 def stretches(steps: int) -> Iterator[tuple[int, int]]:

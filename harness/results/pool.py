@@ -11,10 +11,23 @@ from harness.eta.headline import Answer, Headline
 from harness.eta.judgement import Verdict, lead_of
 from harness.eta.splits import Names
 from harness.eta.verdict.ruling import Ruling
+from harness.files.plain import Plain, tells
 
 
+@tells(
+    "baseline=names.baseline",
+    "proposed=names.proposed",
+    "steps",
+    "places",
+    "answer=headline.answer.value",
+    "behaviour=headline.robot",
+    "decided_by=headline.decided_by",
+    "better_in",
+    "opposed_in",
+    "test=ruling",
+)
 @dataclass(frozen=True, eq=False)
-class Pool:
+class Pool(Plain):
     """A reward against the baseline over several places: simulators, drives, algorithms or tasks of one budget.
 
     Attributes:
@@ -95,28 +108,9 @@ class Pool:
 
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
-        return {
-            "baseline": self.names.baseline,
-            "proposed": self.names.proposed,
-            "steps": self.steps,
-            "places": list(self.places),
-            "answer": self.headline.answer.value,
-            "behaviour": self.headline.robot,
-            "decided_by": self.headline.decided_by,
-            "better_in": self.better_in,
-            "opposed_in": self.opposed_in,
-            "test": self.ruling.to_json(),
-            "measures": [
-                {
-                    "name": it.name,
-                    "manner": it.measure.manner,
-                    "is_relative": it.is_relative,
-                    "baseline": it.baseline,
-                    "proposed": it.proposed,
-                    "low": it.low,
-                    "high": it.high,
-                    "p_corrected": p,
-                }
-                for it, p in zip_longest(self.measures, self.ruling.of_measures[: len(self.measures)])
-            ],
-        }
+        told = ("name", "is_relative", "baseline", "proposed", "low", "high")
+        measures = [
+            {**{name: getattr(it, name) for name in told}, "manner": it.measure.manner, "p_corrected": p}
+            for it, p in zip_longest(self.measures, self.ruling.of_measures[: len(self.measures)])
+        ]
+        return {**super().to_json(), "measures": measures}

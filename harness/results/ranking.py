@@ -25,7 +25,7 @@ from harness.eta.ranking import (
     order_rewards,
     transplant,
 )
-from harness.files.plain import Plain
+from harness.files.plain import Plain, tells
 from harness.record.cell import Cell
 from harness.results.comparison import Group, deciding_manner, still_to_come
 from harness.results.results import Results
@@ -37,6 +37,7 @@ ROUNDING = 1e-9
 """Numbers that differ by less have the same rank."""
 
 
+@tells("values", "tau_with_success=tau")
 class EtaOrder(NamedTuple):
     """The order that an eta, or a part of it, gives the rewards.
 
@@ -49,8 +50,9 @@ class EtaOrder(NamedTuple):
     tau: float | None
 
 
+@tells("simulator", "algorithm", "engine", "seeds=success.seeds", "etas")
 @dataclass(frozen=True, eq=False)
-class Place:
+class Place(Plain):
     """The order of the rewards with one simulator and one algorithm.
 
     Attributes:
@@ -72,17 +74,17 @@ class Place:
         order = self.success
         means = dict(zip(order.rewards, order.means.tolist(), strict=True))
         return {
-            "simulator": self.simulator,
-            "algorithm": self.algorithm,
-            "engine": self.engine,
-            "seeds": order.seeds,
+            **super().to_json(),
             "success": dict(sorted(means.items(), key=lambda item: -item[1])),
             "may_be_best": [order.rewards[it] for it in order.candidates],
-            "etas": {name: {"values": dict(it.values), "tau_with_success": it.tau} for name, it in self.etas.items()},
         }
 
 
-class PlacePair(NamedTuple):
+@tells(
+    "differ_in=kind", "shared", "*agreement", "chosen_in_one_used_in_other=forth", "chosen_in_other_used_in_one=back"
+)
+@dataclass(frozen=True, eq=False)
+class PlacePair(Plain):
     """Two places that differ in their simulator or in their algorithm."""
 
     kind: Kind
@@ -112,16 +114,8 @@ class PlacePair(NamedTuple):
 
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
-        return {
-            "differ_in": self.kind,
-            "one": self.names[0],
-            "other": self.names[1],
-            "shared": self.shared,
-            "same_vote": self.votes[0] == self.votes[1],
-            **self.agreement.to_json(),
-            "chosen_in_one_used_in_other": self.forth.to_json(),
-            "chosen_in_other_used_in_one": self.back.to_json(),
-        }
+        one, other = self.names
+        return {**super().to_json(), "one": one, "other": other, "same_vote": len({*self.votes}) == 1}
 
 
 @dataclass(frozen=True, eq=False)
@@ -169,8 +163,8 @@ class TaskRanking(Plain):
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
         told = super().to_json()
-        del told["between"]
-        return {**told, **{f"between_{kind}s": it.to_json() for kind, it in self.between.items()}}
+        between = told.pop("between")
+        return {**told, **{f"between_{kind}s": it for kind, it in between.items()}}
 
 
 @dataclass(frozen=True)

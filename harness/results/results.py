@@ -19,6 +19,7 @@ from harness.eta.equal import Key, equal_trainings, key_to_json
 from harness.eta.index import SeedMean
 from harness.eta.laws import Account, counted, is_left_out
 from harness.eta.verdict.looks import LookRuling
+from harness.files.plain import Plain, tells, to_plain
 from harness.log import Log
 from harness.measure import Measure
 from harness.record.cell import Cell, Manifest
@@ -43,8 +44,9 @@ from harness.results.trainings import Alone, Match, TermsPaid, Trained, Training
 from harness.results.verdicts import UNKNOWN, Seen
 
 
+@tells("*group", "returns", "events", "manner")
 @dataclass(frozen=True)
-class ReturnMatrix:
+class ReturnMatrix(Plain):
     """Returns of the final evaluations with one simulator, robot, task and algorithm.
 
     Attributes:
@@ -62,19 +64,6 @@ class ReturnMatrix:
     returns: Mapping[str, Mapping[str, SeedMean]]
     events: Mapping[str, SeedMean]
     manner: str = ""
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        return {
-            **self.group.to_json(),
-            "returns": {scoring: _to_json(row) for scoring, row in self.returns.items()},
-            "events": _to_json(self.events),
-            **({"manner": self.manner} if self.manner else {}),
-        }
-
-
-def _to_json(row: Mapping[str, SeedMean]) -> dict[str, Any]:
-    return {label: mean.to_json() for label, mean in row.items()}
 
 
 FORMAT = 2
@@ -397,22 +386,23 @@ class Results(ABC):
 
     def to_json(self) -> dict[str, Any]:
         """Combinations and cells, plain data; see `harness.report.document` for all that a report says."""
-        return {
+        told: dict[str, Any] = to_plain({
             "format": FORMAT,
             "baseline": self.baseline,
             "curve": self.kind,
-            "combinations": [comparison.to_json() for comparison in self.combinations],
-            "over_places": [pool.to_json() for pool in self.pools],
-            "terms": self.plan.terms.to_json(),
+            "combinations": self.combinations,
+            "over_places": self.pools,
+            "terms": self.plan.terms,
             "recovered": self.plan.note,
             "cells": [{**cell_to_json(it), "task": it.cell.task.label} for it in self.manifests],
             "not_measured": self.not_measured,
             "equal_trainings": [
-                {**group.to_json(), "trainings": [key_to_json(key) for key in keys]}
+                {**to_plain(group), "trainings": [key_to_json(key) for key in keys]}
                 for group, equal in self.equal.items()
                 for keys in equal
             ],
-        }
+        })  # fmt: skip
+        return told
 
     def write_table(self) -> Path:
         """Write ``results.parquet``, one row per cell: every metric of its policy and of random actions.
@@ -459,8 +449,9 @@ def _data_frame(table: pa.Table, asked: str) -> Any:
     return table.to_pandas()
 
 
+@tells("looks=terms.looks", "open", "most_trainings_left=most_left")
 @dataclass(frozen=True, eq=False)
-class Standing:
+class Standing(Plain):
     """How an experiment with looks stands.
 
     Attributes:
@@ -518,12 +509,7 @@ class Standing:
 
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
-        return {
-            "looks": list(self.terms.looks),
-            "next_look": self.look + 1,
-            "open": list(self.open),
-            "most_trainings_left": self.most_left,
-        }
+        return {**super().to_json(), "next_look": self.look + 1}
 
 
 def standing_of(results: Results) -> Standing | Choosing | None:

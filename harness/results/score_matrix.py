@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 import pyarrow.parquet as pq
@@ -11,6 +10,7 @@ from harness.arrays import Float
 from harness.eta.curve import curve_of
 from harness.eta.index import Index
 from harness.files.bounded import reading
+from harness.files.plain import Plain, tells
 from harness.record.cell import Cell
 from harness.record.cell_log import cell_log
 from harness.record.folder import SCORES, TRACE
@@ -20,8 +20,9 @@ from harness.results.results import Results
 from harness.score.rescore import rescore
 
 
+@tells("*group", "seeds", "indices", "failed")
 @dataclass(frozen=True)
-class ScoreMatrix:
+class ScoreMatrix(Plain):
     """The index of each training's runs under each reward, with one simulator, robot, task and algorithm.
 
     Attributes:
@@ -36,18 +37,6 @@ class ScoreMatrix:
     seeds: dict[str, tuple[int, ...]]
     indices: dict[str, dict[str, Index]]
     failed: dict[str, str] = field(default_factory=dict)
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        return {
-            **self.group.to_json(),
-            "seeds": {label: list(seeds) for label, seeds in self.seeds.items()},
-            "indices": {
-                scoring: {training: index.to_json() for training, index in row.items()}
-                for scoring, row in self.indices.items()
-            },
-            "failed": self.failed,
-        }
 
 
 def score_matrices(results: Results, scoring: Sequence[Choice], registry: Registry) -> list[ScoreMatrix]:

@@ -21,7 +21,7 @@ from harness.eta.index import SeedMean, mean_of_known
 from harness.eta.interval import CONFIDENCE, SHARE, UNBOUNDED, Bounds, difference_bounds, why_no_interval
 from harness.eta.manner import TRAINING, WHOLE
 from harness.eta.splits import Pair
-from harness.files.plain import Plain
+from harness.files.plain import Plain, tells, to_plain
 from harness.results.by_term import ByTerm
 from harness.results.cell_results import CellResults
 from harness.results.comparison import Comparison, Group
@@ -293,6 +293,7 @@ class Trainings:
         return LearningCurve(reward, of, runs, found)
 
 
+@tells("name=measure.name", "unit=measure.unit", "start", "end", "evaluation", "random")
 class Stages(NamedTuple):
     """One measure, or the pay of an episode: means over trainings."""
 
@@ -306,14 +307,10 @@ class Stages(NamedTuple):
     random: float | None
     """What random actions come to; None where it is not known."""
 
-    def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        told = {name: getattr(self, name).to_json() for name in ("start", "end", "evaluation")}
-        return {"name": self.measure.name, "unit": self.measure.unit, **told, "random": self.random}
 
-
+@tells("*group", "reward", "seeds", "return=paid", "behaviour")
 @dataclass(frozen=True, eq=False)
-class Alone:
+class Alone(Plain):
     """What one reward taught in a group of trainings in which there is no other.
 
     Attributes:
@@ -336,15 +333,9 @@ class Alone:
 
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
-        return {
-            **self.group.to_json(),
-            "reward": self.reward,
-            "seeds": list(self.seeds),
-            "return": self.paid.to_json(),
-            "behaviour": [it.to_json() for it in self.behaviour],
-            "learning_of": self.learning.curves[0].of,
-            "learning": {name: [it.to_json() for it in self.learning.curves[0].points[name]] for name in self.shown},
-        }
+        curve = self.learning.curves[0]
+        learning = to_plain({name: curve.points[name] for name in self.shown})
+        return {**super().to_json(), "learning_of": curve.of, "learning": learning}
 
 
 def _stages(
@@ -432,8 +423,11 @@ class TermPaid(Plain):
         return None if self.start.mean is None or self.end.mean is None else self.end.mean - self.start.mean
 
 
+@tells(
+    "*group", "reward", "trainings", "training_steps=steps", "terms", "never_paid=never", "paid_twice=twice", "missing"
+)
 @dataclass(frozen=True)
-class TermsPaid:
+class TermsPaid(Plain):
     """What each term of one reward paid, in one group of trainings.
 
     Attributes:
@@ -485,17 +479,10 @@ class TermsPaid:
         """Plain data."""
         most = self.most_changed
         return {
-            **self.group.to_json(),
-            "reward": self.reward,
+            **super().to_json(),
             "baseline": self.baseline or None,
-            "trainings": self.trainings,
-            "training_steps": self.steps,
-            "terms": [it.to_json() for it in self.terms],
             "path": self.path if self.is_compared else None,
             "most_changed": most and most.name,
-            "never_paid": list(self.never),
-            "paid_twice": self.twice,
-            "missing": self.missing,
         }
 
 

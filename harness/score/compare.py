@@ -24,6 +24,7 @@ from harness.eta import (
 from harness.eta.curve import Kind
 from harness.eta.laws import counted, shortfall_beside
 from harness.eta.splits import Decomposition, Pair
+from harness.files.plain import Plain, tells
 from harness.log import Log, Rows
 from harness.log.log import ROWS
 from harness.registry.choice import Registry, choose
@@ -119,8 +120,9 @@ def _tolerance(paid: Float, recorded: Float, head: Rows) -> Float:
     return DIGITS * (steepness * (begin + distance) + np.abs(paid))
 
 
+@tells("format", "*decomposition", "rewards", "runs", "rows_left_out", "curve=kind", "with_events", "number", "notes")
 @dataclass(frozen=True, eq=False)
-class ComparedRuns:
+class ComparedRuns(Plain):
     """Two groups of recorded runs, compared.
 
     Attributes:
@@ -141,6 +143,8 @@ class ComparedRuns:
     with_events: bool
     notes: tuple[str, ...] = ()
 
+    format = 1
+
     @property
     def kind(self) -> Kind:
         """Which curve the indices are taken from."""
@@ -151,20 +155,6 @@ class ComparedRuns:
         """How much the indices changed, and how much of that is ruler, in words; see `harness.eta.headline`."""
         known = [self.rewards[who] or f"the {who} reward" for who in ("baseline", "proposed")]
         return number_sentence(Names(*known), self.decomposition.splits)
-
-    def to_json(self) -> dict[str, Any]:
-        """What ``harness eta --json`` prints."""
-        return {
-            "format": 1,
-            **self.decomposition.to_json(),
-            "rewards": self.rewards,
-            "runs": self.runs,
-            "rows_left_out": self.rows_left_out,
-            "curve": self.kind,
-            "with_events": self.with_events,
-            "number": self.number,
-            "notes": list(self.notes),
-        }
 
 
 def compare_logs(

@@ -47,8 +47,8 @@ class InstalledReward:
         """
         with self._told():
             if self._is_recorded_by(taught_by):
-                return f"{self.choice.to_json()} as recorded by {taught_by.to_json()}"
-            return f"{self.choice.to_json()} {self._sources}"
+                return f"{self.choice} as recorded by {taught_by}"
+            return f"{self.choice} {self._sources}"
 
     @cached_property
     def _sources(self) -> str:

@@ -54,7 +54,7 @@ def reweighted(asked: str, recorded: Choice, terms: Mapping[str, Float]) -> Paid
     """
     if asked == recorded.label:
         return Paid(sum_of(terms), terms)
-    told, params = parse(recorded.label)[1], dict(recorded.params)
+    told, params = parse(recorded.label)[1], recorded.named
     # Each weight has the name of a term, and is left out of the label where it is 1, and nowhere else.
     are_weights = all((name in told) == (value != 1.0) for name, value in params.items())
     if not are_weights or not {*told, *params} <= terms.keys():

@@ -1,7 +1,7 @@
 """The one result of an audit, and its one table: of scripted movements, an environment, recorded trainings, a log."""
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from rich.console import Group, RenderableType
@@ -9,6 +9,7 @@ from rich.table import Table
 from rich.text import Text
 
 from harness.eta.auc import Auc
+from harness.files.plain import Plain, tells, to_plain
 from harness.payoff.rollout import Finishing
 from harness.screen import FAILING, NOTHING
 from harness.text import number
@@ -67,20 +68,15 @@ class OfScripts:
         of = self.finishing
         more = {
             "never_paid": list(of.never_paid) if of.payoffs[0].terms else None,
-            "disturbed_policies": self.disturbed and [payoff.to_json() for payoff in self.disturbed.payoffs],
+            "disturbed_policies": self.disturbed and to_plain(self.disturbed.payoffs),
         }
         return {
             "gamma": of.gamma,
-            "policies": [payoff.to_json() for payoff in of.payoffs],
+            "policies": to_plain(of.payoffs),
             "best": of.payoffs[0].policy,
-            "not_finishing_pays": [
-                {**asdict(temptation), "margin": temptation.margin} for temptation in (*of.undiscounted, *of.discounted)
-            ],
+            "not_finishing_pays": to_plain((*of.undiscounted, *of.discounted)),
             "holding_pays": of.holding_pays,
-            "properties": {
-                answer.name.replace("-", "_"): {it: getattr(answer, it) for it in ("holds", "evidence", "gamma")}
-                for answer in self.properties
-            },
+            "properties": {answer.name.replace("-", "_"): to_plain(answer) for answer in self.properties},
             "workspace_twice_as_large": dict(self.workspace),
             **{
                 KEYS[form]: {
@@ -95,8 +91,21 @@ class OfScripts:
         }
 
 
+@tells(
+    "*facts",
+    "verdict",
+    "rewards",
+    "pairs",
+    "earned",
+    "success_told_by=success",
+    "ranks_success=rankings",
+    "not_asked",
+    "notes",
+    "damaged",
+    "cheats",
+)
 @dataclass(frozen=True, kw_only=True)
-class Audit:
+class Audit(Plain):
     """What was found of rewards.
 
     Attributes:
@@ -149,20 +158,7 @@ class Audit:
 
     def to_json(self) -> dict[str, Any]:
         """Plain data, finite numbers only."""
-        return {
-            **self.facts,
-            "verdict": list(self.verdict),
-            **(self.scripts.to_json(self.pairs[0]) if self.scripts else {}),
-            "rewards": list(self.rewards),
-            "pairs": [pair.to_json() for pair in self.pairs],
-            "earned": [row.to_json() for row in self.earned],
-            "success_told_by": self.success,
-            "ranks_success": {name: auc.to_json() for name, auc in self.rankings.items()},
-            "not_asked": list(self.not_asked),
-            "notes": list(self.notes),
-            "damaged": list(self.damaged),
-            "cheats": [finding.to_json() for finding in self.cheats],
-        }
+        return {**super().to_json(), **(self.scripts.to_json(self.pairs[0]) if self.scripts else {})}
 
 
 def audit_table(audit: Audit) -> RenderableType:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from harness.arrays import Float
+from harness.files.plain import tells
 from harness.payoff.rollout import Rollout, discounted_sum, pay_distances
 from harness.reward import Reward
 from harness.text import number
@@ -113,6 +114,7 @@ FACTOR = 2.0
 """By so much distances are larger in a larger workspace."""
 
 
+@tells("holds", "evidence", "gamma")
 @dataclass(frozen=True)
 class Property:
     """One answer.

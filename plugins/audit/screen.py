@@ -62,7 +62,7 @@ class Cheats:
         from .search.place import GAMMA_OF_ARM, blamed_at, places_in_environment, places_on_task, world_at
         from .transitions.audit_rewards import GAMMA
 
-        task, reward, discount = cell.task, cell.reward, dict(cell.algorithm.params).get("gamma")
+        task, reward, discount = cell.task, cell.reward, cell.algorithm.named.get("gamma")
         if cell.is_in_environment:
             asked = Search(self.steps_elsewhere, self.starts)
             (place,) = places_in_environment(registry, task, reward.label, float(discount or GAMMA))

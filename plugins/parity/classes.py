@@ -1,7 +1,7 @@
 """Motions of several classes: slow, smooth, fast, near singular poses, and into the ground. The same for everyone."""
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple, TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -47,10 +47,6 @@ class Told(NamedTuple):
     """The same of accelerations."""
     singular_value: float
     """The smallest one of the Jacobian of the tip's position, as a share of the arm's reach."""
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        return self._asdict()
 
 
 def told_by(robot: Robot, motion: Float, period: float) -> Told:

@@ -1,12 +1,13 @@
 """How far two simulators are apart in motions of one class and in ground contact, and what explains it."""
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float, Mask
+from harness.files.plain import tells
 from harness.robot import Robot
 
 from .classes import shares_told
@@ -16,11 +17,14 @@ GRACE = 5
 """Control periods after the first contact that still count: later ones tell how the arms bounce."""
 
 CONTACT_KEYS = ("contact_disagreement", "dives", "mean_contact_delay_s", "max_contact_delay_s")
-"""Keys of the JSON."""
+"""Keys of `Contact` as JSON."""
 SHORT = 0.1
 """A joint that is slower than told by more than this share of its largest speed falls short."""
 
 
+@tells(
+    "contact_disagreement=disagreement", "dives", "mean_contact_delay_s=mean_delay_s", "max_contact_delay_s=max_delay_s"
+)
 @dataclass(frozen=True)
 class Contact:
     """Two simulators' ground contacts in the same dives.
@@ -46,18 +50,16 @@ class Contact:
     max_delay_s: float | None
 
     @property
+    def dives(self) -> dict[str, int]:
+        """Their counts by who sees contact."""
+        return {"both": self.both, "only_a": self.only_a, "only_b": self.only_b, "neither": self.neither}
+
+    @property
     def note(self) -> str:
         """What a reader has to know; empty where every dive touches the ground in both."""
-        dives = self.both + self.only_a + self.only_b + self.neither
         found = [(self.only_a, "the first alone"), (self.only_b, "the second alone"), (self.neither, "neither")]
         told = [f"{count} in {who}" for count, who in found if count]
-        return f"of {dives} dives, {', '.join(told)} touch the ground" if told else ""
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        dives = {"both": self.both, "only_a": self.only_a, "only_b": self.only_b, "neither": self.neither}
-        values = (self.disagreement, dives, self.mean_delay_s, self.max_delay_s)
-        return dict(zip(CONTACT_KEYS, values, strict=True))
+        return f"of {sum(self.dives.values())} dives, {', '.join(told)} touch the ground" if told else ""
 
 
 def compare_contacts(a: Mask, b: Mask, period: float) -> Contact:
@@ -107,10 +109,6 @@ class Response:
     falls_short: float
     lag_s: float
 
-    def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        return dict(vars(self))
-
 
 class Worst(NamedTuple):
     """Where two simulators are farthest apart."""
@@ -131,9 +129,9 @@ class Difference:
     """Two simulators in motions of one class.
 
     Attributes:
-        max_tip_m: Largest distance of the tips, [m].
-        mean_tip_m: Mean over all motions and control periods, [m].
-        max_joint_rad: Largest difference of a joint, [rad]; of a slide as in `Drift`.
+        max_tip_error_m: Largest distance of the tips, [m].
+        mean_tip_error_m: Mean over all motions and control periods, [m].
+        max_joint_error_rad: Largest difference of a joint, [rad]; of a slide as in `Drift`.
         worst: Where the tips are farthest apart.
         lag_s: By how much later the second one's joints are where the first one's are, the delay that fits best, [s].
         explained_by_lag: Share of the joints' squared difference that this delay explains, 0 to 1.
@@ -141,25 +139,13 @@ class Difference:
             these motions, as a multiple of the mean elsewhere; None where that is not defined.
     """
 
-    max_tip_m: float
-    mean_tip_m: float
-    max_joint_rad: float
+    max_tip_error_m: float
+    mean_tip_error_m: float
+    max_joint_error_rad: float
     worst: Worst
     lag_s: float
     explained_by_lag: float
     turning: float | None
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        return {
-            "max_tip_error_m": self.max_tip_m,
-            "mean_tip_error_m": self.mean_tip_m,
-            "max_joint_error_rad": self.max_joint_rad,
-            "worst": self.worst._asdict(),
-            "lag_s": self.lag_s,
-            "explained_by_lag": self.explained_by_lag,
-            "turning": self.turning,
-        }
 
 
 def response_of(track: Track, told: Float, robot: Robot, period: float) -> Response:

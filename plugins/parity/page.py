@@ -224,7 +224,7 @@ def explanations(parity: Parity, pairs: list[Pair]) -> list[str]:
         lacking = [one for one in (by_name[pair.a], by_name[pair.b]) if one.missing]
         found += [f"{_name(parity, pair)}: {one.name} has {missing_in_words(one.missing)}." for one in lacking]
         for name, difference in pair.differences.items():
-            if difference.max_tip_m >= SMALL and not (lacking and name == CONTACT):
+            if difference.max_tip_error_m >= SMALL and not (lacking and name == CONTACT):
                 told = "; ".join(_explain(name, difference, by_name[pair.a], by_name[pair.b]))
                 found.append(f"{_name(parity, pair)}, {name}: {told}.")
     return found
@@ -275,9 +275,9 @@ def _name(parity: Parity, pair: Pair) -> str:
 
 def _values(difference: Difference) -> tuple[str, ...]:
     return (
-        number(1e3 * difference.max_tip_m),
-        number(1e3 * difference.mean_tip_m),
-        number(degrees(difference.max_joint_rad)),
+        number(1e3 * difference.max_tip_error_m),
+        number(1e3 * difference.mean_tip_error_m),
+        number(degrees(difference.max_joint_error_rad)),
         NOTHING if difference.turning is None else number(difference.turning),
     )
 
@@ -346,7 +346,7 @@ def _time(lines: Sequence[Line]) -> Axis:
 
 def _lines(parity: Parity, curve: Curve) -> list[tuple[Pair, Line]]:
     return [
-        (pair, _line(number, pair, parity.setting.period, curve.factor * pair.drift.curves()[curve.name]))
+        (pair, _line(number, pair, parity.setting.period, curve.factor * pair.drift.curves[curve.name]))
         for number, pair in enumerate(parity.pairs)
     ]
 

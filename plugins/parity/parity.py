@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from harness.env.solid_probes import Probe
+from harness.files.plain import Plain, tells
 from harness.simulator import family_of
 
 from .classes import CONTACT, FAST, SINGULAR, Told, told_by
@@ -39,6 +40,18 @@ LEFT_OUT = {
 """Why there may be no motions of a class."""
 
 
+@tells(
+    "name",
+    "family",
+    "placement_error_m=placement.error_m",
+    "placement_error_rad=placement.error_rad",
+    "tracking_error_m=tracking.max_tip_error_m",
+    "tracking_error_rad=tracking.max_joint_error_rad",
+    "seconds_per_step",
+    "dives_touched=touched",
+    "missing_solids",
+    "classes=responses",
+)
 @dataclass(frozen=True)
 class Measured:
     """One simulator.
@@ -63,24 +76,24 @@ class Measured:
     touched: int | None = None
     missing: tuple[Probe, ...] = ()
 
-    def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        return {
-            "name": self.name,
-            "family": self.family,
-            "placement_error_m": self.placement.error_m,
-            "placement_error_rad": self.placement.error_rad,
-            "tracking_error_m": self.tracking.max_tip_error_m,
-            "tracking_error_rad": self.tracking.max_joint_error_rad,
-            "seconds_per_step": self.seconds_per_step,
-            "dives_touched": self.touched,
-            "missing_solids": [probe.link for probe in self.missing],
-            "classes": {name: response.to_json() for name, response in self.responses.items()},
-        }
+    @property
+    def missing_solids(self) -> list[str]:
+        """The links of the solids that it lacks."""
+        return [probe.link for probe in self.missing]
 
 
+@tells(
+    "a",
+    "b",
+    "*drift",
+    "*contact",
+    "contact_note",
+    "placed_contact_disagreement=placed_disagreement",
+    "classes=differences",
+    "curves=drift.curves",
+)
 @dataclass(frozen=True)
-class Pair:
+class Pair(Plain):
     """Two simulators.
 
     Attributes:
@@ -105,24 +118,27 @@ class Pair:
         return self.contact.note if self.contact else NO_DIVES
 
     def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        contact = dict.fromkeys(CONTACT_KEYS) if self.contact is None else self.contact.to_json()
-        return {
-            "a": self.a,
-            "b": self.b,
-            "max_tip_error_m": self.drift.max_tip_error_m,
-            "mean_tip_error_m": self.drift.mean_tip_error_m,
-            "max_joint_error_rad": self.drift.max_joint_error_rad,
-            **contact,
-            "contact_note": self.contact_note,
-            "placed_contact_disagreement": self.placed_disagreement,
-            "classes": {name: difference.to_json() for name, difference in self.differences.items()},
-            "curves": {name: curve.tolist() for name, curve in self.drift.curves().items()},
-        }
+        """Plain data; without dives the figures of contact are null."""
+        return {**dict.fromkeys(CONTACT_KEYS), **super().to_json()}
 
 
+@tells(
+    "format",
+    "reference",
+    "robot=setting.robot.name",
+    "steps=setting.steps",
+    "episodes=setting.episodes",
+    "seed=setting.seed",
+    "control_period_s=setting.period",
+    "classes=told",
+    "left_out",
+    "near_ground",
+    "simulators",
+    "missing",
+    "pairs",
+)
 @dataclass(frozen=True)
-class Parity:
+class Parity(Plain):
     """How far simulators differ.
 
     Attributes:
@@ -145,6 +161,8 @@ class Parity:
     told: Mapping[str, Told]
     held: Mapping[str, Held]
 
+    format = FORMAT
+
     @property
     def left_out(self) -> dict[str, str]:
         """The classes without any motions, and why."""
@@ -157,22 +175,8 @@ class Parity:
 
     def to_json(self) -> dict[str, Any]:
         """Plain data, finite numbers only."""
-        return {
-            "format": FORMAT,
-            "reference": self.reference,
-            "robot": self.setting.robot.name,
-            "steps": self.setting.steps,
-            "episodes": self.setting.episodes,
-            "seed": self.setting.seed,
-            "control_period_s": self.setting.period,
-            "classes": {name: told.to_json() for name, told in self.told.items()},
-            "left_out": self.left_out,
-            "near_ground": self.near_ground,
-            "simulators": [simulator.to_json() for simulator in self.simulators],
-            "failed": [{"name": name, "reason": failure.reason} for name, failure in self.failed.items()],
-            "missing": [missing._asdict() for missing in self.missing],
-            "pairs": [pair.to_json() for pair in self.pairs],
-        }
+        failed = [{"name": name, "reason": failure.reason} for name, failure in self.failed.items()]
+        return {**super().to_json(), "failed": failed}
 
 
 def compare_simulators(contenders: Contenders, setting: Setting) -> Parity:

@@ -7,6 +7,7 @@ import numpy as np
 
 from harness.arrays import Float, Mask
 from harness.errors import SimulationDiverged
+from harness.files.plain import tells
 from harness.robot import Robot
 from harness.simulator import Simulation, State
 
@@ -93,6 +94,7 @@ def placement_of(placed: Track, robot: Robot, poses: Float) -> Placement:
     return Placement(float(tip_error.max()), float((np.abs(placed.qpos - poses) / robot.per_radian).max()))
 
 
+@tells("max_tip_error_m", "mean_tip_error_m", "max_joint_error_rad")
 @dataclass(frozen=True, eq=False)
 class Drift:
     """Distance of tips and joints of two tracks.
@@ -120,6 +122,7 @@ class Drift:
         """Over all episodes, rows and joints, [rad]."""
         return float(self.joint.max())
 
+    @property
     def curves(self) -> dict[str, Float]:
         """Over the episodes at each row, the start included: (rows,) each."""
         return {

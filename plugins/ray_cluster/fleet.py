@@ -19,7 +19,7 @@ from harness.errors import UsageError, one_line, one_line_of, print_visible
 from harness.executor import Cell, Event, Job, OnEvent, partial_folder
 from harness.experiment.installation import describe_installation, differences
 from harness.record.folder import publish
-from harness.registry.given import Given, given_to_json
+from harness.registry.given import Given
 
 from .node import Ended, Found, Slot, Told, look_around
 
@@ -131,9 +131,8 @@ class Nodes:
         rooms = [has.get(kind, 0.0) / needed for kind, needed in (("CPU", self.cpus), ("GPU", self.gpus)) if needed]
         here = NodeAffinitySchedulingStrategy(told["NodeID"], soft=False)
         task = ray.remote(look_around).options(num_cpus=0, scheduling_strategy=here, max_retries=1)
-        given = given_to_json(self.plugins)
         name = f"{told['NodeManagerHostname']} ({told['NodeManagerAddress']})"
-        return Node(told["NodeID"], name, int(min(rooms)), task.remote(self._asked, self._token.name, given))
+        return Node(told["NodeID"], name, int(min(rooms)), task.remote(self._asked, self._token.name, self.plugins))
 
     def _hear(self, node: Node) -> None:
         answer, node.answer = node.answer, None

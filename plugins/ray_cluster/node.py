@@ -6,6 +6,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final, NamedTuple, TypeAlias
 
@@ -13,7 +14,7 @@ from harness.authoring import Part, add_parts, order_of, parts_of
 from harness.executor import Cell, Job, Word, partial_folder
 from harness.experiment.installation import describe_workers
 from harness.experiment.workers.workers import Pool
-from harness.registry.given import given_from_json
+from harness.registry.given import Given
 
 TELL_EVERY: Final = 0.5
 """Seconds between two reports of progress."""
@@ -43,15 +44,15 @@ class Found(NamedTuple):
     """Whether it can write where the cells' folders have to be."""
 
 
-def look_around(cells: Sequence[Mapping[str, Any]], token: str, plugins: Sequence[Mapping[str, str]]) -> Found:
+def look_around(cells: Sequence[Mapping[str, Any]], token: str, plugins: Sequence[Given]) -> Found:
     """What this node has for some cells.
 
     Args:
         cells: The cells, as JSON. Their plugins matter.
         token: A file that is in the experiment's folder.
-        plugins: Plugins that the user gave by hand, as JSON.
+        plugins: Plugins that the user gave by hand.
     """
-    installed = describe_workers(map(Cell.from_json, cells), given_from_json(plugins))
+    installed = describe_workers(map(Cell.from_json, cells), plugins)
     return Found(installed, Path(token).is_file())
 
 
@@ -85,7 +86,7 @@ class Slot:
         try:
             folder = place / job.folder.name
             add_parts(partial_folder(folder), left)
-            for news in self._do(job._replace(folder=folder), command):
+            for news in self._do(replace(job, folder=folder), command):
                 if isinstance(news, Ended):
                     yield from parts_of(partial_folder(folder) if news.reason else folder)
                 yield news

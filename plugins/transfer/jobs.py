@@ -2,10 +2,10 @@
 
 import os
 import shutil
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, ClassVar, Literal, NamedTuple, Self, TypeAlias
+from typing import Any, ClassVar, Literal, NamedTuple, TypeAlias
 
 from harness import load_robot
 from harness.env.vector_env import build_world
@@ -23,8 +23,6 @@ from harness.registry import (
     Choice,
     Registry,
     choose,
-    given_from_json,
-    given_to_json,
     load_registry,
     read_given,
     split_list,
@@ -82,15 +80,6 @@ class EvaluateElsewhere:
     plugins: tuple[Given, ...] = ()
 
     noun: ClassVar[str] = "evaluation"
-
-    def to_json(self) -> dict[str, Any]:
-        told = {"cell_folder": str(self.cell_folder), "simulator": self.simulator.to_json()}
-        return {**told, "plugins": given_to_json(self.plugins)}
-
-    @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> Self:
-        plugins = given_from_json(data["plugins"])
-        return cls(Path(data["cell_folder"]), Choice.from_json(data["simulator"]), plugins)
 
     def do(self, folder: Path, report: Report) -> bool:
         return evaluate_elsewhere(self.cell_folder, self.simulator, folder, self.plugins).status == "done"

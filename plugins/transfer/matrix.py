@@ -3,10 +3,11 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, ClassVar, NamedTuple, TypeAlias
 
 from harness.eta import SHARE, SeedMean, mean_over_seeds
 from harness.eta.headline import SUCCESS
+from harness.files.plain import Plain, tells
 from harness.record import EVALUATION, Cell, read_trace
 from harness.record.returns import mean_return
 from harness.registry import Choice
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 
 
 FORMAT = 1
+HERE = Path(__file__).parent
 
 Pair: TypeAlias = tuple[Choice, Choice]
 """Trained in, evaluated in."""
@@ -36,75 +38,85 @@ class Evaluation(NamedTuple):
     """Mean over the episodes of all that was paid in one; None without a finished episode."""
 
 
+@tells(
+    "*group.labels",
+    "steps=group.steps",
+    "evaluation_episodes=group.evaluation_episodes",
+    "deterministic=group.deterministic",
+    "trained_in",
+    "evaluated_in",
+    "success",
+    "return=paid",
+    "drop",
+)
 @dataclass(frozen=True)
-class TransferMatrix:
+class TransferMatrix(Plain):
     """Policies of one algorithm and reward, by the simulators that they were trained and evaluated in.
 
     Attributes:
         group: What the policies share.
-        trained_in: One per row.
-        evaluated_in: One per column.
+        trained_in: Labels of simulators, one per row.
+        evaluated_in: The same, one per column.
         success: Share of the episodes that reach the target, mean over seeds.
         paid: Return: shaped reward and event terms of an episode, mean over episodes and seeds.
         drop: Success where trained minus success here, the same seeds in both; no mean where that is the same place.
     """
 
     group: Group
-    trained_in: tuple[Choice, ...]
-    evaluated_in: tuple[Choice, ...]
+    trained_in: tuple[str, ...]
+    evaluated_in: tuple[str, ...]
     success: Grid
     paid: Grid
     drop: Grid
 
-    def to_json(self) -> dict[str, Any]:
-        """Plain data, by label."""
-        return {
-            **self.group.labels,
-            "steps": self.group.steps,
-            "evaluation_episodes": self.group.evaluation_episodes,
-            "deterministic": self.group.deterministic,
-            "trained_in": [simulator.label for simulator in self.trained_in],
-            "evaluated_in": [simulator.label for simulator in self.evaluated_in],
-            **{name: [[mean.to_json() for mean in row] for row in grid] for name, grid in self._grids().items()},
-        }
 
-    def _grids(self) -> dict[str, Grid]:
-        return {"success": self.success, "return": self.paid, "drop": self.drop}
-
-
+@tells(
+    "cell=cell.id",
+    "algorithm=cell.algorithm.label",
+    "reward=cell.reward.label",
+    "seed=cell.seed",
+    "trained_in=cell.simulator.label",
+    "evaluated_in=record.simulator.label",
+    "reason=record.reason",
+)
 class Failure(NamedTuple):
     """One evaluation that failed."""
 
     cell: Cell
     record: TransferRecord
 
-    def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        return {
-            "cell": self.cell.id,
-            "algorithm": self.cell.algorithm.label,
-            "reward": self.cell.reward.label,
-            "seed": self.cell.seed,
-            "trained_in": self.cell.simulator.label,
-            "evaluated_in": self.record.simulator.label,
-            "reason": self.record.reason,
-        }
 
-
+@tells("format", "combinations=matrices", "failed")
 @dataclass(frozen=True)
-class Transfers:
+class Transfers(Plain):
     """Everything that an experiment's folder says of transfer."""
 
     matrices: tuple[TransferMatrix, ...]
     failed: tuple[Failure, ...]
 
-    def to_json(self) -> dict[str, Any]:
-        """What ``harness transfer --json`` prints."""
-        return {
-            "format": FORMAT,
-            "combinations": [matrix.to_json() for matrix in self.matrices],
-            "failed": [failure.to_json() for failure in self.failed],
-        }
+    format = FORMAT
+
+    @property
+    def style(self) -> str:
+        return (HERE / "transfer.css").read_text(encoding="utf-8").strip()
+
+    def table(self) -> "RenderableType":
+        from .shown import transfer_table
+
+        return transfer_table(self)
+
+    def html(self) -> str:
+        from .shown import EXPLANATION, TITLE, failure_lines, transfer_block
+
+        page = render_page(
+            HERE / "transfer.html.j2",
+            "The HTML report",
+            title=TITLE,
+            explanation=EXPLANATION,
+            blocks=[transfer_block(matrix) for matrix in self.matrices],
+            failed=failure_lines(self.failed),
+        )
+        return page.strip()
 
 
 def load_transfers(results: Results) -> Transfers:
@@ -144,8 +156,8 @@ def _matrix(results: Results, group: Group, records: Mapping[Cell, list[Transfer
     table = _Table(results, records)
     return TransferMatrix(
         group,
-        trained_in,
-        evaluated_in,
+        tuple(it.label for it in trained_in),
+        tuple(it.label for it in evaluated_in),
         *(
             tuple(tuple(mean(home, place) for place in evaluated_in) for home in trained_in)
             for mean in (table.success, table.paid, table.drop)
@@ -216,9 +228,6 @@ def _evaluation(results: Results, cell: Cell, record: TransferRecord | None) -> 
     return Evaluation(results.measure(trace).get(SUCCESS), mean_return(trace))
 
 
-HERE = Path(__file__).parent
-
-
 @dataclass(frozen=True)
 class TransferSection:
     """A matrix of every algorithm and reward: trained in one simulator, evaluated in another."""
@@ -228,37 +237,6 @@ class TransferSection:
     def ending(self, folder: Path) -> TransferRecord:
         return read_record_of(folder)
 
-    def show(self, results: "Results") -> "_Shown | None":
-
+    def show(self, results: "Results") -> Transfers | None:
         transfers = load_transfers(results)
-        return _Shown(transfers) if transfers.matrices else None
-
-
-@dataclass(frozen=True)
-class _Shown:
-    transfers: "Transfers"
-
-    @property
-    def style(self) -> str:
-        return (HERE / "transfer.css").read_text(encoding="utf-8").strip()
-
-    def to_json(self) -> dict[str, Any]:
-        return self.transfers.to_json()
-
-    def table(self) -> "RenderableType":
-        from .shown import transfer_table
-
-        return transfer_table(self.transfers)
-
-    def html(self) -> str:
-        from .shown import EXPLANATION, TITLE, failure_lines, transfer_block
-
-        page = render_page(
-            HERE / "transfer.html.j2",
-            "The HTML report",
-            title=TITLE,
-            explanation=EXPLANATION,
-            blocks=[transfer_block(matrix) for matrix in self.transfers.matrices],
-            failed=failure_lines(self.transfers.failed),
-        )
-        return page.strip()
+        return transfers if transfers.matrices else None

@@ -62,9 +62,9 @@ def transfer_block(matrix: TransferMatrix) -> TransferBlock:
     """A matrix as text."""
     return TransferBlock(
         matrix.group.title,
-        tuple(simulator.label for simulator in matrix.evaluated_in),
+        matrix.evaluated_in,
         tuple(
-            TransferRow(home.label, tuple(_cell(matrix, row, column) for column in range(len(matrix.evaluated_in))))
+            TransferRow(home, tuple(_cell(matrix, row, column) for column in range(len(matrix.evaluated_in))))
             for row, home in enumerate(matrix.trained_in)
         ),
         tuple(_largest_drop(matrix, row) for row in range(len(matrix.trained_in))),
@@ -117,12 +117,12 @@ def _largest_drop(matrix: TransferMatrix, row: int) -> str:
     """The largest loss of success of the policies of one simulator."""
     drops = zip(matrix.evaluated_in, matrix.drop[row], strict=True)
     known = {place: drop for place, drop in drops if drop.mean is not None}
-    home = matrix.trained_in[row].label
+    home = matrix.trained_in[row]
     if not known:
         return f"Trained in {home}: not evaluated anywhere else."
     place = max(known, key=lambda place: known[place].mean or 0.0)
     told = " ".join(part for part in (_drop_text(known[place]), _interval(known[place], _percent)) if part)
-    return f"Trained in {home}: the largest drop of success is {told}, in {place.label}."
+    return f"Trained in {home}: the largest drop of success is {told}, in {place}."
 
 
 def _notes(matrix: TransferMatrix) -> list[str]:
@@ -131,7 +131,7 @@ def _notes(matrix: TransferMatrix) -> list[str]:
     for home, row in zip(matrix.trained_in, matrix.success, strict=True):
         for place, mean in zip(matrix.evaluated_in, row, strict=True):
             for note in mean.notes:
-                where.setdefault(note, []).append(f"{home.label} in {place.label}")
+                where.setdefault(note, []).append(f"{home} in {place}")
     everywhere = len(matrix.trained_in) * len(matrix.evaluated_in)
     return [note if len(places) == everywhere else f"{', '.join(places)}: {note}" for note, places in where.items()]
 

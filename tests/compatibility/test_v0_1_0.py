@@ -76,7 +76,7 @@ def _known(found, before):
 def _require_equal(found, expected):
     """The same keys and texts; numbers up to their last digits, in which another machine may differ."""
     leaves, before = dict(_leaves(found)), dict(_leaves(expected))
-    assert list(leaves) == list(before)
+    assert leaves.keys() == before.keys()
     for path, value in before.items():
         is_number = isinstance(value, float)
         assert leaves[path] == (pytest.approx(value, rel=1e-9, abs=1e-12) if is_number else value), path

@@ -170,5 +170,5 @@ def test_payments_are_counted_over_all_recordings():
 def test_json_is_plain():
     """And has no other numbers than JSON has."""
     assert json.loads(json.dumps(Rescaling(2.0, 0.0, 3, None).to_json())) == {
-        "factor": 2.0, "offset": 0.0, "steps": 3, "payments": None,
+        "factor": 2.0, "offset": 0.0, "steps": 3, "payments": None, "can_end": False,
     }  # fmt: skip

@@ -7,16 +7,15 @@ import json
 import pytest
 
 from harness.errors import UsageError
+from harness.files.plain import from_plain, to_plain
 from harness.registry import (
     choose,
-    given_from_json,
-    given_to_json,
     load_registry,
     read_given,
     require_given,
     source_hash,
 )
-from harness.registry.given import PluginClass, PluginFile, class_given, plugin_flags
+from harness.registry.given import Given, PluginClass, PluginFile, class_given, plugin_flags
 
 REWARD = '''
 from dataclasses import dataclass
@@ -88,7 +87,7 @@ def test_sources_of_a_file_are_its_bytes(lay):
 def test_file_that_is_not_there_any_more_is_loaded_from_its_text(lay):
     """As on another machine; the sources stay those that were read."""
     path = lay(REWARD + "\n# elsewhere\n")
-    given, digest = given_from_json(json.loads(json.dumps(given_to_json(read_given([path]))))), _digest(path)
+    given, digest = from_plain(tuple[Given, ...], json.loads(json.dumps(to_plain(read_given([path]))))), _digest(path)
     path.unlink()
     target = load_registry([], given).get("rewards", "my_reward").load()
     assert source_hash(target) == digest
@@ -203,7 +202,7 @@ def test_class_is_known_by_its_module():
     target = "harness_plugins.rewards.arp:Arp"
     (given,) = read_given([target])
     assert given == PluginClass("rewards", target)
-    assert given_from_json(given_to_json([given])) == (given,)
+    assert from_plain(tuple[Given, ...], to_plain([given])) == (given,)
     registry = load_registry([], [given])
     assert registry.get("rewards", "harness_plugins.rewards.arp/Arp").target == target
 

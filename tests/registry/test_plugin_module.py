@@ -9,8 +9,9 @@ from pathlib import Path
 import pytest
 
 from harness.errors import UsageError
-from harness.registry import given_from_json, given_to_json, load_registry, read_given, source_hash
-from harness.registry.given import PluginFile
+from harness.files.plain import from_plain, to_plain
+from harness.registry import load_registry, read_given, source_hash
+from harness.registry.given import Given, PluginFile
 from harness.registry.plugin_module import COPIES, OLD, _own_folder, file_behind, import_file
 
 REWARD = '''
@@ -92,7 +93,7 @@ def test_files_beside_travel_along(lay, tmp_path):
     """As text, to processes and machines that do not have them."""
     helper = lay("helpers.py", "SCALE = 4.0")
     path = lay("mine.py", REWARD.format(imports="import helpers", scale="helpers.SCALE") + "# travels\n")
-    (there,) = given_from_json(json.loads(json.dumps(given_to_json([_file(path)]))))
+    (there,) = from_plain(tuple[Given, ...], json.loads(json.dumps(to_plain([_file(path)]))))
     helper.unlink(), path.unlink()
     assert isinstance(there, PluginFile)
     assert import_file(there).MyReward()((), None)[1] == 4.0

@@ -6,6 +6,7 @@ from dataclasses import replace
 import pytest
 
 from harness.eta import Answer, Ruling
+from harness.files.plain import to_plain
 from harness.record.cell import BROUGHT
 from harness.registry import Choice
 from harness.results import Group
@@ -40,7 +41,7 @@ def test_cells_that_differ_are_in_other_groups(make_cell, subtests):
 def test_manners_of_evaluation_are_not_mixed(make_cell):
     """Policies that drew their actions are not compared with some that did not, and the group says which."""
     groups = [Group.of(make_cell(deterministic=given)) for given in (True, False)]
-    told = [(group.manner, group.to_json()["deterministic"]) for group in groups]
+    told = [(group.manner, to_plain(group)["deterministic"]) for group in groups]
     assert told == [("deterministically", True), ("stochastically", False)]
 
 
@@ -58,7 +59,7 @@ def test_title_names_all_that_is_shared(combination):
     group = combination.group
     assert group.title == "mujoco · sac · fd100 · reach"
     assert group._replace(simulator=None, reward=Choice("arp", (), "arp")).title == "sac · arp · fd100 · reach"
-    assert list(group.to_json()) == ["simulator", "algorithm", "robot", "task", "steps", "deterministic"]
+    assert list(to_plain(group)) == ["simulator", "algorithm", "robot", "task", "steps", "deterministic"]
 
 
 def test_the_discount_is_told_to_people_alone(combination):
@@ -66,7 +67,7 @@ def test_the_discount_is_told_to_people_alone(combination):
     learner = Choice("ppo", (("gamma", 0.8),), "ppo")
     group = combination.group._replace(simulator=BROUGHT.simulator, algorithm=learner)
     assert group.title == "ppo:gamma=0.8 · fd100 · reach"
-    assert group.to_json()["algorithm"] == group.labels["algorithm"] == "ppo"
+    assert to_plain(group)["algorithm"] == group.labels["algorithm"] == "ppo"
     assert combination.group._replace(algorithm=learner).title.startswith("mujoco · ppo · ")
 
 

@@ -7,13 +7,14 @@ that had no part in choosing it (Karnin, Koren and Somekh 2013; the question is 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import comb, isfinite
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from harness.arrays import Float
 from harness.eta.interval import Bounds
 from harness.eta.verdict.ruling import LEVEL
+from harness.files.plain import Plain, tells
 
 KEPT = ((1, 2), (2, 5))
 """The share that stays at a rung, as a fraction: half, or where the budget is too small for that, two fifths."""
@@ -92,8 +93,9 @@ def _cost(rungs: Sequence[Rung]) -> int:
     return sum(it.candidates * (it.seeds - of) for it, of in zip(rungs, before, strict=False))
 
 
+@tells("means", "left", "furthest")
 @dataclass(frozen=True)
-class Halving:
+class Halving(Plain):
     """How far candidates went.
 
     Attributes:
@@ -110,10 +112,6 @@ class Halving:
     def furthest(self) -> str | None:
         """The one that went furthest; None before all rungs are complete."""
         return self.left[0] if self.is_over and self.left else None
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        return {"means": list(map(dict, self.means)), "left": list(self.left), "furthest": self.furthest}
 
 
 def halve(

@@ -11,11 +11,12 @@ places only where that stands.
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
 from harness.eta.verdict.question import Question
+from harness.files.plain import tells
 
 LEVEL = 0.05
 """The chance of a false claim about the robot, in an experiment in which no reward does anything."""
@@ -27,6 +28,7 @@ ROUNDING = 1e-9
 """Statistics that differ by less, relatively, are the same: sums of floats in another order may differ so."""
 
 
+@tells("p", "p_corrected=corrected", "confidence", "questions=asked", "is_decided")
 @dataclass(frozen=True)
 class Ruling:
     """What the tests say of one question.
@@ -99,16 +101,6 @@ class Ruling:
     def is_contrary(self) -> bool:
         """Whether one measure says better and another one worse."""
         return len({self.signs[at] for at in range(len(self.signs)) if self.passes(at)}) > 1
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        return {
-            "p": self.p,
-            "p_corrected": self.corrected,
-            "confidence": self.confidence,
-            "questions": self.asked,
-            "is_decided": self.is_decided,
-        }
 
 
 RulingT = TypeVar("RulingT", bound=Ruling)

@@ -12,9 +12,9 @@ import json
 import shutil
 import time
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NamedTuple, Self, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 from urllib.parse import quote
 
 import numpy as np
@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from harness.errors import SchemaError
 from harness.files.bounded import digest_of, files_in, is_partial, is_plain, whole_file, write_whole
+from harness.files.plain import from_plain, to_plain
 from harness.progress import Ring, TrainingState, prefixed, under
 from harness.record.cell import KERNEL, Cell, write_log
 from harness.record.folder import CHECKPOINT, LOG, TRACE
@@ -52,11 +53,6 @@ class StoredRing:
     capacity: int
     written: int
     parts: tuple[RingPart, ...] = ()
-
-    @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> Self:
-        """The ring's files from what `dataclasses.asdict` returned, after it was read from JSON."""
-        return cls(data["capacity"], data["written"], tuple(RingPart(*part) for part in data["parts"]))
 
     @property
     def oldest(self) -> int:
@@ -168,7 +164,7 @@ class Checkpoint:
             "format": FORMAT,
             "steps": self.steps,
             "origin": self.origin,
-            "rings": {name: asdict(ring) for name, ring in self.rings.items()},
+            "rings": to_plain(self.rings),
             "rows": self.rows,
             "seconds": self.seconds,
         }
@@ -229,7 +225,7 @@ def read_checkpoint(folder: Path, origin: Mapping[str, Any]) -> Checkpoint:
         # Through JSON, as what it is compared with went.
         if {**about["origin"], "kernel": ""} != {**json.loads(json.dumps(origin)), "kernel": ""}:
             raise SchemaError("the sources, the versions or the commit have changed since")
-        rings = {name: StoredRing.from_json(ring) for name, ring in about["rings"].items()}
+        rings = {name: from_plain(StoredRing, ring) for name, ring in about["rings"].items()}
         if about["rows"]:
             require_rows(folder / TRACE, about["rows"])
         require_rings(folder, rings.values())

@@ -180,7 +180,7 @@ def _named(choice: Choice, given: Mapping[str, Given], env: AnyEnv, registry: Re
         if not env.metadata.get(ARM):
             raise UsageError(unknown_name("reward", choice.name, given))
         return OfArm(choice.build(registry, "rewards"))
-    own, weights = given[choice.name], dict(choice.params)
+    own, weights = given[choice.name], choice.named
     return Terms({choice.name: opened(own, f"reward {choice.name!r}")}, weights) if weights else own
 
 

@@ -7,9 +7,10 @@ import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import MappingProxyType
-from typing import IO, Any, ClassVar, NamedTuple, Protocol, Self, TypeAlias
+from typing import IO, ClassVar, NamedTuple, Protocol, TypeAlias
 
 from harness.executor import Limits, Word
+from harness.files.plain import from_plain, to_plain
 from harness.progress import TERMS
 
 Report: TypeAlias = Callable[[Word], None]
@@ -17,17 +18,10 @@ Report: TypeAlias = Callable[[Word], None]
 
 
 class Work(Protocol):
-    """Something that a worker can do: a frozen dataclass that says itself in JSON and leaves a folder."""
+    """Something that a worker can do: a frozen dataclass, which travels as JSON and leaves a folder."""
 
     noun: ClassVar[str]
     """The name of the work in messages, if its process ends too early."""
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data; `from_json` gives the same work back."""
-
-    @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> Self:
-        """The work that `to_json` told."""
 
     def do(self, folder: Path, report: Report) -> bool:
         """Do it, and leave `folder`; returns whether the process may do other work after it."""
@@ -47,7 +41,7 @@ class Order(NamedTuple):
     def line(self) -> str:
         """What the worker reads: JSON that names the class of the work, with its content, and what the user typed."""
         kind = type(self.work)
-        told = {"work": f"{kind.__module__}:{kind.__qualname__}", "content": self.work.to_json()}
+        told = {"work": f"{kind.__module__}:{kind.__qualname__}", "content": to_plain(self.work)}
         return json.dumps({**told, "folder": str(self.folder), "command": sys.argv})
 
 
@@ -56,7 +50,7 @@ def read_order(line: str) -> tuple[Order, list[str]]:
     told = json.loads(line)
     module, _, name = told["work"].partition(":")
     kind: type[Work] = getattr(importlib.import_module(module), name)
-    return Order(Path(told["folder"]), kind.from_json(told["content"])), told["command"]
+    return Order(Path(told["folder"]), from_plain(kind, told["content"])), told["command"]
 
 
 def tell(parent: IO[str], word: Word) -> None:

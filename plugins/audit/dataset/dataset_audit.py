@@ -1,7 +1,7 @@
 """What was found of rewards on a data set: plain data, the words for it, and how a terminal shows it."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from rich.console import Group, RenderableType
@@ -10,6 +10,7 @@ from rich.text import Text
 from harness.arrays import Float
 from harness.eta import AGAINST, CANNOT_TELL, RANKS, SeedMean
 from harness.eta.auc import Auc
+from harness.files.plain import Plain, tells
 from harness.record.dataset.open_dataset import DatasetFacts
 from harness.text import number
 
@@ -43,6 +44,7 @@ DISTANCES = (
 )
 
 
+@tells("success", "failure", "paid")
 @dataclass(frozen=True)
 class WrongPair:
     """A failure that is paid more than a success.
@@ -75,8 +77,17 @@ class PaidStep:
     paid: float
 
 
+@tells(
+    "reward=name",
+    "success=by_success",
+    "level=by_level",
+    "wrong_pairs=wrong",
+    "most_wrong=pairs",
+    "paid_most=most",
+    "unpaid",
+)
 @dataclass(frozen=True)
-class RewardAnswer:
+class RewardAnswer(Plain):
     """What was found of one reward.
 
     Attributes:
@@ -101,22 +112,26 @@ class RewardAnswer:
 
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
-        return {
-            "reward": self.name,
-            "success": self.by_success.to_json(),
-            "level": self.by_level and self.by_level.to_json(),
-            "wrong_pairs": self.wrong,
-            "most_wrong": [
-                {"success": pair.success, "failure": pair.failure, "paid": list(pair.paid)} for pair in self.pairs
-            ],
-            "paid_standing_still": mean_json(self.still),
-            "paid_most": [asdict(step) for step in self.most],
-            "unpaid": list(self.unpaid),
-        }
+        return {**super().to_json(), "paid_standing_still": mean_json(self.still)}
 
 
+@tells(
+    "dataset=facts.name",
+    "format=facts.format",
+    "env=facts.env",
+    "episodes",
+    "steps",
+    "successes",
+    "failures",
+    "success_told_by=success",
+    "tasks",
+    "rewards",
+    "pairs",
+    "failed",
+    "notes",
+)
 @dataclass(frozen=True)
-class DatasetAudit:
+class DatasetAudit(Plain):
     """What was found of the rewards on a data set.
 
     Attributes:
@@ -166,22 +181,10 @@ class DatasetAudit:
     def to_json(self) -> dict[str, Any]:
         """Plain data, finite numbers only."""
         return {
-            "dataset": self.facts.name,
-            "format": self.facts.format,
-            "env": self.facts.env,
+            **super().to_json(),
             "beginner": self.beginner and self.beginner.name,
-            "episodes": self.episodes,
-            "steps": self.steps,
-            "successes": self.successes,
-            "failures": self.failures,
-            "success_told_by": self.success,
-            "tasks": list(self.tasks),
             "intervals_over": {"what": self.clusters[0], "count": self.clusters[1]},
             "steps_standing_still": mean_json(self.still),
-            "rewards": [reward.to_json() for reward in self.rewards],
-            "pairs": [pair.to_json() for pair in self.pairs],
-            "failed": dict(self.failed),
-            "notes": list(self.notes),
         }
 
 

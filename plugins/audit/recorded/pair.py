@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Any
 
@@ -11,6 +11,7 @@ import numpy as np
 from harness.arrays import Float, Ints
 from harness.eta import Rescaling, SeedMean, line_of, mean_over_seeds, rescaling_of
 from harness.eta.rescaling import PayLine, rounded
+from harness.files.plain import Plain, tells
 from harness.log import BEHAVIOUR, EPISODES, REWARD, Log
 
 from ..distance import Distance, Form, centred_unit, compare_forms, distance_between
@@ -53,6 +54,7 @@ def paid_in(log: Log) -> Paid:
     return Paid(of_steps, {name: episodes.returns[name] for name in known}, unknown)
 
 
+@tells(*MEANS[:-1])
 @dataclass(frozen=True)
 class Apart:
     """How far apart two rewards are in one set of recorded steps. Scale and offset of a reward do not matter.
@@ -173,8 +175,9 @@ def steps_apart(folder: str, log: Log, one: str, other: str) -> list[StepApart]:
     return list(found.values())
 
 
+@tells("rescaled=rescaling", "each", "largest")
 @dataclass(frozen=True)
-class Pair:
+class Pair(Plain):
     """How far apart two rewards are. Every number is a mean over recordings or over measurements.
 
     Attributes:
@@ -208,9 +211,7 @@ class Pair:
         return {
             "rewards": [self.one, self.other],
             **{name: mean_json(getattr(self, name)) for name in MEANS},
-            "rescaled": self.rescaling and self.rescaling.to_json(),
-            "each": [{name: getattr(it, name) for name in MEANS[:-1]} for it in self.each],
-            "largest": [asdict(step) for step in self.largest],
+            **super().to_json(),
             **{form: mean_json(mean) for form, mean in self.forms.items()},
             **({"reasons": dict(self.reasons)} if self.forms else {}),
         }

@@ -1,8 +1,11 @@
 """What a search found at one start, and in a world: the three numbers that an answer rests on."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal, TypeAlias, get_args
+from typing import Any, Literal, TypeAlias, get_args
+
+from harness.files.plain import Plain, tells
 
 from .world import Actions, Data, Outcomes
 
@@ -10,8 +13,9 @@ Role: TypeAlias = Literal["failure", "success", "fastest"]
 ROLES: tuple[Role, ...] = get_args(Role)
 
 
+@tells("start", "paid", "discounted", "success", "steps", "time", "share", "made_by")
 @dataclass(frozen=True, eq=False)
-class Behaviour:
+class Behaviour(Plain):
     """One episode that a search keeps.
 
     Attributes:
@@ -40,6 +44,11 @@ class Behaviour:
     measures: Mapping[str, float] = field(default_factory=dict)
     made_by: str = "search"
     policy: Data | None = None
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data, finite numbers only."""
+        measures = {name: value if math.isfinite(value) else None for name, value in self.measures.items()}
+        return {**super().to_json(), "measures": measures}
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,7 +16,8 @@ from harness.environment import AnyEnv
 from harness.errors import HarnessError, reason_of
 from harness.experiment.environments.frames import strip_of
 from harness.experiment.environments.played_again import let_draw, picture_of
-from harness.registry import Registry, given_from_json, given_to_json, load_registry
+from harness.registry import Registry, load_registry
+from harness.registry.given import Given
 from harness.registry.spec import require_pillow
 from harness.text import one_line_of
 
@@ -80,9 +81,8 @@ def films_of(place: Place, registry: Registry, episodes: Sequence[Shown]) -> lis
         episodes: What was done.
     """
     clock = np.unique(np.linspace(0, max(len(it.paid) for it in episodes), PICTURES).round().astype(int)).tolist()
-    told = place.to_json(), given_to_json(registry.given)
     with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
-        asked = [pool.submit(draw_film, *told, it.start, it.actions, clock) for it in episodes]
+        asked = [pool.submit(draw_film, place, registry.given, it.start, it.actions, clock) for it in episodes]
         until = time.monotonic() + PATIENCE
         films = [_awaited(it, until) for it in asked]
         for process in list((pool._processes or {}).values()):
@@ -100,14 +100,14 @@ def _awaited(film: Future[Film], until: float) -> Film:
         return Film(f"There is no film: the process that draws it ended. {SCREEN}.")
 
 
-def draw_film(place: Data, given: Sequence[Data], start: int, actions: Actions, clock: Sequence[int]) -> Film:
+def draw_film(place: Place, given: Sequence[Given], start: int, actions: Actions, clock: Sequence[int]) -> Film:
     """Play an episode in a new env, which draws it."""
-    at, registry = Place.from_json(place), load_registry(given=given_from_json(given))
+    registry = load_registry(given=given)
     try:
         require_pillow()
-        with closing(at.task.build(registry, "environments").make()) as env:
-            let_draw(env, at.name)
-            return _strip(_pictures(env, at.name, start, actions, clock))
+        with closing(place.task.build(registry, "environments").make()) as env:
+            let_draw(env, place.name)
+            return _strip(_pictures(env, place.name, start, actions, clock))
     except HarnessError as error:
         return Film(f"There is no film: {one_line_of(str(error))}")
     except Exception as error:  # an env of anybody

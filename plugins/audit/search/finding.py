@@ -2,14 +2,15 @@
 
 # ruff: noqa: PLC0414 -- `X as X` tells type checkers that the name is public
 
-import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
+from typing import Any
 
+from harness.files.plain import Plain, tells, to_plain
 from harness.screen import CANNOT_TELL as CANNOT_TELL, FAILING as FAILING, LOITERING as LOITERING, NOTHING as NOTHING
 
 from .behaviour import Behaviour, Role, Searched
-from .world import Data, Shown
+from .world import Shown
 
 ROBUST, FRAGILE = "ROBUST", "FRAGILE"
 """Beside an alarm: whether what was found still pays more than doing the task while actions are disturbed."""
@@ -39,8 +40,26 @@ class Disturbed:
     episodes: int
 
 
+@tells(
+    "world",
+    "reward",
+    "gamma",
+    "success_told_by=success",
+    "answer=word",
+    "strength",
+    "lines",
+    "starts",
+    "alarmed",
+    "steps=searched.steps",
+    "searched_by=searched.how",
+    "shown=three",
+    "noise",
+    "elsewhere",
+    "random=searched.typical",
+    "successes=searched.successes",
+)
 @dataclass(frozen=True, eq=False)
-class Finding:
+class Finding(Plain):
     """What a search says of one reward in one world.
 
     Attributes:
@@ -75,35 +94,8 @@ class Finding:
     shown: Mapping[Role, Shown]
     three: Mapping[Role, Behaviour]
 
-    def to_json(self) -> Data:
+    def to_json(self) -> dict[str, Any]:
         """Plain data, finite numbers only; actions are in certificates."""
-        searched = self.searched
-        by_sum = {"plain": searched.plain, "discounted": searched.discounted}
-        return {
-            "world": self.world,
-            "reward": self.reward,
-            "gamma": self.gamma,
-            "success_told_by": self.success,
-            "answer": self.word,
-            "strength": self.strength,
-            "lines": list(self.lines),
-            "starts": list(self.starts),
-            "alarmed": list(self.alarmed),
-            "steps": searched.steps,
-            "searched_by": list(searched.how),
-            "shown": {role: _plain(of) for role, of in self.three.items()},
-            "noise": [asdict(of) for of in self.noise],
-            "elsewhere": {name: dict(paid) for name, paid in self.elsewhere.items()},
-            "found": {
-                name: [{role: _plain(of) for role, of in three.by_role().items()} for three in threes]
-                for name, threes in by_sum.items()
-            },
-            "random": list(searched.typical),
-            "successes": list(searched.successes),
-        }
-
-
-def _plain(of: Behaviour) -> Data:
-    names = ("start", "paid", "discounted", "success", "steps", "time", "share", "made_by")
-    measures = {name: value if math.isfinite(value) else None for name, value in of.measures.items()}
-    return {**{name: getattr(of, name) for name in names}, "measures": measures}
+        by_sum = {"plain": self.searched.plain, "discounted": self.searched.discounted}
+        found = {name: [three.by_role() for three in threes] for name, threes in by_sum.items()}
+        return {**super().to_json(), "found": to_plain(found)}

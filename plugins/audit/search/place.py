@@ -142,7 +142,7 @@ def called_here(place: Place, registry: Registry) -> Place:
     Raises:
         UsageError: A name is not known.
     """
-    given = {name: {"name": it.name, **dict(it.params)} for name, it in vars(place).items() if isinstance(it, Choice)}
+    given = {name: {"name": it.name, **it.named} for name, it in vars(place).items() if isinstance(it, Choice)}
     kinds = {"task": "environments"} if place.is_environment else {name: f"{name}s" for name in given}
     here: dict[str, Any] = {name: choose(registry, kind, given[name]) for name, kind in kinds.items()}
     if place.is_environment:

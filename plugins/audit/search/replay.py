@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy import stats
 
+from harness.files.plain import to_plain
 from harness.text import number, shortened
 
 from .behaviour import ROLES
@@ -99,7 +100,7 @@ class Replayed:
             "rating": self.found.rating,
             **now,
             "certified": then,
-            "first_difference": self.difference and self.difference._asdict(),
+            "first_difference": to_plain(self.difference),
             "reasons": list(self.reasons),
             "elsewhere": self.elsewhere,
             "not_played_again": list(self.unplayed),

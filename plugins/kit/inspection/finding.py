@@ -1,8 +1,8 @@
 """What was asked to be checked, what is known of the checks before they are run, and what they found."""
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass
-from typing import Any, Literal, NamedTuple, Self, TypeAlias
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Literal, NamedTuple, TypeAlias
 
 from harness.registry import read_given
 from harness.registry.given import PluginFile, is_class_name
@@ -25,16 +25,6 @@ class Asked:
     robot: str | None = None
     files: tuple[PluginFile, ...] = ()
     classes: tuple[str, ...] = ()
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data; `from_json` gives the same back."""
-        return asdict(self)
-
-    @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> Self:
-        """What `to_json` told."""
-        files = tuple(map(PluginFile.from_json, data["files"]))
-        return cls(**{**data, "files": files, "classes": tuple(data["classes"])})
 
 
 def read_plugins(given: Sequence[str]) -> tuple[tuple[PluginFile, ...], tuple[str, ...]]:
@@ -107,17 +97,6 @@ class Outline:
     findings: tuple[Finding, ...] = ()
     checks: tuple[PlannedCheck, ...] = ()
     mistake: str = ""
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data; `from_json` gives the same back."""
-        return asdict(self)
-
-    @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> Self:
-        """What `to_json` told."""
-        findings = tuple(Finding(**finding) for finding in data["findings"])
-        checks = tuple(PlannedCheck(*check) for check in data["checks"])
-        return cls(data["kind"], findings, checks, data["mistake"])
 
 
 def count(findings: Iterable[Finding], verdict: Verdict) -> int:

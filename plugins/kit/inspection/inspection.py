@@ -6,22 +6,24 @@ import os
 import shutil
 import tempfile
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, ClassVar, NamedTuple, Self
+from typing import ClassVar, NamedTuple, TypeVar
 
 from harness.errors import UsageError
 from harness.executor import Limits
 from harness.experiment.workers.order import Order, Report
 from harness.experiment.workers.worker import print_into
 from harness.experiment.workers.workers import Offspring, Pool
+from harness.files.plain import from_plain, to_plain
 from harness.record import partial_folder
 
 from .ending import ending_in_words, place_in, split_output
 from .finding import TARGET, Asked, Finding, Outline, PlannedCheck
 
+Told = TypeVar("Told", Outline, Finding)
 ANSWER, OUTPUT = "answer.json", "output.txt"
 """Files in an order's folder: the answer, and what the plugin printed. If the process crashed, its stack is there."""
 
@@ -43,42 +45,24 @@ class TryPlugin:
 
     noun: ClassVar[str] = "check"
 
-    def to_json(self) -> dict[str, Any]:
-        return {"asked": self.asked.to_json(), "notes": self.notes, "check": self.check}
-
-    @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> Self:
-        return cls(Asked.from_json(data["asked"]), data["notes"], data["check"])
-
     def do(self, folder: Path, report: Report) -> bool:
         partial = partial_folder(folder)
         print_into(partial / OUTPUT)
-        (partial / ANSWER).write_text(json.dumps(self._answer()), encoding="utf-8")
+        (partial / ANSWER).write_text(json.dumps(to_plain(self._answer())), encoding="utf-8")
         os.rename(partial, folder)  # nobody needs it after a power cut, so the disk is not waited for
         return True
 
-    def _answer(self) -> dict[str, Any]:
+    def _answer(self) -> Outline | Finding:
         from .subject import open_subject, run_check
 
         subject = open_subject(self.asked, Path(self.notes))
-        return subject.outline.to_json() if self.check is None else asdict(run_check(subject, self.check))
+        return subject.outline if self.check is None else run_check(subject, self.check)
 
 
-def read_outline(folder: Path) -> Outline | None:
-    """The answer of an order without a check; None if it left none."""
-    told = _read(folder)
-    return None if told is None else Outline.from_json(told)
-
-
-def read_finding(folder: Path) -> Finding | None:
-    """The answer of an order with a check; None if it left none."""
-    told = _read(folder)
-    return None if told is None else Finding(**told)
-
-
-def _read(folder: Path) -> dict[str, Any] | None:
+def read_answer(kind: type[Told], folder: Path) -> Told | None:
+    """The answer of an order: an `Outline`, or with a check a `Finding`; None if it left none."""
     try:
-        told: dict[str, Any] = json.loads((folder / ANSWER).read_text(encoding="utf-8"))
+        told: Told = from_plain(kind, json.loads((folder / ANSWER).read_text(encoding="utf-8")))
     except (OSError, ValueError):  # a plugin may remove what is not its own, or double itself by a fork
         return None
     return told
@@ -141,7 +125,7 @@ class Workshop:
         answer = self._ask(None, OPENING_SECONDS)
         if isinstance(answer, Loss):
             return answer._replace(sentence=f"{answer.sentence} while {self._doing()}")
-        outline, printed = read_outline(answer), _tail_of(answer / OUTPUT)
+        outline, printed = read_answer(Outline, answer), _tail_of(answer / OUTPUT)
         shutil.rmtree(answer, ignore_errors=True)
         if outline is None:
             return Loss("the import left no answer", printed=printed)
@@ -155,7 +139,7 @@ class Workshop:
         answer = self._ask(check.name, check.seconds)
         if isinstance(answer, Loss):
             return answer
-        finding, printed = read_finding(answer), _tail_of(answer / OUTPUT)
+        finding, printed = read_answer(Finding, answer), _tail_of(answer / OUTPUT)
         shutil.rmtree(answer, ignore_errors=True)
         return replace(finding, printed=printed) if finding else Loss("the check left no answer", printed=printed)
 

@@ -1,6 +1,7 @@
 """Executors do cells whose task is an environment as they do others: wherever it was done, a cell leaves the same."""
 
 import importlib.util
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -63,7 +64,7 @@ def test_other_machines_leave_the_same(job, expected, tmp_path, executor, librar
         pytest.skip(f"needs {library}")
     registry, told = load_registry(), list[Event]()
     built = choose(registry, "executors", executor).build(registry, "executors")
-    built.run([job._replace(folder=tmp_path / "cells" / job.cell.id)], 1, told.append)
+    built.run([replace(job, folder=tmp_path / "cells" / job.cell.id)], 1, told.append)
     assert [(event.kind, event.reason) for event in told if event.kind != "progress"] == [
         ("started", ""),
         ("ended", ""),

@@ -115,7 +115,7 @@ def test_no_arm_is_refused(named, printed):
         assert simulator.placement.error_m < 1e-6
         assert not simulator.missing
     for pair in found.pairs:
-        assert name in TOUCHES or pair.differences["slow"].max_tip_m < 5e-3
+        assert name in TOUCHES or pair.differences["slow"].max_tip_error_m < 5e-3
     for motion in draw_orders(Setting(robot, **SETTING)).classes.values():
         assert np.ptp(motion, axis=0).max() > 0.01
 
@@ -184,5 +184,5 @@ def test_public_arms_are_measured(name):
     parity = compare_simulators(contenders, Setting(robot, steps=60, episodes=2))
     assert not parity.failed
     assert set(parity.told) == ALL
-    assert max(pair.differences["smooth"].max_tip_m for pair in parity.pairs) < 0.01
+    assert max(pair.differences["smooth"].max_tip_error_m for pair in parity.pairs) < 0.01
     assert all(simulator.placement.error_m < 1e-6 for simulator in parity.simulators)

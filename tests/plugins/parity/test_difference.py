@@ -73,8 +73,8 @@ def test_the_worst_place_is_named(robot, told, track):
     found = difference_between(track(told), track(other), told, robot, PERIOD)
     assert found.worst[:3] == (pytest.approx(3.0), 1, robot.joint_names[2])
     assert found.worst.speed_told == pytest.approx(abs(told[30, 1, 2] - told[29, 1, 2]) / PERIOD / robot.max_speed[2])
-    assert found.max_joint_rad == pytest.approx(0.1)
-    assert 0.0 < found.mean_tip_m == pytest.approx(found.max_tip_m / 160)
+    assert found.max_joint_error_rad == pytest.approx(0.1)
+    assert 0.0 < found.mean_tip_error_m == pytest.approx(found.max_tip_error_m / 160)
 
 
 def test_differences_where_joints_turn_are_told(robot, told, track):

@@ -28,7 +28,7 @@ def test_figures_by_hand(tracks):
 
 def test_curves_by_hand(tracks):
     """One value per row, over the episodes."""
-    curves = drift_between(*tracks).curves()
+    curves = drift_between(*tracks).curves
     assert_allclose(curves["max_tip_error_m"], [0.0, 5.0, 2.0])
     assert_allclose(curves["mean_tip_error_m"], [0.0, 2.5, 1.5])
     assert_allclose(curves["max_joint_error_rad"], [0.0, 0.0, 0.3])

@@ -91,7 +91,7 @@ def test_engines_stay_near_one_another(pair, one, other):
 @pytest.mark.parametrize(("one", "other"), list(combinations(SIMULATORS, 2)))
 def test_slow_arms_are_within_5_mm_of_one_another(pair, one, other):
     """Of every two simulators with ideal drives, over 200 steps."""
-    assert pair(one, other).differences["slow"].max_tip_m < 5e-3
+    assert pair(one, other).differences["slow"].max_tip_error_m < 5e-3
 
 
 def test_another_setting_is_another_simulator(each_robot):

@@ -6,6 +6,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from harness.files.plain import to_plain
 from harness.record import COLUMN, EVALUATION, POLICY, SCALARS, Manifest, TraceWriter
 from harness.record.folder import WEIGHTS
 from harness.registry import Choice
@@ -72,7 +73,7 @@ def visit_all(results, away):
 def test_home_comes_first(train):
     """Rows are the simulators trained in; columns are those, then the ones that were visited."""
     matrix = visit_all(train([4, 2]), [1, 1])
-    assert (matrix.trained_in, matrix.evaluated_in) == ((HOME,), (HOME, AWAY))
+    assert (matrix.trained_in, matrix.evaluated_in) == ((HOME.label,), (HOME.label, AWAY.label))
 
 
 def test_success_is_the_mean_over_seeds(train):
@@ -114,7 +115,7 @@ def test_evaluation_that_failed_is_counted_and_listed(train):
     visit(results, results.done_cells[1], 4)
     transfers = load_transfers(results)
     assert "1 of 3 failed, 1 of 3 not evaluated" in transfers.matrices[0].success[0][1].notes
-    assert [failure.to_json()["reason"] for failure in transfers.failed] == [REASON]
+    assert [to_plain(failure)["reason"] for failure in transfers.failed] == [REASON]
 
 
 def test_one_seed_has_no_interval(train):
