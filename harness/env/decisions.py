@@ -86,6 +86,7 @@ class Events:
         """Clear the record of flags and event terms."""
         self._episodes.flags[...] = 0.0
         self._episodes.events[...] = 0.0
+        self._episodes.terminated[...] = self._episodes.truncated[...] = False
         self.marked = False
 
     def state(self) -> dict[str, Any]:
@@ -112,6 +113,7 @@ class Events:
             episodes.events[:, 0] += struck * conditions_of(self._task).obstacle_reward
         if reached.any():
             episodes.events[reached, 1] = self._task.target_rewards(self._robot, episodes.qpos[reached])
+        episodes.terminated[...], episodes.truncated[...] = terminated, truncated
         self.marked = True
         return terminated, truncated
 
@@ -487,9 +489,9 @@ class Decisions:
         distance = episodes.measure(state)
         self._require_measured()
         episodes.ground[...] = ground
-        episodes.shaped[...] = self.shaping.pay(episodes.steps)
         struck = around.struck() if around else None
         reached, terminated, truncated = events.judge(distance, ground, struck, move.held)
+        episodes.shaped[...] = self.shaping.pay(episodes.steps)
         paid = episodes.shaped + self._step_reward
         if events.marked:
             paid = paid + (episodes.events[:, 0] + episodes.events[:, 1])

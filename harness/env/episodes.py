@@ -10,7 +10,7 @@ from harness.arrays import Float, Mask, read_only
 from harness.goal import Goal, Situation
 from harness.record.trace import COLUMN, NO_EXTRAS, SCALARS
 from harness.reward import Sample
-from harness.reward.steps import ARM_BEFORE, BEFORE, steps_of
+from harness.reward.steps import ARM_BEFORE, BEFORE, ENDS, steps_of
 from harness.simulator import State
 
 
@@ -40,6 +40,8 @@ class Episodes:
         action: (num_envs, action_size).
         extras: Columns that the record has beside the usual ones, and their widths; see `harness.record.trace`.
         ground: Whether the step touched the ground, (num_envs,).
+        terminated: Whether the step ended the episode, (num_envs,).
+        truncated: Whether the horizon cut the episode after the step, (num_envs,).
         steps: What rewards are given: the same arrays, which they cannot write into, and those of the row before.
         numbers: What belongs to the target beside its position, (num_envs, goal.numbers); (num_envs, 0) without a goal.
         situation: What a goal is given: the same; without a goal it tells nothing.
@@ -69,8 +71,8 @@ class Episodes:
         self.qpos, self.action = self._part("qpos"), self._part("action")
         self.qvel, self.qvel_change = self._part("qvel"), self._part("qvel_change")
         self.previous_distance = np.zeros(num_envs)
-        self.ground = np.zeros(num_envs, bool)
-        self._before, self._ground_before = np.zeros_like(matrix), np.zeros(num_envs, bool)
+        self.ground, self._ground_before, self.terminated, self.truncated = np.zeros((4, num_envs), bool)
+        self._before = np.zeros_like(matrix)
         self.steps = steps_of(self._fields())
         self.numbers, self._set_at = self._part("numbers"), self._part("set_at")
         self._since, self._within = (self._column(name) if goal else np.zeros(0) for name in ("since", "within"))
@@ -79,7 +81,7 @@ class Episodes:
 
     def _fields(self) -> dict[str, Any]:
         """The fields of `harness.reward.steps.ARM`, as views."""
-        now = {name: getattr(self, name) for name in dict.fromkeys((*Sample._fields, *ARM_BEFORE))}
+        now = {name: getattr(self, name) for name in dict.fromkeys((*Sample._fields, *ARM_BEFORE, *ENDS))}
         before = {name: self._before[:, slice(*self._places[name])] for name in ARM_BEFORE if name != "ground"}
         before = {**before, "distance": before["distance"][:, 0], "ground": self._ground_before}
         told = steps_of({name: read_only(before[name]) for name in ARM_BEFORE})

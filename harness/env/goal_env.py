@@ -174,8 +174,8 @@ def _require_payable_again(given: Given, registry: Registry) -> None:
     if not forgets_the_way(choice.build(registry, "rewards")):
         allowed = [name for name, reward in build_defaults(registry, "rewards").items() if forgets_the_way(reward)]
         raise UsageError(
-            f"Reward '{choice.label}' depends on earlier steps of the episode, such as the best distance so far: it "
-            f"cannot be paid again for another goal. Allowed: {', '.join(allowed)}"
+            f"Reward '{choice.label}' depends on more than the distances of a step, such as how it ended or the best "
+            f"distance so far: it cannot be paid again for another goal. Allowed: {', '.join(allowed)}"
         )
 
 

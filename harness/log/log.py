@@ -49,7 +49,7 @@ from numpy.typing import NDArray
 from harness.arrays import Float, Ints, Mask
 from harness.errors import SchemaError, UsageError
 from harness.log.facts import LogFacts
-from harness.reward.steps import nearest
+from harness.reward.steps import ENDS, nearest
 from harness.text import shortened
 
 Array: TypeAlias = NDArray[Any]
@@ -64,7 +64,7 @@ TIME, SINCE, START, REWARD, BEHAVIOUR = "time", "since", "start", "reward/", "be
 BEFORE, INFO = "before/", "info/"
 OBSERVATION, ACTION, SEEN = "observation", "action", "seen"
 OPERATOR, TASK, FILE = "operator", "task", "file"
-EPISODES = ("env", "episode", "terminated", "truncated")
+EPISODES = ("env", "episode", *ENDS)
 """Columns of steps that tell where episodes begin and end."""
 RECORDED = "recorded"
 """The reward that a log's own column of pay holds, where nobody says which it is."""
@@ -227,8 +227,8 @@ class Log:
     @cached_property
     def episodes(self) -> list[Ints]:
         """The row numbers of each finished episode in order, by env, its start row first; of a log of steps."""
-        env, episode, terminated, truncated = map(self.load(EPISODES).__getitem__, EPISODES)
-        return episode_rows(env, episode, terminated | truncated)
+        env, episode, *ends = map(self.load(EPISODES).__getitem__, EPISODES)
+        return episode_rows(env, episode, np.logical_or(*ends))
 
     def without_starts(self) -> "Log":
         """The same log without the rows that are the start of an episode, which no step ends in."""

@@ -26,7 +26,7 @@ from harness.reward import (
     pay,
 )
 from harness.reward.reward import LARGEST_PAID
-from harness.reward.steps import ARM_BEFORE, DISTANCE, step_between
+from harness.reward.steps import ARM_BEFORE, DISTANCE, ENDS, step_between
 from harness.reward.terms import Unpaid, paid_twice, paid_twice_text, require_one_each, require_same
 from harness.robot import Robot
 from harness.robot.kinematics import reach_position
@@ -240,13 +240,15 @@ def _record(env: ReachVectorEnv, actions: Float32, others: Sequence[slice]) -> S
     """What envs do and are paid; to the horizon where episodes of `others` may be longer."""
     env.reset(seed=EVALUATION_SEED)
     running, nothing = np.ones(env.num_envs, bool), np.zeros(env.num_envs)
-    steps = [{**_state(env), "events": nothing, "running": running, "reached": nothing > 0.0}]
+    steps = [{**_state(env), "events": nothing, "running": running}]
+    steps[0] |= dict.fromkeys(("reached", *ENDS), ~running)
     for action in actions:
-        _, paid, terminated, truncated, infos = env.step(action)
+        _, paid, *ended, infos = env.step(action)
         target = env.episodes.steps.before.target.copy()  # that of the step; a task that goes on has set the next one
         told = {"target": target, "distance": infos["distance"], "events": np.where(running, paid, 0.0)}
+        told |= zip(ENDS, ended, strict=True)
         steps.append({**_state(env), **told, "running": running, "reached": running & infos["is_success"]})
-        running = running & ~(terminated | truncated)
+        running = running & ~np.logical_or(*ended)
         if not (others or running.any()):
             break
     return {name: np.stack([of[name] for of in steps]) for name in steps[0]}

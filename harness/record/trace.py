@@ -63,6 +63,7 @@ from harness.record.file_forms import read_form
 from harness.record.folder import parts_of
 from harness.record.parts import PART_BYTES, PART_ROWS, RowsWriter, open_part, rows_of
 from harness.reward.reward import LARGEST_PAID
+from harness.reward.steps import ENDS
 from harness.text import shortened
 
 FORMAT = 3
@@ -88,7 +89,7 @@ NUMBERS = (
     "end_effector_y",
     "end_effector_z",
 )
-FLAGS = ("ground", "reached", "held", "terminated", "truncated")
+FLAGS = ("ground", "reached", "held", *ENDS)
 SCALARS = INTEGERS + NUMBERS + FLAGS
 COLUMN = {name: index for index, name in enumerate(SCALARS)}
 QVEL = "qvel"

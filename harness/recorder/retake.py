@@ -22,7 +22,6 @@ from harness.record.recording.facts import ActionFacts, TrainingFacts, facts_of,
 from harness.record.recording.recorded_training import (
     ACTION,
     CALLS,
-    FLAGS,
     INTEGERS,
     add_scores,
     read_recorder,
@@ -34,6 +33,7 @@ from harness.recorder.record_rewards import RecordRewards
 from harness.recorder.recorder import NO_SEED, UNCHECKED, GivenUp, Noted, action_of, checksum
 from harness.recorder.sealed import KeepWalks, Walk
 from harness.reward.given import OWN
+from harness.reward.steps import ENDS
 
 Tell = Callable[[int], None]
 
@@ -159,7 +159,7 @@ def _repeat(calls: Rows, actions: ActionFacts, env: RecordRewards[Any, Any], whe
     Raises:
         UsageError: It answers otherwise, or raises an error.
     """
-    rows = zip(*(calls[name].tolist() for name in (*CALLS, *FLAGS)), calls[ACTION], strict=True)
+    rows = zip(*(calls[name].tolist() for name in (*CALLS, *ENDS)), calls[ACTION], strict=True)
     for number, (seed, resets, answer, terminated, truncated, action) in enumerate(rows):
         try:
             if seed != NO_SEED:
@@ -185,7 +185,7 @@ def _place(calls: Rows, where: str, number: int) -> str:
 def _calls_in(folder: Path, log: Log) -> Rows:
     """The calls that the envs of a recorder got, and their answers."""
     _require_actions(folder, facts_of(log))
-    return log.rows((*INTEGERS, *FLAGS, *CALLS, ACTION))
+    return log.rows((*INTEGERS, *ENDS, *CALLS, ACTION))
 
 
 def _require_actions(folder: Path, facts: TrainingFacts) -> ActionFacts:

@@ -8,15 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Ints, Mask, read_only
-from harness.reward.steps import Steps, rows_of, step_between
+from harness.reward.steps import ENDS, Steps, rows_of, step_between
 
-TOUCHED = ("reached", "terminated", "truncated")
+TOUCHED = ("reached", *ENDS)
 """Columns of a trace that tell where a new target was set inside an episode."""
 DISTANCES = ("begin_distance", "previous_best", "distance")
 """Columns that every log has that can be paid again; besides them ``start``, or ``step``, which is 0 in start rows."""
 FIELDS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
-        **{name: (name,) for name in ("qpos", "qvel", "action", "ground")},
+        **{name: (name,) for name in ("qpos", "qvel", "action", "ground", *ENDS)},
         **{name: tuple(f"{name}_{axis}" for axis in "xyz") for name in ("end_effector", "target")},
     }
 )
@@ -54,7 +54,7 @@ def steps_of_rows(rows: Rows, last: Rows | None = None) -> tuple[Steps, Mask, Ro
     before = {
         name: np.concatenate([last.get(name, column[:1]), column[:-1]])
         for name, column in rows.items()
-        if name not in ("start", "previous_best", "first")
+        if name not in ("start", "previous_best", "first", *ENDS)
     }
     first = rows.get("first", np.zeros(1, bool))
     if first.any():

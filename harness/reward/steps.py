@@ -20,6 +20,8 @@ from harness.errors import UsageError
 Steps: TypeAlias = Any
 """Steps, with the fields of `ARM` or some of them; of an environment those of `ENVIRONMENT`."""
 DISTANCE = "distance"
+ENDS = ("terminated", "truncated")
+"""Fields that say whether an episode ended with the step."""
 BEFORE = "before"
 """The field whose fields tell what there was before the steps."""
 
@@ -124,8 +126,8 @@ def step_between(
     """The step from one state to another, of n episodes.
 
     Args:
-        state: The fields before the step, (n, ...) each; ``distance`` is among them.
-        after: The same after it; its action is that of the step.
+        state: The fields before the step, (n, ...) each; ``distance`` is among them. How an earlier step ended is none.
+        after: The same after it; its action is that of the step. What it lacks, the step lacks.
         begin: Begin distances, (n,), [m].
         best: The smallest distances until the state, (n,), [m].
         step: Numbers of the step, counted from 1, (n,).
@@ -133,7 +135,8 @@ def step_between(
     """
     distance, previous = after[DISTANCE], state[DISTANCE] if previous is None else previous
     six = Sample(begin, best, previous, distance, distance - best, step)
-    return steps_of({**six._asdict(), **after, BEFORE: steps_of(state)})
+    before = steps_of({name: it for name, it in state.items() if name not in ENDS})
+    return steps_of({**six._asdict(), **after, BEFORE: before})
 
 
 def map_steps(function: Callable[[Any], Any], steps: Steps) -> Steps:
@@ -185,6 +188,8 @@ ARM = (
     Field("end_effector", "(num_envs, 3)", "m", "where the end effector is, world frame", before=True),
     Field("target", "(num_envs, 3)", "m", "where the target of the step is, world frame", before=True),
     Field("ground", "(num_envs,)", "bool", "whether the step touched the ground", before=True),
+    Field("terminated", "(num_envs,)", "bool", "whether the ground, an obstacle or the target ended the episode"),
+    Field("truncated", "(num_envs,)", "bool", "whether the time limit cut the episode after the step"),
 )
 """What steps of an arm have."""
 ENVIRONMENT = (

@@ -17,7 +17,7 @@ import numpy as np
 from harness.arrays import read_only
 from harness.errors import HarnessError, UsageError, one_line
 from harness.reward.reward import Array, Carry, Reward
-from harness.reward.steps import BEFORE, MissingField, Steps, map_steps, step_between
+from harness.reward.steps import BEFORE, ENDS, MissingField, Steps, map_steps, step_between
 
 TOTAL = "total"
 """The key of a dict of terms under which their sum may stand."""
@@ -323,5 +323,5 @@ def _arm(rng: np.random.Generator, dof: int, action_size: int, distance: Any) ->
         "action": rng.uniform(-1.0, 1.0, (ROWS, action_size)),
         "end_effector": rng.uniform(0.1, 0.5, (ROWS, 3)),
         "target": rng.uniform(0.1, 0.5, (ROWS, 3)),
-        "ground": np.array([False, False]),
+        **dict.fromkeys(("ground", *ENDS), np.zeros(ROWS, bool)),
     }

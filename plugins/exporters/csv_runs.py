@@ -13,9 +13,10 @@ from harness.log.log import ROWS
 from harness.record import TRACE, read_recording, read_trace
 from harness.record.folder import TRAINING_RECORDING
 from harness.record.recording.facts import facts_of, file_column
-from harness.record.recording.recorded_training import FLAGS, INTEGERS, TICK, TICK_IN_FILE, is_recording, recordings_in
+from harness.record.recording.recorded_training import INTEGERS, TICK, TICK_IN_FILE, is_recording, recordings_in
 from harness.record.trace import TERM
 from harness.results import Group, Results
+from harness.reward.steps import ENDS
 from harness.score.csv_steps import EVENTS
 from harness.text import file_stems
 
@@ -158,7 +159,7 @@ def write_recording_csv(folder: Path, path: Path) -> None:
     """
     log = read_recording(folder)
     facts = facts_of(log)
-    names = (TICK, *INTEGERS, *facts.numbers, *FLAGS, *facts.term_columns)
+    names = (TICK, *INTEGERS, *facts.numbers, *ENDS, *facts.term_columns)
     rows = log.rows(names)
     columns = {
         TICK_IN_FILE if name == TICK else name if name in facts.term_columns else file_column(name): rows[name]

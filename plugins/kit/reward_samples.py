@@ -9,7 +9,7 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.reward import Array, Carry, Paid, Reward, Steps, pay as pay_aloud
-from harness.reward.steps import DISTANCE, map_steps, step_between
+from harness.reward.steps import DISTANCE, ENDS, map_steps, step_between
 from harness.reward.terms import SIZES, call_noted, made_up
 
 STEPS, NUM_ENVS = 20, 4
@@ -65,7 +65,7 @@ def state_at(distance: Array, joints: int, speed: float = 0.0) -> dict[str, Any]
     end_effector = np.stack([distance, np.zeros(count), np.zeros(count)], axis=1)
     moved = {"qpos": PERIOD * speeds, "qvel": speeds, "action": speeds}
     places = {"end_effector": end_effector, "target": np.zeros((count, 3))}
-    return {DISTANCE: distance, **moved, **places, "ground": np.zeros(count, bool)}
+    return {DISTANCE: distance, **moved, **places, **dict.fromkeys(("ground", *ENDS), np.zeros(count, bool))}
 
 
 def sample_of(state: Mapping[str, Any], after: Mapping[str, Any], begin: Array, best: Array, step: int) -> Steps:
@@ -116,6 +116,8 @@ def _wandering(distances: Float, joints: int, rng: np.random.Generator) -> dict[
     target = np.broadcast_to(rng.uniform(0.1, 0.5, (num_envs, 3)), (count, num_envs, 3))
     ground = rng.uniform(size=distances.shape) < 0.05
     ground[0] = False
+    terminated, truncated = np.zeros((2, *distances.shape), bool)
+    terminated[-1, ::2] = truncated[-1, 1::2] = True
     return {
         DISTANCE: distances,
         "qpos": rng.uniform(-0.5, 0.5, (num_envs, joints)) + PERIOD * np.cumsum(action, axis=0),
@@ -124,6 +126,8 @@ def _wandering(distances: Float, joints: int, rng: np.random.Generator) -> dict[
         "end_effector": target + distances[..., None] * direction,
         "target": target,
         "ground": ground,
+        "terminated": terminated,
+        "truncated": truncated,
     }
 
 

@@ -18,7 +18,6 @@ from harness.record.folder import parts_of
 from harness.record.out_folder import is_held
 from harness.record.recording.facts import term_column
 from harness.record.recording.recorded_training import (
-    FLAGS,
     INTEGERS,
     TICK,
     part_paths,
@@ -29,6 +28,7 @@ from harness.record.recording.recorded_training import (
 from harness.record.returns import PAID, paid_in
 from harness.record.trace import TERM
 from harness.results.under_way import are_flags, hint_of, measure_of
+from harness.reward.steps import ENDS
 
 from .blocks import BEHAVIOUR as BEHAVIOUR_AT, OWN, PAY, Blocks
 
@@ -170,8 +170,8 @@ class Recording:
         pay, *terms = summed = [f"{REWARD}{name}", *(term_column(name, it) for it in terms_in(facts))]
         measured = [f"{BEHAVIOUR}{measure}"] if measure else []
         log = read_recorder(self.folder, number, after)
-        for rows in log.tables([TICK, "env", "episode", *FLAGS, *summed, *measured]):
-            ends = np.logical_or.reduce([rows[it] for it in FLAGS])
+        for rows in log.tables([TICK, "env", "episode", *ENDS, *summed, *measured]):
+            ends = np.logical_or.reduce([rows[it] for it in ENDS])
             did = np.where(ends, rows[measured[0]] if measured else np.nan, 0.0)  # what an episode came to at its end
             sums = [rows[pay], did, *(rows[it] for it in terms)]
             yield Told(rows[TICK], rows["env"], rows["episode"], ends, sums, len(rows))
@@ -219,7 +219,7 @@ class Trace:
 
     def _told(self, after: int, before: int) -> Iterator[Told]:
         terms = [f"{TERM}{name}" for name in self._terms]
-        for rows in read_trace(self._path, after).tables([*INTEGERS, "reached", *FLAGS, *PAID, *terms]):
+        for rows in read_trace(self._path, after).tables([*INTEGERS, "reached", *ENDS, *PAID, *terms]):
             steps = before + np.cumsum(rows["step"] > 0)
             sums = [paid_in(rows.columns), rows["reached"], *(rows[name] for name in terms)]
             count, ends = int(np.count_nonzero(rows["step"])), rows["terminated"] | rows["truncated"]

@@ -90,7 +90,7 @@ def test_a_class_is_called_in_lower_case(lay):
     assert [it.name for it in registry.functions] == ["pays", "effort"]
 
 
-@pytest.mark.parametrize("pays", ["-step.observation[0]", "-step.before.info['x']", "step.terminated"])
+@pytest.mark.parametrize("pays", ["-step.observation[0]", "-step.before.info['x']"])
 def test_reward_of_an_environment_may_have_the_name_of_an_arms(lay, pays):
     """The arm's own stays."""
     registry = load_registry(given=read_given([lay("dense.py", f"def dense(step):\n    return {pays}")]))

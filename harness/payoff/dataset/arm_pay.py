@@ -11,7 +11,7 @@ from harness.payoff.dataset.steps import VECTORS, Payer, flat_rows, seen_after, 
 from harness.registry.choice import Registry
 from harness.reward import Paid, Reward
 from harness.reward.reward import is_finite
-from harness.reward.steps import MissingField
+from harness.reward.steps import ENDS, MissingField
 from harness.score.places import JOINTS_DEG, ArmPay, ArmPlaces, fields_read, parse_places
 
 
@@ -19,7 +19,7 @@ def of_arm(reward: Reward, places: ArmPlaces) -> Payer:
     """An arm's reward, by where the end effector and the target stand in an observation.
 
     It pays all steps of a piece at once, unless it remembers something. Beside distances it may read ``action``,
-    ``end_effector``, ``target``, and ``qpos`` where the places name joints.
+    ``end_effector``, ``target``, ``qpos`` where the places name joints, and how a step ended where the data set tells.
     """
     pay, needed, is_lost = ArmPay(reward), fields_read(reward), False
 
@@ -27,21 +27,20 @@ def of_arm(reward: Reward, places: ArmPlaces) -> Payer:
         nonlocal is_lost
         seen = seen_after(rows)
         after = vectors_of({name: values[:seen] for name, values in rows.columns.items()}, OBSERVATION)
+        beside = {name: rows[name] for name in ENDS if name in needed and name in rows.columns}
+        beside |= {"action": flat_rows(rows, ACTION)} if "action" in needed else {}
         with np.errstate(all="ignore"):  # what is not finite is refused by whoever asked
             try:
                 if rows["step"][0] <= 1:
                     before = vectors_of({name: values[:1] for name, values in rows.columns.items()}, VECTORS[0])
                     begun = places.fields(before, needed)
-                    if "action" in needed:
-                        begun["action"] = np.zeros_like(flat_rows(rows, ACTION)[:1])
+                    begun |= {name: np.zeros_like(values[:1]) for name, values in beside.items()}
                     begin = places.distances(before)
                     is_lost = not is_finite((begin, begun))
                     pay.begin(begin[0], begun)
                 if not seen:
                     return Paid(np.empty(0))
-                more = places.fields(after, needed)
-                if "action" in needed:
-                    more["action"] = flat_rows(rows, ACTION)[:seen]
+                more = {**places.fields(after, needed), **{name: values[:seen] for name, values in beside.items()}}
                 distances = places.distances(after)
                 found = pay.pay(distances, more)
                 is_lost = is_lost or not is_finite((distances, more))

@@ -34,6 +34,7 @@ from harness.payoff.dataset.steps import Movement, Payer, seen_after, steps_by_e
 from harness.record.dataset.labels import FAILURE, SUCCESS, UNKNOWN
 from harness.record.dataset.open_dataset import MOST_EPISODES, DatasetFacts, dataset_facts
 from harness.reward.reward import LARGEST_PAID
+from harness.reward.steps import ENDS
 
 if TYPE_CHECKING:
     from harness.score.places import ArmPlaces
@@ -250,7 +251,7 @@ def _columns(dataset: Log, rewards: Mapping[str, Payer], labels: Labels | None) 
     """What is read: what the environment told only where a function may look at it."""
     functions = not all(isinstance(reward, Recorded) for reward in rewards.values())
     for name in dataset.names:
-        if name.startswith(INFO):
+        if name.startswith(INFO) or name in ENDS:
             yield from [name] if functions else []
         elif name == LABEL:
             yield from [name] if labels is None else []

@@ -13,7 +13,7 @@ from harness.recorder.sealed import ReadOnlyDict
 from harness.recorder.trial import Guarded
 from harness.reward import Paid, Steps
 from harness.reward.given import Before, Given, zeros_of
-from harness.reward.steps import BEFORE, steps_type
+from harness.reward.steps import BEFORE, ENDS, steps_type
 
 
 class Unseen:
@@ -41,7 +41,8 @@ class Unseen:
 class _StepByStep:
     """A reward of a step of an environment, asked about one step after the other.
 
-    A step has what is recorded. What was told before the first one of an episode, by its reset, is not.
+    A step has what is recorded, of how it ended too. What was told before the first one of an episode, by its reset,
+    is not.
     """
 
     def __init__(self, reward: Guarded) -> None:
@@ -65,6 +66,8 @@ class _StepByStep:
         else:
             observed, observations = next(each_row(started, 1)) if begun[0] else blank, each_row(after, count)
         infos, steps = infos_of(rows.columns), list[Steps]()
+        ends = {name: rows[name] for name in ENDS if name in rows.columns}
+        recorded = steps_type((*Before._fields, *ends, BEFORE))
         for row, action in enumerate(each_row(vectors_of(rows.columns, ACTION), count)):
             info = ReadOnlyDict({key: values[row] for key, values in infos.items()})
             if self._before is None:
@@ -74,7 +77,7 @@ class _StepByStep:
             now = next(observations)
             did, now = action if done[row] else blank, now if comes[row] or row >= seen else blank
             self._before, observed = (did, info), now if row < seen else unseen
-            steps.append(_Recorded._make((observed, did, info, before)))
+            steps.append(recorded._make((observed, did, info, *(bool(it[row]) for it in ends.values()), before)))
             self._has_blanks |= did is blank or now is blank or observed is blank
         if self._has_blanks:
             paid = [self._with_blanks(step, blank) for step in steps[:seen]]
@@ -107,7 +110,7 @@ class _StepByStep:
 
 
 NOT_SEEN = "it looks at an observation, and the observations of this data set hold no numbers"
-_AtStart, _Recorded = steps_type(("observation", "action")), steps_type((*Before._fields, BEFORE))
+_AtStart = steps_type(("observation", "action"))
 
 
 def step_by_step(name: str, given: Given) -> Payer:

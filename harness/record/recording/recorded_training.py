@@ -22,6 +22,7 @@ from harness.record.folder import part_path
 from harness.record.parts import PART_ROWS, open_part, rows_of
 from harness.record.recording.facts import TrainingFacts, facts_of, file_column, log_column
 from harness.record.recording.scores import read_scores, scores_name, with_scores, write_scores
+from harness.reward.steps import ENDS
 
 MOST_PARTS, MOST_RECORDERS = 100_000, 10_000
 """Most that is read of a recording."""
@@ -29,7 +30,6 @@ MOST_PARTS, MOST_RECORDERS = 100_000, 10_000
 TICK, ACTION = "tick", "action"
 TICK_IN_FILE = "time"
 INTEGERS = ("env", "episode", "step")
-FLAGS = ("terminated", "truncated")
 ANSWER = "answer"
 CALLS = ("seed", "resets", ANSWER)
 """The columns of a step whose action is recorded; `harness.recorder.recorder.Calls` says what they are."""
@@ -134,7 +134,7 @@ def read_recorder(folder: Path, number: int, after: int = 0) -> Log:
 
 def _names(facts: TrainingFacts, *, with_calls: bool) -> tuple[str, ...]:
     calls = (*CALLS, ACTION) if with_calls else ()
-    return (TIME, TICK, *INTEGERS, *facts.numbers, *facts.term_columns, *FLAGS, *calls)
+    return (TIME, TICK, *INTEGERS, *facts.numbers, *facts.term_columns, *ENDS, *calls)
 
 
 def recorder_numbers(folder: Path) -> list[int]:
@@ -178,7 +178,7 @@ def part_schema(facts: TrainingFacts) -> pa.Schema:
         TICK_IN_FILE: pa.int64(),
         **dict.fromkeys(INTEGERS, pa.int32()),
         **dict.fromkeys((*map(file_column, facts.numbers), *facts.term_columns), pa.float64()),
-        **dict.fromkeys(FLAGS, pa.bool_()),
+        **dict.fromkeys(ENDS, pa.bool_()),
         **dict.fromkeys(CALLS if facts.actions else (), pa.int64()),
         **dict.fromkeys(action_columns(facts), pa.float64()),
     })  # fmt: skip

@@ -13,7 +13,6 @@ from harness.log import Log
 from harness.record.parts import RowsWriter
 from harness.record.recording.facts import TrainingFacts, facts_of
 from harness.record.recording.recorded_training import (
-    FLAGS,
     INTEGERS,
     TICK,
     facts_name,
@@ -22,6 +21,7 @@ from harness.record.recording.recorded_training import (
     read_facts,
     read_recorder,
 )
+from harness.reward.steps import ENDS
 
 
 class RecordingWriter(RowsWriter):
@@ -137,7 +137,7 @@ def write_recording(folder: Path, log: Log) -> None:
     facts = replace(facts_of(log), actions=None)
     writer = RecordingWriter(folder, facts)
     try:
-        rows = log.rows((TICK, *INTEGERS, *facts.numbers, *facts.term_columns, *FLAGS)).columns
+        rows = log.rows((TICK, *INTEGERS, *facts.numbers, *facts.term_columns, *ENDS)).columns
         writer.append(np.stack([*rows.values()], axis=1).astype(float))
     finally:
         writer.close()

@@ -17,10 +17,10 @@ from harness.results.logs.labels import labelled
 from harness.results.logs.read_logs import Other, runs_of
 from harness.results.logs.told import FOUND_OUT, Told
 from harness.results.logs.trainings import Sorted, require_several, sort_files, sort_logs
-from harness.results.recordings.episodes import ENDS
 from harness.results.recordings.recordings import Recordings, plan_of
 from harness.results.recordings.runs import called_alike
 from harness.results.results import Results
+from harness.reward.steps import ENDS
 from harness.text import command_text
 
 MOST_NAMED = 5

@@ -19,9 +19,9 @@ from harness.log.log import BEHAVIOUR, REWARD, SINCE, TIME, OpenEpisodes, episod
 from harness.record.recording.facts import TrainingFacts, facts_of
 from harness.results.by_term import part_of
 from harness.results.metrics import Measured, Moment, Values
+from harness.reward.steps import ENDS
 
 UNKNOWN = "not a number in some episodes"
-ENDS = ("terminated", "truncated")
 LAST_SHARE = 0.2
 """The last part of a training, as a share of its steps."""
 

@@ -20,7 +20,6 @@ from harness.record.recording.facts import OWN_SOURCE, TrainingFacts, facts_of, 
 from harness.record.recording.recorded_training import (
     ACTION,
     CALLS,
-    FLAGS,
     INTEGERS,
     TICK,
     TICK_IN_FILE,
@@ -31,6 +30,7 @@ from harness.record.store import CELLS
 from harness.results.by_term import ByTerm, by_term
 from harness.results.kept import Kept
 from harness.results.recordings.episodes import Episodes, episodes_of
+from harness.reward.steps import ENDS
 from harness.score.weighted_recordings import weighed
 
 
@@ -81,7 +81,7 @@ def _digest(recording: Log) -> str:
     if all((values == values[:1]).all() for values in numbers.values()):
         return ""
     digest = hashlib.sha256()
-    place = {name: recording[name] for name in (*INTEGERS, *FLAGS) if name in recording}
+    place = {name: recording[name] for name in (*INTEGERS, *ENDS) if name in recording}
     whole = {TICK_IN_FILE: recording[TICK], **place} if TICK in recording else place
     for name, values in sorted({**whole, **numbers}.items()):
         digest.update(f"{name}\0{len(values)}\0".encode())

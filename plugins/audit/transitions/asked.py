@@ -12,7 +12,7 @@ from harness.recorder.guard import Guard
 from harness.recorder.recorder import differs
 from harness.recorder.sealed import Walk
 from harness.reward.given import Before
-from harness.reward.steps import BEFORE, MissingField, steps_type
+from harness.reward.steps import BEFORE, ENDS, MissingField, steps_type
 
 OfTransition = Callable[[Any, Any, Any], float]
 """R(s, a, s')."""
@@ -62,9 +62,9 @@ def of_transition(name: str, given: Any) -> OfTransition:
         except NoTransitionReward:
             raise
         except MissingField as error:
-            if error.field not in Before._fields:
+            if error.field not in (*Before._fields, *ENDS):
                 raise NoTransitionReward(str(error)) from error
-            told = f"it reads {BEFORE}.{error.field}"
+            told = f"it reads {error.field if error.field in ENDS else f'{BEFORE}.{error.field}'}"
             raise NoTransitionReward(f"{told}, which only a step that was taken has") from error
         except Exception as error:  # whatever rewards of users raise
             raise NoTransitionReward(
