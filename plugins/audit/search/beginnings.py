@@ -1,5 +1,6 @@
 """What a search begins from beside scripts: policies of people, what trainings have done."""
 
+from collections import Counter
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -60,31 +61,41 @@ def policy_named(world: World, text: str) -> Beginning:
     return Beginning(f"policy {folder.name if folder.name != POLICY else folder.parent.name}", act=act)
 
 
-def of_folder(world: World, folder: Path) -> list[Beginning]:
+def of_folder(world: World, folder: Path) -> tuple[list[Beginning], str]:
     """Policies of an experiment's finished cells that act in this world, and what recorded trainings have done.
+
+    Returns:
+        They, and a line on those from which no search begins; empty if there are none.
 
     Raises:
         UsageError: There is nothing of that.
         SchemaError: Something of it is damaged.
     """
-    found, recordings = list[Beginning](), sorted(recordings_in(folder))
+    found, recordings, refused = list[Beginning](), sorted(recordings_in(folder)), Counter[str]()
     if Store.is_experiment(folder):
         store = Store.open(folder)
         done = [cell for cell in store.read_plan().cells if store.examine(cell).status == "done"]
         for cell in done:
             act = acting(world, load_policy(store.cell_folder(cell) / POLICY))
-            if not _why_not(world, act):
+            if why := _why_not(world, act):
+                refused[why] += 1
+            else:
                 found.append(Beginning(f"policy trained with {cell.reward.label}, seed {cell.seed}", act=act))
         recordings = [it for it in recordings if it.name == TRAINING_RECORDING]
     found = found[:MOST_POLICIES]
     for path in recordings:
-        found += _of_recording(world, path)
+        try:
+            found += _of_recording(world, path)
+        except UsageError as error:
+            refused[str(error)] += 1
+    left_out = ", ".join(f"{count} ({why})" for why, count in refused.items())
     if not found:
         raise UsageError(
-            f"'{folder}' holds no policy and no recorded actions that fit {world.name}: name the folder of an "
-            "experiment, or of trainings that harness.RecordRewards recorded, in the same environment or task"
+            f"'{folder}' holds no policy and no recorded actions that fit {world.name}; there is "
+            f"{left_out or 'nothing'}. Name the folder of an experiment, or of trainings that harness.RecordRewards "
+            "recorded, in the same environment or task"
         )
-    return found
+    return found, left_out and f"Of the policies and recorded trainings in '{folder}' the search leaves out {left_out}."
 
 
 def acting(world: World, policy: Policy) -> Act:
@@ -132,10 +143,15 @@ def _why_not(world: World, act: Act) -> str:
 
 
 def _of_recording(world: World, path: Path) -> list[Beginning]:
-    """The episodes of a recorded training that are best paid, that come last, and the last ones that succeed."""
+    """The episodes of a recorded training that are best paid, that come last, and the last ones that succeed.
+
+    Raises:
+        UsageError: It does not hold its actions, or they are none of this world.
+    """
     log = read_recording(path)
-    if ACTION not in log:
-        return []
+    actions = facts_of(log).actions
+    if actions is None or actions.problem:  # from there on only zeros are noted
+        raise UsageError(actions.problem if actions else "it does not hold its actions")
     reward, success = f"{REWARD}{facts_of(log).trained_with}", f"{BEHAVIOUR}{SUCCESS}"
     rows = log.rows([ACTION, "env", "episode", reward, *([success] if success in log else [])])
     order = np.lexsort((rows["episode"], rows["env"]))  # steps of an episode stay in their order
@@ -146,8 +162,9 @@ def _of_recording(world: World, path: Path) -> list[Beginning]:
     latest = np.argsort(-last)
     done = latest[rows[success][last[latest]] > 0.0] if success in log else latest[:0]
     chosen = dict.fromkeys([*best.tolist(), *latest[:MOST_SEQUENCES].tolist(), *done[:MOST_SEQUENCES].tolist()])
-    with suppress(Exception):  # whatever a space raises of actions of another one
+    shape = (-1, *(world.space.shape or ()))
+    try:
         sequences = [np.array([_fitting(world, it) for it in rows[ACTION][parts[number]]]) for number in chosen]
-        shape = (-1, *(world.space.shape or ()))
         return [Beginning("recorded training", [it.reshape(shape).astype(world.space.dtype)]) for it in sequences]
-    return []
+    except Exception as error:  # whatever a space raises of actions of another one
+        raise UsageError(f"its actions are none of {world.space}") from error

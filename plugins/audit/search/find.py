@@ -84,15 +84,19 @@ def find_in(
         *world.scripts(starts),
         *(policy_of(world, name, policy) for name, policy in (policies or {}).items()),
         *(policy_named(world, text) for text in asked.policies),
-        *(beginning for folder in asked.folders for beginning in of_folder(world, folder)),
     ]
+    told = list[str]()
+    for folder in asked.folders:
+        found, left_out = of_folder(world, folder)
+        begun += found
+        told += [left_out] if left_out else []
     searched = search(world, starts, asked.budget, asked.seed, begun)
     judged = judge(searched, world, cache(lambda of: _walks(world, of, searched.rates)))
     rng, rates = np.random.default_rng([asked.seed, asked.budget]), searched.rates
     given = {it.made_by: it.act for it in begun if it.act is not None}
     three = judged.shown.three.by_role()
     noise = noise_curve(world, three, _acting(three, world, rates, given), rng)
-    strength, told = "", []
+    strength = ""
     if cases := [case for case in judged.alarmed if case.word == judged.word]:
         acting = [_acting(case.three.by_role(), world, rates, given) for case in cases]
         stood = strength_of(world, list(zip(cases, acting, strict=True)), rng)

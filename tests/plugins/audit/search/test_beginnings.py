@@ -1,7 +1,11 @@
 """What a search begins from."""
 
+import re
+from contextlib import closing
+
 import numpy as np
 import pytest
+from gymnasium.spaces import Box, Tuple
 from numpy.testing import assert_array_equal
 
 from harness import RecordRewards
@@ -13,6 +17,8 @@ from harness.reward.terms import Unpaid
 from harness_plugins.audit.search.arm_world import ArmWorld
 from harness_plugins.audit.search.beginnings import of_folder, policy_named
 from harness_plugins.audit.search.environment_world import of_env
+from harness_plugins.audit.search.find import Search, find_in
+from harness_plugins.audit.search.finding_grid import finding_parts
 from harness_plugins.kit import IdealSimulator
 from tests.plugins.audit.search.test_arm_world import ROBOT
 from tests.plugins.audit.search.test_environment_world import LENGTH, Dock
@@ -108,10 +114,10 @@ def test_recorded_trainings_tell_what_was_done(tmp_path):
         done.append(np.array([env.action_space.sample() for _ in range(LENGTH)]))
         paid.append(sum(float(env.step(action)[1]) for action in done[-1]))
     env.close()
-    begun = of_folder(docks(), tmp_path)
+    begun, left_out = of_folder(docks(), tmp_path)
     best, latest = np.argsort(-np.array(paid))[:8], np.arange(39, 31, -1)
     expected = list(dict.fromkeys([*best.tolist(), *latest.tolist()]))
-    assert kinds(begun) == ["recorded training"]
+    assert (kinds(begun), left_out) == (["recorded training"], "")
     assert_array_equal([it.actions[0] for it in begun], [done[number] for number in expected])
 
 
@@ -121,11 +127,42 @@ def test_an_empty_folder_is_refused(tmp_path):
         of_folder(docks(), tmp_path)
 
 
+SIDE = Box(-1.0, 1.0, (2,), np.float64)
+OTHERS = {
+    r"its actions are none of Box\(-1.0, 1.0, \(1,\), float64\)": (lambda: Dock(SIDE), 0),
+    "its env was not reset with a seed": (Dock, None),
+    "it does not hold its actions": (lambda: Dock(Tuple([SIDE])), 0),
+}
+"""Why a recorded training begins no search: the env that it was recorded in, and the seed of its reset."""
+
+
+def record(folder, make, seed, count=2):
+    """Trainings of a few steps each."""
+    for number in range(count):
+        with closing(RecordRewards(make(), folder / f"{number}", trained_with="own", rewards={"own": "own"})) as env:
+            env.action_space.seed(0)
+            env.reset(seed=seed)
+            for _ in range(LENGTH):
+                env.step(env.action_space.sample())
+
+
+@pytest.mark.parametrize("why", OTHERS)
+def test_recordings_that_begin_no_search_are_told(why, tmp_path):
+    """In one line, beside those that do, in a terminal and as JSON; and where there are no others, in the refusal."""
+    record(tmp_path / "others", *OTHERS[why])
+    with refused(rf"no recorded actions that fit Dock; there is 2 \({why}\)\. Name"):
+        of_folder(docks(), tmp_path)
+    record(tmp_path / "same", Dock, 0)
+    asked = Search(2_000, 2, folders=(tmp_path,))
+    with closing(docks()) as world:
+        found = find_in(world, asked)
+    (told,) = [line for line in found.to_json()["lines"] if "leaves out" in line]
+    assert re.fullmatch(rf"Of the policies and recorded trainings in '.*' the search leaves out 2 \({why}\)\.", told)
+    assert told in [str(part) for part in finding_parts(found)]
+
+
 def test_recordings_of_other_actions_are_left_out(tmp_path):
     """They do not fit."""
-    env = RecordRewards(Dock(), tmp_path / "steps", trained_with="own", rewards={"own": "own"})
-    env.reset(seed=0)
-    env.step(np.zeros(1))
-    env.close()
+    record(tmp_path, Dock, 0, count=1)
     with refused("holds no policy"):
         of_folder(arm(), tmp_path)
