@@ -469,9 +469,14 @@ class CellResults(Did):
         return name in self.manifest.files and (self._files / name).is_file()
 
 
-def learned(trace: Log) -> Float:
-    """Last row of each episode, whether it reached the target, what the reward paid: one after the other, in order."""
-    reached, paid = (episode_sums(trace[name], trace.episodes) for name in ("reached", "reward"))
+def learned(trace: Log, columns: Sequence[str] = ("reward",)) -> Float:
+    """Last row of each episode, whether it reached the target, what was paid: one after the other, in order.
+
+    Args:
+        trace: Of a training.
+        columns: Of what is paid; without those of events that of the reward alone.
+    """
+    reached, paid = (episode_sums(it, trace.episodes) for it in (trace["reached"], paid_in(trace, columns)))
     last = np.array([rows[-1] for rows in trace.episodes], np.int64)
     return np.array([last, reached > 0, paid])[:, np.argsort(last)].ravel()
 

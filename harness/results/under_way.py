@@ -21,6 +21,7 @@ from harness.record.cell import Cell
 from harness.record.folder import TRACE, TRAINING_RECORDING, partial_folder
 from harness.record.recording.facts import facts_of
 from harness.record.recording.recorded_training import is_recording, read_recording
+from harness.record.returns import PAID
 from harness.record.store import Store
 from harness.record.trace import read_trace
 from harness.results.cell_results import learned
@@ -119,7 +120,7 @@ def _recorded(folder: Path) -> Recorded | None:
         return of_recording(folder / TRAINING_RECORDING)
     if (folder / TRACE).exists():
         trace = read_trace(folder / TRACE)
-        steps, (last, reached, pay) = np.cumsum(trace["step"] > 0), learned(trace).reshape(3, -1)
+        steps, (last, reached, pay) = np.cumsum(trace["step"] > 0), learned(trace, PAID).reshape(3, -1)
         return Recorded(int(steps.max(initial=0)), steps[last.astype(int)], pay, reached, SUCCESS, "higher")
     return None
 

@@ -19,9 +19,10 @@ from harness.cli.status import so_far_of
 from harness.executor import Event
 from harness.record import Store, TraceWriter, partial_folder
 from harness.record.cell import Running, write_running
+from harness.record.trace import COLUMN, SCALARS
 from harness.results import load_results
 from harness.results.under_way import so_far
-from harness_plugins.watch.recorded import Recording
+from harness_plugins.watch.recorded import Recording, Trace
 
 ARM = {"sim": "ideal", "algo": "wander", "reward": "arp", "task": "fd100-reach:horizon=5"}
 CARTPOLE = {"algo": "random", "task": "gymnasium:id=CartPole-v1"}
@@ -101,28 +102,51 @@ class _Turns(gymnasium.Env):
     observation_space, action_space = Box(0.0, 1.0, (1,)), Discrete(2)
     count = 0
 
+    def __init__(self, pays):
+        self.pays = pays
+
     def reset(self, *, seed=None, options=None):
         return np.zeros(1, np.float32), {}
 
     def step(self, action):
         did, self.count = self.count // 3 % 2, self.count + 1
-        return np.zeros(1, np.float32), float(-did if action else did), True, False, {"success": did}
+        return np.zeros(1, np.float32), float(self.pays(did)), True, False, {"success": did}
 
 
-def words(cell, partial_, capsys, action):
-    """What each door says of one training that is paid for failing, 1, or for succeeding, 0."""
-    folder, store = partial_.parents[1], Store(partial_.parents[1])
-    for path in partial_.glob("training/*"):
+def _recorded(cell, folder, pays):
+    """What a recorder writes of sixty episodes that are paid, by whether they succeed."""
+    for path in folder.glob("training/*"):
         path.unlink()
     name = cell.reward.label
     given = {"rewards": {name: "own"}, "behaviour": {"success": "success"}, "steps_asked": cell.steps}
-    env = harness.RecordRewards(_Turns(), partial_ / "training", trained_with=name, **given)
+    env = harness.RecordRewards(_Turns(pays), folder / "training", trained_with=name, **given)
     for _ in range(60):
         env.reset(seed=0)
-        env.step(action)
-    capsys.readouterr()
+        env.step(0)
     env.close()
-    said = {"recorder": capsys.readouterr().err}
+    return Recording(folder / "training")
+
+
+def _traced(cell, folder, pays):
+    """The trace of sixty such episodes of an arm, a part of whose pay is the task's."""
+    rows = np.zeros((120, len(SCALARS) + 12))
+    at = {name: rows[:, place] for name, place in COLUMN.items()}
+    at["episode"][:], at["step"][1::2] = np.arange(120) // 2, 1.0
+    did = at["reached"][1::2] = at["terminated"][1::2] = np.arange(60) // 3 % 2
+    at["truncated"][1::2], at["reward_target"][1::2] = 1.0 - did, did
+    at["reward"][1::2] = [pays(it) - it for it in did]
+    with TraceWriter(folder / "trace.parquet", 6, 6) as writer:
+        writer.append(rows)
+    return Trace(folder / "trace.parquet")
+
+
+def words(begun, capsys, pays):
+    """What each door says of one training, whose pay depends on success alone."""
+    (cell, partial_), write = begun
+    folder, store = partial_.parents[1], Store(partial_.parents[1])
+    capsys.readouterr()
+    live = write(cell, partial_, pays)
+    said = {"recorder": capsys.readouterr().err} if write is _recorded else {}
     write_running(folder, {cell.id: Running(100.0, 6, 103.0)})
     with pytest.raises(SystemExit):
         main(["status", str(folder)])
@@ -134,7 +158,6 @@ def words(cell, partial_, capsys, action):
         progress(Event("started", cell))
         progress(Event("progress", cell, steps=cell.steps, scalars={}))
     said["progress line"] = console.file.getvalue()
-    live = Recording(partial_ / "training")
     live.look(cell.steps)
     return {**said, "live page": live.hint}
 
@@ -154,16 +177,29 @@ def _silent(words):
     return {door for door, told in words.items() if WORD not in " ".join(told.split())}
 
 
-@pytest.mark.parametrize("begun", [CARTPOLE], indirect=True, ids=[""])
-def test_a_hint_stands_at_every_door(begun, capsys):
-    """The same word of the same log; and none of an honest one."""
-    assert _silent(words(*begun, capsys, 1)) == set()
-    assert not any("It is a hint" in told for told in words(*begun, capsys, 0).values())
+@pytest.fixture
+def run(begun):
+    """A training that goes on, and what writes its rows."""
+    return begun, _recorded if begun[0].is_in_environment else _traced
 
 
-@pytest.mark.parametrize("door", BROKEN)
-@pytest.mark.parametrize("begun", [CARTPOLE], indirect=True, ids=[""])
-def test_a_door_that_says_nothing_is_found(begun, door, capsys, monkeypatch):
+@pytest.mark.parametrize("pays", [lambda did: -did, lambda did: 0.5 - did])
+def test_a_hint_stands_at_every_door(run, capsys, pays):
+    """The same word of the same log."""
+    assert _silent(words(run, capsys, pays)) == set()
+
+
+def test_an_honest_training_is_hinted_at_nowhere(run, capsys):
+    """Of an arm, what the reward alone pays for failing, the task takes back: the learner is paid the sum."""
+    assert not any("It is a hint" in told for told in words(run, capsys, lambda did: 0.5 * did).values())
+
+
+ROWS = [(CARTPOLE, door) for door in BROKEN] + [(ARM, door) for door in BROKEN if door != "recorder"]
+"""An arm's run is recorded by itself."""
+
+
+@pytest.mark.parametrize(("begun", "door"), ROWS, indirect=["begun"])
+def test_a_door_that_says_nothing_is_found(run, door, capsys, monkeypatch):
     """The mutants, a door each."""
     monkeypatch.setattr(BROKEN[door], lambda *given, **named: "" if door == "live page" else None)
-    assert door in _silent(words(*begun, capsys, 1))
+    assert door in _silent(words(run, capsys, lambda did: -did))
