@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from harness.recorder.evaluate_policy import evaluate_policy as evaluate_policy
     from harness.recorder.record_rewards import RecordRewards as RecordRewards
     from harness.recorder.record_vector_rewards import RecordVectorRewards as RecordVectorRewards
-    from harness.results import load_results as load_results
+    from harness.results.load import load_results as load_results
     from harness.robot.robot import load_robot as load_robot
 else:
     __all__, __getattr__ = face_of(__name__, __file__)

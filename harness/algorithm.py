@@ -47,8 +47,8 @@ class TrainingEnv(Protocol):
     """The vector env that an algorithm trains on: many arms of a task, or many copies of somebody's environment.
 
     It has the members of a `gymnasium.vector.VectorEnv` that are named here, and begins the next episode of an env in
-    the step that ends one (`gymnasium.vector.AutoresetMode.SAME_STEP`). The arm's env is a
-    `harness.authoring.ReachVectorEnv`.
+    the step that ends one (`gymnasium.vector.AutoresetMode.SAME_STEP`). The arm's env is that of
+    `harness.make_env`.
     """
 
     @property

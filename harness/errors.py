@@ -18,7 +18,7 @@
 To catch all of them, catch `HarnessError`.
 """
 
-from harness.text import command_text, one_line_of, print_visible, shortened
+from harness.text import one_line, print_visible
 
 __all__ = [
     "AskedError",
@@ -33,12 +33,8 @@ __all__ = [
     "Unmeasured",
     "Unscored",
     "UsageError",
-    "command_text",
     "one_line",
-    "one_line_of",
     "print_visible",
-    "reason_of",
-    "shortened",
 ]
 
 
@@ -98,11 +94,6 @@ class Unscored(HarnessError):
 
 class Unmeasured(HarnessError):
     """A metric raises an exception, is broken, or returns something that is not a finite number."""
-
-
-def one_line(error: BaseException) -> str:
-    """The type and the message of an exception on one line, ``ValueError: no such thing``; see `one_line_of`."""
-    return one_line_of(f"{type(error).__name__}: {error}").removesuffix(":")
 
 
 def reason_of(error: BaseException) -> str:

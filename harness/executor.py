@@ -9,10 +9,9 @@ from typing import Literal, NamedTuple, Protocol, Self, TypeAlias
 
 from harness.files.plain import Plain
 from harness.record.cell import Cell
-from harness.record.folder import partial_folder
 from harness.registry.given import Given
 
-__all__ = ["Cell", "Event", "Executor", "Job", "OnEvent", "Word", "partial_folder"]
+__all__ = ["Cell", "Event", "Executor", "Job", "OnEvent", "Word"]
 
 NO_SCALARS: Mapping[str, float] = MappingProxyType({})
 

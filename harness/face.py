@@ -21,15 +21,30 @@ MOVED = {
     "harness.authoring.Gaussian": "harness.policy.Gaussian",
     "harness.authoring.Greedy": "harness.policy.Greedy",
     "harness.authoring.SquashedGaussian": "harness.policy.SquashedGaussian",
+    "harness.authoring.add_part": "harness.authoring.folder_parts.add_part",
+    "harness.authoring.events_of": "harness.experiment.jobs.events_of",
     "harness.authoring.forward": "harness.robot.forward",
     "harness.authoring.link_frames": "harness.robot.link_frames",
+    "harness.authoring.order_of": "harness.experiment.jobs.order_of",
     "harness.authoring.reach_position": "harness.robot.reach_position",
     "harness.authoring.servo_of": "harness.simulator.servo_of",
     "harness.environment.Measure": "harness.reward.Given",
     "harness.metric.Metric": "harness.measure.Measure",
+    "harness.results.load_results": "harness.load_results",
     "harness.robot.inverse_kinematics.reach_position": "harness.robot.reach_position",
+    "harness_plugins.sb3.categorical": "harness_plugins.sb3.policy_from",
+    "harness_plugins.sb3.deterministic": "harness_plugins.sb3.policy_from",
+    "harness_plugins.sb3.gaussian": "harness_plugins.sb3.policy_from",
+    "harness_plugins.sb3.greedy": "harness_plugins.sb3.policy_from",
+    "harness_plugins.sb3.squashed_gaussian": "harness_plugins.sb3.policy_from",
 }
 """By name, where it is now. They leave with 0.6."""
+INSTEAD = {
+    "harness.authoring.add_part": "write `add_parts(folder, [part])`",
+    "harness.authoring.events_of": "`run_jobs` gives the same events to a function",
+    "harness.authoring.order_of": "`run_jobs([job], 1, on_event)` does a job anywhere",
+}
+"""What to write where a name has no place that stays."""
 _KIT = "the checks of plugins are in harness_plugins.kit, as in `from harness_plugins.kit import check_contract`"
 LEFT = {
     **dict.fromkeys(
@@ -73,9 +88,13 @@ def lookup(module: str, name: str) -> Any:
     if full not in MOVED:
         raise AttributeError(f"module '{module}' has no attribute '{name}'")
     home, _, new = MOVED[full].rpartition(".")
-    told = f"{full} works until fd100-harness 0.6: write `from {home} import {new}`"
-    warnings.warn(told, DeprecationWarning, stacklevel=3)
+    warn_of(full, INSTEAD.get(full, f"write `from {home} import {new}`"))
     return getattr(importlib.import_module(home), new)
+
+
+def warn_of(name: str, instead: str) -> None:
+    """Say that a name, which a module's ``__getattr__`` just looked up, leaves, and what to write in its place."""
+    warnings.warn(f"{name} works until fd100-harness 0.6: {instead}", DeprecationWarning, stacklevel=4)
 
 
 def know_earlier_modules() -> None:

@@ -12,13 +12,10 @@ if TYPE_CHECKING:
 
 __all__ = [
     "RETURN",
-    "SCALARS_EVERY",
-    "TOLD_EVERY",
     "Progress",
     "Ring",
     "TrainingState",
     "as_state",
-    "prefixed",
     "under",
 ]
 
@@ -54,10 +51,6 @@ target, what these episodes were paid on average, and environment steps per seco
 TERMS = "Reward Terms"
 """The first part of the names of what the terms of the reward paid these episodes on average."""
 LAST_EPISODES = 100
-
-TOLD_EVERY = 100
-SCALARS_EVERY = 1000
-"""Environment steps from one report of progress, or of scalars, to the next, in the built-in algorithms."""
 
 
 class Progress:
@@ -107,8 +100,17 @@ class Progress:
 
 
 def as_state(values: Mapping[str, Any]) -> TrainingState:
-    """Numbers, arrays and rings as a state."""
-    return {name: value if isinstance(value, Ring) else np.asarray(value) for name, value in values.items()}
+    """Numbers, arrays and rings as a state.
+
+    A mapping in it, such as the state of a network, becomes part of it: ``under("network.", state)`` gives it back.
+    """
+    state: dict[str, Any] = {}
+    for name, value in values.items():
+        if isinstance(value, Mapping):
+            state |= prefixed(f"{name}.", as_state(value))
+        else:
+            state[name] = value if isinstance(value, Ring) else np.asarray(value)
+    return state
 
 
 def under(prefix: str, state: TrainingState) -> TrainingState:

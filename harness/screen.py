@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from harness.record.cell import Cell
     from harness.registry.choice import Registry
 
-__all__ = ["CANNOT_TELL", "FAILING", "LOITERING", "NOTHING", "Screen", "Screened"]
+__all__ = ["Screen", "Screened"]
 
 SCREENS = "screens"
 FAILING, LOITERING, NOTHING, CANNOT_TELL = WORDS = (
@@ -24,7 +24,7 @@ class Screened(NamedTuple):
     """What a screen says of one reward in one place."""
 
     word: str
-    """One of `WORDS`."""
+    """``PAYS FOR FAILING``, ``PAYS FOR LOITERING``, ``NOTHING FOUND`` or ``CANNOT TELL``."""
     line: str
     """The answer in sentences, without the name of the reward."""
 

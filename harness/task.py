@@ -55,7 +55,14 @@ class Observation(Protocol):
         """Upper bounds, (size,)."""
 
     def observe(self, episodes: "Episodes") -> Float32:
-        """What the learner sees of every episode, (num_envs, size), a new array."""
+        """What the learner sees of every episode, (num_envs, size), a new array.
+
+        Args:
+            episodes: Their state, not to be changed: `qpos` and `qvel`, (num_envs, dof), [rad] and [rad/s];
+                `end_effector`, `target` and `offset`, which leads from the one to the other, (num_envs, 3), world
+                frame, [m]; `distance`, (num_envs,), [m], or a goal's error; `action`, the last one, (num_envs,
+                action_size); `numbers`, what a goal draws beside the target's position.
+        """
 
 
 class Task(Protocol):

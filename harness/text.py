@@ -63,9 +63,13 @@ def shortened(message: str, most: int = LONGEST_MESSAGE) -> str:
     )
 
 
-def one_line_of(message: str) -> str:
-    """The message as one visible line of at most `LONGEST_MESSAGE` characters."""
-    return shortened(visible(" ".join(message.split())))
+def one_line(told: BaseException | str, most: int = LONGEST_MESSAGE) -> str:
+    """A text, or an exception as ``ValueError: no such thing``, on one visible line of about `most` characters.
+
+    A long one has its beginning and its end, cut between words.
+    """
+    text = told if isinstance(told, str) else f"{type(told).__name__}: {told}".removesuffix(": ")
+    return shortened(visible(" ".join(text.split())), most)
 
 
 def command_text(*words: str | Path) -> str:

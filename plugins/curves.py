@@ -11,20 +11,8 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from harness.arrays import Float
-from harness.errors import SchemaError, UsageError, shortened
-from harness.log import (
-    BEHAVIOUR,
-    LARGEST,
-    RECORDED,
-    REWARD,
-    SINCE,
-    SUCCESS,
-    Log,
-    LogFacts,
-    Unit,
-    in_memory,
-    require_columns,
-)
+from harness.errors import SchemaError, UsageError, one_line
+from harness.log import LARGEST, Log, LogFacts, Unit, in_memory, require_columns
 from harness.progress import RETURN
 from harness.score.row_meaning import EPISODE, LENGTH
 
@@ -187,7 +175,7 @@ class Roles:
         if not {"reward", "success"} & roles.keys():
             raise UsageError(
                 f"{path} has no curve of returns that is known by its name: say reward=NAME. "
-                f"It has: {shortened(', '.join(names), 160)}"
+                f"It has: {one_line(', '.join(names), 160)}"
             )
         columns = {role: roles[role] for role in VALUES if role in roles}
         chosen = Chosen(columns, episode=roles.get("episode", ""), evaluation=evaluation)
@@ -299,7 +287,7 @@ def points(facts: LogFacts, chosen: Chosen, columns: Mapping[str, Float], told: 
         ONE: np.where(np.isnan(lengths), before, np.maximum(after - lengths, 0.0)),
         LAST_100_OR_NEW: np.minimum(before, last_100),
     }
-    found[SINCE] = since.get(point, last_100)
+    found["since"] = since.get(point, last_100)
     shown = ", ".join(f"{column} from '{name}'" for column, name in read.items())
     notes = {
         f"{shown}; {axis} from " + (f"'{told_by}'" if told_by else "its steps"): True,
@@ -314,7 +302,7 @@ def points(facts: LogFacts, chosen: Chosen, columns: Mapping[str, Float], told: 
         facts,
         unit="point",
         evaluation=chosen.evaluation,
-        bounds={SUCCESS: (0.0, 1.0)} if "success" in chosen.columns else {},
+        bounds={"success": (0.0, 1.0)} if "success" in chosen.columns else {},
         thinned="; ".join(filter(None, thinned)),
         notes=(*facts.notes, *(note for note, is_so in notes.items() if is_so)),
     )
@@ -323,7 +311,7 @@ def points(facts: LogFacts, chosen: Chosen, columns: Mapping[str, Float], told: 
 
 def column_of(role: str, name: str) -> str:
     """The standard column of a role."""
-    return {"reward": f"{REWARD}{RECORDED}", "success": f"{BEHAVIOUR}{SUCCESS}"}.get(role, f"{BEHAVIOUR}{name}")
+    return {"reward": "reward/recorded", "success": "behaviour/success"}.get(role, f"behaviour/{name}")
 
 
 def curve(facts: LogFacts, series: Mapping[str, Series], told: Roles, step: str = "") -> Log:

@@ -5,7 +5,7 @@ from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
 
-from harness.files import read_text
+from harness.files import read_bytes
 
 PAIR = re.compile(r"^[ -]*- (?P<key>\w+)\n +- (?P<value>[^\n]+)$", re.MULTILINE)
 """A key and its value in an ordered mapping, as PyYAML writes it: a list of pairs. No other YAML is read, and none of
@@ -53,7 +53,7 @@ def zoo_settings(log: Path, env: str = "") -> ZooSettings:
 
 
 def _pairs(path: Path) -> dict[str, str]:
-    pairs = {found["key"]: found["value"] for found in PAIR.finditer(read_text(path))}
+    pairs = {found["key"]: found["value"] for found in PAIR.finditer(read_bytes(path).decode())}
     return {key: value.strip("'\"") for key, value in pairs.items() if PLAIN.match(value)}
 
 

@@ -15,6 +15,7 @@ from hypothesis import settings
 from numpy.random import default_rng
 
 import harness
+from harness import load_results
 from harness.experiment.experiment import ExperimentRun
 from harness.experiment.plan import Plan
 from harness.experiment.workers.workers import News
@@ -22,7 +23,6 @@ from harness.files.bounded import note_made
 from harness.policy.discrete import ChoosingNetwork
 from harness.record import EVALUATION, REPORT, Cell, Store
 from harness.registry import Choice, load_registry
-from harness.results import load_results
 from harness_plugins.transfer import TransferRecord, simulator_id
 
 settings.register_profile("no deadline", deadline=None)  # a busy machine is no bug

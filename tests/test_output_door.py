@@ -114,7 +114,7 @@ def _is_logged(called):
 def _is_visible(node):
     """Whether a warning is a text of ours, or was made visible."""
     text = node.args[0]
-    is_door = isinstance(text, ast.Call) and _name_of(text.func) in {"visible", "one_line_of", "_moved"}
+    is_door = isinstance(text, ast.Call) and _name_of(text.func) in {"visible", "one_line", "_moved"}
     return is_door or isinstance(text, ast.Constant)
 
 

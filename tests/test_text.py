@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 import harness
-from harness.text import LONGEST_MESSAGE, command_text, file_stems, number, one_line_of, shortened, visible
+from harness.text import LONGEST_MESSAGE, command_text, file_stems, number, one_line, shortened, visible
 
 
 def test_what_is_not_seen_is_written_out(subtests):
@@ -61,7 +61,7 @@ def test_a_flag_to_type_is_kept_with_what_it_gets():
     """A long path is cut where it was given, and not where it is to be typed."""
     for length in range(10, 170):
         path = f"'/{'f' * length}'"
-        shown = one_line_of(f"{path} was trained with prop {'and so on ' * 20}: leave it out, --leave-out {path}")
+        shown = one_line(f"{path} was trained with prop {'and so on ' * 20}: leave it out, --leave-out {path}")
         assert len(shown) <= LONGEST_MESSAGE
         assert shown.endswith(f"--leave-out {path}")
 
@@ -70,7 +70,7 @@ def test_a_list_is_cut_between_its_names():
     """Each name that is shown is whole, whatever the place of the cut."""
     for length in range(1, 60):
         names = [f"{'n' * length}-{number}" for number in range(400)]
-        shown = one_line_of(f"No reward 'x'. There is: {', '.join(names)}. Did you mean 'y'?")
+        shown = one_line(f"No reward 'x'. There is: {', '.join(names)}. Did you mean 'y'?")
         first, _, last = shown.removeprefix("No reward 'x'. There is: ").partition(" ... ")
         assert len(shown) <= LONGEST_MESSAGE
         assert set(first.rstrip(",").split(", ")) <= set(names)
@@ -90,7 +90,7 @@ def test_words_before_and_behind_a_cut_are_whole(subtests):
 @given(st.text())
 def test_a_message_is_one_short_line(text):
     """Whatever it says."""
-    message = one_line_of(text)
+    message = one_line(text)
     assert len(message) <= LONGEST_MESSAGE
     assert len(message.splitlines()) <= 1
 

@@ -8,7 +8,6 @@ if TYPE_CHECKING:
     from harness.authoring.act_without_learning import act_for as act_for
     from harness.authoring.folder_parts import (
         Part as Part,
-        add_part as add_part,
         add_parts as add_parts,
         parts_of as parts_of,
     )
@@ -22,31 +21,15 @@ if TYPE_CHECKING:
     from harness.authoring.servo_track import ServoTrack as ServoTrack
     from harness.authoring.substeps import Substeps as Substeps
     from harness.authoring.wrapped_reward import WrappedReward as WrappedReward
-    from harness.env.episodes import Episodes as Episodes
-    from harness.env.vector_env import ReachVectorEnv as ReachVectorEnv
-    from harness.experiment.jobs import (
-        events_of as events_of,
-        order_of as order_of,
-        run_job as run_job,
-        run_jobs as run_jobs,
-    )
-    from harness.experiment.plan import check_experiment as check_experiment, expand as expand
+    from harness.experiment.jobs import run_job as run_job, run_jobs as run_jobs
     from harness.record.dataset.open_dataset import DatasetFacts as DatasetFacts
     from harness.record.trace import episode_facts as episode_facts, trace_of as trace_of
     from harness.registry.allowed import (
-        is_allowed_program as is_allowed_program,
         require_allowed as require_allowed,
         require_program as require_program,
     )
     from harness.registry.registry import load_registry as load_registry
-    from harness.registry.spec import did_you_mean as did_you_mean, unknown_name as unknown_name
-    from harness.registry.toml_file import read_toml as read_toml
-    from harness.scene.picture import (
-        Camera as Camera,
-        StillFrames as StillFrames,
-        camera_for as camera_for,
-        seen_of as seen_of,
-    )
-    from harness.score.places import parse_places as parse_places
+    from harness.registry.spec import unknown_name as unknown_name
+    from harness.scene.picture import Camera as Camera, StillFrames as StillFrames
 else:
     __all__, __getattr__ = face_of(__name__, __file__)

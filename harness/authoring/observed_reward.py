@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from harness.reward import Reward
-from harness.score.places import ArmPay, ArmPlaces
+from harness.score.places import ArmPay, ArmPlaces, parse_places
 
 
 class ObservedReward:
@@ -15,17 +15,18 @@ class ObservedReward:
     way. What a task pays besides, such as a penalty for the ground, no observation tells.
     """
 
-    def __init__(self, reward: Reward, places: ArmPlaces, steps: int = 1) -> None:
+    def __init__(self, reward: Reward, places: ArmPlaces | str, steps: int = 1) -> None:
         """Pay nothing yet.
 
         Args:
             reward: A registered reward, built.
-            places: Where an observation tells the distance; `harness.score.places.parse_places` reads a text.
+            places: Where an observation tells the distance, such as ``end_effector=0:3,target=3:6``.
             steps: Environment steps between two observations, each of which pays. The arm is taken to be where it is
                 observed next in all of them, and to stop at a terminal step: a step that terminates an episode pays
                 once. Whether it does is what ``info["terminated"]`` says.
         """
-        self._pay, self._places, self._steps, self._is_begun = ArmPay(reward), places, steps, False
+        self._pay, self._steps, self._is_begun = ArmPay(reward), steps, False
+        self._places = parse_places(places) if isinstance(places, str) else places
 
     def reset(self) -> None:
         """An episode starts."""

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
 from harness.cli.records import load_records
-from harness.errors import UsageError, one_line
-from harness.text import one_line_of, print_visible, visible
+from harness.errors import UsageError
+from harness.text import one_line, print_visible, visible
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -30,7 +30,7 @@ def say(line: str, err: bool = False) -> None:
 
 def complain(message: str) -> None:
     """Say on standard error, in one line that is not long, what went wrong."""
-    print_visible(f"harness: {one_line_of(message)}", err=True)
+    print_visible(f"harness: {one_line(message)}", err=True)
 
 
 def say_json(data: Any) -> None:

@@ -100,7 +100,7 @@ def report(
         require_fit(context, inputs.DATASET)
         return _audit(folders[0], as_json, html, labels, fail_on)
     from harness.registry.given import read_given
-    from harness.results import load_results
+    from harness.results.load import load_results
 
     records = records_in(folders)
     if records is not None:

@@ -154,7 +154,7 @@ def _paid_by_weights(paths: "Sequence[Path]", labels: "Sequence[str]") -> "Itera
 
 def _returns_of(folder: Path) -> "list[ReturnMatrix]":
     """What every reward paid, of each group of trainings in the manner that says most."""
-    from harness.results import load_results
+    from harness.results.load import load_results
 
     matrices = load_results(folder).returns
     return list({matrix.group: matrix for matrix in reversed(matrices)}.values())
@@ -179,7 +179,7 @@ def _score_experiment(
     from harness.record.cell_log import cell_log
     from harness.record.folder import TRACE
     from harness.record.out_folder import refuse_links
-    from harness.results import load_results
+    from harness.results.load import load_results
     from harness.results.score_matrix import score_matrices
     from harness.score.rescore import scoring_choice
 

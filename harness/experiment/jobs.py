@@ -1,9 +1,7 @@
 """Building blocks for authors of executors: they do a job in this process, or in processes of this machine.
 
 An executor for another machine sends `Job.to_json` there, calls `run_jobs` there with that one job, and passes on the
-events. If one process is to do several jobs, it calls `events_of` instead. An executor that starts processes itself
-writes `order_of(job).line()` to the standard input of ``python -m harness.experiment.workers.worker``. That module
-describes the answers.
+events.
 """
 
 from collections.abc import Iterator, Sequence

@@ -11,10 +11,7 @@ if TYPE_CHECKING:
         open_regular as open_regular,
         parse_json as parse_json,
         read_bytes as read_bytes,
-        read_json as read_json,
-        read_text as read_text,
         reading as reading,
-        require_regular as require_regular,
     )
 else:
     __all__, __getattr__ = face_of(__name__, __file__)

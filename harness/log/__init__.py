@@ -10,22 +10,7 @@ from harness.face import face_of
 from harness.log.facts import Failed as Failed, LogFacts as LogFacts, Unit as Unit
 from harness.log.format import LogFormat as LogFormat
 from harness.log.log import (
-    ACTION as ACTION,
-    BEFORE as BEFORE,
-    BEHAVIOUR as BEHAVIOUR,
-    EPISODES as EPISODES,
-    FILE as FILE,
-    INFO as INFO,
     LARGEST as LARGEST,
-    OBSERVATION as OBSERVATION,
-    OPERATOR as OPERATOR,
-    RECORDED as RECORDED,
-    REWARD as REWARD,
-    SEEN as SEEN,
-    SINCE as SINCE,
-    START as START,
-    SUCCESS as SUCCESS,
-    TASK as TASK,
     Log as Log,
     Rows as Rows,
     in_memory as in_memory,

@@ -8,7 +8,7 @@ from typing import Any
 from harness.errors import HarnessError, SchemaError
 from harness.policy.discrete import Categorical, Greedy, UniformChoice
 from harness.policy.policy import Deterministic, Gaussian, Policy, SquashedGaussian, Uniform, read_folder
-from harness.text import one_line_of
+from harness.text import one_line
 
 
 def every_kind() -> Iterator[type[Policy]]:
@@ -46,7 +46,7 @@ def load_policy(folder: Path) -> Policy:
     except KeyError as error:
         raise SchemaError(f"{folder} holds no readable policy: {error} is missing") from error
     except Exception as error:  # bytes of anybody: any exception of numpy, safetensors and Python's numbers
-        raise SchemaError(f"{folder} holds no readable policy: {one_line_of(str(error))}") from error
+        raise SchemaError(f"{folder} holds no readable policy: {one_line(str(error))}") from error
     return policy
 
 

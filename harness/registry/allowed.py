@@ -78,22 +78,18 @@ def allowed_programs() -> frozenset[str]:
     return frozenset(filter(None, os.environ.get(PROGRAMS, "").split(os.pathsep)))
 
 
-def is_allowed_program(path: str | os.PathLike[str]) -> bool:
-    """Whether the user named a program."""
-    return os.path.abspath(os.path.expanduser(path)) in allowed_programs()
-
-
-def require_program(path: str) -> None:
-    """See whether an environment may start a program.
+def require_program(path: str | os.PathLike[str], noun: str) -> None:
+    """See whether a program may be started: one that the user named.
 
     Args:
         path: As it was given.
+        noun: What an error begins with, ``file=player``.
 
     Raises:
         UsageError: The user did not name it.
     """
-    if not is_allowed_program(path):
+    if os.path.abspath(os.path.expanduser(path)) not in allowed_programs():
         raise UsageError(
-            f"file={path} is a program, and a file or a folder names it: nothing is started for that. If you trust the "
-            f"program, add --allow-program {command_text(path)}"
+            f"{noun} is a program, and a file or a folder names it: nothing is started for that. If you trust the "
+            f"program, add --allow-program {command_text(os.fspath(path))}"
         )

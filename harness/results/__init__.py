@@ -4,7 +4,6 @@ from typing import TYPE_CHECKING
 
 from harness.face import face_of
 from harness.results.comparison import Comparison as Comparison, Group as Group
-from harness.results.load import load_results as load_results
 from harness.results.results import Results as Results
 
 if TYPE_CHECKING:

@@ -11,11 +11,9 @@ if TYPE_CHECKING:
     from harness.robot.joint_limits import Servo as Servo
     from harness.robot.kinematics import (
         Chain as Chain,
-        axes_of_rotation as axes_of_rotation,
         forward as forward,
         link_frames as link_frames,
         reach_position as reach_position,
-        rotation_between as rotation_between,
         rotation_of_axes as rotation_of_axes,
     )
     from harness.robot.meshes import is_readable as is_readable, read_mesh as read_mesh

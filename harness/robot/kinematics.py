@@ -48,11 +48,6 @@ def rotation_of_axes(axes: Float) -> Float:
     return np.stack([x, y, np.cross(x, y)], axis=2)
 
 
-def axes_of_rotation(rotation: Float) -> Float:
-    """The x axis, then the y axis of rotation matrices (n, 3, 3), in the world frame: (n, 6), a new array."""
-    return np.concatenate([rotation[:, :, 0], rotation[:, :, 1]], axis=1)
-
-
 NOTHING = 1e-15
 """What rounding leaves of a 0 where a URDF turns a frame by 90 degrees."""
 

@@ -26,7 +26,7 @@ from harness.errors import UsageError
 from harness.files.bounded import kind_at, read_bytes
 from harness.robot.packages import package_folders
 from harness.robot.urdf import BoundedBuilder
-from harness.text import one_line_of
+from harness.text import one_line
 
 HEADER = 84
 """Bytes of a binary STL before its first triangle; the last four say how many there are."""
@@ -148,7 +148,7 @@ def read_mesh(path: Path) -> Mesh:
     except Exception as error:  # bytes of anybody: too large for a number's type, for the memory, ...
         if (kind := kind_at(path)) is not None:
             raise UsageError(f"'{path}' is no mesh, it is {kind.sentence}") from error
-        problem = error.strerror if isinstance(error, OSError) and error.strerror else one_line_of(str(error))
+        problem = error.strerror if isinstance(error, OSError) and error.strerror else one_line(str(error))
         raise UsageError(f"'{path}' cannot be read as a mesh ({problem.rstrip('.')}). Export it again.") from error
 
 

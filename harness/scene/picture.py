@@ -51,6 +51,11 @@ class Camera:
     width: int
     height: int
 
+    @classmethod
+    def of(cls, robot: Robot, width: int, height: int) -> "Camera":
+        """The camera that shows an arm as every simulator does, in a picture of `width` times `height` pixels."""
+        return camera_for(seen_of(robot), width, height)
+
     @cached_property
     def axes(self) -> Float:
         """Right, up and towards the camera in the world frame, (3, 3)."""

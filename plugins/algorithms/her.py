@@ -39,12 +39,12 @@ class Her(SoftActorCritic):
         from stable_baselines3 import HerReplayBuffer
 
         from ..sb3.hindsight import GoalEnvAdapter, HindsightSAC
-        from ..sb3.policies import squashed_gaussian
+        from ..sb3.policies import policy_from
         from ..sb3.training import soft_actor_critic_settings, train
 
         return train(
             HindsightSAC, env, steps, seed, progress,
-            lambda model: squashed_gaussian(model, self.activation, "her"),
+            lambda model: policy_from(model, self.activation, "her"),
             decisions_per_update=self.train_freq * self.num_envs,
             adapter=GoalEnvAdapter,
             replay_buffer_class=HerReplayBuffer,

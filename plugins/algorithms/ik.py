@@ -16,7 +16,7 @@ from harness.task import Task
 from ..hyperparameters import MOST_ENVS
 
 if TYPE_CHECKING:
-    from harness.authoring import ReachVectorEnv
+    from harness.env.vector_env import ReachVectorEnv
 
 
 @dataclass(frozen=True)

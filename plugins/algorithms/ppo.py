@@ -113,16 +113,14 @@ class Ppo:
 
     def train(self, env: TrainingEnv, steps: int, seed: int, progress: Progress) -> Policy:
         # Imported here: the settings above are checked before anything runs, and torch takes seconds.
-        from gymnasium.spaces import Discrete
         from stable_baselines3 import PPO
 
-        from ..sb3.policies import categorical, gaussian
+        from ..sb3.policies import policy_from
         from ..sb3.training import train
 
-        policy_of = categorical if isinstance(env.single_action_space, Discrete) else gaussian
         return train(
             PPO, env, steps, seed, progress,
-            lambda model: policy_of(model, self.activation, "ppo"),
+            lambda model: policy_from(model, self.activation, "ppo"),
             decisions_per_update=self.rollout,
             **self._settings(),
         )  # fmt: skip

@@ -22,12 +22,12 @@ class Sac(SoftActorCritic):
         # Imported here: the settings above are checked before anything runs, and torch takes seconds.
         from stable_baselines3 import SAC
 
-        from ..sb3.policies import squashed_gaussian
+        from ..sb3.policies import policy_from
         from ..sb3.training import soft_actor_critic_settings, train
 
         return train(
             SAC, env, steps, seed, progress,
-            lambda model: squashed_gaussian(model, self.activation, "sb3-sac"),
+            lambda model: policy_from(model, self.activation, "sb3-sac"),
             decisions_per_update=self.train_freq * self.num_envs,
             **soft_actor_critic_settings(self, steps),
         )  # fmt: skip

@@ -21,7 +21,7 @@ from harness.algorithm import ActionSpace, TrainingEnv
 from harness.arrays import Float32, Mask
 from harness.authoring import pack_generator, restore_generator
 from harness.policy import Gaussian
-from harness.progress import Progress, TrainingState, as_state, prefixed, under
+from harness.progress import Progress, TrainingState, as_state, under
 
 from ..hyperparameters import IN_ENVIRONMENTS, NumEnvs
 from ..torch_state import pack_optimizer, pack_tensors, restore_optimizer, restore_tensors
@@ -281,7 +281,7 @@ class Learner:
             "rng": pack_generator(self._rng),
         }
         for name, net, optimizer in self._parts():
-            arrays |= prefixed(f"{name}.", {**pack_tensors(net), **prefixed("adam.", pack_optimizer(optimizer))})
+            arrays[name] = {**pack_tensors(net), "adam": pack_optimizer(optimizer)}
         return as_state(arrays)
 
     def restore(self, state: TrainingState) -> int:

@@ -38,12 +38,12 @@ class Td3(OffPolicy):
         # Imported here: the settings above are checked before anything runs, and torch takes seconds.
         from stable_baselines3 import TD3
 
-        from ..sb3.policies import deterministic
+        from ..sb3.policies import policy_from
         from ..sb3.training import train
 
         return train(
             TD3, env, steps, seed, progress,
-            lambda model: deterministic(model, self.activation, "td3", self.action_noise),
+            lambda model: policy_from(model, self.activation, "td3", self.action_noise),
             decisions_per_update=self.train_freq * self.num_envs,
             **self._settings(env.single_action_space, steps),
         )  # fmt: skip

@@ -416,7 +416,7 @@ def _of_folder(
 
         return audit_logs(folder, find_logs(folder, registry, log_format or ""), only, sort or "", out)
     if kind == EXPERIMENT:
-        from harness.results import load_results
+        from harness import load_results
         from harness.results.logs.told import Told
         from harness.results.traces import Traces
 

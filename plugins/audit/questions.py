@@ -9,7 +9,7 @@ import numpy as np
 
 from harness.eta import auc_of
 from harness.eta.auc import Auc
-from harness.log import SUCCESS
+from harness.log.log import SUCCESS
 from harness.results.recordings.episodes import Episodes
 
 from .recorded.earned import Earned, best_paid

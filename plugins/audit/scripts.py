@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from harness.eta import line_of
-from harness.log import SUCCESS
+from harness.log.log import SUCCESS
 from harness.payoff.rollout import (
     CREEP,
     FINISH,

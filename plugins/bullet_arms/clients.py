@@ -8,7 +8,7 @@ import pybullet
 from numpy.typing import NDArray
 
 from harness.arrays import Float
-from harness.authoring import Camera, camera_for, seen_of
+from harness.authoring import Camera
 from harness.errors import UsageError
 from harness.robot import Robot
 
@@ -26,8 +26,8 @@ class Scene:
     """A world that is only drawn: ground, arm and target, by Bullet's own software renderer."""
 
     def __init__(self, client: int, robot: Robot) -> None:
-        self.client, self._seen = client, seen_of(robot)
-        camera = camera_for(self._seen, 1, 1)
+        self.client, self._robot = client, robot
+        self._camera = camera = Camera.of(robot, 1, 1)
         edge = max(3.0, GROUND * camera.radius)
         with file_of_arm(robot, is_drawn=True) as path:
             self.body = load_body(client, robot, path, LOAD_FLAGS)
@@ -43,8 +43,10 @@ class Scene:
         client = self.client
         set_joints(client, self.body, self.joints, qpos)
         pybullet.resetBasePositionAndOrientation(self.target, list(target), [0, 0, 0, 1], physicsClientId=client)
+        if (width, height) != (self._camera.width, self._camera.height):
+            self._camera = Camera.of(self._robot, width, height)
         image = pybullet.getCameraImage(
-            width, height, *_matrices(camera_for(self._seen, width, height)),
+            width, height, *_matrices(self._camera),
             renderer=pybullet.ER_TINY_RENDERER, physicsClientId=client,
         )  # fmt: skip
         pixels = np.array(image[2], np.uint8).reshape(height, width, 4)  # a copy, since the array is Bullet's

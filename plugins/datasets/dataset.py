@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from harness.authoring import did_you_mean
-from harness.errors import SchemaError, UsageError, shortened
+from harness.errors import SchemaError
+from harness.log import require_columns
 
 SHOWN = 5
 """So many numbers of episodes are told."""
@@ -127,8 +127,5 @@ def chosen_key(flag: str, named: str, told: Collection[str], usual: Iterable[str
     Raises:
         UsageError: The key that the user names is not there; says which are.
     """
-    if named and named not in told:
-        keys = list(dict.fromkeys(told))
-        shown = shortened(", ".join(keys), 400) or "none"
-        raise UsageError(f"{flag} {named}: {path} has no such key; it has {shown}.{did_you_mean(named, keys)}")
+    require_columns(f"{flag} {named}: {path}", dict.fromkeys(told), named)
     return named or next((key for key in usual if key in told), "")

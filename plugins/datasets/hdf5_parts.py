@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from harness.arrays import Ints
 from harness.errors import SchemaError
-from harness.files import reading, require_regular
+from harness.files import open_regular, reading
 from harness.record.dataset.open_dataset import MOST_EPISODES, open_hdf5
 
 from .dataset import MOST_KEYS, MOST_NUMBERS, require_readable, rows_at_once
@@ -235,10 +235,8 @@ def read_stretches(steps: int, parts: Mapping[str, Stretch]) -> Iterator[tuple[s
 @contextmanager
 def opened(path: Path, noun: str) -> Iterator[Any]:
     """An HDF5 file, open for reading; `noun` says what it should be."""
-    with reading(path, noun):
-        require_regular(path, MOST_BYTES)
-        with open_hdf5(path) as file:
-            yield file
+    with reading(path, noun), open_regular(path, MOST_BYTES), open_hdf5(path) as file:
+        yield file
 
 
 class Run(NamedTuple):

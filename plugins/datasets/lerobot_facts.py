@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 
 import pyarrow.parquet as pq
 
-from harness.errors import NewerFormat, SchemaError, shortened
-from harness.files import parse_json, read_bytes, read_json, require_regular
+from harness.errors import NewerFormat, SchemaError, one_line
+from harness.files import open_regular, parse_json, read_bytes
 from harness.record.dataset.open_dataset import MOST_EPISODES
 
 from .dataset import MOST_KEYS, MOST_NUMBERS, whole
@@ -57,7 +57,7 @@ def read_info(path: Path) -> dict[str, Any]:
     Raises:
         SchemaError: It tells of no columns, or of too many.
     """
-    info = read_json(path)
+    info = parse_json(read_bytes(path))
     if not isinstance(info, dict) or not isinstance(info.get("features"), dict):
         raise SchemaError(f"{path} tells of no features")
     if len(info["features"]) > MOST_KEYS or not all(isinstance(it, dict) for it in info["features"].values()):
@@ -72,7 +72,7 @@ def version_of(path: Path, info: Mapping[str, Any]) -> tuple[int, int]:
         NewerFormat: It is newer than those that are known.
         SchemaError: It is another.
     """
-    told = shortened(str(info.get("codebase_version")), 40)
+    told = one_line(str(info.get("codebase_version")), 40)
     found = _VERSION.fullmatch(told)
     version = (int(found[1]), int(found[2])) if found else (0, 0)
     if version in KNOWN:
@@ -126,7 +126,7 @@ def names_of(features: Mapping[str, Any], shapes: Mapping[str, tuple[int, ...]],
         (names,) = names.values()
     is_list = isinstance(names, list) and all(isinstance(it, str) for it in names)
     fits = is_list and column in shapes and len(names) == math.prod(shapes[column])
-    return tuple(shortened(it, 100) for it in names) if fits else ()
+    return tuple(one_line(it, 100) for it in names) if fits else ()
 
 
 def read_listing(folder: Path) -> Listing:
@@ -166,8 +166,7 @@ def _tables(paths: list[Path]) -> Iterator[dict[str, Any]]:
     if len(paths) > MOST_FILES:
         raise SchemaError(f"{paths[0].parent} has more than {MOST_FILES:,} files")
     for path in paths:
-        require_regular(path, LIST_BYTES)
-        with pq.ParquetFile(path) as file:
+        with open_regular(path, LIST_BYTES), pq.ParquetFile(path) as file:
             names = [
                 it.name for it in file.schema_arrow if _SINGLE.match(str(it.type)) and not it.name.startswith(LEFT_OUT)
             ]
@@ -185,5 +184,5 @@ def read_tasks(folder: Path) -> dict[int, str]:
     for row in rows:
         number, text = whole(row.get(TASK_INDEX)), row.get("task", row.get("__index_level_0__"))
         if number is not None and isinstance(text, str):
-            named[number] = shortened(text, 200)
+            named[number] = one_line(text, 200)
     return named

@@ -8,8 +8,8 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from harness.errors import NewerFormat, SchemaError, UsageError, shortened
-from harness.files import read_json, reading
+from harness.errors import NewerFormat, SchemaError, UsageError, one_line
+from harness.files import parse_json, read_bytes, reading
 
 from .dataset import MOST_NUMBERS
 from .hdf5_parts import DEEPEST
@@ -32,10 +32,10 @@ def dataset_folder(name: str) -> Path:
             return folder
         if (folder / METADATA).is_file():
             with reading(folder / METADATA, "Minari data set"):
-                require_known(folder / METADATA, read_json(folder / METADATA))
+                require_known(folder / METADATA, parse_json(read_bytes(folder / METADATA)))
     raise UsageError(
         f"No Minari data set at '{name}', nor in '{home}': name its folder, which holds {MAIN}, or fetch it with "
-        f"minari download {shortened(name, 80)}"
+        f"minari download {one_line(name, 80)}"
     )
 
 
@@ -44,7 +44,7 @@ def read_metadata(folder: Path, file: Any) -> dict[str, Any]:
     path = folder / METADATA
     if not path.is_file():
         return {str(key): value for key, value in file.attrs.items()}
-    told = read_json(path)
+    told = parse_json(read_bytes(path))
     if not isinstance(told, dict):
         raise SchemaError(f"{path} holds no table")
     return told
@@ -59,7 +59,7 @@ def require_known(path: Path, metadata: Mapping[str, Any]) -> None:
     """
     kind = metadata.get("data_format", "hdf5") if isinstance(metadata, dict) else None
     if kind != "hdf5":
-        told = shortened(str(kind), 40)
+        told = one_line(str(kind), 40)
         raise SchemaError(
             f"{path} tells of the format {told!r}, and Minari data sets in hdf5 are read: write it again by "
             "minari.create_dataset_from_buffers(..., data_format='hdf5')"

@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float, Ints, Mask
 from harness.authoring import DatasetFacts
-from harness.errors import SchemaError, shortened
-from harness.log import BEHAVIOUR, INFO, OBSERVATION, OPERATOR, RECORDED, REWARD, SEEN, SUCCESS, TASK, Log
+from harness.errors import SchemaError, one_line
+from harness.log import Log
 from harness.record.dataset.labels import UNKNOWN, SuccessRule, parse_success
 
 from .dataset import OPERATOR_KEYS, SUCCESS_KEYS, chosen_key
 
-LABEL = f"{BEHAVIOUR}{SUCCESS}"
+LABEL = "behaviour/success"
 ENDS = ("terminated", "truncated")
 
 
@@ -59,13 +59,13 @@ class Source:
     @property
     def keys(self) -> dict[str, str]:
         """By column what the data set calls it, of those that tell of an episode; empty where nothing does."""
-        return {LABEL: self.rule.key, OPERATOR: self.facts.operator, TASK: self.facts.task}
+        return {LABEL: self.rule.key, "operator": self.facts.operator, "task": self.facts.task}
 
     def log(
         self, columns: Iterable[str], read: Callable[[tuple[str, ...]], Iterable[Mapping[str, NDArray[Any]]]]
     ) -> Log:
         """The log of these columns, and of those that follow from what is known."""
-        more = {SEEN: not self.sees_last, **self.keys}
+        more = {"seen": not self.sees_last, **self.keys}
         return Log(self.facts, (*columns, *(name for name, is_told in more.items() if is_told)), read)
 
     def columns(
@@ -78,7 +78,7 @@ class Source:
             steps: These.
             told: What is told of an episode as a whole, by its number and a key; None if nothing is.
         """
-        table = {**steps.table, "episode": steps.episode, SEEN: ~steps.ends}
+        table = {**steps.table, "episode": steps.episode, "seen": ~steps.ends}
         return {name: self._column(name, table.get(name), steps, told) for name in names}
 
     def _column(
@@ -92,16 +92,16 @@ class Source:
         if values is None and name in self.keys:
             return as_texts(steps.episode, lambda number: text_of(told(number, self.keys[name])))
         if values is None:
-            if not name.startswith((REWARD, INFO)):
+            if not name.startswith(("reward/", "info/")):
                 raise SchemaError(f"{steps.where} has no {name} of each step, which others have")
             return np.full(len(ends), np.nan)
-        if name.startswith(REWARD) or name in ENDS:
+        if name.startswith("reward/") or name in ENDS:
             numbers = one_number(values, noun)
             # Some files say in each step that is a success that it is done, and the episode goes on.
             return np.asarray(ends & (numbers != 0.0)) if name in ENDS else numbers
-        if name == OPERATOR:
+        if name == "operator":
             return as_texts(values, str)
-        return values if self.sees_last or not name.startswith(OBSERVATION) else _where_seen(values, ends)
+        return values if self.sees_last or not name.startswith("observation") else _where_seen(values, ends)
 
     def _labels(self, steps: Steps, told: Callable[[int, str], Any]) -> NDArray[np.int8]:
         """What is said of a whole episode, in its last step."""
@@ -140,7 +140,7 @@ def source_of(
     rule = parse_success(success)
     rule = replace(rule, key=chosen_key("--success", rule.key, keys, usual, facts.path))
     operator = chosen_key("--cluster", cluster, keys, OPERATOR_KEYS, facts.path)
-    told_by = RECORDED if rule.key and rule.key == reward else ""
+    told_by = "recorded" if rule.key and rule.key == reward else ""
     found = replace(facts, success=rule.text, told_by=told_by, operator=operator)
     return Source(found, rule, sees_last)
 
@@ -165,7 +165,7 @@ def text_of(told: Any) -> str:
         return ""
     told = told.ravel()[0] if isinstance(told, np.ndarray) else told
     text = told.decode(errors="replace") if isinstance(told, bytes) else str(told)
-    return shortened(" ".join(text.split()), 200)
+    return one_line(text, 200)
 
 
 def one_number(values: NDArray[Any], noun: str) -> Float:

@@ -11,8 +11,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
-from harness.errors import UsageError, reason_of
-from harness.files import open_regular, read_text
+from harness.errors import UsageError, one_line
+from harness.files import open_regular, read_bytes
 from harness.robot import BoundedBuilder
 
 MOST_BYTES, MOST_FILE_BYTES = 16 * 2**20, 64 * 2**20
@@ -132,9 +132,9 @@ def _elements(path: Path) -> Iterator[tuple[Element, int]]:
 
 def _root(path: Path) -> Element:
     try:
-        text = read_text(path, MOST_BYTES)
+        text = read_bytes(path, MOST_BYTES).decode()
     except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or reason_of(error)
+        reason = getattr(error, "strerror", None) or one_line(error)
         raise UsageError(f"'{path}' cannot be read ({reason}). Name a regular file in UTF-8") from error
     return BoundedBuilder("MJCF", MOST_ELEMENTS, MOST_LEVELS).read(text)
 

@@ -13,8 +13,8 @@ from errno import EINVAL
 from pathlib import Path
 from typing import Any
 
-from harness.authoring import is_allowed_program
-from harness.errors import UsageError, command_text, one_line
+from harness.authoring import require_program
+from harness.errors import UsageError, one_line
 from harness.files import run_apart
 from harness.robot import Description, package_folders
 
@@ -50,11 +50,7 @@ class XacroFile:
 
     def read(self, path: Path, arguments: Mapping[str, str], packages: Mapping[str, Path]) -> Description:
         """The URDF that the file makes with these arguments."""
-        if not is_allowed_program(path):
-            raise UsageError(
-                f"{path}: a xacro file is a program, and a file or a folder names it: it is not expanded for that. If "
-                f"you trust it, add --allow-program {command_text(str(path))}"
-            )
+        require_program(path, f"{path}: a xacro file")
         folders = {name: str(folder.absolute()) for name, folder in packages.items()}
         words = [str(path.absolute()), *map(json.dumps, (dict(arguments), folders))]
         try:

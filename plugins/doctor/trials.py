@@ -19,7 +19,7 @@ from harness.errors import reason_of
 from harness.hookspecs import NOUNS
 from harness.registry import Registry, choose, load_registry
 from harness.registry.spec import is_met
-from harness.text import one_line_of, print_visible
+from harness.text import one_line, print_visible
 
 LIMIT = 60.0
 """Seconds that a trial may take. Importing the largest library takes some five."""
@@ -130,7 +130,7 @@ def main(kind: str, name: str) -> int:
     try:
         take_a_step(kind, name)
     except (Exception, SystemExit) as error:  # whatever a library raises
-        print_visible(one_line_of(reason_of(error)), err=True)  # for who started this process
+        print_visible(one_line(reason_of(error)), err=True)  # for who started this process
         return FAILED
     return 0
 

@@ -11,12 +11,12 @@ import numpy as np
 from pydantic import Field, ValidationInfo, model_validator
 from pydantic.dataclasses import dataclass
 
-from harness.authoring import ObservedReward, load_registry, parse_places, require_program
+from harness.authoring import ObservedReward, load_registry, require_program
 from harness.environment import AnyEnv
 from harness.errors import UsageError
 from harness.registry.choice import build_defaults
 from harness.reward import Given, Reward
-from harness.score.places import RENEWED, ArmPlaces
+from harness.score.places import RENEWED, ArmPlaces, parse_places
 
 OWN = "own"
 DISTANCES = ("begin_distance", "closest_distance", "final_distance")
@@ -123,7 +123,7 @@ class Unity:
     def make_together(self, count: int) -> list[AnyEnv]:
         """See `harness.environment.envs_together`: agents of one program; of several if one has not enough."""
         if self.file:
-            require_program(self.file)
+            require_program(self.file, f"file={self.file}")
         agent_env, team = _import("agent_env"), _import("team")
         errors = _import("messages").UnityError
         envs, teams = list[AnyEnv](), list[Any]()

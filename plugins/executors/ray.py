@@ -1,5 +1,6 @@
 """Runs cells on the nodes of a Ray cluster."""
 
+import tomllib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
@@ -7,7 +8,9 @@ from typing import Annotated
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
+from harness.errors import UsageError
 from harness.executor import Job, OnEvent
+from harness.files import read_bytes, reading
 
 LOCAL = "local"
 
@@ -44,12 +47,12 @@ class Ray:
         if not jobs:
             return
         # Imported here: the settings above are checked before anything runs, and Ray takes a second.
-        from harness.authoring import read_toml
-
         from ..ray_cluster.connection import connected
         from ..ray_cluster.fleet import Fleet, Needs
 
-        environment = read_toml(Path(self.runtime_env), "runtime environment") if self.runtime_env else {}
+        file = Path(self.runtime_env)
+        with reading(file, "runtime environment", UsageError):
+            environment = tomllib.loads(read_bytes(file).decode()) if self.runtime_env else {}
         cpus = self.cpus * at_once if self.address == LOCAL else None
         with connected(self.address, cpus, environment):
             Fleet(jobs, Needs(self.cpus, self.gpus, self.retries, self.fetch), at_once, on_event).run()

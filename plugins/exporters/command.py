@@ -68,7 +68,7 @@ def _write_model(folder: Path, file: Path) -> None:
 
 def _write_runs(folder: Path, out: Path) -> int:
     """Write the trainings as CSV files; the exit status, 1 if a cell is damaged."""
-    from harness.results import load_results
+    from harness import load_results
     from harness.results.recordings.recordings import has_recordings
 
     from .csv_runs import write_recordings, write_runs

@@ -11,8 +11,9 @@ from harness.algorithm import TrainingEnv
 from harness.arrays import Float32, Mask
 from harness.authoring import pack_generator, restore_generator
 from harness.policy import SquashedGaussian
-from harness.progress import SCALARS_EVERY, TOLD_EVERY, Progress, Ring, TrainingState, as_state, prefixed, under
+from harness.progress import Progress, Ring, TrainingState, as_state, under
 
+from ..sb3 import SCALARS_EVERY, TOLD_EVERY
 from ..soft_actor_critic import SoftActorCritic
 from .network import Networks, Room, backward, count_parameters, draw_weights, forward, networks_in, product
 
@@ -280,12 +281,14 @@ class Learner:
 
     def state(self) -> TrainingState:
         """Everything that `restore` needs, except the random generator."""
-        return {
-            **prefixed("actor.", self._actor.descent.state()),
-            **prefixed("critics.", self._critics.descent.state()),
-            **prefixed("coefficient.", self._coefficient.state()),
-            **as_state({"targets": self._target_parameters}),
-        }
+        return as_state(
+            {
+                "actor": self._actor.descent.state(),
+                "critics": self._critics.descent.state(),
+                "coefficient": self._coefficient.state(),
+                "targets": self._target_parameters,
+            }
+        )
 
     def restore(self, state: TrainingState) -> None:
         """Go on from `state`, which the method of this name returned."""
@@ -398,11 +401,16 @@ class Training:
         own = {name: getattr(self, f"_{name}") for name in COUNTERS}
         if self._losses is not None:
             own["losses"] = self._losses
-        return {
-            **as_state({**own, "done": self._done, "observation": observation, "rng": pack_generator(self._rng)}),
-            **prefixed("learner.", self._learner.state()),
-            "replay": self._replay.ring(),
-        }
+        return as_state(
+            {
+                **own,
+                "done": self._done,
+                "observation": observation,
+                "rng": pack_generator(self._rng),
+                "learner": self._learner.state(),
+                "replay": self._replay.ring(),
+            }
+        )
 
     def _begin(self, state: TrainingState | None) -> Float32:
         """Start, or go on from `state`; returns the observation for the next decision."""

@@ -2,7 +2,6 @@
 
 import tempfile
 import time
-import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -15,6 +14,7 @@ import numpy as np
 from harness import load_robot
 from harness.algorithm import Algorithm, learns
 from harness.errors import UsageError
+from harness.face import warn_of
 from harness.hookspecs import WORDS
 from harness.measure import Measure
 from harness.registry import unknown_name
@@ -221,8 +221,7 @@ def earlier(name: str) -> Any:
     if kind not in CHECKS or name not in (f"check_{kind}", "check_log_format", f"{kind.upper()}_CHECKS"):
         return None
     use = f"CHECKS['{kind}']" if name.isupper() else f"check_contract('{kind}', ...)"
-    told = f"harness_plugins.kit.{name} works until fd100-harness 0.6: write {use}"
-    warnings.warn(told, DeprecationWarning, stacklevel=3)
+    warn_of(f"harness_plugins.kit.{name}", f"write {use}")
     word = "folder" if kind in WITH_FOLDER else "robot"
 
     def check_kind(subject: Any, beside: Any = None, **named: Any) -> None:

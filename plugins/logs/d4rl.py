@@ -17,15 +17,7 @@ from harness.arrays import Ints, Mask
 from harness.authoring import DatasetFacts
 from harness.errors import SchemaError, UsageError
 from harness.files import names_in_hdf5
-from harness.log import (
-    ACTION,
-    BEFORE,
-    INFO,
-    OBSERVATION,
-    RECORDED,
-    REWARD,
-    Log,
-)
+from harness.log import Log
 from harness.record.dataset.open_dataset import HDF5_SIGNATURE
 
 from ..datasets.dataset import (
@@ -49,7 +41,7 @@ NEXT = "next_observations"
 MOST_ROWS = 20_000_000
 """The most steps: the flags of all of them are held at once, 0.7 GB."""
 OF_D3RLPY = "episode_terminals"
-PLACES = {f"{REWARD}{RECORDED}": "rewards", f"{BEFORE}{OBSERVATION}": "observations", ACTION: "actions"}
+PLACES = {"reward/recorded": "rewards", "before/observation": "observations", "action": "actions"}
 """By column the array that has it."""
 
 
@@ -84,7 +76,7 @@ class D4RL:
             layout, notes = _episodes_of(path, arrays, self.horizon)
         facts = DatasetFacts(path=path, format="D4RL", name=f"d4rl:{path}", notes=notes)
         source = source_of(facts, self.success, self.cluster, infos, sees_last=NEXT in arrays)
-        columns = ("episode", "step", *layout.flags, *PLACES, OBSERVATION, *(f"{INFO}{key}" for key in infos))
+        columns = ("episode", "step", *layout.flags, *PLACES, "observation", *(f"info/{key}" for key in infos))
         return (source.log(columns, partial(tables_of, path, source, partial(_runs, source, layout))),)
 
     def write_example(self, folder: Path) -> Path:
@@ -226,9 +218,9 @@ def _runs(source: Source, layout: _Layout, file: Any, names: tuple[str, ...]) ->
     """The steps of all episodes."""
     arrays, infos = _arrays(file), _infos(file)
     found = {name: arrays[key] for name, key in PLACES.items()}
-    found[OBSERVATION] = arrays.get(NEXT, arrays["observations"])
-    found |= {f"{INFO}{key}": array for key, array in infos.items()}
+    found["observation"] = arrays.get(NEXT, arrays["observations"])
+    found |= {f"info/{key}": array for key, array in infos.items()}
     found |= {name: infos[key] for name, key in source.keys.items() if key}
-    follows = "" if NEXT in arrays else OBSERVATION
+    follows = "" if NEXT in arrays else "observation"
     parts = {name: Stretch(array, int(name == follows)) for name, array in found.items() if name in names}
     yield Run(layout.episode, parts, file.filename, known=layout.flags)

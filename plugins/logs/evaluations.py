@@ -11,16 +11,7 @@ import numpy as np
 from harness.arrays import Float
 from harness.errors import SchemaError
 from harness.files import open_regular, reading
-from harness.log import (
-    BEHAVIOUR,
-    LARGEST,
-    RECORDED,
-    REWARD,
-    SUCCESS,
-    Log,
-    LogFacts,
-    in_memory,
-)
+from harness.log import LARGEST, Log, LogFacts, in_memory
 
 from ..zoo_settings import zoo_settings
 
@@ -61,9 +52,9 @@ class Evaluations:
                     "two trainings, or one that went on with reset_num_timesteps=True. Give each call of learn a "
                     "callback and a folder of its own"
                 )
-            columns = {"time": np.repeat(steps, returns.shape[1]), f"{REWARD}{RECORDED}": returns.ravel()}
+            columns = {"time": np.repeat(steps, returns.shape[1]), "reward/recorded": returns.ravel()}
             notes = []
-            for member, column in (("ep_lengths", "length"), ("successes", f"{BEHAVIOUR}{SUCCESS}")):
+            for member, column in (("ep_lengths", "length"), ("successes", "behaviour/success")):
                 if member not in arrays:
                     continue
                 if arrays[member].shape == returns.shape:
@@ -72,7 +63,7 @@ class Evaluations:
                     notes.append(f"{member} are {arrays[member].shape}, results {returns.shape}: they are left out")
             if not all((np.abs(values) <= LARGEST).all() for values in columns.values()):
                 raise SchemaError(f"{path}: a number is missing or not finite")
-            if not np.isin(columns.get(f"{BEHAVIOUR}{SUCCESS}", 0.0), (0.0, 1.0)).all():
+            if not np.isin(columns.get("behaviour/success", 0.0), (0.0, 1.0)).all():
                 raise SchemaError(f"{path}: a success is neither 0 nor 1")
         facts = LogFacts(
             path=path,
@@ -80,7 +71,7 @@ class Evaluations:
             unit="episode",
             **zoo_settings(path)._asdict(),
             evaluation=True,
-            bounds={SUCCESS: (0.0, 1.0)} if f"{BEHAVIOUR}{SUCCESS}" in columns else {},
+            bounds={"success": (0.0, 1.0)} if "behaviour/success" in columns else {},
             notes=(f"{len(steps)} evaluations of {returns.shape[1]} episodes each", *notes),
         )
         return (in_memory(facts, columns),)

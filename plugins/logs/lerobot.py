@@ -22,19 +22,9 @@ from numpy.typing import NDArray
 
 from harness.arrays import Ints
 from harness.authoring import DatasetFacts
-from harness.errors import SchemaError, UsageError, shortened
-from harness.files import reading, require_regular
-from harness.log import (
-    ACTION,
-    BEFORE,
-    FILE as FILE_COLUMN,
-    INFO,
-    OBSERVATION,
-    RECORDED,
-    REWARD,
-    TASK,
-    Log,
-)
+from harness.errors import SchemaError, UsageError, one_line
+from harness.files import open_regular, reading
+from harness.log import Log
 
 from ..datasets.dataset import (
     NOTHING_SEEN,
@@ -119,26 +109,26 @@ class LeRobot:
                 lengths={number: length for number, length in told.items() if length is not None},
             )
         reward, seen = reward_in(shapes), seen_in(shapes)
-        other = [name for name in shapes if name not in (*seen, ACTION)]
+        other = [name for name in shapes if name not in (*seen, "action")]
         keys = (*other, *listing.keys)
         facts = DatasetFacts(
             path=folder,
             format=f"LeRobot v{'.'.join(map(str, version))}",
             name=f"lerobot:{path}",
-            env=shortened(str(info.get("robot_type") or ""), 200),
+            env=one_line(str(info.get("robot_type") or ""), 200),
             declared={"tasks": count} if (count := whole(info.get("total_tasks"))) is not None else {},
-            names={OBSERVATION: names_of(features, shapes, STATE), ACTION: names_of(features, shapes, ACTION)},
+            names={"observation": names_of(features, shapes, STATE), "action": names_of(features, shapes, "action")},
             task=TASK_INDEX if TASK_INDEX in shapes else TASKS if TASKS in listing.keys else "",
             pictures_left_out=any(name.startswith(SEEN_BEGIN) and name not in shapes for name in features),
             notes=(*notes, *_notes_on_seen(seen), *gaps),
         )
         usual = [f"{begin}{key}" for key in SUCCESS_KEYS for begin in ("next.", "")]
         source = source_of(facts, self.success, self.cluster, keys, reward=reward, usual=usual, sees_last=not seen)
-        places = {"episode": EPISODE, "step": FRAME, f"{REWARD}{RECORDED}": reward, ACTION: ACTION}
-        places |= {f"{INFO}{key}": key for key in other}
-        parts = {key: OBSERVATION if key == STATE else f"{OBSERVATION}/{key.removeprefix(SEEN_BEGIN)}" for key in seen}
-        places |= {f"{begin}{part}": key for key, part in parts.items() for begin in (BEFORE, "")}
-        columns = (*(name for name, key in places.items() if key), FILE_COLUMN)
+        places = {"episode": EPISODE, "step": FRAME, "reward/recorded": reward, "action": "action"}
+        places |= {f"info/{key}": key for key in other}
+        parts = {key: "observation" if key == STATE else f"observation/{key.removeprefix(SEEN_BEGIN)}" for key in seen}
+        places |= {f"{begin}{part}": key for key, part in parts.items() for begin in ("before/", "")}
+        columns = (*(name for name, key in places.items() if key), "file")
         places = {name: key for name, key in {**places, **source.keys}.items() if key in shapes}
         layout = _Layout(source, files, shapes, places, listing, tasks, np.array([*belonging], np.int64))
         return (source.log(columns, partial(_tables, layout)),)
@@ -150,7 +140,7 @@ class LeRobot:
         for number, steps in enumerate((3, 4)):
             columns = {
                 STATE: np.arange(2.0 * steps).reshape(steps, 2),
-                ACTION: np.linspace(-1.0, 1.0, steps)[:, None],
+                "action": np.linspace(-1.0, 1.0, steps)[:, None],
                 "next.reward": -np.arange(1.0, steps + 1),
                 "next.success": np.arange(1, steps + 1) == steps * number,
                 EPISODE: np.full(steps, number),
@@ -223,18 +213,16 @@ def _lengths(folder: Path, files: tuple[Path, ...], shapes: Mapping[str, tuple[i
     found = Counter[int]()
     width, total = sum(math.prod(shape) for shape in shapes.values()), 0
     for path in files:
-        with reading(path, "LeRobot data set"):
-            require_regular(path, MOST_BYTES)
-            with pq.ParquetFile(path) as file:
-                if missing := [name for name in shapes if name not in file.schema_arrow.names]:
-                    raise SchemaError(f"{path} has no column {', '.join(missing)}, of which {INFO_FILE} tells")
-                groups = map(file.metadata.row_group, range(file.metadata.num_row_groups))
-                if any(group.total_byte_size > GROUP_BYTES for group in groups):
-                    raise SchemaError(f"{path} has a group of rows of more than {GROUP_BYTES:,} bytes")
-                total += file.metadata.num_rows
-                require_readable(folder, total, width)
-                for batch in file.iter_batches(columns=[EPISODE]):
-                    found.update(_array(path, batch, EPISODE, (1,), 0).astype(np.int64).tolist())
+        with reading(path, "LeRobot data set"), open_regular(path, MOST_BYTES), pq.ParquetFile(path) as file:
+            if missing := [name for name in shapes if name not in file.schema_arrow.names]:
+                raise SchemaError(f"{path} has no column {', '.join(missing)}, of which {INFO_FILE} tells")
+            groups = map(file.metadata.row_group, range(file.metadata.num_row_groups))
+            if any(group.total_byte_size > GROUP_BYTES for group in groups):
+                raise SchemaError(f"{path} has a group of rows of more than {GROUP_BYTES:,} bytes")
+            total += file.metadata.num_rows
+            require_readable(folder, total, width)
+            for batch in file.iter_batches(columns=[EPISODE]):
+                found.update(_array(path, batch, EPISODE, (1,), 0).astype(np.int64).tolist())
     return found
 
 
@@ -267,7 +255,7 @@ def _read_file(layout: _Layout, path: Path, names: tuple[str, ...]) -> Iterator[
             columns = {name: _array(path, batch, name, shape, first) for name, shape in needed.items()}
             columns |= {name: columns[name].astype(np.int64) for name in (EPISODE, FRAME)}
             if batch.num_rows:
-                yield {**columns, FILE_COLUMN: np.full(batch.num_rows, file, object)}
+                yield {**columns, "file": np.full(batch.num_rows, file, object)}
             first += batch.num_rows
 
 
@@ -311,15 +299,15 @@ def _rows(layout: _Layout, frames: Frames, count: int, names: tuple[str, ...]) -
     if not len(rows):
         return
     ends, following = np.append(episode[1:] != episode[:-1], True), np.minimum(rows + 1, len(episode) - 1)
-    table = {FILE_COLUMN: frames[FILE_COLUMN][rows]}
+    table = {"file": frames["file"][rows]}
     for name, key in layout.places.items():
         if name in names:
-            table[name] = frames[key][following if name.startswith(OBSERVATION) else rows]
+            table[name] = frames[key][following if name.startswith("observation") else rows]
     if "step" in table:
         table["step"] = table["step"] + 1
-    if TASK in table:
-        table[TASK] = as_texts(table[TASK], lambda number: layout.tasks.get(int(number), str(number)))
-    where = f"{layout.source.facts.path / table[FILE_COLUMN][0]}, from episode {episode[rows[0]]} on"
+    if "task" in table:
+        table["task"] = as_texts(table["task"], lambda number: layout.tasks.get(int(number), str(number)))
+    where = f"{layout.source.facts.path / table['file'][0]}, from episode {episode[rows[0]]} on"
     yield layout.source.columns(names, Steps(table, episode[rows], ends[rows], where), layout.told)
 
 
@@ -355,4 +343,4 @@ def _array(path: Path, batch: pa.RecordBatch, name: str, shape: tuple[int, ...],
     values = np.asarray(column.to_numpy(zero_copy_only=False))
     if values.dtype.kind not in "biuf":
         raise SchemaError(f"{path}: {name} holds {values.dtype}, no numbers")
-    return values if shape == (1,) and name not in (STATE, ACTION) else values.reshape(batch.num_rows, *shape)
+    return values if shape == (1,) and name not in (STATE, "action") else values.reshape(batch.num_rows, *shape)

@@ -15,16 +15,8 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from harness.authoring import DatasetFacts
-from harness.errors import SchemaError, shortened
-from harness.log import (
-    ACTION,
-    BEFORE,
-    INFO,
-    OBSERVATION,
-    RECORDED,
-    REWARD,
-    Log,
-)
+from harness.errors import SchemaError, one_line
+from harness.log import Log
 from harness.record.dataset.open_dataset import MOST_EPISODES
 
 from ..datasets.dataset import (
@@ -56,7 +48,7 @@ TASK_KEYS = (
 """What may say which task an episode does, or in which env: an attribute of it, or a key of its infos."""
 FLAGS = {"terminated": "terminations", "truncated": "truncations"}
 STEP_DATA = ("observations", "actions", "rewards", *FLAGS.values(), "infos")
-PLACES = {"observations": OBSERVATION, "actions": ACTION}
+PLACES = {"observations": "observation", "actions": "action"}
 _EPISODE = re.compile(r"episode_(0|[1-9]\d{0,8})")
 
 
@@ -106,7 +98,7 @@ class Minari:
                 notes=(*_notes(pictures, seen, metadata), *notes),
             )
             source = source_of(facts, self.success, self.cluster, told, sees_last=True)
-            keys = {f"{REWARD}{RECORDED}": "rewards", **{f"{INFO}{key}": f"infos/{key}" for key in seen.infos}}
+            keys = {"reward/recorded": "rewards", **{f"info/{key}": f"infos/{key}" for key in seen.infos}}
             layout = _Layout(numbers, pictures, keys, source.rule.key)
             columns = ["episode", "step", *keys]
             if numbers:
@@ -161,7 +153,7 @@ def _notes(pictures: frozenset[str], seen: _Overview, metadata: Mapping[str, Any
     if seen.again:
         yield f"Names for an episode that has another name already, left out: {len(seen.again):,}"
     if seen.strangers:
-        yield f"Left out, since they are no episodes: {shortened(', '.join(seen.strangers), 200)}"
+        yield f"Left out, since they are no episodes: {one_line(', '.join(seen.strangers), 200)}"
     if metadata.get("combined_datasets") and not any(key in seen.attributes for key in TASK_KEYS):
         yield "It was put together from several data sets, and nothing says which episode is of which"
 
@@ -220,9 +212,9 @@ class _Layout(NamedTuple):
                         f"{group.file.filename}: {part} holds no rows of at most {MOST_NUMBERS:,} numbers"
                     )
                 name = f"{column}{part.removeprefix(place)}"
-                if column == OBSERVATION:
-                    found[f"{BEFORE}{name}"] = Stretch(array)
-                found[name] = Stretch(array, int(column == OBSERVATION))
+                if column == "observation":
+                    found[f"before/{name}"] = Stretch(array)
+                found[name] = Stretch(array, int(column == "observation"))
         return found
 
     def runs(self, file: Any, names: tuple[str, ...]) -> Iterator[Run]:
@@ -235,7 +227,7 @@ class _Layout(NamedTuple):
             group, where = group_of(file, f"episode_{number}"), f"{file.filename}, episode {number}"
             steps, parts, find = len(array_of(group, "rewards")), self.vectors(group), cache(partial(find_array, group))
             for name, it in parts.items():
-                if len(it.array) != steps + (not name.startswith(ACTION)):
+                if len(it.array) != steps + (not name.startswith("action")):
                     told = f"{steps:,} rewards, and {len(it.array):,} rows of {name}"
                     raise SchemaError(f"{where} has {told}; a Minari episode has one observation more than actions")
             parts = {name: it for name, it in parts.items() if name in names}

@@ -10,17 +10,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from harness.authoring import DatasetFacts, did_you_mean
-from harness.errors import SchemaError, UsageError, one_line_of, shortened
+from harness.authoring import DatasetFacts
+from harness.errors import SchemaError, one_line
 from harness.files import names_in_hdf5
-from harness.log import (
-    ACTION,
-    BEFORE,
-    OBSERVATION,
-    RECORDED,
-    REWARD,
-    Log,
-)
+from harness.log import Log, require_columns
 from harness.record.dataset.open_dataset import HDF5_SIGNATURE, MOST_EPISODES
 
 from ..datasets.dataset import (
@@ -32,7 +25,7 @@ from ..datasets.hdf5_parts import Run, Stretch, array_of, find_array, group_of, 
 from ..datasets.steps import source_of, text_of
 
 DATA, MASK = "data", "mask"
-ARRAYS = {f"{REWARD}{RECORDED}": "rewards", "terminated": "dones"}
+ARRAYS = {"reward/recorded": "rewards", "terminated": "dones"}
 """Arrays with a number for each step, by column."""
 _DEMO = re.compile(r"demo_(\d{1,9})")
 
@@ -67,9 +60,7 @@ class Robomimic:
             belonging, notes = take_census(path, seen.steps, partial=self.partial, steps=total, lengths=seen.told)
             masks = _masks(file)
             listed = masks.get(self.mask, frozenset(seen.groups.values()))
-            if self.mask and self.mask not in masks:
-                there, hint = ", ".join(masks) or "none", did_you_mean(self.mask, masks)
-                raise UsageError(f"{path} has no filter key '{self.mask}'; it has {there}.{hint}")
+            require_columns(f"{path}, among its filter keys,", masks, self.mask)
             if gone := sorted(listed - {*seen.groups.values()}):
                 raise SchemaError(f"{path}: the filter key {self.mask} lists {gone[0]}, which is not there")
             groups = {it: seen.groups[it] for it in sorted(belonging) if seen.steps[it] and seen.groups[it] in listed}
@@ -93,10 +84,12 @@ class Robomimic:
         source = source_of(facts, self.success, self.cluster, told, reward="rewards", sees_last=sees_last)
         single = {name: key for name, key in source.keys.items() if key in places.values()}
         places |= {
-            f"{begin}{OBSERVATION}/{key}": f"{of}/{key}" for key in keys for begin, of in ((BEFORE, "obs"), ("", after))
+            f"{begin}observation/{key}": f"{of}/{key}"
+            for key in keys
+            for begin, of in (("before/", "obs"), ("", after))
         }
-        columns = ("episode", "step", ACTION, *places)
-        places |= {ACTION: "actions", **single}
+        columns = ("episode", "step", "action", *places)
+        places |= {"action": "actions", **single}
         return (source.log(columns, partial(tables_of, path, source, partial(_runs, groups, places))),)
 
     def write_example(self, folder: Path) -> Path:
@@ -136,7 +129,7 @@ def _overview(data: Any) -> _Overview:
     for key in data:
         found = _DEMO.fullmatch(key)
         if found is None:
-            name = one_line_of(shortened(key, 80))
+            name = one_line(key, 80)
             raise SchemaError(
                 f"{data.file.filename}: {DATA} holds '{name}': a demonstration is called demo_ and a number, as demo_0"
             )
@@ -169,14 +162,14 @@ def _notes(
     keys: tuple[str, ...], pictures: tuple[str, ...], masks: Mapping[str, frozenset[str]], chosen: str
 ) -> Iterator[str]:
     if pictures:
-        yield f"Pictures and texts are left out: {shortened(', '.join(pictures), 200)}"
+        yield f"Pictures and texts are left out: {one_line(', '.join(pictures), 200)}"
     if not keys:
         yield f"There are no numbers of obs: {NOTHING_SEEN}"
     if chosen:
         yield f"Read are the demonstrations of the filter key {chosen} alone"
     elif masks:
         told = ", ".join(f"{key} {len(names):,}" for key, names in masks.items())
-        yield f"All demonstrations are read. Of a filter key alone: robomimic:mask=KEY:FILE ({shortened(told, 300)})"
+        yield f"All demonstrations are read. Of a filter key alone: robomimic:mask=KEY:FILE ({one_line(told, 300)})"
 
 
 def _runs(groups: Mapping[int, str], places: Mapping[str, str], file: Any, names: tuple[str, ...]) -> Iterator[Run]:
@@ -194,16 +187,16 @@ def _runs(groups: Mapping[int, str], places: Mapping[str, str], file: Any, names
     data = group_of(file, DATA, MOST_EPISODES)
     for number, key in groups.items():
         demo, where = group_of(data, key), f"{file.filename}: {key}"
-        arrays = {name: array_of(demo, place) for name, place in places.items() if name in (ACTION, *names)}
-        steps = len(arrays[ACTION])
+        arrays = {name: array_of(demo, place) for name, place in places.items() if name in ("action", *names)}
+        steps = len(arrays["action"])
         for name, array in arrays.items():
             if len(array) != steps or not array.holds_numbers:
                 raise SchemaError(f"{where} has {steps:,} actions, and {len(array):,} rows of {name}")
-            one = arrays.get(f"{BEFORE}{name}", array)
+            one = arrays.get(f"before/{name}", array)
             if one.shape != array.shape:
                 told = f"{list(one.shape)} in obs and {list(array.shape)} in next_obs"
                 raise SchemaError(f"{where}: {name} is {told}")
-        follows = [name for name in places if places.get(f"{BEFORE}{name}") == places[name]]
+        follows = [name for name in places if places.get(f"before/{name}") == places[name]]
         parts = {name: Stretch(array, int(name in follows)) for name, array in arrays.items()}
         yield Run(np.full(steps, number), parts, where, partial(_attribute, demo))
 

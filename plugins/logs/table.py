@@ -14,9 +14,9 @@ from pathlib import Path
 import numpy as np
 
 from harness.arrays import Float
-from harness.errors import AskedError, SchemaError, UsageError, reason_of, shortened
-from harness.files import read_json
-from harness.log import BEHAVIOUR, SUCCESS, Log, LogFacts, in_memory, require_columns
+from harness.errors import AskedError, SchemaError, UsageError, one_line
+from harness.files import parse_json, read_bytes
+from harness.log import Log, LogFacts, in_memory, require_columns
 from harness.log.text_table import NOTHING, TRUTH, TextTable, first_rows, head_of, parse_table, read_text
 from harness.score.row_meaning import (
     ENV,
@@ -176,7 +176,7 @@ class Table(Roles):
         taught, runs = self._runs(table, words, used)
         seeds = [name for name in table.names if name.lower() in SEED and not is_of_episodes(table, name)]
         used += [*taught, *runs, *seeds]
-        left = shortened(", ".join(it for it in table.names if it not in used and it.lower() not in INDEX), 120)
+        left = one_line(", ".join(it for it in table.names if it not in used and it.lower() not in INDEX), 120)
         told = _settings_beside(table.path.parent)
         told |= {key: table.cells[f"config/{key}"][0] for key in ("env", "seed") if f"config/{key}" in table.cells}
         thinned = WANDB if is_history(table.names) else ""
@@ -367,7 +367,7 @@ def _settings_beside(folder: Path) -> dict[str, str]:
     """The settings of the training, where a program left them in the folder; empty if they cannot be read."""
     for name in SETTINGS:
         with suppress(OSError, ValueError, AttributeError):
-            told = read_json(folder / name).items()
+            told = parse_json(read_bytes(folder / name)).items()
             return {key: str(it) for key, it in told if key in KEYS and isinstance(it, str | int | float)}
     return {}
 
@@ -421,7 +421,7 @@ def _episodes(table: TextTable, facts: LogFacts, chosen: Chosen) -> Log:
             raise table.refused(int(back[0] + 1), f"'{roles['time']}' goes back: the file holds several runs")
     facts = replace(
         facts,
-        bounds={SUCCESS: (0.0, 1.0)} if "success" in roles else {},
+        bounds={"success": (0.0, 1.0)} if "success" in roles else {},
         thinned=GAPS if is_gappy else "",
         notes=(", ".join(f"{role} from '{name}'" for role, name in roles.items()), *facts.notes),
     )
@@ -434,7 +434,7 @@ def _monitored(table: TextTable, told: Roles) -> Log:
     try:
         heads = [json.loads(text[1:]) for text in table.comments]
     except (ValueError, RecursionError) as error:
-        raise SchemaError(f"{path}: behind # stands no object of JSON: {reason_of(error)}") from error
+        raise SchemaError(f"{path}: behind # stands no object of JSON: {one_line(error)}") from error
     envs = sorted({str(head.get("env_id") or "") for head in heads})
     if len(envs) > 1:
         raise SchemaError(f"{path} holds episodes of several environments: {', '.join(envs)}")
@@ -469,9 +469,7 @@ def _monitored(table: TextTable, told: Roles) -> Log:
         started=float(started) if isinstance(started, int | float) else None,
         notes=tuple(note for note, is_so in notes.items() if is_so),
     )
-    return in_memory(
-        facts, {**log.known, "seconds": seconds, **{f"{BEHAVIOUR}{it}": of for it, of in measured.items()}}
-    )
+    return in_memory(facts, {**log.known, "seconds": seconds, **{f"behaviour/{it}": of for it, of in measured.items()}})
 
 
 def _bare_names(path: Path, text: str) -> Sequence[str]:

@@ -12,7 +12,7 @@ import numpy as np
 
 from harness.errors import SchemaError
 from harness.eta.laws import NEARLY_ALL
-from harness.files import reading, require_regular
+from harness.files import open_regular, reading
 from harness.log import Log, LogFacts
 
 from ..curves import Roles, cleanrl_run, curve
@@ -136,8 +136,7 @@ def _read_file(path: Path) -> _File:
 
     series = dict[str, "tuple[array[float], array[float]]"]()
     told = dict[str, str]()
-    with reading(path, "event file of TensorBoard"):
-        require_regular(path, MOST_BYTES)
+    with reading(path, "event file of TensorBoard"), open_regular(path, MOST_BYTES) as file:
         end = path.stat().st_size  # what is written while we read is for the next time
         size = 0
         for record in RawEventFileLoader(str(path)).Load():
@@ -152,9 +151,8 @@ def _read_file(path: Path) -> _File:
                 elif value.tag == HYPERPARAMETERS:
                     told.update(ROW.findall(b"".join(value.tensor.string_val).decode("utf-8", "replace")))
         left = max(end - size, 0)
-        with path.open("rb") as file:
-            file.seek(size)
-            head = file.read(min(8, left))
+        file.seek(size)
+        head = file.read(min(8, left))
         is_begun = len(head) < 8 or not any(head) or struct.unpack("<Q", head)[0] + FRAME > left
         if left and (not is_begun or (size == 0 and left > FRAME)):
             raise SchemaError(f"{path} is damaged from byte {size:,} of {end:,} on")

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float
-from harness.authoring import Camera, camera_for, seen_of
+from harness.authoring import Camera
 from harness.errors import UsageError, one_line
 from harness.robot import Robot
 
@@ -45,7 +45,6 @@ class Renderer:
 
     def __init__(self, model: mujoco.MjModel, robot: Robot) -> None:
         self._model, self._robot = model, robot
-        self._seen: Float | None = None
         self._canvas: Canvas | None = None
 
     def frame(self, qpos: Float, target: Float, width: int, height: int) -> NDArray[np.uint8]:
@@ -57,8 +56,7 @@ class Renderer:
         try:
             if self._canvas is None or self._canvas.size != (width, height):
                 self.close()
-                self._seen = seen_of(self._robot) if self._seen is None else self._seen
-                self._canvas = Canvas(self._model, camera_for(self._seen, width, height))
+                self._canvas = Canvas(self._model, Camera.of(self._robot, width, height))
             return self._canvas.draw(qpos, target)
         except Exception as error:  # the GL libraries raise errors of many kinds
             raise _refusal(error) from error

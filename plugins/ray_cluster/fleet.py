@@ -14,11 +14,11 @@ from typing import Any, Final, NamedTuple
 import ray
 from ray.util.scheduling_strategies import NodeAffinitySchedulingStrategy
 
-from harness.authoring import Part, add_part, load_registry, parts_of
-from harness.errors import UsageError, one_line, one_line_of, print_visible
-from harness.executor import Cell, Event, Job, OnEvent, partial_folder
+from harness.authoring import Part, add_parts, load_registry, parts_of
+from harness.errors import UsageError, one_line, print_visible
+from harness.executor import Cell, Event, Job, OnEvent
 from harness.experiment.installation import describe_installation, differences
-from harness.record.folder import publish
+from harness.record.folder import partial_folder, publish
 from harness.registry.given import Given
 
 from .node import Ended, Found, Slot, Told, look_around
@@ -146,7 +146,7 @@ class Nodes:
             node.sees_folder = found.sees_folder
             node.refusal = ", ".join(differences(self._here, found.installed))
         if node.refusal:
-            print_visible(f"harness: {one_line_of(f'node {node.name} gets no cells: {node.refusal}')}", err=True)
+            print_visible(f"harness: {one_line(f'node {node.name} gets no cells: {node.refusal}')}", err=True)
 
 
 WAIT: Final = 0.5
@@ -288,7 +288,7 @@ class Fleet:
             seat.task = seat.heard = None
             self._on_event(Event("ended", job.cell, reason=told.reason))
         elif isinstance(told, Part):
-            add_part(_arrivals(job.folder), told)
+            add_parts(_arrivals(job.folder), [told])
         else:
             self._on_event(Event("progress", job.cell, told.steps, scalars=told.scalars))
 

@@ -10,10 +10,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final, NamedTuple, TypeAlias
 
-from harness.authoring import Part, add_parts, order_of, parts_of
-from harness.executor import Cell, Job, Word, partial_folder
+from harness.authoring import Part, add_parts, parts_of
+from harness.executor import Cell, Job, Word
 from harness.experiment.installation import describe_workers
+from harness.experiment.jobs import order_of
 from harness.experiment.workers.workers import Pool
+from harness.record.folder import partial_folder
 from harness.registry.given import Given
 
 TELL_EVERY: Final = 0.5

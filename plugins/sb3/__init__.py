@@ -10,18 +10,14 @@ from harness.face import face_of
 
 if TYPE_CHECKING:
     from .callback import ProgressCallback as ProgressCallback
-    from .policies import (
-        categorical as categorical,
-        deterministic as deterministic,
-        gaussian as gaussian,
-        greedy as greedy,
-        squashed_gaussian as squashed_gaussian,
-    )
+    from .policies import policy_from as policy_from
     from .training import train as train
     from .vec_env import VecEnvAdapter as VecEnvAdapter
     from .watch_callback import WatchCallback as WatchCallback
 else:
     __all__, __getattr__ = face_of(__name__, __file__)
 
+TOLD_EVERY, SCALARS_EVERY = 100, 1000
+"""Environment steps from one report of progress, or of scalars, to the next, in the built-in algorithms."""
 SOURCES = ("harness_plugins.sb3", "harness_plugins.torch_state")
 """The modules that the algorithms use besides their own. They count in the algorithms' hash."""

@@ -8,8 +8,9 @@ from stable_baselines3.common.callbacks import BaseCallback
 
 from harness.algorithm import TrainingEnv
 from harness.policy import Policy
-from harness.progress import SCALARS_EVERY, TOLD_EVERY, Progress, TrainingState, as_state, prefixed, under
+from harness.progress import Progress, TrainingState, as_state, under
 
+from . import SCALARS_EVERY, TOLD_EVERY
 from .state import can_be_packed, pack_model, restore_logged
 
 NAMES = {
@@ -118,8 +119,8 @@ class ProgressCallback(BaseCallback):
             self._progress.checkpoint(self._steps, self._make_state)
 
     def _make_state(self) -> TrainingState:
-        counters = as_state({"done": self._steps, "told": self._told, "scalars_told": self._scalars_told})
-        return {**counters, **prefixed("model.", pack_model(self.model))}
+        counters = {"done": self._steps, "told": self._told, "scalars_told": self._scalars_told}
+        return as_state({**counters, "model": pack_model(self.model)})
 
     def _on_step(self) -> bool:
         steps = self._steps

@@ -7,41 +7,35 @@ import numpy as np
 
 from harness.arrays import Float32
 from harness.authoring import layer_weights
-from harness.policy import Categorical, Deterministic, Gaussian, Greedy, SquashedGaussian
+from harness.policy import Categorical, Deterministic, Gaussian, Greedy, Policy, SquashedGaussian
 
 
-def squashed_gaussian(model: Any, activation: str, algorithm: str) -> SquashedGaussian:
-    """The policy of SAC's actor."""
-    actor = model.policy.actor
-    weights = _weights(actor.latent_pi, mean=actor.mu, log_std=actor.log_std)
-    return SquashedGaussian(weights, activation, *_box(model), algorithm)
+def policy_from(model: Any, activation: str, algorithm: str, noise: float = 0.1) -> Policy:
+    """The policy of a model, in copies: that of SAC, TD3, PPO on continuous or discrete actions, or a deep Q network.
 
-
-def deterministic(model: Any, activation: str, algorithm: str, noise: float) -> Deterministic:
-    """The policy of TD3's actor."""
-    *hidden, mean = _linear_layers(model.policy.actor.mu)
-    return Deterministic(_weights(hidden, mean=mean), activation, *_box(model), algorithm, noise)
-
-
-def gaussian(model: Any, activation: str, algorithm: str) -> Gaussian:
-    """The policy of PPO's actor on continuous actions."""
-    policy = model.policy
-    weights = _weights(policy.mlp_extractor.policy_net, mean=policy.action_net)
-    weights["log_std"] = _array(policy.log_std)
-    return Gaussian(weights, activation, *_box(model), algorithm)
-
-
-def categorical(model: Any, activation: str, algorithm: str) -> Categorical:
-    """The policy of PPO's actor on discrete actions."""
-    policy = model.policy
-    weights = _weights(policy.mlp_extractor.policy_net, logits=policy.action_net)
-    return Categorical(weights, activation, int(model.action_space.n), algorithm)
-
-
-def greedy(model: Any, activation: str, algorithm: str, epsilon: float) -> Greedy:
-    """The policy of a deep Q network."""
-    *hidden, value = _linear_layers(model.q_net.q_net)
-    return Greedy(_weights(hidden, value=value), activation, int(model.action_space.n), algorithm, epsilon)
+    Args:
+        model: By its networks it is known whose policy it is.
+        activation: Between the layers, ``relu`` or ``tanh``.
+        algorithm: The name that the policy tells.
+        noise: In drawn actions of TD3's policy, as a share of half the box; of a deep Q network the share of drawn
+            actions that are random. The other policies have a spread of their own.
+    """
+    policy, space = model.policy, model.action_space
+    if hasattr(model, "q_net"):
+        *hidden, value = _linear_layers(model.q_net.q_net)
+        return Greedy(_weights(hidden, value=value), activation, int(space.n), algorithm, noise)
+    if hasattr(policy, "mlp_extractor"):
+        hidden = policy.mlp_extractor.policy_net
+        if hasattr(space, "n"):
+            return Categorical(_weights(hidden, logits=policy.action_net), activation, int(space.n), algorithm)
+        weights = _weights(hidden, mean=policy.action_net)
+        return Gaussian({**weights, "log_std": _array(policy.log_std)}, activation, *_box(space), algorithm)
+    actor = policy.actor
+    if hasattr(actor, "log_std"):
+        weights = _weights(actor.latent_pi, mean=actor.mu, log_std=actor.log_std)
+        return SquashedGaussian(weights, activation, *_box(space), algorithm)
+    *hidden, mean = _linear_layers(actor.mu)
+    return Deterministic(_weights(hidden, mean=mean), activation, *_box(space), algorithm, noise)
 
 
 def _weights(hidden: Iterable[Any], **heads: Any) -> dict[str, Float32]:
@@ -63,6 +57,5 @@ def _array(parameter: Any) -> Float32:
     return array
 
 
-def _box(model: Any) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    space = model.action_space
+def _box(space: Any) -> tuple[tuple[float, ...], tuple[float, ...]]:
     return tuple(space.low.tolist()), tuple(space.high.tolist())

@@ -44,12 +44,12 @@ class QLearning(OffPolicy):
 
         See `harness.algorithm.Algorithm`.
         """
-        from .policies import greedy
+        from .policies import policy_from
         from .training import train
 
         return train(
             library, env, steps, seed, progress,
-            lambda model: greedy(model, self.activation, name, self.exploration_end),
+            lambda model: policy_from(model, self.activation, name, self.exploration_end),
             decisions_per_update=self.train_freq * self.num_envs,
             **self.library_settings(steps),
         )  # fmt: skip

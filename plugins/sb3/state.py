@@ -8,7 +8,7 @@ import numpy as np
 import torch
 
 from harness.authoring import pack_generator, restore_generator
-from harness.progress import Ring, TrainingState, as_state, prefixed, under
+from harness.progress import Ring, TrainingState, as_state, under
 
 from ..torch_state import pack_optimizer, pack_tensors, restore_optimizer, restore_tensors
 
@@ -32,14 +32,14 @@ def can_be_packed(model: Any) -> bool:
 
 def pack_model(model: Any) -> TrainingState:
     """The state of a model: parameters, replay buffer, counters, logged values and random generators."""
-    state: dict[str, Any] = {**_arrays(model, ARRAYS), **_values(model, NUMBERS)}
+    state = _values(model, (*ARRAYS, *NUMBERS))
     for name, (tensors, optimizer) in _parts(model).items():
-        state |= prefixed(f"{name}.", pack_optimizer(optimizer) if optimizer else pack_tensors(tensors))
+        state[name] = pack_optimizer(optimizer) if optimizer else pack_tensors(tensors)
     buffer = getattr(model, "replay_buffer", None)
     if buffer is not None:
-        state["replay"] = Ring(_arrays(buffer, COLUMNS), model.num_timesteps // model.n_envs)
-        state |= prefixed("episodes.", _values(buffer, EPISODES))
-    return as_state({**state, **prefixed("logged.", model.logger.name_to_value), **_pack_generators(model)})
+        state["replay"] = Ring(as_state(_values(buffer, COLUMNS)), model.num_timesteps // model.n_envs)
+        state["episodes"] = _values(buffer, EPISODES)
+    return as_state({**state, "logged": model.logger.name_to_value, **_pack_generators(model)})
 
 
 def restore_model(model: Any, state: TrainingState) -> None:
@@ -56,7 +56,7 @@ def restore_model(model: Any, state: TrainingState) -> None:
             restore_tensors(tensors, packed)
     if "replay" in state:
         ring, buffer = state["replay"], model.replay_buffer
-        ring.copy_into(_arrays(buffer, COLUMNS))
+        ring.copy_into(as_state(_values(buffer, COLUMNS)))
         for name, values in under("episodes.", state).items():
             getattr(buffer, name)[:] = values
         buffer.pos, buffer.full = ring.written % buffer.buffer_size, ring.written >= buffer.buffer_size
@@ -73,16 +73,8 @@ def _values(owner: Any, names: Sequence[str]) -> dict[str, Any]:
     return {name: getattr(owner, name) for name in names if hasattr(owner, name)}
 
 
-def _arrays(owner: Any, names: Sequence[str]) -> dict[str, Any]:
-    """Arrays by name. If an attribute is a dict of arrays, each of them stands under ``name.key``."""
-    found: dict[str, Any] = {}
-    for name, value in _values(owner, names).items():
-        found |= prefixed(f"{name}.", value) if isinstance(value, dict) else {name: value}
-    return found
-
-
 def _array_of(name: str, state: TrainingState) -> Any:
-    """A copy of the attribute `name`, from what `_arrays` returned."""
+    """A copy of the attribute `name`, from a state."""
     if name in state:
         return np.array(state[name])
     return {key: np.array(value) for key, value in under(f"{name}.", state).items()}

@@ -8,9 +8,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
-from harness.executor import Event, Job, OnEvent, partial_folder
+from harness.executor import Event, Job, OnEvent
 from harness.record.cell import write_log
-from harness.record.folder import LOG
+from harness.record.folder import LOG, partial_folder
 
 from .cluster import Cluster, SubmittedJob
 from .task import CellTask, Told

@@ -13,7 +13,7 @@ from typing import Any, Final, TypeAlias
 import submitit
 from submitit.core.utils import FailedJobError, FailedSubmissionError
 
-from harness.errors import UsageError, one_line, one_line_of
+from harness.errors import UsageError, one_line
 from harness.files.bounded import STATE, state_folder
 
 from .task import CellTask
@@ -105,7 +105,7 @@ class Cluster:
         except (FailedJobError, FailedSubmissionError) as error:
             said = str(error).strip().splitlines() or ["nothing"]
             raise UsageError(
-                f"Slurm takes no jobs: {one_line_of(said[-1])}. Run harness where sbatch works, or with "
+                f"Slurm takes no jobs: {one_line(said[-1])}. Run harness where sbatch works, or with "
                 "--executor processes; the same command then does the cells that are not done"
             ) from error
 

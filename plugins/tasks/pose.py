@@ -12,10 +12,8 @@ from harness.arrays import Float
 from harness.reach import Positive, ReachTask
 from harness.robot import (
     Robot,
-    axes_of_rotation,
     forward,
     reach_position,
-    rotation_between,
     rotation_of_axes,
 )
 from harness.task import Goal, Situation
@@ -75,7 +73,7 @@ class PoseGoal(Goal):
         turned, reached = reach_position(self.robot, position, start)
         usual, _ = reach_position(self.robot, position, np.broadcast_to(home, shape))
         pose = forward(self.robot.chain, np.where(reached[:, None], turned, usual))
-        return axes_of_rotation(pose[:, :3, :3])
+        return np.concatenate([pose[:, :3, 0], pose[:, :3, 1]], axis=1)
 
     def errors(self, now: Situation) -> Float:
         """The larger of distance and lever times angle, (n,), [m]."""
@@ -92,5 +90,8 @@ class PoseGoal(Goal):
         return np.concatenate([now.numbers, self._turn_left(now) / math.pi], axis=1)
 
     def _turn_left(self, now: Situation) -> Float:
+        from scipy.spatial.transform import Rotation  # takes as long to import as all of the core
+
         pose = forward(self.robot.chain, now.qpos)
-        return rotation_between(pose[:, :3, :3], rotation_of_axes(now.numbers))
+        turn = rotation_of_axes(now.numbers) @ np.swapaxes(pose[:, :3, :3], -1, -2)
+        return np.asarray(Rotation.from_matrix(turn).as_rotvec())

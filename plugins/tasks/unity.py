@@ -3,18 +3,20 @@
 A point (x, y, z) of Unity's left-handed y-up frame is (z, -x, y) here.
 """
 
-from typing import Annotated, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from harness.arrays import Float, Float32
-from harness.authoring import Episodes
 from harness.errors import UsageError
 from harness.reach import Pay
 from harness.robot import Robot, forward, reach_position
 from harness.task import LONGEST_EPISODE, Motion, Setting, Targets, build_motion
+
+if TYPE_CHECKING:
+    from harness.env.episodes import Episodes
 
 Positive = Annotated[float, Field(gt=0)]
 Count = Annotated[int, Field(gt=0, le=LONGEST_EPISODE)]
@@ -188,7 +190,7 @@ class UnityObservation:
         """Upper bounds, (dof + 14,)."""
         return self._high.astype(np.float32)
 
-    def observe(self, episodes: Episodes) -> Float32:
+    def observe(self, episodes: "Episodes") -> Float32:
         base = np.broadcast_to(self._base, episodes.target.shape)
         vectors = (base, base + episodes.target, base + episodes.end_effector, episodes.offset)
         joints = (episodes.qpos - self._middle) / self._half

@@ -29,9 +29,9 @@ def transfer(
 
     Trains nothing. What is evaluated already is not evaluated again.
     """
+    from harness import load_results
     from harness.experiment.workers.workers import worker_count
     from harness.registry import load_registry, read_given
-    from harness.results import load_results
 
     from .jobs import plan_transfers, run_transfers
     from .matrix import load_transfers

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar, Literal, NamedTuple, TypeAlias
 
-from harness import load_robot
+from harness import load_results, load_robot
 from harness.env.vector_env import build_world
 from harness.errors import HarnessError, UsageError
 from harness.experiment.arm_evaluation import record_evaluation
@@ -29,7 +29,7 @@ from harness.registry import (
 )
 from harness.registry.given import Given
 from harness.registry.spec import PLANNED, blamed_on
-from harness.results import Results, load_results
+from harness.results import Results
 from harness.simulator import require_drives
 from harness.text import command_text
 

@@ -30,8 +30,8 @@ def video(
 
     If the task is an environment, the policies play their evaluations again and the environment draws the pictures.
     """
+    from harness import load_results
     from harness.registry import split_list
-    from harness.results import load_results
     from harness.results.replay import first_show, show_cells
 
     from .film import film_of, require_kind, write_film

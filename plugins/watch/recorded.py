@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float, Ints, Mask
 from harness.eta.laws import direction_of
-from harness.log import BEHAVIOUR, REWARD, SUCCESS
-from harness.log.log import OpenEpisodes
+from harness.log.log import BEHAVIOUR, REWARD, SUCCESS, OpenEpisodes
 from harness.record import TrainingFacts, read_trace
 from harness.record.folder import parts_of
 from harness.record.out_folder import is_held

@@ -11,7 +11,7 @@ from typing import Any, Literal, TypeAlias, TypeVar
 from harness.cli.progress import left_text
 from harness.errors import HarnessError, SchemaError, UsageError, one_line
 from harness.eta.laws import Better
-from harness.log import SUCCESS
+from harness.log.log import SUCCESS
 from harness.record import (
     MANIFEST,
     PLAN,

@@ -8,13 +8,13 @@ from html import escape
 from pathlib import Path
 from typing import NamedTuple
 
+from harness import load_results
 from harness.errors import UsageError
 from harness.record import Store
 from harness.registry import load_registry
 from harness.report import question, replay_of
 from harness.report.facts import overview_grids
 from harness.report.page.page import render_page
-from harness.results import load_results
 from harness.results.replay import shows_of
 
 from .cards import rows_of

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.results import load_results
+from harness import load_results
 from tests.results.recordings.conftest import record
 
 FEW = ("--episodes", 6, "--budget", 0)

@@ -6,7 +6,7 @@ import sys
 
 from numpy.testing import assert_array_equal
 
-from harness.results import load_results
+from harness import load_results
 from harness.results.replay import shows_of
 
 

@@ -1,12 +1,13 @@
 """What a plugin of an earlier release is answered: it works with a warning, or hears what to write."""
 
 import importlib
+import re
 
 import numpy as np
 import pytest
 
 from harness.errors import UsageError
-from harness.face import LEFT, MOVED
+from harness.face import INSTEAD, LEFT, MOVED
 from harness.record import trace_of
 
 
@@ -14,7 +15,8 @@ from harness.record import trace_of
 def test_moved_name_is_the_new_one_with_a_warning(old, new):
     """Of 0.3 and before: it works, and says until when."""
     (before, name), (home, after) = (it.rsplit(".", 1) for it in (old, new))
-    with pytest.warns(DeprecationWarning, match=rf"works until .* 0\.6: write `from {home} import {after}`"):
+    instead = INSTEAD.get(old, f"write `from {home} import {after}`")
+    with pytest.warns(DeprecationWarning, match=re.escape(f"{old} works until fd100-harness 0.6: {instead}")):
         found = getattr(importlib.import_module(before), name)
     assert found is getattr(importlib.import_module(home), after)
 

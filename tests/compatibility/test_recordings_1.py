@@ -14,9 +14,9 @@ from pathlib import Path
 
 import pytest
 
+from harness import load_results
 from harness.record.recording.recorded_training import read_recording
 from harness.record.store import Store
-from harness.results import load_results
 
 HERE = Path(__file__).parent / "recordings_1"
 TOLD = json.loads((HERE / "returns.json").read_text())

@@ -20,10 +20,10 @@ from pathlib import Path
 
 import pytest
 
+from harness import load_results
 from harness.cli import main
 from harness.record.cell import read_manifest
 from harness.record.store import Store
-from harness.results import load_results
 from tests.compatibility.test_v0_2_0 import FOLDERS, require_numbers, resumed
 from tests.refusals import refused
 

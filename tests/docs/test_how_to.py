@@ -10,9 +10,9 @@ from typing import Any
 
 import pytest
 
+from harness import load_results
 from harness.env.vector_env import ReachVectorEnv
 from harness.policy import load_policy
-from harness.results import load_results
 from tests.docs.pages import ROOT, blocks_of
 
 STEP = "benchmark(env.step, env.action_space.sample())"

@@ -6,6 +6,7 @@ import pyarrow.parquet as pq
 import pytest
 
 import harness
+from harness import load_results
 from harness.experiment.arm_world import evaluation_scalars
 from harness.experiment.experiment import check
 from harness.experiment.plan import check_experiment, expand
@@ -14,7 +15,6 @@ from harness.experiment.trials.tried import Tried
 from harness.record import read_trace
 from harness.registry import load_registry, read_given
 from harness.report.document import report_text
-from harness.results import load_results
 from harness.results.metrics import fields_needed
 from tests.refusals import refused
 

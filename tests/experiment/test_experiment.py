@@ -6,13 +6,14 @@ from pathlib import Path
 import pytest
 
 import harness
+from harness import load_results
 from harness.executor import Event, Limits
 from harness.experiment.experiment import ExperimentRun, check, default_folder, run
 from harness.experiment.plan import check_experiment, expand
 from harness.experiment.run_options import RunOptions
 from harness.record import LOG, Manifest, Store, partial_folder
 from harness.registry import Choice
-from harness.results import Results, load_results
+from harness.results import Results
 from tests.left import files_of
 from tests.refusals import refused
 from tests.stores import create_store

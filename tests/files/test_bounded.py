@@ -7,13 +7,8 @@ import h5py
 import pytest
 
 from harness.errors import SchemaError, UsageError
-from harness.files import (
-    open_regular,
-    read_json,
-    read_text,
-    reading,
-)
-from harness.files.bounded import digest_of
+from harness.files import open_regular, reading
+from harness.files.bounded import digest_of, read_json, read_text
 from tests.refusals import refused
 
 

@@ -9,8 +9,9 @@ import pytest
 from hypothesis import given, strategies as st
 
 from harness.experiment.arm_world import LearningSoFar
-from harness.log import EPISODES, LogFacts, in_memory
+from harness.log import LogFacts, in_memory
 from harness.log.log import (
+    EPISODES,
     OpenEpisodes,
     episode_sum,
     episode_sums,

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import pytest
 
+from harness import load_results
 from harness.errors import UsageError
 from harness.experiment.plan import check_experiment, expand
 from harness.experiment.verify import verify
@@ -26,7 +27,6 @@ from harness.record import (
 )
 from harness.record.merge import merge
 from harness.report import report_text
-from harness.results import load_results
 from harness_plugins.transfer.record import read_record_of
 from tests.stores import create_store
 

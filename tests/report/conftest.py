@@ -14,12 +14,12 @@ import numpy as np
 import pytest
 from rich.console import Console
 
+from harness import load_results
 from harness.errors import UsageError
 from harness.experiment.plan import Plan
 from harness.record import COLUMN, EVALUATION, RANDOM, SCALARS, TRACE, Cell, Manifest, TraceWriter, trace_of
 from harness.record.trace import FLAGS, INTEGERS
 from harness.registry import Choice, choose, load_registry
-from harness.results import load_results
 from harness.score.compare import compare_logs
 from harness.score.open_steps import match_steps
 from harness.score.scorer import pay_log

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from harness import load_results
 from harness.eta import Ruling
 from harness.executor import CellOptions
 from harness.experiment.plan import check_experiment, expand
@@ -16,7 +17,6 @@ from harness.experiment.run_cell import run_cell
 from harness.record import read_recording
 from harness.registry import load_registry, read_given
 from harness.report import FactsTable, all_facts, first_facts, report_text, write_html
-from harness.results import load_results
 from harness_plugins.committed import write_summary
 from tests.report.conftest import printed, squeezed
 from tests.stores import create_store

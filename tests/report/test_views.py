@@ -11,10 +11,10 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
+from harness import load_results
 from harness.record import read_recording
 from harness.registry import load_registry
 from harness.report import FactsTable, all_facts, first_facts, report_text, write_html
-from harness.results import load_results
 from harness_plugins.committed import committed_table, write_summary
 from tests.report.conftest import printed
 from tests.results.in_looks import CHOOSING, folder_in_looks

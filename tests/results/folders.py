@@ -4,10 +4,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from harness import load_results
 from harness.record import COLUMN, SCALARS, Manifest, TraceWriter
 from harness.record.trace import NOTHING_KNOWN, EpisodeFacts
 from harness.registry import Choice
-from harness.results import load_results
 from harness.results.logs.told import Told
 
 BASELINE = Choice("baseline", (), "baseline")

@@ -2,9 +2,9 @@
 
 from dataclasses import replace
 
+from harness import load_results
 from harness.record import Store, Terms
 from harness.registry import Choice
-from harness.results import load_results
 from harness.results.results import standing_of
 from tests.results.folders import BASELINE_RUNS, finish
 from tests.stores import create_store

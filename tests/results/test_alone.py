@@ -5,8 +5,8 @@ import json
 import numpy as np
 import pytest
 
+from harness import load_results
 from harness.record import read_trace
-from harness.results import load_results
 from tests.results.gentle import GENTLE, run_gentle
 
 

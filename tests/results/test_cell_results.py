@@ -8,10 +8,10 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
+from harness import load_results
 from harness.record import TRACE, read_manifest, read_trace
 from harness.record.merge import merge
 from harness.report import report_text
-from harness.results import load_results
 from harness.score.installed_reward import InstalledReward
 from harness_plugins.committed.tables import write_cells
 

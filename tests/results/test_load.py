@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
+from harness import load_results
 from harness.errors import UsageError
 from harness.registry import load_registry
-from harness.results import Results, load_results
+from harness.results import Results
 from harness_plugins.transfer import plan_transfers
 from tests.results.recordings.conftest import PAYS, record
 from tests.stores import create_store

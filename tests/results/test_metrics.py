@@ -5,11 +5,11 @@ import json
 import pyarrow.parquet as pq
 import pytest
 
+from harness import load_results
 from harness.errors import PluginError, UsageError
 from harness.record import Manifest
 from harness.registry import load_registry
 from harness.report import behaviour_grids, report_text
-from harness.results import load_results
 from harness.results.metrics import load_metrics, measure, measure_of
 from harness_plugins.committed.tables import write_cells
 from tests.results.folders import only

@@ -4,9 +4,9 @@ import json
 
 import pytest
 
+from harness import load_results
 from harness.eta import Agreement
 from harness.eta.ranking import Answer
-from harness.results import load_results
 from harness.results.ranking import Ranking, ranking_of
 from tests.report.conftest import build_results
 from tests.results.folders import fail, load_without

@@ -3,11 +3,11 @@
 import pyarrow.parquet as pq
 import pytest
 
+from harness import load_results
 from harness.experiment.plan import Plan
 from harness.record.cell import BROUGHT
 from harness.registry import Choice
 from harness.report.rows.comparison import remarks_on_cells
-from harness.results import load_results
 from tests.results.folders import ARP, fail
 from tests.stores import create_store
 

@@ -9,8 +9,8 @@ import pyarrow.parquet as pq
 import pytest
 
 import harness
+from harness import load_results
 from harness.errors import UsageError
-from harness.results import load_results
 from harness.results.table import comparison_rows
 from tests.results.folders import ARP, fail
 from tests.stores import create_store

@@ -6,8 +6,9 @@ from itertools import product
 import numpy as np
 import pytest
 
+from harness import load_results
 from harness.record import read_trace
-from harness.results import Group, load_results
+from harness.results import Group
 from harness.results.by_term import ByTerm, TermMeans
 from harness.results.trainings import TermsOfTraining, terms_paid
 from tests.results.gentle import GENTLE

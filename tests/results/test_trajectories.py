@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
+from harness import load_results
 from harness.record import COLUMN, SCALARS, Manifest, TraceWriter
 from harness.registry import Choice
-from harness.results import Comparison, Group, load_results
+from harness.results import Comparison, Group
 from harness.results.replay import trajectories_of
 from tests.stores import create_store
 

@@ -13,6 +13,7 @@ from gymnasium.spaces import Box, Discrete
 from rich.console import Console
 
 import harness
+from harness import load_results
 from harness.cli import main
 from harness.cli.progress import LiveProgress
 from harness.cli.status import so_far_of
@@ -20,7 +21,6 @@ from harness.executor import Event
 from harness.record import Store, TraceWriter, partial_folder
 from harness.record.cell import Running, write_running
 from harness.record.trace import COLUMN, SCALARS
-from harness.results import load_results
 from harness.results.under_way import so_far
 from harness_plugins.watch.recorded import Recording, Trace
 

@@ -7,7 +7,7 @@ from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
 from harness.robot import rotation_of_axes
-from harness.robot.kinematics import axes_of_rotation, rotation_between
+from harness.robot.kinematics import rotation_between
 
 QUATERNIONS = st.lists(st.floats(-1.0, 1.0), min_size=4, max_size=4).filter(lambda q: norm(q) > 0.1)
 ROTATIONS = QUATERNIONS.map(lambda q: Rotation.from_quat(q).as_matrix()[None])
@@ -46,7 +46,7 @@ def test_turn_leads_from_one_to_the_other(one, other):
 @given(ROTATIONS)
 def test_two_axes_tell_a_rotation(one):
     """The third follows; single precision is mended."""
-    axes = axes_of_rotation(one)
+    axes = np.concatenate([one[:, :, 0], one[:, :, 1]], axis=1)
     assert_allclose(rotation_of_axes(axes), one, atol=1e-12)
     mended = rotation_of_axes(axes.astype(np.float32).astype(np.float64))
     assert_allclose(mended @ np.swapaxes(mended, 1, 2), np.eye(3)[None], atol=1e-12)

@@ -28,7 +28,7 @@ from harness.registry.spec import require_pillow
 from harness.results.frames import MOST_BYTES, read_frames, write_frames
 from harness.results.pairs import shown_pair
 from harness.results.results import Results
-from harness.text import one_line_of
+from harness.text import one_line
 
 if TYPE_CHECKING:
     from PIL import Image
@@ -116,7 +116,7 @@ class DrawFrames(Plain):
             with closing(played):
                 content = _draw(played, self.episode)
         except HarnessError as error:
-            content = _told(reason=one_line_of(str(error)))
+            content = _told(reason=one_line(str(error)))
         partial = partial_folder(folder)
         partial.mkdir(parents=True, exist_ok=True)
         (partial / DRAWN).write_bytes(content)

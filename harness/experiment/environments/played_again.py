@@ -19,7 +19,7 @@ from harness.record.recording.recorded_training import read_recording
 from harness.recorder.evaluate_policy import FIRST_SEED
 from harness.registry.choice import Registry
 from harness.registry.spec import blamed_on
-from harness.text import one_line_of
+from harness.text import one_line
 
 if TYPE_CHECKING:
     from PIL import Image
@@ -124,7 +124,7 @@ def picture_of(env: AnyEnv, name: str) -> "Image.Image":
             drawn: Any = env.render()
     except Exception as error:  # an env of anybody, and the graphics driver under it
         raise UsageError(
-            f"{name} cannot draw here: {one_line_of(str(error))}. Without a screen set "
+            f"{name} cannot draw here: {one_line(str(error))}. Without a screen set "
             "MUJOCO_GL=egl, or MUJOCO_GL=osmesa; harness doctor says what works"
         ) from error
     if not isinstance(drawn, np.ndarray) or drawn.ndim != 3:

@@ -15,7 +15,8 @@ from harness.errors import UsageError
 from harness.eta import CANNOT_TELL, auc_of, line_of
 from harness.eta.auc import Auc, share_of
 from harness.eta.rescaling import rounded
-from harness.log import RECORDED, Log
+from harness.log import Log
+from harness.log.log import RECORDED
 from harness.payoff.dataset.paid_dataset import Labels, PaidDataset, pay_dataset
 from harness.payoff.dataset.rewards import given_rewards, rewards_of
 from harness.payoff.dataset.steps import Payer

@@ -7,7 +7,8 @@ import numpy as np
 
 from harness.errors import Unscored, UsageError
 from harness.eta.headline import SUCCESS
-from harness.log import REWARD, START, Log, LogFacts, in_memory
+from harness.log import Log, LogFacts, in_memory
+from harness.log.log import REWARD, START
 from harness.record import TRACE, Cell, read_trace
 from harness.registry import Choice
 from harness.results.cell_results import CellResults

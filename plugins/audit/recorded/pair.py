@@ -12,7 +12,8 @@ from harness.arrays import Float, Ints
 from harness.eta import Rescaling, SeedMean, line_of, mean_over_seeds, rescaling_of
 from harness.eta.rescaling import PayLine, rounded
 from harness.files.plain import Plain, tells
-from harness.log import BEHAVIOUR, EPISODES, REWARD, Log
+from harness.log import Log
+from harness.log.log import BEHAVIOUR, EPISODES, REWARD
 
 from ..distance import Distance, Form, centred_unit, compare_forms, distance_between
 

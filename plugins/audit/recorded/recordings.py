@@ -9,7 +9,7 @@ from harness.errors import UsageError
 from harness.eta import CANNOT_TELL
 from harness.eta.laws import Account, Missing, is_left_out
 from harness.eta.manner import ACTED_AT_RANDOM
-from harness.log import SUCCESS
+from harness.log.log import SUCCESS
 from harness.log.open_log import Found
 from harness.registry import unknown_name
 from harness.results.logs.read_logs import account_of, facts_notes, read_trainings, require_comparable

@@ -12,7 +12,7 @@ from gymnasium.vector import AutoresetMode
 from harness.arrays import Float, Ints, Mask
 from harness.env.arm_observation import kinematics_policy, why_not_kinematics
 from harness.env.vector_env import ReachVectorEnv, World as Arm
-from harness.log import SUCCESS
+from harness.log.log import SUCCESS
 from harness.motion.motion import MoveJ
 from harness.payoff.rollout import SCRIPTS, plan_actions
 from harness.record.trace import TERM

@@ -10,7 +10,7 @@ from gymnasium.spaces import Discrete
 
 from harness.errors import UsageError, reason_of
 from harness.experiment.environments.spaces import rows_of
-from harness.log import ACTION, BEHAVIOUR, REWARD, SUCCESS
+from harness.log.log import ACTION, BEHAVIOUR, REWARD, SUCCESS
 from harness.policy import Policy, load_policy
 from harness.record import POLICY, Store, read_recording
 from harness.record.folder import CARD, TRAINING_RECORDING

@@ -15,7 +15,7 @@ from harness.arrays import Float, Mask
 from harness.environment import AnyEnv
 from harness.errors import UsageError, reason_of
 from harness.experiment.environments.spaces import rows_of
-from harness.log import SUCCESS
+from harness.log.log import SUCCESS
 from harness.record.dataset.labels import parse_success
 from harness.recorder.column import Column, made_columns
 from harness.recorder.env_facts import Columns

@@ -19,7 +19,7 @@ from harness.experiment.environments.played_again import let_draw, picture_of
 from harness.registry import Registry, load_registry
 from harness.registry.given import Given
 from harness.registry.spec import require_pillow
-from harness.text import one_line_of
+from harness.text import one_line
 
 from .place import Place
 from .spaces import coded
@@ -109,9 +109,9 @@ def draw_film(place: Place, given: Sequence[Given], start: int, actions: Actions
             let_draw(env, place.name)
             return _strip(_pictures(env, place.name, start, actions, clock))
     except HarnessError as error:
-        return Film(f"There is no film: {one_line_of(str(error))}")
+        return Film(f"There is no film: {one_line(str(error))}")
     except Exception as error:  # an env of anybody
-        return Film(f"There is no film: {one_line_of(reason_of(error))}")
+        return Film(f"There is no film: {one_line(reason_of(error))}")
 
 
 def _pictures(env: AnyEnv, name: str, start: int, actions: Actions, clock: Sequence[int]) -> "dict[int, Image.Image]":

@@ -10,7 +10,8 @@ import numpy as np
 from gymnasium.wrappers import TimeLimit
 
 from harness.errors import UsageError
-from harness.log import REWARD, Log
+from harness.log import Log
+from harness.log.log import REWARD
 from harness.record import read_recording
 from harness.record.recording.facts import facts_of
 from harness.recorder.record_rewards import RecordRewards

@@ -13,8 +13,9 @@ from unittest import mock
 
 import numpy as np
 
-from harness.log import BEHAVIOUR, Log, LogFacts, LogFormat, Rows, Unit
+from harness.log import Log, LogFacts, LogFormat, Rows, Unit
 from harness.log.format import HEAD
+from harness.log.log import BEHAVIOUR
 
 from ..contract import require
 

@@ -7,13 +7,13 @@ from pathlib import Path
 
 import pytest
 
+from harness import load_results
 from harness.experiment.environments.frames import draw_frames
 from harness.experiment.experiment import run
 from harness.experiment.verify import verify
 from harness.files.bounded import write_keyed
 from harness.report import write_html
 from harness.report.page.comparison import frames_of
-from harness.results import load_results
 from harness.results.frames import frames_file, made_of, read_frames
 
 pytest.importorskip("PIL")

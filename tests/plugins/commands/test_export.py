@@ -11,11 +11,11 @@ import onnxruntime
 import pytest
 from numpy.testing import assert_allclose
 
+from harness import load_results
 from harness.cli import main
 from harness.policy import InverseKinematics, SquashedGaussian, Uniform, UniformChoice, load_policy
 from harness.policy.inverse_kinematics import SHAPES
 from harness.registry.choice import Choice
-from harness.results import load_results
 from tests.stores import create_store
 
 

@@ -101,7 +101,7 @@ def test_nothing_heavy_is_imported(build, tmp_path):
     results = build(learned={10: 1})
     code = (
         "import sys, harness_plugins.committed.records as summary\n"
-        "from harness.results import load_results\n"
+        "from harness import load_results\n"
         "from pathlib import Path\n"
         "summary.write_summary(load_results(sys.argv[1]), Path(sys.argv[2]))\n"
         "heavy = {'torch', 'mujoco', 'pybullet', 'dm_control', 'stable_baselines3', 'gymnasium', 'matplotlib'}\n"

@@ -136,7 +136,7 @@ def test_success_stands_in_infos(tmp_path):
     text = write(tmp_path / "d.hdf5", **{"infos/near": np.linspace(0.0, 1.0, STEPS)})
     assert read(text)["behaviour/success"].tolist() == [0.0, 0.0, 1.0] + [0.0] * 5
     assert read(text, success="near>0.5")["behaviour/success"].tolist() == [0.0] * 4 + [1.0] * 4
-    with pytest.raises(UsageError, match=r"--success won: .* it has"):
+    with pytest.raises(UsageError, match=r"--success won: .* It has"):
         opened(text, success="won")
 
 

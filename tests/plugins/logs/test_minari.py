@@ -138,5 +138,5 @@ def test_too_many_steps_are_refused(tmp_path, monkeypatch):
 
 def test_a_missing_key_of_success_names_those_there_are(tmp_path):
     """A missing key of success names those there are."""
-    with pytest.raises(UsageError, match=r"--success won: .* it has success"):
+    with pytest.raises(UsageError, match=r"--success won: .* It has: success"):
         opened(f"minari:{write_minari(tmp_path / 'd', [episode(3)])}", success="won")

@@ -120,7 +120,9 @@ def test_a_filter_key_chooses_demonstrations(tmp_path):
     assert sorted({*log["episode"].tolist()}) == [0, 2]
     with pytest.raises(SchemaError, match="filter key lost lists demo_9, which is not there"):
         opened(text.replace("robomimic:", "robomimic:mask=lost:"))
-    with pytest.raises(UsageError, match=r"no filter key 'trian'; it has lost, train, valid. Did you mean 'train'"):
+    with pytest.raises(
+        UsageError, match=r"filter keys, has no 'trian'. It has: lost, train, valid. Did you mean 'train'"
+    ):
         opened(text.replace("robomimic:", "robomimic:mask=trian:"))
 
 

@@ -50,7 +50,7 @@ def test_the_bare_training_updates_as_often_as_ours(subtests):
 
 def test_a_model_without_torch_leaves_no_checkpoint():
     """What it has learned would not be in it: sbx says that it has no parameters of PyTorch's."""
-    from harness_plugins.sb3 import ProgressCallback, VecEnvAdapter, squashed_gaussian
+    from harness_plugins.sb3 import ProgressCallback, VecEnvAdapter, policy_from
 
     class Offered(Progress):
         offered = 0
@@ -67,7 +67,7 @@ def test_a_model_without_torch_leaves_no_checkpoint():
         )
         if names is not None:
             model._get_torch_save_params = lambda names=names: names
-        model.learn(4, callback=ProgressCallback(env, told, 4, lambda model: squashed_gaussian(model, "relu", "mine")))
+        model.learn(4, callback=ProgressCallback(env, told, 4, lambda model: policy_from(model, "relu", "mine")))
         counts.append(told.offered)
     assert counts[0] > 0
     assert counts[1] == 0

@@ -17,7 +17,7 @@ from harness.recorder.record_rewards import RecordRewards
 from harness_plugins.algorithms.her import Her
 from harness_plugins.kit.trainings import WatchedEnv
 from harness_plugins.sb3.hindsight import GoalEnvAdapter, HindsightSAC
-from harness_plugins.sb3.policies import squashed_gaussian
+from harness_plugins.sb3.policies import policy_from
 
 
 class _Line(gymnasium.Env[Any, Any]):
@@ -69,7 +69,7 @@ def test_the_policy_sees_what_the_network_sees(model):
     """A row as the env shows it, for the parts of a dict: columns are not mixed up."""
     seen = default_rng(0).uniform(-1.0, 1.0, (5, 28)).astype(np.float32)
     own, _ = model.predict(model.env._seen(seen), deterministic=True)
-    assert_allclose(squashed_gaussian(model, "relu", "her").act(seen), own, atol=1e-6)
+    assert_allclose(policy_from(model, "relu", "her").act(seen), own, atol=1e-6)
 
 
 def test_steps_are_paid_again_by_the_reward_of_the_training(model):
@@ -118,6 +118,6 @@ def test_it_learns_what_the_library_learns_by_itself(tmp_path):
         replay_buffer_class=HerReplayBuffer, policy_kwargs={"net_arch": [8], "activation_fn": torch.nn.ReLU},
         **settings,
     ).learn(200)  # fmt: skip
-    expected = squashed_gaussian(library, "relu", "library").weights
+    expected = policy_from(library, "relu", "library").weights
     assert policy.weights.keys() == expected.keys()
     assert all(np.array_equal(policy.weights[name], expected[name]) for name in expected)

@@ -12,7 +12,7 @@ from numpy.testing import assert_array_equal
 import harness
 from harness.goal import Situation
 from harness.robot import forward
-from harness.robot.kinematics import axes_of_rotation, rotation_between
+from harness.robot.kinematics import rotation_between
 from harness_plugins.tasks.pose import Pose
 
 ROBOT = harness.load_robot("fd100")
@@ -31,7 +31,8 @@ def asked_for(at, target):
     """An arm with the joints `at`, asked for the pose that it has with the joints `target`."""
     pose = forward(ROBOT.chain, target)
     none = np.zeros(1)
-    return Situation(at, ROBOT.end_effector(at), pose[:, :3, 3], axes_of_rotation(pose[:, :3, :3]), none, none)
+    axes = np.concatenate([pose[:, :3, 0], pose[:, :3, 1]], axis=1)
+    return Situation(at, ROBOT.end_effector(at), pose[:, :3, 3], axes, none, none)
 
 
 def error(at, target):

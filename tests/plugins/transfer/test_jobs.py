@@ -11,14 +11,13 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from harness import load_robot
+from harness import load_results, load_robot
 from harness.errors import NewerFormat
 from harness.experiment.plan import check_experiment, expand
 from harness.record import EVALUATION, MANIFEST, POLICY, Cell, partial_folder, read_manifest, read_trace
 from harness.record.cell import BROUGHT
 from harness.record.folder import WEIGHTS
 from harness.registry import Choice, choose, load_registry
-from harness.results import load_results
 from harness_plugins.transfer import (
     TRANSFER,
     load_transfers,
@@ -284,7 +283,7 @@ def test_reading_needs_no_plugin_s_engine(train, transferred_here):
     results = train(seeds=1)
     transfer(results.folder, "stuck")
     script = (
-        "import sys\nfrom harness.results import load_results\n"
+        "import sys\nfrom harness import load_results\n"
         "from harness_plugins.transfer.matrix import load_transfers\n"
         "assert load_transfers(load_results(sys.argv[1])).matrices\n"
         "assert not {'gymnasium', 'mujoco', 'torch', 'toy_arm'} & set(sys.modules)"

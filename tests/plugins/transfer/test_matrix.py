@@ -6,11 +6,12 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from harness import load_results
 from harness.files.plain import to_plain
 from harness.record import COLUMN, EVALUATION, POLICY, SCALARS, Manifest, TraceWriter
 from harness.record.folder import WEIGHTS
 from harness.registry import Choice
-from harness.results import Results, load_results
+from harness.results import Results
 from harness_plugins.transfer import TRANSFER, TransferRecord, load_transfers, simulator_id
 from harness_plugins.transfer.record import policy_digest
 from tests.stores import create_store

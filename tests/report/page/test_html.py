@@ -9,10 +9,10 @@ from html.parser import HTMLParser
 
 import pytest
 
+from harness import load_results
 from harness.report import SPLIT, describe_split, question, scales_text, typeset, write_html
 from harness.report.page.html import PROMISE
 from harness.report.page.page import to_html
-from harness.results import load_results
 from tests.refusals import refused
 from tests.report.conftest import MIXTURE, NO_PAIR
 from tests.report.page.test_answer import HELPED

@@ -3,8 +3,8 @@ import re
 import numpy as np
 import pytest
 
+from harness import load_results
 from harness.report import write_html
-from harness.results import load_results
 from tests.report.conftest import words_of
 from tests.results.recordings.conftest import PAYS, record
 

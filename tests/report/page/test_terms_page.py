@@ -4,8 +4,8 @@ import re
 
 import pytest
 
+from harness import load_results
 from harness.report import write_html
-from harness.results import load_results
 from tests.report.conftest import words_of
 from tests.results.gentle import GENTLE, run_gentle
 

@@ -6,8 +6,8 @@ import re
 import pytest
 
 import harness
+from harness import load_results
 from harness.report import write_html
-from harness.results import load_results
 
 pytestmark = pytest.mark.slow
 REWARDS = ["arp", "relative", "dense", "scaled", "potential", "sparse"]

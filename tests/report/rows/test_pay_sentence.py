@@ -6,9 +6,9 @@ import re
 import numpy as np
 import pytest
 
+from harness import load_results
 from harness.report import format_number
 from harness.report.rows.returns import PayPart, PaySentence, pay_of
-from harness.results import load_results
 from tests.report.conftest import NO_PAIR
 from tests.results.recordings.conftest import PAYS, record
 

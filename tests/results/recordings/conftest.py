@@ -5,11 +5,11 @@ from collections.abc import Mapping
 import numpy as np
 import pytest
 
+from harness import load_results
 from harness.log import in_memory
 from harness.record import TrainingFacts
 from harness.record.recording.facts import Failure
 from harness.record.recording.recording_writer import write_recording
-from harness.results import load_results
 
 PAYS = {
     "plain": lambda arms: arms + 1.0,

@@ -3,12 +3,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from harness import load_results
 from harness.errors import UsageError
 from harness.eta import Ruling
 from harness.record import TrainingFacts
 from harness.record.recording.facts import OWN_SOURCE, Source
 from harness.report import basis_text
-from harness.results import load_results
 from harness.results.compare import compare_all
 from harness.results.logs.told import Deciding, Told
 from tests.results.recordings.conftest import PAYS, PULLS, load_study, paid_in, record

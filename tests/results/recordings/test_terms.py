@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from harness import load_results
 from harness.record import read_recording
 from harness.record.recording.facts import Failure
 from harness.record.recording.recording_writer import write_recording
-from harness.results import load_results
 from harness.score.weighted_recordings import weighed
 from tests.results.recordings.conftest import PULLS, record
 
