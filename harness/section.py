@@ -1,37 +1,73 @@
-"""A part of the report on what a command of a plugin adds to an experiment; what its author imports."""
+"""What a report says, as facts, and the part of it that a command of a plugin adds; what its author imports."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Literal, Protocol
 
+from harness.errors import PluginError
 from harness.record.added import SECTIONS
 from harness.record.cell import Ending
 from harness.registry.choice import Choice
 from harness.registry.spec import blamed_on
 
 if TYPE_CHECKING:
-    from rich.console import RenderableType
-
     from harness.results import Results
 
-__all__ = ["Section", "Shown"]
+__all__ = ["Fact", "Grid", "Section", "Shown"]
 
 
-class Shown(Protocol):
-    """What a section says of one experiment."""
+@dataclass(frozen=True)
+class Grid:
+    """A small table, ready to print: a name in the first column, then values; notes below.
 
-    @property
-    def style(self) -> str:
-        """Rules of a style sheet that the section alone needs on the page; those of the page hold anyway."""
+    Attributes:
+        headings: One for each column.
+        rows: As long as `headings`. A name that begins with a blank belongs to the row above it.
+        notes: Lines below.
+        title: Above the table. As the heading of the names it would wrap.
+    """
 
-    def to_json(self) -> Mapping[str, Any]:
-        """What the report as JSON says under the section's name: plain data, finite numbers only."""
+    headings: tuple[str, ...]
+    rows: Sequence[tuple[str, ...]]
+    notes: Sequence[str]
+    title: str = ""
 
-    def table(self) -> "RenderableType":
-        """What a terminal shows, below all else."""
 
-    def html(self) -> str:
-        """What the page shows, in its part on all comparisons: elements of HTML, escaped, under a heading ``h3``."""
+@dataclass(frozen=True)
+class Fact:
+    """A part of what a report says, with a blank line before it. Terminal, page, summary and records show it.
+
+    Attributes:
+        title: Above it; of an answer the subject and the word, such as ``The robot: HELPS``.
+        lines: Sentences, or lines.
+        grids: Small tables, below one another.
+        narrower: The same tables with less beside each value, where the window is not wide enough for `grids`: two
+            ways, of which the last one is for the narrowest window; empty where there is one way.
+        kind: ``reading``: how to read what stands above it. ``command``: a command that names a folder of this machine;
+            what is kept, and may be read on another one, leaves it out.
+    """
+
+    title: str = ""
+    lines: tuple[str, ...] = ()
+    grids: tuple[Grid, ...] = ()
+    narrower: tuple[tuple[Grid, ...], ...] = ()
+    kind: Literal["", "reading", "command"] = ""
+
+
+@dataclass(frozen=True)
+class Shown:
+    """What a section says of one experiment.
+
+    Attributes:
+        facts: What stands below all else.
+        data: What the report as JSON says under the section's name: plain data, finite numbers only.
+        html: A picture that the page has below the facts, with its own style: elements of HTML, escaped.
+    """
+
+    facts: tuple[Fact, ...]
+    data: Mapping[str, Any]
+    html: str = ""
 
 
 class Section(Protocol):
@@ -69,6 +105,8 @@ def shown_sections(results: "Results") -> dict[str, Shown]:
         section: Section = Choice(name).build(results.registry, SECTIONS)
         with blamed_on(spec, "the report was made"):
             shown = section.show(results)
+        if not isinstance(shown, Shown | None):
+            raise PluginError(f"{spec.title} shows a {type(shown).__name__}; write harness.section.Shown(facts, data)")
         if shown is not None:
             found[name] = shown
     return found

@@ -148,15 +148,14 @@ def write_page_of(results: "Results", html: Path) -> None:
 
 
 def _print_tables(results: "Results", details: bool, command: str) -> None:
-    """The overview, or all there is; in both what commands of plugins have to say."""
-    from harness.report.facts import all_facts, first_facts
+    """The overview, or all there is."""
+    from harness.report.facts import all_facts, first_facts, paragraphs
     from harness.report.tables.grid import FactsTable, show
-    from harness.section import shown_sections
 
-    sections = shown_sections(results)
-    show(FactsTable(all_facts(results) if details else first_facts(results, command)))
-    for section in sections.values():
-        show(section.table())
+    facts = all_facts(results) if details else first_facts(results)
+    if not details and (results.combinations or results.alone):
+        facts += paragraphs(f"All numbers behind this: {command}")
+    show(FactsTable(facts))
 
 
 def make_table_and_page(results: "Results", err: bool = False) -> None:

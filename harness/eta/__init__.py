@@ -23,9 +23,8 @@ if TYPE_CHECKING:
         split_returns as split_returns,
     )
     from harness.eta.index import (
+        Estimate as Estimate,
         Index as Index,
-        Ratio as Ratio,
-        SeedMean as SeedMean,
         mean_over_seeds as mean_over_seeds,
     )
     from harness.eta.interval import SHARE as SHARE, UNBOUNDED as UNBOUNDED
@@ -42,7 +41,6 @@ if TYPE_CHECKING:
     )
     from harness.eta.manner import TRAINING as TRAINING
     from harness.eta.ranking import (
-        Agreement as Agreement,
         agreement_of as agreement_of,
         order_rewards as order_rewards,
         transplant as transplant,

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float, Ints, Mask
-from harness.eta.index import SeedMean
+from harness.eta.index import Estimate
 from harness.eta.interval import CONFIDENCE, LEAST_SEEDS, SHARE, Interval, quantile
 from harness.eta.rescaling import rounded
 from harness.files.plain import Plain
@@ -255,7 +255,7 @@ def _ends(value: float, model: Callable[[Float | float], Any], scale: float, rea
     return float(ends[0]), float(ends[-1])
 
 
-def share_of(part: Float, whole: Float, clusters: Ints) -> SeedMean:
+def share_of(part: Float, whole: Float, clusters: Ints) -> Estimate:
     """How large the sum of `part` is in that of `whole`.
 
     Args:
@@ -265,10 +265,10 @@ def share_of(part: Float, whole: Float, clusters: Ints) -> SeedMean:
     """
     count, total = int(clusters.max(initial=-1)) + 1, float(whole.sum())
     if total <= 0.0:
-        return SeedMean(None, None, None, count)
+        return Estimate(None, None, None, count)
     share = float(part.sum()) / total
     if count < LEAST_SEEDS:
-        return SeedMean(share, None, None, count)
+        return Estimate(share, None, None, count)
     apart = np.bincount(clusters, part - share * whole, count) / total
     reach = quantile(CONFIDENCE, count - 1) * float(np.sqrt(apart @ apart * count / (count - 1)))
-    return SeedMean(share, max(SHARE[0], share - reach), min(SHARE[1], share + reach), count)
+    return Estimate(share, max(SHARE[0], share - reach), min(SHARE[1], share + reach), count)

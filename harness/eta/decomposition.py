@@ -22,7 +22,7 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.eta.curve import GroupCurve, mixtures, swapped
-from harness.eta.index import Ratio, SeedMean
+from harness.eta.index import Estimate
 from harness.eta.interval import (
     CONFIDENCE,
     Jackknife,
@@ -141,7 +141,7 @@ class Splitter:
         eta, per_seed = self._ratio(KK, BB), self._per_seed()
         p = None if outcomes is None else p_of(outcomes)
         if not self._is_scored:
-            nothing = Ratio(None, notes=("not re-scored" if missing is None else missing,))
+            nothing = Estimate(None, notes=("not re-scored" if missing is None else missing,))
             return Split(eta, per_seed, nothing, nothing, nothing, p=p, outcomes=outcomes)
         paths = (
             SplitPath(self._of_unlike_seeds(self._ratio(KK, BK)), self._ratio(BK, BB)),
@@ -154,43 +154,43 @@ class Splitter:
         interaction = self._of_unlike_seeds(self._combined(paths, lambda sums: _log(sums, KK, BK) - _log(sums, KB, BB)))
         return Split(eta, per_seed, ruler, behaviour, interaction, paths, p=p, outcomes=outcomes)
 
-    def _ratio(self, numerator: Pair, denominator: Pair) -> Ratio:
+    def _ratio(self, numerator: Pair, denominator: Pair) -> Estimate:
         """One ratio with its interval, or with the reason why there is none."""
         owner, divisor = f"{self._name} of {OWNER[denominator]}", self._sums.value(denominator)
         if divisor == 0.0:
-            return Ratio(None, notes=(f"{owner} is 0: {self._why_zero}",))
+            return Estimate(None, notes=(f"{owner} is 0: {self._why_zero}",))
         value = self._sums.value(numerator) / divisor + 0.0  # no -0.0
         if not math.isfinite(value):
-            return Ratio(None, notes=(f"{owner} is as good as 0: the ratio is no number any more",))
+            return Estimate(None, notes=(f"{owner} is as good as 0: the ratio is no number any more",))
         near = self._near_zero.get(denominator, self._near_zero.get(numerator))
         return self._with_interval(value, lambda sums: _log(sums, numerator, denominator), near)
 
-    def _combined(self, paths: tuple[SplitPath, ...], logarithm: Callable[[Sums], Float]) -> Ratio:
+    def _combined(self, paths: tuple[SplitPath, ...], logarithm: Callable[[Sums], Float]) -> Estimate:
         """A ratio that combines both paths."""
         parts = [part for path in paths for part in path]
         undefined = next((part for part in parts if part.value is None), None)
         if undefined is not None:
-            return Ratio(None, notes=undefined.notes)
+            return Estimate(None, notes=undefined.notes)
         if min(part.value for part in parts if part.value is not None) <= 0.0:
-            return Ratio(None, notes=("a part of a path is not above 0: the paths have no geometric mean",))
+            return Estimate(None, notes=("a part of a path is not above 0: the paths have no geometric mean",))
         near = next((part.near_zero for part in parts if part.near_zero is not None), None)
         return self._with_interval(_exp(logarithm(self._sums.whole)[0]), logarithm, near)
 
-    def _per_seed(self) -> Ratio:
+    def _per_seed(self) -> Estimate:
         """The geometric mean of single seeds' etas; for unpaired runs the ratio of their geometric means."""
         each = self._sums.each
         zeros = {pair: int(np.count_nonzero(each[pair] == 0.0)) for pair in (BB, KK)}
         for pair, count in zeros.items():
             if count:
                 of = f"{count} of the {len(each[pair])} runs of {OWNER[pair]}"
-                return Ratio(None, notes=(f"{self._name} of {of} is 0 by itself",))
+                return Estimate(None, notes=(f"{self._name} of {of} is 0 by itself",))
         if (np.sign(each[BB][:1]) != np.sign([*each[BB], *each[KK]])).any():
-            return Ratio(None, notes=(f"{self._name} of single runs has either sign",))
+            return Estimate(None, notes=(f"{self._name} of single runs has either sign",))
         whole, left_out = self._sums.geometric()
         knife = jackknife(lambda sums: _log(sums, KK, BB), whole, left_out)
         return self._bounded(_exp(knife.value), knife, None)
 
-    def _of_unlike_seeds(self, ruler: Ratio) -> Ratio:
+    def _of_unlike_seeds(self, ruler: Estimate) -> Estimate:
         """The ruler without its interval if a few seeds make up an index. The interval would miss on one side."""
         if ruler.low is None or not self._seeds_are_unlike:
             return ruler
@@ -203,24 +203,25 @@ class Splitter:
             sizes = [np.log(np.abs(self._sums.each[pair])) for pair in (BB, KK)]
         return not all(np.isfinite(size).all() and _are_alike(size) for size in sizes)
 
-    def _with_interval(self, value: float, logarithm: Callable[[Sums], Float], near: str | None) -> Ratio:
+    def _with_interval(self, value: float, logarithm: Callable[[Sums], Float], near: str | None) -> Estimate:
         return self._bounded(value, jackknife(logarithm, self._sums.whole, self._sums.left_out), near)
 
-    def _bounded(self, value: float, knife: Jackknife, near: str | None) -> Ratio:
+    def _bounded(self, value: float, knife: Jackknife, near: str | None) -> Estimate:
         """A ratio with the interval of its logarithm."""
         if not math.isfinite(value):
-            return Ratio(None, notes=("the ratio is too large for a number",))
+            return Estimate(None, notes=("the ratio is too large for a number",))
         notes = why_no_interval(self._seeds)
         if not notes and value <= 0.0:
             notes = ("no interval: the ratio is not above 0",)
         elif not (notes or knife.is_defined):
             notes = (f"no interval: without one of the seeds {self._name} of a group is 0 or changes its sign",)
         if notes:
-            return Ratio(value, notes=notes, near_zero=near)
+            return Estimate(value, None, None, self._seeds, notes, near)
         low, high = map(_exp, knife.interval())
         if not math.isfinite(high):
-            return Ratio(value, notes=("no interval: its upper end is too large for a number",), near_zero=near)
-        return Ratio(value, low, high, near_zero=near)
+            notes = ("no interval: its upper end is too large for a number",)
+            return Estimate(value, None, None, self._seeds, notes, near)
+        return Estimate(value, low, high, self._seeds, near_zero=near)
 
     def _small_beside_another(self, one: Pair, other: Pair) -> Iterator[tuple[Pair, str]]:
         for small, large in ((one, other), (other, one)):
@@ -239,20 +240,20 @@ def split_sum(sums: ScoredSums, missing: str | None = None) -> SumSplit:
     """The change of an amount from the baseline to the proposed reward, with its parts or why they are `missing`."""
     change = _amount(sums, lambda of: of[KK] - of[BB])
     if not {BK, KB} <= sums.whole.keys():
-        nothing = SeedMean(None, notes=("not re-scored" if missing is None else missing,))
+        nothing = Estimate(None, notes=("not re-scored" if missing is None else missing,))
         return SumSplit(change, nothing, nothing)
     ruler = _amount(sums, lambda of: 0.5 * ((of[KK] - of[BK]) + (of[KB] - of[BB])))
     behaviour = _amount(sums, lambda of: 0.5 * ((of[BK] - of[BB]) + (of[KK] - of[KB])))
     return SumSplit(change, ruler, behaviour)
 
 
-def _amount(sums: ScoredSums, number: Callable[[Sums], Float]) -> SeedMean:
+def _amount(sums: ScoredSums, number: Callable[[Sums], Float]) -> Estimate:
     """A difference with its interval."""
     seeds = min(len(each) for each in sums.each.values())
     value, notes = float(number(sums.whole)[0]), why_no_interval(seeds)
     if notes:
-        return SeedMean(value, seeds=seeds, notes=notes)
-    return SeedMean(value, *jackknife(number, sums.whole, sums.left_out).interval(), seeds=seeds)
+        return Estimate(value, seeds=seeds, notes=notes)
+    return Estimate(value, *jackknife(number, sums.whole, sums.left_out).interval(), seeds=seeds)
 
 
 def _are_alike(logarithms: Float) -> bool:
@@ -277,7 +278,7 @@ SPLITS = 200
 LEAST_RUNS = 4
 
 
-def noise_floor(baseline: GroupCurve, control: GroupCurve | None, which: int) -> Ratio:
+def noise_floor(baseline: GroupCurve, control: GroupCurve | None, which: int) -> Estimate:
     """The ratio 1, with the range that holds the share `CONFIDENCE` of the etas that seeds alone make.
 
     With a control, the baseline trained again with as many other seeds, halves of all runs are as large as the groups
@@ -296,7 +297,7 @@ def noise_floor(baseline: GroupCurve, control: GroupCurve | None, which: int) ->
     return _range(count, baseline.count, lambda shares: mixtures(groups, shares)[which], "an index of 0", told)
 
 
-def noise_of_means(values: Float) -> Ratio:
+def noise_of_means(values: Float) -> Estimate:
     """The noise floor of a mean over runs of the baseline, such as a mean return.
 
     Args:
@@ -305,7 +306,7 @@ def noise_of_means(values: Float) -> Ratio:
     return _range(len(values), len(values), lambda shares: shares @ values, "a mean that is not above 0", "")
 
 
-def _range(count: int, compared: int, of: Callable[[Float], Float], undefined: str, told: str) -> Ratio:
+def _range(count: int, compared: int, of: Callable[[Float], Float], undefined: str, told: str) -> Estimate:
     """The range of the ratio of one half's amount to the other half's.
 
     Args:
@@ -316,7 +317,7 @@ def _range(count: int, compared: int, of: Callable[[Float], Float], undefined: s
         told: What was halved; empty for the baseline's own runs.
     """
     if count < LEAST_RUNS:
-        return Ratio(None, notes=(f"{count} runs of the baseline: halves of them need at least {LEAST_RUNS}",))
+        return Estimate(None, notes=(f"{count} runs of the baseline: halves of them need at least {LEAST_RUNS}",))
     half = count // 2
     first, second = (of(shares) for shares in split_halves(count))
     tail = (1.0 - CONFIDENCE) / 2.0
@@ -324,9 +325,9 @@ def _range(count: int, compared: int, of: Callable[[Float], Float], undefined: s
     with np.errstate(all="ignore"):
         logarithms = np.log(first / second) * math.sqrt(half / compared) * widening
     if not np.isfinite(logarithms).all():
-        return Ratio(None, notes=(f"a half of the baseline's runs has {undefined}",))
+        return Estimate(None, notes=(f"a half of the baseline's runs has {undefined}",))
     low, high = np.exp(np.quantile(logarithms, [tail, 1.0 - tail]))
-    return Ratio(1.0, float(low), float(high), (told or f"halves of {count} runs, scaled to all",))
+    return Estimate(1.0, float(low), float(high), count, (told or f"halves of {count} runs, scaled to all",))
 
 
 def split_halves(count: int, splits: int = SPLITS) -> tuple[Float, Float]:

@@ -12,7 +12,7 @@ import numpy as np
 from harness.arrays import Float
 from harness.eta.behaviour_change import Change
 from harness.eta.decomposition import OWNER, Splitter, noise_of_means, split_sum
-from harness.eta.index import NEAR_ZERO, NOTHING, Ratio, SeedMean, mean_over_seeds
+from harness.eta.index import NEAR_ZERO, NOTHING, Estimate, mean_over_seeds
 from harness.eta.interval import ROUNDING, quantile
 from harness.eta.power import Range
 from harness.eta.splits import BB, BK, KB, KK, Names, Pair, ScoredSums, Split, Splits, SumSplit, means_without_each
@@ -40,9 +40,14 @@ Text: TypeAlias = Callable[[float | None], str]
 """A function that writes a value as text."""
 
 
+def percentage(value: float | None) -> str:
+    """A share as a percentage."""
+    return NOTHING if value is None else f"{value:.1%}"
+
+
 def points(share: float | None) -> str:
     """A share in percentage points."""
-    return f"{100 * (share or 0.0) + 0.0:.1f}"
+    return f"{round(100 * (share or 0.0), 1) + 0.0:.1f}"  # no -0.0
 
 
 class Bounded(Protocol):
@@ -196,16 +201,16 @@ def number_sentence(names: Names, splits: Splits) -> str:
 
 def return_sentence(names: Names, split: "ReturnSplit") -> str:
     """The pay of an episode: its ratio if there is one, else its difference, and both parts, with their intervals."""
-    proposed, baseline = (format_number(split.returns[pair].mean) for pair in (KK, BB))
+    proposed, baseline = (format_number(split.returns[pair].value) for pair in (KK, BB))
     told = f"An episode is paid {proposed} with {names.proposed} and {baseline} with {names.baseline}: "
     total, ratio, flags = split.total, split.ratio, ""
     if split.has_ratio:
-        told, why = f"{told}{ratio_with_interval(ratio.eta)} times as much", ratio.ruler.why
-        parts = [f"x {ratio_with_interval(it)}" for it in (ratio.ruler, ratio.behaviour) if it.is_telling]
+        told, why = f"{told}{estimate_text(ratio.eta)} times as much", ratio.ruler.why
+        parts = [f"x {estimate_text(it)}" for it in (ratio.ruler, ratio.behaviour) if it.is_telling]
         flags = "".join(f" The ratio: {flag}." for flag in ratio.flags)
     else:
-        told, why = f"{told}a change of {mean_with_interval(total.change)}", total.ruler.note
-        parts = [mean_with_interval(it) for it in (total.ruler, total.behaviour) if it.mean is not None]
+        told, why = f"{told}a change of {estimate_text(total.change, signed)}", total.ruler.note
+        parts = [estimate_text(it, signed) for it in (total.ruler, total.behaviour) if it.value is not None]
     if len(parts) < 2:
         return f"{told}. It cannot be split: {why}."
     return f"{told}. Rescaling alone (the ruler): {parts[0]}. Behaviour: {parts[1]}.{flags}"
@@ -218,28 +223,13 @@ def _ratio_sentence(name: str, amount: str, names: Names, split: Split) -> str:
         return f"{name} n/a: {eta.note}."
     if eta.near_zero is not None:
         return f"{name} says little: {eta.near_zero}."
-    told = f"{amount} with {names.proposed} is {ratio_with_interval(eta)} times that with {names.baseline}"
+    told = f"{amount} with {names.proposed} is {estimate_text(eta)} times that with {names.baseline}"
     if not split.ruler.is_telling:
         return f"{told}; not split: {split.ruler.why}."
     return (
-        f"{told}: x {ratio_with_interval(split.ruler)} by rescaling alone (its ruler), "
-        f"x {ratio_with_interval(split.behaviour)} by other runs (its behaviour)."
+        f"{told}: x {estimate_text(split.ruler)} by rescaling alone (its ruler), "
+        f"x {estimate_text(split.behaviour)} by other runs (its behaviour)."
     )
-
-
-def ratio_text(ratio: Ratio) -> str:
-    """The ratio, unless it says little because an index is near zero beside the other."""
-    return format_number(ratio.value) if ratio.near_zero is None else NEAR_ZERO
-
-
-def ratio_with_interval(ratio: Ratio) -> str:
-    """The ratio, and its interval if there is one to show."""
-    return f"{ratio_text(ratio)} {interval_text(ratio, missing='')}".rstrip()
-
-
-def mean_with_interval(mean: SeedMean) -> str:
-    """A difference of means, and its interval if there is one."""
-    return f"{signed(mean.mean)} {interval_text(mean, missing='')}".rstrip()
 
 
 def signed(value: float | None) -> str:
@@ -260,13 +250,28 @@ def format_number(value: float | None) -> str:
 
 def interval_text(of: Bounded, missing: str = NOTHING, text: Text = format_number) -> str:
     """The interval of a ratio that says something, of a mean or of a difference; `missing` where there is none."""
-    says_little = isinstance(of, Ratio) and of.near_zero is not None
+    says_little = isinstance(of, Estimate) and of.near_zero is not None
     if says_little or of.low is None or of.high is None:
         return missing
     return f"[{text(of.low)}, {text(of.high)}]"
 
 
-def is_drawable(ratio: Ratio) -> bool:
+def estimate_text(of: Estimate, text: Text = format_number) -> str:
+    """The number, and its interval if there is one to show."""
+    return f"{value_text(of, text)} {interval_text(of, '', text)}".rstrip()
+
+
+def value_text(of: Estimate, text: Text = format_number) -> str:
+    """The number alone, or the word in its place: a ratio says little if an index is near zero beside the other."""
+    return text(of.value) if of.near_zero is None else NEAR_ZERO
+
+
+def factor_text(ratio: Estimate) -> str:
+    """A ratio as a factor, such as ``x 1.52``."""
+    return f"x {value_text(ratio)}" if ratio.is_telling else NOTHING
+
+
+def is_drawable(ratio: Estimate) -> bool:
     """Whether a ratio can be drawn: 0 has no logarithm, and a ratio that says little would stretch the axis."""
     return ratio.is_telling and (ratio.value or 0.0) > 0.0
 
@@ -361,7 +366,7 @@ class ReturnSplit(Plain):
         total: R_K(K) - R_B(B), and its parts.
     """
 
-    returns: Mapping[Pair, SeedMean]
+    returns: Mapping[Pair, Estimate]
     ratio: Split
     total: SumSplit
 
@@ -419,7 +424,7 @@ def _split_ratio(sums: ScoredSums, outcomes: Float | None, missing: str | None) 
     small = next((pair for pair in sums.whole if sums.value(pair) <= 0.0), None)
     if small is not None:
         reason = f"the {NAME} of {OWNER[small]} is not above 0, and a ratio would say nothing: see the difference"
-        nothing = Ratio(None, notes=(reason,))
+        nothing = Estimate(None, notes=(reason,))
         p = None if outcomes is None else p_of(outcomes)
         return Split(nothing, nothing, nothing, nothing, nothing, noise=nothing, p=p, outcomes=outcomes)
     split = Splitter(f"the {NAME}", _positive(sums)).split(outcomes, missing)

@@ -5,7 +5,6 @@ As they were computed for the published table (NOTE eq. 38-44 with r_1 the accum
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -53,27 +52,30 @@ class Index(Plain):
         return round(self.negative_sum + self.positive_sum, DECIMALS) + 0.0
 
 
+@tells("value", "low", "high", "seeds", "note")
 @dataclass(frozen=True)
-class Ratio:
-    """A ratio with its interval, or the reason why there is none.
+class Estimate(Plain):
+    """A number with its 95 % interval, or the reason why there is none: a mean, a difference, a ratio, Kendall's tau.
 
     Attributes:
-        value: The ratio; None if it is not defined.
-        low: Lower end of the 95 % interval; None if there is none.
+        value: None where it is not defined.
+        low: Lower end of the interval; None where there is none.
         high: Upper end.
-        notes: Why something is None, or what to keep in mind.
-        near_zero: Which of its indices is near zero, and beside what. The ratio then says little. Else None.
+        seeds: How many seeds it rests on, or how many of whatever the interval is over; 0 without a value.
+        notes: Why something is missing, or what to keep in mind.
+        near_zero: Of a ratio: which of its indices is near zero, and beside what. It then says little. Else None.
     """
 
     value: float | None
     low: float | None = None
     high: float | None = None
+    seeds: int = 0
     notes: tuple[str, ...] = ()
     near_zero: str | None = None
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """All remarks on the numbers. That an index is near zero comes first."""
+        """All remarks on the number. That an index is near zero comes first."""
         weak = () if self.near_zero is None else (f"{self.near_zero}: the ratio says little",)
         return (*weak, *self.notes)
 
@@ -92,41 +94,8 @@ class Ratio:
         """All remarks as one text; may be empty."""
         return "; ".join(self.remarks)
 
-    def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        return {"value": self.value, "low": self.low, "high": self.high, "note": self.note}
 
-
-@dataclass(frozen=True)
-class SeedMean:
-    """A mean, or a difference of means, with its 95 % interval over seeds.
-
-    Attributes:
-        mean: None where there is no value.
-        low: Lower end; None where there is no interval.
-        high: Upper end.
-        seeds: How many seeds it rests on.
-        notes: Why something is missing, or what to keep in mind.
-    """
-
-    mean: float | None
-    low: float | None = None
-    high: float | None = None
-    seeds: int = 0
-    notes: tuple[str, ...] = ()
-
-    @property
-    def note(self) -> str:
-        """All notes as one text; may be empty."""
-        return "; ".join(self.notes)
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        data = {"mean": self.mean, "low": self.low, "high": self.high, "seeds": self.seeds}
-        return {**data, "note": self.note}
-
-
-def mean_over_seeds(values: Sequence[float], missing: str | None = None, bounds: Bounds = UNBOUNDED) -> SeedMean:
+def mean_over_seeds(values: Sequence[float], missing: str | None = None, bounds: Bounds = UNBOUNDED) -> Estimate:
     """The mean of one value per seed.
 
     Args:
@@ -136,15 +105,15 @@ def mean_over_seeds(values: Sequence[float], missing: str | None = None, bounds:
     """
     reasons = () if missing is None else (missing,)
     if not values:
-        return SeedMean(None, notes=reasons)
+        return Estimate(None, notes=reasons)
     mean, seeds = float(np.mean(values)), len(values)
     if too_few := why_no_interval(seeds):
-        return SeedMean(mean, seeds=seeds, notes=(*too_few, *reasons))
+        return Estimate(mean, seeds=seeds, notes=(*too_few, *reasons))
     low, high = cut_to(mean_bounds([np.asarray(values, np.float64)], [bounds], CONFIDENCE), bounds)
-    return SeedMean(mean, low, high, seeds, reasons)
+    return Estimate(mean, low, high, seeds, reasons)
 
 
-def mean_of_known(values: Sequence[float | None], missing: str, bounds: Bounds = UNBOUNDED) -> SeedMean:
+def mean_of_known(values: Sequence[float | None], missing: str, bounds: Bounds = UNBOUNDED) -> Estimate:
     """The mean over those seeds that have a value; how many have none is told, with `missing` behind it."""
     known = [value for value in values if value is not None]
     told = f"{len(values) - len(known)} of {len(values)} {missing}" if len(known) < len(values) else None

@@ -18,12 +18,13 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float
 from harness.eta.headline import SUCCESS_MARGIN
+from harness.eta.index import Estimate
 from harness.eta.interval import CONFIDENCE, SHARE, UNBOUNDED, cut_to, difference_bounds, of_difference, why_no_interval
 from harness.files.plain import Plain
 
 REWARDS, PLACES = 2, 2
 """The fewest rewards and places whose orders can be compared."""
-NO_INTERVAL = "no interval: too few seeds in a place"
+NO_INTERVAL, OPEN = ("no interval: too few seeds in a place",), ("the seeds leave every order open",)
 
 Runs: TypeAlias = Mapping[str, Sequence[float]]
 """The value of each seed, by reward. Every reward has the same seeds in the same order."""
@@ -71,24 +72,6 @@ class Order:
         return tuple(np.flatnonzero((self.signs >= 0).all(axis=1)).tolist())
 
 
-@dataclass(frozen=True)
-class Agreement(Plain):
-    """How alike two or several orders are.
-
-    Attributes:
-        tau: Kendall's tau-b: 1 for the same order, -1 for the opposite one, 0 for unrelated ones. None where all
-            rewards of a place have the same value.
-        low: Lower end of its interval; None if there is none.
-        high: Upper end.
-        note: Why something is missing, or what to keep in mind.
-    """
-
-    tau: float | None
-    low: float | None = None
-    high: float | None = None
-    note: str = ""
-
-
 class Answer(StrEnum):
     """Whether one would have chosen another reward."""
 
@@ -104,25 +87,20 @@ class Transplant(Plain):
     Attributes:
         chosen: The best reward in the place where the choice was made.
         best: The best reward in the place where it is used.
-        cost: By how much `chosen` is behind `best` there; 0 if they are the same.
-        low: Lower end of the interval of what it costs against the truly best one there, 0 or more; None without.
-        high: Upper end.
-        note: Why there is no decision; empty if there is one.
+        cost: By how much `chosen` is behind `best` there; 0 if they are the same. The interval, 0 or more, is of what
+            it costs against the truly best one there. The note says why there is no decision.
         answer: Whether another reward would have been chosen there.
     """
 
     chosen: str
     best: str
-    cost: float
-    low: float | None
-    high: float | None
-    note: str
+    cost: Estimate
     answer: Answer
 
     @property
     def is_costly(self) -> bool:
         """Whether the choice certainly costs something, no matter what would have been chosen there."""
-        return self.low is not None and self.low > 0.0
+        return (self.cost.low or 0.0) > 0.0
 
 
 def order_rewards(places: Sequence[Runs], episodes: Sequence[int | None]) -> list[Order]:
@@ -151,22 +129,22 @@ def _order(runs: Runs, episodes: int | None, confidence: float) -> Order:
     return Order(tuple(runs), means, low, high, seeds)
 
 
-def agreement_of(one: Order, other: Order) -> Agreement:
-    """Kendall's tau-b of two orders of the same rewards, with an interval that spans all orders that are left."""
+def agreement_of(one: Order, other: Order) -> Estimate:
+    """Kendall's tau-b of two orders of the same rewards, with an interval that spans all orders that are left.
+
+    It is 1 for the same order, -1 for the opposite one, 0 for unrelated ones; without a value where all rewards of a
+    place have the same one.
+    """
     pairs = np.triu_indices(len(one.rewards), 1)
     signs = [np.sign(np.round(it.means[pairs[0]] - it.means[pairs[1]], 12)).astype(np.int64) for it in (one, other)]
     tau = kendall(*signs)
     if tau is None:
-        return Agreement(None, note="in a place all rewards come to the same: they have no order")
-    too_few = why_no_interval(min(one.seeds, other.seeds))
-    if too_few:
-        return Agreement(tau, note=too_few[0])
+        return Estimate(None, notes=("in a place all rewards come to the same: they have no order",))
+    seeds = min(one.seeds, other.seeds)
+    if too_few := why_no_interval(seeds):
+        return Estimate(tau, None, None, seeds, too_few)
     low, high = tau_range(one.signs[pairs], other.signs[pairs])
-    return Agreement(tau, low, high, _open_note(low, high))
-
-
-def _open_note(low: float | None, high: float | None) -> str:
-    return "the seeds leave every order open" if (low, high) == (-1.0, 1.0) else ""
+    return Estimate(tau, low, high, seeds, OPEN * ((low, high) == (-1.0, 1.0)))
 
 
 def kendall(one: Signs, other: Signs) -> float | None:
@@ -196,21 +174,22 @@ def _largest_tau(one: Signs, other: Signs) -> float:
     return min(float(taus.max()), 1.0)
 
 
-def mean_agreement(found: Sequence[tuple[str, str, Agreement]]) -> Agreement:
+def mean_agreement(found: Sequence[tuple[str, str, Estimate]]) -> Estimate:
     """The mean tau of pairs of places, where places with one name have one vote.
 
     Args:
         found: For each pair of places the names of both votes, and their agreement.
     """
-    votes: dict[frozenset[str], list[Agreement]] = {}
+    votes: dict[frozenset[str], list[Estimate]] = {}
     for one, other, agreement in found:
-        if one != other and agreement.tau is not None:
+        if one != other and agreement.value is not None:
             votes.setdefault(frozenset((one, other)), []).append(agreement)
     if not votes:
-        return Agreement(None, note="there are no two independent votes with an order")
-    means = [[_mean([getattr(it, end) for it in them]) for them in votes.values()] for end in ("tau", "low", "high")]
+        return Estimate(None, notes=("there are no two independent votes with an order",))
+    means = [[_mean([getattr(it, end) for it in them]) for them in votes.values()] for end in ("value", "low", "high")]
     tau, low, high = (_mean(values) for values in means)
-    return Agreement(tau, low, high, _open_note(low, high) if low is not None else NO_INTERVAL)
+    seeds = min(it.seeds for them in votes.values() for it in them)
+    return Estimate(tau, low, high, seeds, NO_INTERVAL if low is None else OPEN * ((low, high) == (-1.0, 1.0)))
 
 
 def _mean(values: Sequence[float | None]) -> float | None:
@@ -230,21 +209,20 @@ def transplant(here: Order, there: Order, margin: float = SUCCESS_MARGIN) -> Tra
         margin: A smaller cost counts as none.
     """
     chosen, best = here.best, there.best
-    cost = max(0.0, float(there.means[best] - there.means[chosen]))
+    cost, seeds = max(0.0, float(there.means[best] - there.means[chosen])), min(here.seeds, there.seeds)
     if there.means[chosen] == there.means[best]:
         best = chosen
-    names = (here.rewards[chosen], here.rewards[best], cost)
-    too_few = why_no_interval(min(here.seeds, there.seeds))
-    if too_few:
-        return Transplant(*names, None, None, too_few[0], Answer.NOT_DECIDED)
+    names = (here.rewards[chosen], here.rewards[best])
+    if too_few := why_no_interval(seeds):
+        return Transplant(*names, Estimate(cost, None, None, seeds, too_few), Answer.NOT_DECIDED)
     others = np.arange(len(here.rewards)) != chosen
     low = max(0.0, float(there.low[others, chosen].max()))
     high = max(0.0, float(there.high[others, chosen].max()))
+    answer = Answer.NO if high <= margin else Answer.NOT_DECIDED
     if not set(here.candidates) & set(there.candidates):
-        return Transplant(*names, low, high, "", Answer.YES)
-    if high <= margin:
-        return Transplant(*names, low, high, "", Answer.NO)
-    return Transplant(*names, low, high, _what_is_open(here, there, chosen), Answer.NOT_DECIDED)
+        answer = Answer.YES
+    notes = (_what_is_open(here, there, chosen),) * (answer is Answer.NOT_DECIDED)
+    return Transplant(*names, Estimate(cost, low, high, seeds, notes), answer)
 
 
 def _what_is_open(here: Order, there: Order, chosen: int) -> str:

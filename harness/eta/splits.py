@@ -9,7 +9,7 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.eta.curve import GroupCurve
-from harness.eta.index import Index, Ratio, SeedMean
+from harness.eta.index import Estimate, Index
 from harness.eta.interval import Sums
 from harness.files.plain import Plain, tells
 
@@ -107,7 +107,7 @@ def means_without_each(values: Float) -> Float:
 
 DISAGREEMENT = 1.5
 """Two answers to one question disagree where they differ by more than this factor."""
-NOT_MEASURED = Ratio(None, notes=("not measured",))
+NOT_MEASURED = Estimate(None, notes=("not measured",))
 
 
 class Names(NamedTuple):
@@ -120,8 +120,8 @@ class Names(NamedTuple):
 class SplitPath(NamedTuple):
     """One of the two ways to split an eta."""
 
-    ruler: Ratio
-    behaviour: Ratio
+    ruler: Estimate
+    behaviour: Estimate
 
 
 @tells("eta", "per_seed", "ruler", "behaviour", "interaction", "noise", "paths", "p", "p_corrected=corrected", "flags")
@@ -142,13 +142,13 @@ class Split(Plain):
         outcomes: The difference of the index, the names of the trainings swapped in all ways; see `harness.eta.swaps`.
     """
 
-    eta: Ratio
-    per_seed: Ratio
-    ruler: Ratio
-    behaviour: Ratio
-    interaction: Ratio
+    eta: Estimate
+    per_seed: Estimate
+    ruler: Estimate
+    behaviour: Estimate
+    interaction: Estimate
     paths: tuple[SplitPath, ...] = ()
-    noise: Ratio = NOT_MEASURED
+    noise: Estimate = NOT_MEASURED
     p: float | None = None
     corrected: float | None = None
     outcomes: Float | None = field(default=None, repr=False, compare=False)
@@ -201,9 +201,9 @@ class SumSplit(Plain):
         behaviour: Of it the two trainings scored by one reward, mean of both paths.
     """
 
-    change: SeedMean
-    ruler: SeedMean
-    behaviour: SeedMean
+    change: Estimate
+    ruler: Estimate
+    behaviour: Estimate
 
 
 @tells("baseline", "proposed", "*splits", "total")
@@ -226,12 +226,12 @@ class Decomposition(Plain):
     total: SumSplit
 
     @property
-    def eta_n(self) -> Ratio:
+    def eta_n(self) -> Estimate:
         """NOTE eq. 43; below 1 is called better."""
         return self.negative.eta
 
     @property
-    def eta_p(self) -> Ratio:
+    def eta_p(self) -> Estimate:
         """NOTE eq. 44; above 1 is called better."""
         return self.positive.eta
 
@@ -256,6 +256,6 @@ class Decomposition(Plain):
 
 def no_splits(reason: str) -> Splits:
     """Where there is nothing to compare."""
-    nothing = Ratio(None, notes=(reason,))
+    nothing = Estimate(None, notes=(reason,))
     empty = Split(nothing, nothing, nothing, nothing, nothing, noise=nothing)
     return {"eta_N": empty, "eta_P": empty}

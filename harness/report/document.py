@@ -83,10 +83,10 @@ def report_to_json(results: Results) -> dict[str, Any]:
     data |= standing_to_json(standing_of(results))
     if chosen := choosing_told(results):
         data["choosing"]["told"] = chosen.sentence
-    data |= {name: section.to_json() for name, section in shown_sections(results).items()}
+    data |= {name: section.data for name, section in shown_sections(results).items()}
     data |= {"reward_terms": [it.to_json() for it in results.terms]} if results.terms else {}
     data |= {"alone": [it.to_json() for it in results.alone]} if results.alone else {}
-    data["facts"] = [asdict(it) for it in first_facts(results)]
+    data["facts"] = [asdict(it) for it in first_facts(results) if it.kind != "command"]
     return data
 
 

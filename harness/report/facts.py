@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
+from typing import Literal
 
 from harness.eta.index import NOTHING
 from harness.report.rows import Fact, Grid
@@ -67,6 +68,7 @@ from harness.results.ranking import ranking_of
 from harness.results.results import ReturnMatrix
 from harness.results.score_matrix import ScoreMatrix
 from harness.results.trainings import Alone
+from harness.section import shown_sections
 from harness.text import shortened
 
 FEW = 3
@@ -74,51 +76,40 @@ FEW = 3
 ETAS = ("", "eta_N", "its parts", "eta_P", "its parts")
 
 
-def paragraphs(*texts: str) -> list[Fact]:
+def paragraphs(*texts: str, kind: Literal["", "command"] = "") -> list[Fact]:
     """A fact for each text, without the empty ones; each text once."""
-    return [Fact(lines=(text,)) for text in dict.fromkeys(filter(None, texts))]
+    return [Fact(lines=(text,), kind=kind) for text in dict.fromkeys(filter(None, texts))]
 
 
-def first_facts(results: Results, more: str = "") -> list[Fact]:
+def first_facts(results: Results) -> list[Fact]:
     """What is read first: what is the same in all comparisons, then a line for each. A single one is told in sentences.
 
     Where one of several rewards is chosen, a line for each of them stands before that.
-
-    Args:
-        results: The experiment, or the recordings.
-        more: The command that shows everything behind these facts. Without one no command is told that names a folder:
-            the facts are kept, and may be read on another machine.
     """
     combinations, chosen = results.combinations, choosing_facts(results)
     facts = [*_said(results), *chosen]
     if combinations:
         facts += [*paragraphs(interim_text(results)), *overview_facts(combinations), *_in_sentences(results)]
-        facts += _advice(results) if more and len(combinations) == 1 else []
+        facts += _advice(results) if len(combinations) == 1 else []
     elif not chosen:
-        facts += [*alone_facts(results, with_all=False), *(_beside(results) if more else [])]
+        facts += [*alone_facts(results, with_all=False), *_beside(results)]
     mixtures = (mixture.text for it in combinations for mixture in it.measured.mixtures)
     facts += paragraphs(*mixtures, *_not_split(combinations), *never_texts(results))
     facts += return_facts(_with_others(results))
-    facts += [*_cells(results), *ranking_facts(results, with_all=False)]
-    return facts + paragraphs(f"All numbers behind this: {more}" if more and (combinations or results.alone) else "")
+    return [*facts, *_cells(results), *ranking_facts(results, with_all=False), *_of_sections(results)]
 
 
-def all_facts(results: Results, *, with_commands: bool = True) -> list[Fact]:
-    """Everything that the first facts rest on: a part for each comparison, what the rewards pay, then the cells.
-
-    Args:
-        results: The experiment, or the recordings.
-        with_commands: Whether commands are told that name a folder; see `first_facts`.
-    """
+def all_facts(results: Results) -> list[Fact]:
+    """Everything that the first facts rest on: a part for each comparison, what the rewards pay, then the cells."""
     combinations = results.combinations
     facts = [*_said(results), *paragraphs(interim_text(results)), *pooled_facts(combinations)]
-    facts += [*alone_facts(results, with_all=True), *(_beside(results) if with_commands else [])]
+    facts += [*alone_facts(results, with_all=True), *_beside(results)]
     facts += [fact for it in combinations for fact in comparison_facts(results, it)]
-    facts += _advice(results) if with_commands else []
+    facts += _advice(results)
     facts += [how_to_read(results)] if any(it.has_trainings for it in combinations) else []
     facts += return_facts(results.returns)
     facts += [Fact(lines=(EXPLANATION,), kind="reading")] if results.returns else []
-    return [*facts, *_cells(results), *ranking_facts(results, with_all=True)]
+    return [*facts, *_cells(results), *ranking_facts(results, with_all=True), *_of_sections(results)]
 
 
 def comparison_facts(results: Results, comparison: Comparison) -> list[Fact]:
@@ -220,13 +211,13 @@ def _in_sentences(results: Results) -> list[Fact]:
 
 def _advice(results: Results) -> list[Fact]:
     """How to get an answer where there is none."""
-    return paragraphs(*(advice(results, it) for it in results.combinations))
+    return paragraphs(*(advice(results, it) for it in results.combinations), kind="command")
 
 
 def _beside(results: Results) -> list[Fact]:
     """How to compare a reward that stands alone."""
     told = beside(results, results.alone)
-    return paragraphs(told and f"To compare it with another reward: {told}")
+    return paragraphs(told and f"To compare it with another reward: {told}", kind="command")
 
 
 def pooled_facts(combinations: Sequence[Comparison]) -> list[Fact]:
@@ -278,6 +269,11 @@ def ranking_facts(results: Results, *, with_all: bool) -> list[Fact]:
 def _said(results: Results) -> list[Fact]:
     """How what was found was sorted and read; none of an experiment, which knows what it trained."""
     return [Fact(lines=tuple(f"{line}." for line in results.said))] if results.said else []
+
+
+def _of_sections(results: Results) -> list[Fact]:
+    """What commands of plugins add."""
+    return [fact for section in shown_sections(results).values() for fact in section.facts]
 
 
 def _cells(results: Results) -> list[Fact]:

@@ -21,7 +21,7 @@ from harness.eta.headline import (
     number_sentence,
     return_sentence,
 )
-from harness.eta.index import Ratio
+from harness.eta.index import Estimate
 from harness.eta.judgement import Verdict, lead_of
 from harness.eta.manner import DETERMINISTIC, LAST, OWN_AND_OTHER, STOCHASTIC, TRAINING, WHOLE
 from harness.eta.rescaling import Rescaling
@@ -224,12 +224,12 @@ class Number:
         return {name: split for name, split in self.splits.items() if any(sums[name])}
 
     @property
-    def eta_n(self) -> Ratio:
+    def eta_n(self) -> Estimate:
         """The split of eta_N, NOTE eq. 43."""
         return self.splits["eta_N"].eta
 
     @property
-    def eta_p(self) -> Ratio:
+    def eta_p(self) -> Estimate:
         """The split of eta_P, NOTE eq. 44."""
         return self.splits["eta_P"].eta
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, NamedTuple
 
-from harness.eta.index import SeedMean, mean_of_known
+from harness.eta.index import Estimate, mean_of_known
 from harness.eta.interval import UNBOUNDED, Bounds
 from harness.files.plain import tells, to_plain
 from harness.results.metrics import Moment, Values
@@ -15,13 +15,13 @@ STRETCHES = 20
 """How many stretches a training has, each a point of its curve: the mean over the episodes that ended in it."""
 
 
-@tells("steps", "*value")
+@tells("steps", "*mean")
 class Point(NamedTuple):
     """A point of a curve."""
 
     steps: int
     """Environment steps. It is the mean if the seeds were not evaluated after the same number of steps."""
-    value: SeedMean
+    mean: Estimate
 
 
 @dataclass(frozen=True)
@@ -43,14 +43,14 @@ class LearningCurve:
 
     def known(self, metric: str) -> list[Point]:
         """The points at which the metric is defined."""
-        return [point for point in self.points[metric] if point.value.mean is not None]
+        return [point for point in self.points[metric] if point.mean.value is not None]
 
     def band(self, metric: str) -> list[tuple[int, float, float]]:
         """Steps and both ends of the interval, for all points that have one. Points of a single seed have none."""
         return [
-            (point.steps, point.value.low, point.value.high)
+            (point.steps, point.mean.low, point.mean.high)
             for point in self.points[metric]
-            if point.value.low is not None and point.value.high is not None
+            if point.mean.low is not None and point.mean.high is not None
         ]
 
 

@@ -10,14 +10,15 @@ from harness.eta.headline import (
     SHORT,
     ReturnSplit,
     count_seeds,
+    estimate_text,
+    factor_text,
     format_number,
+    is_drawable,
     key_of,
-    mean_with_interval,
-    ratio_text,
-    ratio_with_interval,
     signed,
+    value_text,
 )
-from harness.eta.index import NEAR_ZERO, NOTHING, Ratio
+from harness.eta.index import NOTHING
 from harness.eta.manner import TRAINING, WHOLE
 from harness.eta.splits import BB, KK
 from harness.results.comparison import Comparison
@@ -26,6 +27,7 @@ from harness.text import visible
 ARROW = " -> "
 """Between what is measured of the baseline and of the proposed reward."""
 PAY = "pay of an episode"
+ETAS = ("eta_N", "eta_P")
 Numbers: TypeAlias = Literal["none", "indices", "pay"]
 OF_NUMBERS: Mapping[Numbers, tuple[str, ...]] = {
     "none": (),
@@ -128,11 +130,11 @@ def overview_row(name: str, comparison: Comparison, with_intervals: bool, overvi
         return measured
     if overview.numbers == "pay":
         return (*measured, *pay_texts(number.pay, with_intervals))
-    etas = (_written(number.splits[name].eta, with_intervals) for name in ("eta_N", "eta_P"))
-    return (*measured, *etas, ratio_text(number.splits["eta_P"].ruler))
+    write = estimate_text if with_intervals else value_text
+    return (*measured, *(write(number.splits[name].eta) for name in ETAS), value_text(number.splits["eta_P"].ruler))
 
 
-def pay_texts(pay: ReturnSplit | None, with_intervals: bool = False) -> tuple[str, str, str, str]:
+def pay_texts(pay: ReturnSplit | None, with_intervals: bool = False) -> tuple[str, ...]:
     """The pay of an episode under both rewards, how much it changed, and both parts, as everywhere else.
 
     Args:
@@ -141,19 +143,11 @@ def pay_texts(pay: ReturnSplit | None, with_intervals: bool = False) -> tuple[st
     """
     if pay is None:
         return (NOTHING,) * 4
-    own = ARROW.join(format_number(pay.returns[pair].mean) for pair in (BB, KK))
+    own = ARROW.join(format_number(pay.returns[pair].value) for pair in (BB, KK))
+    write = estimate_text if with_intervals else value_text
     if pay.has_ratio:
-        changed = factor_text(pay.ratio.eta, with_intervals)
-        return own, changed, factor_text(pay.ratio.ruler), factor_text(pay.ratio.behaviour)
-    change = pay.total.change
-    changed = mean_with_interval(change) if with_intervals else signed(change.mean)
-    return own, changed, signed(pay.total.ruler.mean), signed(pay.total.behaviour.mean)
-
-
-def factor_text(ratio: Ratio, with_interval: bool = False) -> str:
-    """A ratio as a factor, such as ``x 1.52``."""
-    told = _written(ratio, with_interval)
-    return NOTHING if told in (NOTHING, NEAR_ZERO) else f"x {told}"
+        return own, f"x {write(pay.ratio.eta)}", factor_text(pay.ratio.ruler), factor_text(pay.ratio.behaviour)
+    return own, write(pay.total.change, signed), signed(pay.total.ruler.value), signed(pay.total.behaviour.value)
 
 
 def measure_text(change: Change | None) -> str:
@@ -190,21 +184,15 @@ def index_rows(combinations: Sequence[Comparison], with_intervals: bool) -> list
     """
     if not combinations or overview_of(combinations).numbers != "pay":
         return []
-    rows = []
+    rows, write = [], estimate_text if with_intervals else value_text
     for name, comparison in zip(line_names(combinations), combinations, strict=True):
         splits, told = comparison.number.index_splits, list[str]()
-        for split in map(splits.get, ("eta_N", "eta_P")):
-            eta = Ratio(None) if split is None else split.eta
-            text = _written(eta, with_intervals)
-            is_split = split is not None and split.paths and text not in (NOTHING, NEAR_ZERO)
-            parts = f"{ratio_text(split.ruler)} x {ratio_text(split.behaviour)}" if split and is_split else NOTHING
-            told += [text, parts]
+        for split in map(splits.get, ETAS):
+            is_split = split and split.paths and is_drawable(split.eta)
+            parts = f"{value_text(split.ruler)} x {value_text(split.behaviour)}" if split and is_split else NOTHING
+            told += [write(split.eta) if split else NOTHING, parts]
         rows += [(name or comparison.proposed, *told)] if splits else []
     return rows
-
-
-def _written(ratio: Ratio, with_interval: bool) -> str:
-    return ratio_with_interval(ratio) if with_interval else ratio_text(ratio)
 
 
 def overview_rows(combinations: Sequence[Comparison]) -> list[tuple[str, ...]]:

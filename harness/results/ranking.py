@@ -12,10 +12,10 @@ from typing import Any, Literal, NamedTuple, TypeAlias
 import numpy as np
 
 from harness.eta.headline import SUCCESS
+from harness.eta.index import Estimate
 from harness.eta.ranking import (
     PLACES,
     REWARDS,
-    Agreement,
     Answer,
     Order,
     Transplant,
@@ -81,7 +81,7 @@ class Place(Plain):
 
 
 @tells(
-    "differ_in=kind", "shared", "*agreement", "chosen_in_one_used_in_other=forth", "chosen_in_other_used_in_one=back"
+    "differ_in=kind", "shared", "tau=agreement", "chosen_in_one_used_in_other=forth", "chosen_in_other_used_in_one=back"
 )
 @dataclass(frozen=True, eq=False)
 class PlacePair(Plain):
@@ -91,7 +91,7 @@ class PlacePair(Plain):
     """What the two places differ in."""
     one: Place
     other: Place
-    agreement: Agreement
+    agreement: Estimate
     forth: Transplant
     """The best reward of `one`, used in `other`."""
     back: Transplant
@@ -140,7 +140,7 @@ class TaskRanking(Plain):
     left_out: tuple[str, ...]
     places: tuple[Place, ...]
     pairs: tuple[PlacePair, ...]
-    between: Mapping[Kind, Agreement]
+    between: Mapping[Kind, Estimate]
 
     @property
     def has_engines(self) -> bool:

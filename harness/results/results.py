@@ -16,7 +16,7 @@ from harness.arrays import Float
 from harness.errors import UsageError
 from harness.eta.curve import Kind
 from harness.eta.equal import Key, equal_trainings, key_to_json
-from harness.eta.index import SeedMean
+from harness.eta.index import Estimate
 from harness.eta.laws import Account, counted, is_left_out
 from harness.eta.verdict.looks import LookRuling
 from harness.files.plain import Plain, tells, to_plain
@@ -61,8 +61,8 @@ class ReturnMatrix(Plain):
 
     group: Group
     trained_with: tuple[str, ...]
-    returns: Mapping[str, Mapping[str, SeedMean]]
-    events: Mapping[str, SeedMean]
+    returns: Mapping[str, Mapping[str, Estimate]]
+    events: Mapping[str, Estimate]
     manner: str = ""
 
 

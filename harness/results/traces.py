@@ -9,7 +9,7 @@ from harness.arrays import Float
 from harness.errors import NewerFormat, SchemaError, Unscored
 from harness.eta.behaviour_change import Quantity
 from harness.eta.headline import DECIDING, SUCCESS
-from harness.eta.index import SeedMean, mean_over_seeds
+from harness.eta.index import Estimate, mean_over_seeds
 from harness.eta.laws import Account
 from harness.measure import Measure, is_share
 from harness.record.cell import REMEDY, Cell, Manifest
@@ -95,7 +95,7 @@ class Traces(Results):
 
     def _matrix(self, of: Trainings, scoring: Iterable[Choice]) -> ReturnMatrix:
         members = {it.label: [run for run in of.members(it.label) if isinstance(run, CellResults)] for it in scoring}
-        taught, rows = {label: runs for label, runs in members.items() if runs}, dict[str, dict[str, SeedMean]]()
+        taught, rows = {label: runs for label, runs in members.items() if runs}, dict[str, dict[str, Estimate]]()
         for it in scoring:  # a reward that cannot pay what it paid has no row; one that taught nobody is not checked
             try:
                 runs = taught.get(it.label)
@@ -103,7 +103,7 @@ class Traces(Results):
                 paid = partial(CellResults.evaluation_return, reward=payer)
                 rows[it.label] = {label: _mean(runs, paid) for label, runs in taught.items()}
             except Unscored as unscored:
-                rows[it.label] = dict.fromkeys(taught, SeedMean(None, notes=(str(unscored),)))
+                rows[it.label] = dict.fromkeys(taught, Estimate(None, notes=(str(unscored),)))
         events = {label: _mean(runs, lambda run: run.recorded_return("events")) for label, runs in taught.items()}
         return ReturnMatrix(of.group, tuple(taught), rows, events)
 
@@ -137,11 +137,11 @@ class Traces(Results):
         return self.run(cell).recorded
 
 
-def _mean(runs: Sequence[CellResults], paid: Callable[[CellResults], float | None]) -> SeedMean:
+def _mean(runs: Sequence[CellResults], paid: Callable[[CellResults], float | None]) -> Estimate:
     """What trainings by one reward are paid."""
     try:
         values = list(map(paid, runs))
     except Unscored as unscored:
-        return SeedMean(None, notes=(str(unscored),))
+        return Estimate(None, notes=(str(unscored),))
     known = [value for value in values if value is not None]
     return mean_over_seeds(known, None if len(known) == len(values) else UNFINISHED)

@@ -17,7 +17,7 @@ from harness.errors import Unscored
 from harness.eta.behaviour_change import Quantity
 from harness.eta.curve import GroupCurve, Kind, stream_curve
 from harness.eta.headline import SUCCESS
-from harness.eta.index import SeedMean, mean_of_known
+from harness.eta.index import Estimate, mean_of_known
 from harness.eta.interval import CONFIDENCE, SHARE, UNBOUNDED, Bounds, difference_bounds, why_no_interval
 from harness.eta.manner import TRAINING, WHOLE
 from harness.eta.splits import Pair
@@ -298,11 +298,11 @@ class Stages(NamedTuple):
     """One measure, or the pay of an episode: means over trainings."""
 
     measure: Quantity
-    start: SeedMean
+    start: Estimate
     """Over the first tenth of the episodes of each training."""
-    end: SeedMean
+    end: Estimate
     """Over the last tenth."""
-    evaluation: SeedMean
+    evaluation: Estimate
     """Over the evaluations of the final policies."""
     random: float | None
     """What random actions come to; None where it is not known."""
@@ -346,7 +346,7 @@ def _stages(
     def value(part: Part | None) -> float | None:
         return part and (part.returns.get(reward) if reward else part.behaviour.get(measure.name))
 
-    def mean(stage: Sequence[Part | None]) -> SeedMean:
+    def mean(stage: Sequence[Part | None]) -> Estimate:
         return mean_of_known(list(map(value, stage)), "have none", measure.ends)
 
     start, end, evaluation = map(mean, zip(*ends, strict=True))
@@ -375,14 +375,14 @@ def alone_of(trainings: Trainings) -> Alone | None:
         reward,
         tuple(it.seed for it in members),
         paid,
-        tuple(it for it in stages if any(of.mean is not None for of in (it.start, it.end, it.evaluation))),
+        tuple(it for it in stages if any(of.value is not None for of in (it.start, it.end, it.evaluation))),
         Learning(curves, {it.measure.name: it.random for it in (paid, *stages)}),
         (*shown, pay.name),
     )
 
 
 PATH = "behaviour under {reward}, the ruler on the episodes of {baseline}'s trainings"
-NOTHING, LACKING = SeedMean(None), "have none"
+NOTHING, LACKING = Estimate(None), "have none"
 
 
 @dataclass(frozen=True)
@@ -403,24 +403,24 @@ class TermPaid(Plain):
     """
 
     name: str
-    start: SeedMean
-    end: SeedMean
-    evaluation: SeedMean
-    others: SeedMean = NOTHING
+    start: Estimate
+    end: Estimate
+    evaluation: Estimate
+    others: Estimate = NOTHING
     random: float | None = None
-    behaviour: SeedMean = NOTHING
-    ruler: SeedMean = NOTHING
+    behaviour: Estimate = NOTHING
+    ruler: Estimate = NOTHING
     never: bool = False
 
     @property
-    def final(self) -> SeedMean:
+    def final(self) -> Estimate:
         """`evaluation`, or where there is none `end`."""
-        return self.evaluation if self.evaluation.mean is not None else self.end
+        return self.evaluation if self.evaluation.value is not None else self.end
 
     @property
     def over_training(self) -> float | None:
         """How much the mean changed from the start of the trainings to their end."""
-        return None if self.start.mean is None or self.end.mean is None else self.end.mean - self.start.mean
+        return None if self.start.value is None or self.end.value is None else self.end.value - self.start.value
 
 
 @tells(
@@ -463,7 +463,7 @@ class TermsPaid(Plain):
     @property
     def is_compared(self) -> bool:
         """Whether it is known what the terms pay the baseline's trainings."""
-        return any(it.behaviour.mean is not None for it in self.terms)
+        return any(it.behaviour.value is not None for it in self.terms)
 
     @property
     def most_changed(self) -> TermPaid | None:
@@ -471,7 +471,7 @@ class TermsPaid(Plain):
         known = [
             (abs(change), it)
             for it in self.terms
-            if (change := it.behaviour.mean if self.is_compared else it.over_training)
+            if (change := it.behaviour.value if self.is_compared else it.over_training)
         ]
         return max(known, key=lambda pair: pair[0])[1] if known else None
 
@@ -532,16 +532,16 @@ def terms_paid(
     return TermsPaid(group, *names, len(own), sum(it.steps for it in trained), terms, missing, told)
 
 
-def _difference(less: Sequence[float | None], from_: Sequence[float | None]) -> SeedMean:
+def _difference(less: Sequence[float | None], from_: Sequence[float | None]) -> Estimate:
     """The mean of one side minus that of another, which are not paired; none where a training has no value."""
     one, other = ([value for value in side if value is not None] for side in (less, from_))
     if not one or not other or len(one) + len(other) < len(less) + len(from_):
         return NOTHING
     mean, seeds = sum(other) / len(other) - sum(one) / len(one), min(len(one), len(other))
     if notes := why_no_interval(seeds):
-        return SeedMean(mean, seeds=seeds, notes=notes)
+        return Estimate(mean, seeds=seeds, notes=notes)
     low, high = difference_bounds([np.array(one)], [np.array(other)], [UNBOUNDED], CONFIDENCE)
-    return SeedMean(mean, low, high, seeds)
+    return Estimate(mean, low, high, seeds)
 
 
 def terms_of(trainings: Trainings) -> Iterator[TermsPaid]:

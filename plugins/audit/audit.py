@@ -80,7 +80,7 @@ class OfScripts:
             "workspace_twice_as_large": dict(self.workspace),
             **{
                 KEYS[form]: {
-                    "value": mean.mean,
+                    "value": mean.value,
                     "transitions": self.compared,
                     **({"reason": pair.reasons[form]} if form in pair.reasons else {}),
                 }

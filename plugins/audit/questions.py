@@ -69,21 +69,21 @@ def on_best(rows: Sequence[Earned], rewards: Sequence[str], measure: str) -> lis
         rewards: Names.
         measure: Of success.
     """
-    known = [row for row in rows if measure and row.measures[measure].mean is not None]
+    known = [row for row in rows if measure and row.measures[measure].value is not None]
     if len(known) < 2:
         return []
-    good = max(known, key=lambda row: row.measures[measure].mean or 0.0)
+    good = max(known, key=lambda row: row.measures[measure].value or 0.0)
     best, lines = good.measures[measure], []
     for name in rewards:
         paid = best_paid(known, name)
         if paid is None:
             continue
         success = paid.measures[measure]
-        told = f"{paid.behaviour} ({measure} {success.mean:.3g})"
-        if success.mean == best.mean:
+        told = f"{paid.behaviour} ({measure} {success.value:.3g})"
+        if success.value == best.value:
             lines.append(f"{name} pays most for what succeeds most: {told}.")
             continue
         apart = success.high is not None and best.low is not None and success.high < best.low
-        other = f"{good.behaviour} ({best.mean:.3g}){'' if apart else ', which may be chance'}"
+        other = f"{good.behaviour} ({best.value:.3g}){'' if apart else ', which may be chance'}"
         lines.append(f"{name} pays most for: {told}. What succeeds most is another behaviour: {other}.")
     return lines

@@ -10,7 +10,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from harness.eta import Split
-from harness.eta.headline import is_drawable
+from harness.eta.headline import is_drawable, percentage
 from harness.eta.splits import no_splits
 from harness.report import (
     Axis,
@@ -28,7 +28,7 @@ from harness.report.figures.chart import Mark
 from harness.report.figures.draw import CHARACTER
 from harness.report.figures.learning import flat_text, learning_heading, learning_names
 from harness.report.figures.split import SplitRow, draw_ratio, draw_split, number_of, ratio_axis
-from harness.report.rows.comparison import compared_text, percentage, rewards_text, seeds_text, tell_apart, text_of
+from harness.report.rows.comparison import compared_text, rewards_text, seeds_text, tell_apart, text_of
 from harness.report.rows.ratios import BETTER
 from harness.report.rows.returns import PAY, splits_of
 from harness.results import Comparison

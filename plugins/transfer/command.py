@@ -46,11 +46,11 @@ def transfer(
     if as_json:
         say_json(transfers.to_json())
     elif transfers.matrices:
-        from harness.report.tables.grid import show
+        from harness.report.tables.grid import FactsTable, show
 
-        from .shown import transfer_table
+        from .shown import transfer_facts
 
-        show(transfer_table(transfers))
+        show(FactsTable(transfer_facts(transfers)))
     else:
         say("Nothing to evaluate: the policies were trained in the only simulator that is installed.")
     return 1 if transfers.failed else 0

@@ -3,29 +3,24 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar, NamedTuple, TypeAlias
+from typing import ClassVar, NamedTuple, TypeAlias
 
-from harness.eta import SHARE, SeedMean, mean_over_seeds
+from harness.eta import SHARE, Estimate, mean_over_seeds
 from harness.eta.headline import SUCCESS
 from harness.files.plain import Plain, tells
 from harness.record import EVALUATION, Cell, read_trace
 from harness.record.returns import mean_return
 from harness.registry import Choice
-from harness.report.page.page import render_page
 from harness.results import Group, Results
+from harness.section import Shown
 
 from .record import TRANSFER, TransferRecord, policy_digest, read_record_of, read_transfer, simulator_id
 
-if TYPE_CHECKING:
-    from rich.console import RenderableType
-
-
-FORMAT = 1
-HERE = Path(__file__).parent
+FORMAT = 2
 
 Pair: TypeAlias = tuple[Choice, Choice]
 """Trained in, evaluated in."""
-Grid: TypeAlias = tuple[tuple[SeedMean, ...], ...]
+Grid: TypeAlias = tuple[tuple[Estimate, ...], ...]
 """A row per simulator trained in, a column per simulator evaluated in."""
 
 
@@ -96,28 +91,6 @@ class Transfers(Plain):
 
     format = FORMAT
 
-    @property
-    def style(self) -> str:
-        return (HERE / "transfer.css").read_text(encoding="utf-8").strip()
-
-    def table(self) -> "RenderableType":
-        from .shown import transfer_table
-
-        return transfer_table(self)
-
-    def html(self) -> str:
-        from .shown import EXPLANATION, TITLE, failure_lines, transfer_block
-
-        page = render_page(
-            HERE / "transfer.html.j2",
-            "The HTML report",
-            title=TITLE,
-            explanation=EXPLANATION,
-            blocks=[transfer_block(matrix) for matrix in self.matrices],
-            failed=failure_lines(self.failed),
-        )
-        return page.strip()
-
 
 def load_transfers(results: Results) -> Transfers:
     """One matrix per algorithm and reward; none where no policy was evaluated away from where it was trained.
@@ -183,17 +156,17 @@ class _Table:
                 else:
                     self._failed[pair] = self._failed.get(pair, 0) + 1
 
-    def success(self, home: Choice, place: Choice) -> SeedMean:
+    def success(self, home: Choice, place: Choice) -> Estimate:
         values = [it.success for it in self._evaluations(home, place).values() if it.success is not None]
         return mean_over_seeds(values, self._missing(home, place, len(values)), SHARE)
 
-    def paid(self, home: Choice, place: Choice) -> SeedMean:
+    def paid(self, home: Choice, place: Choice) -> Estimate:
         values = [it.paid for it in self._evaluations(home, place).values() if it.paid is not None]
         return mean_over_seeds(values, self._missing(home, place, len(values)))
 
-    def drop(self, home: Choice, place: Choice) -> SeedMean:
+    def drop(self, home: Choice, place: Choice) -> Estimate:
         if home == place:
-            return SeedMean(None, notes=("evaluated where it was trained",))
+            return Estimate(None, notes=("evaluated where it was trained",))
         trained = self._known[home, home]
         lost = [
             there - here.success
@@ -237,6 +210,8 @@ class TransferSection:
     def ending(self, folder: Path) -> TransferRecord:
         return read_record_of(folder)
 
-    def show(self, results: "Results") -> Transfers | None:
+    def show(self, results: Results) -> Shown | None:
+        from .shown import transfer_facts
+
         transfers = load_transfers(results)
-        return transfers if transfers.matrices else None
+        return Shown(transfer_facts(transfers), transfers.to_json()) if transfers.matrices else None

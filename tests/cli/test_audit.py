@@ -244,7 +244,7 @@ def test_an_experiment_of_an_arm_shows_what_its_policies_did(harness, finished):
     for name in ("baseline", "arp"):
         row = rows[f"trained with {name}, evaluations"]
         assert row["measures"]["success_rate"]["count"] == 2
-        assert row["returns"]["arp"]["mean"] == pytest.approx(told.returns["arp"][name].mean + told.events[name].mean)
+        assert row["returns"]["arp"]["mean"] == pytest.approx(told.returns["arp"][name].value + told.events[name].value)
     assert 0.0 < data["pairs"][0]["steps"]["mean"] < 1.0
     assert any(line.startswith("arp: Not finishing pays more") for line in data["verdict"])
     assert harness("audit mine --random mine").err.startswith("harness: --random does not go with 'mine'")

@@ -36,7 +36,7 @@ def test_json_is_all_that_goes_to_standard_output(harness, recorded):
     assert on_baseline["ruler"]["value"] == pytest.approx(1.25 / 1.5)
     assert data["eta_N"]["ruler"]["value"] == pytest.approx((1.25 / 1.5) ** 0.5)
     assert data["rewards"] == {"baseline": "baseline", "proposed": "arp:k1=1,k2=1.5"}
-    assert {"value", "low", "high", "note"} == set(data["eta_P"]["ruler"])
+    assert {"value", "low", "high", "seeds", "note"} == set(data["eta_P"]["ruler"])
 
 
 def test_the_table_is_the_default(harness, recorded):

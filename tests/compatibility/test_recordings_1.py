@@ -30,7 +30,7 @@ def here(tmp_path):
 
 def _returns(results):
     return {
-        it.manner: {f"{payer} pays {by}": mean.mean for payer, row in it.returns.items() for by, mean in row.items()}
+        it.manner: {f"{payer} pays {by}": mean.value for payer, row in it.returns.items() for by, mean in row.items()}
         for it in results.returns
     }
 

@@ -43,7 +43,7 @@ def _said(folder, capsys):
     parts = ("eta", "ruler", "behaviour")
     return {
         "seeds": it["seeds"],
-        "total": {name: part["mean"] for name, part in it["total"].items()},
+        "total": {name: part["value"] for name, part in it["total"].items()},
         "baseline_index": it["baseline_index"],
         "proposed_index": it["proposed_index"],
         **{name: {part: it[name][part]["value"] for part in parts} for name in ("eta_N", "eta_P")},

@@ -142,9 +142,9 @@ def test_an_operator_of_several_tasks_is_one():
 def test_a_share_is_that_of_the_sums():
     """With an interval over clusters; of nothing there is none."""
     found = share_of(np.array([1.0, 0.0, 2.0]), np.array([2.0, 2.0, 4.0]), np.arange(3))
-    assert found.mean == pytest.approx(3 / 8)
+    assert found.value == pytest.approx(3 / 8)
     assert found.low < 3 / 8 < found.high
-    assert share_of(np.zeros(3), np.zeros(3), np.arange(3)).mean is None
+    assert share_of(np.zeros(3), np.zeros(3), np.arange(3)).value is None
 
 
 class Population(NamedTuple):

@@ -16,7 +16,7 @@ from harness.eta import (
     BK,
     KB,
     KK,
-    Ratio,
+    Estimate,
     curve_of,
     decompose,
     p_of,
@@ -117,7 +117,7 @@ def test_reward_against_itself_is_one(runs, kind):
         assert {part.low for part in ratios_of(split) if part is not split.noise} <= {1.0, None}
         assert split.p in (1.0, None)
         assert split.opposition == ""
-    assert (found.total.change.mean, found.total.ruler.mean, found.total.behaviour.mean) == (0.0, 0.0, 0.0)
+    assert (found.total.change.value, found.total.ruler.value, found.total.behaviour.value) == (0.0, 0.0, 0.0)
 
 
 @FEWER
@@ -155,7 +155,7 @@ def test_parts_do_not_know_which_reward_is_the_baseline(scored):
             assert split.p == swapped.p
     for name in ("change", "ruler", "behaviour"):
         part, opposite = getattr(one.total, name), getattr(other.total, name)
-        assert part.mean == pytest.approx(-opposite.mean, abs=1e-9)
+        assert part.value == pytest.approx(-opposite.value, abs=1e-9)
         if part.low is not None:
             assert (part.low, part.high) == pytest.approx((-opposite.high, -opposite.low), rel=1e-6, abs=1e-6)
 
@@ -178,7 +178,7 @@ def test_parts_of_a_worked_example():
     split, total = found.positive, found.total
     assert values_of(split) == [12.0, about(18.0**0.5), about(8.0**0.5), 6.0, 2.0, 3.0, 4.0]
     assert (split.interaction.value, split.per_seed.value) == (about(2.0), about(12.0))
-    assert (total.change.mean, total.ruler.mean, total.behaviour.mean) == (22.0, 12.0, 10.0)
+    assert (total.change.value, total.ruler.value, total.behaviour.value) == (22.0, 12.0, 10.0)
 
 
 # The sum, split by differences
@@ -191,8 +191,8 @@ def test_sum_splits_into_ruler_and_behaviour(scored, kind):
     found = decompose(curves_of(*scored, kind))
     total = found.total
     change = sum((found.proposed.negative_sum, found.proposed.positive_sum, -found.baseline.negative_sum))
-    assert total.change.mean == pytest.approx(change - found.baseline.positive_sum, abs=1e-9)
-    assert total.ruler.mean + total.behaviour.mean == pytest.approx(total.change.mean, abs=1e-9)
+    assert total.change.value == pytest.approx(change - found.baseline.positive_sum, abs=1e-9)
+    assert total.ruler.value + total.behaviour.value == pytest.approx(total.change.value, abs=1e-9)
 
 
 def test_sum_has_the_interval_of_the_paired_t_test():
@@ -251,7 +251,7 @@ def test_zero_denominator_is_none_with_the_reason(name, given_runs):
     runs, which, why = given_runs
     other = [[-1.0, 2.0]]
     split = getattr(decompose(curves_of(runs, other, other, other)), which)
-    nothing = Ratio(None, notes=(f"{name} of the baseline is 0: {why}",))
+    nothing = Estimate(None, notes=(f"{name} of the baseline is 0: {why}",))
     first, second = split.paths
     assert split.eta == split.ruler == split.behaviour == split.interaction == nothing
     assert first.behaviour == second.ruler == nothing
@@ -340,7 +340,7 @@ def test_paths_of_unlike_sign_have_no_mean():
     split = decompose(scored).positive
     assert [path.ruler.value for path in split.paths] == [-2.0, 2.0]
     note = "a part of a path is not above 0: the paths have no geometric mean"
-    assert split.ruler == split.behaviour == Ratio(None, notes=(note,))
+    assert split.ruler == split.behaviour == Estimate(None, notes=(note,))
 
 
 def test_index_near_zero_beside_the_other_trainings_says_so():
@@ -388,12 +388,12 @@ def test_without_both_rulers_nothing_is_split(scored):
     """Eta stands alone, and each part says what is missing; for no reason that was given it was not scored again."""
     curves = curves_of(*[dip_and_climb(5)] * 4)
     kept = {pair: curves[pair] for pair in (BB, KK, *scored)}
-    found, nothing = decompose(kept, missing="no distances in a.csv"), Ratio(None, notes=("no distances in a.csv",))
+    found, nothing = decompose(kept, missing="no distances in a.csv"), Estimate(None, notes=("no distances in a.csv",))
     for split in splits_of(found):
         assert split.eta.value == split.per_seed.value == 1.0
         assert split.ruler == split.behaviour == split.interaction == nothing
         assert (split.paths, split.is_scored) == ((), False)
-    assert (found.total.change.mean, found.total.ruler.mean, found.is_split) == (0.0, None, False)
+    assert (found.total.change.value, found.total.ruler.value, found.is_split) == (0.0, None, False)
     found = decompose(kept)
     assert found.positive.ruler.note == found.total.ruler.note == "not re-scored"
 
@@ -484,7 +484,7 @@ def test_one_seed_has_a_value_and_nothing_else():
     """Nothing can be said about the spread of one run."""
     runs = dip_and_climb(1)
     for split in splits_of(eta_of(runs, 2.0 * runs)):
-        assert split.eta == Ratio(2.0, notes=("one seed: no interval below 3 seeds",))
+        assert split.eta == Estimate(2.0, seeds=1, notes=("one seed: no interval below 3 seeds",))
         assert (split.p, split.corrected, split.outcomes) == (None, None, None)
 
 
@@ -620,7 +620,7 @@ def test_each_index_has_its_own():
 def test_noise_floor_needs_four_runs(runs):
     """Halves of fewer are single runs; those of a control count too."""
     reason = f"{runs} runs of the baseline: halves of them need at least 4"
-    assert noises_of(dip_and_climb(runs))[1] == Ratio(None, notes=(reason,))
+    assert noises_of(dip_and_climb(runs))[1] == Estimate(None, notes=(reason,))
     assert noises_of(dip_and_climb(runs), dip_and_climb(4 - runs, seed=1))[1].value == 1.0
 
 
@@ -628,7 +628,7 @@ def test_halves_without_an_index_leave_no_floor():
     """A half that never falls below zero has nothing to divide by."""
     runs = np.ones((4, 5))
     runs[0] = -9.0
-    assert noises_of(runs)[0] == Ratio(None, notes=("a half of the baseline's runs has an index of 0",))
+    assert noises_of(runs)[0] == Estimate(None, notes=("a half of the baseline's runs has an index of 0",))
 
 
 @pytest.mark.parametrize("count", [4, 5, 8])

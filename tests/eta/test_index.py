@@ -2,7 +2,7 @@
 
 import pytest
 
-from harness.eta import Index, Ratio
+from harness.eta import Estimate, Index
 
 
 def test_sums_are_shown_rounded_to_a_tenth():
@@ -38,17 +38,17 @@ def test_index_as_json():
 @pytest.mark.parametrize(
     ("ratio", "told"),
     [
-        (Ratio(2.0, 1.5, 2.5, ("five seeds",)), (2.0, 1.5, 2.5, "five seeds")),
-        (Ratio(None, notes=("nothing to divide by",)), (None, None, None, "nothing to divide by")),
+        (Estimate(2.0, 1.5, 2.5, 5, ("five seeds",)), (2.0, 1.5, 2.5, 5, "five seeds")),
+        (Estimate(None, notes=("nothing to divide by",)), (None, None, None, 0, "nothing to divide by")),
     ],
 )
 def test_ratio_as_json(ratio, told):
-    """A ratio is its value, the ends of its interval and a note; it may be a reason alone."""
-    assert ratio.to_json() == dict(zip(("value", "low", "high", "note"), told, strict=True))
+    """A ratio is its value, the ends of its interval, the seeds and a note; it may be a reason alone."""
+    assert ratio.to_json() == dict(zip(("value", "low", "high", "seeds", "note"), told, strict=True))
 
 
 def test_index_near_zero_is_told_before_every_note():
     """In the note of the JSON; a reader of the ratio finds each by itself."""
-    ratio = Ratio(2.0, 1.5, 2.5, ("2 seeds",), near_zero="I_P of the baseline is near zero beside I_N")
+    ratio = Estimate(2.0, 1.5, 2.5, 2, ("2 seeds",), near_zero="I_P of the baseline is near zero beside I_N")
     assert ratio.notes == ("2 seeds",)
     assert ratio.note == f"{ratio.near_zero}: the ratio says little; 2 seeds"

@@ -8,7 +8,7 @@ from numpy.random import default_rng
 from numpy.testing import assert_array_equal
 from scipy.stats import kendalltau
 
-from harness.eta import Agreement, agreement_of, order_rewards, transplant
+from harness.eta import Estimate, agreement_of, order_rewards, transplant
 from harness.eta.ranking import kendall, mean_agreement, tau_range
 from tests.eta.scenarios import EPISODES, RATES, Rate
 
@@ -91,8 +91,8 @@ def test_shares_know_of_the_seed_that_was_not_seen():
 def test_same_order_is_one_and_the_opposite_minus_one():
     """With intervals that are points, where every order is told."""
     one, same, other = orders_of(CLEAR, seeds_of(CLEAR, 4), turned(CLEAR))
-    assert agreement_of(one, same) == Agreement(1.0, 1.0, 1.0)
-    assert agreement_of(one, other) == Agreement(-1.0, -1.0, -1.0)
+    assert agreement_of(one, same) == Estimate(1.0, 1.0, 1.0, 4)
+    assert agreement_of(one, other) == Estimate(-1.0, -1.0, -1.0, 4)
 
 
 def test_tau_is_that_of_scipy_ties_included():
@@ -125,7 +125,7 @@ def test_the_range_is_reached():
 def test_seeds_that_leave_all_open_are_told():
     """The interval is everything that there is."""
     found = agreement_of(*orders_of(*[{"a": [0.1, 0.9, 0.5], "b": [0.2, 0.6, 0.9]}] * 2))
-    assert (found.tau, found.low, found.high) == (1.0, -1.0, 1.0)
+    assert (found.value, found.low, found.high) == (1.0, -1.0, 1.0)
     assert found.note == "the seeds leave every order open"
 
 
@@ -133,29 +133,29 @@ def test_two_seeds_have_no_interval_and_decide_nothing():
     """And say why."""
     orders = orders_of(*[{name: values[:2] for name, values in CLEAR.items()}] * 2)
     alike, moved = agreement_of(*orders), transplant(*orders)
-    assert (alike.tau, moved.answer) == (1.0, "not decided")
-    assert {(it.low, it.note) for it in (alike, moved)} == {(None, "2 seeds: no interval below 3 seeds")}
+    assert (alike.value, moved.answer) == (1.0, "not decided")
+    assert {(it.low, it.note) for it in (alike, moved.cost)} == {(None, "2 seeds: no interval below 3 seeds")}
 
 
 def test_a_place_without_an_order_has_no_tau():
     """All rewards come to the same there."""
     found = agreement_of(*orders_of(CLEAR, dict.fromkeys("abc", [0.5] * 4)))
-    assert (found.tau, found.low) == (None, None)
+    assert (found.value, found.low) == (None, None)
     assert "no order" in found.note
 
 
 def test_simulators_of_one_engine_are_one_vote():
     """Two of them that agree with a third do not outvote a fourth; with one another they count nothing."""
-    same, opposite = Agreement(1.0, 0.5, 1.0), Agreement(-1.0, -1.0, 0.0)
+    same, opposite = Estimate(1.0, 0.5, 1.0), Estimate(-1.0, -1.0, 0.0)
     found = mean_agreement([("A", "A", same), ("A", "B", same), ("B", "A", same), ("A", "C", opposite)])
-    assert found == Agreement(0.0, -0.25, 0.5)
-    assert mean_agreement([("A", "A", same)]).tau is None
+    assert found == Estimate(0.0, -0.25, 0.5)
+    assert mean_agreement([("A", "A", same)]).value is None
 
 
 def test_a_mean_without_all_intervals_has_none():
     """One place has too few seeds."""
-    found = mean_agreement([("A", "B", Agreement(1.0, 0.5, 1.0)), ("A", "C", Agreement(1.0))])
-    assert (found.tau, found.low) == (1.0, None)
+    found = mean_agreement([("A", "B", Estimate(1.0, 0.5, 1.0)), ("A", "C", Estimate(1.0))])
+    assert (found.value, found.low) == (1.0, None)
     assert "too few seeds" in found.note
 
 
@@ -166,9 +166,9 @@ def test_a_choice_that_the_other_place_turns_round_is_wrong_there():
     """By all that there is between the best and the worst, in both directions."""
     here, there = orders_of(CLEAR, turned(CLEAR))
     found = transplant(here, there)
-    assert (found.chosen, found.best, found.answer, found.note) == ("c", "a", "yes", "")
-    assert found.cost == pytest.approx(0.8)
-    assert 0.7 < found.low < found.cost < found.high < 0.9
+    assert (found.chosen, found.best, found.answer, found.cost.note) == ("c", "a", "yes", "")
+    assert found.cost.value == pytest.approx(0.8)
+    assert 0.7 < found.cost.low < found.cost.value < found.cost.high < 0.9
     assert found.is_costly
     assert transplant(there, here).answer == "yes"
 
@@ -177,7 +177,7 @@ def test_the_best_one_in_both_is_no_other():
     """It costs nothing."""
     found = transplant(*orders_of(CLEAR, CLEAR))
     assert (found.chosen, found.best, found.answer) == ("c", "c", "no")
-    assert (found.cost, found.low, found.high, found.is_costly) == (0.0, 0.0, 0.0, False)
+    assert (found.cost.value, found.cost.low, found.cost.high, found.is_costly) == (0.0, 0.0, 0.0, False)
 
 
 def test_a_cost_below_the_margin_is_no_other():
@@ -192,13 +192,13 @@ def test_a_choice_by_chance_is_no_claim():
     found = transplant(*orders_of({**CLEAR, "a": [0.85, 0.97, 0.9, 0.85]}, turned(CLEAR)))
     assert (found.chosen, found.answer) == ("c", "not decided")
     assert found.is_costly
-    assert found.note == "where it was chosen, a may be as good"
+    assert found.cost.note == "where it was chosen, a may be as good"
 
 
 def test_what_may_be_better_there_is_named():
     """The seeds there do not tell."""
     found = transplant(*orders_of(CLEAR, {**CLEAR, "b": [0.5, 1.0, 0.9, 0.95]}))
-    assert (found.answer, found.note) == ("not decided", "b may be better there")
+    assert (found.answer, found.cost.note) == ("not decided", "b may be better there")
 
 
 # The word that is given
@@ -241,7 +241,7 @@ def share_that_holds(places, seeds, experiments, rng):
         false = any(((it.signs != 0) & (it.signs != true)).any() for it, true in zip(orders, true_signs, strict=True))
         counts += [
             is_held,
-            choice.low - 1e-9 <= cost <= choice.high + 1e-9,
+            choice.cost.low - 1e-9 <= cost <= choice.cost.high + 1e-9,
             false,
             choice.answer == "yes" and bool(best[0] & best[1]),
             choice.answer == "no" and cost > 0.05 + 1e-9,

@@ -26,7 +26,7 @@ def test_parts_make_up_the_whole(returns):
     found = split(returns)
     ratio, total = found.ratio, found.total
     assert ratio.ruler.value * ratio.behaviour.value == pytest.approx(ratio.eta.value)
-    assert total.ruler.mean + total.behaviour.mean == pytest.approx(total.change.mean)
+    assert total.ruler.value + total.behaviour.value == pytest.approx(total.change.value)
     assert ratio.eta.value == pytest.approx(np.mean(returns[KK]) / np.mean(returns[BB]))
 
 
@@ -35,7 +35,7 @@ def test_nothing_depends_on_which_reward_is_called_the_baseline(returns):
     """Ratios become their inverses, differences their opposites, and p stays."""
     there, back = split(returns), split({OTHER[pair]: values for pair, values in returns.items()})
     assert back.ratio.ruler.value == pytest.approx(1.0 / there.ratio.ruler.value)
-    assert back.total.behaviour.mean == pytest.approx(-there.total.behaviour.mean)
+    assert back.total.behaviour.value == pytest.approx(-there.total.behaviour.value)
     assert back.ratio.p == there.ratio.p
 
 
@@ -56,7 +56,7 @@ def test_a_return_that_is_not_above_0_has_no_ratio(returns, pair):
     found = split({**returns, pair: [-value for value in returns[pair]]})
     assert {part.value for part in (found.ratio.eta, found.ratio.ruler, found.ratio.noise)} == {None}
     assert "is not above 0" in found.ratio.eta.note
-    assert found.total.ruler.mean is not None
+    assert found.total.ruler.value is not None
     assert (found.ratio.p is None) == (len(returns[BB]) == 1)
 
 
@@ -72,7 +72,7 @@ def test_without_the_other_rewards_nothing_is_split():
     found = split_returns({BB: [1.0, 2.0], KK: [2.0, 4.0]}, (0, 1), swaps_of((0, 1)), "B was given up")
     assert not found.is_split
     assert (found.ratio.eta.value, found.ratio.ruler.note) == (2.0, "B was given up")
-    assert found.total.change.mean == 1.5
+    assert found.total.change.value == 1.5
     assert found.total.behaviour.note == "B was given up"
 
 

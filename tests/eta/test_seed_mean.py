@@ -5,7 +5,7 @@ import pytest
 import scipy.stats
 from hypothesis import assume, given, strategies as st
 
-from harness.eta import SHARE, SeedMean, mean_over_seeds
+from harness.eta import SHARE, Estimate, mean_over_seeds
 
 NUMBERS = st.lists(st.floats(-1e3, 1e3).map(lambda value: round(value, 6)), min_size=3, max_size=12)
 
@@ -16,7 +16,7 @@ def test_interval_is_students(values):
     assume(np.std(values) > 1e-3)
     found, expected = mean_over_seeds(values), scipy.stats.ttest_1samp(values, 0.0).confidence_interval()
     assert (found.low, found.high) == pytest.approx((expected.low, expected.high), rel=1e-6, abs=1e-6)
-    assert found.mean == pytest.approx(sum(values) / len(values), abs=1e-9)
+    assert found.value == pytest.approx(sum(values) / len(values), abs=1e-9)
     assert found.seeds == len(values)
 
 
@@ -37,13 +37,13 @@ def test_shares_that_are_all_the_same_have_one():
 def test_fewer_than_three_seeds_have_no_interval(values, told):
     """And say so, as plain data too."""
     found, note = mean_over_seeds(values), f"{told}: no interval below 3 seeds"
-    assert found == SeedMean(0.5, None, None, len(values), (note,))
-    assert found.to_json() == {"mean": 0.5, "low": None, "high": None, "seeds": len(values), "note": note}
+    assert found == Estimate(0.5, None, None, len(values), (note,))
+    assert found.to_json() == {"value": 0.5, "low": None, "high": None, "seeds": len(values), "note": note}
 
 
 def test_no_value_has_the_reason():
     """n/a, never a number that is none."""
-    nothing = SeedMean(None, notes=("1 of 1 failed",))
+    nothing = Estimate(None, notes=("1 of 1 failed",))
     assert mean_over_seeds([], "1 of 1 failed") == nothing
 
 
@@ -58,5 +58,5 @@ def test_seeds_that_are_missing_are_told_last():
 def test_interval_of_a_share_is_one_of_shares(values):
     """None of a success ends above 100 % or below 0; that of any other number may."""
     share, number = mean_over_seeds(values, bounds=SHARE), mean_over_seeds(values)
-    assert 0.0 <= share.low < share.mean < share.high <= 1.0
+    assert 0.0 <= share.low < share.value < share.high <= 1.0
     assert number.low < 0.0 or number.high > 1.0

@@ -156,7 +156,7 @@ def reduced(told):
             names[who]: {**{key: one[f"{who}_index"][key] for key in ("I_N", "I_P")}, "trainings": len(one["seeds"])}
             for who in names
         },
-        "returns": {f"{names[it['trained_by']]} paid by {names[it['paid_by']]}": it["mean"] for it in returns},
+        "returns": {f"{names[it['trained_by']]} paid by {names[it['paid_by']]}": it["value"] for it in returns},
     }
 
 

@@ -25,7 +25,7 @@ def ahead(build):
 def _shown(results, page):
     write_html(results, page)
     text = page.read_text()
-    yield "terminal", printed(FactsTable(first_facts(results, "")), 200)
+    yield "terminal", printed(FactsTable(first_facts(results)), 200)
     yield "details", printed(FactsTable(all_facts(results)), 200)
     yield "page", words_of(text)
     yield "colours", " ".join(re.findall(r'class="((?:card|badge|symbol|dot|line)[^"]*)"', text))

@@ -90,7 +90,7 @@ class Views:
         write_html(results, folder / "page.html")
         self.json = json.loads(report_text(results))
         self.texts = {
-            "terminal": printed(FactsTable(first_facts(results, "more")), 400),
+            "terminal": printed(FactsTable(first_facts(results)), 400),
             "details": printed(FactsTable(all_facts(results)), 400),
             "page": (folder / "page.html").read_text(),
         }
@@ -105,7 +105,7 @@ class Views:
             first = [of for of in it["behaviour"] if of["name"] == it["deciding"][0]]
             (change,) = [of for of in first if of["manner"] == it["decided_in"]] or [{}]
             pays = next((of for name, of in it["returns"].items() if name == it["decided_in"]), {}).get("returns", [])
-            own = {of["trained_by"]: of["mean"] for of in pays if of["paid_by"] == of["trained_by"]}
+            own = {of["trained_by"]: of["value"] for of in pays if of["paid_by"] == of["trained_by"]}
             yield {
                 "answer": it["headline"]["answer"].upper(),
                 **{side: change.get(side) for side in ("baseline", "proposed")},
@@ -206,7 +206,7 @@ def _card(page):
     """Of the first screen's card, or of the line that opens."""
     badge = re.search(r'<b class="badge [\w-]+">(.*?)</b>', page)
     found = {"answer": badge[1]}
-    pay = re.search(r'class="pay">An episode is paid (\S+) instead of (\S+):', page)
+    pay = re.search(r'class="pay">An episode is paid (\S+) with .+? and (\S+) with', page)
     found |= {"pay proposed": _plain(pay[1]), "pay baseline": _plain(pay[2])} if pay else {}
     return found
 

@@ -24,14 +24,14 @@ def test_pay_at_the_start_is_that_of_the_first_tenth_of_the_episodes(results):
         ended = sorted(trace.episodes, key=lambda rows: rows[-1])
         first = ended[: max(1, round(0.1 * len(ended)))]
         means.append(np.mean([trace["reward"][rows].sum() for rows in first]))
-    assert results.alone[0].paid.start.mean == pytest.approx(np.mean(means), rel=1e-12)
+    assert results.alone[0].paid.start.value == pytest.approx(np.mean(means), rel=1e-12)
 
 
 def test_measures_have_every_stage(results):
     """What decides in a comparison comes first; random actions stand beside it."""
     first, second = results.alone[0].behaviour[:2]
     assert (first.measure.name, second.measure.name) == ("success_rate", "time_to_target")
-    told = (second.start.mean, second.end.mean, second.evaluation.mean, second.random)
+    told = (second.start.value, second.end.value, second.evaluation.value, second.random)
     assert all(value is not None and value > 0.0 for value in told)
 
 

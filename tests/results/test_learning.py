@@ -49,39 +49,39 @@ def _points(*runs, **given):
 )
 def test_points_are_where_evaluations_were_due(runs, points):
     """Seeds that were evaluated a little later than others meet at the mean of their steps."""
-    assert [(point.steps, point.value.mean) for point in _points(*runs)] == points
+    assert [(point.steps, point.mean.value) for point in _points(*runs)] == points
 
 
 def test_points_have_intervals_over_seeds():
     """Around the mean; none of one seed."""
     runs = [{60: 0.0, 100: 0.4 + 0.05 * seed} for seed in range(5)]
     (*_, point), (*_, share), (*_, alone) = _points(*runs), _points(*runs, episodes=4), _points(runs[0])
-    assert point.value.low < 0.5 < point.value.high
-    assert share.value.low < point.value.low  # a share allows for the seed that was not seen
-    assert (alone.value.low, alone.value.note) == (None, "one seed: no interval below 3 seeds")
+    assert point.mean.low < 0.5 < point.mean.high
+    assert share.mean.low < point.mean.low  # a share allows for the seed that was not seen
+    assert (alone.mean.low, alone.mean.note) == (None, "one seed: no interval below 3 seeds")
 
 
 @pytest.mark.parametrize(("other", "mean", "told"), [((1.0,), 1.0, "1 of 2 seeds"), ((), None, "1 of 1 seeds")])
 def test_seeds_without_a_value_are_told(other, mean, told):
     """A metric need not be defined everywhere; where it is nowhere, there is no number."""
     (*_, point) = _points({60: 0.0, 100: None}, *({60: 0.0, 100: share} for share in other))
-    assert point.value.mean == mean
-    assert f"{told} have no value here" in point.value.note
+    assert point.mean.value == mean
+    assert f"{told} have no value here" in point.mean.note
 
 
 def test_band_has_the_points_with_an_interval():
     """Where one seed alone has a value there is none."""
     curve = _curve(*({30: None if seed else 0.5, 60: None, 100: 0.25 * seed} for seed in range(5)))
     points = curve.points["success_rate"]
-    assert curve.band("success_rate") == [(100, points[2].value.low, points[2].value.high)]
+    assert curve.band("success_rate") == [(100, points[2].mean.low, points[2].mean.high)]
 
 
 def test_bands_stay_within_what_a_metric_can_be():
     """No distance is below 0."""
     runs = [{60: 0.0, 100: 0.1 * seed} for seed in range(3)]
     (*_, free), (*_, bound) = _points(*runs), _points(*runs, bounds=(0.0, float("inf")))
-    assert free.value.low < 0.0
-    assert (bound.value.low, bound.value.high) == (0.0, free.value.high)
+    assert free.mean.low < 0.0
+    assert (bound.mean.low, bound.mean.high) == (0.0, free.mean.high)
 
 
 @pytest.fixture(name="learning")
@@ -100,14 +100,14 @@ def test_learning_is_read_from_the_cells(learning):
     found = learning(evaluate_every=5)
     for curve in found.curves:
         points = curve.points["final_distance"]
-        assert [(point.steps, point.value.seeds) for point in points] == [(5, 2), (10, 2), (12, 2)]
+        assert [(point.steps, point.mean.seeds) for point in points] == [(5, 2), (10, 2), (12, 2)]
     assert set(found.random) == set(found.curves[0].points)
     data = found.to_json()
     runs = data["runs"]["proposed"]
     assert [run["seed"] for run in runs] == [0, 1]
     last = [run["evaluations"][2]["final_distance"] for run in runs]
     point = data["metrics"]["final_distance"]["proposed"][2]
-    assert (point["steps"], point["mean"]) == (12, pytest.approx(sum(last) / 2))
+    assert (point["steps"], point["value"]) == (12, pytest.approx(sum(last) / 2))
 
 
 @pytest.mark.parametrize("every", [0, 12], ids=["not asked for", "none before the end"])
@@ -124,7 +124,7 @@ def test_all_trainings_are_in_the_curves(tmp_path, learned):
     missing = dict.fromkeys([("arp", 0), ("arp", 1), ("baseline", 2)], ("failed", ""))
     results = build_results(tmp_path, learned=learned, ended=missing)
     found = results.learning(results.combinations[0])
-    seeds = [curve.points["success_rate"][-1].value.seeds for curve in found.curves]
+    seeds = [curve.points["success_rate"][-1].mean.seeds for curve in found.curves]
     assert seeds == [2, 1]
 
 

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from harness.eta import Change, Quantity, Ratio
+from harness.eta import Change, Estimate, Quantity
 from harness.results.overview import (
     Overview,
     decider_text,
@@ -18,20 +18,20 @@ from harness.results.overview import (
 @pytest.mark.parametrize(
     ("ratio", "text"),
     [
-        (Ratio(1.2345), "1.23"),
-        (Ratio(0.5), "0.500"),
-        (Ratio(123456.7), "123,000"),
-        (Ratio(2.5e7), "2.50e+07"),
-        (Ratio(None), "n/a"),
-        (Ratio(1e9, near_zero="I_P of the baseline is near zero"), "near zero"),
-        (Ratio(0.5, 0.25, 12.3), "0.500 [0.250, 12.3]"),
-        (Ratio(-0.5, -0.75, 0.0), "-0.500 [-0.750, 0.00]"),
-        (Ratio(1.0, 0.0, 2.0, near_zero="I_P"), "near zero"),
+        (Estimate(1.2345), "1.23"),
+        (Estimate(0.5), "0.500"),
+        (Estimate(123456.7), "123,000"),
+        (Estimate(2.5e7), "2.50e+07"),
+        (Estimate(None), "n/a"),
+        (Estimate(1e9, near_zero="I_P of the baseline is near zero"), "near zero"),
+        (Estimate(0.5, 0.25, 12.3), "0.500 [0.250, 12.3]"),
+        (Estimate(-0.5, -0.75, 0.0), "-0.500 [-0.750, 0.00]"),
+        (Estimate(1.0, 0.0, 2.0, near_zero="I_P"), "near zero"),
     ],
 )
 def test_a_ratio_and_its_interval_have_three_digits(ratio, text):
     """Below a million without an exponent; no interval where it says nothing."""
-    splits = {name: SimpleNamespace(eta=ratio, ruler=Ratio(1.0)) for name in ("eta_N", "eta_P")}
+    splits = {name: SimpleNamespace(eta=ratio, ruler=Estimate(1.0)) for name in ("eta_N", "eta_P")}
     headline = SimpleNamespace(answer=SimpleNamespace(value="helps"), decided_by=None)
     told = SimpleNamespace(number=SimpleNamespace(splits=splits), decisive=None, decisive_changes=(), headline=headline)
     assert list(overview_row("arp", told, True, Overview("robot", "success", "indices"))[4:6]) == [text] * 2

@@ -5,7 +5,7 @@ import json
 import pytest
 
 from harness import load_results
-from harness.eta import Agreement
+from harness.eta import Estimate
 from harness.eta.ranking import Answer
 from harness.results.ranking import Ranking, ranking_of
 from tests.report.conftest import build_results
@@ -54,13 +54,13 @@ def test_places_are_compared_that_differ_in_one_alone(task):
         ("simulator", ("mujoco", "pybullet")),
         ("simulator", ("dm_control", "pybullet")),
     ]
-    assert [pair.agreement.tau for pair in task.pairs] == [1.0, -1.0, -1.0]
+    assert [pair.agreement.value for pair in task.pairs] == [1.0, -1.0, -1.0]
 
 
 def test_simulators_of_one_engine_are_one_vote(task):
     """MuJoCo's agreement with itself counts nothing."""
     assert task.votes("simulator") == ("MuJoCo", "Bullet")
-    assert task.between["simulator"] == Agreement(-1.0, -1.0, -1.0)
+    assert task.between["simulator"] == Estimate(-1.0, -1.0, -1.0, 4)
     assert task.has_engines
 
 
@@ -68,7 +68,7 @@ def test_another_reward_would_have_been_chosen(task):
     """Between MuJoCo and Bullet, both ways; not between two simulators of MuJoCo."""
     assert [it.answer for it in task.transplants] == [Answer.NO] * 2 + [Answer.YES] * 4
     forth = task.pairs[1].forth
-    assert (forth.chosen, forth.best, forth.cost) == ("arp", "baseline", 1.0)
+    assert (forth.chosen, forth.best, forth.cost.value) == ("arp", "baseline", 1.0)
     assert (task.count(Answer.YES), task.count(Answer.NOT_DECIDED)) == (4, 0)
 
 
@@ -116,7 +116,7 @@ def test_json_is_plain_data(task):
     assert told["places"][2]["may_be_best"] == ["baseline"]
     assert told["pairs"][1]["chosen_in_one_used_in_other"]["answer"] == "yes"
     assert (told["pairs"][0]["same_vote"], told["pairs"][1]["same_vote"]) == (True, False)
-    assert told["between_simulators"]["tau"] == -1.0
+    assert told["between_simulators"]["value"] == -1.0
 
 
 def test_there_is_no_order_before_the_plan_is_trained_to_its_end(tmp_path):

@@ -37,7 +37,7 @@ def test_json_has_the_promised_keys(experiment):
     ratios = {"eta", "per_seed", "ruler", "behaviour", "interaction", "noise"}
     for name in ("eta_N", "eta_P"):
         assert set(combination[name]) == ratios | {"paths", "p", "p_corrected", "flags"}
-        assert set(combination[name]["eta"]) == {"value", "low", "high", "note"}
+        assert set(combination[name]["eta"]) == {"value", "low", "high", "seeds", "note"}
     assert set(combination["total"]) == {"change", "ruler", "behaviour"}
     for index in (combination["baseline_index"], combination["proposed_index"]):
         assert set(index) == {"first_negative", "crossover", "steps", "I_N", "I_P", "total"}

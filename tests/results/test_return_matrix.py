@@ -43,18 +43,18 @@ def test_return_is_the_mean_over_episodes_and_seeds(results, matrix):
     reward = dense.build(results.registry, "rewards")
     found = matrix.returns["dense"]["arp"]
     sums = [pay_log(reward, trace).total.sum() / 3 for trace in evaluations(results, "arp")]
-    assert found.mean == pytest.approx(np.mean(sums), rel=1e-12)
+    assert found.value == pytest.approx(np.mean(sums), rel=1e-12)
     assert (found.seeds, found.note) == (2, "2 seeds: no interval below 3 seeds")
     for label in matrix.trained_with:
         recorded = np.mean([trace["reward"].sum() / 3 for trace in evaluations(results, label)])
-        assert matrix.returns[label][label].mean == pytest.approx(recorded, rel=1e-12)
+        assert matrix.returns[label][label].value == pytest.approx(recorded, rel=1e-12)
 
 
 def test_events_are_apart(results, matrix):
     """What they paid is the same under every reward; here a policy that drifts alike gets alike."""
     trace = evaluations(results, "baseline")[0]
     paid = sum(trace[name].sum() for name in ("reward_ground", "reward_target", "reward_step")) / 3
-    assert matrix.events["baseline"].mean == pytest.approx(paid)
+    assert matrix.events["baseline"].value == pytest.approx(paid)
     assert set(matrix.events) == {"baseline", "arp", "dense"}
 
 
@@ -67,13 +67,13 @@ def test_reward_that_has_changed_has_no_return(results):
             object.__setattr__(manifest.cell, "reward", changed)
     (matrix,) = results.returns
     reason = "reward arp now pays its recorded steps differently: it has changed"
-    assert {(mean.mean, mean.note) for mean in matrix.returns["arp"].values()} == {(None, reason)}
-    assert all(mean.mean is not None for mean in matrix.returns["dense"].values())
+    assert {(mean.value, mean.note) for mean in matrix.returns["arp"].values()} == {(None, reason)}
+    assert all(mean.value is not None for mean in matrix.returns["dense"].values())
 
 
 def test_matrix_is_strict_json(matrix):
     """By label, with the group."""
     data = matrix.to_json()
     assert json.loads(json.dumps(data, allow_nan=False)) == data
-    assert set(data["returns"]["arp"]["dense"]) == {"mean", "low", "high", "seeds", "note"}
+    assert set(data["returns"]["arp"]["dense"]) == {"value", "low", "high", "seeds", "note"}
     assert data["algorithm"] == "narrate"

@@ -40,16 +40,16 @@ def test_behaviour_is_what_the_term_pays_one_side_more(group):
     """Of the evaluations, whatever the trainings were paid."""
     own, others = ([_trained(0.0, 0.0, base + seed) for seed in (0.0, 1.0, 2.0)] for base in (5.0, 2.0))
     (term,) = _paid(group, ("gentle", "baseline"), own, others).terms
-    assert (term.others.mean, term.behaviour.mean) == (3.0, 3.0)
+    assert (term.others.value, term.behaviour.value) == (3.0, 3.0)
     assert term.behaviour.low == pytest.approx(3.0 - 2.776445 * np.sqrt(2.0 / 3.0))
 
 
 def test_ruler_is_what_the_own_term_of_that_name_pays_less(group):
     """On the same episodes; a term that only one reward has has none."""
     own, others, ours = ([_trained(0.0, 0.0, value)] for value in (5.0, 2.0, 0.5))
-    assert _paid(group, ("a", "b"), own, others, ours).terms[0].ruler.mean == 1.5
+    assert _paid(group, ("a", "b"), own, others, ours).terms[0].ruler.value == 1.5
     apart = [_trained(0.0, 0.0, 0.5, name="other")]
-    assert _paid(group, ("a", "b"), own, others, apart).terms[0].ruler.mean is None
+    assert _paid(group, ("a", "b"), own, others, apart).terms[0].ruler.value is None
 
 
 def test_a_term_never_paid_only_if_no_training_was_paid_it(group):
@@ -77,7 +77,7 @@ def test_without_evaluations_the_end_of_the_trainings_is_compared(group):
     """As recordings that lie loose have none."""
     own, others = ([TermsOfTraining(_by_term(0.0, end, 0.0), None)] for end in (7.0, 3.0))
     (term,) = _paid(group, ("gentle", "own"), own, others).terms
-    assert (term.evaluation.mean, term.others.mean, term.behaviour.mean) == (None, 3.0, 4.0)
+    assert (term.evaluation.value, term.others.value, term.behaviour.value) == (None, 3.0, 4.0)
 
 
 def test_a_reward_without_terms_has_nothing_to_tell(group):
@@ -97,11 +97,11 @@ def test_behaviour_by_term_adds_up_to_the_behaviour_part(results):
     """On the path that takes the ruler on the baseline's runs: what gentle pays its own minus what it pays theirs."""
     (found,) = results.terms
     (split,) = results.combinations[0].number.returns.values()
-    behaviour = sum(it.behaviour.mean or 0.0 for it in found.terms)
-    returns = {pair: mean.mean or 0.0 for pair, mean in split.returns.items()}
+    behaviour = sum(it.behaviour.value or 0.0 for it in found.terms)
+    returns = {pair: mean.value or 0.0 for pair, mean in split.returns.items()}
     (bb, bk, kb, kk) = (returns[pair] for pair in product(("baseline", "proposed"), repeat=2))
     assert behaviour == pytest.approx(kk - kb, rel=1e-12)
-    assert split.total.behaviour.mean == pytest.approx((behaviour + bk - bb) / 2.0, rel=1e-9)
+    assert split.total.behaviour.value == pytest.approx((behaviour + bk - bb) / 2.0, rel=1e-9)
 
 
 def test_every_stage_is_that_of_the_columns(results):
@@ -116,8 +116,8 @@ def test_every_stage_is_that_of_the_columns(results):
         evaluations.append(np.mean(evaluated))
     effort = found.terms[1]
     assert (effort.name, effort.random is not None) == ("effort", True)
-    assert effort.start.mean == pytest.approx(np.mean(starts), rel=1e-12)
-    assert effort.evaluation.mean == pytest.approx(np.mean(evaluations), rel=1e-12)
+    assert effort.start.value == pytest.approx(np.mean(starts), rel=1e-12)
+    assert effort.evaluation.value == pytest.approx(np.mean(evaluations), rel=1e-12)
 
 
 def test_a_term_that_never_pays_is_named(results):
@@ -140,12 +140,12 @@ def test_without_the_file_own_trainings_are_told_and_others_say_why(ran, results
     without = load_results(ran)
     (found,) = without.terms
     assert found.never == ("dock",)
-    assert found.terms[0].evaluation.mean is not None
-    assert (found.is_compared, found.terms[0].others.mean) == (False, None)
+    assert found.terms[0].evaluation.value is not None
+    assert (found.is_compared, found.terms[0].others.value) == (False, None)
     assert "--plugin FILE" in found.missing
     own, others = (without.returns[0].returns["gentle"][label] for label in ("gentle", "baseline"))
-    assert own.mean == results.returns[0].returns["gentle"]["gentle"].mean
-    assert others.mean is None
+    assert own.value == results.returns[0].returns["gentle"]["gentle"].value
+    assert others.value is None
     assert "--plugin FILE" in others.note
 
 

@@ -97,7 +97,7 @@ def test_combination_without_a_training_of_one_reward_says_so(both, made):
     results = made(both(1), lambda cell: None if cell.reward == ARP else {})
     (combination,) = results.to_json()["combinations"]
     reason = "no training with arp is done"
-    nothing = {"value": None, "low": None, "high": None, "note": reason}
+    nothing = {"value": None, "low": None, "high": None, "seeds": 0, "note": reason}
     assert combination["eta_N"]["eta"] == combination["eta_P"]["behaviour"] == nothing
     assert (combination["baseline_index"], combination["proposed_index"], combination["seeds"]) == (None, None, [])
     assert (combination["behaviour"], combination["total"]) == ([], None)

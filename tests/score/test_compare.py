@@ -224,7 +224,13 @@ def test_without_distances_the_etas_are_not_split(tmp_path, groups):
     bare = write_rewards(tmp_path / "bare", [0, -1, 3])
     data = compare(bare, groups / "k2")
     assert data["eta_N"]["eta"]["value"] is not None
-    nothing = {"value": None, "low": None, "high": None, "note": f"{bare}/0.csv has no distances to score again"}
+    nothing = {
+        "value": None,
+        "low": None,
+        "high": None,
+        "seeds": 0,
+        "note": f"{bare}/0.csv has no distances to score again",
+    }
     for name in ("eta_N", "eta_P"):
         assert data[name]["paths"] == []
         assert data[name]["ruler"] == data[name]["behaviour"] == data[name]["interaction"] == nothing

@@ -6,9 +6,8 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.eta.behaviour_change import Change, performance_profile
-from harness.eta.headline import Text, count_seeds
+from harness.eta.headline import Text, count_seeds, percentage
 from harness.report.figures.chart import GAP, Area, Axis, Chart, Dots, Line, Mark, Shape, linear_axis, share_axis
-from harness.report.rows.comparison import percentage
 from harness.results.comparison import Comparison
 from harness.results.learning import Learning, LearningCurve, Point
 from harness.results.replay import Trajectories, Trajectory
@@ -40,7 +39,7 @@ def learning_heading(name: str) -> str:
 def flat_text(learning: Learning, metric: str, text: Text = percentage) -> str:
     """The words in the place of a figure in which nothing happens; empty where something does."""
     points = learning.known(metric)
-    values, steps = {point.value.mean for point in points}, [point.steps for point in points]
+    values, steps = {point.mean.value for point in points}, [point.steps for point in points]
     if len(values) != 1 or len(set(steps)) < 2:
         return ""
     (value,) = values
@@ -93,7 +92,7 @@ def _told(curve: LearningCurve, metric: str, text: Text) -> str:
     points = curve.known(metric)
     if not points:
         return f"{curve.reward}: no value"
-    ends = [f"{text(point.value.mean)} after {point.steps:,} steps" for point in (points[0], points[-1])]
+    ends = [f"{text(point.mean.value)} after {point.steps:,} steps" for point in (points[0], points[-1])]
     return f"{curve.reward} {', '.join(ends)}"
 
 
@@ -111,7 +110,7 @@ def _dots(points: list[Point], colour: str, shape: Shape, text: Text) -> Dots:
 
 
 def _means(points: list[Point]) -> tuple[list[float], list[float]]:
-    known = [(float(point.steps), point.value.mean) for point in points if point.value.mean is not None]
+    known = [(float(point.steps), point.mean.value) for point in points if point.mean.value is not None]
     return [steps for steps, _ in known], [mean for _, mean in known]
 
 

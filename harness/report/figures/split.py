@@ -10,13 +10,12 @@ from xml.etree.ElementTree import Element, SubElement
 from harness.eta.behaviour_change import Change
 from harness.eta.headline import (
     difference_of,
+    estimate_text,
     format_number,
-    interval_text,
     is_drawable,
-    ratio_text,
-    ratio_with_interval,
+    value_text,
 )
-from harness.eta.index import Ratio, SeedMean
+from harness.eta.index import Estimate
 from harness.eta.splits import Split, SumSplit
 from harness.report.figures.chart import Axis, Chart, Dots, Line, Mark, Note, Shape, linear_axis
 from harness.report.rows.ratios import NEITHER, better_of
@@ -29,7 +28,7 @@ class SplitRow(NamedTuple):
     """One ratio of a split."""
 
     label: str
-    ratio: Ratio
+    ratio: Estimate
     place: float
     """The place of the row, counted down from the top."""
     colour: str
@@ -56,8 +55,8 @@ def split_rows(name: str, split: Split) -> list[SplitRow]:
 
 def describe_split(name: str, split: Split) -> str:
     """The same in words."""
-    parts = f"ruler {ratio_text(split.ruler)} x behaviour {ratio_text(split.behaviour)}"
-    return f"{name} {ratio_text(split.eta)} = {parts}; interaction {ratio_text(split.interaction)}."
+    parts = f"ruler {value_text(split.ruler)} x behaviour {value_text(split.behaviour)}"
+    return f"{name} {value_text(split.eta)} = {parts}; interaction {value_text(split.interaction)}."
 
 
 FARTHEST = 30.0
@@ -69,7 +68,7 @@ ROOM = 26
 """The fewest characters that have room along the axis, since numbers with their intervals may stand beside it."""
 
 
-def ratio_range(ratios: Sequence[Ratio]) -> tuple[float, float]:
+def ratio_range(ratios: Sequence[Estimate]) -> tuple[float, float]:
     """The range of the axis: every ratio, every interval up to `FARTHEST`, 1, and some margin."""
     drawn = [ratio for ratio in ratios if is_drawable(ratio)]
     values = [ratio.value for ratio in drawn if ratio.value is not None]
@@ -81,7 +80,7 @@ def ratio_range(ratios: Sequence[Ratio]) -> tuple[float, float]:
     return low / air, high * air
 
 
-def interval_ends(ratio: Ratio, low: float, high: float) -> tuple[float, float] | None:
+def interval_ends(ratio: Estimate, low: float, high: float) -> tuple[float, float] | None:
     """The ends of a ratio's interval on an axis from `low` to `high`; None if it has no interval."""
     if ratio.low is None or ratio.high is None:
         return None
@@ -131,8 +130,8 @@ ROWS: tuple[tuple[str, str, Shape], ...] = (
 def draw_sum(split: SumSplit) -> Chart | None:
     """The figure of a change and its parts on one axis; None if not all of them are known."""
     parts = [getattr(split, name) for name, *_ in ROWS]
-    ends = [end for part in parts for end in (part.mean, part.low, part.high) if end is not None]
-    if any(part.mean is None for part in parts):
+    ends = [end for part in parts for end in (part.value, part.low, part.high) if end is not None]
+    if any(part.value is None for part in parts):
         return None
     low, high = min(0.0, *ends), max(0.0, *ends)
     air = 0.05 * (high - low) or 1.0
@@ -145,14 +144,14 @@ def draw_sum(split: SumSplit) -> Chart | None:
 
 def describe_sum(split: SumSplit) -> str:
     """The same in words."""
-    change, ruler, behaviour = (format_number(it.mean) for it in (split.change, split.ruler, split.behaviour))
+    change, ruler, behaviour = (format_number(it.value) for it in (split.change, split.ruler, split.behaviour))
     return f"Change {change} = ruler {ruler} + behaviour {behaviour}."
 
 
-def _marks(row: tuple[str, str, Shape], part: SeedMean, place: float) -> list[Mark]:
+def _marks(row: tuple[str, str, Shape], part: Estimate, place: float) -> list[Mark]:
     name, colour, shape = row
-    told = f"{format_number(part.mean)} {interval_text(part, '')}".rstrip()
-    dots = Dots([part.mean or 0.0], [place], colour, (f"{name}: {told}",), shape, size=4.5)
+    told = estimate_text(part)
+    dots = Dots([part.value or 0.0], [place], colour, (f"{name}: {told}",), shape, size=4.5)
     bar = [] if part.low is None or part.high is None else [Line([part.low, part.high], [place] * 2, colour)]
     return [*bar, dots, Note(place, told)]
 
@@ -271,10 +270,10 @@ def draw_ratio(row: SplitRow, axis: Axis) -> Iterator[Mark]:
     ends = interval_ends(row.ratio, axis.low, axis.high)
     if ends is not None:
         yield Line(list(ends), [-row.place] * 2, row.colour)
-    told = f"{row.label}: {ratio_with_interval(row.ratio)}"
+    told = f"{row.label}: {estimate_text(row.ratio)}"
     yield Dots([row.ratio.value], [-row.place], row.colour, (told,), row.shape, row.is_open, 4.5)
 
 
 def number_of(row: SplitRow) -> Note:
     """The number and its interval at the right of the panel, or the word that stands in its place."""
-    return Note(-row.place, ratio_with_interval(row.ratio))
+    return Note(-row.place, estimate_text(row.ratio))

@@ -1,6 +1,7 @@
 """The first screen: for each reward the answer, what decided it, and the pay beside it."""
 
 import csv
+import re
 from collections.abc import Sequence
 from io import StringIO
 from typing import Any, NamedTuple
@@ -15,6 +16,7 @@ from harness.eta.headline import (
     Answer,
     name_of,
     name_with_article,
+    percentage,
 )
 from harness.eta.judgement import OPEN, Verdict
 from harness.eta.power import range_text
@@ -27,12 +29,11 @@ from harness.report.rows.comparison import (
     SYMBOLS,
     badge_of,
     beside_answer,
-    percentage,
     tell_apart,
     text_of,
     word_of,
 )
-from harness.report.rows.returns import PaySentence, pay_of
+from harness.report.rows.returns import is_ruler, pay_parts
 from harness.results.comparison import Comparison, Group, pools_of
 from harness.results.overview import overview_of, overview_rows
 from harness.results.pool import Pool
@@ -196,11 +197,9 @@ class Card(NamedTuple):
     seen: str = ""
     """What stands before the answer: the differences, and how many trainings failed."""
     pay: str = ""
-    """How much more an episode is paid, without the end of the sentence."""
+    """How much more an episode is paid, in the comparison's sentence without its intervals."""
     is_ruler: bool = False
     """Whether nearly all of that is the ruler."""
-    why: str = ""
-    """Why there are no parts."""
     parts: tuple[Row, ...] = ()
     """The ruler and the behaviour."""
     beside: tuple[str, ...] = ()
@@ -214,7 +213,7 @@ def card_of(comparison: Comparison, name: str) -> Card:
         comparison: The comparison.
         name: What it is called on the page.
     """
-    names, changes, pay = comparison.names, comparison.decisive_changes, pay_of(comparison)
+    names, changes, parts = comparison.names, comparison.decisive_changes, pay_parts(comparison)
     card = pool_card(comparison)._replace(name=name, beside=tuple(beside_answer(comparison)))
     if changes and comparison.verdict.is_same:
         rows = (it._replace(figure="", value=short_values(of)[1]) for it, of in zip(card.rows, changes, strict=True))
@@ -222,7 +221,9 @@ def card_of(comparison: Comparison, name: str) -> Card:
     first = next((it for it in changes if name_of(it) == card.rows[0].name), None)
     if first is not None:
         card = card._replace(rows=(card.rows[0], *_trainings(names, first), *card.rows[1:]))
-    return card if pay is None else _with_pay(card, pay, comparison.headline.answer)
+    farthest = max((abs(part.size) for part in parts), default=0.0)
+    drawn = (Row(it.name, NOTES[it.name], draw_part(it.size, farthest, it.name), it.text, it.name) for it in parts)
+    return card._replace(pay=ENDS.sub("", comparison.pay_sentence), is_ruler=is_ruler(parts), parts=tuple(drawn))
 
 
 def pool_card(found: Pool | Comparison) -> Card:
@@ -278,19 +279,10 @@ def _trainings(names: Names, change: Change) -> list[Row]:
 
 FAILURE = "a failure counts as the whole time limit"
 """What is said beside the time to the target."""
+ENDS = re.compile(r" \[[-+.,\de]+, [-+.,\de]+\]")
+"""An interval: on the first screen stand those of the measures alone."""
 NOTES = {"ruler": "same episodes, other reward", "behaviour": "other episodes, same reward"}
 """What the parts of the pay are."""
-AGAINST = {(Answer.HURTS, True): ", for worse behaviour", (Answer.HELPS, False): ", for better behaviour"}
-"""What is added where the pay goes the other way than the behaviour."""
-
-
-def _with_pay(card: Card, pay: PaySentence, answer: Answer) -> Card:
-    farthest = max((abs(part.size) for part in pay.parts), default=0.0)
-    parts = tuple(
-        Row(it.name, NOTES[it.name], draw_part(it.size, farthest, it.name), it.text, it.name) for it in pay.parts
-    )
-    told = pay.told if pay.grows is None else pay.told + AGAINST.get((answer, pay.grows), "")
-    return card._replace(pay=told, is_ruler=pay.is_ruler, why=pay.why, parts=parts)
 
 
 def groups_of(cards: Sequence[Card], comparisons: Sequence[Comparison], shown: int = 0) -> list[dict[str, Any]]:

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
-from harness.eta.headline import SUCCESS, Text, format_number
+from harness.eta.headline import SUCCESS, Text, format_number, percentage
 from harness.record.cell import Cell
 from harness.report.facts import comparison_grids
 from harness.report.figures.accumulated import draw_both, panels_of
@@ -32,7 +32,6 @@ from harness.report.rows.comparison import (
     basis_text,
     claims_text,
     compared_text,
-    percentage,
     rewards_text,
     setting_of,
     shown_changes,
@@ -232,7 +231,7 @@ def comparison_section(
     splits, indices, curves = _split_panels(comparison), _index_panels(comparison), _curve_panels(comparison, points)
     payoffs = payoff_story(comparison, audits)
     robot = f"{comparison.headline.robot} {basis_text(comparison)}".strip()
-    full = (robot, comparison.pay_sentence, comparison.index_sentence)
+    full = (robot, comparison.index_sentence)
     return Section(
         card=card_of(comparison, BETWEEN.join(filter(None, (where, told)))),
         place=place,

@@ -8,7 +8,16 @@ from typing import NamedTuple
 from harness.eta.amounts import listed, trainings_text
 from harness.eta.behaviour_change import Change, Quantity
 from harness.eta.equal import equal_sentences
-from harness.eta.headline import Answer, Text, count_seeds, count_trainings, format_number, interval_text, points
+from harness.eta.headline import (
+    Answer,
+    Text,
+    count_seeds,
+    count_trainings,
+    format_number,
+    interval_text,
+    percentage,
+    points,
+)
 from harness.eta.index import NOTHING
 from harness.eta.manner import DETERMINISTIC, EVALUATION, LAST_FIFTH, STOCHASTIC, WHOLE
 from harness.eta.swaps import p_text
@@ -169,11 +178,6 @@ def _difference(change: Change, is_share: bool) -> str:
     return f"{told} pp" if is_share and told != NOTHING else told
 
 
-def percentage(value: float | None) -> str:
-    """A share as a percentage."""
-    return NOTHING if value is None else f"{value:.1%}"
-
-
 ALONE_HEADINGS = ("an episode", "start", "end", "evaluation", "random")
 ALONE = (
     "Means over trainings. Start and end are the first and the last tenth of the episodes of each training, evaluation "
@@ -208,7 +212,7 @@ def alone_grid(alone: Alone, most: int | None = None) -> Grid:
 def story(alone: Alone) -> str:
     """Pay against behaviour over the training, in a sentence; empty where it is not known."""
     told = {"pay of an episode": alone.paid, **{measure_name(it.measure): it for it in alone.behaviour[:1]}}
-    ways = [f"the {name} {_way(it)}" for name, it in told.items() if it.start.mean is not None]
+    ways = [f"the {name} {_way(it)}" for name, it in told.items() if it.start.value is not None]
     return f"Over the trainings: {'; '.join(ways)}." if ways else ""
 
 
@@ -223,7 +227,7 @@ def beside(results: Results, alone: Sequence[Alone]) -> str:
 
 def _way(stages: Stages) -> str:
     text = text_of(stages.measure)
-    return f"from {text(stages.start.mean)} to {text(stages.end.mean)}"
+    return f"from {text(stages.start.value)} to {text(stages.end.value)}"
 
 
 SYMBOLS = {

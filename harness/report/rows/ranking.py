@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from harness.eta.headline import interval_text
-from harness.eta.index import NOTHING
-from harness.eta.ranking import Agreement, Answer, Transplant
+from harness.eta.headline import estimate_text, interval_text, points, value_text
+from harness.eta.index import NOTHING, Estimate
+from harness.eta.ranking import Answer, Transplant
 from harness.report.rows import Grid
 from harness.results.overview import ARROW
 from harness.results.ranking import ROUNDING, Kind, PlacePair, TaskRanking
@@ -103,12 +103,17 @@ def _lines_of(task: TaskRanking) -> list[str]:
     return lines
 
 
-def agreement_text(agreement: Agreement) -> str:
+def agreement_text(agreement: Estimate) -> str:
     """Tau with its interval, or why there is none."""
-    if agreement.tau is None:
+    if agreement.value is None:
         return f"tau {NOTHING}, {agreement.note}"
-    note = agreement.note and f"({agreement.note})"
-    return " ".join(filter(None, (f"tau {agreement.tau:.2f}", _interval(agreement, ""), note)))
+    note = agreement.note and f" ({agreement.note})"
+    return f"tau {estimate_text(agreement, tau_text)}{note}"
+
+
+def tau_text(tau: float | None) -> str:
+    """Kendall's tau as text."""
+    return NOTHING if tau is None else f"{tau:.2f}"
 
 
 def _votes_text(task: TaskRanking, kind: Kind) -> str:
@@ -116,10 +121,6 @@ def _votes_text(task: TaskRanking, kind: Kind) -> str:
     place = "engine" if task.robot else "environment"
     noun = place if kind == "simulator" else "algorithm"
     return f"{len(votes)} {noun}{'s' * (len(votes) != 1)} ({', '.join(votes)})"
-
-
-def _interval(agreement: Agreement, missing: str = NOTHING) -> str:
-    return interval_text(agreement, missing, lambda end: f"{end or 0.0:.2f}")
 
 
 def _rank_table(task: TaskRanking, score: str) -> RankTable:
@@ -134,7 +135,7 @@ def _rank_table(task: TaskRanking, score: str) -> RankTable:
         for name in measures[1:]:
             eta = place.etas[name]
             columns.append(_ranks([(reward, f"{value:.3g}", value) for reward, value in eta.values.items()]))
-            taus.append(NOTHING if eta.tau is None else f"{eta.tau:.2f}")
+            taus.append(tau_text(eta.tau))
     rows = [(reward, [column.get(reward, Rank(None, "")) for column in columns]) for reward in task.rewards]
     return RankTable(_place_names(task), measures, rows, taus)
 
@@ -169,18 +170,16 @@ def _choices(task: TaskRanking) -> Grid:
 
 
 def _cost(found: Transplant) -> tuple[str, str, str]:
-    interval = interval_text(found, "", lambda end: f"{100 * (end or 0.0):.0f}")
-    return f"{100 * found.cost:.1f} {interval}".rstrip(), found.answer.value.upper(), found.note
+    return estimate_text(found.cost, points), found.answer.value.upper(), found.cost.note
 
 
 def _agreements(task: TaskRanking) -> Grid:
     rows: list[tuple[str, ...]] = []
     for pair in task.pairs:
         agreement = pair.agreement
-        tau = NOTHING if agreement.tau is None else f"{agreement.tau:.2f}"
         same = [f"one engine ({pair.votes[0]}): no second vote"] if pair.votes[0] == pair.votes[1] else []
-        told = "; ".join([*([agreement.note] if agreement.note else []), *same])
-        rows.append((f"{' / '.join(pair.names)}{_shared(task, pair)}", tau, _interval(agreement), told))
+        name, told = f"{' / '.join(pair.names)}{_shared(task, pair)}", "; ".join([*agreement.remarks, *same])
+        rows.append((name, value_text(agreement, tau_text), interval_text(agreement, text=tau_text), told))
     return Grid(AGREEMENTS, rows, [])
 
 

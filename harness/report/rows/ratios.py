@@ -4,8 +4,8 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from harness.eta.curve import Kind
-from harness.eta.headline import Text, format_number, interval_text, ratio_text
-from harness.eta.index import NOTHING, Index, Ratio, SeedMean
+from harness.eta.headline import Text, format_number, interval_text, value_text
+from harness.eta.index import NOTHING, Estimate, Index
 from harness.eta.splits import Decomposition, Split, SplitPath, Splits, SumSplit
 from harness.eta.swaps import p_text
 from harness.report.rows import Fact, Grid
@@ -42,9 +42,9 @@ def ratio_grid(splits: Splits) -> Grid:
     rows: list[tuple[str, ...]] = [
         (
             name,
-            ratio_text(split.eta),
+            value_text(split.eta),
             interval_text(split.eta),
-            ratio_text(split.per_seed),
+            value_text(split.per_seed),
             interval_text(split.noise),
             p_text(split.corrected),
             better_of(name),
@@ -69,7 +69,7 @@ def split_grid(splits: Splits) -> Grid:
         return Grid(headings, [], [f"Not split into ruler x behaviour: {reason}" for reason in reasons])
     parts = {name: SplitPath(split.ruler, split.behaviour) for name, split in splits.items()}
     rows: list[tuple[str, ...]] = [
-        (name, *_cells(part), ratio_text(splits[name].interaction)) for name, part in parts.items()
+        (name, *_cells(part), value_text(splits[name].interaction)) for name, part in parts.items()
     ]
     return Grid(headings, rows, _part_notes(parts, _known(splits.values())), "ruler x behaviour")
 
@@ -97,7 +97,7 @@ def sum_grid(total: SumSplit) -> Grid:
     """The change of I_N + I_P and its parts."""
     parts = {"change": total.change, "  of it ruler": total.ruler, "  of it behaviour": total.behaviour}
     rows: list[tuple[str, ...]] = [
-        (name, format_number(part.mean), interval_text(part)) for name, part in parts.items() if part.mean is not None
+        (name, format_number(part.value), interval_text(part)) for name, part in parts.items() if part.value is not None
     ]
     reasons = dict.fromkeys(part.note for part in parts.values() if part.note)
     return Grid(("", "difference", "95% interval"), rows, list(reasons), "I_N + I_P, proposed - baseline")
@@ -116,7 +116,7 @@ def better_of(name: str) -> str:
 
 
 def value_rows(
-    name: str, values: Sequence[SeedMean | float | None], text: Text = format_number, *, with_points: bool = False
+    name: str, values: Sequence[Estimate | float | None], text: Text = format_number, *, with_points: bool = False
 ) -> list[tuple[str, ...]]:
     """A row of values, and below it the intervals of those that are means, where one is known.
 
@@ -126,9 +126,9 @@ def value_rows(
         text: How they are written.
         with_points: Whether an interval without a width is shown too: it may be taken for certainty.
     """
-    means = [it if isinstance(it, SeedMean) else SeedMean(it) for it in values]
+    means = [it if isinstance(it, Estimate) else Estimate(it) for it in values]
     intervals = [interval_text(it, "", text) if with_points or it.low != it.high else "" for it in means]
-    row = (name, *(text(it.mean) for it in means))
+    row = (name, *(value_text(it, text) for it in means))
     return [row, ("  95% interval", *intervals)] if any(intervals) else [row]
 
 
@@ -144,10 +144,10 @@ def _part_notes(parts: Mapping[str, SplitPath], known: Collection[str]) -> list[
 
 
 def _cells(path: SplitPath) -> tuple[str, ...]:
-    return tuple(text for ratio in path for text in (ratio_text(ratio), interval_text(ratio)))
+    return tuple(text for ratio in path for text in (value_text(ratio), interval_text(ratio)))
 
 
-def _remarks(ratios: Iterable[tuple[str, Ratio]], known: Collection[str] = ()) -> Iterator[tuple[str, str]]:
+def _remarks(ratios: Iterable[tuple[str, Estimate]], known: Collection[str] = ()) -> Iterator[tuple[str, str]]:
     """For each ratio: its name, with n/a if it has no value, and a remark.
 
     A remark that is `known` already is left out, unless it says why there is no value.

@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 from harness.errors import sentence
 from harness.eta.curve import Kind
-from harness.eta.headline import ReturnSplit, format_number, is_drawable, signed
-from harness.eta.index import NOTHING, SeedMean
-from harness.eta.splits import BB, KK, Split, Splits, SumSplit
+from harness.eta.headline import format_number, is_drawable, signed, value_text
+from harness.eta.index import NOTHING, Estimate
+from harness.eta.splits import BB, KK, Splits
 from harness.registry.choice import parse
 from harness.report.rows import Grid
 from harness.report.rows.ratios import (
@@ -71,7 +71,7 @@ def matrix_title(matrix: ReturnMatrix) -> str:
     return f"{matrix.group.title}, {matrix.manner}" if matrix.manner else matrix.group.title
 
 
-def _named(matrix: ReturnMatrix) -> dict[str, Mapping[str, SeedMean]]:
+def _named(matrix: ReturnMatrix) -> dict[str, Mapping[str, Estimate]]:
     events = {"events, paid on top": matrix.events} if matrix.events else {}
     return {**matrix.returns, **events}
 
@@ -82,9 +82,9 @@ def _notes(matrix: ReturnMatrix) -> list[str]:
     return lines_of([(name, note) for name, row in rows.items() for note in dict.fromkeys(_notes_of(row))], len(rows))
 
 
-def _notes_of(row: Mapping[str, SeedMean]) -> Iterator[str]:
+def _notes_of(row: Mapping[str, Estimate]) -> Iterator[str]:
     for mean in row.values():
-        yield from (f"{NOTHING}: {note}" if mean.mean is None else note for note in mean.notes)
+        yield from (f"{NOTHING}: {note}" if mean.value is None else note for note in mean.notes)
 
 
 ALL = 0.1
@@ -102,75 +102,22 @@ class PayPart(NamedTuple):
     """Its logarithm, or its value: what its bar shows. Sizes of one change add up to all of it."""
 
 
-class PaySentence(NamedTuple):
-    """How much an episode is paid under the proposed reward, beside the baseline."""
-
-    told: str
-    """In a sentence without its end."""
-    parts: tuple[PayPart, ...]
-    """The ruler and the behaviour; empty where they are not known."""
-    why: str
-    """Why there are no parts, in a sentence; empty where there are."""
-    grows: bool | None = None
-    """Whether an episode is paid more; None where the number is none of episodes."""
-
-    @property
-    def is_ruler(self) -> bool:
-        """Whether the behaviour's part is so small that the change is nearly all ruler."""
-        if not self.parts:
-            return False
-        ruler, behaviour = (part.size for part in self.parts)
-        return abs(behaviour) < ALL * abs(ruler + behaviour)
+def pay_parts(comparison: Comparison) -> tuple[PayPart, ...]:
+    """What the change is made of that `Comparison.pay_sentence` tells: the ruler and the behaviour; empty without."""
+    pay, splits = comparison.number.pay, comparison.number.splits
+    for ratio in [pay.ratio] if pay else [splits["eta_P"], splits["eta_N"]]:
+        if all(map(is_drawable, (ratio.eta, ratio.ruler, ratio.behaviour))):
+            factors = (("ruler", ratio.ruler), ("behaviour", ratio.behaviour))
+            return tuple(PayPart(name, f"× {value_text(it)}", math.log(it.value or 1.0)) for name, it in factors)
+    if pay is None or pay.has_ratio:
+        return ()
+    amounts = (("ruler", pay.total.ruler.value), ("behaviour", pay.total.behaviour.value))
+    return tuple(PayPart(name, signed(it), it) for name, it in amounts if it is not None)
 
 
-def pay_of(comparison: Comparison) -> PaySentence | None:
-    """The pay of an episode in the manner that decides: a ratio where there is one, else a difference.
-
-    Of an experiment whose returns are not known it is the number that they have, an index of the summed reward; None
-    where no number is known.
-    """
-    split = comparison.number.pay
-    if split is not None:
-        proposed, baseline = (format_number(split.returns[pair].mean) for pair in (KK, BB))
-        sides = f"An episode is paid {proposed} instead of {baseline}"
-        pay = _ratio(f"{sides}: {{}} times as much", split.ratio) or _difference(sides, split)
-        change = split.total.change.mean
-        return pay and pay._replace(grows=None if not change else change > 0.0)
-    named = {"eta_P": "The note's I_P, what the trainings earned,", "eta_N": "The note's I_N, what they lost,"}
-    splits = comparison.number.splits
-    of_index = (_ratio(f"{told} is {{}} times as large", splits[name]) for name, told in named.items())
-    return next((it for it in of_index if it is not None), None)
-
-
-def _ratio(told: str, split: Split) -> PaySentence | None:
-    eta = split.eta
-    if not is_drawable(eta):
-        return None
-    told = told.format(format_number(eta.value))
-    if not (is_drawable(split.ruler) and is_drawable(split.behaviour)):
-        return _without_parts(told, split.ruler.why)
-    parts = (("ruler", split.ruler), ("behaviour", split.behaviour))
-    return PaySentence(
-        told,
-        tuple(PayPart(name, f"× {format_number(it.value)}", math.log(it.value or 1.0)) for name, it in parts),
-        "",
-    )
-
-
-def _difference(sides: str, split: ReturnSplit) -> PaySentence | None:
-    total: SumSplit = split.total
-    change = total.change.mean
-    if change is None:
-        return None
-    told = f"{sides}: {format_number(abs(change))} {'more' if change >= 0.0 else 'less'}"
-    if total.ruler.mean is None or total.behaviour.mean is None:
-        return _without_parts(told, total.ruler.note)
-    parts = (("ruler", total.ruler.mean), ("behaviour", total.behaviour.mean))
-    return PaySentence(told, tuple(PayPart(name, signed(value), value) for name, value in parts), "")
-
-
-def _without_parts(told: str, note: str) -> PaySentence:
-    return PaySentence(told, (), f"How much of that is rescaling alone is not known: {note}.")
+def is_ruler(parts: Sequence[PayPart]) -> bool:
+    """Whether the behaviour's part is so small that the change is nearly all ruler."""
+    return bool(parts) and abs(parts[-1].size) < ALL * abs(sum(part.size for part in parts))
 
 
 INDICES = "The note's eta_N and eta_P"
@@ -242,15 +189,15 @@ def changed_text(found: TermsPaid) -> str:
     if most is None or len(found.terms) < 2:
         return ""
     if not found.is_compared:
-        start, end = format_number(most.start.mean), format_number(most.end.mean)
+        start, end = format_number(most.start.value), format_number(most.end.value)
         return f"`{most.name}` changed most: {start} an episode at the start of the trainings, {end} at their end."
-    own, others = format_number(most.final.mean), format_number(most.others.mean)
-    where = "of the evaluations" if most.evaluation.mean is not None else "at the end of the trainings"
+    own, others = format_number(most.final.value), format_number(most.others.value)
+    where = "of the evaluations" if most.evaluation.value is not None else "at the end of the trainings"
     return f"`{most.name}` differs most: it pays {own} an episode {where}, and {others} with {found.baseline}."
 
 
-def _is_known(value: SeedMean | float | None) -> bool:
-    return (value.mean if isinstance(value, SeedMean) else value) is not None
+def _is_known(value: Estimate | float | None) -> bool:
+    return (value.value if isinstance(value, Estimate) else value) is not None
 
 
 def _term_notes(found: TermsPaid) -> Iterator[str]:
@@ -261,7 +208,7 @@ def _term_notes(found: TermsPaid) -> Iterator[str]:
             f"Behaviour is what the term pays in the end minus what it pays the trainings with {found.baseline}. Over "
             f"all terms it adds up to the behaviour part on one of the two paths: {found.path}."
         )
-    if any(it.ruler.mean is not None for it in found.terms):
+    if any(it.ruler.value is not None for it in found.terms):
         yield f"Ruler is what the term pays the episodes of {found.baseline} minus what its own term of that name pays."
     if found.missing:
         yield f"With {found.baseline} n/a: {found.missing}"
@@ -272,7 +219,7 @@ def _never(found: TermsPaid) -> Iterator[str]:
     for term in found.terms:
         if term.never:
             off = ": its weight is 0" if weights.get(term.name) in ("0", "-0") else ""
-            later = " of training, only in the evaluations" if term.evaluation.mean else ""
+            later = " of training, only in the evaluations" if term.evaluation.value else ""
             yield f"`{term.name}` never paid in {found.steps:,} steps{later}{off}."
     if found.twice:
         yield f"{sentence(paid_twice_text(found.twice, found.steps))}."

@@ -14,7 +14,7 @@ from types import MappingProxyType
 from harness.arrays import Float
 from harness.errors import SchemaError, UsageError
 from harness.eta.equal import equal_sentences, equal_trainings
-from harness.eta.index import SeedMean, mean_of_known
+from harness.eta.index import Estimate, mean_of_known
 from harness.eta.laws import Account, Missing, counted, numbered, require_direction, shortfall_beside
 from harness.eta.manner import ACTED_AT_RANDOM, DETERMINISTIC, MANNERS, OWN_AND_OTHER
 from harness.measure import Measure
@@ -538,7 +538,7 @@ class Recordings(Results):
         }
 
 
-def _paid(parts: Sequence[Part | None], payer: str) -> SeedMean:
+def _paid(parts: Sequence[Part | None], payer: str) -> Estimate:
     """What a reward pays an episode of each of some trainings."""
     whys = (part.reasons.get(payer, "not recorded") for part in parts if part and part.returns.get(payer) is None)
     paid = [part.returns.get(payer) if part else None for part in parts]

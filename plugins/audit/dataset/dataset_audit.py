@@ -8,7 +8,7 @@ from rich.console import Group, RenderableType
 from rich.text import Text
 
 from harness.arrays import Float
-from harness.eta import AGAINST, CANNOT_TELL, RANKS, SeedMean
+from harness.eta import AGAINST, CANNOT_TELL, RANKS, Estimate
 from harness.eta.auc import Auc
 from harness.files.plain import Plain, tells
 from harness.record.dataset.open_dataset import DatasetFacts
@@ -106,7 +106,7 @@ class RewardAnswer(Plain):
     by_level: Auc | None
     wrong: int
     pairs: tuple[WrongPair, ...]
-    still: SeedMean
+    still: Estimate
     most: tuple[PaidStep, ...]
     unpaid: Lines
 
@@ -158,7 +158,7 @@ class DatasetAudit(Plain):
     successes: int
     failures: int
     clusters: tuple[str, int]
-    still: SeedMean
+    still: Estimate
     rewards: tuple[RewardAnswer, ...]
     pairs: tuple[Pair, ...]
     failed: Mapping[str, str]
@@ -221,14 +221,14 @@ def verdict_of(auc: Auc, what: str = "a success", than: str = "a failure") -> st
 
 def auc_text(auc: Auc) -> str:
     """The chance with its interval."""
-    return distance_text(SeedMean(auc.value, auc.low, auc.high))
+    return distance_text(Estimate(auc.value, auc.low, auc.high))
 
 
 def still_text(reward: RewardAnswer, audit: DatasetAudit) -> str:
     """What it pays while nothing happens."""
-    if audit.still.mean is None:
+    if audit.still.value is None:
         return f"{MISSING} (observations hold no numbers)"
-    if reward.still.mean is None:
+    if reward.still.value is None:
         return f"{MISSING} (it pays nothing above 0)"
     return f"{share_text(reward.still)} of its pay above 0; these are {share_text(audit.still)} of all steps"
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from harness.arrays import Float
-from harness.eta import SeedMean, mean_over_seeds
+from harness.eta import Estimate, mean_over_seeds
 
 from .pair import mean_json
 
@@ -30,8 +30,8 @@ class Earned:
 
     behaviour: str
     episodes: int
-    returns: Mapping[str, SeedMean]
-    measures: Mapping[str, SeedMean] = field(default_factory=dict)
+    returns: Mapping[str, Estimate]
+    measures: Mapping[str, Estimate] = field(default_factory=dict)
 
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
@@ -56,7 +56,7 @@ def earned_in_episodes(
 ) -> Earned:
     """Means over episodes that are independent of one another, with intervals over them."""
 
-    def mean(name: str, of: Sequence[Mapping[str, Float]]) -> SeedMean:
+    def mean(name: str, of: Sequence[Mapping[str, Float]]) -> Estimate:
         found = [values[name] for values in of if name in values]
         whole = np.concatenate([np.zeros(0), *found])
         return mean_over_seeds([] if np.isnan(whole).any() else whole.tolist())
@@ -69,11 +69,11 @@ def earned_in_episodes(
     )
 
 
-def _mean(values: Sequence[float | None]) -> SeedMean:
+def _mean(values: Sequence[float | None]) -> Estimate:
     return mean_over_seeds([value for value in values if value is not None])
 
 
 def best_paid(rows: Sequence[Earned], reward: str) -> Earned | None:
     """Which behaviour earned most under a reward; None where it is known of none."""
-    known = [(mean, row) for row in rows if (mean := row.returns[reward].mean) is not None]
+    known = [(mean, row) for row in rows if (mean := row.returns[reward].value) is not None]
     return max(known, key=lambda it: it[0])[1] if known else None

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from harness.arrays import Float, Ints
-from harness.eta import Rescaling, SeedMean, line_of, mean_over_seeds, rescaling_of
+from harness.eta import Estimate, Rescaling, line_of, mean_over_seeds, rescaling_of
 from harness.eta.rescaling import PayLine, rounded
 from harness.files.plain import Plain, tells
 from harness.log import Log
@@ -197,14 +197,14 @@ class Pair(Plain):
 
     one: str
     other: str
-    steps: SeedMean
-    returns: SeedMean
-    discordant: SeedMean
-    told_apart: SeedMean
+    steps: Estimate
+    returns: Estimate
+    discordant: Estimate
+    told_apart: Estimate
     each: tuple[Apart, ...]
     rescaling: Rescaling | None
     largest: tuple[StepApart, ...]
-    forms: Mapping[str, SeedMean]
+    forms: Mapping[str, Estimate]
     reasons: Mapping[str, str]
 
     def to_json(self) -> dict[str, Any]:
@@ -247,7 +247,7 @@ def pair_of(
         rescaling=rescaling_of(lines),
         largest=tuple(largest),
         forms=means,
-        reasons={form: why for form, why in told if means[form].mean is None},
+        reasons={form: why for form, why in told if means[form].value is None},
     )
 
 
@@ -297,7 +297,7 @@ def pairs_in(
     ), notes
 
 
-def mean_within(values: Sequence[float | None]) -> SeedMean:
+def mean_within(values: Sequence[float | None]) -> Estimate:
     """The mean of numbers in [0, 1], its interval cut to that range; numbers that are None are left out.
 
     They say how far apart two functions are: no training of them can fail, so none that was not seen is allowed for.
@@ -308,6 +308,6 @@ def mean_within(values: Sequence[float | None]) -> SeedMean:
     return replace(mean, low=max(mean.low, 0.0), high=min(mean.high, 1.0))
 
 
-def mean_json(mean: SeedMean) -> dict[str, Any]:
+def mean_json(mean: Estimate) -> dict[str, Any]:
     """Plain data; what the mean is over is no seed."""
-    return {"mean": mean.mean, "low": mean.low, "high": mean.high, "count": mean.seeds}
+    return {"mean": mean.value, "low": mean.low, "high": mean.high, "count": mean.seeds}

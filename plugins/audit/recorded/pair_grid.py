@@ -1,6 +1,6 @@
 """Two rewards beside one another, and what behaviour earned under them, as a terminal shows it."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from io import StringIO
 
 from rich import box
@@ -8,7 +8,7 @@ from rich.console import Console, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from harness.eta import SeedMean
+from harness.eta import Estimate
 from harness.text import number
 
 from ..distance import DARD, EPIC, STARC
@@ -36,10 +36,10 @@ def pair_grid(pair: Pair) -> Table:
         ("distance by steps", pair.steps, STEPS, "one of the two pays every step the same, or no steps were kept"),
         ("distance by episodes", pair.returns, RETURNS, "one of the two pays every episode the same, or there is one"),
     ):
-        add_answer(grid, question, distance_text(mean), why if mean.mean is None else told_in(mean, pair, meaning))
+        add_answer(grid, question, distance_text(mean), why if mean.value is None else told_in(mean, pair, meaning))
     meaning = "there are no two episodes that both tell apart"
-    if pair.discordant.mean is not None and pair.told_apart.mean is not None:
-        told = f"of the pairs of episodes that both tell apart; these are {pair.told_apart.mean:.0%} of all pairs"
+    if pair.discordant.value is not None and pair.told_apart.value is not None:
+        told = f"of the pairs of episodes that both tell apart; these are {pair.told_apart.value:.0%} of all pairs"
         meaning = told_in(pair.discordant, pair, told)
     add_answer(grid, "opposite order", share_text(pair.discordant), meaning)
     reasons = set(pair.reasons.values())
@@ -52,7 +52,7 @@ def pair_grid(pair: Pair) -> Table:
     return grid
 
 
-def told_in(mean: SeedMean, pair: Pair, meaning: str) -> str:
+def told_in(mean: Estimate, pair: Pair, meaning: str) -> str:
     """What a number means, and in how many recordings or measurements it is defined if not in all."""
     return meaning if mean.seeds == len(pair.each) else f"{meaning}; defined in {mean.seeds} of {len(pair.each)}"
 
@@ -88,19 +88,21 @@ def add_answer(grid: Table, question: str, answer: str, meaning: str) -> None:
     grid.add_row(Text(question), Text(answer), Text(meaning))
 
 
-def distance_text(mean: SeedMean) -> str:
+def distance_text(mean: Estimate) -> str:
     """A distance, with its interval, as text."""
-    if mean.mean is None:
-        return MISSING
-    return f"{mean.mean:.3f}" if mean.low is None else f"{mean.mean:.3f} [{mean.low:.3f}, {mean.high:.3f}]"
+    return _written(mean, "{:.3f}".format)
 
 
-def share_text(mean: SeedMean) -> str:
+def share_text(mean: Estimate) -> str:
     """A share, with its interval, as text."""
-    if mean.mean is None:
+    return _written(mean, "{:.1%}".format)
+
+
+def _written(mean: Estimate, text: Callable[[float], str]) -> str:
+    if mean.value is None:
         return MISSING
-    low, high = mean.low, mean.high
-    return f"{mean.mean:.1%}" if low is None else f"{mean.mean:.1%} [{100.0 * low:.1f}, {100.0 * (high or 0.0):.1f}]"
+    ends = f" [{text(mean.low)}, {text(mean.high)}]" if mean.low is not None and mean.high is not None else ""
+    return f"{text(mean.value)}{ends}"
 
 
 def _step_text(pair: Pair, step: StepApart) -> str:
@@ -129,10 +131,6 @@ def earned_grid(rows: Sequence[Earned], rewards: Sequence[str]) -> Table:
     return grid
 
 
-def _mean_text(mean: SeedMean | None, mark: str = "") -> str:
-    if mean is None or mean.mean is None:
-        return MISSING
-    lines = [f"{number(mean.mean)}{mark}"]
-    if mean.low is not None and mean.high is not None:
-        lines.append(f"[{number(mean.low)}, {number(mean.high)}]")
-    return "\n".join(lines)
+def _mean_text(mean: Estimate | None, mark: str = "") -> str:
+    value, *ends = _written(mean or Estimate(None), number).partition(" ")
+    return f"{value}{mark}\n{ends[-1]}".rstrip()

@@ -83,7 +83,7 @@ def test_the_null_control_is_compared_alone(results):
     *others, control = results.combinations
     assert (control.is_control, [it.is_control for it in others]) == (True, [False])
     assert control.seeds == (0, 1)
-    assert control.number.decomposition.total.ruler.mean == pytest.approx(0.0)
+    assert control.number.decomposition.total.ruler.value == pytest.approx(0.0)
 
 
 def test_the_null_control_alone_is_an_experiment(tmp_path):

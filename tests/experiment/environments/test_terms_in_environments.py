@@ -117,7 +117,7 @@ def test_columns_pay_what_other_weights_pay(trained):
     assert set(trainings.read.rewards) == {"own", "gentle", label}
     assert all(run.episodes.knows(label) for run in trainings.runs.values())
     assert [it.proposed for it in results.combinations] == ["gentle", label]
-    assert all(mean.mean is not None for it in results.returns for mean in it.returns[label].values())
+    assert all(mean.value is not None for it in results.returns for mean in it.returns[label].values())
     heavy = next(it for it in results.terms if it.reward == label)
     assert [it.name for it in heavy.terms] == ["upright", "effort", "jerk"]
-    assert all(it.others.mean is not None and it.random is not None for it in heavy.terms)
+    assert all(it.others.value is not None and it.random is not None for it in heavy.terms)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.random import default_rng
 
-from harness.eta import SeedMean
+from harness.eta import Estimate
 from harness.payoff.rollout import (
     finishing_of,
     payoff_of,
@@ -151,7 +151,7 @@ def test_measure_of_success_is_0_or_1(measures, name):
 
 def behaviour(name, success, paid):
     """With intervals of the width 0.1."""
-    return Earned(name, 9, {"a": SeedMean(paid)}, {"s": SeedMean(success, success - 0.05, success + 0.05, 3)})
+    return Earned(name, 9, {"a": Estimate(paid)}, {"s": Estimate(success, success - 0.05, success + 0.05, 3)})
 
 
 GOOD, BAD = behaviour("good", 0.9, 1.0), behaviour("bad", 0.2, 5.0)

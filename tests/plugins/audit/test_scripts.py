@@ -90,7 +90,7 @@ def test_both_distances_are_written(judge):
     """EPIC's under its old name, DARD's beside it; they are not the same number. ARP is no rescaling."""
     found = judge("arp")
     data, pair = found.to_json(), found.pairs[0]
-    epic, dard = (pair.forms[name].mean for name in ("EPIC", "DARD"))
+    epic, dard = (pair.forms[name].value for name in ("EPIC", "DARD"))
     assert data["distance"] == {"value": epic, "transitions": found.scripts.compared}
     assert data["reachable_distance"]["value"] == dard
     assert 0.0 < dard < epic

@@ -61,7 +61,7 @@ def test_both_distances_have_a_line_each(found):
     lines, forms = printed(found), found.pairs[0].forms
     assert "baseline and arp" in lines
     for name in ("EPIC", "DARD"):
-        assert any(line.startswith(f"{name} distance         {forms[name].mean:.3f}  ") for line in lines)
+        assert any(line.startswith(f"{name} distance         {forms[name].value:.3f}  ") for line in lines)
     assert forms["EPIC"] != forms["DARD"]
 
 
@@ -107,4 +107,4 @@ def test_what_terms_did_not_do_and_what_cannot_be_asked_is_said(with_terms):
     for name in ("bounded", "scale-free", "potential-based", "all distances times 2"):
         assert name in text
     for name in ("EPIC", "DARD", "STARC"):
-        assert f"{name} distance {with_terms.pairs[0].forms[name].mean:.3f}" in text
+        assert f"{name} distance {with_terms.pairs[0].forms[name].value:.3f}" in text

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from harness.eta import SeedMean
+from harness.eta import Estimate
 from harness_plugins.committed.figures import flat_words, learning_file, measures_of
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -141,7 +141,7 @@ def test_learning_without_success_is_not_drawn(learned):
 
 def level(curve):
     """The same curve at 0."""
-    points = {name: tuple(it._replace(value=SeedMean(0.0)) for it in points) for name, points in curve.points.items()}
+    points = {name: tuple(it._replace(mean=Estimate(0.0)) for it in points) for name, points in curve.points.items()}
     return replace(curve, points=points)
 
 

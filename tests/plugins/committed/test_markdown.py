@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from harness.eta.headline import ratio_with_interval
+from harness.eta.headline import estimate_text
 from harness_plugins.committed import write_summary
 from harness_plugins.committed.markdown import duration_text, effort_of
 from tests.report.conftest import MIXTURE, NO_PAIR
@@ -24,7 +24,7 @@ def test_table_has_what_the_report_says(build, tmp_path):
     rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines if line.startswith("| arp |")]
     (pay,) = {split.ratio.eta for split in results.combinations[0].number.returns.values()}
     assert rows[0][:4] == ["arp", "CANNOT TELL", "-", "75 -\\> 75 %"]
-    assert rows[0][5] == f"x {ratio_with_interval(pay)}"
+    assert rows[0][5] == f"x {estimate_text(pay)}"
     assert rows[1] == ["arp", "0.843 [0.823, 0.863]", "0.843 x 1.00", "1.89 [1.77, 2.02]", "1.89 x 1.00"]
 
 

@@ -127,7 +127,7 @@ def test_a_folder_without_success_answers_as_far_as_it_can(tmp_path):
         "less": lambda step: -step.info["next.reward"],
     }
     found = audit_dataset(text, opposite)
-    assert (found.successes, found.failures, found.pairs[0].steps.mean) == (0, 0, pytest.approx(1.0))
+    assert (found.successes, found.failures, found.pairs[0].steps.value) == (0, 0, pytest.approx(1.0))
     assert any("--success KEY, or give --labels episodes.csv or --success-above RETURN" in note for note in found.notes)
     labels = tmp_path / "labels.csv"
     labels.write_text("episode,success\n" + "".join(f"{number},{number % 2}\n" for number in range(10)))

@@ -54,7 +54,7 @@ def folder_of(results, cell, simulator):
 def success(transfers, home, place):
     """Of the first matrix."""
     data = transfers.matrices[0].to_json()
-    return data["success"][data["trained_in"].index(home)][data["evaluated_in"].index(place)]["mean"]
+    return data["success"][data["trained_in"].index(home)][data["evaluated_in"].index(place)]["value"]
 
 
 def test_evaluation_is_the_cell_s_own(train, transferred_here):

@@ -79,21 +79,21 @@ def test_home_comes_first(train):
 
 def test_success_is_the_mean_over_seeds(train):
     """In each simulator, of its own evaluations."""
-    assert [mean.mean for mean in visit_all(train([4, 2]), [1, 0]).success[0]] == [0.75, 0.125]
+    assert [mean.value for mean in visit_all(train([4, 2]), [1, 0]).success[0]] == [0.75, 0.125]
 
 
 def test_return_is_all_that_an_episode_was_paid(train):
     """Shaped reward and event terms, mean over episodes and seeds."""
-    assert [mean.mean for mean in visit_all(train([4, 2]), [1, 0]).paid[0]] == [1.0 + 10.0 * 0.75, 1.0 + 10.0 * 0.125]
+    assert [mean.value for mean in visit_all(train([4, 2]), [1, 0]).paid[0]] == [1.0 + 10.0 * 0.75, 1.0 + 10.0 * 0.125]
 
 
 def test_drop_is_taken_seed_by_seed(train):
     """Every seed loses half, however much it had: the mean is exact. At home there is nothing to lose."""
     home, away = visit_all(train([4, 3, 2]), [2, 1, 0]).drop[0]
-    assert away.mean == 0.5
+    assert away.value == 0.5
     assert away.low is not None
     assert away.low < 0.5  # a seed that was not seen may lose another share
-    assert home.mean is None
+    assert home.value is None
 
 
 def test_seed_that_was_not_evaluated_is_said(train):
@@ -106,7 +106,7 @@ def test_seed_that_was_not_evaluated_is_said(train):
     assert (home.seeds, away.seeds) == (3, 2)
     assert "1 of 3 not evaluated" in away.notes
     assert "1 of 3 not evaluated" not in home.notes
-    assert matrix.drop[0][1].mean == 0.75
+    assert matrix.drop[0][1].value == 0.75
 
 
 def test_evaluation_that_failed_is_counted_and_listed(train):
@@ -175,7 +175,7 @@ def test_json_is_plain_and_by_label(train):
         "algorithm", "reward", "robot", "task", "steps", "evaluation_episodes", "deterministic", "trained_in",
         "evaluated_in", "success", "return", "drop",
     ]  # fmt: skip
-    assert set(combination["success"][0][1]) == {"mean", "low", "high", "seeds", "note"}
+    assert set(combination["success"][0][1]) == {"value", "low", "high", "seeds", "note"}
     (failure,) = data["failed"]
     assert (failure["seed"], failure["trained_in"], failure["evaluated_in"]) == (1, "ideal", "stuck")
 
@@ -183,6 +183,6 @@ def test_json_is_plain_and_by_label(train):
 def test_a_drop_may_be_a_gain(train):
     """Its interval holds it; one training more may have lost 100 points, and five tell more than that."""
     drop = visit_all(train([0] * 5), [4] * 5).drop[0][1]
-    assert drop.mean == -1.0
+    assert drop.value == -1.0
     assert drop.low == -1.0
     assert -1.0 < drop.high < 1.0

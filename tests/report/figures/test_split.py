@@ -5,7 +5,7 @@ from itertools import pairwise
 
 from numpy.testing import assert_allclose
 
-from harness.eta import Ratio, Split
+from harness.eta import Estimate, Split
 from harness.report import Dots, Line, describe_split
 from harness.report.figures.chart import Note, Word
 from harness.report.figures.split import draw_split
@@ -85,7 +85,7 @@ NEAR_ZERO = "I_N of the baseline is near zero beside I_P of the same runs"
 
 def drawn_of(*ratios):
     """The figure of an eta, its ruler and its behaviour."""
-    eta, ruler, behaviour, *_ = (*ratios, Ratio(None), Ratio(None))
+    eta, ruler, behaviour, *_ = (*ratios, Estimate(None), Estimate(None))
     return draw_split("eta_P", Split(eta, eta, ruler, behaviour, eta))
 
 
@@ -95,7 +95,7 @@ def test_ticks_are_few_in_order_and_keep_apart(subtests):
     lows, highs = (0.95, 0.5, 0.05, 0.001, 2e-4, 1e-5, 1e-8), (1.3, 2.0, 20.0, 3e3, 1e8)
     for low, high in (*spans, *((low, high) for low in lows for high in highs)):
         with subtests.test(low=low, high=high):
-            axis = drawn_of(Ratio(low), Ratio(high)).x
+            axis = drawn_of(Estimate(low), Estimate(high)).x
             marks, names = zip(*axis.ticks, strict=True)
             assert "1" in names
             assert [*marks] == sorted({*marks})
@@ -104,29 +104,35 @@ def test_ticks_are_few_in_order_and_keep_apart(subtests):
             places = [26 * math.log(mark / axis.low) / math.log(axis.high / axis.low) for mark in marks]
             ends = [at + sign * len(name) / 2 for at, name in zip(places, names, strict=True) for sign in (-1, 1)]
             assert min(right - left for left, right in [*pairwise(ends[1:-1])][::2]) >= 0.5
-    assert [name for _, name in drawn_of(Ratio(1e-6), Ratio(1e6)).x.ticks] == ["1e-6", "0.001", "1", "1,000", "1e6"]
+    assert [name for _, name in drawn_of(Estimate(1e-6), Estimate(1e6)).x.ticks] == [
+        "1e-6",
+        "0.001",
+        "1",
+        "1,000",
+        "1e6",
+    ]
 
 
 def test_what_has_no_logarithm_is_not_drawn():
     """Neither is what says little, and what is not there; without any part there is no figure."""
-    nothing = (Ratio(0.0), Ratio(-1.0), Ratio(None), Ratio(2.0, near_zero=NEAR_ZERO))
+    nothing = (Estimate(0.0), Estimate(-1.0), Estimate(None), Estimate(2.0, near_zero=NEAR_ZERO))
     for ratio in nothing:
-        assert len(marks(drawn_of(ratio, Ratio(0.2)), Dots)) == 1
-        assert drawn_of(Ratio(0.2), ratio) is None
+        assert len(marks(drawn_of(ratio, Estimate(0.2)), Dots)) == 1
+        assert drawn_of(Estimate(0.2), ratio) is None
 
 
 def test_range_holds_what_is_drawn_and_one():
     """A ratio that says little does not stretch it; near 1 it is an axis around 1."""
-    axis = drawn_of(Ratio(1e9, near_zero=NEAR_ZERO), Ratio(3.0, 2.0, 9.0)).x
+    axis = drawn_of(Estimate(1e9, near_zero=NEAR_ZERO), Estimate(3.0, 2.0, 9.0)).x
     assert axis.low < 1.0
     assert 9.0 < axis.high < 20.0
-    axis = drawn_of(Ratio(1.0), Ratio(1.0)).x
+    axis = drawn_of(Estimate(1.0), Estimate(1.0)).x
     assert 0.5 < axis.low < 1.0 < axis.high < 2.0
 
 
 def test_endless_interval_is_cut():
     """An interval far beyond the ratios ends with the axis; the ratio keeps its place, and one without has no bar."""
-    chart = drawn_of(Ratio(2.0), Ratio(2.0, 1.0, 1e30))
+    chart = drawn_of(Estimate(2.0), Estimate(2.0, 1.0, 1e30))
     assert 60.0 < chart.x.high < 90.0
     assert [bar.x for bar in marks(chart, Line)] == [[1.0, chart.x.high]]
 
@@ -134,8 +140,8 @@ def test_endless_interval_is_cut():
 def test_interval_stands_behind_its_ratio_where_there_is_one():
     """A ratio without an interval, or with one that says little, stands alone."""
     whole, weak = (
-        drawn_of(Ratio(2.0, 1.5, 3.0), Ratio(2.0)),
-        drawn_of(Ratio(2e9, 1e9, 3e9, near_zero="I_P"), Ratio(2.0)),
+        drawn_of(Estimate(2.0, 1.5, 3.0), Estimate(2.0)),
+        drawn_of(Estimate(2e9, 1e9, 3e9, near_zero="I_P"), Estimate(2.0)),
     )
     numbers = [note.text for chart in (whole, weak) for note in marks(chart, Note)]
     assert numbers == ["2.00 [1.50, 3.00]", "2.00", "n/a", "near zero", "2.00", "n/a"]

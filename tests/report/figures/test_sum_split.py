@@ -1,12 +1,12 @@
 """The figure of a change that has no ratio."""
 
-from harness.eta import SeedMean
+from harness.eta import Estimate
 from harness.eta.splits import SumSplit
 from harness.report import Dots, Line
 from harness.report.figures.chart import Note
 from harness.report.figures.split import describe_sum, draw_sum
 
-SPLIT = SumSplit(SeedMean(10.0, 8.0, 12.0), SeedMean(7.0, 6.0, 8.0), SeedMean(3.0, -1.0, 7.0))
+SPLIT = SumSplit(Estimate(10.0, 8.0, 12.0), Estimate(7.0, 6.0, 8.0), Estimate(3.0, -1.0, 7.0))
 
 
 def test_each_part_has_a_point_a_bar_and_its_number_beside_it():
@@ -24,7 +24,7 @@ def test_each_part_has_a_point_a_bar_and_its_number_beside_it():
 
 def test_one_seed_has_no_bar_nor_a_bracket():
     """But zero is in the picture, always: nothing changed there."""
-    chart = draw_sum(SumSplit(SeedMean(10.0), SeedMean(7.0), SeedMean(3.0)))
+    chart = draw_sum(SumSplit(Estimate(10.0), Estimate(7.0), Estimate(3.0)))
     assert [it.text for it in chart.marks if isinstance(it, Note)] == ["10.0", "7.00", "3.00"]
     assert sum(isinstance(it, Line) for it in chart.marks) == 1
     assert chart.x.low < 0.0
@@ -33,7 +33,7 @@ def test_one_seed_has_no_bar_nor_a_bracket():
 
 def test_what_is_not_split_is_not_drawn():
     """There is nothing but the change, which the table has."""
-    assert draw_sum(SumSplit(SeedMean(10.0), SeedMean(None), SeedMean(None))) is None
+    assert draw_sum(SumSplit(Estimate(10.0), Estimate(None), Estimate(None))) is None
 
 
 def test_it_is_told_in_words():

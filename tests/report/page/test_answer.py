@@ -97,19 +97,10 @@ def test_what_cannot_be_told_is_told_once(build):
     )
 
 
-FAILED = {"arp": lambda seed: (), "baseline": lambda seed: (5, 6, 7, 8)}
-
-
-@pytest.mark.parametrize(
-    ("curves", "reached", "told"),
-    [
-        ({"baseline": (1, 20), "proposed": {"arp": (20, 1)}}, HELPED, "times as much, for better behaviour"),
-        ({"baseline": (1, 20), "proposed": {"arp": (20, 1)}}, FAILED, "times as much, for worse behaviour"),
-        ({}, {}, "times as much"),
-    ],
-    ids=["less for better", "more for worse", "cannot tell"],
-)
-def test_pay_that_goes_the_other_way_than_the_behaviour_is_told(build, curves, reached, told):
-    """In a word; where nothing decided about the behaviour, there is none."""
-    (combination,) = build(seeds=6, reached=reached, **curves).combinations
-    assert card_of(combination, "arp").pay.endswith(told)
+def test_pay_is_told_as_everywhere_else(build):
+    """In the sentence of the comparison but for its intervals, with a bar for each part."""
+    (combination,) = build(seeds=6, reached=HELPED, baseline=(1, 20), proposed={"arp": (20, 1)}).combinations
+    card = card_of(combination, "arp")
+    assert " [" in combination.pay_sentence
+    assert card.pay == re.sub(r" \[\S+ \S+\]", "", combination.pay_sentence)
+    assert [row.name for row in card.parts] == ["ruler", "behaviour"]

@@ -27,7 +27,7 @@ def over(folder):
 
 def printed(results, *console):
     """What goes to a terminal."""
-    return conftest.printed(FactsTable(first_facts(results, "more")), *console)
+    return conftest.printed(FactsTable(first_facts(results)), *console)
 
 
 def test_before_anybody_left_there_is_nothing_to_tell(folder):

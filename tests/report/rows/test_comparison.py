@@ -4,7 +4,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.eta import Ratio, Split
+from harness.eta import Estimate, Split
 from harness.eta.splits import SplitPath
 from harness.report import FactsTable, all_facts, format_number, what_decides
 from harness.report.rows.comparison import advice
@@ -33,7 +33,7 @@ def make_split(eta, first, second, **given):
 
 def wide(value):
     """A ratio with an interval."""
-    return Ratio(value, 0.9 * value, 1.1 * value)
+    return Estimate(value, 0.9 * value, 1.1 * value)
 
 
 def test_ratio_stands_beside_what_it_is_to_be_held_against():
@@ -135,9 +135,9 @@ def test_change_of_the_sum_is_a_sum(build):
     total = only(build(proposed={"arp": (5, 34)})).number.decomposition.total
     grid = sum_grid(total)
     assert [row[0].strip() for row in grid.rows] == ["change", "of it ruler", "of it behaviour"]
-    assert total.change.mean == pytest.approx(total.ruler.mean + total.behaviour.mean)
+    assert total.change.value == pytest.approx(total.ruler.value + total.behaviour.value)
     assert [row[1] for row in grid.rows] == [
-        format_number(it.mean) for it in (total.change, total.ruler, total.behaviour)
+        format_number(it.value) for it in (total.change, total.ruler, total.behaviour)
     ]
     assert all(row[2].startswith("[") for row in grid.rows)
 

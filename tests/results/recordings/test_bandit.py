@@ -99,15 +99,15 @@ def test_a_reward_that_only_adds_is_a_ruler_of_what_it_adds(study, manner):
     """The difference is 2 for each pull, ruler, and what the env itself pays more, behaviour, to 1e-9."""
     split = study.combinations[1].number.returns[manner]
     assert study.combinations[1].names == ("plain", "shifted")
-    assert split.total.ruler.mean == pytest.approx(BONUS * PULLS, abs=1e-9)
-    assert split.total.behaviour.mean == pytest.approx(own("shifted", manner) - own("plain", manner), abs=1e-9)
+    assert split.total.ruler.value == pytest.approx(BONUS * PULLS, abs=1e-9)
+    assert split.total.behaviour.value == pytest.approx(own("shifted", manner) - own("plain", manner), abs=1e-9)
 
 
 def test_the_full_table_is_known_in_closed_form(study):
     """Every training paid by every reward."""
     pays = {"plain": lambda r: r, "scaled": lambda r: FACTOR * r, "shifted": lambda r: r + BONUS * PULLS}
     for (payer, trained), mean in paid_in(study, TRAINING).items():
-        assert mean.mean == pytest.approx(pays[payer](own(trained, TRAINING)), abs=1e-9)
+        assert mean.value == pytest.approx(pays[payer](own(trained, TRAINING)), abs=1e-9)
 
 
 def test_the_index_of_the_summed_reward_is_split_by_the_same_ruler(study):

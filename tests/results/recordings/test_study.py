@@ -59,7 +59,7 @@ def test_evaluations_that_are_not_there_for_all_do_not_decide(study_folder):
     study = load_study(study_folder)
     assert study.combinations[0].manner == LAST
     assert "11 of 12 trainings have no evaluation beside them" in read_of(study).notes
-    assert paid_in(study, EVALUATION)["plain", "plain"].mean == pytest.approx(PULLS * 1.25)
+    assert paid_in(study, EVALUATION)["plain", "plain"].value == pytest.approx(PULLS * 1.25)
 
 
 @pytest.mark.parametrize(
@@ -281,10 +281,10 @@ def test_learning_curves_of_every_measure_and_every_reward(study_folder):
     assert list(learning.random) == ["success", "arm", "return paid by plain", "return paid by thrice"]
     points = learning.curves[1].points["arm"]
     assert [point.steps for point in points] == [10 * (place + 1) for place in range(20)]
-    assert points[0].value.mean == pytest.approx(
+    assert points[0].mean.value == pytest.approx(
         np.mean([np.linspace(0.0, 0.9 + 0.01 * s, 40)[:2].mean() for s in range(6)])
     )
-    assert points[-1].value.low is not None
+    assert points[-1].mean.low is not None
 
 
 def test_cut_evaluations_are_told(study_of):
@@ -372,7 +372,7 @@ def test_trainings_without_a_common_seed_are_compared(study_of):
     assert comparison.decisive.counts == (4, 3)
     assert "no seed is done under both plain and thrice" in comparison.number.sentence(comparison.names)
     learning = study.learning(comparison)
-    assert [curve.points["arm"][0].value.seeds for curve in learning.curves] == [4, 3]
+    assert [curve.points["arm"][0].mean.seeds for curve in learning.curves] == [4, 3]
     assert "rests on the training itself" in basis_text(comparison)
 
 

@@ -65,9 +65,9 @@ def test_stages_are_those_of_the_columns(results):
     near = results.terms[1].terms[0]
     ends = np.array([0.8, 0.81, 0.82])
     arms = np.linspace(np.zeros(3), ends, 20)
-    assert near.start.mean == pytest.approx(PULLS * arms[:2].mean())
-    assert near.end.mean == pytest.approx(PULLS * arms[-2:].mean())
-    assert near.evaluation.mean == pytest.approx(PULLS * ends.mean())
+    assert near.start.value == pytest.approx(PULLS * arms[:2].mean())
+    assert near.end.value == pytest.approx(PULLS * arms[-2:].mean())
+    assert near.evaluation.value == pytest.approx(PULLS * ends.mean())
 
 
 def test_a_reward_with_weights_is_compared_by_term(folder):
@@ -80,20 +80,20 @@ def test_a_reward_with_weights_is_compared_by_term(folder):
     (_, heavy) = load_results(folder).terms
     own, others = PULLS * 0.81, PULLS * 0.41
     assert heavy.reward == "calm:calm=3"
-    assert [it.others.mean for it in heavy.terms] == pytest.approx([others, -1.5 * others, 0.0])
-    assert [it.behaviour.mean for it in heavy.terms] == pytest.approx([own - others, -1.5 * (own - others), 0.0])
+    assert [it.others.value for it in heavy.terms] == pytest.approx([others, -1.5 * others, 0.0])
+    assert [it.behaviour.value for it in heavy.terms] == pytest.approx([own - others, -1.5 * (own - others), 0.0])
 
 
 def test_behaviour_and_ruler_by_term_add_up(results):
     """To what the evaluations of both rewards are paid."""
     calm = results.terms[1]
     own, others = PULLS * 0.81, PULLS * 0.41
-    assert [it.behaviour.mean for it in calm.terms] == pytest.approx([own - others, -0.5 * (own - others), 0.0])
-    assert calm.terms[0].ruler.mean == pytest.approx(others - 2.0 * others)
+    assert [it.behaviour.value for it in calm.terms] == pytest.approx([own - others, -0.5 * (own - others), 0.0])
+    assert calm.terms[0].ruler.value == pytest.approx(others - 2.0 * others)
     (split,) = (it for manner, it in results.combinations[0].number.returns.items() if manner == "in evaluations")
-    returns = {pair: mean.mean or 0.0 for pair, mean in split.returns.items()}
+    returns = {pair: mean.value or 0.0 for pair, mean in split.returns.items()}
     total = returns["proposed", "proposed"] - returns["proposed", "baseline"]
-    assert sum(it.behaviour.mean or 0.0 for it in calm.terms) == pytest.approx(total, rel=1e-12)
+    assert sum(it.behaviour.value or 0.0 for it in calm.terms) == pytest.approx(total, rel=1e-12)
 
 
 def test_a_term_that_never_pays_is_named(results):
@@ -125,8 +125,8 @@ def test_one_reward_alone_is_told(tmp_path):
     success = next(it for it in alone.behaviour if it.measure.name == "success")
     assert results.combinations == ()
     assert (alone.reward, alone.seeds, alone.shown) == ("calm", (0, 1, 2), ("success", "return paid by calm"))
-    assert (success.start.mean, success.end.mean, success.evaluation.mean) == (0.0, 1.0, None)
-    assert alone.paid.end.mean == pytest.approx(PULLS * 0.5 * np.linspace(0.0, 1.0, 20)[-2:].mean())
+    assert (success.start.value, success.end.value, success.evaluation.value) == (0.0, 1.0, None)
+    assert alone.paid.end.value == pytest.approx(PULLS * 0.5 * np.linspace(0.0, 1.0, 20)[-2:].mean())
 
 
 def test_two_rewards_are_not_alone(results):

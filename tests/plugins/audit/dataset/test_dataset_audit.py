@@ -93,7 +93,7 @@ def test_a_reward_that_ranks_as_success_does_is_told(reached):
     assert AGAINST in text
     assert "shown, never run" in text
     pair = found.pairs[0]
-    assert (pair.steps.mean, pair.discordant.mean) == (pytest.approx(1.0), pytest.approx(1.0))
+    assert (pair.steps.value, pair.discordant.value) == (pytest.approx(1.0), pytest.approx(1.0))
     assert pair.steps.low is not None
 
 
@@ -189,9 +189,9 @@ def test_pay_while_nothing_happens_is_told(minari):
     """A reward for being there pays it as any other step; one for progress does not."""
     name = minari([reaching(number, waits=6) for number in range(8)])
     found = audit_dataset(name, {"there": lambda o, a, n, i: 1.0, "progress": lambda o, a, n, i: float(o[0] - n[0])})
-    there, progressed = (reward.still.mean for reward in found.rewards)
-    assert found.still.mean == pytest.approx(5 / 12, abs=0.09)
-    assert there == pytest.approx(found.still.mean)
+    there, progressed = (reward.still.value for reward in found.rewards)
+    assert found.still.value == pytest.approx(5 / 12, abs=0.09)
+    assert there == pytest.approx(found.still.value)
     assert progressed < 0.01
 
 

@@ -102,14 +102,14 @@ def test_start_of_an_episode_is_no_step():
     paid = {"reward__a": [99.0, 1.0, 2.0, 99.0, 3.0, 5.0], "reward__b": [-99.0, 2.0, 4.0, -99.0, 6.0, 10.0]}
     log = log_of(start=starts, terminated=ends, episode=[0, 0, 0, 1, 1, 1], **paid)
     ((pair,), _) = pairs_in([("some", log)], ("a", "b"))
-    assert pair.steps.mean == ZERO
+    assert pair.steps.value == ZERO
 
 
 def test_rows_of_episodes_are_compared_by_episodes_alone():
     """There are no steps to compare."""
     log = log_of(unit="episode", reward__a=[1.0, 2.0, 4.0], reward__b=[2.0, 4.0, 8.0])
     ((pair,), _) = pairs_in([("some", log)], ("a", "b"))
-    assert (pair.steps.mean, pair.returns.mean, pair.discordant.mean) == (None, ZERO, 0.0)
+    assert (pair.steps.value, pair.returns.value, pair.discordant.value) == (None, ZERO, 0.0)
 
 
 def test_reward_that_was_given_up_says_why():
@@ -124,7 +124,7 @@ def test_interval_of_a_distance_stays_between_0_and_1():
     same, unlike = ([1, 2, 3], [1, 2, 3]), ([1, 2, 3], [1, 3, 3])
     mean = pair_of(same, unlike, ([1, 2], [5, 5]), same).steps
     assert (mean.low, mean.seeds) == (0.0, 3)
-    assert mean.high > mean.mean > 0.0
+    assert mean.high > mean.value > 0.0
 
 
 SOME, NONE = ([1, 2, 3, 3], [3, 1, 2, 2]), ([1, 2], [5, 5])

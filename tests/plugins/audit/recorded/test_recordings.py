@@ -35,9 +35,9 @@ def test_distances_are_means_over_trainings(folder):
     """With an interval over them; evaluations do not enter. Another reward is no rescaling."""
     (pair,) = audit_recordings(folder / "runs").pairs
     assert (pair.one, pair.other, len(pair.each)) == ("plain", "square", 3)
-    assert pair.steps.mean == pytest.approx(np.mean([it.steps for it in pair.each]))
-    assert 0.0 <= pair.steps.low < pair.steps.mean < pair.steps.high <= 1.0
-    assert 0.0 < pair.discordant.mean < 1.0
+    assert pair.steps.value == pytest.approx(np.mean([it.steps for it in pair.each]))
+    assert 0.0 <= pair.steps.low < pair.steps.value < pair.steps.high <= 1.0
+    assert 0.0 < pair.discordant.value < 1.0
     assert pair.rescaling is None
 
 
@@ -59,14 +59,14 @@ def test_early_and_late_behaviour_is_told_apart(folder):
     found = audit_recordings(folder / "runs", folder / "random")
     names = ["random actions", *(f"trained with plain, {it}" for it in ("first fifth", "last fifth", "evaluations"))]
     assert [row.behaviour for row in found.earned] == names
-    random, early, late, final = (row.returns["plain"].mean for row in found.earned)
+    random, early, late, final = (row.returns["plain"].value for row in found.earned)
     assert random == pytest.approx(1.25 * PULLS)
     assert early < late < final == 2.0 * PULLS
     random, early, late, final = found.earned
     assert (random.episodes, early.episodes, late.returns["square"].seeds) == (2, 6, 3)
-    assert [row.measures["success"].mean for row in (random, early, final)] == [0.0, 0.0, 1.0]
-    assert 0.5 < late.measures["success"].mean <= 1.0
-    assert (final.measures["arm"].mean, found.success) == (1.0, "success")
+    assert [row.measures["success"].value for row in (random, early, final)] == [0.0, 0.0, 1.0]
+    assert 0.5 < late.measures["success"].value <= 1.0
+    assert (final.measures["arm"].value, found.success) == (1.0, "success")
 
 
 def test_random_actions_in_the_same_folder_count_once(folder):
@@ -92,7 +92,7 @@ def test_rewards_that_no_recording_knows_together_are_told(tmp_path):
         record(tmp_path / name, name, seed, [0.1, 0.2], pays={name: lambda a: a})
     found = audit_recordings(tmp_path)
     assert "No recording knows both 'a' and 'b'" in found.notes
-    assert found.pairs[0].steps.mean is None
+    assert found.pairs[0].steps.value is None
 
 
 def test_damaged_recording_is_told(folder):
@@ -129,7 +129,7 @@ def test_a_reward_that_is_another_but_for_its_scale_is_told(study_folder):
     """At no distance: one counts every pull as three of the other and 6. And on how many steps that was found."""
     found = audit_recordings(study_folder)
     (pair,), zero = found.pairs, pytest.approx(0.0, abs=1e-7)
-    assert (pair.steps.mean, pair.returns.mean, pair.discordant.mean, pair.largest) == (zero, zero, 0.0, ())
+    assert (pair.steps.value, pair.returns.value, pair.discordant.value, pair.largest) == (zero, zero, 0.0, ())
     line = pair.rescaling
     assert (line.factor, line.offset, line.steps) == (pytest.approx(3.0), pytest.approx(3.0), 12 * 40 * PULLS)
     assert found.to_json()["pairs"][0]["rescaled"] == line.to_json()
@@ -155,7 +155,7 @@ def test_random_actions_of_an_experiment_are_no_policy(folder):
     for manner in manners:
         row = rows[f"trained with plain, {manner} evaluations"]
         assert (row.episodes, row.returns["plain"].seeds) == (8, 2)
-        assert row.returns["plain"].mean == pytest.approx(1.9 * PULLS)
+        assert row.returns["plain"].value == pytest.approx(1.9 * PULLS)
 
 
 def test_a_reward_is_told_to_rank_episodes_as_success_does_or_not(tmp_path):
@@ -185,7 +185,7 @@ def test_one_reward_alone_is_told_of(tmp_path):
     """Nothing stands beside it, and a line says what to do."""
     record(tmp_path / "0", "plain", 0, [0.1, 0.9], pays={"plain": lambda a: a})
     found = audit_recordings(tmp_path)
-    assert (found.pairs, found.rewards, found.earned[-1].returns["plain"].mean) == ((), ("plain",), 0.9 * PULLS)
+    assert (found.pairs, found.rewards, found.earned[-1].returns["plain"].value) == ((), ("plain",), 0.9 * PULLS)
     assert "There is only one reward, plain" in found.notes[0]
 
 
@@ -216,9 +216,9 @@ TEN, DAMAGED = np.arange(10.0), ((Path("x"), "it is damaged"),)
 def test_own_pay_of_logs_in_several_folders_is_of_several_rewards(logged):
     """It cannot be compared, so each stands in a column of its own, and no pair has a number."""
     found = logged({"a/0.csv": TEN, "a/1.csv": TEN + 1.0, "b/0.csv": TEN})
-    assert (found.rewards, found.pairs[0].returns.mean) == (("a", "b"), None)
+    assert (found.rewards, found.pairs[0].returns.value) == (("a", "b"), None)
     late = {row.behaviour: row.returns for row in found.earned}["trained with a, last fifth"]
-    assert (late["a"].mean, late["a"].seeds, late["b"].mean) == (9.0, 2, None)
+    assert (late["a"].value, late["a"].seeds, late["b"].value) == (9.0, 2, None)
     assert "No recording knows both 'a' and 'b'" in found.notes
     assert found.notes[0] == "3 trainings of 2 rewards: `a` 2, `b` 1; the baseline is `a`"
 
@@ -245,7 +245,7 @@ def test_steps_that_do_not_tell_where_episodes_end_are_compared(tmp_path):
     paid = {f"reward/{name}": sign * np.array([1.0, 2.0, 4.0]) for name, sign in (("a", 1.0), ("b", -1.0))}
     log = in_memory(LogFacts(path=tmp_path / "steps.csv", format="made"), paid)
     (pair,) = audit_logs(tmp_path, Found((log,), ())).pairs
-    assert (pair.steps.mean, pair.returns.mean) == (pytest.approx(1.0), None)
+    assert (pair.steps.value, pair.returns.value) == (pytest.approx(1.0), None)
 
 
 def test_evaluations_in_two_manners_are_of_one_training(tmp_path):

@@ -102,26 +102,26 @@ def test_epic_comes_near_its_exact_value(found):
     covariance = np.cov(*(form.ravel() for form in forms), aweights=weights)
     exact = np.sqrt((1.0 - covariance[0, 1] / np.sqrt(covariance[0, 0] * covariance[1, 1])) / 2.0)
     mean = pair_of(found, "first", "second").forms["EPIC"]
-    assert mean.mean == pytest.approx(exact, abs=0.05)
-    assert (mean.seeds, mean.low < mean.mean < mean.high) == (5, True)
+    assert mean.value == pytest.approx(exact, abs=0.05)
+    assert (mean.seeds, mean.low < mean.value < mean.high) == (5, True)
 
 
 def test_shaping_is_a_distance_in_steps_alone(found):
     """EPIC, DARD and STARC see through it."""
     it = pair_of(found, "first", "shaped")
-    assert {form: mean.mean for form, mean in it.forms.items()} == pytest.approx(
+    assert {form: mean.value for form, mean in it.forms.items()} == pytest.approx(
         {"EPIC": 0.0, "DARD": 0.0, "STARC": 0.0}, abs=1e-6
     )
-    assert it.steps.mean > 0.1
+    assert it.steps.value > 0.1
 
 
 def test_what_policies_earn_is_told(found):
     """`one` earns an env payment of 1 in each of 20 steps, random actions half of it."""
     random, one = found.earned
     assert (random.behaviour, one.behaviour, one.episodes) == ("random actions", "one", 50)
-    assert one.returns["own"].mean == 20.0
-    assert random.returns["own"].mean == pytest.approx(10.0, abs=1.5)
-    assert random.returns["own"].low < random.returns["own"].mean < random.returns["own"].high
+    assert one.returns["own"].value == 20.0
+    assert random.returns["own"].value == pytest.approx(10.0, abs=1.5)
+    assert random.returns["own"].low < random.returns["own"].value < random.returns["own"].high
 
 
 def test_what_was_measured_is_said(found):
@@ -170,9 +170,9 @@ def test_reward_that_is_no_function_of_a_transition_is_compared_in_steps_alone(g
     """The reason is said, and every other pair has its distances."""
     found = audit({"first": first, "odd": given, "second": second}, episodes=1, steps=6)
     odd = pair_of(found, "first", "odd")
-    assert all(mean.mean is None for mean in odd.forms.values())
+    assert all(mean.value is None for mean in odd.forms.values())
     assert set(odd.reasons.values()) == {f"odd: {told}"}
-    assert odd.steps.mean is not None
+    assert odd.steps.value is not None
     assert pair_of(found, "first", "second").reasons == {}
     assert told in " ".join(str(found).split())
 
@@ -268,4 +268,4 @@ def test_functions_of_a_step_are_asked_as_those_of_four_arguments():
         return {"half": 0.5 * first(step.before.observation, step.action, step.observation, {}), "rest": 0.0}
 
     pair = pair_of(audit({"first": first, "half": of_step}), "first", "half")
-    assert all(it.mean == pytest.approx(0.0, abs=1e-6) for it in pair.forms.values())
+    assert all(it.value == pytest.approx(0.0, abs=1e-6) for it in pair.forms.values())
