@@ -65,7 +65,7 @@ def named_answers(given: Sequence[str] | None, *questions: Question) -> tuple[st
         UsageError: The command gives no such answer.
     """
     known = [*(name for question in questions for name in NAMES[question]), CANNOT_TELL]
-    named = tuple(it.lower().replace(" ", "-") for it in split_list(given or ()))
+    named = tuple(it.lower().replace(" ", "-") for it in split_list(given)) if given else ()
     for name in named:
         if name not in known:
             raise UsageError(f"--fail-on {name}: {unknown_name('answer', name, known)}")

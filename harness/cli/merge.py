@@ -19,8 +19,8 @@ def merge(
     from harness.cli.output import make_table_and_page
     from harness.record.merge import merge as put_together
     from harness.record.store import CELLS
+    from harness.results.compare import mixtures_of
     from harness.results.load import load_results
-    from harness.results.metrics import mixtures_of
 
     merged = put_together(folders, out)
     results = load_results(out)

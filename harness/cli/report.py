@@ -119,7 +119,7 @@ def report(
     show = partial(show_results, as_json=as_json, html=html, details=details, summary=summary)
     if len(folders) == 1:
         results = load_results(folders[0], curve, metric, plugin or (), pairs=pairs, measures=files or (), told=told)
-        if results.is_experiment and results.in_environment:
+        if results.in_environment and results.is_experiment:
             require_fit(context, inputs.ENVIRONMENTS)
         status = show(results, _details(results, folders, told))
         if results.damaged:

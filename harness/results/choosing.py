@@ -15,9 +15,8 @@ from harness.eta.verdict.halving import Halving, Schedule, fewest, halve, schedu
 from harness.files.plain import Plain, tells, to_plain
 from harness.record.cell import Cell, Manifest
 from harness.record.terms import Terms
-from harness.results.comparison import Group, deciding_manner
+from harness.results.comparison import ENDED, Group, Seen, deciding_manner
 from harness.results.trainings import Match, Trained, Trainings
-from harness.results.verdicts import ENDED, Seen
 
 
 @tells("budget", "*halving", "most_trainings_left=most_left", "is_over")

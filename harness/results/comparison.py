@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from html import escape
-from itertools import zip_longest
+from itertools import takewhile, zip_longest
 from typing import Any, Literal, NamedTuple
 
 from harness.arrays import Float
@@ -26,10 +26,9 @@ from harness.eta.judgement import Verdict, lead_of
 from harness.eta.manner import DETERMINISTIC, LAST, OWN_AND_OTHER, STOCHASTIC, TRAINING, WHOLE
 from harness.eta.rescaling import Rescaling
 from harness.eta.splits import Decomposition, Names, Pair, Splits, no_splits
-from harness.eta.swaps import corrected_where_known
 from harness.eta.verdict.ruling import Ruling
 from harness.files.plain import Plain, tells
-from harness.record.cell import BROUGHT, DISCOUNT, EVALUATION_HORIZON, UNKNOWN_ALGORITHM, Cell
+from harness.record.cell import BROUGHT, DISCOUNT, EVALUATION_HORIZON, UNKNOWN_ALGORITHM, Cell, Manifest
 from harness.registry.choice import Choice
 from harness.results.metrics import Counted, Mixture
 from harness.results.pool import Pool
@@ -554,8 +553,71 @@ def _unmeasured(names: Names, change: Change) -> str:
     )
 
 
-def correct(family: Sequence[Comparison]) -> tuple[Comparison, ...]:
-    """Comparisons with p-values that hold for all of their claims together."""
-    p_values = corrected_where_known([outcomes for comparison in family for outcomes in comparison.outcomes])
-    left, count = iter(p_values), sum(p is not None for p in p_values)
-    return tuple(comparison.with_corrected(left, count) for comparison in family)
+ENDED = ("done", "failed", "damaged", "skipped")
+COUNTED, LOST = ("done", "skipped", "not needed"), ("failed", "damaged")
+"""How cells end that no answer waits for. How one ends that failed is an outcome too, which nobody measured."""
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """The trainings of an experiment that a plan divides into looks.
+
+    The seeds of a place come in the order of the plan: those of the first look first.
+
+    Attributes:
+        looks: Seeds of each reward in each place at each look, increasing.
+        status: How each cell ended, by group and reward, in the order of the plan.
+    """
+
+    looks: Sequence[int]
+    status: Mapping[tuple[Group, str], Mapping[Cell, str]]
+
+    @classmethod
+    def of(cls, manifests: Sequence[Manifest], looks: Sequence[int]) -> "Seen":
+        """What manifests tell, in the order of the plan."""
+        found: dict[tuple[Group, str], dict[Cell, str]] = {}
+        for it in manifests:
+            found.setdefault((Group.of(it.cell), it.cell.reward.label), {})[it.cell] = it.status
+        return cls(looks, found)
+
+    @property
+    def to_come(self) -> int:
+        """How many trainings are missing: they have not ended, failed, or left files that cannot be read.
+
+        A plan to the end counts those that ended, however they did: whoever fails does not hold it up for ever.
+        """
+        counted = (*COUNTED, *LOST) if self.looks else COUNTED
+        return sum(status not in counted for cells in self.status.values() for status in cells.values())
+
+    def lost(self, group: Group, reward: str) -> tuple[int, ...]:
+        """In a plan to the end, the seeds of a reward's trainings that failed or cannot be read."""
+        cells = self.status.get((group, reward), {}) if self.looks else {}
+        return tuple(cell.seed for cell, status in cells.items() if status in LOST)
+
+    @property
+    def groups(self) -> tuple[Group, ...]:
+        """The places."""
+        return tuple(dict.fromkeys(group for group, _ in self.status))
+
+    def look_of(self, comparison: Comparison) -> tuple[Mapping[int, int], int]:
+        """The look of each seed, counted from 0, and how many looks are complete under both rewards."""
+        cells = self.status.get((comparison.group, comparison.baseline), {})
+        of_seed = {cell.seed: sum(at >= end for end in self.looks) for at, cell in enumerate(cells)}
+        rewards = (comparison.baseline, comparison.proposed)
+        return of_seed, min(self.complete(reward, [comparison.group]) for reward in rewards)
+
+    def complete(self, reward: str, groups: Iterable[Group] | None = None) -> int:
+        """How many looks are complete for a reward: all of their cells have ended, in all places."""
+        there = [self.status.get((group, reward), {}) for group in (self.groups if groups is None else groups)]
+        ended = [sum(1 for _ in takewhile(ENDED.__contains__, cells.values())) for cells in there]
+        return sum(min(ended, default=0) >= end for end in self.looks)
+
+    def cells_of(self, rewards: Iterable[str], look: int) -> list[Cell]:
+        """The cells of some rewards up to a look, counted from 0, in the order of the plan within each place."""
+        wanted = set(rewards)
+        return [
+            cell
+            for (_, reward), cells in self.status.items()
+            if reward in wanted
+            for cell in list(cells)[: self.looks[look]]
+        ]

@@ -20,7 +20,7 @@ from harness.files.plain import Plain
 from harness.hookspecs import NOUNS
 from harness.log import Log
 from harness.measure import Measure, bounds_of, is_error, is_share, is_time, needs_of
-from harness.record.cell import KERNEL, SHOWN_DIGITS, Manifest
+from harness.record.cell import SHOWN_DIGITS, Manifest
 from harness.registry.choice import Choice, Registry, choose, split_list
 from harness.registry.spec import unknown_name
 
@@ -163,27 +163,6 @@ class Mixture(Plain):
             f"{other} of {total} cells {'was' if other == 1 else 'were'} made by another {self.name} "
             f"({', '.join(others)}; the others {main}): they are not the same {NOUNS.get(self.kind, self.name)}"
         )
-
-
-def mixtures_of(manifests: Iterable[Manifest]) -> tuple[Mixture, ...]:
-    """The mixtures among done cells. A cell of which a version is not recorded is left out there."""
-    started: dict[tuple[str, str], dict[str, list[str]]] = {}
-    for manifest in manifests:
-        told, made = manifest.environment, manifest.cell.plugins
-        recorded = {
-            **{(kind, made[kind]): it for kind, it in told.get("sources", {}).items() if kind in made},
-            **{("versions", name): it for name, it in told.get("versions", {}).items()},
-            ("machine", KERNEL): told.get("machine", {}).get("kernel"),
-        }
-        for which, version in recorded.items():
-            if version:
-                started.setdefault(which, {}).setdefault(version, []).append(manifest.started)
-    found = list[Mixture]()
-    for (kind, name), versions in started.items():
-        # Of two versions that made as many, the newer one comes first.
-        order = sorted(versions, key=lambda it: (len(versions[it]), max(versions[it])), reverse=True)
-        found += [Mixture(kind, name, {it: len(versions[it]) for it in order})] if len(versions) > 1 else []
-    return tuple(found)
 
 
 BETTER = ("higher", "lower", "")

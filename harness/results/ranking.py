@@ -216,7 +216,7 @@ def _find(results: Results, group: Group, cells: Sequence[Cell]) -> _Found:
     compared = next((it for it in results.combinations if it.group == group and it.seeds), None)
     manner = compared.manner if compared else deciding_manner(group.deterministic, episodes)
     decisive = compared.decisive if compared else None
-    success = decisive.name if decisive and decisive.measure.episodes is not None else SUCCESS
+    success = decisive.measure.name if decisive and decisive.measure.episodes is not None else SUCCESS
     runs: dict[str, dict[int, float]] = {}
     for cell, it in measured.items():
         value = it.manners.get(manner, {}).get(success)

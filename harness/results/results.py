@@ -30,8 +30,8 @@ from harness.record.terms import Terms
 from harness.registry.choice import Registry
 from harness.registry.given import plugin_flags
 from harness.results.choosing import Choosing
-from harness.results.compare import compare_all
-from harness.results.comparison import Comparison, Group, pools_of
+from harness.results.compare import UNKNOWN, compare_all
+from harness.results.comparison import Comparison, Group, Seen, pools_of
 from harness.results.frames import Frames
 from harness.results.learning import Learning
 from harness.results.logs.told import FOUND_OUT, Told
@@ -41,7 +41,6 @@ from harness.results.pool import Pool
 from harness.results.recordings.runs import Runs
 from harness.results.table import Numbers, cell_to_json, comparison_rows, metric_columns, table_of, write_table
 from harness.results.trainings import Alone, Match, TermsPaid, Trained, Trainings, alone_of, terms_of
-from harness.results.verdicts import UNKNOWN, Seen
 
 
 @tells("*group", "returns", "events", "manner")
@@ -230,9 +229,13 @@ class Results(ABC):
     def groups(self) -> dict[Group, list[Cell]]:
         """Cells that left a trace, by the group in which they are compared."""
         groups: dict[Group, list[Cell]] = {}
-        for manifest in self.done:
-            groups.setdefault(Group.of(manifest.cell), []).append(manifest.cell)
+        for group, cell in self._grouped(self.done):
+            groups.setdefault(group, []).append(cell)
         return groups
+
+    def _grouped(self, manifests: Iterable[Manifest]) -> list[tuple[Group, Cell]]:
+        """Cells, each with the group in which it is compared."""
+        return [(Group.of(it.cell), it.cell) for it in manifests]
 
     @cached_property
     def equal(self) -> dict[Group, tuple[tuple[Key, ...], ...]]:
@@ -291,8 +294,7 @@ class Results(ABC):
         asked, manifests = self._asked, self.manifests
         if self.choosing is not None:
             asked, manifests = self.choosing.compared(asked), self.choosing.fresh
-        found = compare_all(asked, self.plan.terms, manifests, unread, self._told)
-        return tuple(sorted(found, key=lambda it: it.is_control))
+        return compare_all(asked, self.plan.terms, manifests, unread, self._told)
 
     @cached_property
     def choosing(self) -> Choosing | None:

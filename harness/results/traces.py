@@ -44,13 +44,13 @@ class Traces(Results):
         return list(map(self._of_group, self.groups))
 
     @property
-    def _planned(self) -> list[Cell]:
-        return [it.cell for it in self.manifests if it.status != "skipped"]
+    def _planned(self) -> list[tuple[Group, Cell]]:
+        return self._grouped(it for it in self.manifests if it.status != "skipped")
 
     def _of_group(self, group: Group) -> Trainings:
         metrics = self.metrics
         cells = sorted(self.groups.get(group, []), key=lambda cell: cell.seed)
-        planned = {cell.reward for cell in self._planned if Group.of(cell) == group}
+        planned = {cell.reward for of, cell in self._planned if of == group}
         baseline = {cell.seed: self.run(cell) for cell in cells if cell.reward.label == self.baseline}
         deciding = self.named[:1] or DECIDING
 
@@ -76,7 +76,7 @@ class Traces(Results):
     @property
     def _asked(self) -> list[tuple[Trainings, Match]]:
         """Each reward of the plan with the baseline, or every two; also in a group in which nothing is done yet."""
-        planned = dict.fromkeys((Group.of(cell), cell.reward.label) for cell in self._planned)
+        planned = dict.fromkeys((group, cell.reward.label) for group, cell in self._planned)
         of, first = {it.group: it for it in self.trainings}, self.baseline
         asked = [(group, first, reward) for group, reward in planned if reward != first or self.plan.a_a]
         for two in combinations(planned, 2) if self.pairs else ():
@@ -90,7 +90,7 @@ class Traces(Results):
         ]
 
     def _matrices(self) -> Iterator[ReturnMatrix]:
-        scoring = dict.fromkeys(cell.reward for cell in self._planned)
+        scoring = dict.fromkeys(cell.reward for _, cell in self._planned)
         return (self._matrix(it, scoring) for it in self.trainings)
 
     def _matrix(self, of: Trainings, scoring: Iterable[Choice]) -> ReturnMatrix:

@@ -95,18 +95,6 @@ class Match:
         """The recordings and logs among the trainings of both sides."""
         return [it for side in self.sides for it in side if isinstance(it, Run)]
 
-    @property
-    def same_steps(self) -> bool:
-        """Whether both rewards taught the same seeds the same steps: each of each evaluation, bit for bit.
-
-        Evaluations are read only if every measure of every seed is the same.
-        """
-        if not self.seeds or self.seeds_of != (self.seeds, self.seeds):
-            return False
-        both = list(zip(*self.sides, strict=True))
-        is_alike = all(one.measured.manners == other.measured.manners for one, other in both)
-        return is_alike and all(one.motion == other.motion != "" for one, other in both)
-
     def of(self, who: str) -> list[Trained]:
         """The trainings of one side with the seeds that both have, ``baseline`` or ``proposed``."""
         side = self.one if who == "baseline" else self.other

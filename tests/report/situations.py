@@ -16,9 +16,9 @@ from harness.record import Terms
 from harness.registry import Choice
 from harness.report.page.answer import card_of, pool_card
 from harness.results import Comparison, Group
+from harness.results.compare import with_verdicts
 from harness.results.comparison import Behaviour
 from harness.results.overview import decider_text
-from harness.results.verdicts import with_verdicts
 
 SUCCESS = Quantity("success_rate", "", "higher", "deterministic", 100)
 SPEED = Quantity("success_rate", "", "higher", TRAINING, 100)

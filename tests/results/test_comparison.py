@@ -10,8 +10,8 @@ from harness.files.plain import to_plain
 from harness.record.cell import BROUGHT
 from harness.registry import Choice
 from harness.results import Group
+from harness.results.compare import with_verdicts
 from harness.results.comparison import StepChange
-from harness.results.verdicts import with_verdicts
 from tests.results.told import SUCCESS, change, comparison, rates
 
 WORSE = change(SUCCESS._replace(manner="stochastic"), rates(0.5, 0.25), range(20))

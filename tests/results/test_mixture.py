@@ -4,7 +4,8 @@ import pytest
 
 from harness.record import Manifest
 from harness.registry import Choice
-from harness.results.metrics import Mixture, mixtures_of
+from harness.results.compare import mixtures_of
+from harness.results.metrics import Mixture
 
 OLD, NEW, OLDER = (digits + "0" * 56 for digits in ("9340a572", "f96dd784", "11112222"))
 ARPS = tuple(Choice("arp", (("k2", k2),), f"arp:k2={k2}") for k2 in (1.0, 2.0))

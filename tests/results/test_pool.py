@@ -4,8 +4,8 @@ import json
 from dataclasses import replace
 
 from harness.eta import Answer, Ruling
+from harness.results.compare import with_verdicts
 from harness.results.pool import Pool
-from harness.results.verdicts import with_verdicts
 from tests.results.told import comparison, rates
 
 PLACES = ("mujoco", "pybullet", "drake", "physx")

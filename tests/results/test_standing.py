@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 
 from harness.record import Terms
+from harness.results.comparison import Seen
 from harness.results.results import standing_of, told_manifests
-from harness.results.verdicts import Seen
 from tests.results.folders import fail
 from tests.results.in_looks import REWARDS
 

@@ -6,8 +6,8 @@ import pyarrow.parquet as pq
 
 from harness.files.bounded import changed_since_made
 from harness.record import Manifest
+from harness.results.compare import with_verdicts
 from harness.results.table import Numbers, comparison_rows, table_of, write_table
-from harness.results.verdicts import with_verdicts
 from tests.results.told import comparison, rates
 
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from harness.record import Terms
+from harness.results.compare import with_verdicts
 from harness.results.comparison import Behaviour, StepChange, still_to_come
-from harness.results.verdicts import with_verdicts
 from tests.results.told import SUCCESS, change, comparison, rates
 
 PLACES = ("mujoco", "pybullet", "drake", "physx")

@@ -2,6 +2,7 @@
 
 import json
 
+from harness.files.plain import from_plain, to_plain
 from harness_plugins.kit.inspection.finding import Asked, read_plugins
 from tests.refusals import refused
 
@@ -15,7 +16,7 @@ def test_what_was_asked_for_survives_the_way_through_json(tmp_path):
     files, classes = read_plugins([str(tmp_path / "mine.py"), "package.module:Class"])
     assert [name for name, _ in files[0].beside] == ["beside"]
     asked = Asked("mine", "reward", "fd100", files, classes)
-    assert Asked.from_json(json.loads(json.dumps(asked.to_json()))) == asked
+    assert from_plain(Asked, json.loads(json.dumps(to_plain(asked)))) == asked
 
 
 def test_class_is_not_imported():
