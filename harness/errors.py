@@ -31,7 +31,6 @@ __all__ = [
     "SimulationDiverged",
     "StorageError",
     "Unmeasured",
-    "Unscored",
     "UsageError",
     "one_line",
     "print_visible",

@@ -114,7 +114,12 @@ def as_state(values: Mapping[str, Any]) -> TrainingState:
 
 
 def under(prefix: str, state: TrainingState) -> TrainingState:
-    """The part of a state whose names begin with `prefix`, without it."""
+    """The part of a state whose names begin with `prefix`, without it; the arrays are the same ones.
+
+    Args:
+        prefix: The name that `as_state` was given for a state within, and a dot.
+        state: What `Progress.restored` returns, or a part of it.
+    """
     return {name.removeprefix(prefix): value for name, value in state.items() if name.startswith(prefix)}
 
 

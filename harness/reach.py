@@ -25,7 +25,7 @@ from harness.robot.kinematics import end_effector_position, in_mount, reach_posi
 from harness.robot.robot import FD100_REACH
 from harness.task import LONGEST_EPISODE, Targets, goal_of
 
-__all__ = ["FD100_REACH", "Pay", "Positive", "ReachTask", "place_box"]
+__all__ = ["FD100_REACH", "Pay", "ReachTask", "place_box"]
 
 Positive = Annotated[float, Field(gt=0)]
 Metres3 = tuple[float, float, float]

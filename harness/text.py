@@ -40,7 +40,12 @@ def visible(text: str, keep: str = "") -> str:
 
 
 def print_visible(text: str, err: bool = False) -> None:
-    """Print lines of whatever origin on standard output or standard error, in the encoding of that stream."""
+    """Print lines of whatever origin, in the encoding of the stream; what is not seen, or does something, is escaped.
+
+    Args:
+        text: One line or several.
+        err: Whether to print on standard error, not on standard output.
+    """
     print(visible(text, keep="\n"), file=sys.stderr if err else sys.stdout, flush=True)
 
 
@@ -66,7 +71,7 @@ def shortened(message: str, most: int = LONGEST_MESSAGE) -> str:
 def one_line(told: BaseException | str, most: int = LONGEST_MESSAGE) -> str:
     """A text, or an exception as ``ValueError: no such thing``, on one visible line of about `most` characters.
 
-    A long one has its beginning and its end, cut between words.
+    A long one has its beginning and its end, cut between words. What is not seen, or does something, is escaped.
     """
     text = told if isinstance(told, str) else f"{type(told).__name__}: {told}".removesuffix(": ")
     return shortened(visible(" ".join(text.split())), most)

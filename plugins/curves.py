@@ -6,15 +6,18 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
-from typing import Any, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from harness.arrays import Float
 from harness.errors import SchemaError, UsageError, one_line
-from harness.log import LARGEST, Log, LogFacts, Unit, in_memory, require_columns
+from harness.log import LARGEST, Log, LogFacts, in_memory, require_columns
 from harness.progress import RETURN
 from harness.score.row_meaning import EPISODE, LENGTH
+
+if TYPE_CHECKING:
+    from harness.log.facts import Unit
 
 LAST_100 = "a mean over the last 100 episodes"
 ONE = "that of an episode"
@@ -105,7 +108,7 @@ class Chosen(NamedTuple):
     """What counts anything else; empty where nothing does."""
     episode: str = ""
     """What counts episodes."""
-    unit: Unit = "point"
+    unit: "Unit" = "point"
     """What a row of a table is."""
     evaluation: bool = False
     """Whether the episodes are of evaluations."""

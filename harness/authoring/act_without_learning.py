@@ -12,7 +12,15 @@ TELL_EVERY, RESTART_EVERY = 100, 500
 
 
 def act_for(env: TrainingEnv, steps: int, policy: Policy, seed: int, progress: Progress) -> None:
-    """Let `policy` draw actions for `steps` environment steps. Now and then all envs start new episodes."""
+    """Let a policy draw actions. Now and then all envs start new episodes.
+
+    Args:
+        env: Trained on; it counts the steps.
+        steps: Environment steps to take, over all envs, exactly.
+        policy: Draws.
+        seed: For the generator that it draws with.
+        progress: Is told, and keeps checkpoints; the training goes on from one.
+    """
     rng, state = np.random.default_rng(seed), progress.restored()
     if state is None:
         (observation, _), done, decisions = env.reset(), 0, 0

@@ -39,6 +39,11 @@ def add_part(folder: Path, part: Part) -> None:
 
 
 def add_parts(folder: Path, parts: Iterable[Part]) -> None:
-    """Append parts to their files in a folder."""
+    """Append parts to their files in a folder.
+
+    Args:
+        folder: It need not be there; nor do folders in it.
+        parts: Those of one file in order, as `parts_of` gives them.
+    """
     for part in parts:
         add_part(folder, part)

@@ -16,7 +16,11 @@ def pack_generator(rng: np.random.Generator) -> NDArray[np.uint8]:
 
 
 def restore_generator(rng: np.random.Generator, packed: NDArray[Any]) -> None:
-    """Set the state of `rng` to the state that `pack_generator` packed.
+    """Set the state of a generator to one that `pack_generator` packed.
+
+    Args:
+        rng: Changed in place.
+        packed: Bytes, (count,) of uint8.
 
     Raises:
         SchemaError: `packed` is no state of a generator of the same kind.

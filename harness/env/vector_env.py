@@ -303,10 +303,18 @@ def make_env(
     num_envs: int = 1,
     autoreset_mode: AutoresetMode = AutoresetMode.SAME_STEP,
 ) -> ReachVectorEnv:
-    """The vector env of one combination; the robot is by default the one that the task was made for.
+    """The vector env of one combination.
+
+    Args:
+        simulator: Its name, with parameters if need be, ``mujoco:drive=servo``; or a mapping with the key ``name``.
+        task: The same.
+        reward: The same.
+        robot: A registered name, or the path of a folder or a URDF; None: the robot that the task was made for.
+        num_envs: How many arms, at least 1.
+        autoreset_mode: When an episode that ended makes room for the next one.
 
     Raises:
-        UsageError: A name or a parameter is not known.
+        UsageError: A name or a parameter is not known, or they do not go together.
     """
     if num_envs < 1:
         raise UsageError(f"num_envs={num_envs}: must be at least 1")

@@ -67,7 +67,7 @@ class Foreseen(Plain):
 
     @property
     def rungs(self) -> tuple[Rung, ...]:
-        """Of the schedule; none as long as it is not known."""
+        """The rungs of the schedule; none as long as it is not known."""
         return self.schedule.rungs if self.schedule else ()
 
     @property

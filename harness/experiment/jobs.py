@@ -35,7 +35,13 @@ def run_job(job: Job, report: Report = lambda word: None) -> Manifest:
 
 
 def run_jobs(jobs: Sequence[Job], at_once: int, on_event: OnEvent) -> None:
-    """Do jobs in processes of this machine, at most `at_once` at a time; see `harness.executor.Executor.run`."""
+    """Do jobs in processes of this machine, within their limits; see `harness.executor.Executor.run`.
+
+    Args:
+        jobs: What to do.
+        at_once: The most that run at a time.
+        on_event: Called with each event, in the caller's thread.
+    """
     with Pool() as pool:
         for event in events_of(jobs, at_once, pool):
             on_event(event)

@@ -137,7 +137,7 @@ def kind_of(head: bytes, path: Path | None = None) -> FileKind | None:
 def names_in_hdf5(path: Path) -> list[str]:
     """The first names at the top of an HDF5 file and in its group ``data``; none where it cannot be opened.
 
-    Names are looked up, no data are read.
+    Names are looked up, no data are read. There are at most `MOST_KEYS` of each place; the latter begin with ``data/``.
     """
     names: list[str] = []
     with suppress(Exception):  # whatever a damaged file raises, or no h5py: then it is an HDF5 file
@@ -192,7 +192,15 @@ def kind_at(path: Path) -> FileKind | None:
 
 
 def read_bytes(path: Path, most: int = TEXT_BYTES) -> bytes:
-    """All of a regular file; see `open_regular`."""
+    """All of a regular file; see `open_regular`.
+
+    Args:
+        path: The file.
+        most: Bytes that it may have.
+
+    Raises:
+        OSError: It is not there, cannot be read, is no regular file or is too large.
+    """
     with open_regular(path, most) as file:
         return file.read()
 

@@ -7,7 +7,7 @@ interface that a reader fills.
 from typing import TYPE_CHECKING
 
 from harness.face import face_of
-from harness.log.facts import Failed as Failed, LogFacts as LogFacts, Unit as Unit
+from harness.log.facts import Failed as Failed, LogFacts as LogFacts
 from harness.log.format import LogFormat as LogFormat
 from harness.log.log import (
     LARGEST as LARGEST,

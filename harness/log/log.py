@@ -270,7 +270,11 @@ class Log:
 
 
 def in_memory(facts: LogFacts, columns: Columns) -> Log:
-    """A log whose columns are all there, (rows, ...) each.
+    """A log whose columns are all there.
+
+    Args:
+        facts: What is known beside the rows.
+        columns: By name, (rows, ...) each, in order of time; the log keeps these arrays, so do not change them.
 
     Raises:
         SchemaError: They have different numbers of rows.
@@ -370,7 +374,12 @@ class OpenEpisodes:
 
 
 def require_columns(where: object, names: Collection[str], *wanted: str) -> None:
-    """See that there are columns that somebody named; empty texts are not looked for.
+    """See that there are columns that somebody named.
+
+    Args:
+        where: What an error begins with, such as the path.
+        names: The columns that there are.
+        wanted: Those that were named; empty texts are not looked for.
 
     Raises:
         UsageError: One is not there; says what is.

@@ -269,7 +269,15 @@ def terms_of(trace: Log, begin: str = TERM) -> dict[str, NDArray[Any]]:
 
 
 def trace_of(columns: Columns, facts: EpisodeFacts = NOTHING_KNOWN) -> Log:
-    """A trace in memory, (rows, ...) each column."""
+    """A trace in memory, as metrics get it.
+
+    Args:
+        columns: By their names in a trace, (rows, ...) each; without ``obstacle`` no step touched one.
+        facts: What is known of the episodes.
+
+    Raises:
+        SchemaError: The columns have different numbers of rows.
+    """
     trace = in_memory(TraceFacts(path=Path("trace"), format="trace", episodes=facts), columns)
     return _with_nothing_touched(trace, len(trace))
 

@@ -95,7 +95,13 @@ def _installed_version(distribution: str) -> str:
 
 
 def unknown_name(noun: str, name: str, known: Iterable[str]) -> str:
-    """One line: what was given, what there is, the nearest match."""
+    """The message that there is no such name, and which there are, with the nearest one.
+
+    Args:
+        noun: What it should name, ``reward``.
+        name: As it was given.
+        known: The names that there are, in any order.
+    """
     known = sorted(known)
     return f"No {noun} '{name}'. There is: {', '.join(known) or 'none'}.{did_you_mean(name, known)}"
 

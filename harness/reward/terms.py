@@ -51,6 +51,14 @@ class Unpaid:
 def pay(reward: Reward, carry: Carry, steps: Steps) -> tuple[Carry, Paid]:
     """What a reward remembers after steps, and what they are paid.
 
+    Args:
+        reward: Any.
+        carry: What it remembers before them, (num_envs, ...).
+        steps: One step of each env, (num_envs, ...) each field.
+
+    Returns:
+        The carry, and the pay and its terms, (num_envs,) each.
+
     Raises:
         UsageError: Its terms are no terms, or their total is not their sum.
     """

@@ -139,7 +139,11 @@ class Solids:
 
 
 def build_solids(shapes: Sequence[Sequence[Shape]]) -> Solids:
-    """The shapes that each joint moves, as `harness.robot.shapes.attach_shapes` returns them, as arrays."""
+    """The collision shapes of an arm as arrays, for many poses at once.
+
+    Args:
+        shapes: Those that each joint moves, in the frame of its child link: `Robot.joint_shapes`, or some of them.
+    """
     flat = [(frame, shape) for frame, group in enumerate(shapes) for shape in group if shape.kind != "mesh"]
     poses = np.array([shape.T_link_shape for _, shape in flat]).reshape(-1, 4, 4)
     parts = np.array([_parts(shape) for _, shape in flat]).reshape(-1, 5)

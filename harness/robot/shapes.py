@@ -99,7 +99,15 @@ def attach_shapes(
 
 
 def moving_carrier(link: str, carrier: Mapping[str, Element]) -> tuple[str | None, Float]:
-    """The joint that moves `link`, None where none does, and T_child_link from the joint's child link."""
+    """The joint that moves a link, None where none does, and T_child_link, (4, 4), [m], in its child link's frame.
+
+    Args:
+        link: Its name.
+        carrier: By name of a link the joint that carries it, `Urdf.carriers`.
+
+    Raises:
+        UsageError: An origin on the way has no three finite numbers each.
+    """
     T_child_link: Float = np.eye(4)
     while link in carrier:
         joint = carrier[link]

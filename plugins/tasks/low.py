@@ -3,11 +3,11 @@
 from typing import Annotated
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, PositiveFloat
 from pydantic.dataclasses import dataclass
 
 from harness.arrays import Float
-from harness.reach import FD100_REACH, Positive, ReachTask, place_box
+from harness.reach import FD100_REACH, ReachTask, place_box
 from harness.robot import Robot
 
 CENTER = np.array([0.75, 0.0, 0.06])
@@ -23,9 +23,9 @@ class Low(ReachTask):
     time, it hits the ground, and the episode ends.
     """
 
-    epsilon: Annotated[Positive, Field(description="distance within which the target is reached, NOTE eq. 20 [m]")] = (
-        0.02
-    )
+    epsilon: Annotated[
+        PositiveFloat, Field(description="distance within which the target is reached, NOTE eq. 20 [m]")
+    ] = 0.02
 
     def target_box(self, robot: Robot) -> tuple[Float, Float]:
         """Centre and half edges of the box of targets, (3,) both, [m]."""

@@ -5,11 +5,11 @@ from dataclasses import dataclass as plain_dataclass
 from typing import Annotated
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, PositiveFloat
 from pydantic.dataclasses import dataclass
 
 from harness.arrays import Float
-from harness.reach import Positive, ReachTask
+from harness.reach import ReachTask
 from harness.robot import (
     Robot,
     forward,
@@ -29,7 +29,7 @@ class Pose(ReachTask):
     turned by up to `turn`.
     """
 
-    epsilon: Annotated[Positive, Field(description="pose error within which the target is reached [m]")] = 0.02
+    epsilon: Annotated[PositiveFloat, Field(description="pose error within which the target is reached [m]")] = 0.02
     angle: Annotated[
         float, Field(gt=0, le=math.pi, description="angle that counts as much as a distance of epsilon [rad]")
     ] = math.radians(10)

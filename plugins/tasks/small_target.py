@@ -2,10 +2,10 @@
 
 from typing import Annotated
 
-from pydantic import Field
+from pydantic import Field, PositiveFloat
 from pydantic.dataclasses import dataclass
 
-from harness.reach import Positive, ReachTask
+from harness.reach import ReachTask
 
 
 @dataclass(frozen=True)
@@ -15,6 +15,6 @@ class SmallTarget(ReachTask):
     Under a reward that pays almost nothing for the last centimetres, the arm stops beside the target.
     """
 
-    epsilon: Annotated[Positive, Field(description="distance within which the target is reached, NOTE eq. 20 [m]")] = (
-        0.01
-    )
+    epsilon: Annotated[
+        PositiveFloat, Field(description="distance within which the target is reached, NOTE eq. 20 [m]")
+    ] = 0.01

@@ -6,7 +6,7 @@ A point (x, y, z) of Unity's left-handed y-up frame is (z, -x, y) here.
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, PositiveFloat
 from pydantic.dataclasses import dataclass
 
 from harness.arrays import Float, Float32
@@ -18,7 +18,6 @@ from harness.task import LONGEST_EPISODE, Motion, Setting, Targets, build_motion
 if TYPE_CHECKING:
     from harness.env.episodes import Episodes
 
-Positive = Annotated[float, Field(gt=0)]
 Count = Annotated[int, Field(gt=0, le=LONGEST_EPISODE)]
 Metres3 = tuple[float, float, float]
 
@@ -47,13 +46,13 @@ class UnityReach:
     """
 
     epsilon: Annotated[
-        Positive,
+        PositiveFloat,
         Field(description="distance within which the target counts as touched; the sources do not state it [m]"),
     ] = 0.05
     horizon: Annotated[Count, Field(description="environment steps after which an episode is truncated")] = 5000
     decision_period: Annotated[Count, Field(description="environment steps per decision; each step pays a reward")] = 5
     control_period: Annotated[
-        Positive,
+        PositiveFloat,
         Field(description="duration of an environment step, Unity's default; no effect on set-joints, which jumps [s]"),
     ] = 0.02
     action: Annotated[

@@ -2,7 +2,7 @@
 
 from typing import Annotated, ClassVar
 
-from pydantic import Field
+from pydantic import Field, PositiveFloat
 from pydantic.dataclasses import dataclass
 
 from harness.conditions.conditions import (
@@ -18,9 +18,9 @@ from harness.conditions.conditions import (
     TargetNoise,
     later_than,
 )
-from harness.reach import Positive, ReachTask
+from harness.reach import ReachTask
 
-Epsilon = Annotated[Positive, Field(description="distance within which the target is reached, NOTE eq. 20 [m]")]
+Epsilon = Annotated[PositiveFloat, Field(description="distance within which the target is reached, NOTE eq. 20 [m]")]
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,8 @@ import numpy as np
 from harness.errors import UsageError
 from harness.eta.amounts import listed
 from harness.eta.laws import numbered
-from harness.log import Log, LogFacts, Unit
+from harness.log import Log, LogFacts
+from harness.log.facts import Unit
 from harness.log.log import BEHAVIOUR, REWARD, SUCCESS, TIME, Rows
 from harness.results.logs.names import Named, in_lockstep, question, sort_names, templates_of
 from harness.text import command_text

@@ -13,7 +13,8 @@ from unittest import mock
 
 import numpy as np
 
-from harness.log import Log, LogFacts, LogFormat, Rows, Unit
+from harness.log import Log, LogFacts, LogFormat, Rows
+from harness.log.facts import Unit
 from harness.log.format import HEAD
 from harness.log.log import BEHAVIOUR
 
