@@ -8,7 +8,6 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from harness.files.bounded import making, whole_file
-from harness.files.plain import to_plain
 from harness.record.cell import Manifest
 from harness.record.store import RESULTS
 from harness.results.comparison import Comparison
@@ -120,8 +119,13 @@ def _row(comparison: Comparison) -> dict[str, Any]:
     number, ruling, change = comparison.number, comparison.answer.ruling, comparison.decisive
     headline = comparison.headline
     trainings = zip(("baseline_trainings", "proposed_trainings"), comparison.counts, strict=True)
-    row = {**to_plain(comparison.group), **comparison.names._asdict(), **dict(trainings)}
-    row |= {"seeds": len(comparison.seeds), "answer": headline.answer.value, "decided_by": headline.decided_by}
+    row = {**comparison.group.labels, **comparison.names._asdict(), **dict(trainings)}
+    row |= {
+        "steps": comparison.group.steps,
+        "seeds": len(comparison.seeds),
+        "answer": headline.answer.value,
+        "decided_by": headline.decided_by,
+    }
     if ruling is not None:
         row |= {"p": ruling.p, "p_corrected": ruling.corrected}
     if change is not None:

@@ -21,7 +21,7 @@ from harness.eta.index import Estimate, mean_of_known
 from harness.eta.interval import CONFIDENCE, SHARE, UNBOUNDED, Bounds, difference_bounds, why_no_interval
 from harness.eta.manner import TRAINING, WHOLE
 from harness.eta.splits import Pair
-from harness.files.plain import Plain, tells, to_plain
+from harness.files.plain import Plain, tells
 from harness.results.by_term import ByTerm
 from harness.results.cell_results import CellResults
 from harness.results.comparison import Comparison, Group
@@ -296,7 +296,7 @@ class Stages(NamedTuple):
     """What random actions come to; None where it is not known."""
 
 
-@tells("*group", "reward", "seeds", "return=paid", "behaviour")
+@tells("*group", "reward", "seeds", "return=paid", "behaviour", "learning_of=curve.of", "learning=points")
 @dataclass(frozen=True, eq=False)
 class Alone(Plain):
     """What one reward taught in a group of trainings in which there is no other.
@@ -319,11 +319,15 @@ class Alone(Plain):
     learning: Learning
     shown: tuple[str, ...]
 
-    def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        curve = self.learning.curves[0]
-        learning = to_plain({name: curve.points[name] for name in self.shown})
-        return {**super().to_json(), "learning_of": curve.of, "learning": learning}
+    @property
+    def curve(self) -> LearningCurve:
+        """The only one."""
+        return self.learning.curves[0]
+
+    @property
+    def points(self) -> dict[str, tuple[Point, ...]]:
+        """Those of `shown`."""
+        return {name: self.curve.points[name] for name in self.shown}
 
 
 def _stages(

@@ -452,7 +452,7 @@ class Recordings(Results):
     def _runs_of(self, group: Group, cells: list[Cell]) -> Runs | str:
         """The recorded trainings of cells; why there is nothing to compare where that is so."""
         trained, control = {cell.reward.label for cell in cells}, self.plan.control
-        planned = {it.cell.reward.label for it in self.manifests if Group.of(it.cell) == group}
+        planned = {cell.reward.label for of, cell in self._grouped(self.manifests) if of == group}
         is_choosing = bool(self.plan.terms.budget)
         if len(trained) < 2 and not control and planned > trained and not is_choosing:
             return f"nothing to compare: all done cells were trained with {cells[0].reward.label}"
