@@ -15,7 +15,7 @@ from harness.results.results import standing_of, standing_to_json, told_manifest
 from harness.section import shown_sections
 
 
-class Fact(NamedTuple):
+class CellFact(NamedTuple):
     """A fact from the manifests, and in how many cells it holds if not in all."""
 
     name: str
@@ -23,14 +23,14 @@ class Fact(NamedTuple):
     cells: str
 
 
-def shared_facts(manifests: Iterable[Manifest]) -> list[Fact]:
+def shared_facts(manifests: Iterable[Manifest]) -> list[CellFact]:
     """Versions, machine, engine, commit, command, sources of all cells that ran; a line each, or more."""
     counts: dict[str, Counter[str]] = {}
     for manifest in manifests:
         for name, value in _facts(manifest).items():
             counts.setdefault(name, Counter())[value] += 1
     return [
-        Fact(name, value, f"{count} of {values.total()} cells" if len(values) > 1 else "")
+        CellFact(name, value, f"{count} of {values.total()} cells" if len(values) > 1 else "")
         for name, values in counts.items()
         for value, count in values.items()
     ]

@@ -87,12 +87,12 @@ def first_facts(results: Results) -> list[Fact]:
     Where one of several rewards is chosen, a line for each of them stands before that.
     """
     combinations, chosen = results.combinations, choosing_facts(results)
-    facts = [*_said(results), *chosen]
+    facts = [*said_facts(results), *chosen]
     if combinations:
         facts += [*paragraphs(interim_text(results)), *overview_facts(combinations), *_in_sentences(results)]
-        facts += _advice(results) if len(combinations) == 1 else []
+        facts += advice_facts(results) if len(combinations) == 1 else []
     elif not chosen:
-        facts += [*alone_facts(results, with_all=False), *_beside(results)]
+        facts += [*alone_facts(results, with_all=False), *beside_facts(results)]
     mixtures = (mixture.text for it in combinations for mixture in it.measured.mixtures)
     facts += paragraphs(*mixtures, *_not_split(combinations), *never_texts(results))
     facts += return_facts(_with_others(results))
@@ -102,10 +102,10 @@ def first_facts(results: Results) -> list[Fact]:
 def all_facts(results: Results) -> list[Fact]:
     """Everything that the first facts rest on: a part for each comparison, what the rewards pay, then the cells."""
     combinations = results.combinations
-    facts = [*_said(results), *paragraphs(interim_text(results)), *pooled_facts(combinations)]
-    facts += [*alone_facts(results, with_all=True), *_beside(results)]
+    facts = [*said_facts(results), *paragraphs(interim_text(results)), *pooled_facts(combinations)]
+    facts += [*alone_facts(results, with_all=True), *beside_facts(results)]
     facts += [fact for it in combinations for fact in comparison_facts(results, it)]
-    facts += _advice(results)
+    facts += advice_facts(results)
     facts += [how_to_read(results)] if any(it.has_trainings for it in combinations) else []
     facts += return_facts(results.returns)
     facts += [Fact(lines=(EXPLANATION,), kind="reading")] if results.returns else []
@@ -209,12 +209,12 @@ def _in_sentences(results: Results) -> list[Fact]:
     return paragraphs(*lines)
 
 
-def _advice(results: Results) -> list[Fact]:
+def advice_facts(results: Results) -> list[Fact]:
     """How to get an answer where there is none."""
     return paragraphs(*(advice(results, it) for it in results.combinations), kind="command")
 
 
-def _beside(results: Results) -> list[Fact]:
+def beside_facts(results: Results) -> list[Fact]:
     """How to compare a reward that stands alone."""
     told = beside(results, results.alone)
     return paragraphs(told and f"To compare it with another reward: {told}", kind="command")
@@ -266,7 +266,7 @@ def ranking_facts(results: Results, *, with_all: bool) -> list[Fact]:
     return [*facts, Fact(lines=(f"{RANKED} {CHOICE} {AGREEMENT}",), kind="reading")] if tasks and with_all else facts
 
 
-def _said(results: Results) -> list[Fact]:
+def said_facts(results: Results) -> list[Fact]:
     """How what was found was sorted and read; none of an experiment, which knows what it trained."""
     return [Fact(lines=tuple(f"{line}." for line in results.said))] if results.said else []
 

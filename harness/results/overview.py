@@ -28,6 +28,8 @@ ARROW = " -> "
 """Between what is measured of the baseline and of the proposed reward."""
 PAY = "pay of an episode"
 ETAS = ("eta_N", "eta_P")
+OWN = "own"
+"""What an environment's own reward is called."""
 Numbers: TypeAlias = Literal["none", "indices", "pay"]
 OF_NUMBERS: Mapping[Numbers, tuple[str, ...]] = {
     "none": (),
@@ -87,7 +89,8 @@ def shared_text(combinations: Sequence[Comparison]) -> str:
     if varying and len({it.proposed for it in combinations}) == 1:
         told.append(first.proposed)
     if len({it.baseline for it in combinations}) == 1:
-        told.append(f"against {first.baseline}")
+        own = ", the environment's own reward" if first.baseline == OWN else ""
+        told.append(f"against {first.baseline}{own}")
     if "steps" not in varying:
         told.append(f"{first.group.steps:,} steps")
     if len({it.counts for it in combinations}) == 1:
@@ -110,15 +113,16 @@ def reward_names(combinations: Sequence[Comparison]) -> list[str]:
 
 
 def varying_kinds(combinations: Sequence[Comparison]) -> list[str]:
-    """Kinds of labels that differ between groups, and ``steps`` if the trainings are not equally long."""
-    told = [{**it.group.labels, "steps": it.group.steps} for it in combinations]
-    kinds = [*dict.fromkeys(kind for it in combinations for kind in it.group.labels), "steps"]
+    """Kinds of labels that differ between groups; ``steps``, or the ``manner`` of evaluations, where these differ."""
+    told = [{**it.group.labels, "steps": it.group.steps, "manner": it.group.manner} for it in combinations]
+    kinds = [*dict.fromkeys(kind for it in combinations for kind in it.group.labels), "steps", "manner"]
     return [kind for kind in kinds if len({of.get(kind) for of in told}) > 1]
 
 
 def group_name(comparison: Comparison, varying: Sequence[str]) -> str:
     """The name of a combination's group: its labels of the kinds that differ."""
-    told = {**comparison.group.shown, "steps": f"{comparison.group.steps:,} steps"}
+    group = comparison.group
+    told = {**group.shown, "steps": f"{group.steps:,} steps", "manner": f"evaluated {group.manner}"}
     return " · ".join(told[kind] for kind in varying)
 
 

@@ -28,11 +28,12 @@ from harness.report.figures.chart import Mark
 from harness.report.figures.draw import CHARACTER
 from harness.report.figures.learning import flat_text, learning_heading, learning_names
 from harness.report.figures.split import SplitRow, draw_ratio, draw_split, number_of, ratio_axis
-from harness.report.rows.comparison import compared_text, rewards_text, seeds_text, tell_apart, text_of
+from harness.report.rows.comparison import compared_text, rewards_text, seeds_text, text_of
 from harness.report.rows.ratios import BETTER
 from harness.report.rows.returns import PAY, splits_of
 from harness.results import Comparison
 from harness.results.learning import Learning
+from harness.results.overview import line_names, shared_text
 
 from .svg import INTERVALS, TitledChart, draw_svg
 
@@ -180,8 +181,7 @@ def draw_overview(combinations: Sequence[Comparison], missing: Sequence[str]) ->
     """
     if not any(combination.seeds for combination in combinations):
         return None
-    shared, names = name_apart(combinations)
-    labels = [_label(*given) for given in zip(names, combinations, missing, strict=True)]
+    labels = [_label(*given) for given in zip(line_names(combinations), combinations, missing, strict=True)]
     rows = list(_rows(combinations, labels))
     returned = ["eta"] if any(it.number.main for it in combinations) else []
     of = returned if _is_drawn("eta", rows) else [*returned, *BETTER]
@@ -192,7 +192,7 @@ def draw_overview(combinations: Sequence[Comparison], missing: Sequence[str]) ->
     title = "eta = ruler x behaviour of every combination"
     left_out = [_not_drawn(name, rows) for name in of if name not in drawn]
     notes = [*left_out, scales_text(combinations[0].group.subject), INTERVALS]
-    return draw_svg(title, (title, shared), panels, notes)
+    return draw_svg(title, (title, shared_text(combinations)), panels, notes)
 
 
 def _is_drawn(name: str, rows: Sequence[Row]) -> bool:
@@ -204,20 +204,6 @@ def _not_drawn(name: str, rows: Sequence[Row]) -> str:
     """Why an eta has no panel, in words."""
     reasons = dict.fromkeys(note for row in rows if (note := _split(row, name)[0].ratio.note))
     return f"{name} is not drawn, no combination has a number that says something: {'; '.join(reasons)}."
-
-
-def name_apart(combinations: Sequence[Comparison]) -> tuple[str, list[str]]:
-    """What all combinations share, and for each combination what it does not share."""
-    told = [_parts(combination) for combination in combinations]
-    apart = tell_apart(told, keep=len(combinations[0].group.labels) if len(told) == 1 else None)
-    return apart.shared, apart.names
-
-
-def _parts(combination: Comparison) -> tuple[str, ...]:
-    group = combination.group
-    manner = f"{group.steps:,} steps, evaluated {group.manner}"
-    proposed = combination.proposed + " (A/A)" * (combination.proposed == combination.baseline)
-    return (*group.labels.values(), proposed, f"against {combination.baseline}", manner)
 
 
 def _label(name: str, combination: Comparison, missing: str) -> list[str]:

@@ -15,7 +15,11 @@ from harness import load_results
 from harness.record import read_recording
 from harness.registry import load_registry
 from harness.report import FactsTable, all_facts, first_facts, report_text, write_html
+from harness_plugins.audit import audit_dataset, audit_recordings
+from harness_plugins.audit.dataset.page import write_dataset_page
 from harness_plugins.committed import committed_table, write_summary
+from tests.laws import writers
+from tests.record.dataset.written import episode, write_minari
 from tests.report.conftest import printed
 from tests.results.in_looks import CHOOSING, folder_in_looks
 from tests.results.recordings.conftest import record
@@ -57,7 +61,9 @@ CHOSEN = {
     "a race that is over": ([0.9] * 4 + [0.8, 0.9, 0.8, 0.9], [0.3] * 4, [0.1, 0.0, 0.1, 0.0]),
     "a race that goes on": ([0.9] * 4, [0.3] * 4, []),
 }
-SITUATIONS = (*ARMS, *AGENTS, *CHOSEN)
+LOGS = {"logs of Monitor": (0.2, 0.9), "logs of progress.csv": (0.7, 0.6)}
+"""The share of successes of the baseline, and of the other reward."""
+SITUATIONS = (*ARMS, *AGENTS, *CHOSEN, *LOGS)
 PAYS = {"plain": lambda arms: arms + 1.0, "thrice": lambda a: 3.0 * a + 6.0, "loss": lambda arm: arm - 2.0}
 
 
@@ -74,12 +80,32 @@ def situation(build, make_cell, make_plan, tmp_path):
                     arms = np.linspace(0.0, most, 30) + 0.01 * seed
                     record(tmp_path / f"runs/{reward}-{seed}", reward, seed, arms, pays=PAYS)
             return load_results(tmp_path / "runs")
+        if name in LOGS:
+            for reward, most in zip(("baseline", "new"), LOGS[name], strict=True):
+                for seed in range(6):
+                    _write_log(name, tmp_path / "logs", reward, seed, most)
+            return load_results(tmp_path / "logs")
         folder = folder_in_looks(CHOOSING, make_cell, make_plan, load_registry(), tmp_path / "race")
         for reward, shares in zip(("dense", "arp", "baseline"), CHOSEN[name], strict=True):
             folder.train(reward, shares)
         return folder.results
 
     return make
+
+
+def _write_log(name, folder, reward, seed, most):
+    """A training as another library logs it: so many of its last episodes succeed."""
+    share = np.linspace(0.0, most, 40) + 0.02 * seed / 6
+    if name == "logs of Monitor":
+        done = np.arange(40) % 10 < 10 * share
+        writers.monitor(folder / f"{reward}_{seed}.monitor.csv", writers.paid(share), np.full(40, 25), done, 1e9 + seed)
+    else:
+        writers.progress(
+            folder / f"{reward}_{seed}" / "progress.csv",
+            np.arange(1, 41) * 1000,
+            share,
+            **{"rollout/ep_len_mean": [25] * 40},
+        )
 
 
 class Views:
@@ -387,3 +413,91 @@ def test_a_view_that_computes_by_itself_is_caught(situation, tmp_path, monkeypat
     module, _, name = target.rpartition(".")
     monkeypatch.setattr(target, mutant(getattr(import_module(module), name)))
     assert list(disagreements(Views(results, tmp_path)))
+
+
+def _audit_of_data(folder):
+    """Of a data set whose successes a reward pays more, and of one that pays steps alone."""
+    episodes = [episode(9, number, number % 2 == 1) for number in range(16)]
+    for number, one in enumerate(episodes):
+        one["observations"][:, 0] += 2.0 * (number % 2) * (number > 2)
+    name = f"minari:{write_minari(folder / 'd', episodes)}"
+    rewards = {"near": lambda o, a, n, i: float(n[0]), "far": lambda o, a, n, i: float(n[1] - n[0])}
+    found = audit_dataset(name, rewards)
+    write_dataset_page(found, folder / "page.html")
+    return found
+
+
+def _audit_of_recordings(folder):
+    """Of trainings that recorded what two rewards pay."""
+    pays = {"plain": lambda arm: arm, "square": lambda arm: (arm - 0.3) ** 2}
+    for seed in range(4):
+        record(folder / f"runs/{seed}", "plain", seed, np.linspace(0.0, 0.9 + 0.01 * seed, 10), pays=pays)
+    return audit_recordings(folder / "runs")
+
+
+AUDITS = {"a data set": _audit_of_data, "recorded trainings": _audit_of_recordings}
+DISTANCES = {"distance by steps": "steps", "distance by episodes": "returns", "opposite order": "discordant"}
+
+
+def told_by_audit(found, folder):
+    """Every text that a view shows of an audit, with what the JSON has for it: the view, the text, the value."""
+    data, views = found.to_json(), {"terminal": " ".join(str(found).split())}
+    if (folder / "page.html").is_file():
+        views["page"] = " ".join(_plain_words((folder / "page.html").read_text()).split())
+        for it in data["rewards"]:
+            success, name, word = it["success"], it["reward"], "([A-Z][A-Z ]+)"
+            number, wrong = r"([\d.]+) \[([\d.]+), ([\d.]+)\]", r".*?anked wrongly:? ([\d,]+) of ([\d,]+) pairs"
+            values = [
+                *(success[key] for key in ("answer", "value", "low", "high")),
+                it["wrong_pairs"],
+                success["pairs"],
+            ]
+            sentence = rf"{name} {word}: a success is paid more than a failure with a chance of {number}{wrong}"
+            row, lead = rf"{name} {word} {number}", rf"{word} {name} A success .*?(\d+ ?%)\."
+            for view, pattern, known in (
+                ("terminal", sentence, values),
+                ("page", row, values[:4]),
+                ("page", f"{lead}{wrong}", [*values[:2], *values[4:]]),
+            ):
+                yield from ((view, *pair) for pair in zip(re.search(pattern, views[view]).groups(), known, strict=True))
+    for pair in data["pairs"]:
+        both = f"{pair['rewards'][0]} and {pair['rewards'][1]}"
+        rows = {"terminal": "".join(rf".*?{it} (\S+)" for it in DISTANCES), "page": r" ([\d.]+%?)(?: \[.*?\])?" * 3}
+        for view, text in views.items():
+            shown = re.search(f"{both}{rows[view]}", text).groups()
+            known = [pair[key]["mean"] for key in DISTANCES.values()]
+            yield from ((view, *it) for it in zip(shown, known, strict=True))
+
+
+def _plain_words(page):
+    """The text of a page, its blanks kept."""
+    return unescape(re.sub(r"(?s)<(style|script|title).*?</\1>|<[^>]*>", " ", page)).replace("\u202f", "")
+
+
+@pytest.mark.parametrize("name", AUDITS)
+def test_every_view_of_an_audit_says_the_same(tmp_path, name):
+    """The same word and the same numbers on the terminal, the page and in the JSON."""
+    told = list(told_by_audit(AUDITS[name](tmp_path), tmp_path))
+    assert [it for it in told if not agrees(it[1], it[2])] == []
+    assert len(told) == {"a data set": 2 * 14 + 2 * 3, "recorded trainings": 3}[name]
+
+
+DATA = "harness_plugins.audit.dataset"
+
+
+@pytest.mark.parametrize(
+    ("target", "mutant"),
+    [
+        (f"{DATA}.dataset_audit.auc_text", lambda of: lambda auc: "0.123 [0.100, 0.200]"),
+        (f"{DATA}.page.auc_text", lambda of: lambda auc: "0.123 [0.100, 0.200]"),
+        (f"{DATA}.page._lead", lambda of: lambda auc: "A success is paid more: 12 %."),
+        (f"{DATA}.page.answers_of", lambda of: lambda *given: [("ranked wrongly", "1 of 2 pairs")]),
+        (f"{DATA}.page.distance_text", lambda of: lambda mean: "0.123"),
+        ("harness_plugins.audit.recorded.pair_grid.share_text", lambda of: lambda mean: "12.3%"),
+    ],
+)
+def test_a_view_of_an_audit_that_computes_by_itself_is_caught(tmp_path, monkeypatch, target, mutant):
+    """Another chance, another count, another distance."""
+    module, _, name = target.rpartition(".")
+    monkeypatch.setattr(target, mutant(getattr(import_module(module), name)))
+    assert [it for it in told_by_audit(_audit_of_data(tmp_path), tmp_path) if not agrees(it[1], it[2])]

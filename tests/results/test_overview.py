@@ -80,7 +80,7 @@ def test_a_notebook_sees_no_table_of_nothing():
 def _comparison(simulator, steps, counts=(2, 2)):
     """As far as what is shared looks at it."""
     labels = {"simulator": simulator, "task": "reach"}
-    group = SimpleNamespace(labels=labels, shown=labels, steps=steps)
+    group = SimpleNamespace(labels=labels, shown=labels, steps=steps, manner="deterministically")
     return SimpleNamespace(group=group, proposed="arp", baseline="baseline", counts=counts)
 
 

@@ -26,16 +26,16 @@ from harness.eta.verdict.ruling import Ruling
 from harness.report.figures.split import draw_interval, draw_part, draw_trainings
 from harness.report.rows import Grid
 from harness.report.rows.comparison import (
+    BETWEEN,
     SYMBOLS,
     badge_of,
     beside_answer,
-    tell_apart,
     text_of,
     word_of,
 )
 from harness.report.rows.returns import is_ruler, pay_parts
-from harness.results.comparison import Comparison, Group, pools_of
-from harness.results.overview import overview_of, overview_rows
+from harness.results.comparison import Comparison, pools_of
+from harness.results.overview import group_name, overview_of, overview_rows, varying_kinds
 from harness.results.pool import Pool
 from harness.text import visible
 
@@ -56,8 +56,6 @@ class Entry(NamedTuple):
 class Matrix(NamedTuple):
     """Every comparison by its place and its proposed reward."""
 
-    shared: str
-    """What is the same in all."""
     places: list[str]
     rows: list[tuple[str, list[Entry | None]]]
     """A row for each proposed reward, with an entry per place."""
@@ -83,16 +81,11 @@ COLUMNS = (
 
 def matrix_of(combinations: Sequence[Comparison]) -> Matrix:
     """The map and the table."""
-    baselines = dict.fromkeys(it.baseline for it in combinations)
-    described = [
-        (*_describe(it.group), *([f"against {it.baseline}"] if len(baselines) > 1 else [])) for it in combinations
-    ]
-    apart = tell_apart(described)
-    entries = [
-        _entry(number, place, comparison)
-        for number, (place, comparison) in enumerate(zip(apart.names, combinations, strict=True), 1)
-    ]
-    places = list(dict.fromkeys(apart.names))
+    varying, several = varying_kinds(combinations), len({it.baseline for it in combinations}) > 1
+    named = ((group_name(it, varying), f"against {it.baseline}" * several) for it in combinations)
+    names = [BETWEEN.join(filter(None, it)) for it in named]
+    entries = [_entry(number, *it) for number, it in enumerate(zip(names, combinations, strict=True), 1)]
+    places = list(dict.fromkeys(names))
     rewards = list(dict.fromkeys(entry.proposed for entry in entries))
     found = {(entry.proposed, entry.place): entry for entry in entries}
     rows = [(reward, [found.get((reward, place)) for place in places]) for reward in rewards]
@@ -100,16 +93,13 @@ def matrix_of(combinations: Sequence[Comparison]) -> Matrix:
         (badge_of(answer), word_of(answer), sum(entry.badge == badge_of(answer) for entry in entries))
         for answer in Answer
     ]
-    shared = apart.shared if len(baselines) > 1 else f"{apart.shared}, against {''.join(baselines)}"
     decisive = [it.decisive for it in combinations if it.decisive is not None]
     is_share = bool(decisive) and all(text_of(it.measure) is percentage for it in decisive)
-    names = dict.fromkeys(SHORT.get(it.name, it.name.replace("_", " ")) for it in decisive)
-    name = " / ".join(names) or "behaviour"
+    measures = dict.fromkeys(SHORT.get(it.name, it.name.replace("_", " ")) for it in decisive)
+    name = " / ".join(measures) or "behaviour"
     told = f"{name.capitalize()}, proposed - baseline{', in percentage points' if is_share else ''}."
     headings, lines = (overview_of(combinations).headings, overview_rows(combinations)) if combinations else ((), [])
-    return Matrix(
-        shared, places, rows, entries, [count for count in counts if count[2]], Grid(headings, lines, []), told
-    )
+    return Matrix(places, rows, entries, [count for count in counts if count[2]], Grid(headings, lines, []), told)
 
 
 def comparisons_csv(combinations: Sequence[Comparison]) -> str:
@@ -142,11 +132,6 @@ def _text(value: str) -> str:
     """A text that a spreadsheet does not compute: an apostrophe stands before it if it begins like a formula."""
     text = visible(value)
     return f"'{text}" if text.lstrip().startswith(FORMULAS) else text
-
-
-def _describe(group: Group) -> tuple[str, ...]:
-    evaluated = [f"evaluated {group.manner}"] if group.evaluation_episodes else []
-    return (*group.shown.values(), f"{group.steps:,} steps", *evaluated)
 
 
 def _entry(number: int, place: str, comparison: Comparison) -> Entry:

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from harness.eta.headline import SUCCESS, Text, format_number, percentage
 from harness.record.cell import Cell
-from harness.report.facts import comparison_grids
+from harness.report.facts import comparison_facts, comparison_grids
 from harness.report.figures.accumulated import draw_both, panels_of
 from harness.report.figures.chart import Chart
 from harness.report.figures.draw import draw_chart
@@ -25,22 +25,18 @@ from harness.report.figures.learning import (
 from harness.report.figures.split import describe_split, describe_sum, draw_split, draw_strip, draw_sum
 from harness.report.page.answer import Card, card_of
 from harness.report.replay.section import BASELINE, PROPOSED, EpisodeLinks, Link, Still
-from harness.report.rows import Grid
+from harness.report.rows import Fact, Grid
 from harness.report.rows.comparison import (
     BETWEEN,
     alone_grid,
-    basis_text,
-    claims_text,
-    compared_text,
     rewards_text,
     setting_of,
     shown_changes,
     story,
     text_of,
 )
-from harness.report.rows.ratios import scales_text, step_text
+from harness.report.rows.ratios import step_text
 from harness.report.rows.returns import (
-    READING,
     Audits,
     Story,
     changed_text,
@@ -183,11 +179,9 @@ class Section:
     place: int = 1
     """Its number on the page."""
     still: Still | None = None
-    full: Sequence[str] = ()
+    full: Sequence[Fact] = ()
     returns: Grid | None = None
     mixtures: Sequence[str] = ()
-    tests: str = ""
-    summary: str = ""
     behaviour: Grid | None = None
     strips: Sequence[str] = ()
     meanings: Sequence[str] = ()
@@ -230,17 +224,13 @@ def comparison_section(
     told = rewards_text(comparison) if comparison.is_control else comparison.proposed
     splits, indices, curves = _split_panels(comparison), _index_panels(comparison), _curve_panels(comparison, points)
     payoffs = payoff_story(comparison, audits)
-    robot = f"{comparison.headline.robot} {basis_text(comparison)}".strip()
-    full = (robot, comparison.index_sentence)
     return Section(
         card=card_of(comparison, BETWEEN.join(filter(None, (where, told)))),
         place=place,
         still=links.still if links else None,
-        full=[text for text in full if text],
+        full=[it for it in comparison_facts(results, comparison) if not it.grids],
         returns=next((replace(it, title="") for it in grids["pay"]), None),
         mixtures=[mixture.text for mixture in comparison.measured.mixtures],
-        tests=claims_text(comparison),
-        summary=describe_comparison(comparison),
         behaviour=next(iter(grids["behaviour"]), None),
         strips=[draw_strip(change) for change in changes],
         meanings=[_meaning(results, change.name) for change in changes],
@@ -284,22 +274,6 @@ def alone_section(results: Results, alone: Alone) -> dict[str, Any]:
         "learning": _learning_panels(alone.learning, alone.shown, texts),
         "terms": [replace(terms_grid(it), title="") for it in terms],
     }
-
-
-def describe_comparison(comparison: Comparison) -> str:
-    """In plain words: what was compared."""
-    group = comparison.group
-    if not comparison.has_trainings:
-        return f"{comparison.proposed} was to be compared with {comparison.baseline}, but {comparison.why_none}."
-    paid = (
-        f"trained twice, both times paid by {comparison.baseline}, the second time with other seeds"
-        if comparison.is_control
-        else f"trained twice, once paid by {comparison.baseline}, once by {comparison.proposed}"
-    )
-    what = ", ".join(f"{kind} {label}" for kind, label in group.shown.items())
-    told = f"{what[:1].upper()}{what[1:]}. {compared_text(comparison)}, {group.steps:,} steps each: {paid}."
-    scales = scales_text(group.subject)
-    return f"{told} {READING} {scales}" if comparison.number.pay else f"{told} {scales}"
 
 
 def _endings(links: EpisodeLinks | None, bars: list[Bar]) -> list[list[Link | None]]:

@@ -1,5 +1,6 @@
 """Two groups of recorded runs compared, as one HTML file that opens anywhere, offline."""
 
+from dataclasses import replace
 from pathlib import Path
 
 from harness.eta.curve import GroupCurve
@@ -14,7 +15,7 @@ from harness.report.page.comparison import Panel, Section
 from harness.report.page.html import SHARED, Page, parts_of, render
 from harness.report.page.page import write_page
 from harness.report.rows.comparison import badge_of, word_of
-from harness.report.rows.ratios import comparison_title, eta_grids, runs_text, scales_text
+from harness.report.rows.ratios import comparison_title, eta_facts, eta_grids, runs_text
 from harness.score.compare import ComparedRuns
 
 FIGURE = "The {kind} reward of every run over environment steps, and the mean of each group."
@@ -52,7 +53,7 @@ def _section(comparison: ComparedRuns) -> Section:
     card = Card(runs_text(comparison), word_of(cannot), badge_of(cannot), NO_VERDICT, (), "", pay=comparison.number)
     return Section(
         card=card,
-        summary=" ".join([scales_text("robot"), *(f"{note}." for note in comparison.notes)]),
+        full=[replace(it, grids=()) for it in eta_facts(comparison)],
         number=True,
         indices=[
             Panel(f"{name} = ruler x behaviour", draw_chart(chart, told), told)

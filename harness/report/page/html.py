@@ -8,27 +8,21 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from harness.eta.amounts import trainings_text
-from harness.eta.splits import Names
 from harness.record.cell import Manifest
-from harness.report.document import Fact, repeat_of, report_text
+from harness.report.document import CellFact, repeat_of, report_text
+from harness.report.facts import advice_facts, beside_facts, choosing_facts, return_facts, said_facts
 from harness.report.figures.accumulated import points_of_a_run
 from harness.report.figures.split import EXPLANATION as FOREST
 from harness.report.page.answer import Card, Matrix, comparisons_csv, groups_of, matrix_of, pool_cards
 from harness.report.page.comparison import Section, alone_section, comparison_section
 from harness.report.page.page import render_page, write_page
 from harness.report.replay.section import Replay, links_of, replay_of
-from harness.report.rows import Grid
+from harness.report.rows import Fact
 from harness.report.rows.comparison import (
     ALONE,
     BETWEEN,
-    CHOOSING,
-    CHOOSING_TITLE,
     LEGEND,
     POOLED,
-    ChoosingTold,
-    beside,
-    choosing_told,
     count_cells,
     grown_text,
     interim_text,
@@ -36,7 +30,6 @@ from harness.report.rows.comparison import (
     question,
     remarks_on_cells,
     setting_of,
-    until_decided,
     what_decides,
 )
 from harness.report.rows.ranking import (
@@ -47,24 +40,23 @@ from harness.report.rows.ranking import (
     TaskRows,
     task_rows,
 )
-from harness.report.rows.ratios import PATHS, SPLIT, TOTAL
+from harness.report.rows.ratios import PATHS, SPLIT, TOTAL, scales_text
 from harness.report.rows.returns import (
     EXPLANATION as RETURNS,
     INDICES,
     PAY,
     PAYOFF_TITLE,
     PAYOFFS,
+    READING,
     TERMS,
     TERMS_TITLE,
     TITLE as RETURN_TITLE,
     Audits,
-    matrix_title,
     never_texts,
-    return_grid,
 )
 from harness.results import Results
 from harness.results.comparison import still_to_come
-from harness.results.overview import varying_kinds
+from harness.results.overview import shared_text
 from harness.results.ranking import ranking_of
 from harness.results.replay import shows_of
 from harness.results.results import told_manifests
@@ -106,8 +98,6 @@ SHARED = {
     "terms": TERMS,
     "alone": ALONE,
     "terms_title": TERMS_TITLE,
-    "choosing": CHOOSING,
-    "choosing_title": CHOOSING_TITLE,
     "pools": POOLED,
     "ranking": RANKING,
     "ranking_title": RANKING_TITLE,
@@ -128,9 +118,6 @@ BARS = (
     "is neither better nor worse. A training failed if its policy succeeds in less than half of its episodes; else it "
     "learned."
 )
-OTHERS = Names("the baseline", "each other reward")
-OWN = "own"
-"""What an environment's own reward is called."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,23 +133,22 @@ class Page:
     cell_count: str
     setting: str = ""
     warnings: Sequence[str] = ()
-    said: Sequence[str] = ()
+    said: Sequence[Fact] = ()
     never: Sequence[str] = ()
     alone: Sequence[Mapping[str, Any]] = ()
-    beside: str = ""
+    commands: Sequence[Fact] = ()
     matrix: Matrix | None = None
-    advice: str = ""
     groups: Sequence[Mapping[str, Any]] = ()
     pictured: bool = False
     pools: Sequence[Card] = ()
-    choosing: ChoosingTold | None = None
+    choosing: Sequence[Fact] = ()
     ranking: Sequence[TaskRows] = ()
     unfinished: Sequence[str] = ()
-    returns: Sequence[tuple[str, Grid]] = ()
+    returns: Sequence[Fact] = ()
     replay: Replay | None = None
     added: Sequence[Shown] = ()
     manifests: Sequence[Manifest] = ()
-    facts: Sequence[Fact] = ()
+    facts: Sequence[CellFact] = ()
     again: str = ""
     experiment: str = ""
     downloads: Sequence[Download] = ()
@@ -206,25 +192,24 @@ def _render(results: Results, audits: Audits) -> str:
     shown = sections[:1] if is_open else sections  # the controls beside it are lines that open
     sides = [side for section in sections if section.frames for side in section.frames.sides]
     ranking, added = list(map(task_rows, ranking_of(results).tasks)), tuple(shown_sections(results).values())
-    returns = [(matrix_title(it), return_grid(it)) for it in results.returns]
+    returns = return_facts(results.returns)
     page = Page(
         question=question(results),
-        setting=_setting(results),
+        setting=shared_text(combinations) if combinations else BETWEEN.join(map(setting_of, results.alone[:1])),
         warnings=_warnings(results),
-        said=[f"{line}." for line in results.said],
+        said=said_facts(results),
         never=never_texts(results),
         alone=[alone_section(results, it) for it in results.alone],
-        beside=beside(results, results.alone),
         matrix=matrix,
         comparisons=sections,
-        advice=next((text for it in combinations if (text := until_decided(results, it))), ""),
+        commands=[*advice_facts(results), *beside_facts(results)],
         groups=groups,
         is_open=is_open,
         pictured=any(side.source for section in shown if section.frames for side in section.frames.sides),
         has=parts_of(shown, bool(ranking or returns or added or sections[1:])),
         told=_told(results),
         pools=pool_cards(combinations),
-        choosing=choosing_told(results),
+        choosing=choosing_facts(results),
         ranking=ranking,
         cell_count=count_cells(results),
         unfinished=[*remarks_on_cells(results), *dict.fromkeys(side.told for side in sides if not side.source)],
@@ -253,24 +238,6 @@ def parts_of(sections: Sequence[Section], has_more: bool) -> dict[str, bool]:
     return {**has, "matrix": has_more or len(sections) > 1}
 
 
-def _setting(results: Results) -> str:
-    """What all comparisons share, in a line."""
-    combinations = results.combinations
-    if not combinations:
-        return setting_of(results.alone[0]) if len(results.alone) == 1 else ""
-    varying, first = varying_kinds(combinations), combinations[0]
-    told = [f"{kind} {label}" for kind, label in first.group.shown.items() if kind not in varying]
-    if "steps" not in varying:
-        told.append(f"{first.group.steps:,} steps of training")
-    if len({it.baseline for it in combinations}) == 1:
-        own = ", the environment's own reward" if first.baseline == OWN else ""
-        told.append(f"each compared with {first.baseline}{own}")
-    if len({it.counts for it in combinations}) == 1 and first.has_trainings:
-        names = first.names if len({it.names for it in combinations}) == 1 else OTHERS
-        told.append(trainings_text(names, first.counts))
-    return BETWEEN.join(told)
-
-
 def _warnings(results: Results) -> list[str]:
     """What a reader must know before the answers."""
     ended = [f"{count_cells(results)}. The last part of the page has the reasons."]
@@ -285,6 +252,7 @@ def _told(results: Results) -> dict[str, str]:
         **SHARED,
         "subject": results.subject,
         "cells": "Cells" if results.is_experiment else "Recordings",
+        "split": f"{scales_text(results.subject)} {SPLIT} {READING}",
         "tests": what_decides(results),
         "promise": PROMISE if is_promised else "",
         "bars": BARS if any(it.seeds for it in results.combinations) else "",

@@ -112,7 +112,7 @@ def _distances(audit: DatasetAudit) -> Grid:
             f"{pair.one} and {pair.other}",
             distance_text(pair.steps),
             distance_text(pair.returns),
-            distance_text(pair.discordant),
+            share_text(pair.discordant),
         )
         for pair in audit.pairs
     ]

@@ -429,7 +429,7 @@ def test_the_report_is_a_page(folder, tmp_path, report):
     """That of recorded trainings."""
     report(folder, "--html", tmp_path / "page.html")
     page = (tmp_path / "page.html").read_text()
-    assert "each compared with near" in page
+    assert "against near" in page
     assert "<h2>right</h2>" in page
 
 
