@@ -58,8 +58,8 @@ class Events:
         """Note new targets in the envs of `mask`. An end effector that is in its target must leave and enter it."""
         self._inside[mask] = self._episodes.distance[mask] <= self._epsilon
 
-    def judge(self, distance: Float, ground: Mask, struck: Mask | None, held: Mask | None) -> tuple[Mask, Mask, Mask]:
-        """Where targets are reached, and where episodes are terminated and truncated by this step; (num_envs,) each.
+    def judge(self, distance: Float, ground: Mask, struck: Mask | None, held: Mask | None) -> Mask:
+        """Where targets are reached, (num_envs,); where this step ends episodes, they are told.
 
         Args:
             distance: To the targets, [m], or the error of a goal.
@@ -77,16 +77,15 @@ class Events:
         terminated = np.greater_equal(ground, far)  # on the ground, or not far
         if struck is not None:
             terminated = terminated | struck
-        if self._until_horizon > 0 and not np.count_nonzero(terminated) and held is None:
-            return reached, terminated, terminated.copy()  # none in either
-        terminated, truncated = self._mark(ground, reached, struck, held)
-        return reached, terminated, truncated
+        if self._until_horizon <= 0 or np.count_nonzero(terminated) or held is not None:
+            self._mark(ground, reached, struck, held)
+        return reached
 
     def forget(self) -> None:
         """Clear the record of flags and event terms."""
         self._episodes.flags[...] = 0.0
         self._episodes.events[...] = 0.0
-        self._episodes.terminated[...] = self._episodes.truncated[...] = False
+        self._episodes.ended[...] = False
         self.marked = False
 
     def state(self) -> dict[str, Any]:
@@ -98,8 +97,8 @@ class Events:
         self._inside, self._until_horizon = state["inside"].copy(), int(state["until_horizon"])
         self.marked = bool(state["events"])
 
-    def _mark(self, ground: Mask, reached: Mask, struck: Mask | None, held: Mask | None) -> tuple[Mask, Mask]:
-        """Flags and event terms into the record; returns where episodes are terminated and truncated."""
+    def _mark(self, ground: Mask, reached: Mask, struck: Mask | None, held: Mask | None) -> None:
+        """Flags and event terms into the record, and into the step where episodes are terminated and truncated."""
         episodes = self._episodes
         terminated = ground | reached if not self._goes_on else ground.copy()
         if struck is not None:
@@ -113,9 +112,8 @@ class Events:
             episodes.events[:, 0] += struck * conditions_of(self._task).obstacle_reward
         if reached.any():
             episodes.events[reached, 1] = self._task.target_rewards(self._robot, episodes.qpos[reached])
-        episodes.terminated[...], episodes.truncated[...] = terminated, truncated
+        episodes.ended[...] = terminated, truncated
         self.marked = True
-        return terminated, truncated
 
 
 class Starts:
@@ -490,7 +488,7 @@ class Decisions:
         self._require_measured()
         episodes.ground[...] = ground
         struck = around.struck() if around else None
-        reached, terminated, truncated = events.judge(distance, ground, struck, move.held)
+        reached = events.judge(distance, ground, struck, move.held)
         episodes.shaped[...] = self.shaping.pay(episodes.steps)
         paid = episodes.shaped + self._step_reward
         if events.marked:
@@ -501,6 +499,7 @@ class Decisions:
         if around:
             around.senses.push(active)
         episodes.previous_best[...] = np.minimum(episodes.previous_best, distance)
+        terminated, truncated = episodes.ended.copy()
         outcome = Outcome(paid, terminated, truncated, reached, distance, episodes.shaped.copy())
         if self._goes_on and reached.any():
             going_on = reached & ~(terminated | truncated)

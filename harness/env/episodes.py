@@ -42,6 +42,7 @@ class Episodes:
         ground: Whether the step touched the ground, (num_envs,).
         terminated: Whether the step ended the episode, (num_envs,).
         truncated: Whether the horizon cut the episode after the step, (num_envs,).
+        ended: Both, (2, num_envs).
         steps: What rewards are given: the same arrays, which they cannot write into, and those of the row before.
         numbers: What belongs to the target beside its position, (num_envs, goal.numbers); (num_envs, 0) without a goal.
         situation: What a goal is given: the same; without a goal it tells nothing.
@@ -71,8 +72,9 @@ class Episodes:
         self.qpos, self.action = self._part("qpos"), self._part("action")
         self.qvel, self.qvel_change = self._part("qvel"), self._part("qvel_change")
         self.previous_distance = np.zeros(num_envs)
-        self.ground, self._ground_before, self.terminated, self.truncated = np.zeros((4, num_envs), bool)
-        self._before = np.zeros_like(matrix)
+        self.ground = np.zeros(num_envs, bool)
+        self.terminated, self.truncated = self.ended = np.zeros((2, num_envs), bool)
+        self._before, self._ground_before = np.zeros_like(matrix), np.zeros(num_envs, bool)
         self.steps = steps_of(self._fields())
         self.numbers, self._set_at = self._part("numbers"), self._part("set_at")
         self._since, self._within = (self._column(name) if goal else np.zeros(0) for name in ("since", "within"))

@@ -26,6 +26,7 @@ from harness.record.returns import PAID, mean_over_episodes, mean_return
 from harness.record.scene import write_scene
 from harness.record.trace import COLUMN, INTEGERS, TERM, Recorder, Rows, TraceWriter, read_trace, terms_of
 from harness.registry.choice import Choice, Registry
+from harness.reward.steps import ENDS
 from harness.robot import Robot
 from harness.robot.robot import load_robot
 from harness.scene.scene import scene_of
@@ -106,7 +107,7 @@ def evaluation_scalars(trace: Log, registry: Registry) -> dict[str, float]:
     return named_scalars(mean_return(trace), measure(load_metrics(registry), trace), terms)
 
 
-ADDED_UP = (*INTEGERS, "reached", "terminated", "truncated", *PAID)
+ADDED_UP = (*INTEGERS, "reached", *ENDS, *PAID)
 
 
 class LearningSoFar(LastEpisodes):

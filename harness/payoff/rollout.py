@@ -219,29 +219,26 @@ def record_rollouts(
             env.reset(seed=EVALUATION_SEED)
             begun.append((env.simulation.read().qpos.copy(), env.episodes.target.copy()))
     start, target = map(np.concatenate, zip(*begun, strict=True))
-    planned = [_planned(script, robot, task, start, target, noise) for script in SCRIPTS]
-    found = list[list[States]]()
+    planned, found = list[Float32](), list[list[States]]()
+    for script in SCRIPTS:
+        rng = np.random.default_rng([EVALUATION_SEED, 2])
+        actions = plan_actions(script, robot, task, start, target, rng)
+        if noise:
+            actions = np.clip(actions + noise * rng.standard_normal(actions.shape, np.float32), -1.0, 1.0)
+        planned.append(actions)
     for batch in parts:
         with closing(world.open_part(batch)) as env:
             found.append([_record(env, actions[:, batch], parts[1:]) for actions in planned])
     return tuple(map(_joined, SCRIPTS, zip(*found, strict=True)))
 
 
-def _planned(script: str, robot: Robot, task: Task, start: Float, target: Float, noise: float) -> Float32:
-    """The actions of a script, see `plan_actions`, with noise."""
-    rng = np.random.default_rng([EVALUATION_SEED, 2])
-    actions = plan_actions(script, robot, task, start, target, rng)
-    if noise:
-        actions = np.clip(actions + noise * rng.standard_normal(actions.shape, np.float32), -1.0, 1.0)
-    return actions
-
-
 def _record(env: ReachVectorEnv, actions: Float32, others: Sequence[slice]) -> States:
     """What envs do and are paid; to the horizon where episodes of `others` may be longer."""
     env.reset(seed=EVALUATION_SEED)
     running, nothing = np.ones(env.num_envs, bool), np.zeros(env.num_envs)
-    steps = [{**_state(env), "events": nothing, "running": running}]
-    steps[0] |= dict.fromkeys(("reached", *ENDS), ~running)
+    steps = [
+        {**_state(env), "events": nothing, "running": running, **dict.fromkeys(("reached", *ENDS), ~running)},
+    ]
     for action in actions:
         _, paid, *ended, infos = env.step(action)
         target = env.episodes.steps.before.target.copy()  # that of the step; a task that goes on has set the next one

@@ -54,7 +54,7 @@ def steps_of_rows(rows: Rows, last: Rows | None = None) -> tuple[Steps, Mask, Ro
     before = {
         name: np.concatenate([last.get(name, column[:1]), column[:-1]])
         for name, column in rows.items()
-        if name not in ("start", "previous_best", "first", *ENDS)
+        if name not in ("start", "previous_best", "first")
     }
     first = rows.get("first", np.zeros(1, bool))
     if first.any():

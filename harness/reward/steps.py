@@ -135,8 +135,8 @@ def step_between(
     """
     distance, previous = after[DISTANCE], state[DISTANCE] if previous is None else previous
     six = Sample(begin, best, previous, distance, distance - best, step)
-    before = steps_of({name: it for name, it in state.items() if name not in ENDS})
-    return steps_of({**six._asdict(), **after, BEFORE: before})
+    before = {name: it for name, it in state.items() if name not in ENDS}
+    return steps_of({**six._asdict(), **after, BEFORE: steps_of(before)})
 
 
 def map_steps(function: Callable[[Any], Any], steps: Steps) -> Steps:

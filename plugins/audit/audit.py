@@ -29,8 +29,7 @@ from .recorded.pair_grid import (
     plain_grid,
 )
 from .search.disturb import NOISES
-from .search.finding import Finding
-from .search.finding_grid import finding_parts
+from .search.finding import NAMES, Finding
 
 if TYPE_CHECKING:
     from harness.cli.fail_on import Said
@@ -143,7 +142,16 @@ class Audit(Plain):
     cheats: tuple[Finding, ...] = ()
 
     def __str__(self) -> str:
-        return as_text(audit_table(self))
+        return as_text(self)
+
+    def __rich__(self) -> RenderableType:
+        """What ``harness audit`` prints of any other subject than a data set."""
+        return audit_table(self)
+
+    @property
+    def wrong(self) -> list[str]:
+        """What went wrong, a line each."""
+        return [f"left out, damaged: {line}" for line in self.damaged]
 
     @property
     def said(self) -> "tuple[Said, ...]":
@@ -216,7 +224,7 @@ def _of_payoffs(scripts: OfScripts) -> Iterator[RenderableType]:
 def _grid(first: str, headings: Iterable[str]) -> Table:
     """A column of names, and columns of numbers."""
     grid = plain_grid()
-    grid.add_column(first, overflow="fold", no_wrap=first == "policy")
+    grid.add_column(first, overflow="fold", no_wrap=first != "term")
     for heading in headings:
         grid.add_column(Text(heading), justify="right", no_wrap=True)
     return grid
@@ -225,8 +233,18 @@ def _grid(first: str, headings: Iterable[str]) -> Table:
 def _answers(audit: Audit) -> Iterator[RenderableType]:
     """What is asked, the answer, and what that rests on."""
     grid = answer_grid()
-    if audit.scripts is not None:
-        _add_properties(grid, audit.scripts)
+    if (scripts := audit.scripts) is not None:
+        asked, larger = [answer.name for answer in scripts.properties], f"all distances times {FACTOR:g}"
+        if scripts.properties[0].holds is None:
+            add_answer(grid, "\n".join((*asked, larger)), "n/a", scripts.properties[0].evidence)
+        else:
+            for answer in scripts.properties:
+                add_answer(grid, answer.name, "yes" if answer.holds else "no", answer.evidence)
+            ratios = [
+                f"{name} {'n/a' if ratio is None else number(ratio)}" for name, ratio in scripts.workspace.items()
+            ]
+            told = f"the shaped return grows by a factor: {', '.join(ratios)}; the event terms stay the same"
+            add_answer(grid, larger, "", told)
     for name, auc in audit.rankings.items():
         add_answer(
             grid, f"{name} and {audit.success}", auc_text(auc), f"{auc.answer}{auc.reason and f': {auc.reason}'}"
@@ -237,13 +255,40 @@ def _answers(audit: Audit) -> Iterator[RenderableType]:
         yield from (Text(RANKING.format(audit.success)), Text())
 
 
-def _add_properties(grid: Table, scripts: OfScripts) -> None:
-    asked, larger = [answer.name for answer in scripts.properties], f"all distances times {FACTOR:g}"
-    if scripts.properties[0].holds is None:
-        add_answer(grid, "\n".join((*asked, larger)), "n/a", scripts.properties[0].evidence)
-        return
-    for answer in scripts.properties:
-        add_answer(grid, answer.name, "yes" if answer.holds else "no", answer.evidence)
-    ratios = [f"{policy} {'n/a' if ratio is None else number(ratio)}" for policy, ratio in scripts.workspace.items()]
-    told = f"the shaped return grows by a factor: {', '.join(ratios)}; the event terms stay the same"
-    add_answer(grid, larger, "", told)
+MOST_MEASURES = 2
+"""So many measures are shown; JSON has all."""
+
+
+def finding_parts(finding: Finding) -> Iterator[RenderableType]:
+    """The table and the answer of one reward; the word stands first in it."""
+    yield Text(f"What a cheat would do for {finding.reward}", style="bold")
+    yield Text()
+    if finding.three:
+        start = next(iter(finding.three.values())).start
+        where = "the means of policies" if finding.searched.rates else f"from start {start}"
+        yield Text(f"What is paid most for failing and for succeeding, {where}:\n")
+        yield from (_behaviours(finding), Text())
+    first, *others = finding.lines
+    word = f"{finding.word}, {finding.strength}" if finding.strength else finding.word
+    yield Text.assemble((f"{word}.", "bold"), f" {first}")
+    yield from map(Text, others)
+    yield Text()
+
+
+def _behaviours(finding: Finding) -> Table:
+    measures = list(dict.fromkeys(name for of in finding.three.values() for name in of.measures))[:MOST_MEASURES]
+    noises = [f"noise\n{noise:g}" for noise in NOISES]
+    grid = _grid("behaviour", ("pay", f"pay\n@ {finding.gamma:g}", "steps", "success\nat step", *noises))
+    for name in measures:
+        grid.add_column(Text(name), justify="right", overflow="fold")
+    paid = {(of.role, of.noise): of.paid for of in finding.noise}
+    for role, of in finding.three.items():
+        grid.add_row(
+            Text(NAMES[role].removeprefix("best-paid ")),
+            *map(number, (of.paid, of.discounted)),
+            str(of.steps),
+            str(of.time) if of.success else "never",
+            *(number(paid[role, noise]) if (role, noise) in paid else "" for noise in NOISES),
+            *(number(of.measures[name]) if name in of.measures else "" for name in measures),
+        )
+    return grid

@@ -65,7 +65,7 @@ class Cheats:
         task, reward, discount = cell.task, cell.reward, cell.algorithm.named.get("gamma")
         if cell.is_in_environment:
             asked = Search(self.steps_elsewhere, self.starts)
-            (place,) = places_in_environment(registry, task, reward.label, float(discount or GAMMA))
+            (place,) = places_in_environment(registry, task, [reward.label], float(discount or GAMMA))
         else:
             asked = Search(self.steps, self.starts)
             (place,) = places_on_task(registry, [reward], task.label, cell.robot, None, float(discount or GAMMA_OF_ARM))

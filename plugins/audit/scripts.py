@@ -1,9 +1,12 @@
 """A reward on the scripted movements of an arm: everything is asked of it. Trains nothing."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
 
 import numpy as np
 
+from harness.errors import UsageError
 from harness.eta import line_of
 from harness.log.log import SUCCESS
 from harness.payoff.rollout import (
@@ -11,15 +14,19 @@ from harness.payoff.rollout import (
     FINISH,
     HOLD,
     HOVER,
+    NoScriptsError,
     Rollout,
     Score,
     discounted_sum,
     finishing_of,
     on_finishing,
     on_terms,
+    record_rollouts,
     score_rollout,
     under_noise,
 )
+from harness.registry import Choice, Registry, choose
+from harness.registry.spec import blamed_on
 from harness.results.recordings.episodes import Episodes
 from harness.reward import Reward
 from harness.text import number
@@ -33,6 +40,8 @@ from .recorded.pair import Paid, compare_paid, pair_of
 from .recorded.pair_grid import SCALE
 from .search.disturb import NOISES
 from .search.finding import FRAGILE, ROBUST
+from .search.place import GAMMA_OF_ARM, arm_at, places_on_task
+from .subject import Answered, Asked
 from .transitions.rollout_forms import COMPARED, forms_of_rollouts
 
 
@@ -146,3 +155,58 @@ def _episodes(rollout: Rollout, scores: Mapping[str, Score]) -> Episodes:
     returns = {name: discounted_sum(score.paid, 1.0) for name, score in scores.items()}
     measures = {SUCCESS: np.asarray(rollout.reached, np.float64), STEPS: rollout.steps}
     return Episodes(np.cumsum(rollout.steps).astype(np.int64) - 1, returns, measures, {})
+
+
+def audited(asked: Asked) -> Answered:
+    """An audit of each reward of a task by scripts, where they can do the task, and where a search looks.
+
+    Raises:
+        UsageError: A name is not known, a number is too small, or a reward fails.
+        NoScriptsError: Scripts cannot do the task, and nothing is searched.
+    """
+    registry = asked.registry
+    if not asked.rewards:
+        raise UsageError("Missing option '--reward'; or name an environment, or a folder of recorded trainings")
+    choices = [choose(registry, "rewards", name) for name in asked.rewards]
+    episodes = 100 if asked.episodes is None else asked.episodes
+    gamma = GAMMA_OF_ARM if asked.gamma is None else asked.gamma
+    if episodes < 1:
+        raise UsageError(f"--episodes {episodes}: must be at least 1")
+    if not 0.0 < gamma <= 1.0:
+        raise UsageError(f"--gamma {gamma:g}: must be above 0 and at most 1")
+    compared = choose(registry, "rewards", asked.against or "baseline")
+    places = places_on_task(registry, choices, asked.named, asked.robot, asked.sim, gamma)
+    at = places[0]
+    arm = arm_at(at, registry)
+    label = at.simulator.label if at.simulator else "no simulator: joints move exactly as commanded"
+    try:
+        rollouts, disturbed = (
+            record_rollouts(arm.simulator, arm.robot, arm.task, episodes, noise) for noise in (0.0, NOISES[-1])
+        )
+    except NoScriptsError as error:
+        if asked.search is None:
+            raise
+        unasked = (f"Not asked of scripts: {error}.",)
+        facts = [{"reward": it.label, "task": asked.named} for it in choices]
+        return [Audit(title=of["reward"], facts=of, rewards=(of["reward"],), not_asked=unasked) for of in facts], places
+    *judged, other = (choice.build(registry, "rewards") for choice in (*choices, compared))
+    with _named(compared, registry):
+        score_rollout(other, rollouts[0])
+    setting = f"{label} · {at.robot} · {at.task.label} · {episodes} episodes of at most {arm.task.horizon} steps"
+    told = {"simulator": label, "robot": at.robot, "task": at.task.label, "episodes": episodes}
+    found = []
+    for choice, reward in zip(choices, judged, strict=True):
+        with _named(choice, registry):
+            audit = audit_reward(reward, other, rollouts, gamma, (choice.label, compared.label), setting, disturbed)
+        found.append(replace(audit, facts={"reward": choice.label, "against": compared.label, **told}))
+    return found, places
+
+
+@contextmanager
+def _named(choice: Choice, registry: Registry) -> Iterator[None]:
+    """Whatever a reward raises in this block is said to be the reward's."""
+    try:
+        with blamed_on(registry.get("rewards", choice.name), "it was audited"):
+            yield
+    except UsageError as error:
+        raise UsageError(f"Reward '{choice.label}': {error}") from error

@@ -116,8 +116,6 @@ def _wandering(distances: Float, joints: int, rng: np.random.Generator) -> dict[
     target = np.broadcast_to(rng.uniform(0.1, 0.5, (num_envs, 3)), (count, num_envs, 3))
     ground = rng.uniform(size=distances.shape) < 0.05
     ground[0] = False
-    terminated, truncated = np.zeros((2, *distances.shape), bool)
-    terminated[-1, ::2] = truncated[-1, 1::2] = True
     return {
         DISTANCE: distances,
         "qpos": rng.uniform(-0.5, 0.5, (num_envs, joints)) + PERIOD * np.cumsum(action, axis=0),
@@ -126,8 +124,8 @@ def _wandering(distances: Float, joints: int, rng: np.random.Generator) -> dict[
         "end_effector": target + distances[..., None] * direction,
         "target": target,
         "ground": ground,
-        "terminated": terminated,
-        "truncated": truncated,
+        "terminated": ground,
+        "truncated": np.zeros_like(ground),
     }
 
 

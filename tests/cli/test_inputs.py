@@ -6,23 +6,31 @@ import pytest
 
 from harness.cli.app import build_app
 from harness.cli.flags.inputs import FITTING
+from harness.registry import load_registry
 from tests.cli.test_refused import place  # noqa: F401 the folders of these lines
 
 PATHS = {
     "report": ["mine", "env", "runs", "logs", "minari:m", "rec"],
     "eta": ["mine", "runs", "logs", "s", "--baseline base/0.csv --proposed k2/0.csv"],
     "score": ["mine", "runs", "minari:m", "mine/cells/*/trace.parquet"],
+    "audit": ["fd100-reach", "CartPole-v1", "mine", "runs", "logs", "--replay x.json", "minari:m"],
 }
 """What stands behind each command, a line for each kind that it tells apart."""
-VALUES = {"--curve": "per-step", "--fail-on": "hurts", "--plugin": "own.py", "--measure": "own.py"}
+NUMBERS = dict.fromkeys(("--budget", "--starts", "--seed", "--episodes", "--gamma", "--success-above"), "1")
+VALUES = {"--curve": "per-step", "--fail-on": "hurts", "--plugin": "own.py", "--measure": "own.py", **NUMBERS}
 SWITCHES = ("--details", "--pairs", "--json", "--with-events", "--all", "--partial")
 
 
 def flags_of(command):
     """All flags of a command with a value that it reads."""
-    (found,) = (it for it in build_app().registered_commands if it.callback.__name__ == command)
+    import typer
     from typer.main import get_command_from_info
 
+    app = build_app()
+    if command in load_registry().names("commands"):  # one of a plugin
+        app = typer.Typer()
+        app.command(command)(load_registry().get("commands", command).load())
+    (found,) = (it for it in app.registered_commands if it.callback.__name__ == command)
     made = get_command_from_info(found, pretty_exceptions_short=False, rich_markup_mode=None)
     return sorted(it.opts[0] for it in made.params if it.opts[0].startswith("--") and it.opts[0] != "--help")
 

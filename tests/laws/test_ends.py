@@ -155,7 +155,7 @@ def test_an_environment_is_paid_by_its_ends(name, registry, tmp_path):
     assert_array_equal(read_recording(paid.folder).load()["reward/ends"], log["reward/live"])
     with_ = "+".join(f"{key}={value}" for key, value in given.items())
     task = choose(registry, "environments", {"name": "gymnasium", "id": made, "made_with": with_})
-    (place,) = places_in_environment(registry, task, "ends", 0.9)
+    (place,) = places_in_environment(registry, task, ["ends"], 0.9)
     with closing(world_at(place, registry)) as world:
         shown = world.show(5, actions)
     assert_array_equal(shown.paid, log["reward/live"][: len(shown.paid)])

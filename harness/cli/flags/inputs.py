@@ -6,6 +6,7 @@ import typer
 
 from harness.errors import UsageError
 
+TASK, ENVIRONMENT, ANY_EXPERIMENT, CERTIFICATE = "a task", "an environment", "an experiment", "a certificate"
 EXPERIMENT, ENVIRONMENTS = "an experiment with an arm", "an experiment in environments"
 RECORDINGS, LOGS, DATASET = "a folder of recorded trainings", "logs of trainings", "a data set"
 RECORDS, STEPS, GROUPS, FILES = "committed records", "files of steps", "files of steps in two groups", "files"
@@ -16,6 +17,8 @@ OF_STEPS = (
     "--curve --json --leave-out --plot --with-events --plugin"
 )
 SCORED = "--reward --plugin --json"
+AUDITED = f"{SCORED} --task --fail-on"
+SEARCHED = f"{AUDITED} --html --against --episodes --gamma --budget --starts --seed --from --policy --out"
 FITTING: Final = {
     "report": {
         EXPERIMENT: f"{REPORTED} --summary --plugin --measure",
@@ -37,6 +40,15 @@ FITTING: Final = {
         RECORDINGS: f"{SCORED} --all --task",
         DATASET: f"{SCORED} --out --places --partial --robot",
         FILES: f"{SCORED} --out",
+    },
+    "audit": {
+        TASK: f"{SEARCHED} --robot --sim",
+        ENVIRONMENT: f"{SEARCHED} --success --measure",
+        ANY_EXPERIMENT: f"{AUDITED} --random --leave-out",
+        RECORDINGS: f"{AUDITED} --random --leave-out",
+        LOGS: f"{AUDITED} --as --sort --leave-out",
+        CERTIFICATE: "--replay --sim --plugin --measure --json",
+        DATASET: f"{AUDITED} --html --robot --success --places --labels --success-above --cluster --partial --beginner",
     },
 }
 """By command and by what it is given, the flags that it reads then."""

@@ -27,8 +27,8 @@ def of_arm(reward: Reward, places: ArmPlaces) -> Payer:
         nonlocal is_lost
         seen = seen_after(rows)
         after = vectors_of({name: values[:seen] for name, values in rows.columns.items()}, OBSERVATION)
-        beside = {name: rows[name] for name in ENDS if name in needed and name in rows.columns}
-        beside |= {"action": flat_rows(rows, ACTION)} if "action" in needed else {}
+        told = {**rows.columns, ACTION: flat_rows(rows, ACTION)}
+        beside = {name: told[name] for name in (ACTION, *ENDS) if name in needed and name in told}
         with np.errstate(all="ignore"):  # what is not finite is refused by whoever asked
             try:
                 if rows["step"][0] <= 1:
@@ -40,7 +40,7 @@ def of_arm(reward: Reward, places: ArmPlaces) -> Payer:
                     pay.begin(begin[0], begun)
                 if not seen:
                     return Paid(np.empty(0))
-                more = {**places.fields(after, needed), **{name: values[:seen] for name, values in beside.items()}}
+                more = places.fields(after, needed) | {name: values[:seen] for name, values in beside.items()}
                 distances = places.distances(after)
                 found = pay.pay(distances, more)
                 is_lost = is_lost or not is_finite((distances, more))

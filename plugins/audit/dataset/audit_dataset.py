@@ -25,6 +25,7 @@ from harness.record.dataset.open_dataset import dataset_facts, open_dataset
 from harness.registry import Registry, load_registry
 
 from ..recorded.pair import Paid, Pair, compare_paid, pair_of
+from ..subject import Answered, Asked
 from .dataset_audit import DatasetAudit, PaidStep, RewardAnswer, WrongPair
 
 if TYPE_CHECKING:
@@ -402,3 +403,21 @@ def _pairs(paid: PaidDataset, groups: Ints) -> tuple[Pair, ...]:
         )
         for one, other in combinations(names, 2)
     )
+
+
+def audited(asked: Asked) -> Answered:
+    """An audit of a data set; see `audit_dataset`."""
+    found = audit_dataset(
+        asked.named,
+        asked.rewards,
+        places=asked.places,
+        robot=asked.robot,
+        success=asked.success,
+        labels=asked.labels,
+        success_above=asked.success_above,
+        cluster=asked.cluster,
+        partial=asked.partial,
+        beginner=asked.beginner,
+        registry=asked.registry,
+    )
+    return [found], ()

@@ -167,7 +167,16 @@ class DatasetAudit(Plain):
     success: str
 
     def __str__(self) -> str:
-        return as_text(answer_table(self))
+        return as_text(self)
+
+    def __rich__(self) -> RenderableType:
+        """What ``harness audit DATASET`` prints."""
+        return answer_table(self)
+
+    @property
+    def wrong(self) -> list[str]:
+        """What went wrong, a line each."""
+        return [f"reward {name}: n/a ({why})" for name, why in self.failed.items()]
 
     @property
     def said(self) -> "tuple[Said, ...]":

@@ -1,10 +1,13 @@
 """The rewards of an arm's experiment beside one another: what its policies did, and what each reward pays for it."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
+from harness import load_results
+from harness.cli.output import audits_of
 from harness.errors import Unscored, UsageError
 from harness.eta.headline import SUCCESS
 from harness.log import Log, LogFacts, in_memory
@@ -12,18 +15,21 @@ from harness.log.log import REWARD, START
 from harness.record import TRACE, Cell, read_trace
 from harness.registry import Choice
 from harness.results.cell_results import CellResults
+from harness.results.logs.told import Told
 from harness.results.recordings.episodes import Episodes, Part, count_text
 from harness.results.traces import Traces
+from harness.reward.steps import ENDS
 from harness.score.installed_reward import InstalledReward
 
 from ..audit import Audit
 from ..questions import NO_FORMS, NOT_RANKED, on_best
+from ..subject import Answered, Asked
 from .earned import RANDOM, Earned, earned_in_episodes, earned_in_parts
 from .pair import MOST, pairs_in
 from .pair_grid import SCALE
-from .recordings import chosen_rewards, title_of
+from .recordings import audit_recordings, chosen_rewards, held_back, title_of
 
-KEYS = ["env", "episode", "step", "terminated", "truncated"]
+KEYS = ["env", "episode", "step", *ENDS]
 
 
 def audit_experiment(results: Traces, only: Sequence[str]) -> Audit:
@@ -45,6 +51,7 @@ def audit_experiment(results: Traces, only: Sequence[str]) -> Audit:
     rewards = chosen_rewards(labels, only, f"'{results.folder}'")
     payers, notes = _payers(results, {label: labels[label] for label in rewards})
     measures = sorted(results.measures, key=lambda name: name != SUCCESS)  # all others stay in their order
+    success = SUCCESS if SUCCESS in measures else ""
     groups = [[it for it in cells if not results.is_control(it)] for cells in results.groups.values()]
     earned = [row for cells in groups for row in _earned(results, cells, payers, rewards, measures)]
     folders = {cell: results.store.cell_folder(cell) for cell in results.done_cells}
@@ -57,8 +64,8 @@ def audit_experiment(results: Traces, only: Sequence[str]) -> Audit:
         rewards=rewards,
         pairs=pairs,
         earned=tuple(earned),
-        success=SUCCESS if SUCCESS in measures else "",
-        verdict=tuple(on_best(earned, rewards, SUCCESS if SUCCESS in measures else "")),
+        success=success,
+        verdict=tuple(on_best(earned, rewards, success)),
         measured=(f"{SCALE} Means over trainings, 95% intervals over them in brackets.",) if pairs else (),
         not_asked=(NOT_RANKED, NO_FORMS.format("a trace")),
         notes=(*notes, *told),
@@ -125,3 +132,23 @@ def _paid(of: CellResults, folder: Path, payers: Mapping[str, InstalledReward]) 
         paid = {f"{REWARD}{label}": of.paid_by(payer) for label, payer in payers.items()}
     facts = LogFacts(path=path, format="trace")
     return f"cells/{of.cell.id}", in_memory(facts, {**told, START: told["step"] == 0, **paid})
+
+
+def audited(asked: Asked) -> Answered:
+    """An audit of an experiment: of an arm also what its rewards pay scripted movements; else of its recordings.
+
+    Raises:
+        UsageError: Recordings of random actions are named, and the experiment of an arm has its own.
+    """
+    results = load_results(asked.folder, told=Told(leave_out=asked.leave_out), registry=asked.registry)
+    if not isinstance(results, Traces):
+        return [audit_recordings(asked.folder, asked.random, asked.rewards, account=results.account)], ()
+    if asked.random is not None:
+        raise UsageError(f"--random does not go with '{asked.named}', whose own cells acted at random: leave it out")
+    audit = audit_experiment(results, asked.rewards)
+    scripted = dict.fromkeys(
+        f"{label}: {' '.join(payoffs.verdict)}"
+        for (_, _, label), payoffs in audits_of(results).items()
+        if label in audit.rewards
+    )
+    return [held_back(replace(audit, verdict=(*audit.verdict, *scripted)), results.account)], ()

@@ -10,7 +10,7 @@ from harness.eta import CANNOT_TELL
 from harness.eta.laws import Account, Missing, is_left_out
 from harness.eta.manner import ACTED_AT_RANDOM
 from harness.log.log import SUCCESS
-from harness.log.open_log import Found
+from harness.log.open_log import Found, find_logs
 from harness.registry import unknown_name
 from harness.results.logs.read_logs import account_of, facts_notes, read_trainings, require_comparable
 from harness.results.logs.results_of_logs import sort_found
@@ -28,6 +28,7 @@ from ..questions import (
     on_best,
     rank_success,
 )
+from ..subject import Answered, Asked
 from .earned import RANDOM, Earned, earned_in_episodes, earned_in_parts
 from .pair import MOST, pairs_in
 from .pair_grid import SCALE
@@ -237,3 +238,14 @@ def _earned(
             of = [run for run in evaluated if run.facts.acted == manner]
             final.append(earned(f"{manner} evaluations".lstrip(), of))
     return early, final
+
+
+def audited(asked: Asked) -> Answered:
+    """An audit of loose recordings; see `audit_recordings`."""
+    return [audit_recordings(asked.folder, asked.random, asked.rewards, asked.leave_out)], ()
+
+
+def audited_logs(asked: Asked) -> Answered:
+    """An audit of logs; see `audit_logs`."""
+    found = find_logs(asked.folder, asked.registry, asked.log_format)
+    return [audit_logs(asked.folder, found, asked.rewards, asked.sort, asked.leave_out)], ()

@@ -61,11 +61,11 @@ def policy_named(world: World, text: str) -> Beginning:
     return Beginning(f"policy {folder.name if folder.name != POLICY else folder.parent.name}", act=act)
 
 
-def of_folder(world: World, folder: Path) -> tuple[list[Beginning], str]:
+def of_folder(world: World, folder: Path) -> tuple[list[Beginning], list[str]]:
     """Policies of an experiment's finished cells that act in this world, and what recorded trainings have done.
 
     Returns:
-        They, and a line on those from which no search begins; empty if there are none.
+        They, and a line on those from which no search begins, if there are some.
 
     Raises:
         UsageError: There is nothing of that.
@@ -95,7 +95,8 @@ def of_folder(world: World, folder: Path) -> tuple[list[Beginning], str]:
             f"{left_out or 'nothing'}. Name the folder of an experiment, or of trainings that harness.RecordRewards "
             "recorded, in the same environment or task"
         )
-    return found, left_out and f"Of the policies and recorded trainings in '{folder}' the search leaves out {left_out}."
+    told = f"Of the policies and recorded trainings in '{folder}' the search leaves out {left_out}."
+    return found, [told] * bool(left_out)
 
 
 def acting(world: World, policy: Policy) -> Act:
@@ -149,10 +150,11 @@ def _of_recording(world: World, path: Path) -> list[Beginning]:
         UsageError: It does not hold its actions, or they are none of this world.
     """
     log = read_recording(path)
-    actions = facts_of(log).actions
-    if actions is None or actions.problem:  # from there on only zeros are noted
-        raise UsageError(actions.problem if actions else "it does not hold its actions")
-    reward, success = f"{REWARD}{facts_of(log).trained_with}", f"{BEHAVIOUR}{SUCCESS}"
+    facts = facts_of(log)
+    problem = facts.actions.problem if facts.actions else "it does not hold its actions"
+    if problem:  # from there on only zeros are noted
+        raise UsageError(problem)
+    reward, success = f"{REWARD}{facts.trained_with}", f"{BEHAVIOUR}{SUCCESS}"
     rows = log.rows([ACTION, "env", "episode", reward, *([success] if success in log else [])])
     order = np.lexsort((rows["episode"], rows["env"]))  # steps of an episode stay in their order
     keys = np.stack([rows["env"], rows["episode"]])[:, order]

@@ -89,7 +89,7 @@ def find_in(
     for folder in asked.folders:
         found, left_out = of_folder(world, folder)
         begun += found
-        told += [left_out] if left_out else []
+        told += left_out
     searched = search(world, starts, asked.budget, asked.seed, begun)
     judged = judge(searched, world, cache(lambda of: _walks(world, of, searched.rates)))
     rng, rates = np.random.default_rng([asked.seed, asked.budget]), searched.rates

@@ -17,7 +17,7 @@ from harness.experiment.provenance import describe_machine, versions_behind
 from harness.files.plain import Plain
 from harness.recorder.column import source_of
 from harness.recorder.env_facts import Columns, versions_of
-from harness.registry import Choice, Registry, choose, source_hash, split_list
+from harness.registry import Choice, Registry, choose, source_hash
 from harness.registry.spec import blamed_on
 from harness.robot.robot import load_robot
 from harness.task import choose_task
@@ -94,14 +94,14 @@ def places_on_task(
 
 
 def places_in_environment(
-    registry: Registry, environment: Choice, rewards: str | None, gamma: float, success: str = ""
+    registry: Registry, environment: Choice, rewards: Sequence[str], gamma: float, success: str = ""
 ) -> list[Place]:
     """A place for each reward of an environment, of those that are named, or of all.
 
     Args:
         registry: The plugins.
         environment: The environment.
-        rewards: Which of its rewards, ``hover,hover:effort=2``; None for all.
+        rewards: Which of its rewards, ``hover``, ``hover:effort=2``; all if empty.
         gamma: The learner's discount per step.
         success: What tells success, as a user types it; empty to find a measure that does.
 
@@ -109,8 +109,7 @@ def places_in_environment(
         UsageError: A name is not known.
     """
     looked = look_at(environment, registry)
-    names = split_list(rewards) if rewards else looked.rewards
-    choices = dict.fromkeys(looked.rewards_asked(name, ())[0] for name in names)
+    choices = dict.fromkeys(looked.rewards_asked(name, ())[0] for name in rewards or looked.rewards)
     return [Place(environment, it, success=success, gamma=gamma, plugins=needs_of(registry)) for it in choices]
 
 
@@ -168,10 +167,22 @@ def world_at(place: Place, registry: Registry) -> World:
             return EnvironmentWorld(
                 environment.make, columns, place.name, chosen.label, place.gamma, place.success, place.horizon or None
             )
-    engine = place.simulator.build(registry, "simulators") if place.simulator else IdealSimulator()
-    reward, task = chosen.build(registry, "rewards"), place.task.build(registry, "tasks")
-    arm = Arm(engine, load_robot(place.robot, registry), task, reward)
-    return ArmWorld(arm, place.name, chosen.label, place.gamma)
+    return ArmWorld(arm_at(place, registry), place.name, chosen.label, place.gamma)
+
+
+def arm_at(place: Place, registry: Registry) -> Arm:
+    """What the simulator of an arm's place is opened with.
+
+    Raises:
+        UsageError: A name in it is not known.
+        PluginError: A plugin behind a name is broken.
+    """
+    return Arm(
+        place.simulator.build(registry, "simulators") if place.simulator else IdealSimulator(),
+        load_robot(place.robot, registry),
+        place.task.build(registry, "tasks"),
+        place.reward.build(registry, "rewards"),
+    )
 
 
 def runs_on(place: Place, registry: Registry) -> dict[str, dict[str, Any]]:

@@ -72,11 +72,13 @@ def search(
         climbing = evolve(evolution, budget - (world.taken - begun))
     searched = how != (TABLE,)
     typical, later = np.median(paid, axis=0).tolist(), np.median(discounted, axis=0).tolist()
+    plain, after = (
+        [of.three(at, usual, searched) for of, at, usual in zip(bests, starts, usually, strict=True)]
+        for bests, usually in ((kept.plain, typical), (kept.discounted, later))
+    )
     return Searched(
-        plain=[of.three(at, usual, searched) for of, at, usual in zip(kept.plain, starts, typical, strict=True)],
-        discounted=[
-            of.three(at, usual, searched) for of, at, usual in zip(kept.discounted, starts, later, strict=True)
-        ],
+        plain=plain,
+        discounted=after,
         typical=typical,
         typical_discounted=later,
         successes=kept.successes,

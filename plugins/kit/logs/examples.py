@@ -17,6 +17,7 @@ from harness.log import Log, LogFacts, LogFormat, Rows
 from harness.log.facts import Unit
 from harness.log.format import HEAD
 from harness.log.log import BEHAVIOUR
+from harness.reward.steps import ENDS
 
 from ..contract import require
 
@@ -55,7 +56,7 @@ def require_counts(rows: Rows, env: str) -> None:
 
 def require_ends(rows: Rows, env: str) -> None:
     """See that episodes of one env end where it is said; of a log with both ends, that it is said where they end."""
-    told = [rows[name].astype(bool) for name in ("terminated", "truncated") if name in rows.columns]
+    told = [rows[name].astype(bool) for name in ENDS if name in rows.columns]
     if not told:
         return
     ended, goes_on = np.any(told, axis=0)[:-1], np.diff(rows["episode"].astype(int)) == 0

@@ -177,7 +177,7 @@ def test_every_door_pays_alike(tmp_path):
         world.space.seed(3)
         shown = world.show(5, np.array([world.space.sample() for _ in range(40)]))
     assert_array_equal(shown.paid, live["reward/name"][: len(shown.paid)])
-    audit = audit_environment(task, REGISTRY, "aarp,arp:k2=3", None, 0.9, 1)
+    audit = audit_environment(task, REGISTRY, ["aarp", "arp:k2=3"], None, 0.9, 1)
     assert audit.rewards == ("own", "aarp", "arp:k2=3")
 
 

@@ -14,11 +14,11 @@ from harness.env.vector_env import World as Arm
 from harness.reach import ReachTask
 from harness.recorder.env_facts import Columns
 from harness.reward.terms import Unpaid
+from harness_plugins.audit.audit import finding_parts
 from harness_plugins.audit.search.arm_world import ArmWorld
 from harness_plugins.audit.search.beginnings import of_folder, policy_named
 from harness_plugins.audit.search.environment_world import of_env
 from harness_plugins.audit.search.find import Search, find_in
-from harness_plugins.audit.search.finding_grid import finding_parts
 from harness_plugins.kit import IdealSimulator
 from tests.plugins.audit.search.test_arm_world import ROBOT
 from tests.plugins.audit.search.test_environment_world import LENGTH, Dock
@@ -117,7 +117,7 @@ def test_recorded_trainings_tell_what_was_done(tmp_path):
     begun, left_out = of_folder(docks(), tmp_path)
     best, latest = np.argsort(-np.array(paid))[:8], np.arange(39, 31, -1)
     expected = list(dict.fromkeys([*best.tolist(), *latest.tolist()]))
-    assert (kinds(begun), left_out) == (["recorded training"], "")
+    assert (kinds(begun), left_out) == (["recorded training"], [])
     assert_array_equal([it.actions[0] for it in begun], [done[number] for number in expected])
 
 

@@ -340,5 +340,5 @@ def test_an_environment_of_a_plugin():
     """By its name, with the limit that its id says."""
     registry = load_registry()
     task = choose(registry, "environments", "gymnasium:id=Pendulum-v1")
-    world = world_at(places_in_environment(registry, task, "own", 0.99)[0], registry)
+    world = world_at(places_in_environment(registry, task, ["own"], 0.99)[0], registry)
     assert (world.name, world.reward, world.horizon) == (task.label, "own", 200)

@@ -51,7 +51,7 @@ def found_at(place, registry, seed=5, start=7):
 
 def in_environment(name, reward, registry, gamma=0.99):
     """A place in an environment."""
-    return places_in_environment(registry, choose(registry, "environments", name), reward, gamma)[0]
+    return places_in_environment(registry, choose(registry, "environments", name), [reward], gamma)[0]
 
 
 def left(folder, places, registry):
