@@ -43,7 +43,7 @@ def test_each_ratio_has_a_point_and_its_interval(build, drawn):
 def test_overview_says_once_what_is_shared(build, drawn):
     """And for each row what is not; a row is never without a name."""
     told, _ = drawn(build(simulators=("mujoco", "pybullet")))
-    shared = "sac · fd100 · fd100-reach · arp · against baseline · 40 steps, evaluated deterministically"
+    shared = "sac · fd100 · fd100-reach · arp · against baseline · 40 steps"
     assert "".join(told[1:3]).replace(" ", "").startswith(shared.replace(" ", ""))
     assert {"mujoco", "pybullet"} <= set(told)
     assert "arp" in drawn(build())[0]
