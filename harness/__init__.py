@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 else:
     __all__, __getattr__ = face_of(__name__, __file__)
 
-__version__ = "0.3.0"
+__version__ = "0.4.0"
 
 
 def _register_envs(gymnasium: Any) -> None:
