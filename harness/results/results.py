@@ -451,7 +451,7 @@ def _data_frame(table: pa.Table, asked: str) -> Any:
     return table.to_pandas()
 
 
-@tells("looks=terms.looks", "open", "most_trainings_left=most_left")
+@tells("looks=terms.looks", "next_look", "open", "most_trainings_left=most_left")
 @dataclass(frozen=True, eq=False)
 class Standing(Plain):
     """How an experiment with looks stands.
@@ -481,6 +481,11 @@ class Standing(Plain):
         return min((self.seen.complete(reward) for reward in self.open), default=len(self.terms.looks))
 
     @property
+    def next_look(self) -> int:
+        """The same, counted from 1."""
+        return self.look + 1
+
+    @property
     def next(self) -> list[Cell]:
         """The cells of the next look, and of those before it, that an answer waits for."""
         return [] if self.is_over else self.seen.cells_of(self.open, min(self.look, len(self.terms.looks) - 1))
@@ -508,10 +513,6 @@ class Standing(Plain):
         decided = others - len(self.open[1:]) - len(self.unanswered)
         unanswered = f", {len(self.unanswered)} without an answer (all looks are used)" if self.unanswered else ""
         return f"{decided} of {others} decided{unanswered}{left}"
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        return {**super().to_json(), "next_look": self.look + 1}
 
 
 def standing_of(results: Results) -> Standing | Choosing | None:
