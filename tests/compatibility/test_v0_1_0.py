@@ -8,7 +8,8 @@
     harness score v0.1.0 --reward dense --all --json > score.json
 
 ``report.json`` was made by ``harness report v0.1.0 --json`` after the statistics had changed: indices, etas, both paths
-of their split and the means of all measures stayed as they were, intervals and p-values did not.
+of their split and the means of all measures stayed as they were, intervals and p-values did not. From 0.4.0 on a mean
+is told as ``value``.
 """
 
 import json
