@@ -98,7 +98,7 @@ def report(
         if len(folders) > 1:
             raise UsageError("One data set is reported at a time: name it alone")
         require_fit(context, inputs.DATASET)
-        return _audit(folders[0], as_json, html, labels, fail_on)
+        return _audit(context, folders[0], as_json, html, labels, fail_on)
     from harness.registry.given import read_given
     from harness.results.load import load_results
 
@@ -136,13 +136,15 @@ def report(
     return status_of(named, said, 1 if left_out else 0)
 
 
-def _audit(dataset: Path, as_json: bool, html: Path | None, labels: Path | None, fail_on: Names) -> int:
+def _audit(
+    context: typer.Context, dataset: Path, as_json: bool, html: Path | None, labels: Path | None, fail_on: Names
+) -> int:
     """What the own rewards of a data set say: the command that answers it for any rewards answers it for these."""
     from harness.cli.commands import KIND
     from harness.registry.registry import load_registry
 
     audit: Callable[..., int] = load_registry().get(KIND, "audit").load()
-    return audit(str(dataset), as_json=as_json, html=html, labels=labels, fail_on=fail_on)
+    return audit(context, str(dataset), as_json=as_json, html=html, labels=labels, fail_on=fail_on)
 
 
 def _show_records(records: Records, folders: Sequence[Path], as_json: bool, beside: Sequence[str]) -> int:

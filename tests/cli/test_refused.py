@@ -178,7 +178,7 @@ AMONG = {
         "--reward arp": "--places end_effector=0:3,target=3:6",
         "--reward arp --places end_effector=0:3,target=4:7": "beyond the 6 numbers",
         "--sim mujoco": "--sim does not go with a data set",
-        "--success won": "it has success",
+        "--success won": "It has: success",
         "--success sucess": "Did you mean 'success'?",
         "--success 'success>x'": "write KEY, or KEY>0.5",
         "--labels base/0.csv": "it needs episode and success",
