@@ -1,5 +1,6 @@
 """Observations and actions of policies in somebody's environment: flat numbers in, a box or a choice out."""
 
+import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -43,6 +44,8 @@ def rows_of(space: gymnasium.Space[Any]) -> Rows:
                 sum(rows.size for _, rows in parts),
                 lambda seen: np.concatenate([rows.of(seen[key]) for key, rows in parts]),
             )
+    if isinstance(space, Box):  # asked in every step: `flatten` looks for a function of the space each time
+        return Rows(math.prod(space.shape), lambda seen: np.asarray(seen, space.dtype).flatten())
     try:
         size = 0 if isinstance(space, Text) else flatdim(space)
     except (NotImplementedError, ValueError):
