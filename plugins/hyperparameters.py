@@ -8,6 +8,8 @@ from pydantic import Field
 
 MOST_ENVS = 10_000
 """The most environments of a training. All are in memory, and no algorithm here learns better from more."""
+TOLD_EVERY, SCALARS_EVERY = 100, 1000
+"""Environment steps from one report of progress, or of scalars, to the next."""
 
 IN_ENVIRONMENTS: Mapping[str, Any] = MappingProxyType({"gamma": 0.99})
 """Defaults in other people's environments: the discount that the field uses there.

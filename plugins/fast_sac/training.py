@@ -13,7 +13,7 @@ from harness.authoring import pack_generator, restore_generator
 from harness.policy import SquashedGaussian
 from harness.progress import Progress, Ring, TrainingState, as_state, under
 
-from ..sb3 import SCALARS_EVERY, TOLD_EVERY
+from ..hyperparameters import SCALARS_EVERY, TOLD_EVERY
 from ..soft_actor_critic import SoftActorCritic
 from .network import Networks, Room, backward, count_parameters, draw_weights, forward, networks_in, product
 

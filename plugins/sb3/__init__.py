@@ -17,7 +17,5 @@ if TYPE_CHECKING:
 else:
     __all__, __getattr__ = face_of(__name__, __file__)
 
-TOLD_EVERY, SCALARS_EVERY = 100, 1000
-"""Environment steps from one report of progress, or of scalars, to the next, in the built-in algorithms."""
 SOURCES = ("harness_plugins.sb3", "harness_plugins.torch_state")
 """The modules that the algorithms use besides their own. They count in the algorithms' hash."""

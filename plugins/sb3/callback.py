@@ -10,7 +10,7 @@ from harness.algorithm import TrainingEnv
 from harness.policy import Policy
 from harness.progress import Progress, TrainingState, as_state, under
 
-from . import SCALARS_EVERY, TOLD_EVERY
+from ..hyperparameters import SCALARS_EVERY, TOLD_EVERY
 from .state import can_be_packed, pack_model, restore_logged
 
 NAMES = {
