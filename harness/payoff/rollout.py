@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import chdir, closing
 from dataclasses import asdict, dataclass
 from functools import cached_property
+from itertools import islice
 from types import MappingProxyType
 from typing import Any, NamedTuple, TypeAlias
 
@@ -191,14 +192,23 @@ class Rollout:
 def record_rollouts(
     simulator: Simulator, robot: Robot, task: Task, episodes: int, noise: float = 0.0
 ) -> tuple[Rollout, ...]:
-    """One rollout of each of `SCRIPTS`, in their order; starts and targets are those of every evaluation.
+    """One rollout of each of `SCRIPTS`; see `rollouts_by_noise`."""
+    return rollouts_by_noise(simulator, robot, task, episodes, (noise,))[0]
+
+
+def rollouts_by_noise(
+    simulator: Simulator, robot: Robot, task: Task, episodes: int, noises: Sequence[float]
+) -> list[tuple[Rollout, ...]]:
+    """For each noise, one rollout of each of `SCRIPTS`, in their order, which are planned once.
+
+    Starts and targets are those of every evaluation.
 
     Args:
         simulator: Moves the arms.
         robot: The arm.
         task: What it has to do.
         episodes: Of each script.
-        noise: The standard deviation of what is added to every action, before it is clipped to [-1, 1].
+        noises: Standard deviations of what is added to every action, before it is clipped to [-1, 1].
 
     Raises:
         UsageError: The robot cannot do the task; a `NoScriptsError` if only the scripts cannot.
@@ -219,17 +229,18 @@ def record_rollouts(
             env.reset(seed=EVALUATION_SEED)
             begun.append((env.simulation.read().qpos.copy(), env.episodes.target.copy()))
     start, target = map(np.concatenate, zip(*begun, strict=True))
-    planned, found = list[Float32](), list[list[States]]()
+    planned = list[tuple[Float32, Float32]]()
     for script in SCRIPTS:
         rng = np.random.default_rng([EVALUATION_SEED, 2])
         actions = plan_actions(script, robot, task, start, target, rng)
-        if noise:
-            actions = np.clip(actions + noise * rng.standard_normal(actions.shape, np.float32), -1.0, 1.0)
-        planned.append(actions)
+        planned.append((actions, rng.standard_normal(actions.shape, np.float32)))
+    disturbed = [np.clip(of + noise * by, -1.0, 1.0) if noise else of for noise in noises for of, by in planned]
+    found = list[list[States]]()
     for batch in parts:
         with closing(world.open_part(batch)) as env:
-            found.append([_record(env, actions[:, batch], parts[1:]) for actions in planned])
-    return tuple(map(_joined, SCRIPTS, zip(*found, strict=True)))
+            found.append([_record(env, actions[:, batch], parts[1:]) for actions in disturbed])
+    each = map(_joined, SCRIPTS * len(noises), zip(*found, strict=True))
+    return [tuple(islice(each, len(SCRIPTS))) for _ in noises]
 
 
 def _record(env: ReachVectorEnv, actions: Float32, others: Sequence[slice]) -> States:

@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 
 from harness.errors import UsageError
-from harness.eta import line_of
 from harness.log.log import SUCCESS
 from harness.payoff.rollout import (
     CREEP,
@@ -21,7 +20,7 @@ from harness.payoff.rollout import (
     finishing_of,
     on_finishing,
     on_terms,
-    record_rollouts,
+    rollouts_by_noise,
     score_rollout,
     under_noise,
 )
@@ -118,16 +117,10 @@ def audit_reward(
     paid = Paid(  # without the events, which the task pays under either
         {who: np.concatenate([of.values[of.rollout.running] for of in each]) for who, each in by_name.items()},
         {who: np.concatenate([discounted_sum(of.values, 1.0) for of in each]) for who, each in by_name.items()},
-        {},
+        can_end=any(it.reached.any() for it in rollouts),
     )
-    can_end = any(it.reached.any() for it in rollouts)
-    pair = pair_of(
-        other,
-        name,
-        [compare_paid(paid, other, name)],
-        [line_of(paid.steps[other], paid.steps[name], can_end=can_end)],
-        forms=[compare_forms(other, forms[other], name, forms[name])],
-    )
+    apart = compare_forms(other, forms[other], name, forms[name])
+    pair = pair_of(other, name, [compare_paid(paid, other, name)], [apart])
     return Audit(
         title=name,
         setting=(setting,) if setting else (),
@@ -180,9 +173,7 @@ def audited(asked: Asked) -> Answered:
     arm = arm_at(at, registry)
     label = at.simulator.label if at.simulator else "no simulator: joints move exactly as commanded"
     try:
-        rollouts, disturbed = (
-            record_rollouts(arm.simulator, arm.robot, arm.task, episodes, noise) for noise in (0.0, NOISES[-1])
-        )
+        rollouts, disturbed = rollouts_by_noise(arm.simulator, arm.robot, arm.task, episodes, (0.0, NOISES[-1]))
     except NoScriptsError as error:
         if asked.search is None:
             raise

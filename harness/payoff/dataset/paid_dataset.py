@@ -2,7 +2,7 @@
 
 import hashlib
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -33,6 +33,7 @@ from harness.payoff.dataset.rewards import Recorded
 from harness.payoff.dataset.steps import Movement, Payer, seen_after, steps_by_episode
 from harness.record.dataset.labels import FAILURE, SUCCESS, UNKNOWN
 from harness.record.dataset.open_dataset import MOST_EPISODES, DatasetFacts, dataset_facts
+from harness.reward import Paid
 from harness.reward.reward import LARGEST_PAID
 from harness.reward.steps import ENDS
 
@@ -287,8 +288,7 @@ class _Kept:
 
     def __init__(self, rewards: Mapping[str, Payer]) -> None:
         self._rewards = rewards
-        self._paid: dict[str, list[Float]] = {name: [] for name in rewards}
-        self._terms: dict[str, dict[str, list[Float]]] = {name: {} for name in rewards}
+        self._paid: dict[str, list[Paid]] = {name: [] for name in rewards}
         self._failed: dict[str, str] = {}
         self._odd: dict[str, str] = {}
         self._lost: dict[str, set[int]] = {name: set() for name in rewards}
@@ -317,7 +317,6 @@ class _Kept:
         return seen_after(rows)
 
     def _pay(self, name: str, reward: Payer, rows: Rows, episode: _Episode) -> None:
-        whole, terms = np.full(len(rows), np.nan), self._terms[name]
         try:
             found = reward(rows)
             paid = np.asarray(found.total, np.float64)
@@ -334,15 +333,9 @@ class _Kept:
             told = f"it pays a number that is not finite, or beyond {LARGEST_PAID:g}"
             self._odd.setdefault(name, f"episode {episode.number}: ValueError: {told}")
             self._lost[name].add(len(self.episodes) - 1)
-        whole[: len(paid)] = np.where(fits, paid, np.nan)
-        for term, values in found.terms.items():
-            before = [np.full_like(part, np.nan) for part in self._paid[name]]  # in which it told no terms
-            of_rows = np.full(len(rows), np.nan)
-            of_rows[: len(paid)] = np.where(fits, values, np.nan)
-            terms.setdefault(term, before).append(of_rows)
-        self._paid[name].append(whole)
-        for parts in terms.values():
-            parts.extend([whole] * (len(self._paid[name]) - len(parts)))
+        rest = np.full(len(rows) - len(paid), np.nan)
+        total, *terms = (np.append(np.where(fits, of, np.nan), rest) for of in (paid, *found.terms.values()))
+        self._paid[name].append(Paid(total, dict(zip(found.terms, terms, strict=True))))
 
     def end(self, facts: DatasetFacts, moved: Float, labels: Labels | None) -> PaidDataset:
         """All of them, without what is left out."""
@@ -352,16 +345,25 @@ class _Kept:
             success = labels.of(self.episodes)
             shown_last = success == SUCCESS  # nobody says by which step
         chosen, notes = _choose(self.episodes, success, facts.pictures_left_out)
-        paid = {name: np.concatenate(parts) for name, parts in self._paid.items() if name not in self._failed}
-        nothing = {name: np.logical_and.reduceat(np.isnan(values), begins[:-1]) for name, values in paid.items()}
-        lost = {name: of | np.isin(np.arange(len(of)), [*self._lost[name]]) for name, of in nothing.items()}
         steps = np.repeat(chosen, np.diff(begins))
         members = [it for it, stays in zip(self.episodes, chosen, strict=True) if stays]
-        found = PaidDataset(
+        failed, lost, paid = {**self._failed}, dict[str, Mask](), dict[str, Paid]()
+        for name, parts in self._paid.items():
+            if name in self._failed:
+                continue
+            whole = _joined_pay(parts)
+            nothing = np.logical_and.reduceat(np.isnan(whole.total), begins[:-1])
+            gone = (nothing | np.isin(np.arange(len(nothing)), [*self._lost[name]]))[chosen]
+            if gone.all():
+                failed[name] = self._odd[name]
+            else:
+                lost[name] = gone
+                paid[name] = Paid(whole.total[steps], {term: of[steps] for term, of in whole.terms.items()})
+        return PaidDataset(
             facts,
-            {name: values[steps] for name, values in paid.items()},
-            self._failed,
-            {name: of[chosen] for name, of in lost.items()},
+            {name: of.total for name, of in paid.items()},
+            failed,
+            lost,
             moved[steps],
             np.concatenate([[0], np.cumsum(np.diff(begins)[chosen])]).astype(np.int64),
             np.array([it.number for it in members], np.int64),
@@ -374,19 +376,15 @@ class _Kept:
             frozenset(it.number for it in self.episodes),
             notes,
             facts.told_by if labels is None else RECORDED if labels.above is not None else "",
-            {
-                name: {term: np.concatenate(parts)[steps] for term, parts in of.items()}
-                for name, of in self._terms.items()
-                if of and name not in self._failed
-            },
+            {name: of.terms for name, of in paid.items() if of.terms},
         )
-        without = {name for name, lost in found.lost.items() if lost.all()}
-        return replace(
-            found,
-            paid={name: values for name, values in found.paid.items() if name not in without},
-            terms={name: of for name, of in found.terms.items() if name not in without},
-            failed={**self._failed, **{name: self._odd[name] for name in found.paid if name in without}},
-        )
+
+
+def _joined_pay(parts: Sequence[Paid]) -> Paid:
+    """What a reward paid in all parts; NaN for a term in those in which it was told of none."""
+    names = dict.fromkeys(name for of in parts for name in of.terms)
+    each = {name: [of.terms.get(name, np.full_like(of.total, np.nan)) for of in parts] for name in names}
+    return Paid(np.concatenate([of.total for of in parts]), {name: np.concatenate(of) for name, of in each.items()})
 
 
 def _told_of(told: Float, begins: Ints) -> tuple[NDArray[np.int8], Mask]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float, Ints, Mask
 from harness.errors import UsageError
-from harness.eta import CANNOT_TELL, auc_of, line_of
+from harness.eta import CANNOT_TELL, auc_of
 from harness.eta.auc import Auc, share_of
 from harness.eta.rescaling import rounded
 from harness.log import Log
@@ -347,15 +347,12 @@ def _wrong(returns: Float, success: Mask, known: Mask, tasks: Ints) -> int:
 
 def _most_wrong(paid: PaidDataset, name: str, known: Mask, tasks: Ints) -> tuple[WrongPair, ...]:
     """The worst paid success of a task beside its best paid failure, the next worst beside the next best, and so on."""
-    returns = paid.returns[name]
-    success = paid.succeeded
-    found = []
+    returns, found = paid.returns[name], list[tuple[int, int]]()
+    low, high = (np.argsort(of, kind="stable") for of in (returns, -returns))
     for task in np.unique(tasks[known]):
         here = known & (tasks == task)
-        low = np.flatnonzero(here & success)
-        high = np.flatnonzero(here & ~success)
-        low, high = low[np.argsort(returns[low], kind="stable")], high[np.argsort(-returns[high], kind="stable")]
-        found += list(zip(low[:MOST_PAIRS].tolist(), high[:MOST_PAIRS].tolist(), strict=False))
+        of_task = low[(here & paid.succeeded)[low]], high[(here & ~paid.succeeded)[high]]
+        found += zip(*(it[:MOST_PAIRS].tolist() for it in of_task), strict=False)
     worst = sorted(found, key=lambda pair: returns[pair[0]] - returns[pair[1]])[:MOST_PAIRS]
     steps, told = np.nan_to_num(paid.paid[name]), []
     for one, other in worst:
@@ -389,18 +386,13 @@ def _pairs(paid: PaidDataset, groups: Ints) -> tuple[Pair, ...]:
     members = [((part == number) & whole, (step_part == number) & common) for number in np.unique(part[whole])]
     blocks = [
         Paid(
-            {name: paid.paid[name][steps] for name in names}, {name: paid.returns[name][it] for name in names}, {}
+            {name: paid.paid[name][steps] for name in names}, {name: paid.returns[name][it] for name in names}
         )
         for it, steps in (members if len(names) > 1 else ())
         if steps.any()
     ]  # fmt: skip
     return tuple(
-        pair_of(
-            one,
-            other,
-            [compare_paid(block, one, other) for block in blocks],
-            [line_of(block.steps[one], block.steps[other]) for block in blocks],
-        )
+        pair_of(one, other, [compare_paid(block, one, other) for block in blocks])
         for one, other in combinations(names, 2)
     )
 

@@ -25,7 +25,7 @@ from ..audit import Audit
 from ..questions import NO_FORMS, NOT_RANKED, on_best
 from ..subject import Answered, Asked
 from .earned import RANDOM, Earned, earned_in_episodes, earned_in_parts
-from .pair import MOST, pairs_in
+from .pair import pairs_in
 from .pair_grid import SCALE
 from .recordings import audit_recordings, chosen_rewards, held_back, title_of
 
@@ -56,7 +56,7 @@ def audit_experiment(results: Traces, only: Sequence[str]) -> Audit:
     earned = [row for cells in groups for row in _earned(results, cells, payers, rewards, measures)]
     folders = {cell: results.store.cell_folder(cell) for cell in results.done_cells}
     paid = (_paid(results.run(cell), folder, payers) for cell, folder in folders.items())
-    pairs, told = pairs_in(paid, tuple(payers), most=MOST)
+    pairs, told = pairs_in(paid, tuple(payers), shows_steps=True)
     count = len(results.done_cells)
     return Audit(
         title=title_of(f"'{results.folder}'", count_text(count, "training"), rewards),
@@ -108,7 +108,7 @@ def _earned(
         count = len(next(iter(floor.values())))
         at_random = earned_in_episodes(f"{RANDOM}{where}", [Episodes(np.arange(count), floor, {}, {})], rewards, ())
         showed = earned_in_parts("", [Part(count, {}, values, {})], (), measures).measures
-        yield Earned(at_random.behaviour, count, at_random.returns, showed)
+        yield replace(at_random, measures=showed)
     for label in dict.fromkeys(cell.reward.label for cell in cells):
         parts = [_part(results.run(cell), payers) for cell in cells if cell.reward.label == label]
         yield earned_in_parts(f"trained with {label}, evaluations{where}", parts, rewards, measures)

@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import combinations
 from typing import Any
 
@@ -30,11 +30,13 @@ class Paid:
         steps: By reward, what it pays for each step, (steps,), finite; only rewards that are known in every step.
         returns: By reward, its sum over each finished episode, (episodes,).
         unknown: By reward that is not known in every step: why.
+        can_end: Whether an episode among them ended before its time, terminated.
     """
 
     steps: Mapping[str, Float]
     returns: Mapping[str, Float]
-    unknown: Mapping[str, str]
+    unknown: Mapping[str, str] = field(default_factory=dict)
+    can_end: bool = False
 
 
 def paid_in(log: Log) -> Paid:
@@ -52,7 +54,8 @@ def paid_in(log: Log) -> Paid:
             unknown[name] = episodes.reasons.get(f"{REWARD}{name}", NOT_KNOWN)
     known = [name for name in pays if name not in unknown]
     of_steps = {name: pays[name] for name in known} if log.facts.unit == "step" else {}
-    return Paid(of_steps, {name: episodes.returns[name] for name in known}, unknown)
+    can_end = "terminated" in log and bool(log["terminated"].any())
+    return Paid(of_steps, {name: episodes.returns[name] for name in known}, unknown, can_end)
 
 
 @tells(*MEANS[:-1])
@@ -66,18 +69,23 @@ class Apart:
         returns: The same of the returns of finished episodes; None also below two of them.
         discordant: Share of the pairs of episodes that the two put in opposite orders, of those that both tell apart.
         told_apart: Share of all pairs of episodes that both tell apart; None below two episodes.
+        lines: The line of what they paid for each step; empty where no steps were kept.
+        largest: The steps that they pay most differently; empty where they were not looked for.
     """
 
     steps: float | None
     returns: float | None
     discordant: float | None
     told_apart: float | None
+    lines: Sequence[PayLine | None] = ()
+    largest: Sequence["StepApart"] = ()
 
 
 def compare_paid(paid: Paid, one: str, other: str) -> Apart:
     """How far apart two rewards are, both known in `paid`."""
     steps, returns = (_pearson(of, one, other) for of in (paid.steps, paid.returns))
-    return Apart(steps, returns, *_order(paid.returns, one, other))
+    lines = [line_of(paid.steps[one], paid.steps[other], can_end=paid.can_end)] if one in paid.steps else []
+    return Apart(steps, returns, *_order(paid.returns, one, other), lines)
 
 
 def _pearson(values: Mapping[str, Float], one: str, other: str) -> float | None:
@@ -222,8 +230,6 @@ def pair_of(
     one: str,
     other: str,
     each: Sequence[Apart],
-    lines: Sequence[PayLine | None],
-    largest: Sequence[StepApart] = (),
     forms: Sequence[Mapping[str, Distance]] = (),
 ) -> Pair:
     """The means, with intervals over recordings or measurements.
@@ -232,10 +238,9 @@ def pair_of(
         one: A reward.
         other: Another one.
         each: How far apart they are, by recording or measurement.
-        lines: The line of what they paid, in the same order.
-        largest: See `Pair`.
-        forms: How far apart they are by canonical form, by measurement.
+        forms: The same by canonical form, by measurement.
     """
+    largest = sorted((step for it in each for step in it.largest), key=lambda step: -step.difference)
     known = {form: [it[form] for it in forms] for form in (forms[0] if forms else ())}
     means = {form: mean_within([it if isinstance(it, float) else None for it in of]) for form, of in known.items()}
     told = [(form, why) for it in reversed(forms) for form, why in it.items() if isinstance(why, str)]
@@ -244,8 +249,8 @@ def pair_of(
         other,
         **{name: mean_within([getattr(it, name) for it in each]) for name in MEANS},
         each=tuple(each),
-        rescaling=rescaling_of(lines),
-        largest=tuple(largest),
+        rescaling=rescaling_of([line for it in each for line in it.lines]),
+        largest=tuple(largest[:MOST]),
         forms=means,
         reasons={form: why for form, why in told if means[form].value is None},
     )
@@ -255,7 +260,7 @@ def pairs_in(
     compared: Iterable[tuple[str, Log]],
     rewards: tuple[str, ...],
     forms: Sequence[Mapping[str, Mapping[str, Form]]] = (),
-    most: int = 0,
+    shows_steps: bool = False,
 ) -> tuple[tuple[Pair, ...], list[str]]:
     """Every two rewards beside one another, and a line for each reward that is not known everywhere.
 
@@ -263,11 +268,9 @@ def pairs_in(
         compared: What means are over, by name.
         rewards: Names.
         forms: By measurement and name, the rewards in canonical forms.
-        most: So many steps are told that the two pay most differently.
+        shows_steps: Whether the steps are told that the two pay most differently.
     """
-    found: dict[tuple[str, str], tuple[list[Apart], list[PayLine | None], list[StepApart]]] = {
-        pair: ([], [], []) for pair in combinations(rewards, 2)
-    }
+    found = {pair: list[Apart]() for pair in combinations(rewards, 2)}
     notes, lacking = list[str](), Counter[str]()
     count = 0
     for name, whole in compared if found else ():
@@ -276,24 +279,19 @@ def pairs_in(
         numbers = [*(f"{REWARD}{name}" for name in log.rewards), *(f"{BEHAVIOUR}{name}" for name in log.measures)]
         log = log.load([*EPISODES, "step", *numbers])
         paid = paid_in(log)
-        can_end = "terminated" in log and bool(log["terminated"].any())
         unknown = {it: why for it, why in paid.unknown.items() if it in rewards}
         notes += [f"'{name}' does not count for reward {it!r}: {why}" for it, why in unknown.items()]
         lacking.update(it for it in rewards if it not in paid.returns and it not in unknown)
-        for (one, other), (each, lines, largest) in found.items():
+        for (one, other), each in found.items():
             if {one, other} <= paid.returns.keys():
-                each.append(compare_paid(paid, one, other))
-            if {one, other} <= paid.steps.keys():
-                lines.append(line_of(paid.steps[one], paid.steps[other], can_end=can_end))
-                known = [*largest, *(steps_apart(name, log, one, other) if most else ())]
-                largest[:] = sorted(known, key=lambda step: -step.difference)[:most]
+                apart = compare_paid(paid, one, other)
+                shown = steps_apart(name, log, one, other) if shows_steps and apart.lines else ()
+                each.append(replace(apart, largest=shown))
     notes += [f"{number:,} of {count:,} did not record reward {name!r}" for name, number in lacking.items()]
-    notes += [
-        f"No recording knows both {one!r} and {other!r}" for (one, other), (each, *_) in found.items() if not each
-    ]
+    notes += [f"No recording knows both {one!r} and {other!r}" for (one, other), each in found.items() if not each]
     return tuple(
-        pair_of(one, other, *of, [compare_forms(one, it[one], other, it[other]) for it in forms])
-        for (one, other), of in found.items()
+        pair_of(one, other, each, [compare_forms(one, it[one], other, it[other]) for it in forms])
+        for (one, other), each in found.items()
     ), notes
 
 

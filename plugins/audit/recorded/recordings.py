@@ -30,7 +30,7 @@ from ..questions import (
 )
 from ..subject import Answered, Asked
 from .earned import RANDOM, Earned, earned_in_episodes, earned_in_parts
-from .pair import MOST, pairs_in
+from .pair import pairs_in
 from .pair_grid import SCALE
 
 INTERIM = "Interim: {} missing"
@@ -162,7 +162,7 @@ def _audit(
     early, final = _earned(trainings, evaluations, rewards, measures)
     names = [_name_of(folder, run) for run in compared]
     pairs, told = pairs_in(
-        ((name, run.recorded.log) for name, run in zip(names, compared, strict=True)), rewards, most=MOST
+        ((name, run.recorded.log) for name, run in zip(names, compared, strict=True)), rewards, shows_steps=True
     )
     if not pairs:
         told.append(

@@ -351,9 +351,8 @@ def file_names(certificates: Sequence[Certificate]) -> list[str]:
 def numbers_of(array: NDArray[Any]) -> Data:
     """An array as JSON has it, exactly: its numbers as short as they may be and still be the same in its type."""
     flat = array.ravel()
-    short = np.array([float(str(number)) for number in flat]) if array.dtype == np.float32 else flat
-    same = np.array_equal(short.astype(array.dtype), flat)
-    return {"type": array.dtype.name, "shape": list(array.shape), "numbers": (short if same else flat).tolist()}
+    numbers = [float(str(number)) for number in flat] if array.dtype == np.float32 else flat.tolist()
+    return {"type": array.dtype.name, "shape": list(array.shape), "numbers": numbers}
 
 
 def array_of(data: Data) -> NDArray[Any]:

@@ -1,16 +1,18 @@
 """Whether what a search found is a knife's edge: behaviours again, while their actions are disturbed."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import gymnasium
 import numpy as np
 
+from harness.arrays import Float
+
 from .behaviour import Behaviour, Role
 from .finding import FRAGILE, ROBUST, Disturbed
 from .judge import Case
-from .world import Act, Actions, Outcomes, Rng, Space, World
+from .world import Act, Actions, Outcomes, Rng, Shown, Space, World
 
 NOISES = (0.01, 0.05)
 """Standard deviations as shares of half the range of actions; of choices, chances that another one is taken."""
@@ -25,24 +27,41 @@ class Acting(NamedTuple):
     starts: Sequence[int]
 
 
-def disturb(world: World, behaviour: Behaviour, noise: float, rng: Rng, acting: Acting | None = None) -> Outcomes:
-    """What `EPISODES` disturbed episodes of a behaviour come to.
+def disturb(world: World, asked: Sequence[tuple[Behaviour, float, Acting | None]], rng: Rng) -> Float:
+    """What `EPISODES` disturbed episodes of each behaviour come to; those of bare sequences are played side by side.
 
     Where an episode ended before the horizon and a disturbed one does not, it rests, see `rested`.
 
     Args:
         world: Where.
-        behaviour: Its actions are taken, whatever is observed, unless there is a policy.
-        noise: See `NOISES`.
+        asked: Behaviours, each with its noise, see `NOISES`. Its actions are taken on its start, whatever is observed,
+            unless there is a policy, which acts from starts of its own.
         rng: Draws the noise.
-        acting: The policy of the behaviour, and where it acts; None of a bare sequence, which is played on its start.
+
+    Returns:
+        What they are paid, the same discounted, and whether they succeed, (asked, 3, EPISODES).
     """
-    if acting is not None:
-        act, starts = acting.act, np.resize(np.array(acting.starts), EPISODES)
-        return world.act(starts, lambda observation: disturbed_actions(world.space, act(observation), noise, rng))[0]
-    starts = np.full(EPISODES, behaviour.start, np.int64)
-    whole = np.broadcast_to(rested(world, behaviour.actions), (EPISODES, world.horizon, *(world.space.shape or ())))
-    return world.play(starts, disturbed_actions(world.space, whole, noise, rng))
+    found, bare = np.empty((len(asked), 3, EPISODES)), dict[int, Actions]()
+    for row, (behaviour, noise, acting) in enumerate(asked):
+        if acting is None:
+            whole = np.repeat(rested(world, behaviour.actions)[np.newaxis], EPISODES, axis=0)
+            bare[row] = disturbed_actions(world.space, whole, noise, rng)
+            continue
+        found[row] = _sums(
+            world.act(
+                np.resize(np.array(acting.starts), EPISODES),
+                lambda seen, act=acting.act, noise=noise: disturbed_actions(world.space, act(seen), noise, rng),  # type: ignore[misc]
+            )[0]
+        )
+    if bare:
+        starts = np.repeat([asked[row][0].start for row in bare], EPISODES)
+        came = _sums(world.play(starts, np.concatenate([*bare.values()])))
+        found[[*bare]] = came.reshape(3, -1, EPISODES).swapaxes(0, 1)
+    return found
+
+
+def _sums(outcomes: Outcomes) -> Float:
+    return np.stack([outcomes.paid, outcomes.discounted, outcomes.success])
 
 
 def disturbed_actions(space: Space, actions: Actions, noise: float, rng: Rng) -> Actions:
@@ -72,9 +91,11 @@ def rested(world: World, actions: Actions) -> Actions:
     return np.concatenate([actions, np.tile(middle, (missing, 1)).astype(actions.dtype)])
 
 
-def paid_at(world: World, start: int, actions: Actions) -> float:
-    """What actions are paid in a world that may go on for longer than they do."""
-    return float(world.play(np.array([start]), rested(world, actions)[np.newaxis]).paid[0])
+def paid_at(world: World, episodes: Iterable[Behaviour | Shown]) -> list[float]:
+    """What the actions of episodes are paid in a world that may go on for longer than they do."""
+    starts, actions = zip(*((it.start, rested(world, it.actions)) for it in episodes), strict=True)
+    paid: list[float] = world.play(np.array(starts), np.stack(actions)).paid.tolist()
+    return paid
 
 
 def noise_curve(
@@ -88,12 +109,13 @@ def noise_curve(
         acts: The policies of those that have one.
         rng: Draws the noise.
     """
-    rows = []
+    asked = [(behaviour, noise, acts.get(role)) for role, behaviour in shown.items() for noise in NOISES]
+    means, rows = iter(disturb(world, asked, rng).mean(axis=2).tolist()), list[Disturbed]()
     for role, behaviour in shown.items():
         rows.append(Disturbed(role, 0.0, behaviour.paid, float(behaviour.success), 1))
         for noise in NOISES:
-            outcomes = disturb(world, behaviour, noise, rng, acts.get(role))
-            rows.append(Disturbed(role, noise, float(outcomes.paid.mean()), float(outcomes.success.mean()), EPISODES))
+            paid, _, success = next(means)
+            rows.append(Disturbed(role, noise, paid, success, EPISODES))
     return tuple(rows)
 
 
@@ -124,11 +146,13 @@ def strength_of(world: World, alarmed: Sequence[tuple[Case, Mapping[Role, Acting
         alarmed: The cases of an alarm, with the policies of behaviours that have one.
         rng: Draws the noise.
     """
-    paid = []
-    for case, acts in alarmed:
-        roles = case.three.by_role()
-        both = [disturb(world, roles[role], NOISES[-1], rng, acts.get(role)) for role in (case.tempting, case.against)]
-        paid.append([(of.paid if case.discount == 1.0 else of.discounted).mean() for of in both])
+    asked = [
+        (case.three.by_role()[role], NOISES[-1], acts.get(role))
+        for case, acts in alarmed
+        for role in (case.tempting, case.against)
+    ]
+    both = disturb(world, asked, rng).mean(axis=2).reshape(-1, 2, 3)
+    paid = [of[:, int(case.discount != 1.0)] for of, (case, _) in zip(both, alarmed, strict=True)]
     stands = sum(bool(tempting > task + case.margin) for (tempting, task), (case, _) in zip(paid, alarmed, strict=True))
     word = ROBUST if 2 * stands >= len(alarmed) else FRAGILE
     return Strength(word, stands, len(alarmed), *np.mean(paid, axis=0).tolist())

@@ -113,7 +113,7 @@ def find_in(
     paid: dict[str, Mapping[Role, float]] = {}
     for name, make in (elsewhere or {}).items():
         with closing(make()) as other:
-            paid[name] = {role: paid_at(other, of.start, of.actions) for role, of in three.items()}
+            paid[name] = dict(zip(three, paid_at(other, three.values()), strict=True))
         earned = ", ".join(f"the {NAMES[role]} {number(value)}" for role, value in paid[name].items())
         told.append(f"The same actions in {name} earn: {earned}.")
     shown = {role: world.show(of.start, of.actions) for role, of in three.items()}

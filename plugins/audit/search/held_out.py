@@ -1,7 +1,6 @@
 """Where chance decides: policies, and what they come to from starts that no search has played."""
 
 from collections.abc import Sequence
-from statistics import NormalDist
 from typing import Any
 
 import numpy as np
@@ -55,11 +54,10 @@ def mean_interval(values: NDArray[Any]) -> tuple[float, float, float]:
 
 def share_interval(flags: NDArray[np.bool_]) -> tuple[float, float, float]:
     """A share and its 95 % interval by Wilson (1927): share, low, high."""
-    share, count, z = float(np.mean(flags)), len(flags), NormalDist().inv_cdf(0.5 + CONFIDENCE / 2.0)
-    weight = z**2 / count
-    middle = (share + weight / 2.0) / (1.0 + weight)
-    half = z * np.sqrt(share * (1.0 - share) / count + weight / (4.0 * count)) / (1.0 + weight)
-    return share, middle - half, middle + half
+    from scipy.stats import binomtest  # here, since importing it takes time that few searches need
+
+    found = binomtest(int(flags.sum()), len(flags))
+    return (float(found.statistic), *found.proportion_ci(CONFIDENCE, "wilson"))
 
 
 def search_by_chance(world: World, starts: Ints, budget: int, rng: Rng) -> Searched | None:

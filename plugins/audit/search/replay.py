@@ -188,7 +188,7 @@ def replay(
     shown, policy, rating, there = certificate.shown, certificate.policy, certificate.rating, dict[str, float]()
     for name, make in (others or {}).items():
         with closing(make()) as other:
-            there[name] = paid_at(other, shown.start, shown.actions)
+            (there[name],) = paid_at(other, [shown])
     place = replace(place or certificate.place, success=world.success, horizon=world.horizon)
     then = replace(certificate, place=place, elsewhere={**certificate.elsewhere, **there})
     found, again = _played(then, world), _played(then, world)

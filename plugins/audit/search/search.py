@@ -45,7 +45,7 @@ def search(
     kept = Kept(starts, world.horizon)
     evolution = Evolution(world, kept, rng)
     episodes = budget // (world.horizon * len(starts))
-    paid, discounted = evolution.random(int(np.clip(AT_RANDOM * episodes, FEWEST, ROUNDS)))
+    typical, later = evolution.random(int(np.clip(AT_RANDOM * episodes, FEWEST, ROUNDS)))
     for beginning in beginnings:
         if beginning.act is not None:
             outcomes, taken = world.act(kept.starts, beginning.act)
@@ -70,10 +70,8 @@ def search(
         if world.together == 1 and search_linear(world, kept.starts, evolution.take, int(IN_POLICIES * budget), rng):
             how = (SEQUENCES, POLICIES)
         climbing = evolve(evolution, budget - (world.taken - begun))
-    searched = how != (TABLE,)
-    typical, later = np.median(paid, axis=0).tolist(), np.median(discounted, axis=0).tolist()
     plain, after = (
-        [of.three(at, usual, searched) for of, at, usual in zip(bests, starts, usually, strict=True)]
+        [of.three(at, usual, not is_table) for of, at, usual in zip(bests, starts, usually, strict=True)]
         for bests, usually in ((kept.plain, typical), (kept.discounted, later))
     )
     return Searched(

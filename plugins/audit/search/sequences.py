@@ -145,8 +145,8 @@ class Evolution:
         short = np.asarray(actions, rest.dtype)[: len(rest)]
         return np.concatenate([short.reshape(len(short), *rest.shape[1:]), rest[len(short) :]])
 
-    def random(self, rounds: int) -> tuple[Float, Float]:
-        """Random actions at every start: what they are paid, and discounted, (rounds, starts) each; then noise."""
+    def random(self, rounds: int) -> list[list[float]]:
+        """Random actions at every start, and noise: medians of what the first are paid, and discounted, by start."""
         count, steps = len(self.kept.starts), self.world.horizon
         colours = [self._moves.white] * rounds + [self._moves.coloured] * rounds
         genes = np.concatenate([colour(self._rng, count, steps) for colour in colours])
@@ -154,8 +154,9 @@ class Evolution:
         seen = outcomes.trails
         if seen and seen[0].shape[1] <= MOST_SEEN and self.world.together == 1:
             self._spread = np.maximum(np.concatenate(seen).std(axis=0), 1e-3)
-        plain, later = (it.reshape(-1, count)[:rounds] for it in (outcomes.paid, outcomes.discounted))
-        return plain, later
+        paid = np.stack([outcomes.paid, outcomes.discounted]).reshape(2, -1, count)
+        typical: list[list[float]] = np.median(paid[:, :rounds], axis=1).tolist()
+        return typical
 
     def generation(self, children: int, ending: bool) -> None:
         """Breed and play so many children of each start."""

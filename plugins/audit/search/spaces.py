@@ -51,9 +51,9 @@ def coded(space: AnySpace, name: str) -> Coded:
             "and Box, and a Dict or a Tuple of these"
         )
     if not any(isinstance(it, Box) for it in leaves):
-        counts = [count for leaf in leaves for count in _counts(leaf)]
-        if math.prod(counts) <= MOST_CHOICES:
-            rows = [_row(leaves, digits) for digits in itertools.product(*map(range, counts))]
+        choices = [of for leaf in leaves for of in _choices(leaf)]
+        if math.prod(map(len, choices)) <= MOST_CHOICES:
+            rows = [np.concatenate(parts) for parts in itertools.product(*choices)]
             numbers = {row.tobytes(): number for number, row in enumerate(rows)}
             return Coded(
                 Discrete(len(rows)),
@@ -84,21 +84,11 @@ def _leaves(space: AnySpace) -> list[Any]:
     return [space]
 
 
-def _counts(leaf: Any) -> list[int]:
-    """How many choices each number of a part has."""
+def _choices(leaf: Any) -> list[Float]:
+    """What each number of a part may be in a flat row, (choices, width): a bit itself, else a row that is 1 once."""
     if isinstance(leaf, MultiBinary):
-        return [2] * math.prod(leaf.shape)
-    return [int(leaf.n)] if isinstance(leaf, Discrete) else list(map(int, leaf.nvec.ravel()))
-
-
-def _row(leaves: list[Any], digits: tuple[int, ...]) -> Float:
-    """The flat row of choices: a bit as it is, another one as a row that is 1 at its place."""
-    left = iter(digits)
-    return np.concatenate([
-        [float(digit)] if isinstance(leaf, MultiBinary) else np.eye(count)[digit]
-        for leaf in leaves
-        for count, digit in zip(_counts(leaf), left)  # noqa: B905 -- a part takes as many as it has
-    ])  # fmt: skip
+        return [np.array([[0.0], [1.0]])] * math.prod(leaf.shape)
+    return [np.eye(int(count)) for count in ([leaf.n] if isinstance(leaf, Discrete) else leaf.nvec.ravel())]
 
 
 def _snapped(leaves: list[Any], row: Float) -> Float:
@@ -111,9 +101,8 @@ def _snapped(leaves: list[Any], row: Float) -> Float:
             parts.append(np.clip(np.rint(part), leaf.low.ravel(), leaf.high.ravel()) if is_whole else part)
             at += len(part)
         else:
-            for count in _counts(leaf):
-                width = 1 if isinstance(leaf, MultiBinary) else count
-                part = row[at : at + width]
-                parts.append(part > 0.5 if width == 1 else np.eye(count)[part.argmax()])
-                at += width
+            for choices in _choices(leaf):
+                part = row[at : at + choices.shape[1]]
+                parts.append(part > 0.5 if len(part) == 1 else choices[part.argmax()])
+                at += len(part)
     return np.concatenate(parts, dtype=np.float64)

@@ -274,15 +274,14 @@ class World(ABC):
         taken = np.array([it.taken for it in steps])
         paid, told = (np.array([getattr(it, name) for it in steps], np.float64) for name in ("paid", "told"))
         shown = []
-        for k, start in enumerate(starts.tolist()):
+        for k, (start, seen) in enumerate(zip(starts.tolist(), zip(begun, *(it.kept for it in steps)))):  # noqa: B905
             length, how = ended.get(k, (len(steps), "cut"))
             self.taken += length * self.period
             of, saw = paid[:length, k], told[:length, k]
             terms = {name: of[:, 1 + at] for at, name in enumerate(self.terms)} or {REWARD: of[:, 0]}
             measures = {name: saw[:, at] for at, name in enumerate(self.measures)}
-            seen = [begun[k], *(it.kept[k] for it in steps[:length])]
             shown.append(
-                Shown(start, taken[:length, k], of[:, 0], terms, self.successes(saw), measures, how, tuple(seen))
+                Shown(start, taken[:length, k], of[:, 0], terms, self.successes(saw), measures, how, seen[: length + 1])
             )
         return shown
 

@@ -26,8 +26,15 @@ def behaviour_of(actions, paid=0.0, success=False, time=50):
 
 def disturbed(space, actions, noise=0.05, horizon=None):
     """The actions of 32 disturbed episodes, as a world is given them."""
-    world = SimpleNamespace(space=space, horizon=horizon or len(actions), play=lambda starts, actions: actions)
-    return disturb(world, behaviour_of(actions), noise, rng())
+    taken, nothing = [], np.zeros(32)
+
+    def play(starts, actions):
+        taken.append(actions)
+        return SimpleNamespace(paid=nothing, discounted=nothing, success=nothing)
+
+    world = SimpleNamespace(space=space, horizon=horizon or len(actions), play=play)
+    disturb(world, [(behaviour_of(actions), noise, None)], rng())
+    return taken[0]
 
 
 @pytest.mark.parametrize(("low", "high", "half"), [(-1.0, 1.0, 1.0), (-2.0, 6.0, 4.0), (-np.inf, np.inf, 1.0)])
@@ -99,6 +106,15 @@ def test_a_policy_acts_again():
     """From the starts that it is given; what it observes decides, whatever was done before."""
     world, case = case_of(EDGE)
     asked = []
-    outcomes = disturb(world, case.three.failure, 0.0, rng(), Acting(lambda seen: asked.append(seen) or 1, [3, 4]))
-    assert outcomes.success.all()
+    acting = Acting(lambda seen: asked.append(seen) or 1, [3, 4])
+    ((_, _, success),) = disturb(world, [(case.three.failure, 0.0, acting)], rng())
+    assert success.all()
     assert len(asked) == 32
+
+
+def test_behaviours_are_disturbed_as_each_alone_would_be():
+    """Sequences side by side, policies by themselves: the noise is drawn in the order in which they are asked."""
+    world, case = case_of(EDGE)
+    acting, one = Acting(lambda seen: 0, [3, 4]), case.three.failure
+    asked, drawn = [(one, 0.05, None), (one, 0.05, acting), (one, 0.01, None)], rng()
+    assert (disturb(world, asked, rng()) == np.concatenate([disturb(world, [it], drawn) for it in asked])).all()
