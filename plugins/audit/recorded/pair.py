@@ -77,8 +77,8 @@ class Apart:
     returns: float | None
     discordant: float | None
     told_apart: float | None
-    lines: Sequence[PayLine | None] = ()
-    largest: Sequence["StepApart"] = ()
+    lines: Sequence[PayLine | None] = field(default=(), compare=False)
+    largest: Sequence["StepApart"] = field(default=(), compare=False)
 
 
 def compare_paid(paid: Paid, one: str, other: str) -> Apart:

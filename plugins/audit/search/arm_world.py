@@ -108,10 +108,8 @@ class ArmWorld(World):
 
     def distinct(self, starts: Sequence[int]) -> tuple[int, ...]:
         """Those starts that differ: a task may begin all its episodes alike."""
-        found: dict[bytes, int] = {}
-        for start, qpos, target in zip(starts, *self._places(starts), strict=True):
-            found.setdefault(qpos.tobytes() + target.tobytes(), start)
-        return tuple(found.values())
+        _, first = np.unique(np.hstack(self._places(starts)), axis=0, return_index=True)
+        return tuple(starts[place] for place in np.sort(first).tolist())
 
     def scripts(self, starts: Sequence[int]) -> Sequence[Beginning]:
         """What its own kinematics do; and the scripted movements from each start, but the random one; see `World`.

@@ -10,7 +10,7 @@ from gymnasium.spaces import Discrete
 
 from harness.errors import UsageError, reason_of
 from harness.experiment.environments.spaces import rows_of
-from harness.log.log import ACTION, BEHAVIOUR, REWARD, SUCCESS
+from harness.log.log import ACTION, BEHAVIOUR, REWARD, SUCCESS, episode_rows
 from harness.policy import Policy, load_policy
 from harness.record import POLICY, Store, read_recording
 from harness.record.folder import CARD, TRAINING_RECORDING
@@ -156,9 +156,7 @@ def _of_recording(world: World, path: Path) -> list[Beginning]:
         raise UsageError(problem)
     reward, success = f"{REWARD}{facts.trained_with}", f"{BEHAVIOUR}{SUCCESS}"
     rows = log.rows([ACTION, "env", "episode", reward, *([success] if success in log else [])])
-    order = np.lexsort((rows["episode"], rows["env"]))  # steps of an episode stay in their order
-    keys = np.stack([rows["env"], rows["episode"]])[:, order]
-    parts = np.split(order, np.flatnonzero(np.any(np.diff(keys) != 0, axis=0)) + 1)
+    parts = episode_rows(rows["env"], rows["episode"])
     last = np.array([part[-1] for part in parts])
     best = np.argsort([-np.nansum(rows[reward][part]) for part in parts], kind="stable")[:MOST_SEQUENCES]
     latest = np.argsort(-last)

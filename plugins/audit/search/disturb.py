@@ -74,8 +74,8 @@ def disturbed_actions(space: Space, actions: Actions, noise: float, rng: Rng) ->
         other = rng.integers(1, max(int(space.n), 2), given.shape)
         others = (given - space.start + other) % space.n + space.start
         return np.where(rng.random(given.shape) < noise, others, given)
-    bounded = np.isfinite(space.low) & np.isfinite(space.high)
-    half = np.where(bounded, np.where(bounded, space.high, 1.0) - np.where(bounded, space.low, -1.0), 2.0) / 2.0
+    width = space.high - space.low
+    half = np.where(np.isfinite(width), width, 2.0) / 2.0
     moved = given + noise * half * rng.standard_normal(given.shape)
     return np.clip(moved, space.low, space.high).astype(space.dtype)
 

@@ -79,20 +79,18 @@ class Archive:
         """Keep the best of these and those; says which of these were kept, (n,)."""
         if not len(length):
             return np.zeros(0, bool)
-        scores, lengths = np.concatenate([self.score, score]), np.concatenate([self.length, length])
-        order = np.argsort(-scores, kind="stable")
-        unit = 1e-6 * max(float(np.abs(scores).max()), 1e-9)  # scores that differ by less are alike
-        alike = np.stack([np.round(scores / unit), lengths])[:, order]
-        _, first = np.unique(alike, axis=1, return_index=True)
-        best = order[np.sort(first)][: self.room]
-        old, new = best[best < len(self)], best[best >= len(self)] - len(self)
-        if len(new):
-            both = np.concatenate([self.genes[old], genes[new]])
-            place = np.argsort(np.concatenate([np.flatnonzero(best < len(self)), np.flatnonzero(best >= len(self))]))
-            self.genes, self.length, self.score = both[place], lengths[best], scores[best]
-            self.holds = np.concatenate([self.holds, holds])[best]
-        kept = np.zeros(len(length), bool)
-        kept[new] = True
+        known = len(self)
+        every = (self.genes, genes), (self.length, length), (self.score, score), (self.holds, holds)
+        genes, length, score, holds = map(np.concatenate, every)
+        unit = 1e-6 * max(float(np.abs(score).max()), 1e-9)  # scores that differ by less are alike
+        alike = list(zip(np.round(score / unit).tolist(), length.tolist(), strict=True))
+        first: dict[tuple[float, int], int] = {}
+        for place in np.argsort(-score, kind="stable").tolist():
+            first.setdefault(alike[place], place)
+        best = [*first.values()][: self.room]
+        kept = np.isin(np.arange(known, len(score)), best)
+        if kept.any():
+            self.genes, self.length, self.score, self.holds = genes[best], length[best], score[best], holds[best]
         return kept
 
 
