@@ -1,6 +1,6 @@
 """Made-up distances: a reward is asked about what no scripted policy does as well, if it needs no more than them."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -44,11 +44,6 @@ def needed_beside_distances(reward: Reward, scores: Sequence[Score]) -> tuple[st
     if _pays_without(names, reward, scores, alike=is_function):
         return ()
     return tuple(name for name in names if not _pays_without([name], reward, scores, alike=is_function))
-
-
-def why_not_asked(needed: Iterable[str]) -> str:
-    """Why a reward that needs these fields is not asked about made-up distances."""
-    return f"not asked: it reads {', '.join(needed)}, which made-up distances do not have"
 
 
 def _pays_without(names: Sequence[str], reward: Reward, scores: Sequence[Score], *, alike: bool) -> bool:

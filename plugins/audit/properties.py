@@ -11,7 +11,7 @@ from harness.payoff.rollout import Rollout, discounted_sum, pay_distances
 from harness.reward import Reward
 from harness.text import number
 
-from .probe import probe_distances, why_not_asked
+from .probe import probe_distances
 
 KNOTS = 32
 
@@ -144,7 +144,8 @@ def properties_of(
         needed: Fields that it needs beside distances. If there are some, it is not asked.
     """
     if needed:
-        return tuple(Property(name, None, why_not_asked(needed)) for name in (BOUNDED, SCALE_FREE, POTENTIAL_BASED))
+        why = f"not asked: it reads {', '.join(needed)}, which made-up distances do not have"
+        return tuple(Property(name, None, why) for name in (BOUNDED, SCALE_FREE, POTENTIAL_BASED))
     tried = [*recorded, probe_distances(0.05, 1.5)]
     return bounded(reward), scale_free(reward, tried), potential_based(reward, tried, gamma)
 

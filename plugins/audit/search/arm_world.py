@@ -188,14 +188,14 @@ class _Arms:
             self._running &= ~over
             if self._running.any():
                 env.rest(~self._running)
-        terms, prices = np.split(self._sums, [len(self.terms)], axis=1)
+        terms, events = self._sums[:, : len(self.terms)].T, self._sums[:, len(self.terms) :].sum(axis=1)
         told = (infos[DISTANCE], self._closest, env.episodes.flags[:, 0], self._targets)
         return Step(
             given,
             seen[:count],
             seen,
-            np.column_stack([paid, terms, prices.sum(axis=1)]),
-            np.column_stack(told),
+            np.array([paid, *terms, events]).T,
+            np.array(told).T,
             ended,
         )
 

@@ -17,11 +17,11 @@ from harness.reward.terms import paid_twice, paid_twice_text
 from harness.text import number
 
 from ..transitions.audit_rewards import GAMMA, ByName
-from .behaviour import Behaviour, Rates, Role
-from .disturb import NOISES, Acting, noise_curve, paid_at, strength_of
+from .behaviour import Behaviour, Rates, Role, Searched
+from .disturb import NOISES, Acting, noise_curve, paid_at, rested, strength_of
 from .finding import FRAGILE, NAMES, Finding
 from .held_out import act_of
-from .judge import Walk, judge
+from .judge import Walk, Walks, judge
 from .place import Place, blamed_at, elsewhere_of, world_at
 from .world import Act, World, since
 
@@ -91,7 +91,7 @@ def find_in(
         begun += found
         told += left_out
     searched = search(world, starts, asked.budget, asked.seed, begun)
-    judged = judge(searched, world, cache(lambda of: _walks(world, of, searched.rates)))
+    judged = judge(searched, world, _walks_in(world, searched))
     rng, rates = np.random.default_rng([asked.seed, asked.budget]), searched.rates
     given = {it.made_by: it.act for it in begun if it.act is not None}
     three = judged.shown.three.by_role()
@@ -242,10 +242,29 @@ def _acting(
     }
 
 
-def _walks(world: World, behaviour: Behaviour, rates: Rates | None) -> list[Walk]:
-    """The episodes of a behaviour that succeed: the one that was kept, or those of its policy where chance decides."""
-    if rates is None or behaviour.policy is None:
-        return [Walk(world.show(behaviour.start, behaviour.actions).terms, behaviour.time)]
-    act = act_of(behaviour.policy, world)
-    shown = [world.watch(start, act) for start in rates.paid.starts[:WATCHED]]
-    return [Walk(it.terms, since(it.success)) for it in shown if it.success[-1]]
+def _walks_in(world: World, searched: Searched) -> Walks:
+    """The episodes of a behaviour that succeed: the one that was kept, or those of its policy where chance decides.
+
+    What was kept is played side by side, when the first one is asked for.
+    """
+    if searched.rates is not None:
+        starts = searched.rates.paid.starts[:WATCHED]
+
+        @cache
+        def of_policy(behaviour: Behaviour) -> list[Walk]:
+            assert behaviour.policy is not None
+            act = act_of(behaviour.policy, world)
+            shown = [world.watch(start, act) for start in starts]
+            return [Walk(it.terms, since(it.success)) for it in shown if it.success[-1]]
+
+        return of_policy
+
+    @cache
+    def kept() -> dict[Behaviour, Walk]:
+        threes = (*searched.plain, *searched.discounted)
+        asked = [*dict.fromkeys(of for it in threes for of in (it.success, it.fastest) if of is not None)]
+        actions = np.stack([rested(world, of.actions) for of in asked])
+        shown = world.played(np.array([of.start for of in asked]), actions)
+        return {of: Walk(it.terms, of.time) for of, it in zip(asked, shown, strict=True)}
+
+    return lambda behaviour: [kept()[behaviour]]

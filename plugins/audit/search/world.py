@@ -230,7 +230,7 @@ class World(ABC):
             starts: The seed of each one's reset, (n,).
             actions: (n, horizon, action_size), or (n, horizon) of choices.
         """
-        return self._outcomes(self._played(starts, actions))
+        return self._outcomes(self.played(starts, actions))
 
     def act(self, starts: Ints, policy: Act) -> tuple[Outcomes, list[Actions]]:
         """Play n episodes of a policy; also returns the actions that it took, of each episode."""
@@ -257,7 +257,7 @@ class World(ABC):
         for start in seeds:
             self.space.seed(start)
             drawn.append([self.space.sample() for _ in range(self.horizon)])
-        return self._played(np.array(seeds), np.array(drawn))
+        return self.played(np.array(seeds), np.array(drawn))
 
     def episodes(self, starts: Ints, choose: Choose, most: int | None = None) -> list[Shown]:
         """Play episodes side by side, of at most so many steps."""
@@ -289,8 +289,8 @@ class World(ABC):
         still = np.zeros(self.space.shape or (), self.space.dtype)
         return lambda _, seen, ended: [still if k in ended else policy(it) for k, it in enumerate(seen)]
 
-    def _played(self, starts: Ints, actions: Actions) -> list[Shown]:
-        """Play episodes of given actions; see `play`."""
+    def played(self, starts: Ints, actions: Actions) -> list[Shown]:
+        """Play n episodes of given actions, and keep everything but what an arm is drawn from; see `play`."""
         return [
             it
             for some in self._parts(starts)
