@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.eta.interval import CONFIDENCE, UNBOUNDED, Bounds, cut_to, mean_bounds, why_no_interval
+from harness.eta.interval import CONFIDENCE, UNBOUNDED, Bounds, Side, cut_to, mean_bounds, why_no_interval
 from harness.files.plain import Plain, tells
 
 DECIMALS = 1
@@ -109,7 +109,7 @@ def mean_over_seeds(values: Sequence[float], missing: str | None = None, bounds:
     mean, seeds = float(np.mean(values)), len(values)
     if too_few := why_no_interval(seeds):
         return Estimate(mean, seeds=seeds, notes=(*too_few, *reasons))
-    low, high = cut_to(mean_bounds([np.asarray(values, np.float64)], [bounds], CONFIDENCE), bounds)
+    low, high = cut_to(mean_bounds(Side([np.asarray(values, np.float64)], [bounds]), CONFIDENCE), bounds)
     return Estimate(mean, low, high, seeds, reasons)
 
 

@@ -14,7 +14,8 @@ then at most .26 of all do (exactly: .26); one of 10: .40 (.39); none of 20: .13
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple, TypeAlias
+from functools import cached_property
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -89,92 +90,101 @@ def spread_range(spread: float, seeds: int) -> Interval:
     return smallest, largest
 
 
-class _Means(NamedTuple):
-    """The mean over places of one reward: as it was seen, then with the training not seen in one place after the other.
-
-    Each is (1 + places,), or (1,) where no end is known.
-    """
-
-    means: Float
-    variances: Float
-    """The variance of the mean."""
-    squares: Float
-    """The sum over places of variance^2 / degrees of freedom, as Satterthwaite needs it."""
-
-
-NO_TRAININGS = _Means(np.zeros(1), np.zeros(1), np.zeros(1))
+NO_TRAININGS = np.zeros((3, 1))
 NONE_LOST = (0,)
 """No training was begun that left no value."""
 
 
-def difference_bounds(
-    baseline: Sequence[Float],
-    proposed: Sequence[Float],
-    ends: Sequence[Bounds],
-    confidence: float = ONE_SIDED,
-    lost: tuple[Sequence[int], Sequence[int]] = (NONE_LOST, NONE_LOST),
-) -> Interval:
+@dataclass(frozen=True, eq=False)
+class Side:
+    """What a measure came to in the trainings by one reward.
+
+    Attributes:
+        values: The values of its trainings, by place; at least two in each.
+        ends: What a value can be, by place. Nothing is added at an end that is infinite.
+        lost: How many trainings were begun in each place and left no value; one number for all.
+    """
+
+    values: Sequence[Float]
+    ends: Sequence[Bounds]
+    lost: Sequence[int] = NONE_LOST
+
+    @cached_property
+    def lowest(self) -> Float:
+        """The mean where what was not seen is at the lower end; see `_means`."""
+        return _means(self.values, [low for low, _ in self.ends], self.lost)
+
+    @cached_property
+    def highest(self) -> Float:
+        """The mean where what was not seen is at the upper end; see `_means`."""
+        return _means(self.values, [high for _, high in self.ends], self.lost)
+
+
+def difference_bounds(baseline: Side, proposed: Side, confidence: float = ONE_SIDED) -> Interval:
     """The least and the most that proposed - baseline can be, means over places; each is a bound by itself.
 
-    Trainings are not paired. One training was not seen, of one reward in one place, wherever that is worst: trainings
-    fail one by one, so that n perfect ones in each of m places say as much as m n in a single one.
+    Trainings are not paired, and there may be more of one. One training was not seen, of one reward in one place,
+    wherever that is worst: trainings fail one by one, so that n perfect ones in each of m places say as much as m n in
+    a single one.
 
     Args:
-        baseline: The values of its trainings, by place; at least two in each.
-        proposed: The same; there may be more or fewer of them.
-        ends: What a value can be, by place. Nothing is added at an end that is infinite.
+        baseline: The trainings by the baseline.
+        proposed: Those by the other reward.
         confidence: That both bounds hold; either one fails in half of the rest.
-        lost: How many trainings of either reward were begun in each place and left no value; one number for all.
     """
-    low_ends, high_ends = zip(*ends, strict=True)
-    ours, theirs = lost
-    least = _most(_means(baseline, high_ends, ours), _means(proposed, low_ends, theirs), confidence)
-    return -least, _most(_means(proposed, high_ends, theirs), _means(baseline, low_ends, ours), confidence)
+    least = _most(baseline.highest, proposed.lowest, confidence)
+    return -least, _most(proposed.highest, baseline.lowest, confidence)
 
 
-def mean_bounds(
-    values: Sequence[Float], ends: Sequence[Bounds], confidence: float = ONE_SIDED, lost: Sequence[int] = NONE_LOST
-) -> Interval:
+def mean_bounds(side: Side, confidence: float = ONE_SIDED) -> Interval:
     """The least and the most that the mean over places of one reward can be; see `difference_bounds`."""
-    low_ends, high_ends = zip(*ends, strict=True)
-    least = _most(NO_TRAININGS, _means(values, low_ends, lost), confidence)
-    return -least, _most(_means(values, high_ends, lost), NO_TRAININGS, confidence)
+    return -_most(NO_TRAININGS, side.lowest, confidence), _most(side.highest, NO_TRAININGS, confidence)
 
 
-def _means(values: Sequence[Float], ends: Sequence[float], lost: Sequence[int] = NONE_LOST) -> _Means:
-    """See `_Means`."""
-    counts = np.broadcast_to(lost, len(values))
-    begun = [np.append(there, np.full(count, end)) for there, end, count in zip(values, ends, counts, strict=True)]
-    seen = np.array([_moments(there) for there in begun])
-    rows = [seen]
-    for place, (there, end) in enumerate(zip(begun, ends, strict=True)):
-        if np.isfinite(end):
-            rows.append(seen.copy())
-            rows[-1][place] = _moments(np.append(there, end))
-    means, variances, freedoms = np.moveaxis(np.array(rows), 2, 0)
-    variances = variances / len(values) ** 2
-    return _Means(means.mean(axis=1), variances.sum(axis=1), (variances**2 / freedoms).sum(axis=1))
+def _means(values: Sequence[Float], ends: Sequence[float], lost: Sequence[int]) -> Float:
+    """The mean over places of one reward: as it was seen, then with the training not seen in one place after another.
+
+    (3, 1 + places), or (3, 1) where no end is known: the mean, its variance, and the sum over places of variance^2 /
+    degrees of freedom, as Satterthwaite needs it.
+    """
+    if any(lost):
+        counts = np.broadcast_to(lost, len(values))
+        values = [np.append(there, [end] * count) for there, end, count in zip(values, ends, counts, strict=True)]
+    seen = list(map(_moments, values))
+    unseen = {
+        place: _moments(np.append(there, end))
+        for place, (there, end) in enumerate(zip(values, ends, strict=True))
+        if math.isfinite(end)
+    }
+    rows = np.array([seen, *([*seen[:place], it, *seen[place + 1 :]] for place, it in unseen.items())])
+    variances = rows[..., 1] / len(values) ** 2
+    return np.array(
+        [rows[..., 0].mean(axis=1), variances.sum(axis=1), (variances * variances / rows[..., 2]).sum(axis=1)]
+    )
 
 
 def _moments(values: Float) -> tuple[float, float, int]:
     """The mean, its variance and the degrees of freedom."""
-    return float(values.mean()), float(values.var(ddof=1)) / len(values), len(values) - 1
+    count = len(values)
+    mean = np.add.reduce(values) / count  # as `mean` and `var` do, which take six times as long for so few
+    away = values - mean
+    return mean, np.add.reduce(away * away) / (count - 1) / count, count - 1
 
 
-def _most(one: _Means, other: _Means, confidence: float) -> float:
+def _most(one: Float, other: Float, confidence: float) -> float:
     """The most that one mean less another one can be, wherever the training is that was not seen."""
+    pairs = [(one, other[:, :1]), (one[:, :1], other[:, 1:])]
+    return max(_reach(*both, confidence) for both in pairs[: other.shape[1]])
+
+
+def _reach(one: Float, other: Float, confidence: float) -> float:
+    """The most that one mean less another one can be; either of them, (3, 1), is as it was seen."""
     from scipy.special import stdtrit  # here, as in `quantile`
 
-    either = (_joined(a, b) for a, b in zip(one, other, strict=True))
-    (ones, others), (own, their), (own_squares, their_squares) = either
-    variance, squares = own + their, own_squares + their_squares
-    freedom = np.divide(variance**2, squares, out=np.ones_like(squares), where=squares > 0.0)
-    return float((ones - others + stdtrit(freedom, 0.5 + confidence / 2.0) * np.sqrt(variance)).max())
-
-
-def _joined(one: Float, other: Float) -> tuple[Float, Float]:
-    """Both as seen, then either one with its training not seen beside the other one as seen."""
-    return np.append(one, np.full(len(other) - 1, one[0])), np.append(np.full(len(one), other[0]), other[1:])
+    variance, squares = one[1:] + other[1:]
+    freedom = np.divide(variance * variance, squares, out=np.ones_like(squares), where=squares > 0.0)
+    reach = stdtrit(freedom, 0.5 + confidence / 2.0) * np.sqrt(variance)
+    return float((one[0] - other[0] + reach).max())
 
 
 @dataclass(frozen=True, eq=False)

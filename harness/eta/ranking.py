@@ -19,7 +19,16 @@ from numpy.typing import NDArray
 from harness.arrays import Float
 from harness.eta.headline import SUCCESS_MARGIN
 from harness.eta.index import Estimate
-from harness.eta.interval import CONFIDENCE, SHARE, UNBOUNDED, cut_to, difference_bounds, of_difference, why_no_interval
+from harness.eta.interval import (
+    CONFIDENCE,
+    SHARE,
+    UNBOUNDED,
+    Side,
+    cut_to,
+    difference_bounds,
+    of_difference,
+    why_no_interval,
+)
 from harness.files.plain import Plain
 
 REWARDS, PLACES = 2, 2
@@ -122,8 +131,9 @@ def _order(runs: Runs, episodes: int | None, confidence: float) -> Order:
     low, high = np.full((count, count), -np.inf), np.full((count, count), np.inf)
     ends = UNBOUNDED if episodes is None else SHARE
     if not why_no_interval(seeds):
+        sides = [Side([of], [ends]) for of in values]
         for one, other in zip(*np.triu_indices(count, 1), strict=True):
-            found = difference_bounds([values[other]], [values[one]], [ends], confidence)
+            found = difference_bounds(sides[other], sides[one], confidence)
             low[one, other], high[one, other] = cut_to(found, of_difference(ends))
             low[other, one], high[other, one] = -high[one, other], -low[one, other]
     return Order(tuple(runs), means, low, high, seeds)

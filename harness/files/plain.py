@@ -81,11 +81,20 @@ def _has_fields(kind: Any) -> bool:
 
 def _told(value: Any) -> dict[str, Any]:
     told: dict[str, Any] = {}
-    for entry in getattr(value, "TELLS", None) or _kinds(cast(Any, type(value))):
-        key, _, name = entry.rpartition("=")
-        item = to_plain(attrgetter(name.removeprefix("*"))(value))
-        told |= item or {} if name.startswith("*") else {key or name: item}
+    for key, get in _entries(cast(Any, type(value))):
+        item = to_plain(get(value))
+        told |= {key: item} if key else item or {}
     return told
+
+
+@cache
+def _entries(target: Any) -> list[tuple[str, Callable[[Any], Any]]]:
+    """What a type tells: each key, empty where the keys are those of what is told, and what looks the value up."""
+    found: list[tuple[str, Callable[[Any], Any]]] = []
+    for entry in getattr(target, "TELLS", None) or _kinds(target):
+        key, _, name = entry.rpartition("=")
+        found.append(("" if name.startswith("*") else key or name, attrgetter(name.removeprefix("*"))))
+    return found
 
 
 def _made(kind: Any, data: Any) -> Any:

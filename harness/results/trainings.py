@@ -18,7 +18,7 @@ from harness.eta.behaviour_change import Quantity
 from harness.eta.curve import GroupCurve, Kind, stream_curve
 from harness.eta.headline import SUCCESS
 from harness.eta.index import Estimate, mean_of_known
-from harness.eta.interval import CONFIDENCE, SHARE, UNBOUNDED, Bounds, difference_bounds, why_no_interval
+from harness.eta.interval import CONFIDENCE, SHARE, UNBOUNDED, Bounds, Side, difference_bounds, why_no_interval
 from harness.eta.manner import TRAINING, WHOLE
 from harness.eta.splits import Pair
 from harness.files.plain import Plain, tells
@@ -140,6 +140,7 @@ class Trainings:
     is_alone: bool
     read: Runs | None = None
     _curves: dict[tuple[Trained, ...], GroupCurve] = field(default_factory=dict)
+    _learned: dict[tuple[bool, tuple[Trained, ...]], LearningCurve] = field(default_factory=dict)
 
     @property
     def rewards(self) -> list[str]:
@@ -241,10 +242,11 @@ class Trainings:
         measures = [LEARNED]
         if is_evaluated or self.read:
             measures = [self.quantity(name, WHOLE, 1) for name in self.names]
-        return tuple(
-            self._curve_of(reward, members, measures, found if is_evaluated else None)
-            for (reward, members), found in zip(sides, ways, strict=True)
-        )
+        keys = [(is_evaluated, tuple(members)) for _, members in sides]
+        for key, (reward, members), found in zip(keys, sides, ways, strict=True):
+            if key not in self._learned:  # the baseline's stand beside each reward
+                self._learned[key] = self._curve_of(reward, members, measures, found if is_evaluated else None)
+        return tuple(self._learned[key] for key in keys)
 
     def _curve_of(
         self,
@@ -532,7 +534,8 @@ def _difference(less: Sequence[float | None], from_: Sequence[float | None]) -> 
     mean, seeds = sum(other) / len(other) - sum(one) / len(one), min(len(one), len(other))
     if notes := why_no_interval(seeds):
         return Estimate(mean, seeds=seeds, notes=notes)
-    low, high = difference_bounds([np.array(one)], [np.array(other)], [UNBOUNDED], CONFIDENCE)
+    before, after = (Side([np.array(it)], [UNBOUNDED]) for it in (one, other))
+    low, high = difference_bounds(before, after, CONFIDENCE)
     return Estimate(mean, low, high, seeds)
 
 

@@ -48,11 +48,11 @@ class InstalledReward:
         with self._told():
             if self._is_recorded_by(taught_by):
                 return f"{self.choice} as recorded by {taught_by}"
-            return f"{self.choice} {self._sources}"
+            return self._fingerprint
 
     @cached_property
-    def _sources(self) -> str:
-        return fingerprint(self._reward)
+    def _fingerprint(self) -> str:
+        return f"{self.choice} {fingerprint(self._reward)}"
 
     @cached_property
     def has_terms(self) -> bool:
@@ -101,12 +101,15 @@ class InstalledReward:
 
     def _is_recorded_by(self, taught_by: Choice | None) -> TypeGuard[Choice]:
         """Whether nothing but the columns of a run can tell what it pays, and these are of its own terms."""
-        name = self.choice.name
-        return taught_by is not None and taught_by.name == name and not is_installed(self._registry, name)
+        return taught_by is not None and taught_by.name == self.choice.name and not self._is_installed
+
+    @cached_property
+    def _is_installed(self) -> bool:
+        return is_installed(self._registry, self.choice.name)
 
     @cached_property
     def _reward(self) -> Reward:
-        if not is_installed(self._registry, self.choice.name):
+        if not self._is_installed:
             raise HarnessError(
                 f"No reward '{self.choice.name}' is installed, and the run tells none of its terms: add --plugin FILE"
             )

@@ -11,7 +11,7 @@ from numpy.random import default_rng
 
 from harness.eta import SHARE, Quantity, change_of, p_of, swaps_of
 from harness.eta.headline import is_within
-from harness.eta.interval import difference_bounds
+from harness.eta.interval import Side, difference_bounds
 
 NUMBER = st.floats(-10.0, 10.0).map(lambda value: round(value, 6))
 VALUES = st.lists(st.none() | NUMBER, min_size=1, max_size=8)
@@ -152,7 +152,7 @@ def test_equivalence_takes_the_bound_and_known_ends():
     rng = default_rng(2)
     one, other = rng.random(9), rng.random(9)
     found = change(one.tolist(), other.tolist(), SUCCESS)
-    low, high = difference_bounds([one], [other], [SHARE])
+    low, high = difference_bounds(Side([one], [SHARE]), Side([other], [SHARE]))
     for margin in np.linspace(0.1, 1.0, 40):
         assert is_within(found, margin) == (-margin < low and high < margin)
     assert not is_within(change(one.tolist(), other.tolist()), 100.0)

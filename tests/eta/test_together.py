@@ -5,7 +5,7 @@ import pytest
 from numpy.random import default_rng
 
 from harness.eta import change_of, swaps_of, together
-from harness.eta.interval import difference_bounds
+from harness.eta.interval import Side, difference_bounds
 from tests.eta.headlines import SUCCESS, TIME
 
 
@@ -27,7 +27,7 @@ def test_the_interval_is_the_bound():
     """The one that the word rests on, at the confidence of all questions together."""
     values = default_rng(0).random(size=(2, 6, 3))
     found, wider = (over(values, confidence=confidence) for confidence in (0.95, 0.99))
-    low, high = difference_bounds(list(values[0].T), list(values[1].T), [(0.0, 1.0)] * 3, 0.95)
+    low, high = difference_bounds(*(Side(list(side.T), [(0.0, 1.0)] * 3) for side in values), 0.95)
     assert found.low <= low < high <= found.high
     assert wider.low < found.low < found.high < wider.high
 

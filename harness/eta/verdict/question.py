@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from harness.arrays import Float, Ints, Mask
-from harness.eta.interval import UNBOUNDED, Bounds, Interval, difference_bounds, mean_bounds, quantile
+from harness.eta.interval import UNBOUNDED, Interval, Side, difference_bounds, mean_bounds, quantile
 from harness.eta.verdict.deals import Strata, as_trained, deals_of
 
 LEAST_SPREAD = 0.001
@@ -147,10 +147,13 @@ class Question:
         It is that of `harness.eta.interval`. A seed may end alike in several places, so Student's interval over seeds
         counts too.
         """
-        (one, other), ends, (ours, theirs) = self._by_place(measure)
-        if min(map(len, one + other)) < LEAST_SEEDS or (any(ours + theirs) and not self.has_ends(measure)):
+        both = self._sides[measure]
+        is_lost = any(any(side.lost) for side in both)
+        if min(len(of) for side in both for of in side.values) < LEAST_SEEDS or (
+            is_lost and not self.has_ends(measure)
+        ):
             return UNBOUNDED
-        low, high = difference_bounds(one, other, ends, confidence, (ours, theirs))
+        low, high = difference_bounds(*both, confidence)
         if self.places == 1:
             return low, high
         difference, error = (float(it[0]) for it in self._mean(measure, as_trained(self.layout.strata)[None, :]))
@@ -159,17 +162,23 @@ class Question:
 
     def most(self, measure: int) -> tuple[float, float]:
         """What the mean over places of one measure lies below in 95 %, under either reward."""
-        sides, ends, lost = self._by_place(measure)
-        (_, one), (_, other) = (mean_bounds(side, ends, lost=of) for side, of in zip(sides, lost, strict=True))
+        one, other = (mean_bounds(side)[1] for side in self._sides[measure])
         return one, other
 
-    def _by_place(self, measure: int) -> tuple[list[list[Float]], list[Bounds], list[list[int]]]:
-        """The values of each side, what they can be, and how many trainings of each side left none."""
+    @cached_property
+    def _sides(self) -> list[tuple[Side, Side]]:
+        """What each measure came to under the baseline, and under the proposed reward."""
+        return [self._sides_of(measure) for measure in range(self.values.shape[3])]
+
+    def _sides_of(self, measure: int) -> tuple[Side, Side]:
         known, values = self.known[..., measure], self.values[..., measure]
-        places = range(self.places)
-        sides = [[side[there[:, at], at] for at in places] for side, there in zip(values, known, strict=True)]
         ends = [(float(low), float(high)) for low, high in self.ends[:, measure]]
-        return sides, ends, (self.begun & ~known).sum(axis=1).tolist()
+        lost = (self.begun & ~known).sum(axis=1).tolist()
+        one, other = (
+            Side([side[there[:, at], at] for at in range(self.places)], ends, of)
+            for side, there, of in zip(values, known, lost, strict=True)
+        )
+        return one, other
 
     def leaning(self, measure: int, confidence: float) -> int:
         """1 where the bound of a measure lies above 0, -1 where below; 0 where it holds 0 or an end is not known."""
