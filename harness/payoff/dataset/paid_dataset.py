@@ -261,6 +261,7 @@ def _columns(dataset: Log, rewards: Mapping[str, Payer], labels: Labels | None) 
 
 
 LABEL = f"{BEHAVIOUR}{SUCCESS_NAME}"
+UNSEEN = "it pays no step: it looks at what came after a step, and no episode tells that"
 DESCRIBING = ("episode", "step", OPERATOR, TASK, FILE)
 
 
@@ -355,7 +356,7 @@ class _Kept:
             nothing = np.logical_and.reduceat(np.isnan(whole.total), begins[:-1])
             gone = (nothing | np.isin(np.arange(len(nothing)), [*self._lost[name]]))[chosen]
             if gone.all():
-                failed[name] = self._odd[name]
+                failed[name] = self._odd.get(name, UNSEEN)
             else:
                 lost[name] = gone
                 paid[name] = Paid(whole.total[steps], {term: of[steps] for term, of in whole.terms.items()})

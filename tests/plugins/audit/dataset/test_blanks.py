@@ -73,3 +73,17 @@ def test_a_blank_costs_the_episode_for_those_rewards_that_read_it(format_, blank
         else:
             assert not torn.lost[name].any(), name
             assert np.array_equal(torn.paid[name], whole.paid[name], equal_nan=True), name
+
+
+def test_a_reward_that_looks_at_what_no_episode_tells_pays_none_and_is_told(tmp_path):
+    """Episodes of one step each, in a format that keeps what was seen before a step alone."""
+    episodes = map(reaching, range(COUNT))
+    write_d4rl(
+        tmp_path / "d", [{key: it[key][:1] for key in ("observations", "actions", "rewards")} for it in episodes]
+    )
+    found = pay_dataset(opened(f"d4rl:{tmp_path / 'd'}"), {"next": step_by_step("next", _of_next)})
+    assert "looks at what came after a step" in found.failed["next"]
+
+
+def _of_next(observation, action, next_observation, info):
+    return float(next_observation[0])
