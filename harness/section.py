@@ -44,15 +44,16 @@ class Fact:
         grids: Small tables, below one another.
         narrower: The same tables with less beside each value, where the window is not wide enough for `grids`: two
             ways, of which the last one is for the narrowest window; empty where there is one way.
-        kind: ``reading``: how to read what stands above it. ``command``: a command that names a folder of this machine;
-            what is kept, and may be read on another one, leaves it out.
+        kind: ``reading``: how to read what stands above it. ``warning``: what to know before what stands below it.
+            ``command``: a command that names a folder of this machine; what is kept, and may be read on another one,
+            leaves it out.
     """
 
     title: str = ""
     lines: tuple[str, ...] = ()
     grids: tuple[Grid, ...] = ()
     narrower: tuple[tuple[Grid, ...], ...] = ()
-    kind: Literal["", "reading", "command"] = ""
+    kind: Literal["", "reading", "warning", "command"] = ""
 
 
 @dataclass(frozen=True)

@@ -98,10 +98,10 @@ def _show(results: "Results") -> None:
     from harness.cli.output import make_table_and_page
     from harness.eta.headline import format_number
     from harness.record.store import REPORT
-    from harness.report.facts import overview_facts
+    from harness.report.facts import Report
     from harness.report.tables.grid import FactsTable, show
 
-    show(FactsTable(overview_facts(results.combinations)))
+    show(FactsTable(Report(results).overview))
     (comparison,) = results.combinations
     same, recorded = _same_steps(results)
     pay = comparison.number.pay

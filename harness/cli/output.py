@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from harness.payoff.rollout import Rollout, UnderNoise
     from harness.record.cell import Cell
     from harness.registry.choice import Registry
+    from harness.report.facts import Report
     from harness.report.rows.returns import Audits, Payoffs
     from harness.results import Results
 
@@ -114,10 +115,13 @@ def show_results(
     Raises:
         UsageError: Something cannot be written.
     """
+    from harness.report.facts import Report
+
+    report = Report(results)
     for name, reason in results.not_measured.items():  # its values are missing, and nothing else
         complain(f"metric {name}: n/a ({reason})")
     if html is not None:
-        write_page_of(results, html)
+        write_page_of(report, html)
         say(f"Report: {html}", err=True)
     if summary is not None:
         load_records().write(results, summary)
@@ -125,15 +129,15 @@ def show_results(
     if as_json:
         from harness.report.document import report_text
 
-        say(report_text(results))
+        say(report_text(report))
     elif details or summary is None:
-        _print_tables(results, details, command)
+        _print_tables(report, details, command)
     for line in results.damaged_recordings:
         complain(f"damaged: {line}")
     return 1 if results.damaged_recordings else 0
 
 
-def write_page_of(results: "Results", html: Path) -> None:
+def write_page_of(report: "Report", html: Path) -> None:
     """Write the page.
 
     Raises:
@@ -142,18 +146,19 @@ def write_page_of(results: "Results", html: Path) -> None:
     from harness.files.bounded import note_made
     from harness.report.page.html import write_html
 
-    write_html(results, html, audits_of(results))
+    results = report.results
+    write_html(report, html, audits_of(results))
     if results.is_experiment and html.absolute().parent == results.folder.absolute():
         note_made(html)  # as the folder's SHA256SUMS tells
 
 
-def _print_tables(results: "Results", details: bool, command: str) -> None:
+def _print_tables(report: "Report", details: bool, command: str) -> None:
     """The overview, or all there is."""
-    from harness.report.facts import all_facts, first_facts, paragraphs
+    from harness.report.facts import paragraphs
     from harness.report.tables.grid import FactsTable, show
 
-    facts = all_facts(results) if details else first_facts(results)
-    if not details and (results.combinations or results.alone):
+    facts = report.full if details else report.short
+    if not details and (report.results.combinations or report.results.alone):
         facts += paragraphs(f"All numbers behind this: {command}")
     show(FactsTable(facts))
 
@@ -170,6 +175,7 @@ def make_table_and_page(results: "Results", err: bool = False) -> None:
     """
     from harness.record.out_folder import storage_errors
     from harness.record.store import REPORT
+    from harness.report.facts import Report
 
     with storage_errors(results.folder):
         results.write_table()
@@ -177,7 +183,7 @@ def make_table_and_page(results: "Results", err: bool = False) -> None:
     try:
         with storage_errors(results.folder):
             _draw_frames(results)
-            write_page_of(results, results.folder / REPORT)
+            write_page_of(Report(results), results.folder / REPORT)
         say(f"Report:  {results.folder / REPORT}", err)
     except UsageError as error:  # the extra is missing: the results are there all the same
         say(f"No {REPORT}: {error}", err)

@@ -7,13 +7,7 @@ from harness.face import face_of
 if TYPE_CHECKING:
     from harness.eta.headline import format_number as format_number
     from harness.report.document import report_text as report_text, shared_facts as shared_facts
-    from harness.report.facts import (
-        all_facts as all_facts,
-        comparison_facts as comparison_facts,
-        first_facts as first_facts,
-        how_to_read as how_to_read,
-        score_facts as score_facts,
-    )
+    from harness.report.facts import Report as Report, score_facts as score_facts
     from harness.report.figures.chart import (
         Axis as Axis,
         Chart as Chart,
@@ -34,7 +28,7 @@ if TYPE_CHECKING:
         basis_text as basis_text,
         behaviour_grids as behaviour_grids,
         beside_answer as beside_answer,
-        choosing_told as choosing_told,
+        choosing_facts as choosing_facts,
         question as question,
         what_decides as what_decides,
     )

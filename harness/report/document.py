@@ -7,12 +7,10 @@ from dataclasses import asdict
 from typing import Any, NamedTuple
 
 from harness.record.cell import Manifest
-from harness.report.facts import first_facts
-from harness.report.rows.comparison import again_text, choosing_told
+from harness.report.facts import Report
+from harness.report.rows.comparison import again_text
 from harness.results import Results
-from harness.results.ranking import ranking_of
 from harness.results.results import standing_of, standing_to_json, told_manifests
-from harness.section import shown_sections
 
 
 class CellFact(NamedTuple):
@@ -65,31 +63,32 @@ def _facts(manifest: Manifest) -> dict[str, str]:
     return {name: str(value) for name, value in facts.items() if value}
 
 
-def report_to_json(results: Results) -> dict[str, Any]:
+def report_to_json(report: Report) -> dict[str, Any]:
     """The whole report as plain data. ``harness report --json`` prints it by `report_text`.
 
     Raises:
         SchemaError: A file is damaged or written by a newer version.
     """
+    results = report.results
     data = results.to_json()
     for told, comparison in zip(data["combinations"], results.combinations, strict=True):
         learning = results.learning(comparison)
         told["learning"] = learning and learning.to_json()
     data["evaluation_returns"] = [matrix.to_json() for matrix in results.returns]
-    data["ranking"] = ranking_of(results).to_json()
+    data["ranking"] = report.ranked.to_json()
     data["notes"] = [*results.said, *results.notes]
     for told, manifest in zip(data["cells"], told_manifests(results), strict=True):
         told |= {"status": manifest.status, "reason": manifest.reason}
     data |= standing_to_json(standing_of(results))
-    if chosen := choosing_told(results):
-        data["choosing"]["told"] = chosen.sentence
-    data |= {name: section.data for name, section in shown_sections(results).items()}
+    if report.chosen:
+        data["choosing"]["told"] = report.chosen[0].title
+    data |= {name: section.data for name, section in report.sections.items()}
     data |= {"reward_terms": [it.to_json() for it in results.terms]} if results.terms else {}
     data |= {"alone": [it.to_json() for it in results.alone]} if results.alone else {}
-    data["facts"] = [asdict(it) for it in first_facts(results) if it.kind != "command"]
+    data["facts"] = [asdict(it) for it in report.short if it.kind != "command"]
     return data
 
 
-def report_text(results: Results) -> str:
+def report_text(report: Report) -> str:
     """What ``harness report --json`` prints, and what ``results.json`` of a summary holds."""
-    return json.dumps(report_to_json(results), indent=1, allow_nan=False)
+    return json.dumps(report_to_json(report), indent=1, allow_nan=False)

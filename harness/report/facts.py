@@ -1,15 +1,14 @@
-"""What a report says, in its order: the facts that the terminal, the page, the summary and its records show."""
+"""What a report says, as facts: each is made once, and terminal, page, summary and records arrange them."""
 
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Literal
 
 from harness.eta.index import NOTHING
 from harness.report.rows import Fact, Grid
 from harness.report.rows.comparison import (
     ALONE,
-    CHOOSING,
-    CHOOSING_TITLE,
     NO_REWARD,
     POOLED_TITLE,
     SHOWN,
@@ -20,11 +19,13 @@ from harness.report.rows.comparison import (
     behaviour_grids,
     beside,
     beside_answer,
-    choosing_told,
+    choosing_facts,
     claims_text,
     compared_text,
     count_cells,
+    grown_text,
     interim_text,
+    joined_text,
     pooled_answers,
     question,
     remarks_on_cells,
@@ -35,7 +36,7 @@ from harness.report.rows.comparison import (
     what_decides,
     word_of,
 )
-from harness.report.rows.ranking import AGREEMENT, CHOICE, EXPLANATION as RANKED, TITLE as RANKING, task_rows
+from harness.report.rows.ranking import ranking_facts
 from harness.report.rows.ratios import SPLIT, scales_text, split_grid
 from harness.report.rows.returns import (
     EXPLANATION,
@@ -64,11 +65,11 @@ from harness.results.overview import (
     shared_text,
     varying_kinds,
 )
-from harness.results.ranking import ranking_of
+from harness.results.ranking import Ranking, ranking_of
 from harness.results.results import ReturnMatrix
 from harness.results.score_matrix import ScoreMatrix
 from harness.results.trainings import Alone
-from harness.section import shown_sections
+from harness.section import Shown, shown_sections
 from harness.text import shortened
 
 FEW = 3
@@ -76,92 +77,211 @@ FEW = 3
 ETAS = ("", "eta_N", "its parts", "eta_P", "its parts")
 
 
-def paragraphs(*texts: str, kind: Literal["", "command"] = "") -> list[Fact]:
+def paragraphs(*texts: str, kind: Literal["", "command", "warning"] = "") -> list[Fact]:
     """A fact for each text, without the empty ones; each text once."""
     return [Fact(lines=(text,), kind=kind) for text in dict.fromkeys(filter(None, texts))]
 
 
-def first_facts(results: Results) -> list[Fact]:
-    """What is read first: what is the same in all comparisons, then a line for each. A single one is told in sentences.
+@dataclass(frozen=True)
+class Compared:
+    """What is said of one comparison: which it is, both answers, what to know of them; then every table there is."""
 
-    Where one of several rewards is chosen, a line for each of them stands before that.
-    """
-    combinations, chosen = results.combinations, choosing_facts(results)
-    facts = [*said_facts(results), *chosen]
-    if combinations:
-        facts += [*paragraphs(interim_text(results)), *overview_facts(combinations), *_in_sentences(results)]
-        facts += advice_facts(results) if len(combinations) == 1 else []
-    elif not chosen:
-        facts += [*alone_facts(results, with_all=False), *beside_facts(results)]
-    mixtures = (mixture.text for it in combinations for mixture in it.measured.mixtures)
-    facts += paragraphs(*mixtures, *_not_split(combinations), *never_texts(results))
-    facts += return_facts(_with_others(results))
-    return [*facts, *_cells(results), *ranking_facts(results, with_all=False), *_of_sections(results)]
+    facts: Sequence[Fact]
+    behaviour: Sequence[Grid] = ()
+    """In the manner that decides."""
+    otherwise: Sequence[Grid] = ()
+    """Behaviour of the same trainings, measured otherwise."""
+    pay: Sequence[Grid] = ()
+    numbers: Sequence[Grid] = ()
+    terms: Sequence[Grid] = ()
 
-
-def all_facts(results: Results) -> list[Fact]:
-    """Everything that the first facts rest on: a part for each comparison, what the rewards pay, then the cells."""
-    combinations = results.combinations
-    facts = [*said_facts(results), *paragraphs(interim_text(results)), *pooled_facts(combinations)]
-    facts += [*alone_facts(results, with_all=True), *beside_facts(results)]
-    facts += [fact for it in combinations for fact in comparison_facts(results, it)]
-    facts += advice_facts(results)
-    facts += [how_to_read(results)] if any(it.has_trainings for it in combinations) else []
-    facts += return_facts(results.returns)
-    facts += [Fact(lines=(EXPLANATION,), kind="reading")] if results.returns else []
-    return [*facts, *_cells(results), *ranking_facts(results, with_all=True), *_of_sections(results)]
+    @property
+    def all(self) -> list[Fact]:
+        """The facts, then all tables."""
+        grids = (*self.behaviour, *self.otherwise, *self.pay, *self.numbers, *self.terms)
+        return [*self.facts, Fact(grids=grids)]
 
 
-def comparison_facts(results: Results, comparison: Comparison) -> list[Fact]:
-    """Everything that is said of one comparison: which it is, both answers, then what they rest on."""
+class Report:
+    """What a report says. A part is made when it is first asked for; who asks again gets the same."""
+
+    def __init__(self, results: Results) -> None:
+        """Make nothing yet."""
+        self.results = results
+
+    @property
+    def short(self) -> list[Fact]:
+        """What is read first: what is the same in all comparisons, then a line for each. A single one has sentences.
+
+        Where one of several rewards is chosen, a line for each of them stands before that.
+        """
+        combinations = self.results.combinations
+        facts = [*self.said, *self.warnings, *self.chosen]
+        if combinations:
+            facts += [*self.overview, *_in_sentences(combinations), *(self.advice if len(combinations) == 1 else [])]
+        elif not self.chosen:
+            facts += [*alone_facts(self.results, with_all=False), *self.beside]
+        mixtures = (mixture.text for it in combinations for mixture in it.measured.mixtures)
+        facts += [*paragraphs(*mixtures, *_not_split(combinations)), *self.never]
+        facts += return_facts(_with_others(self.results))
+        ranking = [replace(it, grids=()) for it in self.ranking if it.kind != "reading"]
+        return [*facts, self.cells, *ranking, *self._of_sections]
+
+    @property
+    def full(self) -> list[Fact]:
+        """Everything that the first facts rest on: a part for each comparison, what the rewards pay, then the cells."""
+        facts = [*self.said, *self.warnings, *self.pooled, *self.alone, *self.beside]
+        facts += [fact for it in self.compared for fact in it.all]
+        facts += [*self.advice, *self.reading, *self.returns, self.cells, *self.ranking]
+        return [*facts, *self._of_sections]
+
+    @cached_property
+    def question(self) -> str:
+        """What it answers."""
+        return question(self.results)
+
+    @cached_property
+    def setting(self) -> str:
+        """What is the same in all comparisons; empty without one."""
+        return shared_text(self.results.combinations) if self.results.combinations else ""
+
+    @cached_property
+    def said(self) -> list[Fact]:
+        """How what was found was sorted and read; none of an experiment, which knows what it trained."""
+        return [Fact(lines=tuple(f"{line}." for line in self.results.said))] if self.results.said else []
+
+    @cached_property
+    def warnings(self) -> list[Fact]:
+        """What a reader must know before the answers."""
+        of = self.results
+        return paragraphs(interim_text(of), joined_text(of), grown_text(of), kind="warning")
+
+    @cached_property
+    def chosen(self) -> list[Fact]:
+        """Who went furthest, and a line for each candidate; none where none is chosen, or nobody has left yet."""
+        return choosing_facts(self.results)
+
+    @cached_property
+    def pooled(self) -> list[Fact]:
+        """The answers over all places; none where there is one place."""
+        lines = tuple(f"{answer}: {told}" for answer, told in pooled_answers(self.results.combinations))
+        return [Fact(POOLED_TITLE, lines)] if lines else []
+
+    @cached_property
+    def overview(self) -> list[Fact]:
+        """What is the same in all comparisons, the answers over all places, a line for each, and how to read them."""
+        combinations = self.results.combinations
+        wide, middle = (overview_grids(combinations, with_intervals=it) for it in (True, False))
+        narrower = (tuple(middle), tuple(map(_narrow, middle)))
+        reading = Fact(lines=(overview_of(combinations).reading,), kind="reading")
+        lines = Fact(grids=tuple(wide), narrower=narrower)
+        return [Fact(self.setting), *self.pooled, lines, reading, *_etas(combinations)]
+
+    @cached_property
+    def compared(self) -> list[Compared]:
+        """What is said of each comparison."""
+        return [_compared(self.results, it) for it in self.results.combinations]
+
+    @cached_property
+    def alone(self) -> list[Fact]:
+        """What each reward paid for; none where each has another beside it."""
+        return alone_facts(self.results, with_all=True)
+
+    @cached_property
+    def advice(self) -> list[Fact]:
+        """How to get an answer where there is none."""
+        return paragraphs(*(advice(self.results, it) for it in self.results.combinations), kind="command")
+
+    @cached_property
+    def beside(self) -> list[Fact]:
+        """How to compare a reward that stands alone."""
+        told = beside(self.results, self.results.alone)
+        return paragraphs(told and f"To compare it with another reward: {told}", kind="command")
+
+    @cached_property
+    def numbers_mean(self) -> str:
+        """What the numbers of comparisons mean."""
+        numbers = [it.number for it in self.results.combinations]
+        split, paid = any(it.is_split for it in numbers), any(it.pay for it in numbers)
+        return " ".join((scales_text(self.results.subject), *[SPLIT] * split, *[READING] * paid))
+
+    @cached_property
+    def decides(self) -> str:
+        """What decides."""
+        return f"{NO_REWARD} {what_decides(self.results)}"
+
+    @property
+    def reading(self) -> list[Fact]:
+        """How to read comparisons; none where nothing is compared."""
+        is_compared = any(it.has_trainings for it in self.results.combinations)
+        return [Fact(lines=(it,), kind="reading") for it in (self.numbers_mean, self.decides)] if is_compared else []
+
+    @cached_property
+    def never(self) -> list[Fact]:
+        """Which terms never paid."""
+        return paragraphs(*never_texts(self.results))
+
+    @cached_property
+    def returns(self) -> list[Fact]:
+        """What each reward pays the policies that each reward taught."""
+        found = return_facts(self.results.returns)
+        return [*found, Fact(lines=(EXPLANATION,), kind="reading")] if found else []
+
+    @cached_property
+    def cells(self) -> Fact:
+        """How many cells there are, how they ended, and what to keep in mind of them."""
+        return Fact(count_cells(self.results), tuple(remarks_on_cells(self.results)))
+
+    @cached_property
+    def ranked(self) -> Ranking:
+        """The rankings themselves."""
+        return ranking_of(self.results)
+
+    @cached_property
+    def ranking(self) -> list[Fact]:
+        """Whether another reward would have been chosen elsewhere, and what that rests on; none in one place."""
+        return ranking_facts(self.ranked.tasks) if self.ranked.tasks else []
+
+    @cached_property
+    def sections(self) -> Mapping[str, Shown]:
+        """What commands of plugins add."""
+        return shown_sections(self.results)
+
+    @property
+    def _of_sections(self) -> list[Fact]:
+        return [fact for section in self.sections.values() for fact in section.facts]
+
+
+def _sentences(comparison: Comparison) -> list[Fact]:
+    """Which comparison it is, both answers, and what to know of them."""
     headline, group = comparison.headline, comparison.group
     compared = f"{compared_text(comparison)} compared, {group.steps:,} training steps per run"
-    mixtures = [mixture.text for mixture in comparison.measured.mixtures]
-    facts = [
-        Fact(f"{group.title}: {rewards_text(comparison)}", (compared, *mixtures)),
+    told = {PAY: comparison.pay_sentence, INDICES: comparison.index_sentence}
+    return [
+        Fact(f"{group.title}: {rewards_text(comparison)}", (compared,)),
+        *paragraphs(*(f"{it.text}." for it in comparison.measured.mixtures), kind="warning"),
         Fact(f"The {group.subject}: {word_of(headline.answer)}", (headline.robot,)),
         *paragraphs(*beside_answer(comparison), basis_text(comparison)),
+        *(Fact(title, (text,)) for title, text in told.items() if text),
+        *paragraphs(claims_text(comparison)),
     ]
-    told = {PAY: comparison.pay_sentence, INDICES: comparison.index_sentence}
-    facts += [Fact(title, (text,)) for title, text in told.items() if text]
-    grids = [grid for of in comparison_grids(results, comparison).values() for grid in of]
-    return [*facts, *paragraphs(claims_text(comparison)), Fact(grids=tuple(grids))]
 
 
-def comparison_grids(results: Results, comparison: Comparison) -> dict[str, list[Grid]]:
-    """Every table of one comparison that has something to show, by what it is about."""
+def _compared(results: Results, comparison: Comparison) -> Compared:
     behaviour = behaviour_grids(comparison)
-    found = {
-        "behaviour": behaviour[:1],
-        "other behaviour": [along_grid(comparison), *behaviour[1:], seeds_grid(comparison)],
-        "pay": [returns_grid(comparison)],
-        "numbers": number_grids(comparison, results.kind),
-        "terms": list(map(terms_grid, terms_of(results, comparison))),
-    }
-    return {name: [grid for grid in grids if grid.rows or grid.notes] for name, grids in found.items()}
+    return Compared(
+        _sentences(comparison),
+        behaviour[:1],
+        _told([along_grid(comparison), *behaviour[1:], seeds_grid(comparison)]),
+        _told([returns_grid(comparison)]),
+        _told(number_grids(comparison, results.kind)),
+        list(map(terms_grid, terms_of(results, comparison))),
+    )
 
 
-def how_to_read(results: Results) -> Fact:
-    """What the numbers of comparisons mean, and what decides."""
-    combinations = results.combinations
-    split = [SPLIT] * any(it.number.is_split for it in combinations)
-    paid = [READING] * any(bool(it.number.pay) for it in combinations)
-    told = (scales_text(results.subject), *split, *paid, NO_REWARD, what_decides(results))
-    return Fact(lines=(" ".join(told),), kind="reading")
-
-
-def overview_facts(combinations: Sequence[Comparison]) -> list[Fact]:
-    """What is the same in all comparisons, the answers over all places, a line for each, and how to read them."""
-    wide, middle = (overview_grids(combinations, with_intervals=it) for it in (True, False))
-    narrower = (tuple(middle), tuple(map(_narrow, middle)))
-    reading = Fact(lines=(overview_of(combinations).reading,), kind="reading")
-    return [
-        Fact(shared_text(combinations)),
-        *pooled_facts(combinations),
-        Fact(grids=tuple(wide), narrower=narrower),
-        reading,
-        *_etas(combinations),
-    ]
+def _told(grids: Iterable[Grid]) -> list[Grid]:
+    """Those that have something to show."""
+    return [grid for grid in grids if grid.rows or grid.notes]
 
 
 def _etas(combinations: Sequence[Comparison]) -> Iterator[Fact]:
@@ -199,9 +319,8 @@ def _narrow(grid: Grid) -> Grid:
     return replace(grid, headings=(*grid.headings[:at], "pay", "ruler"), rows=rows)
 
 
-def _in_sentences(results: Results) -> list[Fact]:
+def _in_sentences(combinations: Sequence[Comparison]) -> list[Fact]:
     """What to know of the lines above; of one comparison both answers."""
-    combinations = results.combinations
     lines = [*(line for it in combinations for line in beside_answer(it)), *map(basis_text, combinations)]
     if len(combinations) == 1:
         only = combinations[0]
@@ -209,75 +328,22 @@ def _in_sentences(results: Results) -> list[Fact]:
     return paragraphs(*lines)
 
 
-def advice_facts(results: Results) -> list[Fact]:
-    """How to get an answer where there is none."""
-    return paragraphs(*(advice(results, it) for it in results.combinations), kind="command")
-
-
-def beside_facts(results: Results) -> list[Fact]:
-    """How to compare a reward that stands alone."""
-    told = beside(results, results.alone)
-    return paragraphs(told and f"To compare it with another reward: {told}", kind="command")
-
-
-def pooled_facts(combinations: Sequence[Comparison]) -> list[Fact]:
-    """The answers over all places; none where there is one place."""
-    lines = tuple(f"{answer}: {told}" for answer, told in pooled_answers(combinations))
-    return [Fact(POOLED_TITLE, lines)] if lines else []
-
-
-def choosing_facts(results: Results) -> list[Fact]:
-    """Who went furthest, and a line for each candidate; none where none is chosen, or nobody has left yet."""
-    told = choosing_told(results)
-    if told is None:
-        return []
-    table = Fact(CHOOSING_TITLE, grids=(told.grid,))
-    return [Fact(told.sentence), table, Fact(lines=(CHOOSING,), kind="reading")]
-
-
 def alone_facts(results: Results, *, with_all: bool) -> list[Fact]:
-    """What each reward paid for; none where each has another beside it.
+    """What each reward paid for that nothing is compared with, a fact for each; none where each has another beside it.
 
     Args:
         results: The experiment, or the recordings.
         with_all: Whether every measure, every interval and every term is shown.
     """
-    facts = [fact for it in results.alone for fact in _alone(results, it, with_all)]
+    facts = [_alone(results, it, with_all) for it in results.alone]
     return [*facts, Fact(lines=(ALONE,), kind="reading")] if facts else []
 
 
-def _alone(results: Results, alone: Alone, with_all: bool) -> Iterator[Fact]:
-    grid = alone_grid(alone, None if with_all else FEW)
-    title, where = f"{question(results)} {size_text(alone)}.", alone.group.title
-    yield Fact(title, (where,), (grid,))
-    yield from paragraphs(story(alone))
-    for terms in results.terms:
-        if (terms.group, terms.reward) == (alone.group, alone.reward):
-            yield from [Fact(grids=(terms_grid(terms),))] if with_all else paragraphs(changed_text(terms))
-
-
-def ranking_facts(results: Results, *, with_all: bool) -> list[Fact]:
-    """Whether another reward would have been chosen elsewhere, and on request what that rests on."""
-    tasks = list(map(task_rows, ranking_of(results).tasks))
-    facts = [Fact(RANKING)] if tasks else []
-    for rows in tasks:
-        grids = (*(table.grid for table in rows.ranks), rows.choices, rows.agreements) if with_all else ()
-        facts.append(Fact(rows.title, tuple(rows.lines), grids))
-    return [*facts, Fact(lines=(f"{RANKED} {CHOICE} {AGREEMENT}",), kind="reading")] if tasks and with_all else facts
-
-
-def said_facts(results: Results) -> list[Fact]:
-    """How what was found was sorted and read; none of an experiment, which knows what it trained."""
-    return [Fact(lines=tuple(f"{line}." for line in results.said))] if results.said else []
-
-
-def _of_sections(results: Results) -> list[Fact]:
-    """What commands of plugins add."""
-    return [fact for section in shown_sections(results).values() for fact in section.facts]
-
-
-def _cells(results: Results) -> list[Fact]:
-    return [Fact(count_cells(results), tuple(remarks_on_cells(results)))]
+def _alone(results: Results, alone: Alone, with_all: bool) -> Fact:
+    terms = [it for it in results.terms if (it.group, it.reward) == (alone.group, alone.reward)]
+    told = (alone.group.title, story(alone), *([] if with_all else map(changed_text, terms)))
+    grids = (alone_grid(alone, None if with_all else FEW), *(map(terms_grid, terms) if with_all else ()))
+    return Fact(f"What {alone.reward} paid for: {size_text(alone)}", tuple(filter(None, told)), grids)
 
 
 def _not_split(combinations: Sequence[Comparison]) -> list[str]:

@@ -21,7 +21,7 @@ from typing import NamedTuple
 from harness.cli.records import Records
 from harness.errors import UsageError
 from harness.record import EXPERIMENT, PLAN
-from harness.report import report_text
+from harness.report import Report, report_text
 from harness.results import Comparison, Results
 from harness.text import file_stems
 
@@ -47,14 +47,14 @@ def write_summary(results: Results, folder: Path) -> None:
         raise UsageError(f"--summary '{folder}' is the folder of an experiment: name another")
     if not results.is_experiment:
         raise UsageError("--summary does not go with a folder of recorded trainings: leave it out")
-    drawn = draw_figures(results)
+    drawn, report = draw_figures(results), Report(results)
     here = f'path = "{Path.cwd().as_posix()}/'  # files of plugins that lie below it are named from there
     files = {
         EXPERIMENT: results.experiment_text.replace(here, 'path = "').encode(),
-        RECORD: f"{report_text(results)}\n".encode(),
+        RECORD: f"{report_text(report)}\n".encode(),
         CELLS: write_cells(results).encode(),
         CURVES: write_curves(results.combinations),
-        SUMMARY: write_markdown(results, drawn.overview, drawn.pictures).encode(),
+        SUMMARY: write_markdown(report, drawn.overview, drawn.pictures).encode(),
     }
     put_files(folder, {**files, **drawn.files}, FIGURES)
 

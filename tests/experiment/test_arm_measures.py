@@ -14,6 +14,7 @@ from harness.experiment.trials.arm_trial import try_arm
 from harness.experiment.trials.tried import Tried
 from harness.record import read_trace
 from harness.registry import load_registry, read_given
+from harness.report import Report
 from harness.report.document import report_text
 from harness.results.metrics import fields_needed
 from tests.refusals import refused
@@ -156,7 +157,7 @@ def _results(folder, file):
 
 def test_they_stand_among_the_metrics(results):
     """In the JSON, with unit and direction; one that is true or false as a share."""
-    behaviour = json.loads(report_text(results))["combinations"][0]["behaviour"]
+    behaviour = json.loads(report_text(Report(results)))["combinations"][0]["behaviour"]
     told = {it["name"]: it for it in behaviour if it["manner"] == "deterministic"}
     assert (told["calm"]["unit"], told["calm"]["better"], told["calm"]["episodes"]) == ("rad/s", "lower", None)
     assert (told["near"]["better"], told["near"]["episodes"]) == ("higher", 3)

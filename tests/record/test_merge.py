@@ -26,7 +26,7 @@ from harness.record import (
     read_manifest,
 )
 from harness.record.merge import merge
-from harness.report import report_text
+from harness.report import Report, report_text
 from harness_plugins.transfer.record import read_record_of
 from tests.stores import create_store
 
@@ -98,7 +98,7 @@ def test_report_is_that_of_one_run(run, merged, tmp_path):
     merged(run("two", [1, 3]), run("one", [0, 2]))
     for folder in _cells(whole):  # the same trainings at another time; each part has its random actions
         shutil.copytree(tmp_path / "all" / "cells" / folder.name, folder, dirs_exist_ok=True)
-    assert report_text(load_results(tmp_path / "all")) == report_text(load_results(whole))
+    assert report_text(Report(load_results(tmp_path / "all"))) == report_text(Report(load_results(whole)))
     assert verify(tmp_path / "all") == []
 
 

@@ -8,7 +8,7 @@ from urllib.parse import unquote, urlparse
 
 import pytest
 
-from harness.report import write_html
+from harness.report import Report, write_html
 from tests.report.conftest import build_results
 
 pytestmark = pytest.mark.slow
@@ -28,7 +28,7 @@ def matrix(tmp_path_factory):
         reached={"baseline": lambda seed: (5, 6, 7, 8), "arp": lambda seed: (), "relative": lambda seed: (8,)},
         learned={10: 1, 20: 2},
     )
-    write_html(results, folder / "report.html")
+    write_html(Report(results), folder / "report.html")
     return (folder / "report.html").as_uri()
 
 
@@ -36,7 +36,7 @@ def matrix(tmp_path_factory):
 def single(tmp_path_factory):
     """The page of one comparison, six cells."""
     folder = tmp_path_factory.mktemp("experiment")
-    write_html(build_results(folder, learned={10: 1, 20: 2}), folder / "report.html")
+    write_html(Report(build_results(folder, learned={10: 1, 20: 2})), folder / "report.html")
     return (folder / "report.html").as_uri()
 
 

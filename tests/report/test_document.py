@@ -2,13 +2,13 @@
 
 import json
 
-from harness.report import report_text
+from harness.report import Report, report_text
 from tests.report.conftest import NEW, OLD
 
 
 def told(results):
     """The document, which is strict: no NaN, nothing that is not plain data."""
-    return json.loads(report_text(results))
+    return json.loads(report_text(Report(results)))
 
 
 def test_document_has_learning_where_it_was_recorded(build):

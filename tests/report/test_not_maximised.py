@@ -16,7 +16,7 @@ from harness.experiment.plan import check_experiment, expand
 from harness.experiment.run_cell import run_cell
 from harness.record import read_recording
 from harness.registry import load_registry, read_given
-from harness.report import FactsTable, all_facts, first_facts, report_text, write_html
+from harness.report import FactsTable, Report, report_text, write_html
 from harness_plugins.committed import write_summary
 from tests.report.conftest import printed, squeezed
 from tests.stores import create_store
@@ -54,20 +54,20 @@ def test_what_is_paid_is_what_was_recorded(results):
 
 def test_json_says_it(results):
     """With the numbers behind it."""
-    (comparison,) = json.loads(report_text(results))["combinations"]
+    (comparison,) = json.loads(report_text(Report(results)))["combinations"]
     assert [told.startswith(TOLD) for told in comparison["not_maximised"]] == [True]
     assert [it["below"] for it in comparison["paid_at_random"]] == [5, 0]
 
 
-@pytest.mark.parametrize("facts", [first_facts, all_facts])
+@pytest.mark.parametrize("facts", ["short", "full"])
 def test_the_terminal_says_it(results, facts):
     """At a glance, and with all details."""
-    assert squeezed(printed(FactsTable(facts(results)))).count(TOLD) == 1
+    assert squeezed(printed(FactsTable(getattr(Report(results), facts)))).count(TOLD) == 1
 
 
 def test_page_and_summary_say_it(results, tmp_path):
     """Beside the answer."""
-    write_html(results, tmp_path / "report.html")
+    write_html(Report(results), tmp_path / "report.html")
     assert TOLD in squeezed((tmp_path / "report.html").read_text())
     write_summary(results, tmp_path / "summary")
     assert TOLD in (tmp_path / "summary" / "summary.md").read_text()

@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from harness.report import FactsTable, all_facts, first_facts, what_decides, write_html
+from harness.report import FactsTable, Report, what_decides, write_html
 from harness.report.page.html import PROMISE
 from tests.report.conftest import printed, squeezed, words_of
 
@@ -23,10 +23,10 @@ def ahead(build):
 
 
 def _shown(results, page):
-    write_html(results, page)
+    write_html(Report(results), page)
     text = page.read_text()
-    yield "terminal", printed(FactsTable(first_facts(results)), 200)
-    yield "details", printed(FactsTable(all_facts(results)), 200)
+    yield "terminal", printed(FactsTable(Report(results).short), 200)
+    yield "details", printed(FactsTable(Report(results).full), 200)
     yield "page", words_of(text)
     yield "colours", " ".join(re.findall(r'class="((?:card|badge|symbol|dot|line)[^"]*)"', text))
     yield "json", json.dumps(results.to_json())

@@ -14,7 +14,7 @@ import pytest
 from harness import load_results
 from harness.record import read_recording
 from harness.registry import load_registry
-from harness.report import FactsTable, all_facts, first_facts, report_text, write_html
+from harness.report import FactsTable, Report, report_text, write_html
 from harness_plugins.audit import audit_dataset, audit_recordings
 from harness_plugins.audit.dataset.page import write_dataset_page
 from harness_plugins.committed import committed_table, write_summary
@@ -113,11 +113,11 @@ class Views:
 
     def __init__(self, results, folder):
         """Show them in every way."""
-        write_html(results, folder / "page.html")
-        self.json = json.loads(report_text(results))
+        write_html(Report(results), folder / "page.html")
+        self.json = json.loads(report_text(Report(results)))
         self.texts = {
-            "terminal": printed(FactsTable(first_facts(results)), 400),
-            "details": printed(FactsTable(all_facts(results)), 400),
+            "terminal": printed(FactsTable(Report(results).short), 400),
+            "details": printed(FactsTable(Report(results).full), 400),
             "page": (folder / "page.html").read_text(),
         }
         if results.is_experiment:
@@ -318,7 +318,7 @@ def test_every_view_says_the_same(situation, tmp_path, name):
 @pytest.mark.parametrize("name", AGENTS)
 def test_a_caption_is_true_of_its_numbers(situation, tmp_path, name):
     """Computed again from the recordings: the mean over trainings of the episodes that ended in a twentieth of it."""
-    write_html(situation(name), tmp_path / "page.html")
+    write_html(Report(situation(name)), tmp_path / "page.html")
     page = unescape((tmp_path / "page.html").read_text()).replace("\u202f", "").replace("−", "-")
     panels = re.findall(r"<h4>([^<]*) while learning</h4>.*?<figcaption>(.*?)</figcaption>", page, re.DOTALL)
     assert len(panels) >= 2
@@ -353,7 +353,7 @@ DRAWN = ("nothing differs", "one seed", "helps", "hurts", "ahead so far", "neith
 def test_a_caption_of_curves_is_true_of_the_traces(situation, tmp_path, name):
     """Computed again from what each step paid: where the mean of the running sums turns negative, and where back."""
     results = situation(name)
-    write_html(results, tmp_path / "page.html")
+    write_html(Report(results), tmp_path / "page.html")
     page = (tmp_path / "page.html").read_text()
     captions = re.findall(
         r"<h4>(?:Baseline|Proposed): (\w+)</h4>.*?<figcaption>First negative step: (\S+)\. Cross-over step: (\S+)\.<",
@@ -401,8 +401,7 @@ FACTS, PAGE, COMMITTED = "harness.report.facts", "harness.report.page", "harness
         (f"{FACTS}.index_rows", lambda of: lambda *given: [(row[0], "1.01", *row[2:]) for row in of(*given)]),
         (f"{PAGE}.answer.word_of", lambda of: lambda answer: "HURTS"),
         (f"{PAGE}.answer.overview_rows", lambda of: lambda found: of(list(map(_by_medians, found)))),
-        (f"{PAGE}.comparison.comparison_grids", lambda of: lambda results, it: of(results, _by_medians(it))),
-        (f"{COMMITTED}.markdown.comparison_facts", lambda of: lambda *given: _with_other_numbers(of(*given))),
+        (f"{COMMITTED}.markdown._told", lambda of: lambda facts: of(_with_other_numbers(facts))),
         (f"{COMMITTED}.read.FactsTable", lambda of: lambda facts: of(_with_other_numbers(facts))),
         (f"{__name__}.FactsTable", lambda of: lambda facts: of(_with_other_numbers(facts))),
     ],

@@ -11,7 +11,7 @@ import pytest
 from harness import load_results
 from harness.record import TRACE, read_manifest, read_trace
 from harness.record.merge import merge
-from harness.report import report_text
+from harness.report import Report, report_text
 from harness.score.installed_reward import InstalledReward
 from harness_plugins.committed.tables import write_cells
 
@@ -51,7 +51,7 @@ def test_first_report_reads_one_trace_after_the_other_once(ended, reads):
     assert len(reads.files) == len(set(reads.files)) == len(list(results.folder.glob("cells/*/**/*.parquet")))
     assert reads.most == 1
     reads.files.clear()
-    report_text(results)
+    report_text(Report(results))
     assert reads.files == []
 
 
@@ -64,7 +64,7 @@ def test_a_trace_that_no_cell_can_have_left_costs_the_cell(ended, monkeypatch, r
     table = pq.read_table(folder / TRACE)
     pq.write_table(table.take(np.zeros(rows, int)), folder / TRACE)
     read_manifest(folder).write(folder)
-    (told,) = [it for it in json.loads(report_text(without_kept(ended)))["cells"] if it["status"] == "damaged"]
+    (told,) = [it for it in json.loads(report_text(Report(without_kept(ended))))["cells"] if it["status"] == "damaged"]
     assert told["id"] == cell.id
     assert f"{rows:,} rows" in told["reason"]
 
@@ -81,7 +81,7 @@ def test_merged_cells_bring_what_is_kept(ended, tmp_path, reads):
     All that follows from traces was made as the cells ended.
     """
     merge([ended.folder], tmp_path / "all")
-    assert report_text(load_results(tmp_path / "all", registry=ended.registry)) == report_text(ended)
+    assert report_text(Report(load_results(tmp_path / "all", registry=ended.registry))) == report_text(Report(ended))
     assert reads.files == []
 
 
@@ -89,45 +89,45 @@ def test_merged_cells_bring_what_is_kept(ended, tmp_path, reads):
 def test_report_makes_what_is_missing(ended, reads, kind):
     """Byte for byte what was kept, of both kinds of curves; the next one finds it."""
     read = lambda: load_results(ended.folder, kind, registry=ended.registry)  # noqa: E731
-    kept = report_text(read())
+    kept = report_text(Report(read()))
     without_kept(ended)
-    assert report_text(read()) == kept
+    assert report_text(Report(read())) == kept
     assert reads.names >= FOLLOWS
     reads.files.clear()
-    assert report_text(read()) == kept
+    assert report_text(Report(read())) == kept
     assert reads.files == []
 
 
 def test_folder_that_allows_no_writing_is_reported(ended, reads):
     """Every time from the traces, with the same words."""
-    before = report_text(ended)
+    before = report_text(Report(ended))
     without_kept(ended)
     for path in (ended.folder / "derived").iterdir():
         shutil.rmtree(path)
         path.write_text("")  # a file where a folder would be: not even root can write in it
-    assert report_text(fresh(ended)) == before
+    assert report_text(Report(fresh(ended))) == before
     reads.files.clear()
-    assert report_text(fresh(ended)) == before
+    assert report_text(Report(fresh(ended))) == before
     assert "trace.parquet" in reads.names
 
 
 def test_changed_trace_is_read_again(ended, reads):
     """The cell's own, and no other."""
-    report_text(ended)
+    report_text(Report(ended))
     first, other = (ended.store.cell_folder(cell) / "evaluation.parquet" for cell in ended.done_cells[:2])
     first.write_bytes(other.read_bytes())
     read_manifest(first.parent).write(first.parent)  # as a cell leaves it that was trained again
-    report_text(fresh(ended))
+    report_text(Report(fresh(ended)))
     assert reads.names == {"evaluation.parquet"}
 
 
 @pytest.mark.parametrize("damage", [lambda path: path.write_bytes(b"PAR1"), Path.unlink], ids=["changed", "missing"])
 def test_what_was_kept_of_a_damaged_cell_is_not_taken_for_it(ended, damage):
     """The cell is left out, and said to be damaged."""
-    report_text(ended)
+    report_text(Report(ended))
     cell = ended.done_cells[0]
     damage(ended.store.cell_folder(cell) / "evaluation.parquet")
-    told = json.loads(report_text(fresh(ended)))
+    told = json.loads(report_text(Report(fresh(ended))))
     assert [it["id"] for it in told["cells"] if it["status"] == "damaged"] == [cell.id]
     assert cell not in fresh(ended).done_cells
 
@@ -142,18 +142,18 @@ def test_what_was_kept_of_a_damaged_cell_is_not_taken_for_it(ended, damage):
 )
 def test_changed_code_computes_again(ended, reads, monkeypatch, code, read):
     """Of every trace: its fingerprint is another. A reward pays training, evaluation and random actions anew."""
-    before = report_text(ended)
+    before = report_text(Report(ended))
     monkeypatch.setattr(code, lambda plugin: f"edited {plugin}")
-    assert report_text(fresh(ended)) == before
+    assert report_text(Report(fresh(ended))) == before
     assert reads.names >= read
 
 
 def test_new_metric_is_computed(ended, reads):
     """The others are there."""
-    report_text(ended)
+    report_text(Report(ended))
     results = fresh(ended)
     results.metrics["half"] = _Half()
-    assert '"half"' in report_text(results)
+    assert '"half"' in report_text(Report(results))
     assert reads.names >= FOLLOWS
 
 
@@ -161,7 +161,7 @@ def test_null_control_finds_what_it_needs(ran_toys, reads):
     """The baseline's cells with other seeds are measured as they end too."""
     results = ran_toys(reward="baseline,arp")
     reads.files.clear()
-    report_text(results)
+    report_text(Report(results))
     assert reads.files == []
 
 

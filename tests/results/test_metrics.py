@@ -9,7 +9,7 @@ from harness import load_results
 from harness.errors import PluginError, UsageError
 from harness.record import Manifest
 from harness.registry import load_registry
-from harness.report import behaviour_grids, report_text
+from harness.report import Report, behaviour_grids, report_text
 from harness.results.metrics import load_metrics, measure, measure_of
 from harness_plugins.committed.tables import write_cells
 from tests.results.folders import only
@@ -100,7 +100,7 @@ def test_each_failing_metric_says_why(results):
 
 def test_change_has_the_reason(results):
     """In JSON, strictly; one that is only not defined has none."""
-    behaviour = json.loads(report_text(results))["combinations"][0]["behaviour"]
+    behaviour = json.loads(report_text(Report(results)))["combinations"][0]["behaviour"]
     reasons = {it["name"]: it["reason"] for it in behaviour if it["manner"] == "deterministic"}
     assert reasons["raises"] == "KeyError: 'no_such'"
     assert reasons["success_rate"] == ""

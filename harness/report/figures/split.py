@@ -163,10 +163,6 @@ REACH = 74.0
 MIDDLE = WIDTH / 2
 NO_CHANGE = ("path", {"class": "one", "d": f"M{MIDDLE:g} 0V{HEIGHT:g}"})
 """The line in the middle."""
-EXPLANATION = (
-    "Dot and bar: the difference and its 95% interval. Each row has a scale of its own; the line is no difference, and "
-    "what lies to its right is better, whether that means more or less."
-)
 
 
 def draw_strip(change: Change) -> str:

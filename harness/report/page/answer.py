@@ -27,6 +27,7 @@ from harness.report.figures.split import draw_interval, draw_part, draw_training
 from harness.report.rows import Grid
 from harness.report.rows.comparison import (
     BETWEEN,
+    LEGEND,
     SYMBOLS,
     badge_of,
     beside_answer,
@@ -65,7 +66,7 @@ class Matrix(NamedTuple):
     table: Grid
     """A row for each entry, as a terminal shows it."""
     told: str
-    """What the map shows in each place, in a sentence."""
+    """What the map shows in each place."""
 
 
 FORMULAS = ("=", "+", "-", "@")
@@ -97,7 +98,7 @@ def matrix_of(combinations: Sequence[Comparison]) -> Matrix:
     is_share = bool(decisive) and all(text_of(it.measure) is percentage for it in decisive)
     measures = dict.fromkeys(SHORT.get(it.name, it.name.replace("_", " ")) for it in decisive)
     name = " / ".join(measures) or "behaviour"
-    told = f"{name.capitalize()}, proposed - baseline{', in percentage points' if is_share else ''}."
+    told = f"{name.capitalize()}, proposed - baseline{', in percentage points' if is_share else ''}. {LEGEND}."
     headings, lines = (overview_of(combinations).headings, overview_rows(combinations)) if combinations else ((), [])
     return Matrix(places, rows, entries, [count for count in counts if count[2]], Grid(headings, lines, []), told)
 

@@ -2,12 +2,12 @@
 
 import base64
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from harness.eta.headline import SUCCESS, Text, format_number, percentage
 from harness.record.cell import Cell
-from harness.report.facts import comparison_facts, comparison_grids
+from harness.report.facts import Compared, Report
 from harness.report.figures.accumulated import draw_both, panels_of
 from harness.report.figures.chart import Chart
 from harness.report.figures.draw import draw_chart
@@ -25,25 +25,14 @@ from harness.report.figures.learning import (
 from harness.report.figures.split import describe_split, describe_sum, draw_split, draw_strip, draw_sum
 from harness.report.page.answer import Card, card_of
 from harness.report.replay.section import BASELINE, PROPOSED, EpisodeLinks, Link, Still
-from harness.report.rows import Fact, Grid
 from harness.report.rows.comparison import (
     BETWEEN,
-    alone_grid,
     rewards_text,
-    setting_of,
     shown_changes,
-    story,
     text_of,
 )
 from harness.report.rows.ratios import step_text
-from harness.report.rows.returns import (
-    Audits,
-    Story,
-    changed_text,
-    payoff_story,
-    terms_grid,
-    terms_of,
-)
+from harness.report.rows.returns import Audits, Story, payoff_story
 from harness.results import Results
 from harness.results.comparison import Comparison
 from harness.results.learning import Learning
@@ -176,62 +165,54 @@ class Section:
 
     card: Card
     """It has the title."""
+    told: Compared
     place: int = 1
     """Its number on the page."""
     still: Still | None = None
-    full: Sequence[Fact] = ()
-    returns: Grid | None = None
-    mixtures: Sequence[str] = ()
-    behaviour: Grid | None = None
     strips: Sequence[str] = ()
     meanings: Sequence[str] = ()
-    """What each measure of `behaviour` is, in half a sentence; empty where its plugin does not say."""
+    """What each measure of behaviour is, in half a sentence; empty where its plugin does not say."""
     showing: Sequence[Mapping[str, Link | None]] = ()
     outcomes: Sequence[Bar] = ()
     endings: Sequence[Sequence[Link | None]] = ()
     episodes: Sequence[tuple[str, Link]] = ()
     frames: Strips | None = None
     learning: Sequence[Panel] = ()
-    terms: Sequence[Grid] = ()
     splits: Sequence[Panel] = ()
     indices: Sequence[Panel] = ()
     curves: Sequence[Panel] = ()
     payoffs: Story | None = None
     profiles: Sequence[Panel] = ()
-    other_behaviour: Sequence[Grid] = ()
-    numbers: Sequence[Grid] = ()
     number: bool = False
     """Whether there is something to say of it."""
     trajectories: Sequence[Panel] = ()
 
 
 def comparison_section(
-    results: Results, place: int, where: str, points: int, audits: Audits, links: EpisodeLinks | None
+    report: Report, place: int, where: str, points: int, audits: Audits, links: EpisodeLinks | None
 ) -> Section:
     """What the template shows of a comparison.
 
     Args:
-        results: All of them.
+        report: What is said of all of them.
         place: The number of the comparison, counted from 1.
         where: Where it was trained, as far as the page does not say that for all.
         points: How many points of each run are drawn.
         audits: What the rewards pay for.
         links: To its episodes.
     """
+    results, told = report.results, report.compared[place - 1]
     comparison = results.combinations[place - 1]
-    grids, bars = comparison_grids(results, comparison), outcome_bars(comparison)
+    bars = outcome_bars(comparison)
     changes = shown_changes(comparison, comparison.manner)
-    told = rewards_text(comparison) if comparison.is_control else comparison.proposed
+    rewards = rewards_text(comparison) if comparison.is_control else comparison.proposed
     splits, indices, curves = _split_panels(comparison), _index_panels(comparison), _curve_panels(comparison, points)
     payoffs = payoff_story(comparison, audits)
     return Section(
-        card=card_of(comparison, BETWEEN.join(filter(None, (where, told)))),
+        card=card_of(comparison, BETWEEN.join(filter(None, (where, rewards)))),
+        told=told,
         place=place,
         still=links.still if links else None,
-        full=[it for it in comparison_facts(results, comparison) if not it.grids],
-        returns=next((replace(it, title="") for it in grids["pay"]), None),
-        mixtures=[mixture.text for mixture in comparison.measured.mixtures],
-        behaviour=next(iter(grids["behaviour"]), None),
         strips=[draw_strip(change) for change in changes],
         meanings=[_meaning(results, change.name) for change in changes],
         outcomes=bars,
@@ -243,15 +224,12 @@ def comparison_section(
             for it in changes
         ],
         learning=_learned(results, comparison),
-        terms=[replace(terms_grid(it), title=it.reward) for it in terms_of(results, comparison)],
         splits=splits,
         indices=indices,
         curves=curves,
         payoffs=payoffs,
         profiles=_profile_panels(comparison),
-        other_behaviour=grids["other behaviour"],
-        numbers=grids["numbers"],
-        number=bool(comparison.seeds and (splits or indices or curves or payoffs or grids["numbers"] or grids["pay"])),
+        number=bool(comparison.seeds and (splits or indices or curves or payoffs or told.numbers or told.pay)),
         trajectories=_trajectory_panels(results, comparison),
     )
 
@@ -262,18 +240,10 @@ def _meaning(results: Results, name: str) -> str:
     return results.registry.get("metrics", metric).summary if metric in results.registry.names("metrics") else ""
 
 
-def alone_section(results: Results, alone: Alone) -> dict[str, Any]:
-    """What the template shows of a reward that nothing is compared with."""
-    terms = [it for it in results.terms if (it.group, it.reward) == (alone.group, alone.reward)]
+def alone_panels(alone: Alone) -> list[Panel]:
+    """How a reward taught that nothing is compared with."""
     texts = {it.measure.name: text_of(it.measure) for it in (alone.paid, *alone.behaviour)}
-    return {
-        "title": alone.reward,
-        "setting": setting_of(alone) if len(results.alone) > 1 or results.combinations else "",
-        "grid": alone_grid(alone),
-        "story": [text for text in (story(alone), *map(changed_text, terms)) if text],
-        "learning": _learning_panels(alone.learning, alone.shown, texts),
-        "terms": [replace(terms_grid(it), title="") for it in terms],
-    }
+    return _learning_panels(alone.learning, alone.shown, texts)
 
 
 def _endings(links: EpisodeLinks | None, bars: list[Bar]) -> list[list[Link | None]]:

@@ -6,16 +6,18 @@ from pathlib import Path
 from harness.eta.curve import GroupCurve
 from harness.eta.headline import Answer
 from harness.eta.splits import BB, KK
+from harness.report.facts import Compared
 from harness.report.figures.accumulated import draw_curve
 from harness.report.figures.chart import Chart, Line, linear_axis
 from harness.report.figures.draw import draw_chart
 from harness.report.figures.split import describe_split, draw_split
 from harness.report.page.answer import Card
 from harness.report.page.comparison import Panel, Section
-from harness.report.page.html import SHARED, Page, parts_of, render
+from harness.report.page.html import Page, render
 from harness.report.page.page import write_page
+from harness.report.rows import Fact
 from harness.report.rows.comparison import badge_of, word_of
-from harness.report.rows.ratios import comparison_title, eta_facts, eta_grids, runs_text
+from harness.report.rows.ratios import SPLIT, comparison_title, eta_facts, eta_grids, runs_text
 from harness.score.compare import ComparedRuns
 
 FIGURE = "The {kind} reward of every run over environment steps, and the mean of each group."
@@ -32,14 +34,15 @@ def write_eta_page(comparison: ComparedRuns, path: Path) -> None:
     Raises:
         UsageError: A library of the extra ``report`` is missing, or `path` cannot be written.
     """
-    section = _section(comparison)
     page = Page(
         question=comparison_title(comparison),
-        comparisons=[section],
-        has=parts_of([section], has_more=False),
+        comparisons=[_section(comparison)],
         is_open=True,
-        told={**SHARED, "subject": "robot", "cells": "Runs", "is_curve_open": "yes"},
-        cell_count=runs_text(comparison),
+        subject="robot",
+        cells=Fact(runs_text(comparison)),
+        counted="Runs",
+        numbers_mean=SPLIT,
+        is_curve_open=True,
     )
     write_page(render(page, "--plot"), path, "The figure")
 
@@ -53,7 +56,10 @@ def _section(comparison: ComparedRuns) -> Section:
     card = Card(runs_text(comparison), word_of(cannot), badge_of(cannot), NO_VERDICT, (), "", pay=comparison.number)
     return Section(
         card=card,
-        full=[replace(it, grids=()) for it in eta_facts(comparison)],
+        told=Compared(
+            [replace(it, grids=()) for it in eta_facts(comparison)],
+            numbers=[grid for grid in eta_grids(comparison) if grid.rows or grid.notes],
+        ),
         number=True,
         indices=[
             Panel(f"{name} = ruler x behaviour", draw_chart(chart, told), told)
@@ -61,7 +67,6 @@ def _section(comparison: ComparedRuns) -> Section:
             if chart is not None
         ],
         curves=[Panel("Both groups", figure, THIN)],
-        numbers=[grid for grid in eta_grids(comparison) if grid.rows or grid.notes],
     )
 
 

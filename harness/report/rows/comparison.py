@@ -23,7 +23,7 @@ from harness.eta.manner import DETERMINISTIC, EVALUATION, LAST_FIFTH, STOCHASTIC
 from harness.eta.swaps import p_text
 from harness.record.file_forms import Status
 from harness.record.plan_file import EXPERIMENT
-from harness.report.rows import Grid
+from harness.report.rows import Fact, Grid
 from harness.report.rows.ratios import value_rows
 from harness.results import Results
 from harness.results.choosing import Choosing
@@ -192,11 +192,6 @@ def size_text(alone: Alone) -> str:
     if count == 1:
         return f"1 training, {alone.group.steps:,} steps"
     return f"{count} trainings, {alone.group.steps:,} steps each"
-
-
-def setting_of(alone: Alone) -> str:
-    """Where the trainings took place, how many there are, and how long they are."""
-    return BETWEEN.join((size_text(alone), alone.group.title))
 
 
 def alone_grid(alone: Alone, most: int | None = None) -> Grid:
@@ -430,8 +425,7 @@ def remarks_on_cells(results: Results) -> list[str]:
     for group, equal in results.equal.items():
         where = f"{group.title}: " if len(results.groups) > 1 else ""
         lines += [f"{where}{line}." for line in equal_sentences(equal)]
-    told = [text for text in (joined_text(results), grown_text(results), looks_text(results)) if text]
-    return [*lines, *(f"{line}." for line in results.notes), *told]
+    return [*lines, *(f"{line}." for line in results.notes), *filter(None, [looks_text(results)])]
 
 
 def question(results: Results) -> str:
@@ -451,10 +445,6 @@ def question(results: Results) -> str:
 
 
 POOLED_TITLE = "Over all places"
-POOLED = (
-    "A place is a simulator, a task and an algorithm with which both rewards trained. The first answer is about the "
-    "mean over all places. Single places are asked only where that answer stands."
-)
 GROWN = (
     "Seeds were added after {counts} had been trained, and no plan foresaw that. So intervals that decide have 98 %. "
     "AHEAD and BEHIND SO FAR say how often luck alone gets so far."
@@ -511,19 +501,14 @@ SAID = {
 }
 
 
-class ChoosingTold(NamedTuple):
-    """How far candidates went, in words."""
+def choosing_facts(results: Results) -> list[Fact]:
+    """Who went furthest, and a line for each candidate; none where none is chosen, or before the first stage is over.
 
-    sentence: str
-    grid: Grid
-    """By candidate, the mean of what decides at each stage at which it was there."""
-
-
-def choosing_told(results: Results) -> ChoosingTold | None:
-    """How far candidates went; None where none is chosen, or before the first stage is over."""
+    The line has the mean of what decides at each stage at which the candidate was there.
+    """
     found = results.choosing
     if found is None or found.schedule is None or not found.halving.means:
-        return None
+        return []
     measure, is_share, sign = _measure(results)
     means = found.halving.means
     went = dict.fromkeys(name for of in reversed(means) for name in of)
@@ -534,10 +519,11 @@ def choosing_told(results: Results) -> ChoosingTold | None:
         return NOTHING if value is None else f"{sign * value:.1%}" if is_share else format_number(sign * value)
 
     rows = [(name, *(shown(of[name]) if name in of else "" for of in means)) for name in went]
-    return ChoosingTold(choosing_sentence(results, found), Grid(headings, rows, []))
+    table = Fact(CHOOSING_TITLE, grids=(Grid(headings, rows, []),))
+    return [Fact(_went(results, found)), table, Fact(lines=(CHOOSING,), kind="reading")]
 
 
-def choosing_sentence(results: Results, found: Choosing) -> str:
+def _went(results: Results, found: Choosing) -> str:
     """Who went furthest, and what is said of it."""
     winner, count = found.halving.furthest, len(found.candidates)
     if winner is None:

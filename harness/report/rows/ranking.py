@@ -1,12 +1,11 @@
 """Rankings as text: sentences and small tables that the terminal and the page share."""
 
-from collections.abc import Sequence
-from typing import NamedTuple
+from collections.abc import Iterable, Mapping, Sequence
 
 from harness.eta.headline import estimate_text, interval_text, points, value_text
 from harness.eta.index import NOTHING, Estimate
 from harness.eta.ranking import Answer, Transplant
-from harness.report.rows import Grid
+from harness.report.rows import Fact, Grid
 from harness.results.overview import ARROW
 from harness.results.ranking import ROUNDING, Kind, PlacePair, TaskRanking
 
@@ -32,59 +31,15 @@ CHOICES = ("chosen in -> used in", "choice", "best there", "costs there\n[points
 AGREEMENTS = ("order by success", "tau", "95% interval", "")
 
 
-class Rank(NamedTuple):
-    """The content of a cell in a table of ranks."""
-
-    place: int | None
-    """The rank, from 1 for the best; equal values share it. None if there is no value."""
-    value: str
-    is_best: bool = False
-    """Whether it is the best and others come behind it."""
-
-    @property
-    def text(self) -> str:
-        """Rank and value as text."""
-        return NOTHING if self.place is None else f"{self.place}. {self.value}"
-
-
-class RankTable(NamedTuple):
-    """The rank of every reward in every place.
-
-    Attributes:
-        places: The names of the places.
-        measures: The columns of each place: success, an eta, its behaviour part.
-        rows: The ranks of each reward, place by place.
-        taus: Kendall's tau between each column's order and that of success; empty for success itself.
-    """
-
-    places: list[str]
-    measures: tuple[str, ...]
-    rows: list[tuple[str, list[Rank]]]
-    taus: list[str]
-
-    @property
-    def grid(self) -> Grid:
-        """The table as a grid for a terminal."""
-        headings = [f"{place}\n{measure}" for place in self.places for measure in self.measures]
-        rows = [(name, *(rank.text for rank in ranks)) for name, ranks in self.rows]
-        return Grid(("reward", *headings), [*rows, ("tau with success", *self.taus)], [])
-
-
-class TaskRows(NamedTuple):
-    """Everything that is said about a task."""
-
-    title: str
-    lines: list[str]
-    ranks: list[RankTable]
-    choices: Grid
-    agreements: Grid
-
-
-def task_rows(task: TaskRanking) -> TaskRows:
-    """Sentences and tables of one task."""
-    title = " · ".join(filter(None, (task.task, task.robot, f"{task.steps:,} steps")))
-    ranks = [_rank_table(task, name) for name in SCORES]
-    return TaskRows(title, _lines_of(task), ranks, _choices(task), _agreements(task))
+def ranking_facts(tasks: Iterable[TaskRanking]) -> list[Fact]:
+    """The question, of each task the answer and what it rests on, and how to read that."""
+    facts = []
+    for task in tasks:
+        title = " · ".join(filter(None, (task.task, task.robot, f"{task.steps:,} steps")))
+        grids = (*(_ranks_grid(task, name) for name in SCORES), _choices(task), _agreements(task))
+        facts.append(Fact(title, tuple(_lines_of(task)), grids))
+    reading = Fact(lines=(f"{EXPLANATION} {CHOICE} {AGREEMENT}",), kind="reading")
+    return [Fact(TITLE), *facts, reading]
 
 
 def _lines_of(task: TaskRanking) -> list[str]:
@@ -93,13 +48,13 @@ def _lines_of(task: TaskRanking) -> list[str]:
     told = ", ".join(f"{answer.value} {count}" for answer, count in counts.items())
     costly = sum(it.is_costly for it in task.transplants)
     certain = f" In {costly} of them the choice costs success for certain." if costly else ""
-    lines = [f"another reward chosen in another place? {told}; {sum(counts.values())} choices in all.{certain}"]
+    lines = [f"Another reward chosen in another place? {told}; {sum(counts.values())} choices in all.{certain}"]
     for kind, agreement in task.between.items():
-        lines.append(f"order of the rewards across {_votes_text(task, kind)}: {agreement_text(agreement)}.")
+        lines.append(f"Order of the rewards across {_votes_text(task, kind)}: {agreement_text(agreement)}.")
     if "simulator" in task.between and not task.has_engines:
-        lines.append("some cells do not record their engine: each of their simulators counts as an engine of its own.")
+        lines.append("Some cells do not record their engine: each of their simulators counts as an engine of its own.")
     if task.left_out:
-        lines.append(f"not in every place, and left out: {', '.join(task.left_out)}.")
+        lines.append(f"Not in every place, and left out: {', '.join(task.left_out)}.")
     return lines
 
 
@@ -123,32 +78,32 @@ def _votes_text(task: TaskRanking, kind: Kind) -> str:
     return f"{len(votes)} {noun}{'s' * (len(votes) != 1)} ({', '.join(votes)})"
 
 
-def _rank_table(task: TaskRanking, score: str) -> RankTable:
-    measures = ("success", score, f"{score} behaviour")
-    columns: list[dict[str, Rank]] = []
-    taus: list[str] = []
-    for place in task.places:
-        order = place.success
+def _ranks_grid(task: TaskRanking, score: str) -> Grid:
+    """The rank of every reward in every place: by success, by an eta, by its behaviour part.
+
+    In the last row stands Kendall's tau between each column's order and that of success.
+    """
+    headings, columns, taus = ["reward"], list[Mapping[str, str]](), ["tau with success"]
+    for name, place in zip(_place_names(task), task.places, strict=True):
+        order, eta, behaviour = place.success, place.etas[score], place.etas[f"{score} behaviour"]
         by_success = sorted(zip(order.rewards, order.means.tolist(), strict=True), key=lambda item: -item[1])
-        columns.append(_ranks([(it, f"{100 * mean:.0f}%", mean) for it, mean in by_success]))
-        taus.append("")
-        for name in measures[1:]:
-            eta = place.etas[name]
-            columns.append(_ranks([(reward, f"{value:.3g}", value) for reward, value in eta.values.items()]))
-            taus.append(tau_text(eta.tau))
-    rows = [(reward, [column.get(reward, Rank(None, "")) for column in columns]) for reward in task.rewards]
-    return RankTable(_place_names(task), measures, rows, taus)
+        headings += (f"{name}\n{measure}" for measure in ("success", score, f"{score} behaviour"))
+        columns.append(_ranks([(reward, f"{100 * mean:.0f}%", mean) for reward, mean in by_success]))
+        columns += (_ranks([(it, f"{value:.3g}", value) for it, value in by.values.items()]) for by in (eta, behaviour))
+        taus += ("", tau_text(eta.tau), tau_text(behaviour.tau))
+    rows = [(reward, *(column.get(reward, NOTHING) for column in columns)) for reward in task.rewards]
+    return Grid(tuple(headings), [*rows, tuple(taus)], [])
 
 
-def _ranks(ordered: Sequence[tuple[str, str, float]]) -> dict[str, Rank]:
-    """The ranks of rewards, best first. Equal values share the better rank."""
-    found: dict[str, Rank] = {}
+def _ranks(ordered: Sequence[tuple[str, str, float]]) -> dict[str, str]:
+    """Rank and value of rewards, best first. Equal values share the better rank."""
+    found: dict[str, str] = {}
     place, last = 0, None
     for number, (reward, text, value) in enumerate(ordered, start=1):
         if last is None or abs(value - last) > ROUNDING:
             place, last = number, value
-        found[reward] = Rank(place, text, is_best=place == 1)
-    return found if place > 1 else {reward: rank._replace(is_best=False) for reward, rank in found.items()}
+        found[reward] = f"{place}. {text}"
+    return found
 
 
 def _place_names(task: TaskRanking) -> list[str]:

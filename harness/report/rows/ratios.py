@@ -18,12 +18,6 @@ SPLIT = (
     "Each ratio is ruler x behaviour. The ruler is rescaling alone: both rewards pay the same runs. For the behaviour "
     "one reward pays the runs of both trainings."
 )
-PATHS = (
-    "There are two paths: the ruler on the proposed runs with the behaviour under the baseline reward, and the ruler "
-    "on the baseline's runs with the behaviour under the proposed reward. Each part is the geometric mean of both. "
-    "The interaction is the one ruler divided by the other. It is 1 where both paths say the same."
-)
-TOTAL = "I_N + I_P is the sum of the whole curve. Its change is ruler + behaviour, also where no ratio is defined."
 LABELS = {"per_seed": "seed by seed", "noise": "noise"}
 PARTS = ("", "ruler", "95% interval", "behaviour", "95% interval")
 PATH_NAMES = ("proposed runs", "baseline's runs")

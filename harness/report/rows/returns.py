@@ -25,7 +25,6 @@ from harness.results.results import ReturnMatrix
 from harness.results.trainings import TermsPaid
 from harness.reward.terms import paid_twice_text
 
-TITLE = "Return under every reward"
 EXPLANATION = (
     "A row is a reward that pays, a column the reward that taught the policies. The number is the return of an "
     "episode, as a mean over episodes and seeds. Compare within a row: down a column the scale changes, not the "
@@ -147,13 +146,6 @@ def number_grids(comparison: Comparison, kind: Kind) -> list[Grid]:
 
 
 TERMS_TITLE = "What each term paid"
-TERMS = (
-    "What a term paid an episode, as a mean over trainings. Start and end are the first and the last tenth of the "
-    "episodes of the reward's own trainings, evaluation those of the final policies. No word of better or worse "
-    "belongs to a term: that one pays more, or all, is what its author asked for."
-)
-
-
 COLUMNS = ("start", "end", "evaluation", "others", "random", "behaviour", "ruler")
 ALWAYS = COLUMNS[:2]
 """Columns that stand there without a value too."""
@@ -238,12 +230,6 @@ class Payoffs(NamedTuple):
 
 Audits = Mapping[tuple[str, str, str], Payoffs]
 """By robot, label of the task and label of the reward."""
-
-PAYOFF_TITLE = "What the rewards pay for"
-PAYOFFS = (
-    "Scripted policies take the place of a learner, and their joints move exactly as commanded. The numbers say what "
-    "an episode of each policy earns. A reward that pays more for something else than finishing teaches something else."
-)
 
 
 class Story(NamedTuple):

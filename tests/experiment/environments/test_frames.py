@@ -12,7 +12,7 @@ from harness.experiment.environments.frames import draw_frames
 from harness.experiment.experiment import run
 from harness.experiment.verify import verify
 from harness.files.bounded import write_keyed
-from harness.report import write_html
+from harness.report import Report, write_html
 from harness.report.page.comparison import frames_of
 from harness.results.frames import frames_file, made_of, read_frames
 
@@ -64,7 +64,7 @@ def test_the_page_has_both_sides(results):
 
 def test_a_page_holds_each_picture_once(results, tmp_path):
     """The still of the first screen is cut out of it, and leads to it."""
-    write_html(results, tmp_path / "page.html")
+    write_html(Report(results), tmp_path / "page.html")
     page = (tmp_path / "page.html").read_text()
     assert page.count("data:image/webp") == 2
     for name in ("strip-1-1", "strip-1-2"):

@@ -7,7 +7,7 @@ import pytest
 from rich.console import Console
 
 from harness.errors import SchemaError
-from harness.report import FactsTable, first_facts, report_text
+from harness.report import FactsTable, Report, report_text
 from harness_plugins.committed import committed_table, committed_text, is_committed, refuse_committed
 from tests.refusals import refused
 from tests.report.conftest import printed
@@ -20,7 +20,7 @@ def commit(tmp_path):
     def write(results):
         folder = tmp_path / "records"
         folder.mkdir()
-        (folder / "results.json").write_text(report_text(results) + "\n")
+        (folder / "results.json").write_text(report_text(Report(results)) + "\n")
         return folder
 
     return write
@@ -49,7 +49,7 @@ def test_records_say_what_the_report_said_first(build, commit):
     for width in (60, 120, 200):
         first, _, *rest = lines_of(folder, width)
         assert first == "Committed records of 6 cells, 6 done."
-        facts = [it for it in first_facts(results) if it.kind != "command"]
+        facts = [it for it in Report(results).short if it.kind != "command"]
         report = [line.rstrip() for line in printed(FactsTable(facts), width).splitlines()]
         assert rest[: len(report)] == report
 
@@ -58,7 +58,7 @@ def test_records_name_no_folder_of_the_machine(build, commit):
     """Advice to train more names one: it stands in the report alone."""
     results = build()
     folder = commit(results)
-    assert any("--until decided" in line for fact in first_facts(results) for line in fact.lines)
+    assert any("--until decided" in line for fact in Report(results).short for line in fact.lines)
     told = json.dumps(json.loads((folder / "results.json").read_text())["facts"])
     assert str(results.folder) not in told
     assert "--until decided" not in told
@@ -88,7 +88,7 @@ def test_the_way_to_the_cells_is_told(build, commit):
 def test_json_is_the_file(build, commit):
     """As the experiment itself would print it."""
     results = build()
-    assert committed_text(commit(results)) == report_text(results)
+    assert committed_text(commit(results)) == report_text(Report(results))
 
 
 def test_what_needs_cells_is_refused(build, commit):

@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import pytest
 
+from harness.report import Report
 from harness.report.document import report_text
 from harness.text import LONGEST_STEM
 from harness_plugins.committed.records import PARTIAL, figure_stems, put_files, write_summary
@@ -63,7 +64,7 @@ def test_results_are_what_json_prints(build, tmp_path):
     results = build()
     write_summary(results, tmp_path / "mine")
     text = (tmp_path / "mine" / "results.json").read_text()
-    assert text == report_text(results) + "\n"
+    assert text == report_text(Report(results)) + "\n"
     assert json.loads(text)["combinations"][0]["proposed"] == "arp"
 
 

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 import pytest
 
 from harness.errors import PluginError
-from harness.report import FactsTable, first_facts
+from harness.report import FactsTable, Report
 from harness.report.page.html import write_html
 from harness_plugins.committed import committed_table, write_summary
 from harness_plugins.transfer.matrix import TransferSection
@@ -14,7 +14,7 @@ from tests.report.conftest import printed, squeezed
 @pytest.mark.parametrize("width", [60, 80, 100])
 def test_terminal_has_every_number_whole(transferred, width):
     """Success at home and away, the drop, the return, what failed, and how rough it is."""
-    text = " ".join(printed(FactsTable(first_facts(transferred)), width).split())
+    text = " ".join(printed(FactsTable(Report(transferred).short), width).split())
     for part in ("mujoco: success 75.0% 0.0%", "drop 75.0", "sac · arp · fd100 · fd100-reach"):
         assert part in text
     assert "mujoco in pybullet: 1 of 3 failed" in text
@@ -24,7 +24,7 @@ def test_terminal_has_every_number_whole(transferred, width):
 
 def test_page_has_a_section(transferred, tmp_path):
     """The same table; reasons are shown, not interpreted."""
-    write_html(transferred, tmp_path / "report.html")
+    write_html(Report(transferred), tmp_path / "report.html")
     page = (tmp_path / "report.html").read_text()
     section = page[page.index("Transfer between simulators</h3>") : page.index('<section aria-labelledby="cells">')]
     assert section.count('<td class="number" data-label="pybullet">75.0</td>') == 2
@@ -42,7 +42,7 @@ def test_summary_and_records_have_it(transferred, tmp_path):
 
 def test_page_without_transfer_has_no_section(build, tmp_path):
     """Nothing is said of what nobody asked."""
-    write_html(build(), tmp_path / "report.html")
+    write_html(Report(build()), tmp_path / "report.html")
     assert "Transfer between simulators" not in (tmp_path / "report.html").read_text()
 
 
@@ -51,4 +51,4 @@ def test_what_a_section_of_0_3_shows_ends_in_what_to_write(transferred, monkeypa
     old = SimpleNamespace(style="", to_json=dict, table=str, html=str)
     monkeypatch.setattr(TransferSection, "show", lambda section, results: old)
     with pytest.raises(PluginError, match=r"'transfer'.* shows a SimpleNamespace; write harness\.section\.Shown\("):
-        first_facts(transferred)
+        _ = Report(transferred).short

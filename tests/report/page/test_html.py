@@ -10,7 +10,7 @@ from html.parser import HTMLParser
 import pytest
 
 from harness import load_results
-from harness.report import SPLIT, describe_split, question, scales_text, typeset, write_html
+from harness.report import SPLIT, Report, describe_split, question, scales_text, typeset, write_html
 from harness.report.page.html import PROMISE
 from harness.report.page.page import to_html
 from tests.refusals import refused
@@ -69,7 +69,7 @@ def write(tmp_path):
     """Writes the report of some results and takes it apart."""
 
     def write_and_read(results):
-        write_html(results, tmp_path / "report.html")
+        write_html(Report(results), tmp_path / "report.html")
         return Page((tmp_path / "report.html").read_text())
 
     return write_and_read
@@ -296,7 +296,7 @@ def test_failed_write_leaves_the_old_page(build, tmp_path, monkeypatch):
     results = build()
     monkeypatch.setattr("os.replace", refuse)
     with refused(r"report\.html' cannot be written: No space left on device"):
-        write_html(results, path)
+        write_html(Report(results), path)
     assert [file.name for file in path.parent.iterdir()] == ["report.html"]
     assert path.read_text() == "old"
 
@@ -306,7 +306,7 @@ def test_missing_library_names_the_extra(build, tmp_path, monkeypatch):
     results = build()
     monkeypatch.setitem(sys.modules, "jinja2", None)
     with refused(r"pip install 'fd100-harness\[report\]'"):
-        write_html(results, tmp_path / "report.html")
+        write_html(Report(results), tmp_path / "report.html")
     assert not (tmp_path / "report.html").exists()
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from harness import load_results
-from harness.report import write_html
+from harness.report import Report, write_html
 from tests.report.conftest import words_of
 from tests.results.recordings.conftest import PAYS, record
 
@@ -19,7 +19,7 @@ def pages(folder, rewards, **facts):
         for seed in range(3):
             arms = np.linspace(0.0, 1.0, 10) + 0.01 * seed
             record(folder / f"{reward}-{seed}", reward, seed, arms, pays=pays, **facts)
-    write_html(load_results(folder), folder / "page.html")
+    write_html(Report(load_results(folder)), folder / "page.html")
     page = (folder / "page.html").read_text()
     return page, words_of(page)
 
@@ -96,7 +96,7 @@ def test_names_are_text(tmp_path):
     pays = {odd: PAYS["plain"], "thrice": PAYS["thrice"]}
     for reward in pays:
         record(tmp_path / str(len(reward)), reward, 0, [0.1, 0.2], pays=pays)
-    write_html(load_results(tmp_path), tmp_path / "page.html")
+    write_html(Report(load_results(tmp_path)), tmp_path / "page.html")
     assert odd not in (tmp_path / "page.html").read_text().replace("&lt;b&gt;&amp;amp;[red]", "")
 
 

@@ -5,7 +5,7 @@ import re
 import pytest
 
 from harness import load_results
-from harness.report import write_html
+from harness.report import Report, write_html
 from tests.report.conftest import words_of
 from tests.results.gentle import GENTLE, run_gentle
 
@@ -15,7 +15,7 @@ pytest.importorskip("jinja2")
 def _page(folder, **given):
     """The page, and its visible words."""
     run = run_gentle(folder, reward=["gentle"], **given)
-    write_html(load_results(run, plugins=[folder / GENTLE]), folder / "page.html")
+    write_html(Report(load_results(run, plugins=[folder / GENTLE])), folder / "page.html")
     page = (folder / "page.html").read_text()
     return page, words_of(page)
 
@@ -38,7 +38,7 @@ def test_each_term_has_a_row(compared):
     assert '<a href="#terms">Terms</a>' in page
     headings = (
         "Success rate while learning",
-        "What each term paid gentle",
+        "What each term paid: gentle",
         "an episode start end evaluation with baseline",
     )
     places = [words.index(it) for it in headings]

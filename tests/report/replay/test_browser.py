@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from harness.report import write_html
+from harness.report import Report, write_html
 from harness.results.replay import shows_of
 from harness.robot.kinematics import end_effector_position
 from harness.scene.picture import chain_of
@@ -22,7 +22,7 @@ VIEWS = ".replay-views canvas"
 @pytest.fixture
 def address(recorded, tmp_path):
     """Of the report of an experiment."""
-    write_html(recorded, tmp_path / "page.html")
+    write_html(Report(recorded), tmp_path / "page.html")
     return (tmp_path / "page.html").as_uri()
 
 

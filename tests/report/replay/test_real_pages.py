@@ -7,7 +7,7 @@ import pytest
 
 import harness
 from harness import load_results
-from harness.report import write_html
+from harness.report import Report, write_html
 
 pytestmark = pytest.mark.slow
 REWARDS = ["arp", "relative", "dense", "scaled", "potential", "sparse"]
@@ -20,7 +20,7 @@ SCREEN = 900
 def page_of(out, **settings):
     """Train, and write the page."""
     harness.run(**settings, evaluation_episodes=10, evaluate_every=100, out=out)
-    write_html(load_results(out), out / "page.html")
+    write_html(Report(load_results(out)), out / "page.html")
     return out / "page.html"
 
 

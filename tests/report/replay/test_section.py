@@ -11,7 +11,7 @@ from numpy.linalg import norm
 from numpy.testing import assert_allclose
 
 from harness.record.scene import scene_from_json
-from harness.report import replay_of, write_html
+from harness.report import Report, replay_of, write_html
 from harness.report.replay.section import replay_data
 from harness.results.replay import shows_of
 from harness.robot.kinematics import end_effector_position
@@ -91,7 +91,7 @@ def test_there_is_no_replay_of_nothing():
 
 def test_the_report_holds_the_replay(recorded, tmp_path):
     """Its section, its data and its script."""
-    write_html(recorded, tmp_path / "page.html")
+    write_html(Report(recorded), tmp_path / "page.html")
     page = (tmp_path / "page.html").read_text()
     assert 'id="replay-player"' in page
     assert "Plays recorded joint positions" in page

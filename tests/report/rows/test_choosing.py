@@ -3,7 +3,7 @@
 import pytest
 
 from harness.registry import load_registry
-from harness.report import FactsTable, choosing_told, first_facts, question
+from harness.report import FactsTable, Report, choosing_facts, question
 from harness_plugins.committed import committed_table, write_summary
 from tests.report import conftest
 from tests.results.folders import fail
@@ -27,14 +27,14 @@ def over(folder):
 
 def printed(results, *console):
     """What goes to a terminal."""
-    return conftest.printed(FactsTable(first_facts(results)), *console)
+    return conftest.printed(FactsTable(Report(results).short), *console)
 
 
 def test_before_anybody_left_there_is_nothing_to_tell(folder):
     """But how many candidates there are, and the question."""
     folder.train("dense", [0.9] * 4)
     results = folder.results
-    assert choosing_told(results) is None
+    assert choosing_facts(results) == []
     assert "2 of 2 candidates are left, at most 12 trainings left" in " ".join(printed(results).split())
     assert question(results) == "Which of dense and arp makes the robot behave better than baseline?"
 
@@ -43,8 +43,8 @@ def test_the_one_that_went_furthest_is_named_and_no_word_is_said_yet(folder):
     """Before its new trainings have ended; cells of the other one are not needed any more."""
     folder.train("dense", [0.9] * 4)
     folder.train("arp", [0.3] * 4)
-    told, standing = choosing_told(folder.results), folder.standing
-    assert told.sentence.startswith("dense went furthest of 2 (8 trainings). New trainings of it and of baseline")
+    (told, *_), standing = choosing_facts(folder.results), folder.standing
+    assert told.title.startswith("dense went furthest of 2 (8 trainings). New trainings of it and of baseline")
     assert {(it.reward.label, it.seed) for it in standing.next} == {
         (name, seed) for name in ("dense", "baseline") for seed in (104, 105, 106, 107)
     }
@@ -55,10 +55,11 @@ def test_the_one_that_went_furthest_is_named_and_no_word_is_said_yet(folder):
 
 def test_the_word_is_about_new_trainings_alone(over):
     """Labels dealt anew tell it at once, the bound from more of them on."""
-    told = choosing_told(over.results)
-    assert told.sentence.startswith("dense went furthest of 2 (8 trainings). On 4 new trainings of each, dense ")
-    assert told.grid.headings == ("", "success rate of 4 trainings")
-    assert told.grid.rows == [("dense", "90.0%"), ("arp", "30.0%")]
+    told, table, _ = choosing_facts(over.results)
+    (grid,) = table.grids
+    assert told.title.startswith("dense went furthest of 2 (8 trainings). On 4 new trainings of each, dense ")
+    assert grid.headings == ("", "success rate of 4 trainings")
+    assert grid.rows == [("dense", "90.0%"), ("arp", "30.0%")]
     (comparison,) = over.results.combinations
     assert comparison.trained == ((104, 105, 106, 107),) * 2
     assert over.standing.is_over
@@ -89,4 +90,4 @@ def test_a_summary_tells_of_it(over, tmp_path):
     assert page.index("**dense went furthest") < page.index("**How far the candidates went.**")
     assert "| dense | 90.0% |" in page
     told = conftest.printed(committed_table(tmp_path / "told"), 200).splitlines()
-    assert choosing_told(over.results).sentence in told[:3]
+    assert choosing_facts(over.results)[0].title in told[:3]

@@ -6,7 +6,7 @@ import pytest
 
 from harness.eta import Estimate, Split
 from harness.eta.splits import SplitPath
-from harness.report import FactsTable, all_facts, format_number, what_decides
+from harness.report import FactsTable, Report, format_number, what_decides
 from harness.report.rows.comparison import advice
 from harness.report.rows.ratios import index_grid, path_grid, ratio_grid, split_grid, sum_grid
 from harness.report.rows.returns import number_grids
@@ -15,7 +15,7 @@ from tests.report.conftest import NO_PAIR, printed, squeezed
 
 def told(results):
     """What goes to a terminal, all words of it."""
-    return squeezed(printed(FactsTable(all_facts(results))))
+    return squeezed(printed(FactsTable(Report(results).full)))
 
 
 def only(results):

@@ -1,6 +1,6 @@
 """What the rewards pay for, beside what the robot did."""
 
-from harness.report import Payoffs, write_html
+from harness.report import Payoffs, Report, write_html
 from harness.report.rows.returns import payoff_story
 
 TEMPTED = Payoffs(
@@ -45,7 +45,7 @@ def test_nobody_asked_no_story(one):
 
 def test_page_tells_the_story(build, tmp_path):
     """Under its heading."""
-    write_html(build(), tmp_path / "report.html", audits(baseline=TEMPTED, arp=SOUND))
+    write_html(Report(build()), tmp_path / "report.html", audits(baseline=TEMPTED, arp=SOUND))
     page = (tmp_path / "report.html").read_text()
     assert "What the rewards pay for" in page
     assert (

@@ -4,7 +4,7 @@ from functools import cache
 
 import pytest
 
-from harness.report import SPLIT, FactsTable, all_facts, along_grid, behaviour_grids, what_decides
+from harness.report import SPLIT, FactsTable, Report, along_grid, behaviour_grids, what_decides
 from harness.report.rows.ratios import index_grid, ratio_grid, split_grid, sum_grid
 from tests.report import conftest
 from tests.report.conftest import MIXTURE, NO_PAIR, squeezed
@@ -26,7 +26,7 @@ CASES = {
 
 def printed(results, *console, **given):
     """What goes to a terminal."""
-    return conftest.printed(FactsTable(all_facts(results)), *console, **given)
+    return conftest.printed(FactsTable(Report(results).full), *console, **given)
 
 
 def grids_of(combination):

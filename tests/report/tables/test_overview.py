@@ -1,4 +1,4 @@
-from harness.report import FactsTable, first_facts
+from harness.report import FactsTable, Report
 from harness.results.overview import pay_texts
 from tests.report import conftest
 from tests.report.conftest import MIXTURE, squeezed
@@ -9,7 +9,7 @@ REWARDS = {"arp": (9, 30), "relative": (9, 20), "scaled:factor=1.5": (9, 30)}
 
 def printed(results, *console, **given):
     """What goes to a terminal."""
-    return conftest.printed(FactsTable(first_facts(results)), *console, **given)
+    return conftest.printed(FactsTable(Report(results).short), *console, **given)
 
 
 def test_nothing_is_cut(build, subtests):

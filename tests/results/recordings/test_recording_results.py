@@ -10,7 +10,7 @@ import pytest
 
 from harness.errors import SchemaError
 from harness.record import read_recording
-from harness.report import report_text
+from harness.report import Report, report_text
 from harness.results.recordings.recording_results import RecordingResults
 from tests.results.recordings.conftest import load_study
 
@@ -30,7 +30,7 @@ def opened(monkeypatch):
 
 
 def _told(folder):
-    return report_text(load_study(folder))
+    return report_text(Report(load_study(folder)))
 
 
 def test_first_report_opens_each_file_once(study_folder, opened):
