@@ -343,7 +343,7 @@ def _alone(results: Results, alone: Alone, with_all: bool) -> Fact:
     terms = [it for it in results.terms if (it.group, it.reward) == (alone.group, alone.reward)]
     told = (alone.group.title, story(alone), *([] if with_all else map(changed_text, terms)))
     grids = (alone_grid(alone, None if with_all else FEW), *(map(terms_grid, terms) if with_all else ()))
-    return Fact(f"What {alone.reward} paid for: {size_text(alone)}", tuple(filter(None, told)), grids)
+    return Fact(f"What did {alone.reward} pay for? {size_text(alone)}.", tuple(filter(None, told)), grids)
 
 
 def _not_split(combinations: Sequence[Comparison]) -> list[str]:
