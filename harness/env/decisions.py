@@ -499,7 +499,8 @@ class Decisions:
         if around:
             around.senses.push(active)
         episodes.previous_best[...] = np.minimum(episodes.previous_best, distance)
-        terminated, truncated = episodes.ended.copy()
+        ended = episodes.ended.copy()
+        terminated, truncated = ended[0], ended[1]  # to unpack it takes four times as long
         outcome = Outcome(paid, terminated, truncated, reached, distance, episodes.shaped.copy())
         if self._goes_on and reached.any():
             going_on = reached & ~(terminated | truncated)

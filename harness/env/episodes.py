@@ -91,8 +91,8 @@ class Episodes:
 
     def keep(self) -> None:
         """Note the row as the one before the next step."""
-        np.copyto(self._before, self.matrix)
-        np.copyto(self._ground_before, self.ground)
+        self._before[...] = self.matrix
+        self._ground_before[...] = self.ground
 
     def keep_starts(self, mask: Mask) -> None:
         """Note the start rows of the envs of `mask` as those before their first steps."""
@@ -167,7 +167,7 @@ class Episodes:
         distance = self._errors()
         self.previous_distance[...] = self.distance
         self.distance[...] = distance
-        np.subtract(distance, self.previous_best, out=self.delta_distance)
+        self.delta_distance[...] = distance - self.previous_best
         return distance
 
     def count_within(self, far: Mask) -> Mask:

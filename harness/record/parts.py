@@ -82,14 +82,14 @@ class RowsWriter:
         Raises:
             OSError: They cannot be written.
         """
-        while len(rows):
-            if self._filled == len(self._block):
-                self._write()
-                self._part, self._filled = self._part + 1, 0
-            taken = rows[: len(self._block) - self._filled]
-            self._block[self._filled : self._filled + len(taken)] = taken
-            self._filled += len(taken)
-            rows = rows[len(taken) :]
+        while (room := len(self._block) - self._filled) < len(rows):
+            self._block[self._filled :] = rows[:room]
+            self._filled += room
+            self._write()
+            self._part, self._filled, rows = self._part + 1, 0, rows[room:]
+        end = self._filled + len(rows)
+        self._block[self._filled : end] = rows
+        self._filled = end
         if time.monotonic() >= self.due:
             self._write()
 

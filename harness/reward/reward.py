@@ -79,9 +79,9 @@ FEW = 8
 def is_finite(value: Any) -> bool:
     """Whether each number is: of an array, or of what dicts, tuples and lists hold at any depth. Nothing overflows."""
     if isinstance(value, np.ndarray):
-        if value.ndim == 1 and value.size <= FEW:
+        if value.size <= FEW:
             try:
-                if isfinite(hypot(*value.tolist())):
+                if isfinite(hypot(*value.ravel().tolist())):
                     return True
             except (TypeError, OverflowError):  # of what is no number, or none of a machine
                 pass

@@ -59,10 +59,10 @@ def _rest_at(model, data, qpos):
 def test_one_env_beside_the_bare_loop(tmp_path, require_speed, step_through, amount):
     """Observation, reward and trace on, one env has most of the speed of a bare mj_step(nstep=20) loop.
 
-    The loop does what the env told its simulator in an earlier turn, episodes' starts included. 0.85 is wanted, 0.76
-    to 0.81 were measured.
+    The loop does what the env told its simulator in an earlier turn, episodes' starts included. 0.85 is wanted, 0.63
+    to 0.81 were measured. Turns are short, so that both of a pair meet the same moment of a busy machine.
     """
-    env, actions = _recorded_env(tmp_path, "mujoco", 1), _actions(amount(1_000, 10), 1)
+    env, actions = _recorded_env(tmp_path, "mujoco", 1), _actions(amount(200, 10), 1)
     model, period = env.simulation.model, env.task.control_period
     data = mujoco.MjData(model)
     start, calls = _told(env, lambda: step_through(env, actions))
@@ -81,7 +81,7 @@ def test_one_env_beside_the_bare_loop(tmp_path, require_speed, step_through, amo
                 _rest_at(model, data, target)
             last = target
 
-    require_speed(bare, lambda: step_through(env, actions), at_least=0.62)
+    require_speed(bare, lambda: step_through(env, actions), at_least=0.62, rounds=45)
     assert_allclose(data.qpos, reached, atol=0.02)
 
 
