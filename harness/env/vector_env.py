@@ -206,11 +206,10 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Float32, Actions, Float]):
         self.action_space = batch(self.single_action_space, self.num_envs)
 
     def _observe(self) -> Float32:
-        if around := self._decisions.around:
-            seen = self._observation.observe(around.senses.look())
-            self._decisions.require_finite("observation", seen)
-            return seen
-        return self._observation.observe(self.episodes)
+        around = self._decisions.around
+        seen = self._observation.observe(around.senses.look() if around else self.episodes)
+        self._decisions.require_finite("observation", seen)
+        return seen
 
 
 def _reset_mask(options: dict[str, Any], num_envs: int) -> Mask:

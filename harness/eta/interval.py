@@ -91,6 +91,8 @@ def spread_range(spread: float, seeds: int) -> Interval:
 
 
 NO_TRAININGS = np.zeros((3, 1))
+_LESS = np.array([[-1.0], [1.0], [1.0]])
+"""A mean is taken away; variances add up."""
 NONE_LOST = (0,)
 """No training was begun that left no value."""
 
@@ -158,9 +160,9 @@ def _means(values: Sequence[Float], ends: Sequence[float], lost: Sequence[int]) 
     }
     rows = np.array([seen, *([*seen[:place], it, *seen[place + 1 :]] for place, it in unseen.items())])
     variances = rows[..., 1] / len(values) ** 2
-    return np.array(
-        [rows[..., 0].mean(axis=1), variances.sum(axis=1), (variances * variances / rows[..., 2]).sum(axis=1)]
-    )
+    sums: Float = np.add.reduce([rows[..., 0], variances, variances * variances / rows[..., 2]], axis=2)
+    sums[0] /= len(values)
+    return sums
 
 
 def _moments(values: Float) -> tuple[float, float, int]:
@@ -173,18 +175,12 @@ def _moments(values: Float) -> tuple[float, float, int]:
 
 def _most(one: Float, other: Float, confidence: float) -> float:
     """The most that one mean less another one can be, wherever the training is that was not seen."""
-    pairs = [(one, other[:, :1]), (one[:, :1], other[:, 1:])]
-    return max(_reach(*both, confidence) for both in pairs[: other.shape[1]])
-
-
-def _reach(one: Float, other: Float, confidence: float) -> float:
-    """The most that one mean less another one can be; either of them, (3, 1), is as it was seen."""
     from scipy.special import stdtrit  # here, as in `quantile`
 
-    variance, squares = one[1:] + other[1:]
+    less = other * _LESS
+    mean, variance, squares = np.concatenate([one + less[:, :1], one[:, :1] + less[:, 1:]], axis=1)
     freedom = np.divide(variance * variance, squares, out=np.ones_like(squares), where=squares > 0.0)
-    reach = stdtrit(freedom, 0.5 + confidence / 2.0) * np.sqrt(variance)
-    return float((one[0] - other[0] + reach).max())
+    return float((mean + stdtrit(freedom, 0.5 + confidence / 2.0) * np.sqrt(variance)).max())
 
 
 @dataclass(frozen=True, eq=False)

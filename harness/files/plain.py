@@ -11,6 +11,9 @@ from typing import Any, Self, TypeVar, cast, get_args, get_origin, get_type_hint
 
 T = TypeVar("T")
 
+PLAIN = frozenset({bool, int, float, str, type(None)})
+"""What JSON has itself."""
+
 
 def tells(*names: str) -> Callable[[T], T]:
     """Decorate a dataclass or a named tuple that does not tell each of its fields, or more than these.
@@ -43,16 +46,17 @@ class Plain:
 
 def to_plain(value: Any) -> Any:
     """A value as plain data: lists for tuples, sets and arrays, text for paths."""
+    if type(value) in PLAIN:  # mostly
+        return value
     if hasattr(value, "to_json"):
         return value.to_json()
-    if _has_fields(type(value)):
+    if _has_fields(cast(Any, type(value))):
         return _told(value)
     if isinstance(value, Mapping):
         return {key: to_plain(item) for key, item in value.items()}
     if isinstance(value, tuple | list | frozenset):
         return [to_plain(item) for item in (sorted(value) if isinstance(value, frozenset) else value)]
-    if hasattr(value, "tolist"):
-        return value.tolist()
+    value = value.tolist() if hasattr(value, "tolist") else value
     return str(value) if isinstance(value, Path) else value
 
 
@@ -75,6 +79,7 @@ def from_plain(kind: Any, data: Any) -> Any:
     return Path(data) if kind is Path else data
 
 
+@cache
 def _has_fields(kind: Any) -> bool:
     return hasattr(kind, "_fields") or is_dataclass(kind)
 
@@ -83,7 +88,10 @@ def _told(value: Any) -> dict[str, Any]:
     told: dict[str, Any] = {}
     for key, get in _entries(cast(Any, type(value))):
         item = to_plain(get(value))
-        told |= {key: item} if key else item or {}
+        if key:
+            told[key] = item
+        else:
+            told |= item or {}
     return told
 
 

@@ -87,9 +87,9 @@ class RowsWriter:
             self._filled += room
             self._write()
             self._part, self._filled, rows = self._part + 1, 0, rows[room:]
-        end = self._filled + len(rows)
-        self._block[self._filled : end] = rows
-        self._filled = end
+        if count := len(rows):
+            self._block[self._filled : self._filled + count] = rows
+            self._filled += count
         if time.monotonic() >= self.due:
             self._write()
 
