@@ -71,7 +71,11 @@ def known():
 
 @pytest.fixture
 def folder(recorded, tmp_path, monkeypatch):
-    """Where a reader types: a finished experiment, an experiment file, a robot, a reward in a file."""
+    """Where a reader types: a finished experiment, an experiment file, a robot, a reward in a file.
+
+    How long trainings would take is not measured: tests of that are elsewhere, and each takes ten seconds.
+    """
+    monkeypatch.setattr("harness.experiment.foresee.measure_kinds", lambda cells, *_: dict.fromkeys(cells, "not here"))
     shutil.copy(ROOT / "experiments" / "first.toml", tmp_path / "experiment.toml")
     (tmp_path / "experiments").symlink_to(ROOT / "experiments")
     (tmp_path / "results").mkdir()

@@ -84,9 +84,11 @@ def record(rewards, path, mode):
     return found.facts.failures, {name: np.asarray(found[name]) for name in found.names}
 
 
-@pytest.mark.parametrize("first", range(0, REWARDS, TOGETHER))
+@pytest.mark.parametrize(
+    "first", [pytest.param(it, marks=[pytest.mark.slow] * (it > TOGETHER)) for it in range(0, REWARDS, TOGETHER)]
+)
 def test_late_is_what_it_is_at_once(first, tmp_path, monkeypatch):
-    """Of 500 rewards, in all ways of starting episodes."""
+    """Of 500 rewards, the first hundred at every run, in all ways of starting episodes."""
     rewards = {str(number): drawn(number) for number in range(first, first + TOGETHER)}
     assert all(map(only_computes, rewards.values()))
     assert all(map(may_wait, rewards.values()))
