@@ -153,12 +153,12 @@ def _means(values: Sequence[Float], ends: Sequence[float], lost: Sequence[int]) 
         counts = np.broadcast_to(lost, len(values))
         values = [np.append(there, [end] * count) for there, end, count in zip(values, ends, counts, strict=True)]
     seen = list(map(_moments, values))
-    unseen = {
-        place: _moments(np.append(there, end))
-        for place, (there, end) in enumerate(zip(values, ends, strict=True))
+    unseen = (
+        [*seen[:place], _moments(np.append(values[place], end)), *seen[place + 1 :]]
+        for place, end in enumerate(ends)
         if math.isfinite(end)
-    }
-    rows = np.array([seen, *([*seen[:place], it, *seen[place + 1 :]] for place, it in unseen.items())])
+    )
+    rows = np.array([seen, *unseen])
     variances = rows[..., 1] / len(values) ** 2
     sums: Float = np.add.reduce([rows[..., 0], variances, variances * variances / rows[..., 2]], axis=2)
     sums[0] /= len(values)

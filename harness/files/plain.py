@@ -88,10 +88,7 @@ def _told(value: Any) -> dict[str, Any]:
     told: dict[str, Any] = {}
     for key, get in _entries(cast(Any, type(value))):
         item = to_plain(get(value))
-        if key:
-            told[key] = item
-        else:
-            told |= item or {}
+        told |= {key: item} if key else item or {}
     return told
 
 
