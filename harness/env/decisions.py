@@ -500,10 +500,9 @@ class Decisions:
             around.senses.push(active)
         episodes.previous_best[...] = np.minimum(episodes.previous_best, distance)
         ended = episodes.ended.copy()
-        terminated, truncated = ended[0], ended[1]  # to unpack it takes four times as long
-        outcome = Outcome(paid, terminated, truncated, reached, distance, episodes.shaped.copy())
+        outcome = Outcome(paid, ended[0], ended[1], reached, distance, episodes.shaped.copy())
         if self._goes_on and reached.any():
-            going_on = reached & ~(terminated | truncated)
+            going_on = reached & ~(ended[0] | ended[1])
             self._set_next_targets(going_on if active is None else going_on & active)
         return outcome
 

@@ -140,17 +140,18 @@ def plan_tasks(asked: Asked, tasks: Sequence[Given], registry: Registry) -> list
         UsageError: Something cannot be used, tasks are mixed with environments, or the baselines differ.
         PluginError: A plugin is broken, or raises; says whose it is.
     """
-    kinds = {kind_of_task(task, registry) for task in tasks}
+    each = {str(it): it for it in tasks}.values()
+    kinds = {kind_of_task(task, registry) for task in each}
     if len(kinds) > 1:
-        named = ", ".join(map(str, tasks))
+        named = ", ".join(map(str, each))
         raise UsageError(f"task={named}: some are tasks of an arm, some environments. Make an experiment of each kind")
     if kinds == {"environments"}:
-        found = [_in_environment(asked, task, registry) for task in tasks]
+        found = [_in_environment(asked, task, registry) for task in each]
     else:
         from harness.robot.robot import load_robot  # here, as all of arms and of environments: a run needs one kind
 
         load = cache(partial(load_robot, registry=registry))  # tasks mostly have one robot
-        found = [_with_arm(asked, task, registry, load) for task in tasks]
+        found = [_with_arm(asked, task, registry, load) for task in each]
     baselines = {it.baseline.label: it.task.label for it in found}
     if len(baselines) > 1:
         told = ", ".join(f"{name} ({task})" for name, task in baselines.items())

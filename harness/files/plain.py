@@ -11,7 +11,7 @@ from typing import Any, Self, TypeVar, cast, get_args, get_origin, get_type_hint
 
 T = TypeVar("T")
 
-PLAIN = frozenset({bool, int, float, str, type(None)})
+PLAIN = bool, int, float, str, type(None)
 """What JSON has itself."""
 
 
@@ -46,11 +46,12 @@ class Plain:
 
 def to_plain(value: Any) -> Any:
     """A value as plain data: lists for tuples, sets and arrays, text for paths."""
-    if type(value) in PLAIN:  # mostly
+    kind: Any = type(value)
+    if kind in PLAIN:  # mostly
         return value
     if hasattr(value, "to_json"):
         return value.to_json()
-    if _has_fields(cast(Any, type(value))):
+    if _has_fields(kind):
         return _told(value)
     if isinstance(value, Mapping):
         return {key: to_plain(item) for key, item in value.items()}

@@ -82,7 +82,7 @@ class RowsWriter:
         Raises:
             OSError: They cannot be written.
         """
-        while (room := len(self._block) - self._filled) < len(rows):
+        while len(rows) > (room := len(self._block) - self._filled):
             self._block[self._filled :] = rows[:room]
             self._filled += room
             self._write()

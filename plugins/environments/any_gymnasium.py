@@ -77,7 +77,7 @@ class AnyGymnasium:
     def near(name: str) -> str:
         """What is nearest to a name, to add to a message: ids, or a file of the current folder; empty if nothing is."""
         module = name.partition(":")[0].removesuffix(".py")
-        if Path(f"{module}.py").is_file():
+        if Path(f"{module}.py") in Path().glob("*.py"):  # a name may be too long for a file
             return (
                 f" For {module}.py of this folder type PYTHONPATH=. before harness, and --task "
                 f"gymnasium:id={module}:ID with an id that it registers."

@@ -63,6 +63,7 @@ def test_epsilon_of_another_arm_stands_in_the_cell(toys):
     [
         ({"reward": ["arp", "arp:k2=1.5", "arp:k1=1,k2=1.5", {"name": "arp", "k2": 1.5}]}, 2),
         ({"sim": ["ideal", "ideal"]}, 2),
+        ({"task": ["fd100-reach", "fd100-reach"]}, 2),
         ({"algo": ["wander", "wander:width=4", {"name": "wander", "width": 4.0}]}, 2),
         ({"reward": ["arp", "baseline"]}, 3),
         ({"reward": ["arp", "arp:k2=2"]}, 3),

@@ -243,6 +243,7 @@ def test_a_file_of_the_current_folder_is_told_how_to_be_named(tmp_path, monkeypa
             expand(check_experiment({"task": task, "algo": "random", "sim": "kinematic"}), REGISTRY)
     named = choose(REGISTRY, "environments", "gymnasium:id=Pendulum-v1").build(REGISTRY, "environments")
     assert told in named.near("my_env:Mine-v0")
+    assert named.near("9" * 5_000) == ""  # no file has so long a name
 
 
 def test_an_unknown_id_is_answered_with_the_nearest():
