@@ -140,7 +140,7 @@ def plan_tasks(asked: Asked, tasks: Sequence[Given], registry: Registry) -> list
         UsageError: Something cannot be used, tasks are mixed with environments, or the baselines differ.
         PluginError: A plugin is broken, or raises; says whose it is.
     """
-    each = {str(it): it for it in tasks}.values()
+    each = {str(it): it for it in tasks}.values()  # a name given again is one task
     kinds = {kind_of_task(task, registry) for task in each}
     if len(kinds) > 1:
         named = ", ".join(map(str, each))
