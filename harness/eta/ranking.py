@@ -1,16 +1,20 @@
 """Rewards in several places: do they keep their order, and would one have chosen another?
 
-All of it rests on one set of intervals, those of the difference of any two rewards in any place. They are so wide that
-all of them together hold the true differences in 95 % of the experiments (`harness.eta.interval`, Bonferroni). Where
-such an interval lies on one side of 0, the order of the two rewards is told. What is not told may be either way: an
-interval of Kendall's tau spans all orders that are left, and a choice is called wrong only where every order that is
-left says so. ``docs/statistics.md`` shows by simulation why rank correlations are not resampled.
+All of it rests on intervals of the difference of any two rewards in any place (`harness.eta.interval`). They are so
+wide that all of them together hold the true differences in 95 % of the experiments (Bonferroni). Where such an interval
+lies on one side of 0, the order of the two rewards is told. What is not told may be either way: an interval of
+Kendall's tau spans all orders that are left. ``docs/statistics-tables.md`` shows by simulation why rank correlations
+are not resampled.
+
+Which reward may be the best one asks less: a false word has to be about the truly best one (Hsu 1984, multiple
+comparisons with the best). It is one of r - 1 bounds in each place, in one direction, in place of r (r - 1) in two.
 """
 
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from itertools import combinations, product
 from typing import TypeAlias
 
 import numpy as np
@@ -48,15 +52,15 @@ class Order:
         rewards: The labels of the rewards.
         means: Means over the seeds, (rewards,).
         low: Lower ends of the intervals of one reward's mean minus another's, (rewards, rewards); -inf where the seeds
-            are too few.
-        high: Upper ends.
+            are too few. The upper ends are ``-low.T``.
+        low_of_best: Lower bounds of the same. Those of the truly best rewards of all places hold together.
         seeds: How many each mean is over.
     """
 
     rewards: tuple[str, ...]
     means: Float
     low: Float
-    high: Float
+    low_of_best: Float
     seeds: int
 
     @property
@@ -78,7 +82,7 @@ class Order:
     @property
     def candidates(self) -> tuple[int, ...]:
         """Rewards that may be the best one, because no other is certainly better."""
-        return tuple(np.flatnonzero((self.signs >= 0).all(axis=1)).tolist())
+        return tuple(np.flatnonzero((self.low_of_best <= 0.0).all(axis=0)).tolist())
 
 
 class Answer(StrEnum):
@@ -119,24 +123,25 @@ def order_rewards(places: Sequence[Runs], episodes: Sequence[int | None]) -> lis
         places: The seeds' values in each place. All places have the same rewards.
         episodes: How many episodes the values of each place are shares of; None if they are no shares.
     """
+    rivals = sum(len(place) - 1 for place in places)
     pairs = sum(len(place) * (len(place) - 1) // 2 for place in places)
-    confidence = 1.0 - (1.0 - CONFIDENCE) / max(pairs, 1)
-    return [_order(place, of, confidence) for place, of in zip(places, episodes, strict=True)]
+    wrong = 1.0 - CONFIDENCE
+    confidences = (1.0 - wrong / max(pairs, 1), 1.0 - 2.0 * wrong / max(rivals, 1))
+    return [_order(place, of, confidences) for place, of in zip(places, episodes, strict=True)]
 
 
-def _order(runs: Runs, episodes: int | None, confidence: float) -> Order:
+def _order(runs: Runs, episodes: int | None, confidences: tuple[float, float]) -> Order:
     values = np.array(list(runs.values()), np.float64)  # (rewards, seeds)
     count, seeds = values.shape
-    means = values.mean(axis=1)
-    low, high = np.full((count, count), -np.inf), np.full((count, count), np.inf)
+    low = np.full((2, count, count), -np.inf)
     ends = UNBOUNDED if episodes is None else SHARE
     if not why_no_interval(seeds):
         sides = [Side([of], [ends]) for of in values]
-        for one, other in zip(*np.triu_indices(count, 1), strict=True):
-            found = difference_bounds(sides[other], sides[one], confidence)
-            low[one, other], high[one, other] = cut_to(found, of_difference(ends))
-            low[other, one], high[other, one] = -high[one, other], -low[one, other]
-    return Order(tuple(runs), means, low, high, seeds)
+        for which, (one, other) in product(range(2), combinations(range(count), 2)):
+            found = difference_bounds(sides[other], sides[one], confidences[which])
+            low[which, one, other], high = cut_to(found, of_difference(ends))
+            low[which, other, one] = -high
+    return Order(tuple(runs), values.mean(axis=1), low[0], low[1], seeds)
 
 
 def agreement_of(one: Order, other: Order) -> Estimate:
@@ -211,7 +216,7 @@ def transplant(here: Order, there: Order, margin: float = SUCCESS_MARGIN) -> Tra
     """The cost of choosing the best reward of one place and using it in another place.
 
     Yes: no reward that may be the best one here may be the best one there. No: it costs less than `margin` there,
-    whichever reward is the best one there.
+    whichever reward is the best one there. All answers about all places hold together in 95 % of the experiments.
 
     Args:
         here: Where the reward is chosen.
@@ -227,7 +232,7 @@ def transplant(here: Order, there: Order, margin: float = SUCCESS_MARGIN) -> Tra
         return Transplant(*names, Estimate(cost, None, None, seeds, too_few), Answer.NOT_DECIDED)
     others = np.arange(len(here.rewards)) != chosen
     low = max(0.0, float(there.low[others, chosen].max()))
-    high = max(0.0, float(there.high[others, chosen].max()))
+    high = max(0.0, float(-there.low_of_best[chosen, others].min()))
     answer = Answer.NO if high <= margin else Answer.NOT_DECIDED
     if not set(here.candidates) & set(there.candidates):
         answer = Answer.YES

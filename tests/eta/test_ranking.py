@@ -44,7 +44,7 @@ def test_no_share_is_further_than_one_from_another():
     """Three seeds leave the interval of a difference open on both sides, and it ends there."""
     runs = {"a": [0.0, 0.5, 1.0], "b": [1.0, 0.5, 0.2]}
     (of_shares,), (of_numbers,) = orders_of(runs, episodes=100), orders_of(runs)
-    assert (of_shares.low[0, 1], of_shares.high[0, 1]) == (-1.0, 1.0)
+    assert (of_shares.low[0, 1], of_shares.low[1, 0]) == (-1.0, -1.0)
     assert of_numbers.low[0, 1] < -1.0
 
 
@@ -52,16 +52,14 @@ def test_what_is_told_is_told_both_ways():
     """Where an interval of a difference lies on one side of 0; the better one may be the best."""
     (order,) = orders_of(CLEAR)
     assert_array_equal(order.signs, [[0, -1, -1], [1, 0, -1], [1, 1, 0]])
-    assert_array_equal(order.low, -order.high.T)
     assert (order.rewards[order.best], order.candidates, order.seeds) == ("c", (2,), 4)
 
 
 def test_what_is_better_than_a_better_one_is_better():
     """Also where its own interval does not say so: the wide one of a and c holds 0."""
     (order,) = orders_of({"a": [0.0] * 4, "b": [1.0] * 4, "c": [2.0] * 4})
-    low = order.low.copy()
-    low[2, 0] = -1.0
-    assert type(order)(order.rewards, order.means, low, order.high, 4).signs[2, 0] == 1
+    order.low[2, 0] = -1.0
+    assert order.signs[2, 0] == 1
 
 
 def test_two_seeds_tell_nothing():
@@ -74,7 +72,8 @@ def test_two_seeds_tell_nothing():
 def test_more_places_make_every_interval_wider():
     """They hold together."""
     (alone,), (among, _) = orders_of(CLEAR), orders_of(CLEAR, CLEAR)
-    assert among.high[0, 2] - among.low[0, 2] > alone.high[0, 2] - alone.low[0, 2]
+    assert (among.low[:2, 2] < alone.low[:2, 2]).all()
+    assert (among.low_of_best[:2, 2] < alone.low_of_best[:2, 2]).all()
 
 
 def test_shares_know_of_the_seed_that_was_not_seen():
@@ -219,9 +218,11 @@ def truths(rewards):
         halves = [rates[0] if number < rewards / 2 else rates[-1] for number in range(rewards)]
         found[f"{name}, ties in one"] = rates, halves
     equal = [RATES["skewed"]] * rewards
+    either = [Rate(0.9 if number else 0.8, 0.98) for number in range(rewards)]
     unequal = [Rate(0.957, 0.2 if number % 2 else 0.001) for number in range(rewards)]
     saturated = [Rate(1.0, 0.0), Rate(0.95, 0.2), *[RATES["skewed"]] * (rewards - 2)]
-    return {**found, "equal": (equal, equal), "unequal spreads": (unequal, unequal), "one saturated": (saturated,) * 2}
+    found["unequal spreads"], found["one saturated"] = (unequal, unequal), (saturated, saturated)
+    return {**found, "equal": (equal, equal), "all or nothing": (either, either[::-1])}
 
 
 def share_that_holds(places, seeds, experiments, rng):
