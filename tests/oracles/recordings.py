@@ -18,6 +18,7 @@ from tests.oracles.trial import Shown, Trial, call_json
 
 BASE, NEXT = REWARDS = ("plain", "shaped")
 EIGHTH = 0.125
+NOTHING = {"nothing": "is left to compare"}
 SOURCE = {"sha256": "", "text": "what the env pays"}
 TYPES = {
     "time": pa.int64(), "env": pa.int32(), "episode": pa.int32(), "step": pa.int32(), "terminated": pa.bool_(),
@@ -144,6 +145,8 @@ def answer_of(trainings):
 
 def reduced(told):
     """What is compared of ``--json``."""
+    if not told["combinations"]:  # one reward is left, and told alone
+        return NOTHING
     (one,) = (found for found in told["combinations"] if {found["baseline"], found["proposed"]} == set(REWARDS))
     names = {"baseline": one["baseline"], "proposed": one["proposed"]}
     if names["baseline"] != BASE:
@@ -231,8 +234,7 @@ def damaged(rng, folder):
     paired = [training for training in rest if training.seed != trainings[place].seed]
     right = [_without_pairing(answer_of(rest))] if is_left else []
     right += [_without_pairing(answer_of(paired))] if paired else []
-    right = right or [{"nothing": "is left to compare"}]
-    return Trial(f"{change}, {command}", lambda: ask(folder, command), right, True, r"(?i)left out|damaged")
+    return Trial(f"{change}, {command}", lambda: ask(folder, command), right or [NOTHING], True, r"(?i)left out|damaged")
 
 
 def _without_pairing(answer):
