@@ -123,10 +123,9 @@ def order_rewards(places: Sequence[Runs], episodes: Sequence[int | None]) -> lis
         places: The seeds' values in each place. All places have the same rewards.
         episodes: How many episodes the values of each place are shares of; None if they are no shares.
     """
-    rivals = sum(len(place) - 1 for place in places)
-    pairs = sum(len(place) * (len(place) - 1) // 2 for place in places)
-    wrong = 1.0 - CONFIDENCE
-    confidences = (1.0 - wrong / max(pairs, 1), 1.0 - 2.0 * wrong / max(rivals, 1))
+    rewards = len(places[0])  # r - 1 bounds in a place are of the best one, r (r - 1) of any two
+    wrong = 2.0 * (1.0 - CONFIDENCE) / max(len(places) * (rewards - 1), 1)
+    confidences = (1.0 - wrong / rewards, 1.0 - wrong)
     return [_order(place, of, confidences) for place, of in zip(places, episodes, strict=True)]
 
 
