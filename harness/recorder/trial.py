@@ -16,7 +16,7 @@ import numpy as np
 
 from harness.errors import Unscored, UsageError, sentence
 from harness.record.recording.facts import FILE_REWARD
-from harness.recorder.column import Column, as_number
+from harness.recorder.column import Column
 from harness.recorder.computing import only_computes
 from harness.recorder.guard import Asking, Guard, Raised, said
 from harness.recorder.limit import LONGEST
@@ -249,12 +249,9 @@ def _alike(answer: Any, again: Any) -> bool:
 
 
 class Guarded:
-    """A reward that is asked again in its first steps, for what pays steps that were taken long ago.
+    """A reward that is asked again in its first steps, for what pays steps that were taken long ago."""
 
-    It has ``reset()`` if what was given has one.
-    """
-
-    def __init__(self, given: Given, name: str, read: Callable[[Any], float] = as_number) -> None:
+    def __init__(self, given: Given, name: str, read: Callable[[Any], float]) -> None:
         """Ask nothing yet.
 
         Args:
@@ -267,13 +264,15 @@ class Guarded:
         """
         noun = f"reward '{name}'"
         self._column = Column(f"{FILE_REWARD}{name}", noun, opened(given, noun), read=read)
-        function = self._column.given
-        self._column.measures = [function]
+        self._column.measures = [self._column.given]
         self._guard, self._is_watched = Guard(), not all(map(only_computes, self._column.parts))
         self._trial, self._steps = Trial(None, self._guard), 0
         self._trial.begin([self._column] if not self._column.remembers else [])
+
+    def reset(self) -> None:
+        """Tell it that an episode begins, if it remembers something."""
         if self._column.remembers:
-            self.reset = lambda: self._guard.answer(function.reset, ())
+            self._guard.answer(self._column.given.reset, ())
 
     @property
     def terms(self) -> tuple[str, ...]:

@@ -233,8 +233,8 @@ def damaged(rng, folder):
     # the others of its seed may be left out with it, since pairs are of one seed
     paired = [training for training in rest if training.seed != trainings[place].seed]
     right = [_without_pairing(answer_of(rest))] if is_left else []
-    right += [_without_pairing(answer_of(paired))] if paired else []
-    return Trial(f"{change}, {command}", lambda: ask(folder, command), right or [NOTHING], True, r"(?i)left out|damaged")
+    right = [*right, _without_pairing(answer_of(paired))] if paired else right or [NOTHING]
+    return Trial(f"{change}, {command}", lambda: ask(folder, command), right, True, r"(?i)left out|damaged")
 
 
 def _without_pairing(answer):

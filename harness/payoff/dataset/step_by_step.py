@@ -1,12 +1,12 @@
 """A reward of an environment pays a data set: a function is asked about one step after the other."""
 
 import math
+from itertools import chain
 from typing import Any
 
 import numpy as np
 
 from harness.log import Rows
-from harness.log.log import ACTION
 from harness.payoff.dataset.steps import VECTORS, Payer, each_row, infos_of, readable, seen_after, vectors_of
 from harness.recorder.column import as_number
 from harness.recorder.sealed import ReadOnlyDict
@@ -53,32 +53,28 @@ class _StepByStep:
     def __call__(self, rows: Rows) -> Paid:
         if rows["step"][0] <= 1:
             self._before, self._is_blind, self._has_blanks = None, False, False
-            if callable(reset := getattr(self._reward, "reset", None)):
-                reset()
+            self._reward.reset()
         for values in rows.columns.values():
             values.setflags(write=False)
         count, seen, unseen, blank = len(rows), seen_after(rows), Unseen(), Unseen("it holds no finite numbers")
-        begun, comes, done = (readable(rows, name) for name in VECTORS)
-        started, after = (vectors_of(rows.columns, name) for name in VECTORS[:2])
+        (begun, *_), comes, done = (readable(rows, name).tolist() for name in VECTORS)
+        started, after, acted = (vectors_of(rows.columns, name) for name in VECTORS)
         if isinstance(after, dict) and not after:
             seen, unseen = count, Unseen(NOT_SEEN)
-            observed, observations = unseen, iter([unseen] * count)
+            observed = [unseen] * (count + 1)
         else:
-            observed, observations = next(each_row(started, 1)) if begun[0] else blank, each_row(after, count)
-        infos, steps = infos_of(rows.columns), list[Steps]()
-        ends = {name: rows[name] for name in ENDS if name in rows.columns}
+            came = zip([begun, *comes[:seen]], chain(each_row(started, 1), each_row(after, seen)), strict=False)
+            observed = [it if known else blank for known, it in came] + [unseen] * (count - seen)
+        did = [it if known else blank for known, it in zip(done, each_row(acted, count), strict=True)]
+        infos = infos_of(rows.columns)
+        told = [ReadOnlyDict({key: it[row] for key, it in infos.items()}) for row in range(count)]
+        first = Before(observed[0], *self._before) if self._before else _AtStart(observed[0], zeros_of(did[0]))
+        before = [first, *map(Before, observed[1:], did[:-1], told)]
+        ends = {name: rows[name].astype(bool).tolist() for name in ENDS if name in rows.columns}
         recorded = steps_type((*Before._fields, *ends, BEFORE))
-        for row, action in enumerate(each_row(vectors_of(rows.columns, ACTION), count)):
-            info = ReadOnlyDict({key: values[row] for key, values in infos.items()})
-            if self._before is None:
-                before = _AtStart._make((observed, zeros_of(action)))
-            else:
-                before = Before._make((observed, *self._before))
-            now = next(observations)
-            did, now = action if done[row] else blank, now if comes[row] or row >= seen else blank
-            self._before, observed = (did, info), now if row < seen else unseen
-            steps.append(recorded._make((observed, did, info, *(bool(it[row]) for it in ends.values()), before)))
-            self._has_blanks |= did is blank or now is blank or observed is blank
+        steps = [*map(recorded, observed[1:], did, told, *ends.values(), before)]
+        self._before = did[-1], told[-1]
+        self._has_blanks |= not (begun and all(comes[:seen]) and all(done))
         if self._has_blanks:
             paid = [self._with_blanks(step, blank) for step in steps[:seen]]
         else:
@@ -86,8 +82,8 @@ class _StepByStep:
         paid += filter(None, (self._without_next(step, unseen) for step in steps[seen:]))
         if unseen.looked_at and seen == count:  # and went on
             unseen[0]
-        numbers = np.array(paid).reshape(len(paid), 1 + len(self._reward.terms)).T
-        return Paid(numbers[0], dict(zip(self._reward.terms, numbers[1:], strict=True)))
+        total, *terms = np.array(paid).reshape(-1, 1 + len(self._reward.terms)).T
+        return Paid(total, dict(zip(self._reward.terms, terms, strict=True)))
 
     def _with_blanks(self, step: Steps, blank: Unseen) -> list[float]:
         """What it pays a step; NaN from where on it looks at what is not finite, to the end of the episode."""

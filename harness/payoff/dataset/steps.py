@@ -109,7 +109,7 @@ def infos_of(columns: Mapping[str, Array]) -> dict[str, Array]:
 def each_row(rows: Nested, count: int) -> Iterator[Nested]:
     """One row after the other."""
     if isinstance(rows, np.ndarray):
-        return iter(rows)
+        return iter(rows[:count])
     return (_row(rows, row) for row in range(count))
 
 

@@ -14,7 +14,7 @@ from tests.plugins.audit.dataset.test_dataset_audit import reaching
 from tests.record.dataset.written import opened, write_lerobot, write_minari
 
 COUNT, TORN, STEP = 8, 3, 2
-READS = {"recorded": "rewards", "seen": "observations", "reaches": "observations", "moved": "actions"}
+READS = {"recorded": "rewards", "moved": "actions", **dict.fromkeys(("seen", "left", "reaches"), "observations")}
 
 
 def write_d4rl(path, episodes):
@@ -48,24 +48,33 @@ def paid(format_, place, episodes):
         observation = step.observation["state"] if key else step.observation
         return float(observation[0] > 0.5)  # NaN is not above it, and is no failure
 
+    def left(step):
+        return seen(step.before)
+
     rewards = {
         "recorded": Recorded("recorded"),
         "seen": step_by_step("seen", seen),
+        "left": step_by_step("left", left),
         "reaches": of_arm(named("sparse"), places),
         "moved": step_by_step("moved", lambda step: float(step.action[0])),
     }
     return pay_dataset(opened(f"{format_}:{place}"), rewards)
 
 
+def with_blank(key, step):
+    """Episodes, one of which has no number there."""
+    episodes = [reaching(number) for number in range(COUNT)]
+    episodes[TORN] = {name: np.copy(it) if isinstance(it, np.ndarray) else it for name, it in episodes[TORN].items()}
+    episodes[TORN][key][step] = np.nan
+    return episodes
+
+
 @pytest.mark.parametrize("blank", ["rewards", "observations", "actions"])
 @pytest.mark.parametrize("format_", WRITERS)
 def test_a_blank_costs_the_episode_for_those_rewards_that_read_it(format_, blank, tmp_path):
     """In every format, and for recorded pay, functions and an arm's reward alike."""
-    episodes = [reaching(number) for number in range(COUNT)]
-    whole = paid(format_, tmp_path / "whole", episodes)
-    episodes[TORN] = {key: np.copy(it) if isinstance(it, np.ndarray) else it for key, it in episodes[TORN].items()}
-    episodes[TORN][blank][STEP] = np.nan
-    torn = paid(format_, tmp_path / "torn", episodes)
+    whole = paid(format_, tmp_path / "whole", [reaching(number) for number in range(COUNT)])
+    torn = paid(format_, tmp_path / "torn", with_blank(blank, STEP))
     assert len(torn) == len(whole) == COUNT
     for name, reads in READS.items():
         if reads == blank:
@@ -73,6 +82,14 @@ def test_a_blank_costs_the_episode_for_those_rewards_that_read_it(format_, blank
         else:
             assert not torn.lost[name].any(), name
             assert np.array_equal(torn.paid[name], whole.paid[name], equal_nan=True), name
+
+
+@pytest.mark.parametrize("format_", WRITERS)
+def test_a_blank_before_the_first_step_costs_that_episode_alone(format_, tmp_path):
+    """For who reads it: what was seen after the steps is whole."""
+    torn = paid(format_, tmp_path / "torn", with_blank("observations", 0))
+    assert np.flatnonzero(torn.lost["left"]).tolist() == [TORN]
+    assert not torn.lost["seen"].any()
 
 
 def test_a_reward_that_looks_at_what_no_episode_tells_pays_none_and_is_told(tmp_path):
