@@ -50,7 +50,7 @@ Where to go on:
       what is installed, what you can run
   harness run --sim mujoco --algo sac-fast
       the same question with physics and learning, after
-      pip install 'fd100-harness[mujoco,report]'"""
+      pip install 'fd100-harness[mujoco]'"""
 
 
 def demo(
@@ -93,17 +93,26 @@ class _HereAndNow:
 
 
 def _show(results: "Results") -> None:
+    import numpy as np
     from rich.text import Text
 
     from harness.cli.output import make_table_and_page
     from harness.eta.headline import format_number
+    from harness.record.folder import EVALUATION, TRACE
     from harness.record.store import REPORT
+    from harness.record.trace import read_trace
     from harness.report.facts import Report
     from harness.report.tables.grid import FactsTable, show
 
     show(FactsTable(Report(results).overview))
     (comparison,) = results.combinations
-    same, recorded = _same_steps(results)
+    cells = {(cell.seed, cell.reward.name): results.store.cell_folder(cell) for cell in results.done_cells}
+    same = recorded = 0  # steps that find every joint at the same angle under both rewards, of all
+    for seed in range(SEEDS):
+        for file in (TRACE, EVALUATION):
+            one, other = (read_trace(cells[seed, reward] / file)["qpos"] for reward in ("baseline", "arp"))
+            recorded += len(one)
+            same += len(one) if np.array_equal(one, other) else 0
     pay = comparison.number.pay
     times = format_number(None if pay is None else pay.ratio.eta.value)
     show(Text(AFTER.format(same=f"{same:,}", all=f"{recorded:,}", times=times)))
@@ -111,21 +120,3 @@ def _show(results: "Results") -> None:
     make_table_and_page(results)
     details = command_text("harness", "report", results.folder, "--details")
     say(ONWARD.format(page=command_text(results.folder / REPORT), details=details))
-
-
-def _same_steps(results: "Results") -> tuple[int, int]:
-    """How many recorded steps find every joint at the same angle under both rewards, and how many there are."""
-    import numpy as np
-
-    from harness.record.folder import EVALUATION, TRACE
-    from harness.record.trace import read_trace
-
-    cells = {(cell.seed, cell.reward.name): results.store.cell_folder(cell) for cell in results.done_cells}
-    pairs = [(cells[seed, "baseline"], cells[seed, "arp"]) for seed in range(SEEDS)]
-    same = recorded = 0
-    for pair in pairs:
-        for file in (TRACE, EVALUATION):
-            one, other = (read_trace(folder / file)["qpos"] for folder in pair)
-            recorded += len(one)
-            same += len(one) if np.array_equal(one, other) else 0
-    return same, recorded

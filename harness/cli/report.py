@@ -98,7 +98,12 @@ def report(
         if len(folders) > 1:
             raise UsageError("One data set is reported at a time: name it alone")
         require_fit(context, inputs.DATASET)
-        return _audit(context, folders[0], as_json, html, labels, fail_on)
+        from harness.cli.commands import KIND
+        from harness.registry.registry import load_registry
+
+        # The command that answers for any rewards answers for those of the data set.
+        audit: Callable[..., int] = load_registry().get(KIND, "audit").load()
+        return audit(context, str(folders[0]), as_json=as_json, html=html, labels=labels, fail_on=fail_on)
     from harness.registry.given import read_given
     from harness.results.load import load_results
 
@@ -136,17 +141,6 @@ def report(
     return status_of(named, said, 1 if left_out else 0)
 
 
-def _audit(
-    context: typer.Context, dataset: Path, as_json: bool, html: Path | None, labels: Path | None, fail_on: Names
-) -> int:
-    """What the own rewards of a data set say: the command that answers it for any rewards answers it for these."""
-    from harness.cli.commands import KIND
-    from harness.registry.registry import load_registry
-
-    audit: Callable[..., int] = load_registry().get(KIND, "audit").load()
-    return audit(context, str(dataset), as_json=as_json, html=html, labels=labels, fail_on=fail_on)
-
-
 def _show_records(records: Records, folders: Sequence[Path], as_json: bool, beside: Sequence[str]) -> int:
     """Show what records say. Nothing can be computed anew of them."""
     from harness.report.tables.grid import show
@@ -179,15 +173,12 @@ def _read_together(
     merged = merge(folders, out, is_temporary=True)
     registry = load_registry(given=given)
     homes = [(path, folder) for path in told.leave_out for folder in folders if is_left_out(path, [folder])]
-    there = dict.fromkeys(told.leave_out) | {
-        path: out / path.absolute().relative_to(folder.absolute()) for path, folder in homes
-    }
-    told = replace(told, leave_out=tuple(place or path for path, place in there.items()))
+    there = {path: out / path.absolute().relative_to(folder.absolute()) for path, folder in homes}
+    told = replace(told, leave_out=tuple(there.get(path, path) for path in told.leave_out))
     results = load_results(out, curve, metric, pairs=pairs, told=told, registry=registry, is_temporary=True)
     return results, merged.left_out
 
 
-def _details(results: "Results", folders: Sequence[Path], told: "Told | None" = None) -> str:
+def _details(results: "Results", folders: Sequence[Path], told: "Told") -> str:
     """The command that shows everything behind the overview."""
-    given = () if told is None else told.flags
-    return command_text("harness", "report", *folders, "--details", *given) + results.report_flags
+    return command_text("harness", "report", *folders, "--details", *told.flags) + results.report_flags

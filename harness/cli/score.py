@@ -13,16 +13,13 @@ from harness.cli.flags.dataset import Partial, Places
 from harness.cli.flags.inputs import require_fit
 from harness.cli.flags.shared import REWARDS, TASKS, AsJson, PluginFiles, RobotName, flag
 from harness.cli.output import complain, say, say_json
-from harness.cli.recordings import holds_recordings
+from harness.cli.recordings import holds_recordings, is_experiment
 from harness.errors import UsageError
 from harness.text import command_text
 
 if TYPE_CHECKING:
     from harness.experiment.environments.paid_again import Paid
     from harness.registry.choice import Registry
-    from harness.results import Results
-    from harness.results.results import ReturnMatrix
-    from harness.results.score_matrix import ScoreMatrix
 
 
 Targets = Annotated[
@@ -68,6 +65,7 @@ def score(
     from harness.registry.choice import split_list
     from harness.registry.given import read_given
     from harness.registry.registry import load_registry
+    from harness.results.recordings.recordings import has_recordings
 
     if any(map(names_dataset, targets)):
         if len(targets) > 1:
@@ -75,7 +73,7 @@ def score(
         require_fit(context, inputs.DATASET)
         return score_dataset(targets[0], split_list(reward or []), plugin, places, robot, out, partial, as_json)
     folder = Path(targets[0]) if len(targets) == 1 and Path(targets[0]).is_dir() else None
-    if folder is not None and _is_of_environments(folder):
+    if folder is not None and (has_recordings(folder) if is_experiment(folder) else holds_recordings([folder])):
         require_fit(context, inputs.RECORDINGS)
         registry = load_registry(given=read_given(plugin))
         return _score_recordings(folder, split_list(reward or []), every, task, registry, as_json)
@@ -92,14 +90,6 @@ def score(
     return 1 if failed else 0
 
 
-def _is_of_environments(folder: Path) -> bool:
-    """Whether a folder holds recorded trainings in environments: of an experiment, or loose ones."""
-    from harness.record.store import Store
-    from harness.results.recordings.recordings import has_recordings
-
-    return has_recordings(folder) if Store.is_experiment(folder) else holds_recordings([folder])
-
-
 def _score_recordings(
     folder: Path, names: "Sequence[str]", every: bool, task: str | None, registry: "Registry", as_json: bool
 ) -> int:
@@ -110,6 +100,9 @@ def _score_recordings(
     """
     from harness.experiment.environments.paid_again import PayAgain
     from harness.record.out_folder import refuse_links
+    from harness.report.facts import return_facts
+    from harness.report.tables.grid import FactsTable, show
+    from harness.results.load import load_results
     from harness.score.weighted_recordings import recorded_weights, recordings_of
 
     refuse_links(folder)
@@ -125,12 +118,13 @@ def _score_recordings(
             say(f"{paid.folder}: {_what_was_paid(paid)}")
         for line in paid.failed:
             complain(f"{paid.folder}: {line}")
-    returns = _returns_of(folder)
+    # Of each group in the manner that says most, which comes first.
+    returns = list({matrix.group: matrix for matrix in reversed(load_results(folder).returns)}.values())
     if as_json:
         matrices = [matrix.to_json() for matrix in returns]
         say_json({"recordings": [paid.to_json() for paid in told], "matrices": matrices})
     else:
-        _print_returns(returns)
+        show(FactsTable(return_facts(returns)))
         say(f"What they come to: {command_text('harness', 'report', folder)}")
     return 1 if any(paid.refused or paid.failed for paid in told) else 0
 
@@ -152,21 +146,6 @@ def _paid_by_weights(paths: "Sequence[Path]", labels: "Sequence[str]") -> "Itera
                 yield Paid(path, refused=f"'{path}' cannot be written: {error.strerror or error}")
 
 
-def _returns_of(folder: Path) -> "list[ReturnMatrix]":
-    """What every reward paid, of each group of trainings in the manner that says most."""
-    from harness.results.load import load_results
-
-    matrices = load_results(folder).returns
-    return list({matrix.group: matrix for matrix in reversed(matrices)}.values())
-
-
-def _print_returns(matrices: "Sequence[ReturnMatrix]") -> None:
-    from harness.report.facts import return_facts
-    from harness.report.tables.grid import FactsTable, show
-
-    show(FactsTable(return_facts(matrices)))
-
-
 def _what_was_paid(paid: "Paid") -> str:
     if paid.refused:
         return f"n/a ({paid.refused})"
@@ -179,6 +158,8 @@ def _score_experiment(
     from harness.record.cell_log import cell_log
     from harness.record.folder import TRACE
     from harness.record.out_folder import refuse_links
+    from harness.report.facts import score_facts
+    from harness.report.tables.grid import FactsTable, show
     from harness.results.load import load_results
     from harness.results.score_matrix import score_matrices
     from harness.score.rescore import scoring_choice
@@ -194,7 +175,8 @@ def _score_experiment(
     if as_json:
         say_json({"matrices": [matrix.to_json() for matrix in matrices]})
     else:
-        _print_table(matrices, results)
+        show(FactsTable(score_facts(matrices)))
+        say(f"What each step pays: scores.parquet in each folder of {results.store.folder / 'cells'}")
     return {label: reason for matrix in matrices for label, reason in matrix.failed.items()}
 
 
@@ -225,11 +207,3 @@ def _score_files(
         for entry in written:
             say(f"{entry['file']} -> {entry['scores']}")
     return failed
-
-
-def _print_table(matrices: "Sequence[ScoreMatrix]", results: "Results") -> None:
-    from harness.report.facts import score_facts
-    from harness.report.tables.grid import FactsTable, show
-
-    show(FactsTable(score_facts(matrices)))
-    say(f"What each step pays: scores.parquet in each folder of {results.store.folder / 'cells'}")

@@ -1,6 +1,5 @@
 """``harness status``: how far a run has come, asked from another shell."""
 
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from harness.cli.flags.shared import AsJson, ExperimentFolder
@@ -10,8 +9,6 @@ if TYPE_CHECKING:
     from harness.record.cell import Cell
     from harness.record.status import Progress
     from harness.record.store import Store
-    from harness.results.choosing import Choosing
-    from harness.results.results import Standing
     from harness.results.under_way import SoFar
 
 KINDS = ("done", "failed", "skipped", "damaged", "running", "interrupted", "pending", "not needed")
@@ -27,7 +24,12 @@ def status(
     from harness.record.status import read_status
     from harness.record.store import Store
 
-    found, standing, store = read_status(folder), _standing(folder), Store.open(folder)
+    found, store, standing = read_status(folder), Store.open(folder), None
+    if store.read_plan().terms.has_plan:  # else what reads results is not imported
+        from harness.results.load import load_results
+        from harness.results.results import standing_of
+
+        standing = standing_of(load_results(folder))
     if standing is not None:
         found = found.without(standing.not_needed)
     if as_json:
@@ -49,18 +51,6 @@ def status(
     for one in found.cells:
         if one.status in SHOWN:
             say(f"{one.status}: {one.cell.title}: {_detail(one, store, found.now)}")
-
-
-def _standing(folder: Path) -> "Standing | Choosing | None":
-    """How an experiment stands whose seeds were planned to the end; None of another one."""
-    from harness.record.store import Store
-
-    if not Store.open(folder).read_plan().terms.has_plan:
-        return None  # without importing what reads results
-    from harness.results.load import load_results
-    from harness.results.results import standing_of
-
-    return standing_of(load_results(folder))
 
 
 def so_far_of(cell: "Cell", store: "Store") -> "SoFar | None":

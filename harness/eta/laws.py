@@ -153,7 +153,9 @@ def counted(trainings: Iterable[tuple[T | None, Path, str]], leave_out: Collecti
     begun = list(trainings)
     unused = [out for out in leave_out if not any(is_left_out(path, [out]) for _, path, _ in begun)]
     if unused:
-        raise UsageError(f"--leave-out {unused[0]}: no training lies there")
+        raise UsageError(
+            f"--leave-out {unused[0]}: no training lies there, but at {', '.join(str(it[1]) for it in begun[:2])}"
+        )
     whole, missing, left = list[T](), list[Missing](), list[Missing]()
     for training, path, why in begun:
         if is_left_out(path, leave_out):

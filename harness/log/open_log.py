@@ -11,7 +11,7 @@ from harness.files.bounded import kind_at, open_regular
 from harness.log.format import HEAD, LogFormat
 from harness.log.log import Log
 from harness.registry.choice import Registry, choose
-from harness.registry.spec import blamed_on
+from harness.registry.spec import blamed_on, nothing_at
 from harness.text import command_text
 
 LOGS = "logs"
@@ -48,7 +48,7 @@ def open_logs(path: Path, registry: Registry, named: str = "", **settings: Any) 
     formats = formats_of(registry, named)
     takes_names = named and getattr(formats[named], "takes_names", False)
     if not takes_names and not path.exists():
-        raise UsageError(f"No folder '{path}', and no file")
+        raise UsageError(nothing_at(path))
     names = [named] if named else recognised(path, formats)
     if len(names) > 1:
         told = " or ".join(command_text("harness", "audit", f"{name}:{path}") for name in names)
@@ -70,7 +70,7 @@ def find_logs(path: Path, registry: Registry, named: str = "") -> Found:
         UsageError: It is not there, or has more files than are looked at.
     """
     if not path.exists():
-        raise UsageError(f"No folder '{path}', and no file")
+        raise UsageError(nothing_at(path))
     logs = dict[tuple[Path, str, str], Log]()
     left_out: list[tuple[Path, str]] = []
     for place, read in _all_logs(path, registry, named):

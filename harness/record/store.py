@@ -28,6 +28,7 @@ from harness.record.folder import CHECKPOINT, LOG, MANIFEST, RANDOM, partial_fol
 from harness.record.out_folder import folder_lock, is_held, make_folder, refuse_links, require_text
 from harness.record.plan_file import EXPERIMENT, PLAN, StoredPlan, plan_from_cells, read_plan
 from harness.record.terms import Terms
+from harness.registry.spec import nothing_at
 
 if TYPE_CHECKING:
     from harness.experiment.plan import Plan
@@ -54,7 +55,7 @@ class Store:
         """
         require_text(folder, "Folder")
         if not folder.is_dir():
-            raise UsageError(f"No folder '{folder}'. Name the --out folder of a run")
+            raise UsageError(f"{nothing_at(folder, 'folder')} Name the --out folder of a run")
         if not cls.is_experiment(folder):
             inside = sorted(path.parent.name for path in folder.glob(f"*/{PLAN}"))
             told = f". Experiments in it: {', '.join(inside[:MOST_NAMED])}" if inside else ""

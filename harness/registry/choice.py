@@ -109,7 +109,9 @@ class Registry:
         """
         specs = self._claimed(kind, name)
         if not specs:
-            raise UsageError(unknown_name(NOUNS[kind], name, self.typed_names(kind)) + self.not_loaded(kind, name))
+            others = ", ".join(NOUNS[it] for it in self.kinds_of(name))
+            told = unknown_name(NOUNS[kind], name, self.typed_names(kind)) + self.not_loaded(kind, name)
+            raise UsageError(f"'{name}' is of another kind: {others}. {told}" if others else told)
         found = _meant(specs)
         if found is None:
             raise PluginError(conflict(name.rpartition("/")[2], specs))

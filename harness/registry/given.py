@@ -183,7 +183,7 @@ def _read_file(text: str, measures: bool = False, optional: bool = False) -> Plu
     path = Path(os.path.abspath(os.path.expanduser(text)))
     if path.suffix != ENDING:
         raise UsageError(
-            f"'{text}' is no plugin: give a Python file, my_reward{ENDING}, a pattern of such, 'rewards/*{ENDING}', "
+            f"'{text}' is no Python file: give one, my_reward{ENDING}, a pattern of such, 'rewards/*{ENDING}', "
             "or a class, module:Class"
         )
     try:

@@ -1,10 +1,12 @@
 """A name that users type and the object behind it."""
 
 import difflib
+import glob
 import importlib
 import importlib.metadata
 import importlib.util
 import inspect
+import os
 import pkgutil
 import re
 import shlex
@@ -13,6 +15,7 @@ from contextlib import chdir, contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib.machinery import PathFinder
+from pathlib import Path
 from types import FunctionType, ModuleType
 from typing import Any
 
@@ -102,8 +105,17 @@ def unknown_name(noun: str, name: str, known: Iterable[str]) -> str:
         name: As it was given.
         known: The names that there are, in any order.
     """
-    known = sorted(known)
-    return f"No {noun} '{name}'. There is: {', '.join(known) or 'none'}.{did_you_mean(name, known)}"
+    known, file = sorted(known), f"{name.removesuffix('.py')}.py"
+    meant = f" The file here needs --plugin {file}" if os.path.isfile(file) else did_you_mean(name, known)
+    return f"No {noun} '{name}'. There is: {', '.join(known) or 'none'}.{meant}"
+
+
+def nothing_at(path: Path, noun: str = "folder or file") -> str:
+    """The message that nothing lies at a path, with the nearest name of what lies beside it."""
+    below = glob.glob(os.path.join(glob.escape(str(path.parent)), "*", glob.escape(path.name)))  # one folder too high
+    beside = [it.name for it in path.parent.glob("*")]
+    meant = f" Did you mean '{Path(below[0])}'?" if below else did_you_mean(path.name, beside)
+    return f"No {noun} '{path}'.{meant}"
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:

@@ -9,6 +9,7 @@ from typing import Any
 
 from harness.errors import UsageError, sentence
 from harness.files.bounded import read_text
+from harness.registry.spec import nothing_at
 from harness.text import one_line
 
 NONE: Mapping[str, Any] = MappingProxyType({})
@@ -37,7 +38,7 @@ def read_toml(path: Path, noun: str, overrides: Mapping[str, Any] = NONE) -> dic
     try:
         return {**_read(path), **overrides}
     except FileNotFoundError:
-        raise UsageError(f"No {noun} '{path}'") from None
+        raise UsageError(nothing_at(path, noun)) from None
     except (OSError, ValueError) as error:
         problem = error.strerror if isinstance(error, OSError) and error.strerror else one_line(str(error))
         raise UsageError(f"{sentence(noun)} '{path}' cannot be read: {problem}. Give a TOML file in UTF-8.") from None

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from harness.errors import UsageError
 from harness.eta.curve import Kind
+from harness.record.plan_file import PLAN
 from harness.record.store import Store
 from harness.registry.choice import Registry
 from harness.registry.given import read_given
@@ -56,6 +57,8 @@ def load_results(
     if Store.is_experiment(folder):
         plan = Store.open(folder).read_plan()
     elif told.format or not has_recordings(folder):
+        if not told.sort and next(folder.glob(f"*/{PLAN}"), None):
+            Store.open(folder)  # names the experiments in it
         return results_of_logs(folder, registry, told, kind, metrics, pairs=pairs)
     else:
         loose = read_loose(folder, told)

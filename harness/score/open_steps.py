@@ -10,6 +10,7 @@ from harness.files.bounded import HEAD, kind_of, open_regular, reading
 from harness.log import Log
 from harness.log.open_log import formats_of, open_logs
 from harness.registry.choice import Registry
+from harness.registry.spec import nothing_at
 from harness.score.csv_steps import MOST_BYTES, StepsCsv, open_csv, shown_names
 from harness.score.row_meaning import NEEDED, RECORD
 
@@ -126,6 +127,8 @@ def matched_paths(patterns: str | Iterable[str], *, folders: bool = False) -> li
         matched = [path] if is_name else [Path(name) for name in glob.glob(str(path), recursive=True)]
         files = [it for it in matched if os.path.isfile(it)]
         if not files and not (folders and matched):
+            if not matched and not glob.has_magic(pattern):
+                raise UsageError(nothing_at(path))
             only = "; it matches folders only" if matched else ""
             raise UsageError(f"No file matches '{pattern}'{only}. Quote a pattern, as in 'runs/*.csv'")
         found.update(files or matched)

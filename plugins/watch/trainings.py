@@ -97,8 +97,6 @@ def source_of(folder: Path) -> "ExperimentSource | RecordingsSource":
     """
     if Store.is_experiment(folder):
         return ExperimentSource(folder)
-    if not folder.is_dir():
-        raise UsageError(f"No folder '{folder}'. Begin a training first, and name the folder that it writes into")
     if next(recordings_in(folder), None) is None:
         Store.open(folder)  # says what it is not
     return RecordingsSource(folder)

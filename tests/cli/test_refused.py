@@ -16,6 +16,8 @@ REFUSED = {
         "--algo wander": "names no sim",
         "--sim ideall --algo wander": "Did you mean 'ideal'?",
         "--sim ideal --algo wonder": "Did you mean 'wander'?",
+        "--sim ideal --algo dense": "'dense' is of another kind: reward. No algorithm 'dense'. There is",
+        "--sim ideal --algo wander --reward file.py": "The file here needs --plugin file.py",
         "missing.toml": "No experiment file 'missing.toml'",
         "--simulator ideal": "No such option",
     },
@@ -135,18 +137,23 @@ REFUSED = {
     },
     "eta": {
         "": "Missing option '--baseline'; or name a folder of trainings",
-        "nowhere": "No folder 'nowhere'",
+        "nowhere": "No folder or file 'nowhere'",
         "minari:a/b-v0": "is a data set, which holds no trainings to compare: harness audit minari:a/b-v0",
     },
     "score": {
         "'nowhere*.csv' --reward arp": "No file matches 'nowhere*.csv'",
+        "their --reward arp": "No folder or file 'their'. Did you mean 'there'?",
         "m.csv --places end_effector=0:3,target=3:6": "--places does not go with files, only with a data set",
     },
     "demo": {"--out there": "--out 'there' holds something else than an experiment: name a new or empty folder"},
     "merge": {"missing --out all": "No folder 'missing'"},
-    "report": {"there": "'there' is no experiment, and holds no recorded training"},
+    "report": {
+        "there": "'there' is no experiment, and holds no recorded training",
+        "their": "No folder or file 'their'. Did you mean 'there'?",
+        "thesis.txt": "No folder or file 'thesis.txt'. Did you mean 'there/thesis.txt'?",
+    },
     "status": {"nowhere": "No folder 'nowhere'"},
-    "transfer": {"nowhere": "No folder 'nowhere'"},
+    "transfer": {"nowhere": "No folder or file 'nowhere'"},
     "verify": {"there": "is no experiment", "there --repair": "is no experiment"},
     "watch": {"there --no-browser": "'there' is no experiment: it holds no plan.json"},
 }
@@ -157,7 +164,7 @@ REFUSED = {
 def test_what_cannot_be_done_is_said_in_one_line(refused, tmp_path, begun, subtests):
     """With what was given, what is allowed, or what to do."""
     (tmp_path / "there").mkdir()
-    for name in ("file", "there/thesis.txt"):
+    for name in ("file", "file.py", "there/thesis.txt"):
         (tmp_path / name).write_text("all of it")
     for rest, told in REFUSED[begun].items():
         with subtests.test(line=f"{begun} {rest}"):

@@ -40,7 +40,7 @@ HELD = MappingProxyType(
         "docs/your-environment.md": "tests/test_your_environment.py",
         "docs/recording.md": "tests/test_your_environment.py",
         "docs/authoring.md": "tests/authoring/test_public_names.py",
-        "docs/writing/": "tests/scaffold/test_pages.py, tests/plugins/tasks/test_writing_page.py",
+        "docs/writing/": "tests/plugins/kit/test_pages.py, tests/plugins/tasks/test_writing_page.py",
         "docs/how-to/tune.md": "tests/docs/test_how_to.py",
         "docs/how-to/timings.md": "tests/docs/test_how_to.py",
         "docs/how-to/own-reward.md": "tests/cli/test_plugin_files.py; commands here use the file that it shows",

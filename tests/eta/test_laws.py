@@ -53,7 +53,7 @@ def test_whatever_was_begun_is_whole_or_missing_or_left_out_by_name():
         "'runs/b/1' is left out, as --leave-out says: it broke off",
         "'runs/b/it's' is left out, as --leave-out says: it is no log",
     )
-    with refused("--leave-out runs/c: no training lies there"):
+    with refused("--leave-out runs/c: no training lies there, but at runs/a/1, runs/b/1"):
         counted(begun, [Path("runs/c")])
 
 

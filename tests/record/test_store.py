@@ -116,6 +116,8 @@ def test_folder_that_is_no_experiment_is_not_opened(tmp_path):
         (tmp_path / name / PLAN).touch()
     with pytest.raises(UsageError, match=r"Name the --out folder of a run. Experiments in it: first, second$"):
         Store.open(tmp_path)
+    with pytest.raises(UsageError, match=r"Did you mean 'second'\? Name the --out folder of a run$"):
+        Store.open(tmp_path / "secnd")
 
 
 @pytest.mark.parametrize("left", [(), (".lock",), (".lock", EXPERIMENT)])

@@ -140,8 +140,8 @@ def test_bad_file_is_told_in_one_line(lay, source, told):
     ("asked", "told"),
     [
         ("missing.py", "Plugin file 'missing.py' cannot be read: No such file or directory"),
-        (".", "'.' is no plugin: give a Python file"),
-        ("notes.txt", "'notes.txt' is no plugin"),
+        (".", "'.' is no Python file: give one, my_reward.py"),
+        ("notes.txt", "'notes.txt' is no Python file"),
         ("no_such_module_here:Mine", "Plugin 'no_such_module_here:Mine' cannot be imported: ModuleNotFoundError"),
         ("json.decoder:JSONDecoder", "JSONDecoder has no "),
     ],

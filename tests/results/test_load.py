@@ -61,6 +61,13 @@ def test_recordings_beside_a_whole_experiment_are_refused(loose, make_cell, make
     assert sorted(loose.rglob("*")) == before
 
 
+def test_the_folder_around_an_experiment_is_no_folder_of_logs(tmp_path, make_cell, make_plan):
+    """Its cells are logs too, but no trainings to be sorted by name: the experiment is named."""
+    create_store(tmp_path / "arm", make_plan(make_cell()))
+    with pytest.raises(UsageError, match=r"Name the --out folder of a run\. Experiments in it: arm$"):
+        load_results(tmp_path)
+
+
 def test_what_needs_an_arm_says_so(loose):
     """And what to do instead."""
     with pytest.raises(UsageError, match=r"harness transfer needs traces of an arm.*: harness report .* compares"):

@@ -1,4 +1,4 @@
-"""Trainings of two rewards whose means are equal: how they end, in 24 kinds, and what a test says of them."""
+"""Trainings of two rewards whose means are equal: how they end, in 25 kinds, and what a test says of them."""
 
 from collections.abc import Callable
 from typing import NamedTuple
