@@ -172,7 +172,7 @@ def test_a_cluster_that_is_not_there_is_refused(toys, make_cell, tmp_path):
 def test_killed_processes_and_nodes_lose_nothing(two_nodes, tmp_path, place):
     """Afterwards every cell is done, and every byte is that of a run in processes of this machine."""
     matrix = Experiment(
-        sim=["kinematic"], algo=["random"], seeds=20, steps=4_000, evaluation_episodes=2,
+        sim=["kinematic"], algo=["random"], reward=["arp"], seeds=20, steps=4_000, evaluation_episodes=2,
         task="fd100-reach:horizon=50",
     )  # fmt: skip
     cells = expand(matrix, load_registry()).cells
